@@ -1,12 +1,14 @@
-"""Has anything become slower or worse? Compares what `results/` records now with what is committed.
+"""Has anything become slower or worse? Compares what `results/` records now with what
+is committed.
 
     python benchmarks/run_all.py && python benchmarks/check.py [--against REVISION]
 
-Every benchmark records `verdicts` (or `figures`): a name, a measured figure and its target, at least or at most. A
-ratio, of which more is better, has fallen if it lost more than a third against the revision (default: HEAD). A time has
-if it grew by half, within its target too; compare on one machine. An error, of which less is better too, has
-if it grew by half and is beyond its target: errors at rounding move by themselves. Exit status 1 if any has, or if a
-figure or a whole record is gone.
+Every benchmark records `verdicts` (or `figures`): a name, a measured figure and its
+target, at least or at most. A ratio, of which more is better, has fallen if it lost
+more than a third against the revision (default: HEAD). A time has if it grew by half,
+within its target too; compare on one machine. An error, of which less is better too,
+has if it grew by half and is beyond its target: errors at rounding move by themselves.
+Exit status 1 if any has, or if a figure or a whole record is gone.
 """
 
 import argparse
@@ -25,10 +27,21 @@ TIMES = (" s", " ms", " min", " s of processor")
 
 
 def figures(record: dict[str, Any]) -> dict[str, tuple[float, bool, bool]]:
-    """Name to (measured, whether more is better, whether it may grow: its target is met, and it is no time)."""
-    entries = [e for key in ("verdicts", "figures") for e in record.get(key) or () if isinstance(e, dict)]
+    """Name to (measured, whether more is better, whether it may grow: its target is
+    met, and it is no time).
+    """
+    entries = [
+        e
+        for key in ("verdicts", "figures")
+        for e in record.get(key) or ()
+        if isinstance(e, dict)
+    ]
     return {
-        e["name"]: (float(e["measured"]), e["target"].startswith(">="), bool(e["met"]) and not _is_time(e["target"]))
+        e["name"]: (
+            float(e["measured"]),
+            e["target"].startswith(">="),
+            bool(e["met"]) and not _is_time(e["target"]),
+        )
         for e in entries
         if "target" in e
     }
@@ -41,19 +54,25 @@ def _is_time(target: str) -> bool:
 def recorded(name: str, revision: str) -> dict[str, Any]:
     """A result as it was committed, or an empty record."""
     command = ["git", "show", f"{revision}:./{name}"]
-    shown = subprocess.run(command, cwd=RESULTS, capture_output=True, text=True, check=False)
+    shown = subprocess.run(
+        command, cwd=RESULTS, capture_output=True, text=True, check=False
+    )
     return json.loads(shown.stdout) if shown.returncode == 0 else {}
 
 
 def committed(revision: str) -> set[str]:
     """Names of the records of a revision."""
     command = ["git", "ls-tree", "-r", "--name-only", revision, "./"]
-    shown = subprocess.run(command, cwd=RESULTS, capture_output=True, text=True, check=True)
+    shown = subprocess.run(
+        command, cwd=RESULTS, capture_output=True, text=True, check=True
+    )
     return {name for name in shown.stdout.split("\n") if name.endswith(".json")}
 
 
 def main() -> int:
-    options = argparse.ArgumentParser(description="Benchmark results against those of a revision.")
+    options = argparse.ArgumentParser(
+        description="Benchmark results against those of a revision."
+    )
     options.add_argument("--against", default="HEAD")
     revision = options.parse_args().against
     rows, compared = [], 0
@@ -61,7 +80,9 @@ def main() -> int:
     for file in sorted(present | committed(revision)):
         benchmark = file.removesuffix(".json")
         before = figures(recorded(file, revision))
-        now = figures(json.loads((RESULTS / file).read_text())) if file in present else {}
+        now = (
+            figures(json.loads((RESULTS / file).read_text())) if file in present else {}
+        )
         if file not in present:
             rows.append((benchmark, "the record", float("nan"), float("nan"), "gone"))
         for name, (old, more, _) in before.items():
@@ -70,13 +91,19 @@ def main() -> int:
                 rows.append((benchmark, name, old, float("nan"), "gone"))
                 continue
             new, _, may_grow = now[name]
-            bad = new < old - THIRD * abs(old) if more else new > 1.5 * old and not may_grow
+            bad = (
+                new < old - THIRD * abs(old)
+                if more
+                else new > 1.5 * old and not may_grow
+            )
             if bad or (math.isnan(new) and not math.isnan(old)):
                 rows.append((benchmark, name, old, new, "fallen"))
     fallen = len(rows)
     if rows:
         table(("benchmark", "figure", "recorded", "now", ""), rows)
-    print(f"\n{compared} recorded figures, {fallen} fallen by more than a third or gone")
+    print(
+        f"\n{compared} recorded figures, {fallen} fallen by more than a third or gone"
+    )
     return 1 if fallen else 0
 
 

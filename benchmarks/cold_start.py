@@ -1,13 +1,15 @@
-"""How long until the first number? Every case in a process of its own, with no cache of compiled code.
+"""How long until the first number? Every case in a process of its own, with no cache of
+compiled code.
 
     python benchmarks/cold_start.py
 
-Times are medians of five processes, from their start to their first number: wall-clock time, by which the verdicts go
-(so run it on an idle machine), and processor time, by which that of a gradient goes. A second start finds the compiled
-code that the first one left. Of each first call the shares of its wall-clock time are given: what is computed (the time
-of the same call again), what JAX traces and compiles (as JAX reports it), what is drawn, and the rest, which is the
-start of Python and imports; of a command imports are measured and what is computed is the rest. Last, what a warm call
-takes.
+Times are medians of five processes, from their start to their first number: wall-clock
+time, by which the verdicts go (so run it on an idle machine), and processor time, by
+which that of a gradient goes. A second start finds the compiled code that the first one
+left. Of each first call the shares of its wall-clock time are given: what is computed
+(the time of the same call again), what JAX traces and compiles (as JAX reports it),
+what is drawn, and the rest, which is the start of Python and imports; of a command
+imports are measured and what is computed is the rest. Last, what a warm call takes.
 """
 
 import os
@@ -30,14 +32,21 @@ REPEATS = 5
 OF_PROCESSOR = " s of processor"
 SHARES = ("import", "tracing", "compiling", "computing", "drawing")
 
-RUBBER = "em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.4)"
+RUBBER = (
+    "em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.4)"
+)
 VELOCITIES = "np.logspace(-5, 1, 64)"
-SOLID, TIME = "em.StandardSolid(1e6, 1e7, 1e-2)", "time=(time := np.linspace(0, 0.1, 51))"
+SOLID, TIME = (
+    "em.StandardSolid(1e6, 1e7, 1e-2)",
+    "time=(time := np.linspace(0, 0.1, 51))",
+)
 ROAD = "em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1e6)"
 
 
 class Case(NamedTuple):
-    """A call, the most that its first number and its second start may take [s], and whether JAX computes it."""
+    """A call, the most that its first number and its second start may take [s], and
+    whether JAX computes it.
+    """
 
     name: str
     call: str
@@ -47,21 +56,59 @@ class Case(NamedTuple):
 
 
 CASES = (
-    Case("friction of a ball", f"em.friction({RUBBER}, em.Sphere(5e-3), velocity={VELOCITIES}, load=1.0)", 0.8),
-    Case("friction of a cone", f"em.friction({RUBBER}, em.Cone(0.1), velocity={VELOCITIES}, load=1.0)", 0.8),
     Case(
-        "rolling of a roller",
-        f"em.rolling(em.springs({RUBBER}, 1e-2), em.Cylinder(0.05, 0.5), velocity={VELOCITIES}, load=100.0)",
+        "friction of a ball",
+        f"em.friction({RUBBER}, em.Sphere(5e-3), velocity={VELOCITIES}, load=1.0)",
         0.8,
     ),
-    Case("a road by Multiscale", f"em.friction({RUBBER}, {ROAD}, velocity={VELOCITIES}, pressure=3e5)", 0.8),
-    Case("indent, depth", f"em.indent({RUBBER}, em.Sphere(5e-3), time=[0, 1, 2], depth=[0, 1e-4, 0])", 3.0, 1.5),
-    Case("indent, growing load", f"em.indent({RUBBER}, em.Sphere(5e-3), time=[0, 1, 2], load=[0, 1, 2])", 3.0, 1.5),
-    Case("indent, falling load", f"em.indent({RUBBER}, em.Sphere(5e-3), time=[0, 1, 2], load=[0, 1, 0.2])", 3.0, 1.5),
-    Case("impact", f"em.impact({RUBBER}, em.Sphere(5e-3), mass=1e-3, velocity=1.0)", 3.0, 1.5),
+    Case(
+        "friction of a cone",
+        f"em.friction({RUBBER}, em.Cone(0.1), velocity={VELOCITIES}, load=1.0)",
+        0.8,
+    ),
+    Case(
+        "rolling of a roller",
+        (
+            f"em.rolling(em.springs({RUBBER}, 1e-2), em.Cylinder(0.05, 0.5), "
+            f"velocity={VELOCITIES}, load=100.0)"
+        ),
+        0.8,
+    ),
+    Case(
+        "a road by Multiscale",
+        f"em.friction({RUBBER}, {ROAD}, velocity={VELOCITIES}, pressure=3e5)",
+        0.8,
+    ),
+    Case(
+        "indent, depth",
+        f"em.indent({RUBBER}, em.Sphere(5e-3), time=[0, 1, 2], depth=[0, 1e-4, 0])",
+        3.0,
+        1.5,
+    ),
+    Case(
+        "indent, growing load",
+        f"em.indent({RUBBER}, em.Sphere(5e-3), time=[0, 1, 2], load=[0, 1, 2])",
+        3.0,
+        1.5,
+    ),
+    Case(
+        "indent, falling load",
+        f"em.indent({RUBBER}, em.Sphere(5e-3), time=[0, 1, 2], load=[0, 1, 0.2])",
+        3.0,
+        1.5,
+    ),
+    Case(
+        "impact",
+        f"em.impact({RUBBER}, em.Sphere(5e-3), mass=1e-3, velocity=1.0)",
+        3.0,
+        1.5,
+    ),
     Case(
         "traction",
-        f"em.traction({RUBBER}, em.Paraboloid(5e-3), velocity=1.0, creepage=[1e-3, 0.02, 0.1], friction=0.8, load=5.0)",
+        (
+            f"em.traction({RUBBER}, em.Paraboloid(5e-3), velocity=1.0, "
+            "creepage=[1e-3, 0.02, 0.1], friction=0.8, load=5.0)"
+        ),
         3.0,
         1.5,
     ),
@@ -74,7 +121,10 @@ CASES = (
     ),
     Case(
         "slide",
-        f"em.slide({SOLID}, em.Sphere(5e-3), {TIME}, load=1.0, position=0.02 * time, rtol=1e-4)",
+        (
+            f"em.slide({SOLID}, em.Sphere(5e-3), {TIME}, load=1.0, position=0.02 * "
+            "time, rtol=1e-4)"
+        ),
         3.0,
         1.5,
     ),
@@ -87,8 +137,8 @@ CASES = (
     ),
     Case(
         "gradient of the README",
-        "jax.grad(lambda modulus: em.friction(em.StandardSolid(1e6, modulus, 1e-3), em.Paraboloid(5e-3), "
-        "velocity=1.0, load=1.0).mu)(3e6)",
+        "jax.grad(lambda modulus: em.friction(em.StandardSolid(1e6, modulus, 1e-3), "
+        "em.Paraboloid(5e-3), velocity=1.0, load=1.0).mu)(3e6)",
         4.0,
         jax=True,
     ),
@@ -165,7 +215,9 @@ def run(code: str, *arguments: str, **variables: str) -> Process:
     with tempfile.TemporaryFile("w+") as output:
         start = time.perf_counter()
         command = [sys.executable, "-c", code, *arguments]
-        process = subprocess.Popen(command, env=environment, stdout=output, stderr=subprocess.STDOUT)
+        process = subprocess.Popen(
+            command, env=environment, stdout=output, stderr=subprocess.STDOUT
+        )
         cpu = memory = float("nan")
         if hasattr(os, "wait4"):
             _, status, usage = os.wait4(process.pid, 0)
@@ -177,21 +229,31 @@ def run(code: str, *arguments: str, **variables: str) -> Process:
         output.seek(0)
         text = output.read()
     if process.returncode != 0:
-        raise SystemExit(f"{code}\nfailed with exit status {process.returncode}:\n{text}")
+        raise SystemExit(
+            f"{code}\nfailed with exit status {process.returncode}:\n{text}"
+        )
     lines = text.splitlines() or [""]
     return Process(wall, cpu, memory, lines[-1].split())
 
 
 def median(runs: list[Process]) -> Process:
-    """The process of the median time, with the median processor time and the largest memory."""
+    """The process of the median time, with the median processor time and the largest
+    memory.
+    """
     middle = sorted(runs, key=lambda one: one.wall)[len(runs) // 2]
-    return middle._replace(cpu=statistics.median(r.cpu for r in runs), memory=max(r.memory for r in runs))
+    return middle._replace(
+        cpu=statistics.median(r.cpu for r in runs), memory=max(r.memory for r in runs)
+    )
 
 
 def first_number(case: Case) -> tuple[dict[str, Any], Process]:
-    """A case in new processes that keep no compiled code: its row, and the median process."""
+    """A case in new processes that keep no compiled code: its row, and the median
+    process.
+    """
     code = CHILD.format(listener=LISTENER if case.jax else "", call=case.call)
-    found = median([run(code, JAX_ENABLE_COMPILATION_CACHE="0") for _ in range(REPEATS)])
+    found = median(
+        [run(code, JAX_ENABLE_COMPILATION_CACHE="0") for _ in range(REPEATS)]
+    )
     processor, trace, compiling, again = map(float, found.last[:4])
     wall = found.wall - again  # the call is made twice
     shares = (max(wall - trace - compiling - again, 0.0), trace, compiling, again, 0.0)
@@ -200,7 +262,9 @@ def first_number(case: Case) -> tuple[dict[str, Any], Process]:
 
 
 def second_start(case: Case) -> float:
-    """Time [s] to the first number of a process that finds the compiled code of one before."""
+    """Time [s] to the first number of a process that finds the compiled code of one
+    before.
+    """
     code = CHILD.format(listener="", call=case.call)
     with tempfile.TemporaryDirectory() as folder:
         where = {"XDG_CACHE_HOME": folder, "LOCALAPPDATA": folder}
@@ -210,47 +274,89 @@ def second_start(case: Case) -> float:
 
 
 def command(*argv: str) -> tuple[dict[str, Any], Process]:
-    """A command of `elastomdr` with its tables and figures, matplotlib's list of fonts being known."""
+    """A command of `elastomdr` with its tables and figures, matplotlib's list of fonts
+    being known.
+    """
     bare = min(run("pass").wall for _ in range(3))
     with tempfile.TemporaryDirectory() as folder:
         where, runs = {"XDG_CACHE_HOME": folder, "LOCALAPPDATA": folder}, []
         for _ in range(REPEATS + 1):  # the first makes the list of fonts
-            runs.append(run(COMMAND, *argv, "--out", str(Path(folder) / "out"), **where))
+            runs.append(
+                run(COMMAND, *argv, "--out", str(Path(folder) / "out"), **where)
+            )
             for made in ("out", "elastomdr"):
                 shutil.rmtree(Path(folder) / made, ignore_errors=True)
     found = median(runs[1:])
     imported, drawing = float(found.last[0]) + bare, float(found.last[1])
     shares = (imported, 0.0, 0.0, found.wall - imported - drawing, drawing)
-    return _row(f"elastomdr {argv[0]} {Path(argv[1]).name}", found.wall, found, shares, found.last[2:]), found
+    return _row(
+        f"elastomdr {argv[0]} {Path(argv[1]).name}",
+        found.wall,
+        found,
+        shares,
+        found.last[2:],
+    ), found
 
 
 def warm() -> list[dict[str, Any]]:
-    """Calls in a process that has made the same call before: the median processor time of many."""
-    foundation = em.half_space(em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.4))
+    """Calls in a process that has made the same call before: the median processor time
+    of many.
+    """
+    foundation = em.half_space(
+        em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.4)
+    )
     curve, found = np.logspace(-5, 1, 64), []
     for name, shape, velocity, target in (
-        ("64 loaded, averaged velocities of a paraboloid, 16 branches", em.Paraboloid(5e-3), curve, 2.0),
+        (
+            "64 loaded, averaged velocities of a paraboloid, 16 branches",
+            em.Paraboloid(5e-3),
+            curve,
+            2.0,
+        ),
         ("one point of a paraboloid", em.Paraboloid(5e-3), 0.1, 0.3),
         ("one point of a cone", em.Cone(0.1), 0.1, 3.0),
     ):
         times = [
-            timed(lambda: em.friction(foundation, shape, velocity=velocity, load=1.0)).cpu  # noqa: B023
+            timed(
+                lambda: em.friction(foundation, shape, velocity=velocity, load=1.0)
+            ).cpu
             for _ in range(200)
         ]
-        found.append(verdict(f"warm: {name}", 1e3 * statistics.median(times), target, " ms"))
+        found.append(
+            verdict(f"warm: {name}", 1e3 * statistics.median(times), target, " ms")
+        )
     return found
 
 
-def _row(name: str, wall: float, found: Process, shares: tuple[float, ...], loaded: list[str]) -> dict[str, Any]:
-    columns = {"case": name, "wall [s]": wall, "processor [s]": found.cpu, "memory [MB]": found.memory}
-    return columns | {f"{k} [s]": v for k, v in zip(SHARES, shares, strict=True)} | {"loads": " ".join(loaded) or "-"}
+def _row(
+    name: str, wall: float, found: Process, shares: tuple[float, ...], loaded: list[str]
+) -> dict[str, Any]:
+    columns = {
+        "case": name,
+        "wall [s]": wall,
+        "processor [s]": found.cpu,
+        "memory [MB]": found.memory,
+    }
+    return (
+        columns
+        | {f"{k} [s]": v for k, v in zip(SHARES, shares, strict=True)}
+        | {"loads": " ".join(loaded) or "-"}
+    )
 
 
 def main() -> None:
-    record = heading("Cold start: from a new process to the answer", f"median of {REPEATS} processes, no cache")
+    record = heading(
+        "Cold start: from a new process to the answer",
+        f"median of {REPEATS} processes, no cache",
+    )
     bare = median([run("pass") for _ in range(REPEATS)])
     imported = median([run("import elastomdr") for _ in range(REPEATS)])
-    usage = median([run("from elastomdr.cli.main import main; main(['--help'])") for _ in range(REPEATS)])
+    usage = median(
+        [
+            run("from elastomdr.cli.main import main; main(['--help'])")
+            for _ in range(REPEATS)
+        ]
+    )
     rows, figures = (
         [],
         [
@@ -261,10 +367,18 @@ def main() -> None:
     for case in CASES:
         row, found = first_number(case)
         rows.append(row)
-        time_of = (found.cpu, case.target, OF_PROCESSOR) if case.jax else (found.wall, case.target, " s")
+        time_of = (
+            (found.cpu, case.target, OF_PROCESSOR)
+            if case.jax
+            else (found.wall, case.target, " s")
+        )
         figures.append(verdict(case.name, *time_of))
         if case.second is not None:
-            figures.append(verdict(f"{case.name}, second start", second_start(case), case.second, " s"))
+            figures.append(
+                verdict(
+                    f"{case.name}, second start", second_start(case), case.second, " s"
+                )
+            )
     for target, argv in (
         (1.5, ("friction", str(EXAMPLES / "scenes" / "slider.toml"))),
         (2.5, ("fit", str(EXAMPLES / "data" / "dma.csv"))),

@@ -1,9 +1,13 @@
-"""The same line of elements under a paraboloid, integrated in time by stock solvers, by a loop over equal steps that
-are exact in every branch, and by elastomdr's contact step.
+"""The same line of elements under a paraboloid, integrated in time by stock solvers, by
+a loop over equal steps that are exact in every branch, and by elastomdr's contact step.
 
-With xi = (a - x)/a from entry to exit, forces per length in units of E_inf a^2/R, and y_k = a/(v tau_k),
+With xi = (a - x)/a from entry to exit, forces per length in units of E_inf a^2/R, and
+y_k = a/(v tau_k),
 
-    df_k/dxi = (E_k/E_inf) (2 - 2 xi) - y_k f_k,    q = xi (2 - xi) + sum_k f_k,    dN/dxi = q,    dT/dxi = 2 (1 - xi) q
+    df_k/dxi = (E_k/E_inf) (2 - 2 xi) - y_k f_k,
+    q = xi (2 - xi) + sum_k f_k,
+    dN/dxi = q,
+    dT/dxi = 2 (1 - xi) q
 
 until q = 0: F_N = E_inf (a^3/R) N and F_x = E_inf (a^4/R^2) T.
 """
@@ -23,7 +27,8 @@ from elastomdr.element.contact_step import rest
 from elastomdr.element.contact_step_solver import ContactStep, RigidSurface
 from elastomdr.material.relaxation import Relaxation
 
-Lines = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]  # (leading edges, velocities) -> (mu, F_N)
+# (leading edges, velocities) -> (mu, F_N)
+Lines = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 jax.config.update("jax_enable_x64", True)
 
@@ -32,7 +37,9 @@ BLOCK = 64  # contact steps per step of the solver
 
 
 def kvaerno5(tolerance: float) -> Lines:
-    """Stock diffrax: Kvaerno5, adaptive steps, an event at the exit, vmapped over the lines and compiled as a whole."""
+    """Stock diffrax: Kvaerno5, adaptive steps, an event at the exit, vmapped over the
+    lines and compiled as a whole.
+    """
     return _in_units(lambda decay: _kvaerno5(decay, tolerance))
 
 
@@ -56,7 +63,9 @@ def _kvaerno5(decay, tolerance):
             y0=(jnp.zeros(SHARES.size), zero, zero),
             args=decay,
             stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance),
-            event=diffrax.Event(force, optimistix.Newton(1e-10, 1e-10), direction=False),
+            event=diffrax.Event(
+                force, optimistix.Newton(1e-10, 1e-10), direction=False
+            ),
             max_steps=50_000,
             throw=False,
         )
@@ -67,7 +76,9 @@ def _kvaerno5(decay, tolerance):
 
 
 def exponential(samples: int) -> Lines:
-    """What one writes by hand: equal steps, exact in every branch, trapezoids, a `scan` compiled for all lines."""
+    """What one writes by hand: equal steps, exact in every branch, trapezoids, a `scan`
+    compiled for all lines.
+    """
     return _in_units(lambda decay: _exponential(decay, samples))
 
 
@@ -83,7 +94,11 @@ def _exponential(decay, samples):
         f = keep * f + share * change
         q = xi * (2 - xi) + jnp.sum(f, axis=0)
         last = touches & (q <= 0)  # contact ends where q, linear over the step, is zero
-        part = jnp.where(last, before / jnp.where(last, before - q, 1.0), jnp.where(touches, 1.0, 0.0))
+        part = jnp.where(
+            last,
+            before / jnp.where(last, before - q, 1.0),
+            jnp.where(touches, 1.0, 0.0),
+        )
         mean = 0.5 * part * (before + jnp.maximum(q, 0.0))
         return (f, q, normal + h * mean, drag + change * mean, touches & (q > 0)), None
 
@@ -94,7 +109,9 @@ def _exponential(decay, samples):
 
 
 def contact_step(samples: int) -> Lines:
-    """elastomdr's contact step in diffrax, `samples` equal steps from x = a to x = -a, all lines together."""
+    """elastomdr's contact step in diffrax, `samples` equal steps from x = a to x = -a,
+    all lines together.
+    """
 
     @jax.jit
     def lines(decay):
@@ -115,14 +132,18 @@ def contact_step(samples: int) -> Lines:
 
 
 def solve_ivp(method: str, tolerance: float) -> Lines:
-    """A Python loop over `scipy.integrate.solve_ivp` with a terminal event at the exit."""
+    """A Python loop over `scipy.integrate.solve_ivp` with a terminal event at the
+    exit.
+    """
 
     def force(xi, y, decay):
         return xi * (2 - xi) + y[:-2].sum()
 
     def rates(xi, y, decay):
         q = force(xi, y, decay)
-        return np.concatenate([SHARES * (2 - 2 * xi) - decay * y[:-2], [q, 2 * (1 - xi) * q]])
+        return np.concatenate(
+            [SHARES * (2 - 2 * xi) - decay * y[:-2], [q, 2 * (1 - xi) * q]]
+        )
 
     force.terminal, force.direction = True, -1
     start = np.zeros(SHARES.size + 2)
@@ -131,7 +152,14 @@ def solve_ivp(method: str, tolerance: float) -> Lines:
         ends = []
         for row in decay:
             found = scipy.integrate.solve_ivp(
-                rates, (0, 2), start, method=method, events=force, args=(row,), rtol=tolerance, atol=tolerance
+                rates,
+                (0, 2),
+                start,
+                method=method,
+                events=force,
+                args=(row,),
+                rtol=tolerance,
+                atol=tolerance,
             )
             ends.append(found.y[-2:, -1] if found.status == 1 else (np.nan, np.nan))
         return np.transpose(ends)
@@ -139,9 +167,16 @@ def solve_ivp(method: str, tolerance: float) -> Lines:
     return _in_units(lines)
 
 
-def at_load(lines: Lines, velocity: np.ndarray, load: float, most: int = 20) -> tuple[np.ndarray, int]:
-    """mu at a load, by secant steps on log F_N against log a, and the passes over all lines that this took."""
-    size = np.full(velocity.size, (0.75 * scene.RADIUS * load / scene.EQUILIBRIUM) ** (1 / 3))  # Hertz, relaxed
+def at_load(
+    lines: Lines, velocity: np.ndarray, load: float, most: int = 20
+) -> tuple[np.ndarray, int]:
+    """mu at a load, by secant steps on log F_N against log a, and the passes over all
+    lines that this took.
+    """
+    # Hertz, relaxed
+    size = np.full(
+        velocity.size, (0.75 * scene.RADIUS * load / scene.EQUILIBRIUM) ** (1 / 3)
+    )
     slope, before, count = np.full(velocity.size, 3.0), None, 0
     while True:
         mu, force = lines(size, velocity)
@@ -158,7 +193,13 @@ def at_load(lines: Lines, velocity: np.ndarray, load: float, most: int = 20) -> 
 
 def _in_units(lines: Callable) -> Lines:
     def solved(size: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        normal, drag = (np.asarray(x) for x in lines(size[:, None] / (velocity[:, None] * scene.TIMES)))
-        return drag / normal * size / scene.RADIUS, scene.EQUILIBRIUM * size**3 / scene.RADIUS * normal
+        normal, drag = (
+            np.asarray(x)
+            for x in lines(size[:, None] / (velocity[:, None] * scene.TIMES))
+        )
+        return (
+            drag / normal * size / scene.RADIUS,
+            scene.EQUILIBRIUM * size** 3 / scene.RADIUS * normal,
+        )
 
     return solved

@@ -1,13 +1,16 @@
-"""Energy audits: work in against stored and dissipated energy, in every quasi-static case.
+"""Energy audits: work in against stored and dissipated energy, in every quasi-static
+case.
 
     python benchmarks/energy.py
 
-Indentation: work is int F dd of the body (or int q du of its elements in closed form under a given depth), stored is in
-the springs, heat is summed over the dashpots' own forces and the modes of free elements; under a load in steps it is
-what the elements received less what they hold. Shear: springs and slip, summed as the work is (`tests/test_shear.py`
-holds them against closed forms). Traction: F_x xi v against int mu q times the velocity of slip, in closed form.
-Sliding: int F_N dd + F_x dX over the steps of one march against what the elements received; that is of second order in
-the step, and is listed with its slope and its limit.
+Indentation: work is int F dd of the body (or int q du of its elements in closed form
+under a given depth), stored is in the springs, heat is summed over the dashpots' own
+forces and the modes of free elements; under a load in steps it is what the elements
+received less what they hold. Shear: springs and slip, summed as the work is
+(`tests/test_shear.py` holds them against closed forms). Traction: F_x xi v against int
+mu q times the velocity of slip, in closed form. Sliding: int F_N dd + F_x dX over the
+steps of one march against what the elements received; that is of second order in the
+step, and is listed with its slope and its limit.
 """
 
 import jax
@@ -36,7 +39,11 @@ def indentation() -> list[dict]:
         ("depth: shrinks, grows again", SOLID, {"depth": depth, "rtol": 1e-8}),
         ("depth: the same with a dashpot", DAMPED, {"depth": depth, "rtol": 1e-4}),
         ("load: grows", SOLID, {"load": 1e-3 * (1 + TIME), "rtol": 1e-8}),
-        ("load: grows, with a dashpot", DAMPED, {"load": 1e-3 * (1 + TIME), "rtol": 1e-8}),
+        (
+            "load: grows, with a dashpot",
+            DAMPED,
+            {"load": 1e-3 * (1 + TIME), "rtol": 1e-8},
+        ),
         ("load: to zero and again", SOLID, {"load": falling, "rtol": 1e-8}),
         ("load: put on, shrinks, grows", SOLID, {"load": stepped, "rtol": 1e-8}),
     ]
@@ -44,9 +51,17 @@ def indentation() -> list[dict]:
     for name, material, given in cases:
         run = timed(lambda m=material, g=given: em.indent(m, BALL, time=TIME, **g))
         found = run.value
-        missing = np.abs(found.work - found.stored - found.dissipated).max() / found.work.max()
-        rows.append((name, f"{given['rtol']:g}", bool(found.converged.all()), missing, run.wall))
-    return table(("indentation", "rtol", "converged", "missing of the work", "first call [s]"), rows)
+        missing = (
+            np.abs(found.work - found.stored - found.dissipated).max()
+            / found.work.max()
+        )
+        rows.append(
+            (name, f"{given['rtol']:g}", bool(found.converged.all()), missing, run.wall)
+        )
+    return table(
+        ("indentation", "rtol", "converged", "missing of the work", "first call [s]"),
+        rows,
+    )
 
 
 def shear() -> list[dict]:
@@ -56,11 +71,18 @@ def shear() -> list[dict]:
     rows = []
     for name, friction in (("partial slip", 0.5), ("no slip", np.inf)):
         found = em.shear(
-            em.Foundation(4e6, [], []), em.Paraboloid(0.01), time=time, displacement=u, friction=friction, load=load,
+            em.Foundation(4e6, [], []),
+            em.Paraboloid(0.01),
+            time=time,
+            displacement=u,
+            friction=friction,
+            load=load,
             tangential=em.Foundation(8e6 / 3, [], []),
-        )  # fmt: skip
+        )
         scale = np.abs(found.work).max()
-        rows.append((name, np.abs(found.work - found.stored - found.slip_loss).max() / scale))
+        rows.append(
+            (name, np.abs(found.work - found.stored - found.slip_loss).max() / scale)
+        )
     return table(("shear, elastic, oblique", "missing of the work"), rows)
 
 
@@ -71,31 +93,67 @@ def sliding() -> tuple[list[dict], float]:
     for n in (320, 640, 1280, 2560, 5120, 10240):
         spacing, steps = 8e-3 / n, n // 2
         x = np.linspace(0, 4e-3, steps + 1)[1:]
-        h, load = np.full(steps, spacing), np.interp(x, [0, 2e-3, 4e-3], [10.0, 10.0, 5.0])
+        h, load = (
+            np.full(steps, spacing),
+            np.interp(x, [0, 2e-3, 4e-3], [10.0, 10.0, 5.0]),
+        )
         h[0], x[0] = 1e-12, 0.0
-        h, x, load = (np.append(a, np.repeat(a[-1:], -steps % 64)) for a in (h, x, load))
+        h, x, load = (
+            np.append(a, np.repeat(a[-1:], -steps % 64)) for a in (h, x, load)
+        )
         with jax.enable_x64(True):
-            surface = indenter(SingleLine(em.Paraboloid(0.01)), -2.5e-3 + 0.3 * spacing, spacing, n, 1.0)
-            forces, _ = march(law, surface, Steps(*map(jnp.asarray, (h, x, load))), control="load")
-        normal, drag, depth, work = (np.asarray(a) for a in (forces.normal, forces.drag, forces.depth, forces.work))
-        done = (normal[1:] + normal[:-1]) @ np.diff(depth) / 2 + (drag[1:] + drag[:-1]) @ np.diff(x) / 2
+            surface = indenter(
+                SingleLine(em.Paraboloid(0.01)),
+                -2.5e-3 + 0.3 * spacing,
+                spacing,
+                n,
+                1.0,
+            )
+            forces, _ = march(
+                law, surface, Steps(*map(jnp.asarray, (h, x, load))), control="load"
+            )
+        normal, drag, depth, work = (
+            np.asarray(a)
+            for a in (forces.normal, forces.drag, forces.depth, forces.work)
+        )
+        done = (normal[1:] + normal[:-1]) @ np.diff(depth) / 2 + (
+            drag[1:] + drag[:-1]
+        ) @ np.diff(x) / 2
         signed.append((done - (work[-1] - work[0])) / work[-1])
         limit = abs(4 * signed[-1] - signed[-2]) / 3 if len(signed) > 1 else np.nan
         rows.append((n, abs(signed[-1]), limit))
-    columns = ("elements, sliding on a partial contact", "missing of the work", "extrapolated from this and the last")
+    columns = (
+        "elements, sliding on a partial contact",
+        "missing of the work",
+        "extrapolated from this and the last",
+    )
     shown = table(columns, rows)
-    return shown, float(np.polyfit(np.log([row[0] for row in rows]), np.log([row[1] for row in rows]), 1)[0])
+    return shown, float(
+        np.polyfit(
+            np.log([row[0] for row in rows]), np.log([row[1] for row in rows]), 1
+        )[0]
+    )
 
 
 def main() -> None:
-    record = heading("Energy audits", "paraboloid; standard solid, two branches, one branch with a dashpot", "one core")
+    record = heading(
+        "Energy audits",
+        "paraboloid; standard solid, two branches, one branch with a dashpot",
+        "one core",
+    )
     record["indentation"], record["shear"] = indentation(), shear()
     record["sliding"], slope = sliding()
-    worst = max(row["missing of the work"] for row in record["indentation"] + record["shear"])
+    worst = max(
+        row["missing of the work"] for row in record["indentation"] + record["shear"]
+    )
     record["verdicts"] = [
         verdict("indentation and shear, worst", worst, 1e-8),
         verdict("sliding, slope against elements", slope, -1.6),
-        verdict("sliding, extrapolated", record["sliding"][-1]["extrapolated from this and the last"], 1e-8),
+        verdict(
+            "sliding, extrapolated",
+            record["sliding"][-1]["extrapolated from this and the last"],
+            1e-8,
+        ),
     ]
     save("energy", record)
 

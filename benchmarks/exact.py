@@ -1,13 +1,15 @@
-"""Friction of a polynomial profile to any number of digits, by none of elastomdr's machinery: the external reference.
+"""Friction of a polynomial profile to any number of digits, by none of elastomdr's
+machinery: the external reference.
 
-For a profile g(x) on a line of Prony elements, sliding at velocity v with contact from x = -b to x = a, the force
-density is (Popov & Hess 2015, ch. 7, with s_k = v tau_k)
+For a profile g(x) on a line of Prony elements, sliding at velocity v with contact from
+x = -b to x = a, the force density is (Popov & Hess 2015, ch. 7, with s_k = v tau_k)
 
     q(x) = E_inf [g(a) - g(x)] + sum_k E_k I_k(x),    I_k(x) = Q_k(x) - Q_k(a) exp(-(a - x)/s_k),
 
-where Q_k, of Q_k - s_k Q_k' = s_k g', is a polynomial if g is one. F_N = int q dx and F_x = int q g' dx are then
-elementary as well. The digits that cancel for s_k >> a are carried by mpmath. A sphere enters by the power series of
-its profile x artanh(x/R), cut where nothing is left of it. Directions are averaged by scipy's adaptive quadrature.
+where Q_k, of Q_k - s_k Q_k' = s_k g', is a polynomial if g is one. F_N = int q dx and
+F_x = int q g' dx are then elementary as well. The digits that cancel for s_k >> a are
+carried by mpmath. A sphere enters by the power series of its profile x artanh(x/R), cut
+where nothing is left of it. Directions are averaged by scipy's adaptive quadrature.
 """
 
 import math
@@ -21,7 +23,9 @@ DIGITS = 18  # of a line's mu
 
 @dataclass(frozen=True)
 class Line:
-    """An MDR line: the slope g' as a polynomial, and the Prony series of its elements."""
+    """An MDR line: the slope g' as a polynomial, and the Prony series of its
+    elements.
+    """
 
     slope: tuple[float, ...]  # coefficients of x^0, x^1, ... in g' [m^-j]
     equilibrium: float  # E_inf [Pa]
@@ -45,17 +49,27 @@ def paraboloid(radius: float) -> tuple[float, ...]:
 
 
 def sphere(radius: float, largest: float) -> tuple[float, ...]:
-    """g' of g = x artanh(x/R) = sum_n R (x/R)^(2n+2)/(2n+1), exact to 1e-17 for contact radii up to `largest`."""
+    """g' of g = x artanh(x/R) = sum_n R (x/R)^(2n+2)/(2n+1), exact to 1e-17 for contact
+    radii up to `largest`.
+    """
     terms = math.ceil(math.log(1e-17) / (2 * math.log(largest / radius)))
     slope = [0.0] * (2 * terms)
-    slope[1::2] = [(2 * n + 2) / (2 * n + 1) / radius ** (2 * n + 1) for n in range(terms)]
+    slope[1::2] = [
+        (2 * n + 2) / (2 * n + 1) / radius ** (2 * n + 1) for n in range(terms)
+    ]
     return tuple(slope)
 
 
-def slide(line: Line, velocity: float, *, load: float | None = None, leading: float) -> Sliding:
-    """Steady sliding with its leading edge at `leading` [m], or at a load [N], with the edge sought from there."""
+def slide(
+    line: Line, velocity: float, *, load: float | None = None, leading: float
+) -> Sliding:
+    """Steady sliding with its leading edge at `leading` [m], or at a load [N], with the
+    edge sought from there.
+    """
     cancelling = 1 + len(line.slope) * velocity * max(line.times) / leading
-    with mp.workdps(DIGITS + 12 + math.ceil(2 * (len(line.slope) + 1) * math.log10(cancelling))):
+    with mp.workdps(
+        DIGITS + 12 + math.ceil(2 * (len(line.slope) + 1) * math.log10(cancelling))
+    ):
         contact = _Contact(line, velocity)
         a, ratio = mp.mpf(leading), mp.mpf("0.7")
         for _ in range(50):
@@ -63,15 +77,24 @@ def slide(line: Line, velocity: float, *, load: float | None = None, leading: fl
             b = ratio * a
             force, stiffness = contact.normal_force(a, b)
             if load is None or abs(force / load - 1) < mp.mpf(10) ** -DIGITS:
-                return Sliding(float(contact.friction_force(a, b) / force), float(force), float(a), float(b))
+                return Sliding(
+                    float(contact.friction_force(a, b) / force),
+                    float(force),
+                    float(a),
+                    float(b),
+                )
             a *= mp.exp(-mp.log(force / load) * force / (stiffness * a))
     raise RuntimeError(f"no contact found for a load of {load} N at {velocity} m/s")
 
 
-def direction_average(line: Line, velocity: float, load: float, leading: float) -> float:
-    """(2/pi) int_0^{pi/2} cos(phi) mu_line(v cos(phi)) dphi at the same load, to about 1e-12 of it.
+def direction_average(
+    line: Line, velocity: float, load: float, leading: float
+) -> float:
+    """(2/pi) int_0^{pi/2} cos(phi) mu_line(v cos(phi)) dphi at the same load, to about
+    1e-12 of it.
 
-    With phi = (pi/2)(1 - exp(-y)), since mu_line is smooth in the logarithm of velocity; beyond y = 16 nothing is left.
+    With phi = (pi/2)(1 - exp(-y)), since mu_line is smooth in the logarithm of
+    velocity; beyond y = 16 nothing is left.
     """
     last = leading
 
@@ -92,13 +115,18 @@ class _Contact:
         self.slope = [mp.mpf(c) for c in line.slope]
         self.profile = _integral(self.slope)
         self.equilibrium = mp.mpf(line.equilibrium)
-        branches = [(mp.mpf(e), mp.mpf(velocity) * mp.mpf(t)) for e, t in zip(line.moduli, line.times, strict=True)]
+        branches = [
+            (mp.mpf(e), mp.mpf(velocity) * mp.mpf(t))
+            for e, t in zip(line.moduli, line.times, strict=True)
+        ]
         self.branches = [(e, s, _response(self.slope, s)) for e, s in branches]
 
     def density(self, a, b):
         """q(-b) and its derivative by b."""
         q = self.equilibrium * (_at(self.profile, a) - _at(self.profile, b))
-        slope = -_at(self.slope, b) * (self.equilibrium + mp.fsum(e for e, _, _ in self.branches))
+        slope = -_at(self.slope, b) * (
+            self.equilibrium + mp.fsum(e for e, _, _ in self.branches)
+        )
         for modulus, s, response in self.branches:
             branch = modulus * self._memory(a, b, s, response)
             q, slope = q + branch, slope - branch / s
@@ -120,7 +148,9 @@ class _Contact:
     def normal_force(self, a, b):
         """F_N and its derivative by a; that by b is q(-b) = 0."""
         whole = _integral(self.profile)
-        force = self.equilibrium * (_at(self.profile, a) * (a + b) - _at(whole, a) + _at(whole, -b))
+        force = self.equilibrium * (
+            _at(self.profile, a) * (a + b) - _at(whole, a) + _at(whole, -b)
+        )
         stiffness = self.equilibrium * (a + b)
         for modulus, s, response in self.branches:
             rise = _at(self.profile, a) - _at(self.profile, b)
@@ -129,11 +159,15 @@ class _Contact:
         return force, stiffness * _at(self.slope, a)
 
     def friction_force(self, a, b):
-        force = self.equilibrium * (_at(self.profile, a) - _at(self.profile, b)) ** 2 / 2
+        force = (
+            self.equilibrium * (_at(self.profile, a) - _at(self.profile, b)) ** 2 / 2
+        )
         for modulus, s, response in self.branches:
             product = _integral(_product(response, self.slope))
             decay = _at(response, b) * mp.exp(-(a + b) / s) - _at(response, -a)
-            force += modulus * (_at(product, a) - _at(product, -b) - _at(response, a) * decay)
+            force += modulus * (
+                _at(product, a) - _at(product, -b) - _at(response, a) * decay
+            )
         return force
 
     def _memory(self, a, b, s, response):

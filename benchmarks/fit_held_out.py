@@ -1,17 +1,21 @@
-"""How well a fit predicts points that it was not given: rows held out, and whole isotherms left out.
+"""How well a fit predicts points that it was not given: rows held out, and whole
+isotherms left out.
 
     python benchmarks/fit_held_out.py DATA_DIR
 
-DATA_DIR as for `fit_library.py`. Of every data set a quarter of the points, every fourth along each isotherm, is held
-out in turn. Master curve and Prony series come from the others, with vertical shifts or without as `em.fit.material`
-chooses, and residuals are those of the held-out points. Then each isotherm between the coldest and the warmest is left
-out, and predicted with the shifts of its neighbours: the WLF law plus its residuals, interpolated. The target is 10 %
-rms of both moduli with at most one and a half terms per decade.
+DATA_DIR as for `fit_library.py`. Of every data set a quarter of the points, every
+fourth along each isotherm, is held out in turn. Master curve and Prony series come from
+the others, with vertical shifts or without as `em.fit.material` chooses, and residuals
+are those of the held-out points. Then each isotherm between the coldest and the warmest
+is left out, and predicted with the shifts of its neighbours: the WLF law plus its
+residuals, interpolated. The target is 10 % rms of both moduli with at most one and a
+half terms per decade.
 
-The first two figures are those of the master curve: predicted moduli are divided by the vertical shift of their
-isotherm. "As used" is the material that the fit delivers, with its laws of shifts and nothing else, against the same
-points as measured. The second table has the materials that the default command and
-`--no-vertical` deliver, against all of their data.
+The first two figures are those of the master curve: predicted moduli are divided by the
+vertical shift of their isotherm. "As used" is the material that the fit delivers, with
+its laws of shifts and nothing else, against the same points as measured. The second
+table has the materials that the default command and `--no-vertical` deliver, against
+all of their data.
 """
 
 import argparse
@@ -29,35 +33,60 @@ FOLDS = 4
 
 
 def part(dma: em.fit.Dma, at: np.ndarray) -> em.fit.Dma:
-    return em.fit.dma(dma.omega[at], dma.storage[at], dma.loss[at], dma.temperature[at], kind=dma.kind)
+    return em.fit.dma(
+        dma.omega[at], dma.storage[at], dma.loss[at], dma.temperature[at], kind=dma.kind
+    )
 
 
-def foretold(dma: em.fit.Dma, test: np.ndarray, reference: float) -> tuple[np.ndarray, float]:
-    """Relative errors at the points `test` from a fit of all others, and its terms per decade: of both moduli of the
-    master curve, then of those of the material that the fit delivers.
+def foretold(
+    dma: em.fit.Dma, test: np.ndarray, reference: float
+) -> tuple[np.ndarray, float]:
+    """Relative errors at the points `test` from a fit of all others, and its terms per
+    decade: of both moduli of the master curve, then of those of the material that the
+    fit delivers.
     """
-    fit = em.fit.material(part(dma, ~test), reference)  # as the command does, which chooses vertical shifts or none
+    # as the command does, which chooses vertical shifts or none
+    fit = em.fit.material(part(dma, ~test), reference)
     master, series = fit.master, fit.prony
     kelvin = dma.temperature[test]
-    shift, lift = (np.interp(kelvin, master.temperature, log10) for log10 in (master.log10_a, master.log10_b))
+    shift, lift = (
+        np.interp(kelvin, master.temperature, log10)
+        for log10 in (master.log10_a, master.log10_b)
+    )
     if master.wlf is not None:
         bent = np.interp(kelvin, master.temperature, master.laws["WLF"].residuals)
         inside = (kelvin >= master.temperature[0]) & (kelvin <= master.temperature[-1])
         shift = np.where(inside, np.asarray(master.wlf.log10_a(kelvin)) + bent, shift)
     moduli = series.moduli_at(dma.omega[test] * 10**shift)
-    errors = [found / 10**lift / seen[test] - 1 for found, seen in zip(moduli, (dma.storage, dma.loss), strict=True)]
+    errors = [
+        found / 10**lift / seen[test] - 1
+        for found, seen in zip(moduli, (dma.storage, dma.loss), strict=True)
+    ]
     errors += deviations(fit.material, part(dma, test)).values()
-    return np.array(errors), series.terms / np.log10(series.window[1] / series.window[0])
+    return np.array(errors), series.terms / np.log10(
+        series.window[1] / series.window[0]
+    )
 
 
-def row(name: str, what: str, trials: list[tuple[np.ndarray, float]]) -> tuple[Any, ...]:
+def row(
+    name: str, what: str, trials: list[tuple[np.ndarray, float]]
+) -> tuple[Any, ...]:
     errors = np.concatenate([errors for errors, _ in trials], axis=1)
     rms, typical = np.sqrt((errors**2).mean(axis=1)), np.median(np.abs(errors), axis=1)
-    return name, what, len(trials), *(100 * rms), *(100 * typical[:2]), max(density for _, density in trials)
+    return (
+        name,
+        what,
+        len(trials),
+        *(100 * rms),
+        *(100 * typical[:2]),
+        max(density for _, density in trials),
+    )
 
 
 def delivered(name: str, dma: em.fit.Dma) -> tuple[Any, ...]:
-    """How far the materials of the default command and of `--no-vertical` are from all data as measured."""
+    """How far the materials of the default command and of `--no-vertical` are from all
+    data as measured.
+    """
     fits = [em.fit.material(dma, vertical=vertical) for vertical in (None, False)]
     sizes = [100 * size for fit in fits for size in fit.misfit.values()]
     return name, fits[0].master.reference - 273.15, *sizes
@@ -83,16 +112,33 @@ def main() -> None:
         isotherm = np.abs(dma.temperature[:, None] - kelvin).argmin(axis=1)
         rank = np.argsort(np.lexsort((dma.omega, isotherm)))
         held = [foretold(dma, rank % FOLDS == fold, reference) for fold in range(FOLDS)]
-        left = [foretold(dma, isotherm == i, reference) for i in range(1, kelvin.size - 1)]
+        left = [
+            foretold(dma, isotherm == i, reference) for i in range(1, kelvin.size - 1)
+        ]
         materials.append(delivered(name, dma))
         rows += [row(name, "every fourth point", held), row(name, "an isotherm", left)]
-    columns = ("data", "held out", "fits", "storage, rms [%]", "loss, rms [%]", "as used: storage, rms [%]",
-               "as used: loss, rms [%]", "storage, median [%]", "loss, median [%]",
-               "terms per decade, most")  # fmt: skip
+    columns = (
+        "data",
+        "held out",
+        "fits",
+        "storage, rms [%]",
+        "loss, rms [%]",
+        "as used: storage, rms [%]",
+        "as used: loss, rms [%]",
+        "storage, median [%]",
+        "loss, median [%]",
+        "terms per decade, most",
+    )
     record["held out"] = table(columns, rows)
     print()
-    columns = ("material, of all points", "reference [degC]", "default: storage, rms [%]", "default: loss, rms [%]",
-               "--no-vertical: storage, rms [%]", "--no-vertical: loss, rms [%]")  # fmt: skip
+    columns = (
+        "material, of all points",
+        "reference [degC]",
+        "default: storage, rms [%]",
+        "default: loss, rms [%]",
+        "--no-vertical: storage, rms [%]",
+        "--no-vertical: loss, rms [%]",
+    )
     record["delivered"] = table(columns, materials)
     print()
     record["verdicts"] = [
@@ -107,7 +153,9 @@ def main() -> None:
         )
     ]
     record["verdicts"] += [
-        verdict(f"{one[0]}, material of the {how}, {which} as used", one[at], 10.0, " %")
+        verdict(
+            f"{one[0]}, material of the {how}, {which} as used", one[at], 10.0, " %"
+        )
         for one in materials
         for how, which, at in (
             ("default command", "storage", 2),

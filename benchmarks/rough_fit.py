@@ -1,10 +1,12 @@
-"""The constants of `em.Multiscale`, fitted to the map of `rough_map.py`, and how far the form is from it.
+"""The constants of `em.Multiscale`, fitted to the map of `rough_map.py`, and how far
+the form is from it.
 
     python benchmarks/rough_fit.py
 
-Least squares on ln(mu/mu_3D), a tenth of the points left out until the end. Then surfaces are left out one by one, and
-materials: what is predicted for each without it gives the bound that `model_error` states. Persson's theory is
-compared with the same points. No figure depends on a choice made here by hand but the form itself.
+Least squares on ln(mu/mu_3D), a tenth of the points left out until the end. Then
+surfaces are left out one by one, and materials: what is predicted for each without it
+gives the bound that `model_error` states. Persson's theory is compared with the same
+points. No figure depends on a choice made here by hand but the form itself.
 """
 
 import itertools
@@ -22,7 +24,8 @@ from elastomdr.rough import multiscale
 from elastomdr.rough.psd_integrals import nodes
 
 BANDS = (0.0, 0.01, 0.05, 0.25, 0.75, 1.0)  # of real contact area
-NOISE = 0.03  # of the form, beside the scatter of maps: keeps single points from deciding
+# of the form, beside the scatter of maps: keeps single points from deciding
+NOISE = 0.03
 CELLS = 16  # of log q per decade: 1e-4 of mu
 UNSEEN = 10  # every tenth point is kept unseen
 
@@ -31,9 +34,16 @@ class Map:
     """The points that settled, with what each needs."""
 
     def __init__(self) -> None:
-        self.points = [p for p in json.loads(FILE.read_text())["points"] if p["settled"]]
+        self.points = [
+            p for p in json.loads(FILE.read_text())["points"] if p["settled"]
+        ]
         self.mu = np.array([np.mean(p["mu"]) for p in self.points])
-        many = [np.std(p["mu"], ddof=1) / np.sqrt(len(p["mu"])) if len(p["mu"]) > 1 else np.nan for p in self.points]
+        many = [
+            np.std(p["mu"], ddof=1) / np.sqrt(len(p["mu"]))
+            if len(p["mu"]) > 1
+            else np.nan
+            for p in self.points
+        ]
         self.scatter = np.array(many) / self.mu
         self.surface = np.array([p["surface"] for p in self.points])
         self.material = np.array([p["material"] for p in self.points])
@@ -42,21 +52,39 @@ class Map:
         self.parts, persson = [], []
         for point in self.points:
             at = np.array([point["velocity"]]), np.array([point["pressure"]])
-            modulus, surface = rubber(point["material"]).complex_modulus, surface_of(point["surface"])
+            modulus, surface = (
+                rubber(point["material"]).complex_modulus,
+                surface_of(point["surface"]),
+            )
             self.parts.append(multiscale.parts(modulus, nodes(surface, CELLS), *at))
-            persson.append(multiscale.solve(modulus, surface, *at, em.Persson(), 1e-2).mu[0])
-        self.persson, self.area = np.array(persson), np.array([p.area[0] for p in self.parts])
+            persson.append(
+                multiscale.solve(modulus, surface, *at, em.Persson(), 1e-2).mu[0]
+            )
+        self.persson, self.area = (
+            np.array(persson),
+            np.array([p.area[0] for p in self.parts]),
+        )
 
     def residuals(self, constants: Any, chosen: np.ndarray) -> np.ndarray:
         """ln(mu/mu_3D) of the chosen points."""
         form = multiscale.Form(*constants)
-        return np.log([multiscale.weighed(self.parts[i], form)[0] / self.mu[i] for i in chosen])
+        return np.log(
+            [multiscale.weighed(self.parts[i], form)[0] / self.mu[i] for i in chosen]
+        )
 
     def fit(self, chosen: np.ndarray, start: Any = multiscale.FORM) -> multiscale.Form:
         def weighed(constants: np.ndarray) -> np.ndarray:
             return NOISE * self.weight[chosen] * self.residuals(constants, chosen)
 
-        found = least_squares(weighed, np.array(start), loss="soft_l1", f_scale=0.1, x_scale=0.3, xtol=1e-4, ftol=1e-5)
+        found = least_squares(
+            weighed,
+            np.array(start),
+            loss="soft_l1",
+            f_scale=0.1,
+            x_scale=0.3,
+            xtol=1e-4,
+            ftol=1e-5,
+        )
         return multiscale.Form(*found.x)
 
 
@@ -79,10 +107,17 @@ def rows_of(points: Map, off: np.ndarray, chosen: np.ndarray) -> list[tuple]:
 def _figures(off: np.ndarray) -> tuple[float, float, float, float]:
     if not off.size:
         return (np.nan,) * 4
-    return rms(off), float(off.mean()), float(np.abs(off).max()), float(np.mean(np.abs(off) < 0.1))
+    return (
+        rms(off),
+        float(off.mean()),
+        float(np.abs(off).max()),
+        float(np.mean(np.abs(off) < 0.1)),
+    )
 
 
-def left_out(points: Map, groups: np.ndarray, chosen: np.ndarray, start: multiscale.Form) -> np.ndarray:
+def left_out(
+    points: Map, groups: np.ndarray, chosen: np.ndarray, start: multiscale.Form
+) -> np.ndarray:
     """ln(mu/mu_3D) of each point by constants fitted without its group."""
     off = np.full(points.mu.size, np.nan)
     for group in np.unique(groups):
@@ -93,7 +128,9 @@ def left_out(points: Map, groups: np.ndarray, chosen: np.ndarray, start: multisc
 
 
 def bound_of(area: np.ndarray, off: np.ndarray) -> tuple[float, float]:
-    """a, b of |ln(mu/mu_3D)| <= a + b (-ln A) that holds for 95 % with the least mean, both positive."""
+    """a, b of |ln(mu/mu_3D)| <= a + b (-ln A) that holds for 95 % with the least mean,
+    both positive.
+    """
     x = -np.log(area)
     best = (np.inf, 0.0, 0.0)
     for b in np.linspace(0.0, 0.15, 151):
@@ -106,43 +143,78 @@ def main() -> None:
     points = Map()
     record = heading(
         "em.Multiscale against maps in three dimensions",
-        f"{points.mu.size} points, {len(np.unique(points.surface))} surfaces, {len(MATERIALS)} materials; scatter of "
-        f"the maps {rms(points.scatter[np.isfinite(points.scatter)]):.3f} rms",
+        f"{points.mu.size} points, {len(np.unique(points.surface))} surfaces, "
+        f"{len(MATERIALS)} materials; scatter of the maps "
+        f"{rms(points.scatter[np.isfinite(points.scatter)]):.3f} rms",
     )
     every = np.arange(points.mu.size)
     unseen = np.random.default_rng(0).permutation(every)[: every.size // UNSEEN]
     seen = np.setdiff1d(every, unseen)
     form = points.fit(seen)
     off = points.residuals(form, every)
-    titles = ("Multiscale, constants from nine tenths", "points", "rms", "mean", "worst", "within 10 %")
+    titles = (
+        "Multiscale, constants from nine tenths",
+        "points",
+        "rms",
+        "mean",
+        "worst",
+        "within 10 %",
+    )
     record["seen and unseen"] = table(titles, rows_of(points, off, every))
-    table(("the tenth kept unseen", *titles[1:]), [("all", unseen.size, *_figures(off[unseen]))])
+    table(
+        ("the tenth kept unseen", *titles[1:]),
+        [("all", unseen.size, *_figures(off[unseen]))],
+    )
     persson = np.log(points.persson / points.mu)
     record["persson"] = table(("Persson", *titles[1:]), rows_of(points, persson, every))
     by_surface = left_out(points, points.surface, every, form)
     by_material = left_out(points, points.material, every, form)
-    print(f"left out: surfaces {rms(by_surface):.3f} rms, materials {rms(by_material):.3f} rms")
+    print(
+        f"left out: surfaces {rms(by_surface):.3f} rms, materials "
+        f"{rms(by_material):.3f} rms"
+    )
     worse = np.where(np.abs(by_surface) > np.abs(by_material), by_surface, by_material)
     a, b = bound_of(points.area, worse)
     pa, pb = bound_of(points.area, persson)
     held = float(np.mean(np.abs(worse) <= a - b * np.log(points.area)))
-    measured = np.array([np.mean(p["area"]) if p["area"] is not None else np.nan for p in points.points])
+    measured = np.array(
+        [np.mean(p["area"]) if p["area"] is not None else np.nan for p in points.points]
+    )
     areas = np.log(points.area / measured)
     known = np.isfinite(areas)
     contact, areas = points.area[known], areas[known]
     a_area, b_area = multiscale._AREA_BOUND
     within = float(np.mean(np.abs(areas) <= a_area - b_area * np.log(contact)))
-    print(f"area of contact over that of the maps, {areas.size} points: mean {areas.mean():+.3f}, rms {rms(areas):.3f}")
-    print(f"fitted to all nine tenths: {form}\nin the package:            {multiscale.FORM}")
-    print(f"|ln(mu/mu_3D)| <= {a:.4f} + {b:.4f} (-ln A) for 95 %; Persson {pa:.4f} + {pb:.4f} (-ln A)")
+    print(
+        f"area of contact over that of the maps, {areas.size} points: mean "
+        f"{areas.mean():+.3f}, rms {rms(areas):.3f}"
+    )
+    print(
+        f"fitted to all nine tenths: {form}\nin the package:            "
+        f"{multiscale.FORM}"
+    )
+    print(
+        f"|ln(mu/mu_3D)| <= {a:.4f} + {b:.4f} (-ln A) for 95 %; Persson {pa:.4f} + "
+        f"{pb:.4f} (-ln A)"
+    )
     record["constants"] = form._asdict()
     record["bound"] = {"multiscale": (a, b), "persson": (pa, pb)}
     record["left out"] = {"surfaces": rms(by_surface), "materials": rms(by_material)}
-    record["area"] = {"points": areas.size, "mean": float(areas.mean()), "rms": rms(areas), "within": within}
+    record["area"] = {
+        "points": areas.size,
+        "mean": float(areas.mean()),
+        "rms": rms(areas),
+        "within": within,
+    }
     shipped = points.residuals(multiscale.FORM, every)
-    inside = np.array([
-        multiscale.bound(em.Multiscale(), np.array([points.area[i]]), points.ratio[i], 10.0)[0] for i in every
-    ])  # fmt: skip
+    inside = np.array(
+        [
+            multiscale.bound(
+                em.Multiscale(), np.array([points.area[i]]), points.ratio[i], 10.0
+            )[0]
+            for i in every
+        ]
+    )
     record["verdicts"] = [
         verdict("Multiscale over the map, rms", rms(shipped), 0.06),
         verdict("Multiscale over the map, worst", float(np.abs(shipped).max()), 0.2),
@@ -159,7 +231,9 @@ def main() -> None:
             0.95,
             least=True,
         ),
-        verdict("share of areas of contact within their bound", within, 0.95, least=True),
+        verdict(
+            "share of areas of contact within their bound", within, 0.95, least=True
+        ),
         verdict("points of the map", float(points.mu.size), 250, least=True),
     ]
     print(f"the fitted bound holds for {held:.3f} of the points left out")
@@ -167,12 +241,26 @@ def main() -> None:
 
 
 def draw(points: Map, off: np.ndarray, persson: np.ndarray) -> Any:
-    """Friction over that in three dimensions against the real area of contact, with the stated bounds."""
-    figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.8), layout="constrained", sharey=True)
+    """Friction over that in three dimensions against the real area of contact, with the
+    stated bounds.
+    """
+    figure, axes = plt.subplots(
+        1, 2, figsize=(9.6, 3.8), layout="constrained", sharey=True
+    )
     area = np.geomspace(0.002, 1, 100)
-    for axis, model, found in zip(axes, (em.Multiscale(), em.Persson()), (off, persson), strict=True):
+    for axis, model, found in zip(
+        axes, (em.Multiscale(), em.Persson()), (off, persson), strict=True
+    ):
         far = multiscale.bound(model, area, 64.0, 100.0)
-        axis.fill_between(100 * area, 1 / (1 + far), 1 + far, color="#1f5a94", alpha=0.12, lw=0, label="stated bound")
+        axis.fill_between(
+            100 * area,
+            1 / (1 + far),
+            1 + far,
+            color="#1f5a94",
+            alpha=0.12,
+            lw=0,
+            label="stated bound",
+        )
         for low, high, marker, colour in (
             (8, 16, "o", "#1f5a94"),
             (32, 64, "s", "#c23b22"),
@@ -180,11 +268,22 @@ def draw(points: Map, off: np.ndarray, persson: np.ndarray) -> Any:
         ):
             at = (points.ratio >= low) & (points.ratio <= high)
             axis.plot(
-                100 * points.area[at], np.exp(found[at]), marker, color=colour, ms=3.5, alpha=0.8, mec="none",
+                100 * points.area[at],
+                np.exp(found[at]),
+                marker,
+                color=colour,
+                ms=3.5,
+                alpha=0.8,
+                mec="none",
                 label=f"cutoff ratio {low} to {high}",
-            )  # fmt: skip
+            )
         axis.axhline(1, color="#8a8a8a", lw=0.8)
-        axis.set(xscale="log", yscale="log", xlabel="real area of contact [%]", title=f"em.{type(model).__name__}")
+        axis.set(
+            xscale="log",
+            yscale="log",
+            xlabel="real area of contact [%]",
+            title=f"em.{type(model).__name__}",
+        )
         axis.set_yticks([0.5, 0.7, 1, 1.4, 2], ["0.5", "0.7", "1", "1.4", "2"])
         axis.minorticks_off()
     axes[0].set_ylabel("mu over mu in three dimensions")

@@ -1,12 +1,17 @@
-"""`em.sweep` against the plain calls it consists of: cost of the machinery, gain of a second worker; draws.
+"""`em.sweep` against the plain calls it consists of: cost of the machinery, gain of a
+second worker; draws.
 
-    python benchmarks/sweep.py               # 100,000 points, three rounds: two minutes on an idle machine
-    python benchmarks/sweep.py --million     # 1e6 points on two workers, minutes and memory: another two
+    python benchmarks/sweep.py
+    # 100,000 points, three rounds: two minutes on an idle machine
+    python benchmarks/sweep.py --million
+    # 1e6 points on two workers, minutes and memory: another two
 
-Multiscale friction of so many materials on 10 roads, at 4 pressures, 5 temperatures and 50 velocities. The plain calls
-are one per material and road, on arrays of the same 1,000 points, without anything written. Rounds take plain calls,
-one worker and two workers in turn. Cost is processor time of all processes of a sweep, with scheduler and the process
-that writes, over that of the plain calls; the gain of a second worker is of wall time, so it needs an idle machine.
+Multiscale friction of so many materials on 10 roads, at 4 pressures, 5 temperatures and
+50 velocities. The plain calls are one per material and road, on arrays of the same
+1,000 points, without anything written. Rounds take plain calls, one worker and two
+workers in turn. Cost is processor time of all processes of a sweep, with scheduler and
+the process that writes, over that of the plain calls; the gain of a second worker is of
+wall time, so it needs an idle machine.
 """
 
 import argparse
@@ -30,17 +35,27 @@ from elastomdr.sweeps import run
 
 def rubber(rng: np.random.Generator, number: int) -> em.Prony:
     times = np.logspace(-9, 3, 13)
-    moduli = 10 ** (6 + 0.2 * np.log10(times.max() / times) + 0.1 * rng.standard_normal(times.size))
-    return em.Prony(1e6, moduli, times, shift=em.WLF(8.9, 101.6, 293.15), name=f"rubber {number}")
+    moduli = 10 ** (
+        6 + 0.2 * np.log10(times.max() / times) + 0.1 * rng.standard_normal(times.size)
+    )
+    return em.Prony(
+        1e6, moduli, times, shift=em.WLF(8.9, 101.6, 293.15), name=f"rubber {number}"
+    )
 
 
 def scene(materials: int) -> tuple[dict, dict]:
     rng = np.random.default_rng(1)
     objects = {
         "material": [rubber(rng, k) for k in range(materials)],
-        "surface": [em.SelfAffine(0.7 + 0.02 * k, q_low=1e3, q_high=1e6, rms_slope=1.0) for k in range(10)],
+        "surface": [
+            em.SelfAffine(0.7 + 0.02 * k, q_low=1e3, q_high=1e6, rms_slope=1.0)
+            for k in range(10)
+        ],
     }
-    arrays = {"pressure": np.linspace(1e5, 4e5, 4), "temperature": 273.15 + np.linspace(0, 60, 5)}
+    arrays = {
+        "pressure": np.linspace(1e5, 4e5, 4),
+        "temperature": 273.15 + np.linspace(0, 60, 5),
+    }
     return objects, arrays | {"velocity": np.logspace(-4, 1, 50)}
 
 
@@ -50,14 +65,29 @@ def plain(objects: dict, arrays: dict) -> float:
     pressure, temperature, velocity = np.ix_(*arrays.values())
     for material in objects["material"]:
         for surface in objects["surface"]:
-            em.friction(material, surface, pressure=pressure, temperature=temperature, velocity=velocity)
+            em.friction(
+                material,
+                surface,
+                pressure=pressure,
+                temperature=temperature,
+                velocity=velocity,
+            )
     return time.process_time() - began
 
 
 class Cluster:
-    """Workers that have made their first call, and the processor time of everything that a sweep on them takes."""
+    """Workers that have made their first call, and the processor time of everything
+    that a sweep on them takes.
+    """
 
-    def __init__(self, client: Client, workers: int, processes: list[psutil.Process], objects: dict, arrays: dict):
+    def __init__(
+        self,
+        client: Client,
+        workers: int,
+        processes: list[psutil.Process],
+        objects: dict,
+        arrays: dict,
+    ):
         self.client, self._processes = client, processes
         first = {name: values[:1] for name, values in objects.items()}
         for _ in range(2 * workers):
@@ -70,7 +100,13 @@ class Cluster:
         """Wall and processor seconds of a sweep."""
         with tempfile.TemporaryDirectory() as folder:
             wall, cpu = time.perf_counter(), self._seconds()
-            em.sweep(em.friction, objects | arrays, store=Path(folder) / "s.zarr", client=self.client, progress=False)
+            em.sweep(
+                em.friction,
+                objects | arrays,
+                store=Path(folder) / "s.zarr",
+                client=self.client,
+                progress=False,
+            )
             return time.perf_counter() - wall, self._seconds() - cpu
 
     def memory(self) -> float:
@@ -88,13 +124,18 @@ def cluster(workers: int, objects: dict, arrays: dict) -> Iterator[Cluster]:
     before = set(me.children(recursive=True))
     with run._cluster(workers) as started, Client(started) as client:
         client.wait_for_workers(workers)
-        own = [process for process in me.children(recursive=True) if process not in before]
+        own = [
+            process for process in me.children(recursive=True) if process not in before
+        ]
         yield Cluster(client, workers, [me, *own], objects, arrays)
 
 
 def drawn() -> float:
     """Processor seconds of 1000 draws of a ball's friction curve."""
-    draws, velocity = em.load_material("epdm-70").draws(1000), np.geomspace(1e-4, 10, 64)
+    draws, velocity = (
+        em.load_material("epdm-70").draws(1000),
+        np.geomspace(1e-4, 10, 64),
+    )
     ball = {"velocity": velocity, "load": 1.0, "temperature": 293.15}
     em.friction(draws[0], em.Sphere(5e-3), **ball)
     began = time.process_time()
@@ -106,7 +147,9 @@ def drawn() -> float:
 def rounds(count: int, materials: int) -> None:
     objects, arrays = scene(materials)
     points = 10_000 * materials
-    record = heading("Sweep of friction by Multiscale", f"{points} points, {count} rounds")
+    record = heading(
+        "Sweep of friction by Multiscale", f"{points} points, {count} rounds"
+    )
     rows = []
     with cluster(1, objects, arrays) as alone, cluster(2, objects, arrays) as both:
         for _ in range(count):
@@ -117,17 +160,30 @@ def rounds(count: int, materials: int) -> None:
             rows.append([calls, one_cpu, two_cpu, one, two])
     record["seconds"] = table(
         [
-            "plain calls, processor [s]", "one worker, processor [s]", "two workers, processor [s]",
-            "one worker, wall [s]", "two workers, wall [s]",
+            "plain calls, processor [s]",
+            "one worker, processor [s]",
+            "two workers, processor [s]",
+            "one worker, wall [s]",
+            "two workers, wall [s]",
         ],
         rows,
-    )  # fmt: skip
+    )
     calls, one_cpu, _, one, two = np.array(rows).T
     print()
     record["verdicts"] = [
-        verdict("one worker beside plain calls", 100 * float(np.median(one_cpu / calls) - 1), 10, " %"),
+        verdict(
+            "one worker beside plain calls",
+            100 * float(np.median(one_cpu / calls) - 1),
+            10,
+            " %",
+        ),
         verdict("two workers over one", float(np.median(one / two)), 1.8, least=True),
-        verdict("1000 draws of a ball's friction curve of 64 velocities", drawn(), 10, " s of processor"),
+        verdict(
+            "1000 draws of a ball's friction curve of 64 velocities",
+            drawn(),
+            10,
+            " s of processor",
+        ),
     ]
     save("sweep", record)
 
@@ -152,10 +208,14 @@ def main() -> None:
     if os.environ.get("OPENBLAS_NUM_THREADS") != "1":  # read when numpy is imported
         one_thread()
         os.execv(sys.executable, [sys.executable, *sys.argv])
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--materials", type=int, default=10)
-    parser.add_argument("--million", action="store_true", help="1e6 points on two workers instead")
+    parser.add_argument(
+        "--million", action="store_true", help="1e6 points on two workers instead"
+    )
     options = parser.parse_args()
     if options.million:
         million()

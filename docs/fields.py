@@ -1,4 +1,6 @@
-"""An extension of griffe: the fields of a result, which `quantity` declares, as a table of its page."""
+"""An extension of griffe: the fields of a result, which `quantity` declares, as a table
+of its page.
+"""
 
 import ast
 from typing import Any
@@ -16,12 +18,23 @@ class Fields(griffe.Extension):
             for cls in module.classes.values():
                 found = {}
                 for owner in [*reversed(cls.mro()), cls]:
-                    found |= {name: str(a.value) for name, a in owner.attributes.items() if a.value is not None}
-                rows = [f"    {name}: {_words(call)}" for name, call in found.items() if call.startswith("quantity(")]
-                if rows and cls.docstring and TITLE not in cls.docstring.value:  # this is called more than once
+                    found |= {
+                        name: str(a.value)
+                        for name, a in owner.attributes.items()
+                        if a.value is not None
+                    }
+                rows = [
+                    f"    {name}: {_words(call)}"
+                    for name, call in found.items()
+                    if call.startswith("quantity(")
+                ]
+                # this is called more than once
+                if rows and cls.docstring and TITLE not in cls.docstring.value:
                     cls.docstring.value += TITLE + "\n".join(rows)
 
 
 def _words(call: str) -> str:
-    label, unit, *meaning = (part.value for part in ast.parse(call, mode="eval").body.args)
+    label, unit, *meaning = (
+        part.value for part in ast.parse(call, mode="eval").body.args
+    )
     return label + f" [{unit}]" * bool(unit) + "".join(f"; {text}" for text in meaning)

@@ -1,9 +1,11 @@
 """What makes the site of the repository: a hook of mkdocs.
 
-The README becomes the first page, every example and every notebook a page with its code and figures, and each group of
-public names another, from their docstrings; the keys of scene files come from their schema. Other pages at the root of
-the repository, and those of materials and benchmarks, are taken as they are. Links to files that are no pages lose
-their link. Equations become MathML, so that the site needs no script from elsewhere.
+The README becomes the first page, every example and every notebook a page with its code
+and figures, and each group of public names another, from their docstrings; the keys of
+scene files come from their schema. Other pages at the root of the repository, and those
+of materials and benchmarks, are taken as they are. Links to files that are no pages
+lose their link. Equations become MathML, so that the site needs no script from
+elsewhere.
 """
 
 import ast
@@ -24,24 +26,72 @@ GROUPS = {
     "Friction and rolling": ("friction", "rolling", "plan", "AdhesiveShear", "Heat"),
     "Many scenes": ("sweep",),
     "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
-    "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
-    "Materials": (
-        "Prony", "KelvinVoigt", "Maxwell", "StandardSolid", "TabulatedModulus", "WLF", "Arrhenius", "VFT", "ShiftTable",
-        "EntropicVertical", "VerticalTable", "Softening",
-        "materials", "load_material", "save_material",
+    "Motion in time": (
+        "indent",
+        "impact",
+        "shear",
+        "traction",
+        "slide",
+        "drive",
+        "Mount",
     ),
-    "Files of others": ("read_dma", "read_friction", "read_shifts", "read_spectrum", "read_surface"),
-    "From three dimensions to one": ("half_space", "layer", "Layer", "springs", "Foundation", "ContactStep"),
+    "Materials": (
+        "Prony",
+        "KelvinVoigt",
+        "Maxwell",
+        "StandardSolid",
+        "TabulatedModulus",
+        "WLF",
+        "Arrhenius",
+        "VFT",
+        "ShiftTable",
+        "EntropicVertical",
+        "VerticalTable",
+        "Softening",
+        "materials",
+        "load_material",
+        "save_material",
+    ),
+    "Files of others": (
+        "read_dma",
+        "read_friction",
+        "read_shifts",
+        "read_spectrum",
+        "read_surface",
+    ),
+    "From three dimensions to one": (
+        "half_space",
+        "layer",
+        "Layer",
+        "springs",
+        "Foundation",
+        "ContactStep",
+    ),
     "Shapes and surfaces": (
-        "Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Profile", "Cylinder", "RoughLine", "SelfAffine",
+        "Sphere",
+        "Paraboloid",
+        "Cone",
+        "FlatPunch",
+        "PowerLaw",
+        "Profile",
+        "Cylinder",
+        "RoughLine",
+        "SelfAffine",
         "Spectrum",
     ),
     "Applications": (
-        "conveyor", "Idlers", "heat_build_up", "dissipation", "stability", "o_ring", "friction_spectrum", "line_contact",
+        "conveyor",
+        "Idlers",
+        "heat_build_up",
+        "dissipation",
+        "stability",
+        "o_ring",
+        "friction_spectrum",
+        "line_contact",
         "press",
         "load_friction",
     ),
-}  # fmt: skip
+}
 EXAMPLES = sorted((ROOT / "examples").rglob("[0-9][0-9]_*.py"))
 NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
 RESULTS = "Results and errors"  # the group of all other names
@@ -54,7 +104,11 @@ PAGES = {  # of the repository that lie outside docs, by their place on the site
     "robustness.md": "benchmarks/robustness/README.md",
 }
 HOMES = {path: uri for uri, path in PAGES.items()} | {"examples": "examples/index.md"}
-HOMES |= {str(Path(path).parent): uri for path, uri in HOMES.items() if path.endswith("/README.md")}
+HOMES |= {
+    str(Path(path).parent): uri
+    for path, uri in HOMES.items()
+    if path.endswith("/README.md")
+}
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -72,7 +126,9 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the pages that are made."""
-    made: dict[str, str | bytes] = {uri: (ROOT / path).read_text(encoding="utf-8") for uri, path in PAGES.items()}
+    made: dict[str, str | bytes] = {
+        uri: (ROOT / path).read_text(encoding="utf-8") for uri, path in PAGES.items()
+    }
     made["benchmarks.md"] += figures()
     made |= api() | {"api/index.md": api_index(), "examples/index.md": gallery()}
     for path in EXAMPLES:
@@ -82,7 +138,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for uri, content in made.items():
         files.append(File.generated(config, uri, content=content))
     for path in sorted((ROOT / "benchmarks" / "results").glob("*.png")):
-        files.append(File.generated(config, f"benchmarks/{path.name}", abs_src_path=str(path)))
+        files.append(
+            File.generated(config, f"benchmarks/{path.name}", abs_src_path=str(path))
+        )
     return files
 
 
@@ -90,16 +148,43 @@ def gallery() -> str:
     """Examples and notebooks, each with its first figure."""
     lines = ["# Examples", ""]
     for title, text, paths in (
-        ("Notebooks", "Three tasks from data to result, for Jupyter: `jupyter lab examples/notebooks`.", NOTEBOOKS),
-        ("Scripts", "Each runs by itself: `python examples/NAME.py [--out DIR]`, and ends in a check.",
-         [path for path in EXAMPLES if path.parent.name == "examples"]),
-        ("Worked problems", "[Ten problems](../problems.md) with closed forms, as scripts.",
-         [path for path in EXAMPLES if path.parent.name == "problems"]),
-    ):  # fmt: skip
-        lines += [f"## {title}", "", text, "", '<div class="grid cards gallery" markdown>', ""]
+        (
+            "Notebooks",
+            (
+                "Three tasks from data to result, for Jupyter: `jupyter lab "
+                "examples/notebooks`."
+            ),
+            NOTEBOOKS,
+        ),
+        (
+            "Scripts",
+            (
+                "Each runs by itself: `python examples/NAME.py [--out DIR]`, and ends "
+                "in a check."
+            ),
+            [path for path in EXAMPLES if path.parent.name == "examples"],
+        ),
+        (
+            "Worked problems",
+            "[Ten problems](../problems.md) with closed forms, as scripts.",
+            [path for path in EXAMPLES if path.parent.name == "problems"],
+        ),
+    ):
+        lines += [
+            f"## {title}",
+            "",
+            text,
+            "",
+            '<div class="grid cards gallery" markdown>',
+            "",
+        ]
         for path in paths:
             page = _page(path).removeprefix("examples/")
-            figure = page.replace(".md", "_1.png") if path.suffix == ".ipynb" else "../" + _figure(path)
+            figure = (
+                page.replace(".md", "_1.png")
+                if path.suffix == ".ipynb"
+                else "../" + _figure(path)
+            )
             lines += [f"-   [![]({figure}){{loading=lazy}} {_title(path)}]({page})", ""]
         lines += ["</div>", ""]
     return "\n".join(lines)
@@ -112,27 +197,39 @@ def example(path: Path) -> str:
     up = "../" * _page(path).count("/")
     code = text.split('"""', 2)[2].strip()
     words = "\n".join(rest).strip()
-    return f"# {_title(path)}\n\n{words}\n\n![{_title(path)}]({up}{_figure(path)})\n\n```python\n{code}\n```\n"
+    return (
+        "# "
+        f"{_title(path)}\n\n{words}\n\n![{_title(path)}]({up}{_figure(path)})\n\n```python\n{code}\n```\n"
+    )
 
 
 def notebook(path: Path) -> dict[str, str | bytes]:
-    """The page of a notebook with the outputs that it holds, its figures, and the notebook itself."""
+    """The page of a notebook with the outputs that it holds, its figures, and the
+    notebook itself.
+    """
     made: dict[str, str | bytes] = {}
     page = _page(path)
     lines = []
     for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
         source = "".join(cell["source"])
-        lines += [source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```", ""]
+        lines += [
+            source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```",
+            "",
+        ]
         for output in cell.get("outputs", []):
             data = output.get("data", {"text/plain": output.get("text", "")})
             if "image/png" in data:
-                figure = page.replace(".md", f"_{1 + sum(name.endswith('.png') for name in made)}.png")
+                figure = page.replace(
+                    ".md", f"_{1 + sum(name.endswith('.png') for name in made)}.png"
+                )
                 made[figure] = base64.b64decode(data["image/png"])
                 lines += [f"![{_title(path)}]({Path(figure).name})", ""]
             else:
                 lines += ["```text", "".join(data["text/plain"]).rstrip(), "```", ""]
     made[page.replace(".md", ".ipynb")] = path.read_bytes()
-    return made | {page: "\n".join([*lines, f"[Download this notebook]({path.name})", ""])}
+    return made | {
+        page: "\n".join([*lines, f"[Download this notebook]({path.name})", ""])
+    }
 
 
 def _page(path: Path) -> str:
@@ -140,14 +237,24 @@ def _page(path: Path) -> str:
 
 
 def _figure(path: Path) -> str:
-    return "figures/" + path.relative_to(ROOT / "examples").with_suffix(".png").as_posix()
+    return (
+        "figures/" + path.relative_to(ROOT / "examples").with_suffix(".png").as_posix()
+    )
 
 
 def _title(path: Path) -> str:
-    """The first line of an example's docstring, or of a notebook, without number and stop."""
+    """The first line of an example's docstring, or of a notebook, without number and
+    stop.
+    """
     if path.suffix == ".ipynb":
-        return json.loads(path.read_text(encoding="utf-8"))["cells"][0]["source"][0].strip("# \n")
-    title = re.sub(r"^(\d+: )", "", ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).splitlines()[0])
+        return json.loads(path.read_text(encoding="utf-8"))["cells"][0]["source"][
+            0
+        ].strip("# \n")
+    title = re.sub(
+        r"^(\d+: )",
+        "",
+        ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).splitlines()[0],
+    )
     return title[0].upper() + title[1:].rstrip(".")
 
 
@@ -156,19 +263,37 @@ def figures() -> str:
     lines = ["", "## Figures", ""]
     for path in sorted((ROOT / "benchmarks" / "results").glob("*.png")):
         record = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-        lines += [f"### {record['title']}", "", f"`python benchmarks/{path.stem}.py`", ""]
-        lines += [*(f"- {text}" for text in (*record.get("inputs", []), record.get("machine", ""))), ""]
+        lines += [
+            f"### {record['title']}",
+            "",
+            f"`python benchmarks/{path.stem}.py`",
+            "",
+        ]
+        lines += [
+            *(
+                f"- {text}"
+                for text in (*record.get("inputs", []), record.get("machine", ""))
+            ),
+            "",
+        ]
         lines += [f"![{record['title']}](benchmarks/{path.name})", ""]
     return "\n".join(lines)
 
 
 def api() -> dict[str, str]:
-    """A page for each group of public names, from the table in the package's __init__."""
+    """A page for each group of public names, from the table in the package's
+    __init__.
+    """
     made = {}
     for title, names in _groups().items():
         lines = [f"# {title}", ""]
         if title == RESULTS:  # what they share stands once
-            lines += ["All results have the methods of this class:", "", "::: elastomdr.results.base.Result", ""]
+            lines += [
+                "All results have the methods of this class:",
+                "",
+                "::: elastomdr.results.base.Result",
+                "",
+            ]
         for name, home in names.items():
             lines += [
                 f"::: elastomdr.{home}.{name}",
@@ -190,7 +315,9 @@ def api_index() -> str:
         "|---|---|",
     ]
     for page, (title, names) in zip(api(), _groups().items(), strict=True):
-        links = ", ".join(f"[`{name}`][elastomdr.{home}.{name}]" for name, home in names.items())
+        links = ", ".join(
+            f"[`{name}`][elastomdr.{home}.{name}]" for name, home in names.items()
+        )
         lines.append(f"| [{title}]({Path(page).name}) | {links} |")
     return "\n".join([*lines, ""])
 
@@ -201,16 +328,25 @@ def _groups() -> dict[str, dict[str, str]]:
     homes = {name: module for module, names in table.items() for name in names}
     known = [name for names in GROUPS.values() for name in names]
     if absent := set(known) - set(homes):
-        raise KeyError(f"names in GROUPS that elastomdr does not have: {sorted(absent)}")
+        raise KeyError(
+            f"names in GROUPS that elastomdr does not have: {sorted(absent)}"
+        )
     groups = {**GROUPS, RESULTS: tuple(sorted(set(homes) - set(known)))}
-    found = {title: {name: homes[name] for name in names} for title, names in groups.items()}
-    return found | {f"em.{package}": _members(package) for package in ("fit", "reference")}
+    found = {
+        title: {name: homes[name] for name in names} for title, names in groups.items()
+    }
+    return found | {
+        f"em.{package}": _members(package) for package in ("fit", "reference")
+    }
 
 
 def _table(path: Path, name: str) -> dict[str, Any]:
     """A literal assigned to `name` in a file, without importing it."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", None) == name:
+        if (
+            isinstance(node, ast.Assign)
+            and getattr(node.targets[0], "id", None) == name
+        ):
             return ast.literal_eval(node.value)
     raise KeyError(name)
 
@@ -225,16 +361,30 @@ def _members(package: str) -> dict[str, str]:
             found |= {alias.asname or alias.name: home for alias in node.names}
     if not found:
         homes = _table(path, "_HOMES").items()  # ".io.data" is beside the package
-        found = {n: m[1:] if m.startswith(".") else f"{package}.{m}" for m, names in homes for n in names}
+        found = {
+            n: m[1:] if m.startswith(".") else f"{package}.{m}"
+            for m, names in homes
+            for n in names
+        }
     return found
 
 
-def on_page_markdown(markdown: str, page: Any, config: MkDocsConfig, files: Files) -> str:
-    """Links of the repository become links of the site, or plain words where the file is no page."""
+def on_page_markdown(
+    markdown: str, page: Any, config: MkDocsConfig, files: Files
+) -> str:
+    """Links of the repository become links of the site, or plain words where the file
+    is no page.
+    """
     folder = Path(page.file.src_uri).parent
     home = PAGES.get(page.file.src_uri)
     of_notebook = folder.name == "notebooks"
-    inside = (ROOT / home).parent if home else ROOT / folder if of_notebook else ROOT / "docs" / folder
+    inside = (
+        (ROOT / home).parent
+        if home
+        else ROOT / folder
+        if of_notebook
+        else ROOT / "docs" / folder
+    )
     as_it_is = page.file.src_uri.startswith(("examples/", "api")) and not of_notebook
 
     def follow(match: re.Match[str]) -> str:
@@ -244,7 +394,11 @@ def on_page_markdown(markdown: str, page: Any, config: MkDocsConfig, files: File
         place, _, anchor = target.partition("#")
         full = (inside / place).resolve()
         uri = full.relative_to(ROOT).as_posix().removeprefix("docs/")
-        uri = uri.removesuffix(".py") + ".md" if uri.startswith("examples/") and uri.endswith(".py") else uri
+        uri = (
+            uri.removesuffix(".py") + ".md"
+            if uri.startswith("examples/") and uri.endswith(".py")
+            else uri
+        )
         uri = HOMES.get(uri, uri)
         if files.get_file_from_path(uri) is None:
             return words
@@ -268,4 +422,9 @@ def on_page_content(text: str, page: Any, config: MkDocsConfig, files: Files) ->
         made = convert(html.unescape(match[3]), displaystyle=block)
         return f'<div class="equation">{made}</div>' if block else made
 
-    return re.sub(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>', equation, text, flags=re.DOTALL)
+    return re.sub(
+        r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>',
+        equation,
+        text,
+        flags=re.DOTALL,
+    )

@@ -1,12 +1,14 @@
 """01: a friction curve in five lines.
 
-Teaches: a material from the library, a ball, a range of velocities and a load make a curve, a figure and a summary.
+Teaches: a material from the library, a ball, a range of velocities and a load make a
+curve, a figure and a summary.
 
-Inputs: the compound is `tread-passenger-synthetic` of the library, a spectrum made up for it (see its file under
-materials/); radius and load are chosen here.
+Inputs: the compound is `tread-passenger-synthetic` of the library, a spectrum made up
+for it (see its file under materials/); radius and load are chosen here.
 
-Check: far below and far above all relaxation times the rubber is elastic and friction vanishes, so that the depth
-must be the one of Hertz (1882), d = [9 F^2/(16 R E*^2)]^(1/3), with E* = 4 G, relaxed or glassy.
+Check: far below and far above all relaxation times the rubber is elastic and friction
+vanishes, so that the depth must be the one of Hertz (1882), d = [9 F^2/(16 R
+E*^2)]^(1/3), with E* = 4 G, relaxed or glassy.
 
     python examples/01_friction_curve.py [--out DIR]
 """
@@ -33,18 +35,31 @@ def main(out: Path) -> None:
 
 
 def check_hertz(rubber: em.Prony, radius: float = 5e-3, load: float = 1.0) -> None:
-    """Slow enough that nothing is left to relax, and so fast that nothing has relaxed yet: a millionth off Hertz."""
+    """Slow enough that nothing is left to relax, and so fast that nothing has relaxed
+    yet: a millionth off Hertz.
+    """
     slow, fast = 1e-7 * radius / rubber.times[-1], 1e7 * radius / rubber.times[0]
     ends = em.friction(rubber, em.Paraboloid(radius), velocity=[slow, fast], load=load)
-    modulus = 4 * np.array([rubber.equilibrium, rubber.instantaneous])  # E* of an incompressible half-space
+    # E* of an incompressible half-space
+    modulus = 4 * np.array([rubber.equilibrium, rubber.instantaneous])
     hertz = (9 * load**2 / (16 * radius * modulus**2)) ** (1 / 3)
     relaxed, glassy = ends.depth / hertz
-    print(f"check               depth over Hertz's depth: {relaxed:.8f} relaxed, {glassy:.8f} glassy")
-    assert np.allclose(ends.depth, hertz, rtol=1e-5), "the depth must meet Hertz at both ends"
+    print(
+        f"check               depth over Hertz's depth: {relaxed:.8f} relaxed, "
+        f"{glassy:.8f} glassy"
+    )
+    assert np.allclose(ends.depth, hertz, rtol=1e-5), (
+        "the depth must meet Hertz at both ends"
+    )
     assert (ends.mu < 1e-6).all(), "an elastic half-space has no hysteresis friction"
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path(),
+        help="folder for the figure (default: this one)",
+    )
     main(parser.parse_args().out)

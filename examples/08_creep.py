@@ -1,11 +1,13 @@
 """08: a ball sinks into rubber: creep under a dead load.
 
-Teaches: `em.indent` with a load; several loads at once on an axis of their own; the pressure in three dimensions.
+Teaches: `em.indent` with a load; several loads at once on an axis of their own; the
+pressure in three dimensions.
 
-Inputs: `silicone-like` of the library, illustrative. Ball of 10 mm radius, loads and times: chosen here.
+Inputs: `silicone-like` of the library, illustrative. Ball of 10 mm radius, loads and
+times: chosen here.
 
-Check: as long as the contact grows, a^3 = (3/4) R F J(t) and d = a^2/R for a paraboloid (Lee & Radok 1960), with J the
-creep function of the half-space.
+Check: as long as the contact grows, a^3 = (3/4) R F J(t) and d = a^2/R for a paraboloid
+(Lee & Radok 1960), with J the creep function of the half-space.
 
     python examples/08_creep.py [--out DIR]
 """
@@ -40,12 +42,18 @@ def main(out: Path) -> None:
     r = np.linspace(0, 2 * single.contact_radius[-1], 121)
     for t in (1e-3, 1.0, 1e3):
         right.plot(1e3 * r, 1e-6 * single.pressure(r, t), label=f"after {t:g} s")
-    right.set(xlabel="Radius [mm]", ylabel="Contact pressure [MPa]", title="Pressure under 1 N")
+    right.set(
+        xlabel="Radius [mm]",
+        ylabel="Contact pressure [MPa]",
+        title="Pressure under 1 N",
+    )
     right.legend()
     figure.savefig(out / "08_creep.png")
     plt.close(figure)
 
-    radius = np.cbrt(0.75 * RADIUS * load * em.half_space(rubber).creep_compliance(time))
+    radius = np.cbrt(
+        0.75 * RADIUS * load * em.half_space(rubber).creep_compliance(time)
+    )
     off = np.abs(creep.depth / (radius**2 / RADIUS) - 1).max()
     print(f"check     depth against Lee and Radok: {off:.1e}")
     assert off < 1e-10, "creep must meet the closed form"
@@ -53,5 +61,10 @@ def main(out: Path) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path(),
+        help="folder for the figure (default: this one)",
+    )
     main(parser.parse_args().out)

@@ -1,13 +1,15 @@
 """11: how high a ball bounces on rubber, against speed, at four temperatures.
 
-Teaches: `em.impact` takes arrays of mass, velocity and temperature and returns restitution, contact time, depth and
-force, and the whole motion of each impact. One axis is one line of the figure.
+Teaches: `em.impact` takes arrays of mass, velocity and temperature and returns
+restitution, contact time, depth and force, and the whole motion of each impact. One
+axis is one line of the figure.
 
-Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the measured shift law of an SBR; a steel
-ball of 10 mm radius, 33 g, chosen here.
+Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the measured
+shift law of an SBR; a steel ball of 10 mm radius, 33 g, chosen here.
 
-Check: an integration of the same motion that shares nothing with the solver, for a Kelvin-Voigt rubber, where the
-contact force is K (d^1.5 + 1.5 tau d^0.5 d') in the approach and K (d + tau d')^1.5 in the rebound.
+Check: an integration of the same motion that shares nothing with the solver, for a
+Kelvin-Voigt rubber, where the contact force is K (d^1.5 + 1.5 tau d^0.5 d') in the
+approach and K (d + tau d')^1.5 in the rebound.
 
     python examples/11_impact.py [--out DIR]
 """
@@ -29,16 +31,28 @@ def main(out: Path) -> None:
     rubber = em.load_material("tread-passenger-synthetic")
     speed = np.geomspace(1e-3, 1.0, 24)  # m/s
     kelvin = np.array([[253.15], [273.15], [293.15], [333.15]])  # on an axis of its own
-    bounces = em.impact(rubber, em.Paraboloid(RADIUS), mass=MASS, velocity=speed, temperature=kelvin)
+    bounces = em.impact(
+        rubber, em.Paraboloid(RADIUS), mass=MASS, velocity=speed, temperature=kelvin
+    )
     ax = bounces.plot(title="Bounce of a steel ball on a tread compound")
     ax.figure.savefig(out / "11_impact.png")
     print(bounces.summary())
 
     modulus, viscosity = 1e6, 300.0  # Pa, Pa s, in shear; E* = 4 G
-    found = em.impact(em.KelvinVoigt(modulus, viscosity), em.Paraboloid(RADIUS), mass=MASS, velocity=1.0)
+    found = em.impact(
+        em.KelvinVoigt(modulus, viscosity),
+        em.Paraboloid(RADIUS),
+        mass=MASS,
+        velocity=1.0,
+    )
     expected = reduced_equations(4 * modulus, viscosity / modulus, 1.0)
-    print(f"check     restitution {found.restitution:.9f}, reduced equations {expected:.9f}")
-    assert np.isclose(found.restitution, expected, rtol=1e-6), "both are the same motion"
+    print(
+        f"check     restitution {found.restitution:.9f}, reduced equations "
+        f"{expected:.9f}"
+    )
+    assert np.isclose(found.restitution, expected, rtol=1e-6), (
+        "both are the same motion"
+    )
 
 
 def reduced_equations(modulus: float, tau: float, speed: float) -> float:
@@ -67,5 +81,10 @@ def reduced_equations(modulus: float, tau: float, speed: float) -> float:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path(),
+        help="folder for the figure (default: this one)",
+    )
     main(parser.parse_args().out)

@@ -1,4 +1,6 @@
-"""A rubber ball that bounces: the numbers of `test_impact.py` and `test_impact_extremes.py`."""
+"""A rubber ball that bounces: the numbers of `test_impact.py` and
+`test_impact_extremes.py`.
+"""
 
 import math
 
@@ -17,7 +19,8 @@ def kelvin_voigt(beta):
     return em.Foundation.kelvin(E, E * beta * DM / V)
 
 
-# restitution, largest depth over DM, contact time times V/DM: reduced equations, integrated by DOP853 to 1e-13
+# restitution, largest depth over DM, contact time times V/DM: reduced equations,
+# integrated by DOP853 to 1e-13
 KELVIN_VOIGT = {
     0.01: (0.9813716099400652, 0.9925023731402302, 2.9388713496325383),
     0.1: (0.83640465, None, None),

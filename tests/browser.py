@@ -11,10 +11,18 @@ from typing import Any
 from urllib.request import urlopen
 
 FLAGS = (
-    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
-    "--disable-background-networking", "--disable-component-update", "--disable-dev-shm-usage",
-    "--remote-debugging-port=0", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
-)  # fmt: skip
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-sync",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-dev-shm-usage",
+    "--remote-debugging-port=0",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+)
 PROGRAM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
@@ -24,13 +32,16 @@ class Browser:
     def __init__(self, width: int = 1280, height: int = 900):
         from websockets.sync.client import connect
 
-        self._home = tempfile.TemporaryDirectory(prefix="chromium-", ignore_cleanup_errors=True)
+        self._home = tempfile.TemporaryDirectory(
+            prefix="chromium-", ignore_cleanup_errors=True
+        )
         self.downloads = Path(self._home.name) / "downloads"
         assert PROGRAM is not None
         self._process = subprocess.Popen(
             [PROGRAM, *FLAGS, f"--user-data-dir={self._home.name}", "about:blank"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         found = Path(self._home.name) / "DevToolsActivePort"
         wait(lambda: found.exists() and found.read_text().count("\n"), "Chromium", 60)
         port = found.read_text().split()[0]
@@ -41,13 +52,19 @@ class Browser:
         self._number, self.console = 0, []
         for domain in ("Page", "Runtime", "DOM"):
             self.call(f"{domain}.enable")
-        self.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.downloads))
+        self.call(
+            "Browser.setDownloadBehavior",
+            behavior="allow",
+            downloadPath=str(self.downloads),
+        )
         self.resize(width, height)
 
     def call(self, method: str, **parameters: Any) -> Any:
         """The answer to a command of the protocol."""
         self._number += 1
-        self._socket.send(json.dumps({"id": self._number, "method": method, "params": parameters}))
+        self._socket.send(
+            json.dumps({"id": self._number, "method": method, "params": parameters})
+        )
         while True:
             message = json.loads(self._socket.recv(timeout=60))
             if message.get("method") == "Runtime.exceptionThrown":
@@ -58,7 +75,12 @@ class Browser:
 
     def js(self, expression: str) -> Any:
         """The value of an expression of JavaScript."""
-        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        answer = self.call(
+            "Runtime.evaluate",
+            expression=expression,
+            returnByValue=True,
+            awaitPromise=True,
+        )
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
@@ -68,10 +90,18 @@ class Browser:
 
     def open(self, address: str) -> None:
         self.call("Page.navigate", url=address)
-        self.until("document.querySelectorAll('.stage').length && window.socket?.connected")
+        self.until(
+            "document.querySelectorAll('.stage').length && window.socket?.connected"
+        )
 
     def resize(self, width: int, height: int = 900) -> None:
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
+        )
 
     def click(self, text: str) -> None:
         """Clicks the visible button or tab of this text."""
@@ -83,19 +113,38 @@ class Browser:
     def drop(self, selector: str, *files: Path) -> None:
         """Puts files into the file field within an element."""
         root = self.call("DOM.getDocument")["root"]["nodeId"]
-        node = self.call("DOM.querySelector", nodeId=root, selector=f"{selector} input[type=file]")["nodeId"]
-        self.call("DOM.setFileInputFiles", nodeId=node, files=[str(file) for file in files])
+        node = self.call(
+            "DOM.querySelector", nodeId=root, selector=f"{selector} input[type=file]"
+        )["nodeId"]
+        self.call(
+            "DOM.setFileInputFiles", nodeId=node, files=[str(file) for file in files]
+        )
 
     def press(self, key: str, code: int) -> None:
         """Presses a key and lets go of it."""
         for kind in ("keyDown", "keyUp"):
             text = {"text": "\r"} if key == "Enter" and kind == "keyDown" else {}
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code, **text)
+            self.call(
+                "Input.dispatchKeyEvent",
+                type=kind,
+                key=key,
+                code=key,
+                windowsVirtualKeyCode=code,
+                **text,
+            )
 
     def screenshot(self, path: Path) -> None:
         size = self.call("Page.getLayoutMetrics")["cssContentSize"]
-        clip = {"x": 0, "y": 0, "width": size["width"], "height": min(size["height"], 6000), "scale": 1}
-        image = self.call("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)
+        clip = {
+            "x": 0,
+            "y": 0,
+            "width": size["width"],
+            "height": min(size["height"], 6000),
+            "scale": 1,
+        }
+        image = self.call(
+            "Page.captureScreenshot", captureBeyondViewport=True, clip=clip
+        )
         path.write_bytes(base64.b64decode(image["data"]))
 
     def close(self) -> None:

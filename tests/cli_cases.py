@@ -1,4 +1,6 @@
-"""A good scene and a good material, and what to change in them to make each kind of bad input."""
+"""A good scene and a good material, and what to change in them to make each kind of bad
+input.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -45,19 +47,37 @@ reference = 293.15
 BAD_SCENES = {
     "model of a surface": (
         ('"line"', '"persson"'),
-        '[contact] model must be "averaged", "line" or "half-space" for a paraboloid, got "persson"',
+        (
+            '[contact] model must be "averaged", "line" or "half-space" for a '
+            'paraboloid, got "persson"'
+        ),
     ),
     "unknown key": (('title = "Slider"', 'titel = "Slider"'), "Did you mean 'title'"),
     "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),
     "unknown key in a table": (("load =", "laod ="), "Did you mean 'load'"),
     "unknown key in velocity": (("points", "point"), "Did you mean 'points'"),
-    "key of another shape": (('radius = "5 mm"', 'radius = "5 mm"\nlength = "1 m"'), "'length'"),
+    "key of another shape": (
+        ('radius = "5 mm"', 'radius = "5 mm"\nlength = "1 m"'),
+        "'length'",
+    ),
     "unknown shape": (('"paraboloid"', '"parabolid"'), "Did you mean 'paraboloid'"),
     "unknown model": (('"line"', '"lines"'), "Did you mean 'line'"),
-    "option of another model": (('"line"', '"line"\ngamma = 0.5'), 'gamma belongs to model = "persson"'),
-    "option without a model": (('model = "line"', "corrected = false"), 'corrected belongs to model = "averaged"'),
-    "average of a smooth body": (('"line"', '"line"\naverage = true'), '"averaged" with corrected=false'),
-    "a model of surfaces": (('"line"', '"multiscale"'), "for a surface under a pressure"),
+    "option of another model": (
+        ('"line"', '"line"\ngamma = 0.5'),
+        'gamma belongs to model = "persson"',
+    ),
+    "option without a model": (
+        ('model = "line"', "corrected = false"),
+        'corrected belongs to model = "averaged"',
+    ),
+    "average of a smooth body": (
+        ('"line"', '"line"\naverage = true'),
+        '"averaged" with corrected=false',
+    ),
+    "a model of surfaces": (
+        ('"line"', '"multiscale"'),
+        "for a surface under a pressure",
+    ),
     "unknown unit": (('"5 mm"', '"5 milimetre"'), "milimetre"),
     "no unit": (('"5 mm"', '"5"'), "5 mm"),
     "bare number": (('"5 mm"', "0.005"), "5 mm"),
@@ -71,31 +91,58 @@ BAD_SCENES = {
     "an expression": (('"10 N"', '"10 N*((("'), "load"),
     "negative radius": (('"5 mm"', '"-5 mm"'), "radius must be positive"),
     "negative load": (('"10 N"', '"-10 N"'), "load must be positive"),
-    "zero velocity": (('"1e-3 m/s"', '"0 m/s"'), "[contact] velocity: from must be positive"),
+    "zero velocity": (
+        ('"1e-3 m/s"', '"0 m/s"'),
+        "[contact] velocity: from must be positive",
+    ),
     "negative velocity": (('"1e-3 m/s"', '"-1 m/s"'), "must be positive"),
-    "velocities the wrong way round": (('"1e3 mm/s"', '"1e-4 m/s"'), "smaller to a larger"),
+    "velocities the wrong way round": (
+        ('"1e3 mm/s"', '"1e-4 m/s"'),
+        "smaller to a larger",
+    ),
     "one point": (("points = 4", "points = 1"), "points"),
     "half a point": (("points = 4", "points = 4.5"), "points"),
     "too many points": (("points = 4", "points = 100000000"), "points"),
     "below absolute zero": (('"20 degC"', '"-300 degC"'), "absolute zero"),
     "below the WLF pole": (('"20 degC"', '"-90 degC"'), "pole"),
     "no temperatures": (('"20 degC"', "[]"), "empty"),
-    "one bad temperature of two": (('"20 degC"', '["20 degC", "20"]'), "temperature[1]"),
+    "one bad temperature of two": (
+        ('"20 degC"', '["20 degC", "20"]'),
+        "temperature[1]",
+    ),
     "no shift law": (('"rubber.toml"', '"no-shift.toml"'), "shift law"),
-    "load and depth": (('load = "10 N"', 'load = "10 N"\ndepth = "1 mm"'), "got load and depth"),
-    "neither load nor depth": (('load = "10 N"', ""), "must have one of load, depth, got none"),
+    "load and depth": (
+        ('load = "10 N"', 'load = "10 N"\ndepth = "1 mm"'),
+        "got load and depth",
+    ),
+    "neither load nor depth": (
+        ('load = "10 N"', ""),
+        "must have one of load, depth, got none",
+    ),
     "no material": (('material = "rubber.toml"', ""), "material is missing"),
-    "no indenter": (('[indenter]\nshape = "paraboloid"\nradius = "5 mm"', ""), "[indenter] is missing"),
+    "no indenter": (
+        ('[indenter]\nshape = "paraboloid"\nradius = "5 mm"', ""),
+        "[indenter] is missing",
+    ),
     "no shape": (('shape = "paraboloid"', ""), "shape is missing"),
     "no radius": (('radius = "5 mm"', ""), "radius is missing"),
-    "no velocity": (('velocity = { from = "1e-3 m/s", to = "1e3 mm/s", points = 4 }', ""), "velocity is missing"),
-    "a table that is none": (("[numerics]\nrtol = 1e-4", "[numerics]\nrtol = { a = 1 }"), "rtol"),
+    "no velocity": (
+        ('velocity = { from = "1e-3 m/s", to = "1e3 mm/s", points = 4 }', ""),
+        "velocity is missing",
+    ),
+    "a table that is none": (
+        ("[numerics]\nrtol = 1e-4", "[numerics]\nrtol = { a = 1 }"),
+        "rtol",
+    ),
     "a text for a table": (
         (SCENE, 'material = "rubber.toml"\nindenter = "sphere"\ncontact = 3'),
         '[indenter] must be a table with the key shape, got "sphere"',
     ),
     "unknown material": (('"rubber.toml"', '"rubber"'), "not in the library"),
-    "material file not there": (('"rubber.toml"', '"ruber.toml"'), "Did you mean 'rubber.toml'"),
+    "material file not there": (
+        ('"rubber.toml"', '"ruber.toml"'),
+        "Did you mean 'rubber.toml'",
+    ),
     "material is a number": (('"rubber.toml"', "5"), "material must be a text"),
     "rtol too small": (("rtol = 1e-4", "rtol = 1e-15"), "rtol"),
     "rtol as text": (("rtol = 1e-4", 'rtol = "1e-4"'), "rtol"),
@@ -105,31 +152,55 @@ BAD_SCENES = {
         ("[contact]", '[layer]\nthickness = "8 mm"\nsprings = true\n[contact]'),
         "bonded springs",
     ),
-    "layer without thickness": (("[contact]", "[layer]\nbonded = false\n[contact]"), "thickness is missing"),
-    "bonded as text": (("[contact]", '[layer]\nthickness = "8 mm"\nbonded = "no"\n[contact]'), "true or false"),
+    "layer without thickness": (
+        ("[contact]", "[layer]\nbonded = false\n[contact]"),
+        "thickness is missing",
+    ),
+    "bonded as text": (
+        ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = "no"\n[contact]'),
+        "true or false",
+    ),
     "two bodies and a layer": (
-        ("temperature", 'other = "rubber.toml"\nlayer = { thickness = "1 mm" }\ntemperature'),
+        (
+            "temperature",
+            'other = "rubber.toml"\nlayer = { thickness = "1 mm" }\ntemperature',
+        ),
         "exclude",
     ),
-    "a cone without slope": (('shape = "paraboloid"\nradius = "5 mm"', 'shape = "cone"'), "slope is missing"),
+    "a cone without slope": (
+        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "cone"'),
+        "slope is missing",
+    ),
     "a falling cone": (
         ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "cone"\nslope = -1'),
         "slope must be a positive number, got -1",
     ),
     "a coefficient of another dimension": (
-        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "power_law"\nexponent = 3\ncoefficient = "5 mm"'),
+        (
+            'shape = "paraboloid"\nradius = "5 mm"',
+            'shape = "power_law"\nexponent = 3\ncoefficient = "5 mm"',
+        ),
         "m^-2",
     ),
     "a profile without a unit": (
-        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nr = [0, 1]\nz = [0, 1]'),
+        (
+            'shape = "paraboloid"\nradius = "5 mm"',
+            'shape = "profile"\nr = [0, 1]\nz = [0, 1]',
+        ),
         "unit is missing",
     ),
     "too short a profile": (
-        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nr = [0, 1]\nz = [0, 1]'),
+        (
+            'shape = "paraboloid"\nradius = "5 mm"',
+            'shape = "profile"\nunit = "mm"\nr = [0, 1]\nz = [0, 1]',
+        ),
         "4 entries",
     ),
     "a profile's file not there": (
-        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nfile = "tip.csv"'),
+        (
+            'shape = "paraboloid"\nradius = "5 mm"',
+            'shape = "profile"\nunit = "mm"\nfile = "tip.csv"',
+        ),
         "tip.csv",
     ),
     "not TOML": (("[contact]", "[contact"), "not valid TOML"),
@@ -179,7 +250,10 @@ BAD_INDENTS = {
     "unknown program": (('"triangle"', '"triangel"'), "Did you mean 'triangle'"),
     "key of another program": (("points = 9", 'frequency = "1 Hz"'), "'frequency'"),
     "no history": ((f"[history]\n{_TRIANGLE}", ""), "[history] is missing"),
-    "depth and load": (("points = 9", 'load = "1 N"'), "must have one of load, depth, got load and depth"),
+    "depth and load": (
+        ("points = 9", 'load = "1 N"'),
+        "must have one of load, depth, got load and depth",
+    ),
     "neither": (('depth = "0.1 mm"', ""), "must have one of load, depth, got none"),
     "time without a unit": (('"2 ms"', '"2"'), "with its unit"),
     "a depth that is a force": (('"0.1 mm"', '"1 N"'), "must be a length"),
@@ -187,12 +261,27 @@ BAD_INDENTS = {
         (_TRIANGLE, 'time = ["0 s", "1 s"]\ndepth = ["0 mm", "1 mm", "0 mm"]'),
         "same length",
     ),
-    "descending times": ((_TRIANGLE, 'time = ["1 s", "0 s"]\ndepth = ["0 mm", "1 mm"]'), "ascending"),
-    "a load that pulls": ((_TRIANGLE, 'time = ["0 s", "1 s"]\nload = ["0 N", "-1 N"]'), "needs adhesion"),
+    "descending times": (
+        (_TRIANGLE, 'time = ["1 s", "0 s"]\ndepth = ["0 mm", "1 mm"]'),
+        "ascending",
+    ),
+    "a load that pulls": (
+        (_TRIANGLE, 'time = ["0 s", "1 s"]\nload = ["0 N", "-1 N"]'),
+        "needs adhesion",
+    ),
     "one point": (("points = 9", "points = 1"), "from 2 to"),
-    "adhesion of another kind": (('temperature = "20 degC"', 'adhesion = "1 N"'), "energy per area"),
+    "adhesion of another kind": (
+        ('temperature = "20 degC"', 'adhesion = "1 N"'),
+        "energy per area",
+    ),
     "a sine that pulls": (
-        (_TRIANGLE, 'program = "sine"\nload = "1 N"\namplitude = "2 N"\nfrequency = "1 Hz"\ncycles = 2'),
+        (
+            _TRIANGLE,
+            (
+                'program = "sine"\nload = "1 N"\namplitude = "2 N"\nfrequency = "1 '
+                'Hz"\ncycles = 2'
+            ),
+        ),
         "amplitude must not be larger",
     ),
 }
@@ -225,20 +314,38 @@ points = 8
 """
 
 BAD_SLIDES = {
-    "no stage": ((SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], ""), "[[stage]] is missing"),
+    "no stage": (
+        (SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], ""),
+        "[[stage]] is missing",
+    ),
     "one bracket": (
-        (SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], "[stage]\nload = '1 N'\n"),
+        (
+            SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")],
+            "[stage]\nload = '1 N'\n",
+        ),
         "two brackets",
     ),
     "unknown key": (('way = "4 mm"', 'wey = "4 mm"'), "Did you mean 'way'"),
     "way without velocity": (('velocity = "500 mm/s"\n', ""), "needs a velocity"),
-    "way and duration": (('way = "4 mm"', 'way = "4 mm"\nduration = "1 s"'), "no duration beside it"),
-    "no load at first": (('load = "2 N"', ""), "[stage 1] must have one of load, depth, got none"),
+    "way and duration": (
+        ('way = "4 mm"', 'way = "4 mm"\nduration = "1 s"'),
+        "no duration beside it",
+    ),
+    "no load at first": (
+        ('load = "2 N"', ""),
+        "[stage 1] must have one of load, depth, got none",
+    ),
     "a load, then a depth": (
         ('load = "1 N"', 'depth = "1 mm"'),
         "[stage 3] must have load, as the stages before, got depth",
     ),
-    "no duration": (('duration = "2 ms"\nload = "2 N"', 'load = "2 N"'), "duration is missing"),
-    "a load that pulls": (('load = "1 N"', 'load = "-1 N"'), "load must be zero or positive"),
+    "no duration": (
+        ('duration = "2 ms"\nload = "2 N"', 'load = "2 N"'),
+        "duration is missing",
+    ),
+    "a load that pulls": (
+        ('load = "1 N"', 'load = "-1 N"'),
+        "load must be zero or positive",
+    ),
     "velocity without a unit": (('"500 mm/s"', '"500"'), "with its unit"),
 }

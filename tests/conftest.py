@@ -1,8 +1,9 @@
-"""One cache of compiled code for both workers, the commands that tests start, and the next run.
+"""One cache of compiled code for both workers, the commands that tests start, and the
+next run.
 
-The tests compile far longer than they compute, so the compiler is asked for plainer machine code: the programs are the
-same, they run three times slower, and the suite takes half the time. `pytest -p no:cacheprovider` tests the machine
-code that users get.
+The tests compile far longer than they compute, so the compiler is asked for plainer
+machine code: the programs are the same, they run three times slower, and the suite
+takes half the time. `pytest -p no:cacheprovider` tests the machine code that users get.
 """
 
 import os
@@ -13,24 +14,40 @@ from pathlib import Path
 import pytest
 
 collect_ignore = ["typing"]  # read by pyright, not run
-MANY = 25_000  # pieces of memory that a process has mapped; Linux ends one with more than 65,530
+# pieces of memory that a process has mapped; Linux ends one with more than 65,530
+MANY = 25_000
 PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 
 
 def pytest_configure(config):
-    if hasattr(config, "workerinput") or "JAX_COMPILATION_CACHE_DIR" in os.environ or not hasattr(config, "cache"):
+    if (
+        hasattr(config, "workerinput")
+        or "JAX_COMPILATION_CACHE_DIR" in os.environ
+        or not hasattr(config, "cache")
+    ):
         return  # workers inherit what is set here
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(config.cache.mkdir("compiled"))
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.3"
     flags = f"{os.environ.get('XLA_FLAGS', '')} {PLAIN}".strip()
-    ask = [sys.executable, "-c", "import jax; jax.devices()"]  # another jaxlib may not know them, and would abort
-    if subprocess.run(ask, env={**os.environ, "XLA_FLAGS": flags}, capture_output=True, check=False).returncode == 0:
+    # another jaxlib may not know them, and would abort
+    ask = [sys.executable, "-c", "import jax; jax.devices()"]
+    if (
+        subprocess.run(
+            ask,
+            env={**os.environ, "XLA_FLAGS": flags},
+            capture_output=True,
+            check=False,
+        ).returncode
+        == 0
+    ):
         os.environ["XLA_FLAGS"] = flags
 
 
 @pytest.fixture(autouse=True, scope="module")
 def forget_programs():
-    """Compiled programs take some pieces of memory each, and a worker compiles thousands of them."""
+    """Compiled programs take some pieces of memory each, and a worker compiles
+    thousands of them.
+    """
     yield
     maps = Path("/proc/self/maps")
     if maps.exists() and maps.read_bytes().count(b"\n") > MANY:

@@ -5,7 +5,9 @@ import time
 
 
 def simulated(tmp_path, act):
-    """Runs `act(user, page, again)` with a simulated user on the page; `again` opens the same or another session."""
+    """Runs `act(user, page, again)` with a simulated user on the page; `again` opens
+    the same or another session.
+    """
     from nicegui import background_tasks
     from nicegui.testing.user_simulation import user_simulation
 

@@ -1,4 +1,6 @@
-"""Adhesive shear: the law by its formula, on the area of real contact of each model, errors, scenes, derivatives."""
+"""Adhesive shear: the law by its formula, on the area of real contact of each model,
+errors, scenes, derivatives.
+"""
 
 import jax
 import jax.numpy as jnp
@@ -9,10 +11,16 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.errors import InputError
 
-RUBBER = em.StandardSolid(1e6, 9e6, 1e-3, shift=em.WLF(8.9, 101.6, 293.15), name="solid")
+RUBBER = em.StandardSolid(
+    1e6, 9e6, 1e-3, shift=em.WLF(8.9, 101.6, 293.15), name="solid"
+)
 ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=3e4)
 LAW = em.AdhesiveShear(5e6, 3e-3, 0.12, shift=em.Arrhenius(9e4, 293.15))
-SCENE = {"velocity": np.geomspace(1e-4, 1, 5), "pressure": 1e5, "temperature": np.array([[283.15], [303.15]])}
+SCENE = {
+    "velocity": np.geomspace(1e-4, 1, 5),
+    "pressure": 1e5,
+    "temperature": np.array([[283.15], [303.15]]),
+}
 
 
 def formula(v, kelvin, stress=5e6, peak=3e-3, width=0.12, energy=9e4):
@@ -24,7 +32,9 @@ def test_the_stress_is_a_bell_in_log_velocity_that_warmth_moves_to_higher_ones()
     v = np.geomspace(1e-6, 10, 9)
     assert LAW.shear_stress(v, 303.15) == pytest.approx(formula(v, 303.15), rel=1e-13)
     assert LAW.shear_stress(3e-3, 293.15) == pytest.approx(5e6, rel=1e-14)
-    assert LAW.shear_stress(0.3, 293.15) == pytest.approx(5e6 * np.exp(-0.48), rel=1e-13)
+    assert LAW.shear_stress(0.3, 293.15) == pytest.approx(
+        5e6 * np.exp(-0.48), rel=1e-13
+    )
     a = float(LAW.shift.a(313.15))
     assert LAW.shear_stress(3e-3 / a, 313.15) == pytest.approx(5e6, rel=1e-13)
     athermal = em.AdhesiveShear(5e6, 3e-3, 0.12)
@@ -43,25 +53,35 @@ def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(m
     assert both.mu == pytest.approx(both.hysteresis + both.adhesion, rel=1e-15)
     assert both.friction_force == pytest.approx(both.mu * 1e5, rel=1e-14)
     assert bare.hysteresis is None
-    # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of 30 apart, inside the map.
+    # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of
+    # 30 apart, inside the map.
     off = np.expm1(0.03 - 0.07 * np.log(bare.area_ratio))
     assert both.model_error == pytest.approx(bare.model_error + shear * off, rel=1e-10)
     assert np.all(both.error >= bare.error)
     assert np.all(both.error < 1e-5 * both.mu)
     assert "adhesive shear" in both.model
     assert "parts of mu" in both.summary()
-    assert {"friction coefficient of hysteresis [-]", "friction coefficient of adhesive shear [-]"} <= set(
-        both.columns()
-    )
+    assert {
+        "friction coefficient of hysteresis [-]",
+        "friction coefficient of adhesive shear [-]",
+    } <= set(both.columns())
 
 
 def test_the_area_of_a_map_of_cells_carries_the_shear_too():
     road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
     cells = em.friction(
-        RUBBER, road, velocity=0.01, pressure=2e5, temperature=293.15, adhesion=LAW, rtol=1e-2,
+        RUBBER,
+        road,
+        velocity=0.01,
+        pressure=2e5,
+        temperature=293.15,
+        adhesion=LAW,
+        rtol=1e-2,
         model=em.HalfSpace(seeds=2, cells=128),
-    )  # fmt: skip
-    smooth = em.friction(RUBBER, road, velocity=0.01, pressure=2e5, temperature=293.15, adhesion=LAW)
+    )
+    smooth = em.friction(
+        RUBBER, road, velocity=0.01, pressure=2e5, temperature=293.15, adhesion=LAW
+    )
     shear = formula(0.01, 293.15) / 2e5
     assert cells.adhesion == pytest.approx(shear * cells.area_ratio, rel=1e-12)
     assert cells.mu == pytest.approx(cells.hysteresis + cells.adhesion, rel=1e-15)
@@ -80,24 +100,47 @@ def test_of_several_materials_each_has_its_parts():
 def test_under_a_smooth_body_the_area_is_that_between_its_edges():
     law, load = em.AdhesiveShear(1e5, 1e-2, 0.1), 2.0
     elastic = em.Prony(1e6, [1.0], [1e-3])
-    ball = em.friction(elastic, em.Paraboloid(0.01), velocity=1e-2, load=load, adhesion=law)
+    ball = em.friction(
+        elastic, em.Paraboloid(0.01), velocity=1e-2, load=load, adhesion=law
+    )
     a = (0.75 * load * 0.01 / 4e6) ** (1 / 3)  # Hertz, E* = 4 G
     assert ball.contact_area == pytest.approx(np.pi * a**2, rel=1e-5)
     assert ball.adhesion == pytest.approx(1e5 * np.pi * a**2 / load, rel=1e-5)
-    roll = em.friction(em.springs(RUBBER, 2e-3, bonded=False), em.Cylinder(0.05, 0.1), velocity=0.1, load=50.0,
-                       adhesion=law)  # fmt: skip
-    assert roll.contact_area == pytest.approx(0.1 * (roll.contact.leading + roll.contact.trailing), rel=1e-14)
-    assert roll.mu == pytest.approx(roll.hysteresis + formula(0.1, 293.15, 1e5, 1e-2, 0.1) * roll.contact_area / 50)
+    roll = em.friction(
+        em.springs(RUBBER, 2e-3, bonded=False),
+        em.Cylinder(0.05, 0.1),
+        velocity=0.1,
+        load=50.0,
+        adhesion=law,
+    )
+    assert roll.contact_area == pytest.approx(
+        0.1 * (roll.contact.leading + roll.contact.trailing), rel=1e-14
+    )
+    assert roll.mu == pytest.approx(
+        roll.hysteresis + formula(0.1, 293.15, 1e5, 1e-2, 0.1) * roll.contact_area / 50
+    )
 
 
 def test_that_area_is_close_to_what_cells_find():
     ones = em.Softening([1e-3, 1e-1], [1.0, 1.0], [1.0, 1.0])
-    body, velocity, solid = em.Paraboloid(0.01), 0.02, em.StandardSolid(1e6, 9e6, 1e-2, softening=ones)
+    body, velocity, solid = (
+        em.Paraboloid(0.01),
+        0.02,
+        em.StandardSolid(1e6, 9e6, 1e-2, softening=ones),
+    )
     law = em.AdhesiveShear(1e5, 1e-2, 0.1)
     line = em.friction(solid, body, velocity=velocity, load=1.0, adhesion=law)
-    cells = em.friction(solid, body, velocity=velocity, load=1.0, adhesion=law, model=em.HalfSpace(cells=64))
+    cells = em.friction(
+        solid,
+        body,
+        velocity=velocity,
+        load=1.0,
+        adhesion=law,
+        model=em.HalfSpace(cells=64),
+    )
     off = line.contact_area / cells.contact_area - 1
-    assert 0.01 < abs(off) < 0.2 * (1 - line.contact.trailing / line.contact.leading)  # an asymmetric contact
+    # an asymmetric contact
+    assert 0.01 < abs(off) < 0.2 * (1 - line.contact.trailing / line.contact.leading)
     assert abs(line.mu - cells.mu) < line.model_error + cells.error
     assert "softening with strain left out" in cells.model
 
@@ -106,17 +149,30 @@ def test_derivatives_through_both_parts_are_those_of_differences():
     start = np.array([5e6, 3e-3, 0.12, 9e4, 1e5, 9e6, 300.0])
 
     def mu(factor):
-        stress, velocity, width, energy, pressure, modulus, kelvin = (start[i] * factor[i] for i in range(7))
-        law = em.AdhesiveShear(stress, velocity, width, shift=em.Arrhenius(energy, 293.15))
+        stress, velocity, width, energy, pressure, modulus, kelvin = (
+            start[i] * factor[i] for i in range(7)
+        )
+        law = em.AdhesiveShear(
+            stress, velocity, width, shift=em.Arrhenius(energy, 293.15)
+        )
         solid = em.StandardSolid(1e6, modulus, 1e-3, shift=em.WLF(8.9, 101.6, 293.15))
-        return em.friction(solid, ROAD, velocity=0.05, pressure=pressure, temperature=kelvin, adhesion=law,
-                           rtol=1e-9).mu  # fmt: skip
+        return em.friction(
+            solid,
+            ROAD,
+            velocity=0.05,
+            pressure=pressure,
+            temperature=kelvin,
+            adhesion=law,
+            rtol=1e-9,
+        ).mu
 
     with jax.enable_x64(True):
         exact = np.array(jax.grad(mu)(jnp.ones(7)))
     h = 1e-3
     centred = [
-        (8 * (mu(1 + h * x) - mu(1 - h * x)) - mu(1 + 2 * h * x) + mu(1 - 2 * h * x)) / (12 * h) for x in np.eye(7)
+        (8 * (mu(1 + h * x) - mu(1 - h * x)) - mu(1 + 2 * h * x) + mu(1 - 2 * h * x))
+        / (12 * h)
+        for x in np.eye(7)
     ]
     assert np.abs(centred).min() > 1e-3
     assert exact == pytest.approx(centred, rel=1e-5)
@@ -125,13 +181,22 @@ def test_derivatives_through_both_parts_are_those_of_differences():
 def test_derivatives_under_a_smooth_body():
     def mu(stress, load):
         law = em.AdhesiveShear(stress * 1e5, 1e-2, 0.1)
-        return em.friction(em.StandardSolid(1e6, 9e6, 1e-2), em.Paraboloid(0.01), velocity=0.02, load=load,
-                           adhesion=law, rtol=1e-8).mu  # fmt: skip
+        return em.friction(
+            em.StandardSolid(1e6, 9e6, 1e-2),
+            em.Paraboloid(0.01),
+            velocity=0.02,
+            load=load,
+            adhesion=law,
+            rtol=1e-8,
+        ).mu
 
     with jax.enable_x64(True):
         exact = np.array(jax.grad(mu, (0, 1))(1.0, 1.0), dtype=float)
     h = 1e-3
-    centred = [float(mu(1 + h, 1.0) - mu(1 - h, 1.0)) / (2 * h), float(mu(1.0, 1 + h) - mu(1.0, 1 - h)) / (2 * h)]
+    centred = [
+        float(mu(1 + h, 1.0) - mu(1 - h, 1.0)) / (2 * h),
+        float(mu(1.0, 1 + h) - mu(1.0, 1 - h)) / (2 * h),
+    ]
     assert exact == pytest.approx(centred, rel=1e-5)
 
 
@@ -146,14 +211,38 @@ LINE = em.RoughLine(np.arange(64) / 64e3, 1e-6 * np.sin(2 * np.pi * np.arange(64
         (lambda: em.AdhesiveShear(1e6, 1e-3, -0.1), "width"),
         (lambda: em.AdhesiveShear(1e6, 1e-3, 0.1, shift=9e4), "shift"),
         (lambda: LAW.shear_stress(1.0), "temperature"),
-        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, adhesion=5e6), "AdhesiveShear"),
-        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, adhesion=LAW), "temperature"),
-        (lambda: em.friction(RUBBER, em.Sphere(0.01), velocity=1.0, load=1.0, adhesion=LAW), "temperature"),
-        (lambda: em.friction(RUBBER, LINE, velocity=1.0, load=1.0, adhesion=LAW), "area of real contact"),
-        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, load=1.0, adhesion=LAW), "area of real contact"),
-        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, model="line", adhesion=LAW), "em.Multiscale"),
         (
-            lambda: em.plan(RUBBER, LINE, velocity=1.0, load=1.0, temperature=300.0, adhesion=LAW),
+            lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, adhesion=5e6),
+            "AdhesiveShear",
+        ),
+        (
+            lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, adhesion=LAW),
+            "temperature",
+        ),
+        (
+            lambda: em.friction(
+                RUBBER, em.Sphere(0.01), velocity=1.0, load=1.0, adhesion=LAW
+            ),
+            "temperature",
+        ),
+        (
+            lambda: em.friction(RUBBER, LINE, velocity=1.0, load=1.0, adhesion=LAW),
+            "area of real contact",
+        ),
+        (
+            lambda: em.friction(RUBBER, ROAD, velocity=1.0, load=1.0, adhesion=LAW),
+            "area of real contact",
+        ),
+        (
+            lambda: em.friction(
+                RUBBER, ROAD, velocity=1.0, pressure=1e5, model="line", adhesion=LAW
+            ),
+            "em.Multiscale",
+        ),
+        (
+            lambda: em.plan(
+                RUBBER, LINE, velocity=1.0, load=1.0, temperature=300.0, adhesion=LAW
+            ),
             "area of real contact",
         ),
     ],
@@ -186,20 +275,37 @@ velocity = ["1 mm/s", "10 mm/s"]
 
 def test_a_scene_has_a_table_for_it(tmp_path, capsys):
     path = tmp_path / "dry.toml"
-    path.write_text(SCENE_FILE.format(more='energy = "80 kJ/mol"\nreference = "20 degC"'), encoding="utf-8")
+    path.write_text(
+        SCENE_FILE.format(more='energy = "80 kJ/mol"\nreference = "20 degC"'),
+        encoding="utf-8",
+    )
     assert main(["friction", str(path), "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "6 MPa at 0.005 m/s" in said
-    header, *rows = [x for x in (tmp_path / "dry-friction.csv").read_text("utf-8").splitlines() if x[0] != "#"]
-    table = dict(zip(header.split(","), np.array([row.split(",") for row in rows]).T, strict=True))
+    header, *rows = [
+        x
+        for x in (tmp_path / "dry-friction.csv").read_text("utf-8").splitlines()
+        if x[0] != "#"
+    ]
+    table = dict(
+        zip(
+            header.split(","), np.array([row.split(",") for row in rows]).T, strict=True
+        )
+    )
     mu, one, other, area = (
         table[f"{name} [-]"].astype(float)
-        for name in ("friction coefficient", "friction coefficient of hysteresis",
-                     "friction coefficient of adhesive shear", "real contact area over nominal area")
-    )  # fmt: skip
+        for name in (
+            "friction coefficient",
+            "friction coefficient of hysteresis",
+            "friction coefficient of adhesive shear",
+            "real contact area over nominal area",
+        )
+    )
     assert mu == pytest.approx(one + other, rel=1e-12)
     v = np.array([1e-3, 1e-2])
-    assert other == pytest.approx(formula(v, 293.15, 6e6, 5e-3, 0.1, 8e4) * area / 3e5, rel=1e-9)
+    assert other == pytest.approx(
+        formula(v, 293.15, 6e6, 5e-3, 0.1, 8e4) * area / 3e5, rel=1e-9
+    )
     assert main(["plan", str(path)]) == 0
     path.write_text(SCENE_FILE.format(more='energy = "80 kJ/mol"'), encoding="utf-8")
     assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
@@ -207,12 +313,24 @@ def test_a_scene_has_a_table_for_it(tmp_path, capsys):
 
 
 def test_with_heat_a_point_without_an_answer_is_nan():
-    """Its temperature, NaN, is none that a shift law takes; other points keep theirs."""
-    rubber = em.load_material("epdm-70")  # shift factors up to 53 degC only, beyond which heat has no answer
-    heat, road = em.Heat(0.25, 2e6), em.SelfAffine(0.8, rms_slope=1.0, q_low=1.2e3, q_high=3e5)
+    """Its temperature, NaN, is none that a shift law takes; other points keep
+    theirs.
+    """
+    # shift factors up to 53 degC only, beyond which heat has no answer
+    rubber = em.load_material("epdm-70")
+    heat, road = (
+        em.Heat(0.25, 2e6),
+        em.SelfAffine(0.8, rms_slope=1.0, q_low=1.2e3, q_high=3e5),
+    )
     with pytest.warns(em.ConvergenceWarning):
         found = em.friction(
-            rubber, road, velocity=[1e-4, 10.0], pressure=3e5, temperature=293.15, heat=heat, adhesion=LAW
+            rubber,
+            road,
+            velocity=[1e-4, 10.0],
+            pressure=3e5,
+            temperature=293.15,
+            heat=heat,
+            adhesion=LAW,
         )
     assert list(found.converged) == [True, False]
     assert np.isfinite(found.mu[0])

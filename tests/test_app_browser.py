@@ -1,4 +1,6 @@
-"""The page in a real browser, served as the command serves it, with no network but this machine."""
+"""The page in a real browser, served as the command serves it, with no network but this
+machine.
+"""
 
 import os
 import signal
@@ -17,15 +19,21 @@ from elastomdr.cli.main import main
 from .browser import PROGRAM, Browser, wait
 
 SAMPLE = Path(__file__).parents[1] / "examples" / "data"
-needs_nicegui = pytest.mark.skipif(find_spec("nicegui") is None, reason="NiceGUI is not installed (extra app)")
+needs_nicegui = pytest.mark.skipif(
+    find_spec("nicegui") is None, reason="NiceGUI is not installed (extra app)"
+)
 SHOWN = (
-    "[...document.querySelectorAll('img.figure')].filter(e => e.offsetParent && e.complete && e.naturalWidth).length"
+    "[...document.querySelectorAll('img.figure')].filter(e => e.offsetParent && "
+    "e.complete && e.naturalWidth).length"
 )
 WIDE = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 CUT = """[...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].filter(e => e.offsetParent
     && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.words, .frame, .scroll')).length"""
 
-LONG = "[...document.querySelectorAll('.q-field--error .q-field__messages')].filter(e => e.offsetParent)"
+LONG = (
+    "[...document.querySelectorAll('.q-field--error .q-field__messages')].filter(e => "
+    "e.offsetParent)"
+)
 ALERTS = "[...document.querySelectorAll('.alert')].filter(e => e.offsetParent)"
 BELOW = f"{LONG}[0].closest('.field').parentElement.nextElementSibling"
 
@@ -36,7 +44,11 @@ def address(tmp_path_factory):
     place = tmp_path_factory.mktemp("server")
     command = [sys.executable, "-m", "elastomdr", "app", "--no-browser"]
     with subprocess.Popen(
-        command, cwd=place, env={**os.environ, "TMPDIR": str(place)}, stdout=subprocess.PIPE, text=True
+        command,
+        cwd=place,
+        env={**os.environ, "TMPDIR": str(place)},
+        stdout=subprocess.PIPE,
+        text=True,
     ) as server:
         line = server.stdout.readline()
         wait(lambda: list(place.glob("elastomdr-app-*")), "the folder", 60)
@@ -78,7 +90,9 @@ def _answers(address):
 
 
 @needs_nicegui
-@pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed (apt-get install chromium)")
+@pytest.mark.skipif(
+    PROGRAM is None, reason="Chromium is not installed (apt-get install chromium)"
+)
 def test_from_files_to_friction(address, tmp_path):
     wait(lambda: _answers(address), "the server", 60)
     browser = Browser()
@@ -92,23 +106,45 @@ def test_from_files_to_friction(address, tmp_path):
         browser.click("Road")
         browser.until(f"{SHOWN} == 1")
         browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "road.csv")
-        browser.until("document.body.innerText.includes('[surface] convention is missing')")  # never guessed
+        # never guessed
+        browser.until(
+            "document.body.innerText.includes('[surface] convention is missing')"
+        )
         browser.click("Use sample road")
         browser.until("document.body.innerText.includes('0.8034')")
-        slider = "[...document.querySelectorAll('.q-slider [tabindex]')].filter(e => e.offsetParent)[1]"
+        slider = (
+            "[...document.querySelectorAll('.q-slider [tabindex]')].filter(e => "
+            "e.offsetParent)[1]"
+        )
         browser.js(f"{slider}.focus()")
-        browser.press("ArrowRight", 39)  # a cutoff moves by a key, and the figure with it
-        browser.until("document.body.innerText.includes('wavelengths') && !document.body.innerText.includes('0.8034')")
+        # a cutoff moves by a key, and the figure with it
+        browser.press("ArrowRight", 39)
+        browser.until(
+            "document.body.innerText.includes('wavelengths') && "
+            "!document.body.innerText.includes('0.8034')"
+        )
         browser.click("Friction")
-        browser.until("[...document.querySelectorAll('input')].some(e => e.value == '0.3 MPa' && e.offsetParent)")
-        browser.js("[...document.querySelectorAll('input')].find(e => e.value == '0.3 MPa' && e.offsetParent).focus()")
+        browser.until(
+            "[...document.querySelectorAll('input')].some(e => e.value == '0.3 "
+            "MPa' && e.offsetParent)"
+        )
+        browser.js(
+            "[...document.querySelectorAll('input')].find(e => e.value == '0.3 "
+            "MPa' && e.offsetParent).focus()"
+        )
         browser.press("Enter", 13)
         browser.until(f"{SHOWN} == 1")
-        browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "dma.csv")  # is no friction, which takes some words
-        browser.until(f"{LONG}.some(e => e.innerText.includes('there is no column of velocity'))")
+        # is no friction, which takes some words
+        browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "dma.csv")
+        browser.until(
+            f"{LONG}.some(e => e.innerText.includes('there is no column of velocity'))"
+        )
         for width in (390, 1280):
             browser.resize(width)
-            browser.until(f"{LONG}.every(e => e.getBoundingClientRect().bottom <= {BELOW}.getBoundingClientRect().top)")
+            browser.until(
+                f"{LONG}.every(e => e.getBoundingClientRect().bottom <= "
+                f"{BELOW}.getBoundingClientRect().top)"
+            )
         browser.click("Export")
         browser.click("Scene (TOML)")
         scene = browser.downloads / "friction.toml"
@@ -120,8 +156,13 @@ def test_from_files_to_friction(address, tmp_path):
             browser.resize(width)
             for stage in ("Rubber", "Road", "Friction", "Export"):
                 find = f"find(e => e.innerText.trim() == '{stage}')"
-                browser.js(f"[...document.querySelectorAll('[role=tab]')].{find}.click()")
-                browser.until(f"document.querySelector('[role=tab][aria-selected=true]').innerText.trim() == '{stage}'")
+                browser.js(
+                    f"[...document.querySelectorAll('[role=tab]')].{find}.click()"
+                )
+                browser.until(
+                    "document.querySelector('[role=tab][aria-selected=true]').innerText.trim() "
+                    f"== '{stage}'"
+                )
                 browser.until(f"{WIDE} && {CUT} == 0", 20)
         assert not browser.console
     finally:

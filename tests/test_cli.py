@@ -27,7 +27,9 @@ def place(tmp_path, monkeypatch):
     return tmp_path
 
 
-def write(folder: Path, *changes: tuple[str, str], name: str = "scene.toml", text: str = SCENE) -> str:
+def write(
+    folder: Path, *changes: tuple[str, str], name: str = "scene.toml", text: str = SCENE
+) -> str:
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
@@ -36,7 +38,9 @@ def write(folder: Path, *changes: tuple[str, str], name: str = "scene.toml", tex
 
 
 def refused(capsys, *argv: str) -> str:
-    """Runs what must fail as bad input: status 2, one line on stderr, no file written; returns that line."""
+    """Runs what must fail as bad input: status 2, one line on stderr, no file written;
+    returns that line.
+    """
     before = sorted(Path().rglob("*"))
     assert main(argv) == 2
     out, err = capsys.readouterr()
@@ -63,11 +67,21 @@ def test_scene_to_table_and_figure(place, capsys, verb, call, coefficient):
     assert err == ""
     assert out.startswith("Slider\n")
     assert f"new/folder/scene-{verb}.csv" in out.replace(os.sep, "/")
-    assert sorted(p.name for p in Path("new/folder").iterdir()) == [f"scene-{verb}.csv", f"scene-{verb}.png"]
+    assert sorted(p.name for p in Path("new/folder").iterdir()) == [
+        f"scene-{verb}.csv",
+        f"scene-{verb}.png",
+    ]
     assert Path(f"new/folder/scene-{verb}.png").read_bytes().startswith(b"\x89PNG")
     lines = Path(f"new/folder/scene-{verb}.csv").read_text().splitlines()
     header = "\n".join(line for line in lines if line.startswith("# "))
-    for said in (em.__version__, "Slider", "scene.toml", "10 N", "bare MDR line", "units: SI"):
+    for said in (
+        em.__version__,
+        "Slider",
+        "scene.toml",
+        "10 N",
+        "bare MDR line",
+        "units: SI",
+    ):
         assert said in header
     table = pd.read_csv(f"new/folder/scene-{verb}.csv", comment="#")
     expected = call(
@@ -83,7 +97,9 @@ def test_scene_to_table_and_figure(place, capsys, verb, call, coefficient):
     assert table["converged"].dtype == bool
     np.testing.assert_allclose(table["velocity [m/s]"], expected.velocity, rtol=1e-14)
     np.testing.assert_allclose(
-        table[coefficient], expected.mu if verb == "friction" else expected.coefficient, rtol=1e-14
+        table[coefficient],
+        expected.mu if verb == "friction" else expected.coefficient,
+        rtol=1e-14,
     )
 
 
@@ -92,7 +108,9 @@ def test_points_that_fail_give_status_3_and_empty_cells(place, capsys, monkeypat
 
     def half_failed(*args, **kwargs):
         curve = computed(*args, **kwargs)
-        warnings.warn("1 of 4 points did not converge", ConvergenceWarning, stacklevel=2)
+        warnings.warn(
+            "1 of 4 points did not converge", ConvergenceWarning, stacklevel=2
+        )
         object.__setattr__(curve, "mu", np.where(np.arange(4) == 1, np.nan, curve.mu))
         object.__setattr__(curve, "converged", np.arange(4) != 1)
         return curve
@@ -104,7 +122,12 @@ def test_points_that_fail_give_status_3_and_empty_cells(place, capsys, monkeypat
     assert err.count("\n") == 1
     assert "1 of 4" in err
     table = pd.read_csv("scene-friction.csv", comment="#")
-    assert table["friction coefficient [-]"].isna().tolist() == [False, True, False, False]
+    assert table["friction coefficient [-]"].isna().tolist() == [
+        False,
+        True,
+        False,
+        False,
+    ]
 
 
 def test_plan(place, capsys):
@@ -126,7 +149,14 @@ def test_materials(place, capsys):
     assert "source, moduli" in capsys.readouterr().out
     assert main(["materials", "rubber.toml"]) == 0
     shown = capsys.readouterr().out
-    for said in ("1 MPa", "4 MPa", "WLF", "c2 = 101.6 K", "reference = 293.15 K", "0.01"):
+    for said in (
+        "1 MPa",
+        "4 MPa",
+        "WLF",
+        "c2 = 101.6 K",
+        "reference = 293.15 K",
+        "0.01",
+    ):
         assert said in shown
     assert "Did you mean" in refused(capsys, "materials", em.materials()[0] + "x")
 
@@ -208,7 +238,9 @@ def test_lists_get_axes_of_their_own(place):
     np.testing.assert_allclose(found["depth"], [[1e-3], [2e-5]])
     np.testing.assert_allclose(found["velocity"], np.geomspace(1e-3, 1.0, 4))
     assert found["model"] == em.Line()
-    one = arguments("friction", write(place, ('"20 degC"', '["20 degC"]'), ('"10 N"', '"2 lbf"')))
+    one = arguments(
+        "friction", write(place, ('"20 degC"', '["20 degC"]'), ('"10 N"', '"2 lbf"'))
+    )
     assert one["temperature"] == 293.15
     assert one["load"] == pytest.approx(8.896443)
 
@@ -218,55 +250,100 @@ SHAPES = {
     'shape = "cone"\nslope = 0.2': em.Cone(0.2),
     'shape = "power_law"\nexponent = 3\ncoefficient = "2 mm^-2"': em.PowerLaw(3, 2e6),
     'shape = "power_law"\nexponent = 1\ncoefficient = 0.2': em.PowerLaw(1, 0.2),
-    'shape = "power_law"\nexponent = 2.5\ncoefficient = "100 m^-1.5"': em.PowerLaw(2.5, 100),
+    'shape = "power_law"\nexponent = 2.5\ncoefficient = "100 m^-1.5"': em.PowerLaw(
+        2.5, 100
+    ),
     'shape = "flat_punch"\nradius = "1 cm"': em.FlatPunch(0.01),
-    'shape = "profile"\nunit = "mm"\nr = [0, 1, 2, 3, 4]\nz = [0.0, 0.1, 0.4, 0.9, 1.6]': em.Profile(
+    (
+        'shape = "profile"\nunit = "mm"\nr = [0, 1, 2, 3, 4]\nz = [0.0, 0.1, 0.4, '
+        "0.9, 1.6]"
+    ): em.Profile(1e-3 * np.arange(5.0), 1e-4 * np.arange(5.0) ** 2),
+    'shape = "profile"\nunit = "mm"\nfile = "tip.csv"': em.Profile(
         1e-3 * np.arange(5.0), 1e-4 * np.arange(5.0) ** 2
     ),
-    'shape = "profile"\nunit = "mm"\nfile = "tip.csv"': em.Profile(1e-3 * np.arange(5.0), 1e-4 * np.arange(5.0) ** 2),
 }
 
 
 @pytest.mark.parametrize("text", SHAPES)
 def test_shapes(place, text):
-    (place / "tip.csv").write_text("# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n")
-    shape = arguments("friction", write(place, ('shape = "paraboloid"\nradius = "5 mm"', text)))["shape"]
+    (place / "tip.csv").write_text(
+        "# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n"
+    )
+    shape = arguments(
+        "friction", write(place, ('shape = "paraboloid"\nradius = "5 mm"', text))
+    )["shape"]
     assert type(shape) is type(SHAPES[text])
-    for found, expected in zip(*(jax.tree.leaves(s) for s in (shape, SHAPES[text])), strict=True):
+    for found, expected in zip(
+        *(jax.tree.leaves(s) for s in (shape, SHAPES[text])), strict=True
+    ):
         np.testing.assert_allclose(found, expected, rtol=1e-14)
 
 
 def test_bad_line_in_a_profile(place, capsys):
     (place / "tip.csv").write_text("0, 0\n1, 0.1\n2, x\n3, 0.9\n")
-    name = write(place, ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nfile = "tip.csv"'))
+    name = write(
+        place,
+        (
+            'shape = "paraboloid"\nradius = "5 mm"',
+            'shape = "profile"\nunit = "mm"\nfile = "tip.csv"',
+        ),
+    )
     assert "line 3" in refused(capsys, "friction", name)
 
 
 def test_layer_and_two_bodies(place):
-    name = write(place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\n[contact]'))
+    name = write(
+        place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\n[contact]')
+    )
     layer = arguments("friction", name)["material"]
     assert isinstance(layer, em.Layer)
     assert (float(layer.thickness), layer.bonded) == (8e-3, False)
-    name = write(place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\nsprings = true\n[contact]'))
+    name = write(
+        place,
+        (
+            "[contact]",
+            '[layer]\nthickness = "8 mm"\nbonded = false\nsprings = true\n[contact]',
+        ),
+    )
     layer = arguments("friction", name)["material"]
     rubber = em.load_material("rubber.toml")
-    np.testing.assert_allclose(layer.moduli, em.springs(rubber, 8e-3, bonded=False).moduli)
-    both = arguments("friction", write(place, ("temperature", 'other = "rubber.toml"\ntemperature')))["material"]
+    np.testing.assert_allclose(
+        layer.moduli, em.springs(rubber, 8e-3, bonded=False).moduli
+    )
+    both = arguments(
+        "friction", write(place, ("temperature", 'other = "rubber.toml"\ntemperature'))
+    )["material"]
     np.testing.assert_allclose(both.moduli, em.half_space(rubber, rubber).moduli)
 
 
 def test_two_bodies_that_shift_differently_meet_at_one_temperature(place, capsys):
-    other = Path("rubber.toml").read_text().replace("8.86", "17.4").replace("1e6", "3e6")
+    other = (
+        Path("rubber.toml").read_text().replace("8.86", "17.4").replace("1e6", "3e6")
+    )
     (place / "other.toml").write_text(other)
-    found = arguments("friction", write(place, ("temperature", 'other = "other.toml"\ntemperature')))
-    first, second = (em.load_material(name).at(293.15) for name in ("rubber.toml", "other.toml"))
-    np.testing.assert_allclose(found["material"].times, em.half_space(first, second).times)
+    found = arguments(
+        "friction", write(place, ("temperature", 'other = "other.toml"\ntemperature'))
+    )
+    first, second = (
+        em.load_material(name).at(293.15) for name in ("rubber.toml", "other.toml")
+    )
+    np.testing.assert_allclose(
+        found["material"].times, em.half_space(first, second).times
+    )
     assert "at 293.15 K" in found["material"].name
     assert "temperature" not in found
-    name = write(place, ('temperature = "20 degC"', 'other = "other.toml"\ntemperature = ["20 degC", "30 degC"]'))
+    name = write(
+        place,
+        (
+            'temperature = "20 degC"',
+            'other = "other.toml"\ntemperature = ["20 degC", "30 degC"]',
+        ),
+    )
     assert "must be a single value, got several" in refused(capsys, "friction", name)
     name = write(place, ('temperature = "20 degC"', 'other = "other.toml"'))
-    assert "temperature must be a single value, got none" in refused(capsys, "friction", name)
+    assert "temperature must be a single value, got none" in refused(
+        capsys, "friction", name
+    )
 
 
 def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
@@ -277,18 +354,29 @@ def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "scene", sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml")), ids=lambda p: p.stem
+    "scene",
+    sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml")),
+    ids=lambda p: p.stem,
 )
 def test_shipped_scenes_can_be_read(scene):
     verb = scene.read_text().split("elastomdr ")[1].split()[0]
     if verb == "sweep":
         call, axes = assembled(read_content(scene), scene.parent)
-        assert len(call.arguments) * np.prod([len(axis) for name, axis in axes.items() if name not in call.names]) > 100
+        assert (
+            len(call.arguments)
+            * np.prod(
+                [len(axis) for name, axis in axes.items() if name not in call.names]
+            )
+            > 100
+        )
         return
     read = read_scene(verb, scene)
     assert read.title
     found = read.arguments(scene.parent)
-    assert max(np.size(found[key]) for key in ("velocity", "slip", "time") if key in found) >= 3
+    assert (
+        max(np.size(found[key]) for key in ("velocity", "slip", "time") if key in found)
+        >= 3
+    )
     if read.called() in ("friction", "rolling") and read.mark == "indenter":
         assert em.plan(**found, quantity=verb).points >= 3
 

@@ -1,4 +1,6 @@
-"""The command line's tables of applications: [heat_build_up], [conveyor], traction, a rough line that slides."""
+"""The command line's tables of applications: [heat_build_up], [conveyor], traction, a
+rough line that slides.
+"""
 
 import os
 import re
@@ -27,7 +29,12 @@ from .cli_application_cases import (
 )
 from .cli_cases import MATERIAL, SCENE, arguments
 
-LAW = em.FrictionLaw([0.01, 1.0, 30.0], np.array([[[0.5, 0.8, 0.6]], [[0.6, 0.9, 0.7]]]), [270.0, 300.0], [2e5])
+LAW = em.FrictionLaw(
+    [0.01, 1.0, 30.0],
+    np.array([[[0.5, 0.8, 0.6]], [[0.6, 0.9, 0.7]]]),
+    [270.0, 300.0],
+    [2e5],
+)
 
 
 @pytest.fixture(autouse=True)
@@ -49,13 +56,18 @@ def write(text: str, *changes: tuple[str, str]) -> str:
 
 
 def written(capsys, verb: str, scene: str, stem: str, title: str) -> pd.DataFrame:
-    """Runs what must succeed, into a new folder: a summary, one table and one figure; returns the table."""
+    """Runs what must succeed, into a new folder: a summary, one table and one figure;
+    returns the table.
+    """
     assert main([verb, scene, "--out", "out"]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     assert out.startswith(f"{title}\n")
     assert f"out/{stem}.csv" in out.replace(os.sep, "/")
-    assert sorted(p.name for p in Path("out").iterdir() if p.suffix != ".tir") == [f"{stem}.csv", f"{stem}.png"]
+    assert sorted(p.name for p in Path("out").iterdir() if p.suffix != ".tir") == [
+        f"{stem}.csv",
+        f"{stem}.png",
+    ]
     assert Path(f"out/{stem}.png").read_bytes().startswith(b"\x89PNG")
     return pd.read_csv(f"out/{stem}.csv", comment="#")
 
@@ -66,22 +78,48 @@ def tyre():
 
 def test_impact(capsys):
     table = written(capsys, "impact", write(IMPACT), "scene-impact", "Bounces")
-    found = em.impact(em.load_material("rubber.toml"), em.Sphere(5e-3), velocity=np.geomspace(0.1, 1.0, 3), rtol=1e-4,
-                      mass=np.array([[4e-3], [8e-3]]), temperature=np.array([[[273.15]], [[293.15]]]))  # fmt: skip
-    np.testing.assert_allclose(table["coefficient of restitution [-]"], found.restitution.ravel(), rtol=1e-12)
-    np.testing.assert_allclose(table["mass [kg]"], np.tile(np.repeat([4e-3, 8e-3], 3), 2), rtol=1e-12)
+    found = em.impact(
+        em.load_material("rubber.toml"),
+        em.Sphere(5e-3),
+        velocity=np.geomspace(0.1, 1.0, 3),
+        rtol=1e-4,
+        mass=np.array([[4e-3], [8e-3]]),
+        temperature=np.array([[[273.15]], [[293.15]]]),
+    )
+    np.testing.assert_allclose(
+        table["coefficient of restitution [-]"], found.restitution.ravel(), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        table["mass [kg]"], np.tile(np.repeat([4e-3, 8e-3], 3), 2), rtol=1e-12
+    )
 
 
 def test_warming(capsys):
-    table = written(capsys, "rolling", write(WARMING), "scene-heat_build_up", "Warms up")
-    warm = em.heat_build_up(tyre(), em.Cylinder(0.1, 0.05), velocity=[1.0, 2.0], load=800.0, ambient=273.15, conductance=20.0,
-                      hottest=373.15, rtol=1e-4)  # fmt: skip
+    table = written(
+        capsys, "rolling", write(WARMING), "scene-heat_build_up", "Warms up"
+    )
+    warm = em.heat_build_up(
+        tyre(),
+        em.Cylinder(0.1, 0.05),
+        velocity=[1.0, 2.0],
+        load=800.0,
+        ambient=273.15,
+        conductance=20.0,
+        hottest=373.15,
+        rtol=1e-4,
+    )
     np.testing.assert_allclose(table["steady temperature [K]"], warm.steady, rtol=1e-12)
 
 
 def test_warming_over_time(capsys):
     text = 'capacity = "2 kJ/K"\nduration = "10 min"\npoints = 5\nhottest'
-    table = written(capsys, "rolling", write(WARMING, ("hottest", text)), "scene-heat_build_up", "Warms up")
+    table = written(
+        capsys,
+        "rolling",
+        write(WARMING, ("hottest", text)),
+        "scene-heat_build_up",
+        "Warms up",
+    )
     np.testing.assert_allclose(table["time [s]"], np.tile(np.linspace(0, 600, 5), 2))
     cold = table["temperature [K]"].to_numpy().reshape(2, 5)
     np.testing.assert_allclose(cold[:, 0], 273.15, atol=1e-9)
@@ -91,68 +129,140 @@ def test_warming_over_time(capsys):
 def test_conveyor(capsys):
     table = written(capsys, "rolling", write(BELT), "scene-conveyor", "Belt")
     below, above = (em.layer(em.load_material("rubber.toml"), h) for h in (6e-3, 8e-3))
-    carry = em.Idlers(below, em.Cylinder(0.08, 0.4), spacing=1.2, shares=[0.2, 0.6, 0.2])
-    back = em.Idlers(above, em.Cylinder(0.08, 1.2), spacing=3.0)  # as long as three rolls
-    found = em.conveyor(carry, back, velocity=[1.0, 5.0], belt=28.0, goods=np.array([[0.0], [120.0]]),
-                        temperature=np.array([[[273.15]], [[293.15]]]))  # fmt: skip
+    carry = em.Idlers(
+        below, em.Cylinder(0.08, 0.4), spacing=1.2, shares=[0.2, 0.6, 0.2]
+    )
+    # as long as three rolls
+    back = em.Idlers(above, em.Cylinder(0.08, 1.2), spacing=3.0)
+    found = em.conveyor(
+        carry,
+        back,
+        velocity=[1.0, 5.0],
+        belt=28.0,
+        goods=np.array([[0.0], [120.0]]),
+        temperature=np.array([[[273.15]], [[293.15]]]),
+    )
     np.testing.assert_allclose(table["power [W/m]"], found.power.ravel(), rtol=1e-12)
-    np.testing.assert_allclose(table["temperature [K]"], found.temperature.ravel(), rtol=1e-12)
+    np.testing.assert_allclose(
+        table["temperature [K]"], found.temperature.ravel(), rtol=1e-12
+    )
 
 
 @pytest.mark.parametrize("friction", ['"mu.csv"', "0.8"])
 def test_traction(capsys, friction):
-    table = written(capsys, "traction", write(WHEEL, ('"mu.csv"', friction)), "scene-traction", "Brakes")
+    table = written(
+        capsys,
+        "traction",
+        write(WHEEL, ('"mu.csv"', friction)),
+        "scene-traction",
+        "Brakes",
+    )
     slip, kelvin = np.geomspace(0.01, 0.9, 5), np.array([273.15, 293.15])[:, None, None]
     found = em.traction(
-        em.Foundation(8e7, [], []), em.Cylinder(0.3, 0.16), velocity=25.0, slip=slip, temperature=kelvin,
-        load=np.array([[2e3], [4e3]]), friction=em.load_friction("mu.csv") if "csv" in friction else 0.8,
-        tangential=em.springs(em.load_material("rubber.toml"), 8e-3, tangential=True), rtol=1e-4,
-    )  # fmt: skip
-    np.testing.assert_allclose(table["traction coefficient [-]"], found.coefficient.ravel(), rtol=1e-12)
+        em.Foundation(8e7, [], []),
+        em.Cylinder(0.3, 0.16),
+        velocity=25.0,
+        slip=slip,
+        temperature=kelvin,
+        load=np.array([[2e3], [4e3]]),
+        friction=em.load_friction("mu.csv") if "csv" in friction else 0.8,
+        tangential=em.springs(em.load_material("rubber.toml"), 8e-3, tangential=True),
+        rtol=1e-4,
+    )
+    np.testing.assert_allclose(
+        table["traction coefficient [-]"], found.coefficient.ravel(), rtol=1e-12
+    )
     np.testing.assert_allclose(table["slip [-]"], np.tile(slip, 4), rtol=1e-12)
-    assert {p.name for p in Path("out").glob("*.tir")} == {f"scene-traction-{t}degC.tir" for t in (0, 20)}
+    assert {p.name for p in Path("out").glob("*.tir")} == {
+        f"scene-traction-{t}degC.tir" for t in (0, 20)
+    }
     found.to_tir("warm.tir", radius=0.3, width=0.16, temperature=293.15)
-    assert Path("out/scene-traction-20degC.tir").read_text() == Path("warm.tir").read_text()
+    assert (
+        Path("out/scene-traction-20degC.tir").read_text()
+        == Path("warm.tir").read_text()
+    )
 
 
 def test_traction_of_a_ball(capsys):
     wheel = WHEEL[WHEEL.index("[indenter]") : WHEEL.index("[contact]")]
     ball = '[indenter]\nshape = "paraboloid"\nradius = "5 mm"\n\n'
     slip = "slip = { from = 0.01, to = 0.9, points = 5 }"
-    scene = write(WHEEL, (wheel, ball), ('"mu.csv"', "0.5"), (slip, "creepage = [0.01, 0.1]"),
-                  ('load = ["2 kN", "4 kN"]', 'load = "5 N"'))  # fmt: skip
+    scene = write(
+        WHEEL,
+        (wheel, ball),
+        ('"mu.csv"', "0.5"),
+        (slip, "creepage = [0.01, 0.1]"),
+        ('load = ["2 kN", "4 kN"]', 'load = "5 N"'),
+    )
     table = written(capsys, "traction", scene, "scene-traction", "Brakes")
-    found = em.traction(em.load_material("rubber.toml"), em.Paraboloid(5e-3), velocity=25, creepage=[0.01, 0.1], load=5,
-                        friction=0.5, temperature=np.array([[273.15], [293.15]]), rtol=1e-4)  # fmt: skip
-    np.testing.assert_allclose(table["tractive force [N]"], found.force.ravel(), rtol=1e-12)
+    found = em.traction(
+        em.load_material("rubber.toml"),
+        em.Paraboloid(5e-3),
+        velocity=25,
+        creepage=[0.01, 0.1],
+        load=5,
+        friction=0.5,
+        temperature=np.array([[273.15], [293.15]]),
+        rtol=1e-4,
+    )
+    np.testing.assert_allclose(
+        table["tractive force [N]"], found.force.ravel(), rtol=1e-12
+    )
     assert not list(Path("out").glob("*.tir"))  # a ball is no tyre
 
 
 def test_rough_slide(capsys):
-    table = written(capsys, "slide", write(ROUGH_SLIDE), "scene-slide", "Started on a rough line")
-    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6)
+    table = written(
+        capsys, "slide", write(ROUGH_SLIDE), "scene-slide", "Started on a rough line"
+    )
+    surface = em.SelfAffine(
+        0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6
+    )
     load = 5e5 * surface.full_contact_length
     np.testing.assert_allclose(table["normal force [N/m]"], load, rtol=1e-9)
     history = arguments("slide", "scene.toml")
-    again = em.slide(em.load_material("rubber.toml"), surface.line(seed=2, samples=64), temperature=293.15,
-                     rtol=5e-2, **{k: history[k] for k in ("time", "position", "load")})  # fmt: skip
-    # Its wavelengths come out of their units with another last digit, by which an element meets the line a step later.
-    np.testing.assert_allclose(table["friction coefficient [-]"], again.mu, atol=1e-3 * again.mu.max())
-    rule = arguments("slide", write(ROUGH_SLIDE, ('equivalent_length = "full contact"\n', "")))["load"]
+    again = em.slide(
+        em.load_material("rubber.toml"),
+        surface.line(seed=2, samples=64),
+        temperature=293.15,
+        rtol=5e-2,
+        **{k: history[k] for k in ("time", "position", "load")},
+    )
+    # Its wavelengths come out of their units with another last digit, by which an
+    # element meets the line a step later.
+    np.testing.assert_allclose(
+        table["friction coefficient [-]"], again.mu, atol=1e-3 * again.mu.max()
+    )
+    rule = arguments(
+        "slide", write(ROUGH_SLIDE, ('equivalent_length = "full contact"\n', ""))
+    )["load"]
     np.testing.assert_allclose(rule, 5e5 * 1e-4, rtol=1e-12)  # p times the longest wave
-    per_length = arguments("slide", write(ROUGH_SLIDE, ('pressure = "0.5 MPa"', 'load = "3 N/m"')))["load"]
+    per_length = arguments(
+        "slide", write(ROUGH_SLIDE, ('pressure = "0.5 MPa"', 'load = "3 N/m"'))
+    )["load"]
     np.testing.assert_array_equal(per_length, 3.0)
 
 
 def test_drive(capsys):
-    table = written(capsys, "slide", write(DRIVE), "scene-drive", "Started on a rough line")
+    table = written(
+        capsys, "slide", write(DRIVE), "scene-drive", "Started on a rough line"
+    )
     history = arguments("slide", "scene.toml")
     part = float(history["load"][0]) / 10.0
-    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6)
+    surface = em.SelfAffine(
+        0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6
+    )
     given = {k: history[k] for k in ("time", "position", "load", "temperature", "rtol")}
     line = surface.line(seed=2, samples=64)
-    again = em.drive(em.load_material("rubber.toml"), line, tangential=em.Mount(part, 1e3 * part), **given)
-    np.testing.assert_allclose(table["pull of the drive [N/m]"], again.pull, atol=1e-3 * again.pull.max())
+    again = em.drive(
+        em.load_material("rubber.toml"),
+        line,
+        tangential=em.Mount(part, 1e3 * part),
+        **given,
+    )
+    np.testing.assert_allclose(
+        table["pull of the drive [N/m]"], again.pull, atol=1e-3 * again.pull.max()
+    )
     assert "times the drive's in the last fifth" in again.summary()
 
 
@@ -167,14 +277,36 @@ def test_zero_where_nothing_is_something():
 
 
 CASES = {
-    **{f"impact: {name}": ("impact", IMPACT, *case) for name, case in BAD_IMPACTS.items()},
-    **{f"heat_build_up: {name}": ("rolling", WARMING, *case) for name, case in BAD_WARMINGS.items()},
+    **{
+        f"impact: {name}": ("impact", IMPACT, *case)
+        for name, case in BAD_IMPACTS.items()
+    },
+    **{
+        f"heat_build_up: {name}": ("rolling", WARMING, *case)
+        for name, case in BAD_WARMINGS.items()
+    },
     **{f"belt: {name}": ("rolling", BELT, *case) for name, case in BAD_BELTS.items()},
-    **{f"traction: {name}": ("traction", WHEEL, *case) for name, case in BAD_WHEELS.items()},
+    **{
+        f"traction: {name}": ("traction", WHEEL, *case)
+        for name, case in BAD_WHEELS.items()
+    },
     **{f"drive: {name}": ("slide", DRIVE, *case) for name, case in BAD_DRIVES.items()},
-    **{f"slide: {name}": ("slide", ROUGH_SLIDE, *case) for name, case in BAD_ROUGH_SLIDES.items()},
-    "friction of a warming": ("friction", WARMING, ("Warms", "Warms"), "belongs to elastomdr rolling"),
-    "plan of a belt": ("plan", BELT, ("Belt", "Belt"), "[conveyor] belongs to elastomdr rolling"),
+    **{
+        f"slide: {name}": ("slide", ROUGH_SLIDE, *case)
+        for name, case in BAD_ROUGH_SLIDES.items()
+    },
+    "friction of a warming": (
+        "friction",
+        WARMING,
+        ("Warms", "Warms"),
+        "belongs to elastomdr rolling",
+    ),
+    "plan of a belt": (
+        "plan",
+        BELT,
+        ("Belt", "Belt"),
+        "[conveyor] belongs to elastomdr rolling",
+    ),
     "traction of a slider": ("traction", SCENE, ("Slider", "Slider"), "slip"),
     "rolling of a wheel that brakes": (
         "rolling",

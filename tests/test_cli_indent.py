@@ -41,7 +41,11 @@ def test_scene_to_table_and_figure(capsys):
     assert "all converged" in out
     assert Path("out/scene-indent.png").read_bytes().startswith(b"\x89PNG")
     table = pd.read_csv("out/scene-indent.csv", comment="#")
-    header = [line for line in Path("out/scene-indent.csv").read_text().splitlines() if line.startswith("#")]
+    header = [
+        line
+        for line in Path("out/scene-indent.csv").read_text().splitlines()
+        if line.startswith("#")
+    ]
     assert any("MDR line (exact" in line for line in header)
     time = np.linspace(0, 2e-3, 9)
     expected = em.indent(
@@ -53,39 +57,60 @@ def test_scene_to_table_and_figure(capsys):
         rtol=1e-4,
     )
     np.testing.assert_allclose(table["force [N]"], expected.force, rtol=1e-12)
-    np.testing.assert_allclose(table["contact radius [m]"], expected.contact_radius, rtol=1e-12)
+    np.testing.assert_allclose(
+        table["contact radius [m]"], expected.contact_radius, rtol=1e-12
+    )
 
 
 def test_histories():
-    hold = history('program = "hold"\nload = ["1 N", "2 N"]\nduration = "10 s"\nrise = "0.1 s"\npoints = 20')
+    hold = history(
+        'program = "hold"\nload = ["1 N", "2 N"]\nduration = "10 s"\nrise = "0.1 '
+        's"\npoints = 20'
+    )
     assert hold["load"].shape == (2, hold["time"].size)
     np.testing.assert_allclose(hold["load"][:, [0, -1]], [[0, 1], [0, 2]])
-    step = history('program = "hold"\ndepth = "1 mm"\nduration = "10 s"\nspacing = "linear"\npoints = 11')
+    step = history(
+        'program = "hold"\ndepth = "1 mm"\nduration = "10 s"\nspacing = '
+        '"linear"\npoints = 11'
+    )
     np.testing.assert_allclose(step["depth"], 1e-3)
     np.testing.assert_allclose(step["time"], np.arange(11.0))
     at_once = history(
-        'program = "hold"\ndepth = "1 mm"\nduration = "10 s"\nrise = "0 s"\nspacing = "linear"\npoints = 11'
+        'program = "hold"\ndepth = "1 mm"\nduration = "10 s"\nrise = "0 '
+        's"\nspacing = "linear"\npoints = 11'
     )
     np.testing.assert_array_equal(at_once["depth"], step["depth"])
     np.testing.assert_array_equal(
-        history('program = "triangle"\ndepth = "1 mm"\nduration = "2 s"\nrest = "0 s"')["time"],
+        history('program = "triangle"\ndepth = "1 mm"\nduration = "2 s"\nrest = "0 s"')[
+            "time"
+        ],
         history('program = "triangle"\ndepth = "1 mm"\nduration = "2 s"')["time"],
     )
-    twice = history('program = "triangle"\ndepth = "1 mm"\nduration = "2 s"\nrest = "1 s"\ncycles = 2')
+    twice = history(
+        'program = "triangle"\ndepth = "1 mm"\nduration = "2 s"\nrest = "1 s"\ncycles '
+        "= 2"
+    )
     assert twice["time"][-1] == 6.0
-    np.testing.assert_allclose(np.interp([1, 2, 3, 4, 5], twice["time"], twice["depth"]), [1e-3, 0, 0, 1e-3, 0])
+    np.testing.assert_allclose(
+        np.interp([1, 2, 3, 4, 5], twice["time"], twice["depth"]), [1e-3, 0, 0, 1e-3, 0]
+    )
     sine = history(
-        'program = "sine"\ndepth = "1 mm"\namplitude = "0.5 mm"\nfrequency = "2 Hz"\ncycles = 3\npoints = 25'
+        'program = "sine"\ndepth = "1 mm"\namplitude = "0.5 mm"\nfrequency = "2 '
+        'Hz"\ncycles = 3\npoints = 25'
     )
     assert sine["time"][-1] == 1.5
-    np.testing.assert_allclose(sine["depth"], 1e-3 + 5e-4 * np.sin(4 * np.pi * sine["time"]))
+    np.testing.assert_allclose(
+        sine["depth"], 1e-3 + 5e-4 * np.sin(4 * np.pi * sine["time"])
+    )
     points = history('time = ["0 s", "1 min"]\ndepth = ["-1 mm", "1 mm"]\npoints = 3')
     np.testing.assert_allclose(points["time"], [0, 30, 60])
     np.testing.assert_allclose(points["depth"], [-1e-3, 0, 1e-3], atol=1e-18)
 
 
 def test_adhesion_has_its_own_key():
-    found = arguments("indent", write(('temperature = "20 degC"', 'adhesion = "50 mJ/m^2"')))
+    found = arguments(
+        "indent", write(('temperature = "20 degC"', 'adhesion = "50 mJ/m^2"'))
+    )
     np.testing.assert_allclose(found["adhesion"], 0.05)
 
 

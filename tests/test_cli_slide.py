@@ -1,4 +1,6 @@
-"""`elastomdr slide`: its stages against a history written out, what it writes, what it refuses."""
+"""`elastomdr slide`: its stages against a history written out, what it writes, what it
+refuses.
+"""
 
 import re
 from pathlib import Path
@@ -44,22 +46,34 @@ def test_scene_to_table_and_figure(capsys):
         temperature=293.15,
         model=em.Line(),
     )
-    np.testing.assert_allclose(table["friction coefficient [-]"][16], steady.mu, rtol=5e-2)
-    np.testing.assert_allclose(table["normal force [N]"], [2.0] * 17 + [1.0] * 9, rtol=1e-9)
+    np.testing.assert_allclose(
+        table["friction coefficient [-]"][16], steady.mu, rtol=5e-2
+    )
+    np.testing.assert_allclose(
+        table["normal force [N]"], [2.0] * 17 + [1.0] * 9, rtol=1e-9
+    )
 
 
 def test_stages_follow_each_other():
     history = arguments("slide", write())
     time, position, load = (history[name] for name in ("time", "position", "load"))
     assert time.size == 1 + 8 + 8 + 1 + 8  # the first instant, three stages, one jump
-    np.testing.assert_allclose(time[[0, 8, 16, 17, 25]], [0, 2e-3, 10e-3, 10e-3, 12e-3], rtol=1e-12)
-    np.testing.assert_allclose(position[[0, 8, 16, 17, 25]], [0, 0, 4e-3, 4e-3, 3e-3], atol=1e-15)
+    np.testing.assert_allclose(
+        time[[0, 8, 16, 17, 25]], [0, 2e-3, 10e-3, 10e-3, 12e-3], rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        position[[0, 8, 16, 17, 25]], [0, 0, 4e-3, 4e-3, 3e-3], atol=1e-15
+    )
     np.testing.assert_array_equal(load, [2.0] * 17 + [1.0] * 9)
-    np.testing.assert_allclose(np.diff(position[8:17]) / np.diff(time[8:17]), 0.5, rtol=1e-9)
+    np.testing.assert_allclose(
+        np.diff(position[8:17]) / np.diff(time[8:17]), 0.5, rtol=1e-9
+    )
     ramped = arguments("slide", write(('load = "1 N"', 'load = "1 N"\nramp = true')))
     np.testing.assert_allclose(ramped["load"][16:], np.linspace(2, 1, 9))
     grown = arguments("slide", write(('load = "2 N"', 'load = "2 N"\nramp = true')))
-    np.testing.assert_allclose(grown["load"][:9], np.append(0, 2 * np.geomspace(1e-4, 1, 8)))
+    np.testing.assert_allclose(
+        grown["load"][:9], np.append(0, 2 * np.geomspace(1e-4, 1, 8))
+    )
 
 
 @pytest.mark.parametrize("name", BAD_SLIDES)

@@ -1,4 +1,6 @@
-"""`em.conveyor` against sums written out over the idlers, closed forms of small damping, and its refusals."""
+"""`em.conveyor` against sums written out over the idlers, closed forms of small
+damping, and its refusals.
+"""
 
 import jax
 import numpy as np
@@ -7,7 +9,8 @@ import pytest
 import elastomdr as em
 
 ROLL, WIDE = em.Cylinder(0.08, 0.4), em.Cylinder(0.08, 1.2)
-# Two branches to a decade, so wide that the loss modulus does not depend on frequency: tan(delta) near 3e-4.
+# Two branches to a decade, so wide that the loss modulus does not depend on frequency:
+# tan(delta) near 3e-4.
 FLAT = em.Foundation(1e9, np.full(16, 1e5), np.geomspace(10**-6.65, 10**0.85, 16))
 RUBBER = em.StandardSolid(2e6, 1e6, 1e-2, shift=em.WLF(8.86, 101.6, 293.15))
 SHARES = [0.2, 0.6, 0.2]
@@ -15,64 +18,122 @@ GRAVITY = 9.81
 
 
 def sides(cover=FLAT, shares=SHARES):
-    return em.Idlers(cover, ROLL, spacing=1.2, shares=shares), em.Idlers(cover, WIDE, spacing=3.0)
+    return em.Idlers(cover, ROLL, spacing=1.2, shares=shares), em.Idlers(
+        cover, WIDE, spacing=3.0
+    )
 
 
 def test_sum_over_the_idlers():
     """Every roll by itself, at its own load, counted per length of belt."""
     below, above = (em.springs(RUBBER, h, bonded=False) for h in (6e-3, 8e-3))
-    carry, back = em.Idlers(below, ROLL, spacing=1.2, shares=SHARES), em.Idlers(above, WIDE, spacing=3.0)
-    goods, kelvin, velocity = np.array([0.0, 120.0]), np.array([[283.15], [303.15]]), 4.0
-    found = em.conveyor(carry, back, velocity=velocity, belt=28.0, goods=goods, temperature=kelvin)
+    carry, back = (
+        em.Idlers(below, ROLL, spacing=1.2, shares=SHARES),
+        em.Idlers(above, WIDE, spacing=3.0),
+    )
+    goods, kelvin, velocity = (
+        np.array([0.0, 120.0]),
+        np.array([[283.15], [303.15]]),
+        4.0,
+    )
+    found = em.conveyor(
+        carry, back, velocity=velocity, belt=28.0, goods=goods, temperature=kelvin
+    )
     assert found.power.shape == (2, 2)
     for i, t in enumerate(kelvin.ravel()):
         for j, mass in enumerate(goods):
             loads = [s * (28.0 + mass) * GRAVITY * 1.2 for s in SHARES]
             at = {"velocity": velocity, "temperature": t}
-            loaded = sum(float(em.rolling(below, ROLL, load=f, **at).resistance) for f in loads) / 1.2
-            empty = float(em.rolling(above, WIDE, load=28.0 * GRAVITY * 3.0, **at).resistance) / 3.0
-            np.testing.assert_allclose([found.carry[i, j], found.back[i, j]], [loaded, empty], rtol=1e-9)
-            np.testing.assert_allclose(found.power[i, j], velocity * (loaded + empty), rtol=1e-9)
+            loaded = (
+                sum(
+                    float(em.rolling(below, ROLL, load=f, **at).resistance)
+                    for f in loads
+                )
+                / 1.2
+            )
+            empty = (
+                float(
+                    em.rolling(above, WIDE, load=28.0 * GRAVITY * 3.0, **at).resistance
+                )
+                / 3.0
+            )
+            np.testing.assert_allclose(
+                [found.carry[i, j], found.back[i, j]], [loaded, empty], rtol=1e-9
+            )
+            np.testing.assert_allclose(
+                found.power[i, j], velocity * (loaded + empty), rtol=1e-9
+            )
             weight = (2 * 28.0 + mass) * GRAVITY
-            np.testing.assert_allclose(found.coefficient[i, j], (loaded + empty) / weight, rtol=1e-9)
+            np.testing.assert_allclose(
+                found.coefficient[i, j], (loaded + empty) / weight, rtol=1e-9
+            )
     assert found.converged.all()
     assert (found.error < 1e-6 * found.coefficient).all()
 
 
 def closed(load, roll):
-    """f F = (3/pi) tan(delta) (3/4 W/(L K' D^2))^(1/3) W, with E'' = (pi/2) E_k/ln(ratio of the times)."""
+    """f F = (3/pi) tan(delta) (3/4 W/(L K' D^2))^(1/3) W, with E'' = (pi/2)
+    E_k/ln(ratio of the times).
+    """
     ratio = np.log(FLAT.times[1] / FLAT.times[0])
     tangent = 0.5 * np.pi * 1e5 / ratio / 1e9
-    return 3 / np.pi * tangent * (0.75 * load / (roll.length * 1e9 * (2 * roll.radius) ** 2)) ** (1 / 3) * load
+    return (
+        3
+        / np.pi
+        * tangent
+        * (0.75 * load / (roll.length * 1e9 * (2 * roll.radius) ** 2)) ** (1 / 3)
+        * load
+    )
 
 
 def test_small_damping_of_a_whole_belt():
-    """Of first order in the loss: 5e-3, as the storage modulus, here 1e9, grows by 1e-3 over the branches."""
+    """Of first order in the loss: 5e-3, as the storage modulus, here 1e9, grows by 1e-3
+    over the branches.
+    """
     belt, goods = 28.0, np.array([0.0, 120.0, 400.0])
     found = em.conveyor(*sides(), velocity=5.0, belt=belt, goods=goods)
-    carried = sum(closed(s * (belt + goods) * GRAVITY * 1.2, ROLL) for s in SHARES) / 1.2
+    carried = (
+        sum(closed(s * (belt + goods) * GRAVITY * 1.2, ROLL) for s in SHARES) / 1.2
+    )
     np.testing.assert_allclose(found.carry, carried, rtol=5e-3)
-    np.testing.assert_allclose(found.back, closed(belt * GRAVITY * 3.0, WIDE) / 3.0, rtol=5e-3)
-    spread = em.conveyor(*sides(shares=[1 / 3, 1 / 3, 1 / 3]), velocity=5.0, belt=belt, goods=goods)
+    np.testing.assert_allclose(
+        found.back, closed(belt * GRAVITY * 3.0, WIDE) / 3.0, rtol=5e-3
+    )
+    spread = em.conveyor(
+        *sides(shares=[1 / 3, 1 / 3, 1 / 3]), velocity=5.0, belt=belt, goods=goods
+    )
     worse = np.sum(np.array(SHARES) ** (4 / 3)) * 3 ** (1 / 3)  # 1.07
     np.testing.assert_allclose(found.carry / spread.carry, worse, rtol=1e-3)
 
 
 def test_reference():
-    """The closed form in the package is that written out here, and the limit of `em.rolling`."""
+    """The closed form in the package is that written out here, and the limit of
+    `em.rolling`.
+    """
     load = np.array([100.0, 1000.0])
     found = em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=load)
     np.testing.assert_allclose(found, closed(load, ROLL) / load, rtol=5e-3)
-    np.testing.assert_allclose(found, em.rolling(FLAT, ROLL, velocity=5.0, load=load).coefficient, rtol=5e-3)
+    np.testing.assert_allclose(
+        found, em.rolling(FLAT, ROLL, velocity=5.0, load=load).coefficient, rtol=5e-3
+    )
     cover = em.springs(RUBBER, 6e-3, bonded=False)
-    shifted = em.reference.small_damping(cover, ROLL, velocity=2.0, load=300.0, temperature=303.15)
+    shifted = em.reference.small_damping(
+        cover, ROLL, velocity=2.0, load=300.0, temperature=303.15
+    )
     factor = float(RUBBER.shift.a(303.15))
-    same = em.reference.small_damping(em.springs(RUBBER.at(293.15), 6e-3, bonded=False), ROLL, velocity=2.0 * factor,
-                                      load=300.0)  # fmt: skip
+    same = em.reference.small_damping(
+        em.springs(RUBBER.at(293.15), 6e-3, bonded=False),
+        ROLL,
+        velocity=2.0 * factor,
+        load=300.0,
+    )
     np.testing.assert_allclose(shifted, same, rtol=1e-12)
     with jax.enable_x64(True):
-        slope = jax.grad(lambda f: em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=f))(300.0)
-    np.testing.assert_allclose(slope, float(closed(300.0, ROLL)) / 300.0 / 3 / 300.0, rtol=5e-3)
+        slope = jax.grad(
+            lambda f: em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=f)
+        )(300.0)
+    np.testing.assert_allclose(
+        slope, float(closed(300.0, ROLL)) / 300.0 / 3 / 300.0, rtol=5e-3
+    )
 
 
 @pytest.mark.slow
@@ -89,10 +150,20 @@ def test_gradient():
 
 
 def test_table_summary_and_figure(tmp_path):
-    found = em.conveyor(*sides(), velocity=np.array([1.0, 5.0]), belt=28.0, goods=np.array([[0.0], [120.0]]))
+    found = em.conveyor(
+        *sides(),
+        velocity=np.array([1.0, 5.0]),
+        belt=28.0,
+        goods=np.array([[0.0], [120.0]]),
+    )
     found.to_csv(tmp_path / "belt.csv")
     text = (tmp_path / "belt.csv").read_text()
-    for said in ("power [W/m]", "mass of the goods [kg/m]", "3 rolls every 1.2 m", "independent springs"):
+    for said in (
+        "power [W/m]",
+        "mass of the goods [kg/m]",
+        "3 rolls every 1.2 m",
+        "independent springs",
+    ):
         assert said in text
     assert "kW per km of belt" in found.summary()
     assert found.plot().get_ylabel() == "Power per length of belt [kW/km]"
@@ -100,15 +171,21 @@ def test_table_summary_and_figure(tmp_path):
 
 
 def test_axes_in_any_order():
-    """Velocity need not be the last axis: figure, legend and Dataset go by what changes along which."""
+    """Velocity need not be the last axis: figure, legend and Dataset go by what changes
+    along which.
+    """
     v, goods = np.array([1.0, 2.0, 4.0, 5.0, 6.0]), np.array([0.0, 60.0, 120.0])
     found = em.conveyor(*sides(), velocity=v[:, None], belt=28.0, goods=goods)
     data = found.to_xarray()
     assert dict(data.sizes) == {"velocity": 5, "goods": 3}
-    np.testing.assert_array_equal(data["power"].sel(velocity=2.0, goods=120.0), found.power[1, 2])
+    np.testing.assert_array_equal(
+        data["power"].sel(velocity=2.0, goods=120.0), found.power[1, 2]
+    )
     ax = found.plot()
     lines = ax.get_lines()
-    assert [x.get_text() for x in ax.get_legend().get_texts()] == [f"{m:g} kg/m of goods" for m in goods]
+    assert [x.get_text() for x in ax.get_legend().get_texts()] == [
+        f"{m:g} kg/m of goods" for m in goods
+    ]
     for line, power in zip(lines, found.power.T, strict=True):
         np.testing.assert_array_equal(line.get_xdata(), v)
         np.testing.assert_array_equal(line.get_ydata(), power)
@@ -129,7 +206,13 @@ def test_axes_in_any_order():
 )
 def test_refusals(change, words):
     carry, back = sides()
-    scene = {"carry": carry, "back": back, "velocity": 1.0, "belt": 28.0, "goods": 0.0} | change
+    scene = {
+        "carry": carry,
+        "back": back,
+        "velocity": 1.0,
+        "belt": 28.0,
+        "goods": 0.0,
+    } | change
     with pytest.raises(em.InputError, match=words):
         em.conveyor(scene.pop("carry"), scene.pop("back"), **scene)
 

@@ -23,7 +23,9 @@ def float64():
 
 def test_samples_are_single_steps():
     law = Foundation(0.1, [3.0, 2.0], [0.01, 0.5], 0.05)
-    one, many = (solve(law, Waves(5), 2.0, 256, 5, samples=samples) for samples in (1, 32))
+    one, many = (
+        solve(law, Waves(5), 2.0, 256, 5, samples=samples) for samples in (1, 32)
+    )
     for a, b in zip(one.ys, many.ys, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-14)
     assert (int(one.stats["num_steps"]), int(many.stats["num_steps"])) == (256, 8)
@@ -37,10 +39,20 @@ def test_interface_to_diffrax():
     np.testing.assert_array_equal(end, Waves(3)(0.2))
     with pytest.raises(InputError, match="solver must be ContactStep"):
         term.prod(start, (start, end))
-    solution = solve(law, Waves(3), 2.0, 64, 3, samples=1, most=64, saveat=diffrax.SaveAt(dense=True, steps=True))
+    solution = solve(
+        law,
+        Waves(3),
+        2.0,
+        64,
+        3,
+        samples=1,
+        most=64,
+        saveat=diffrax.SaveAt(dense=True, steps=True),
+    )
     middle = solution.evaluate(0.5 * (solution.ts[10] + solution.ts[11]))
     np.testing.assert_allclose(middle.u, 0.5 * (solution.ys.u[10] + solution.ys.u[11]))
-    surface = jax.vmap(Waves(3))(solution.ts[:64])  # compiled apart: its sines differ in the last digit
+    # compiled apart: its sines differ in the last digit
+    surface = jax.vmap(Waves(3))(solution.ts[:64])
     assert (solution.ys.u[:64] >= surface - 1e-15).all()
 
 
@@ -52,31 +64,72 @@ def test_batches_and_step_to():
         surface = Indenter(jnp.asarray(0.1), 1.0, velocity)
         controller = diffrax.StepTo(times)
         return diffrax.diffeqsolve(
-            RigidSurface(surface), ContactStep(8), 0.0, 1.0, None, rest(law, 1), law, stepsize_controller=controller
+            RigidSurface(surface),
+            ContactStep(8),
+            0.0,
+            1.0,
+            None,
+            rest(law, 1),
+            law,
+            stepsize_controller=controller,
         ).ys.work[-1, 0]
 
     velocities = jnp.asarray([0.05, 0.1, 0.2])
-    np.testing.assert_allclose(jax.vmap(run)(velocities), [run(v) for v in velocities], rtol=1e-13)
+    np.testing.assert_allclose(
+        jax.vmap(run)(velocities), [run(v) for v in velocities], rtol=1e-13
+    )
 
 
 @pytest.mark.slow
 def test_gradients_forward_and_reverse():
-    """d(mu)/d(E_inf, E_k, tau_k, eta, a): both modes agree, and with central differences."""
+    """d(mu)/d(E_inf, E_k, tau_k, eta, a): both modes agree, and with central
+    differences.
+    """
 
     def friction(p, adjoint):
         law = Relaxation(p["equilibrium"], p["moduli"], p["times"], p["viscosity"])
-        y = solve(law, Indenter(p["entry"], 1.0, 0.05), 4.1, 64, samples=16, most=4, adjoint=adjoint).ys
+        y = solve(
+            law,
+            Indenter(p["entry"], 1.0, 0.05),
+            4.1,
+            64,
+            samples=16,
+            most=4,
+            adjoint=adjoint,
+        ).ys
         return y.work[-1, 0] / y.impulse[-1, 0]
 
-    p = dict(equilibrium=1.0, moduli=jnp.asarray([5.0, 2.0]), times=jnp.asarray([0.1, 3.0]), viscosity=0.2, entry=0.1)
+    p = dict(
+        equilibrium=1.0,
+        moduli=jnp.asarray([5.0, 2.0]),
+        times=jnp.asarray([0.1, 3.0]),
+        viscosity=0.2,
+        entry=0.1,
+    )
     p = jax.tree.map(lambda x: jnp.array(x, jnp.float64), p)
-    reverse = jax.jit(jax.value_and_grad(lambda p: friction(p, diffrax.RecursiveCheckpointAdjoint())))
-    forward = jax.jit(lambda p, d: jax.jvp(lambda p: friction(p, diffrax.ForwardMode()), (p,), (d,))[1])
+    reverse = jax.jit(
+        jax.value_and_grad(lambda p: friction(p, diffrax.RecursiveCheckpointAdjoint()))
+    )
+    forward = jax.jit(
+        lambda p, d: jax.jvp(lambda p: friction(p, diffrax.ForwardMode()), (p,), (d,))[
+            1
+        ]
+    )
     gradient = reverse(p)[1]
     for name, leaf in p.items():
         for i in range(leaf.size):
-            step = jnp.zeros(leaf.size).at[i].set(1e-6 * leaf.reshape(-1)[i]).reshape(leaf.shape)
+            step = (
+                jnp.zeros(leaf.size)
+                .at[i]
+                .set(1e-6 * leaf.reshape(-1)[i])
+                .reshape(leaf.shape)
+            )
             up, down = ({**p, name: leaf + sign * step} for sign in (1, -1))
             slope = float(jnp.sum(gradient[name] * step))
-            assert slope == pytest.approx(float(0.5 * (reverse(up)[0] - reverse(down)[0])), rel=1e-5)
-            assert slope == pytest.approx(float(forward(p, jax.tree.map(jnp.zeros_like, p) | {name: step})), rel=1e-10)
+            assert slope == pytest.approx(
+                float(0.5 * (reverse(up)[0] - reverse(down)[0])), rel=1e-5
+            )
+            assert slope == pytest.approx(
+                float(forward(p, jax.tree.map(jnp.zeros_like, p) | {name: step})),
+                rel=1e-10,
+            )

@@ -6,12 +6,17 @@ import pytest
 import elastomdr as em
 
 RUBBER = em.Prony(1e6, [2e6, 5e6], [1e-3, 1e-1], name="two times")
-ROLL, AT = em.Cylinder(0.05, 0.5), {"velocity": np.geomspace(1e-4, 1e2, 7), "load": 300.0}
+ROLL, AT = (
+    em.Cylinder(0.05, 0.5),
+    {"velocity": np.geomspace(1e-4, 1e2, 7), "load": 300.0},
+)
 
 
 @pytest.mark.parametrize("thickness", [2e-3, 20e-3])
 def test_branches_account_for_the_work(thickness):
-    """The sum over waves of the branches' losses against the friction from the slope of the pressure's moments."""
+    """The sum over waves of the branches' losses against the friction from the slope of
+    the pressure's moments.
+    """
     parts = em.dissipation(em.layer(RUBBER, thickness), ROLL, **AT)
     assert parts.converged.all()
     assert parts.error.max() < 1e-5
@@ -23,13 +28,21 @@ def test_branches_account_for_the_work(thickness):
 
 
 def test_thick_layer_is_a_half_space_and_other_bodies_are_refused():
-    slow = {"velocity": AT["velocity"][:4], "load": 300.0}  # what is remembered over less than the thickness
-    thick, whole = (em.dissipation(m, ROLL, **slow).share for m in (em.layer(RUBBER, 5.0), RUBBER))
+    # what is remembered over less than the thickness
+    slow = {"velocity": AT["velocity"][:4], "load": 300.0}
+    thick, whole = (
+        em.dissipation(m, ROLL, **slow).share for m in (em.layer(RUBBER, 5.0), RUBBER)
+    )
     np.testing.assert_allclose(thick, whole, rtol=1e-4, atol=1e-6)
     with pytest.raises(em.InputError, match="Cylinder"):
         em.dissipation(em.layer(RUBBER, 0.01), em.Sphere(0.05), velocity=1.0, load=1.0)
     with pytest.raises(em.InputError, match="bulk"):
-        em.dissipation(em.layer(em.Prony(1e6, [1e6], [1.0], bulk=1e9), 0.01), ROLL, velocity=1.0, load=1.0)
+        em.dissipation(
+            em.layer(em.Prony(1e6, [1e6], [1.0], bulk=1e9), 0.01),
+            ROLL,
+            velocity=1.0,
+            load=1.0,
+        )
 
 
 def test_warming_of_a_layer_is_where_the_power_of_rolling_meets_the_surroundings():
@@ -37,6 +50,10 @@ def test_warming_of_a_layer_is_where_the_power_of_rolling_meets_the_surroundings
     for body, load in ((ROLL, 300.0), (em.Sphere(0.02), 5.0)):
         layer = em.layer(rubber, 5e-3)
         at = {"velocity": 1.0, "load": load, "rtol": 1e-4}
-        warm = em.heat_build_up(layer, body, ambient=293.15, conductance=0.05, hottest=350.0, **at)
+        warm = em.heat_build_up(
+            layer, body, ambient=293.15, conductance=0.05, hottest=350.0, **at
+        )
         rolled = em.rolling(layer, body, temperature=warm.steady, **at)
-        np.testing.assert_allclose(rolled.power, 0.05 * (warm.steady - 293.15), rtol=1e-3)
+        np.testing.assert_allclose(
+            rolled.power, 0.05 * (warm.steady - 293.15), rtol=1e-3
+        )

@@ -1,4 +1,6 @@
-"""Docstrings of public calls: one sentence, the arguments that the call has, what it returns and what it raises."""
+"""Docstrings of public calls: one sentence, the arguments that the call has, what it
+returns and what it raises.
+"""
 
 import inspect
 import re
@@ -22,14 +24,25 @@ def section(text: str, title: str) -> str:
 
 
 def test_calls_are_found():
-    assert {"elastomdr.friction", "elastomdr.fit.material", "elastomdr.reference.persson"} <= set(CALLS)
+    assert {
+        "elastomdr.friction",
+        "elastomdr.fit.material",
+        "elastomdr.reference.persson",
+    } <= set(CALLS)
 
 
-@pytest.mark.parametrize("name", [name for name, call in CALLS.items() if "Args:" in inspect.getdoc(call)])
+@pytest.mark.parametrize(
+    "name", [name for name, call in CALLS.items() if "Args:" in inspect.getdoc(call)]
+)
 def test_docstring_has_the_arguments_of_the_call(name):
-    text, parameters = inspect.getdoc(CALLS[name]), inspect.signature(CALLS[name]).parameters
+    text, parameters = (
+        inspect.getdoc(CALLS[name]),
+        inspect.signature(CALLS[name]).parameters,
+    )
     first, _, rest = text.partition("\n")
     assert first.endswith(".")
     assert not rest or rest.startswith("\n")
-    assert re.findall(r"^    (\w+): ", section(text, "Args"), re.MULTILINE) == list(parameters)
+    assert re.findall(r"^    (\w+): ", section(text, "Args"), re.MULTILINE) == list(
+        parameters
+    )
     assert section(text, "Returns")

@@ -1,4 +1,6 @@
-"""Draws of a material and of a surface: as wide as what is known, carried by friction as one curve with its band."""
+"""Draws of a material and of a surface: as wide as what is known, carried by friction
+as one curve with its band.
+"""
 
 import numpy as np
 import pytest
@@ -22,7 +24,10 @@ def measured(seed=0, material=None):
     omega, material = np.geomspace(0.1, 300, 10), material or true()
     for kelvin in 293.15 + np.arange(-40, 51, 15.0):
         own = material.at(kelvin)
-        noisy = [x * np.exp(0.03 * rng.standard_normal(omega.size)) for x in (own.storage(omega), own.loss(omega))]
+        noisy = [
+            x * np.exp(0.03 * rng.standard_normal(omega.size))
+            for x in (own.storage(omega), own.loss(omega))
+        ]
         rows.append((np.full(omega.size, kelvin), omega, *noisy))
     return em.fit.Dma(*map(np.concatenate, zip(*rows, strict=True)), kind="shear")
 
@@ -43,7 +48,9 @@ def test_draws_scatter_as_the_bands_say(fit):
         assert (scatter < 1.6 * reported).all()
     std = fit.master.laws["WLF"].std
     for key, size in std.items():
-        assert np.std([getattr(each.shift, key) for each in draws]) == pytest.approx(size, rel=0.2)
+        assert np.std([getattr(each.shift, key) for each in draws]) == pytest.approx(
+            size, rel=0.2
+        )
     again, other = fit.draws(3), fit.draws(3, seed=1)
     np.testing.assert_array_equal(again[2].moduli, fit.draws(3)[2].moduli)
     assert not np.allclose(again[2].moduli, other[2].moduli)
@@ -51,41 +58,70 @@ def test_draws_scatter_as_the_bands_say(fit):
 
 
 def test_tables_scatter_as_the_fit_says():
-    """Shift factors and vertical shifts that are tables: zero at the reference, as uncertain as reported elsewhere."""
+    """Shift factors and vertical shifts that are tables: zero at the reference, as
+    uncertain as reported elsewhere.
+    """
     material = true(em.VerticalTable([240.0, 293.15, 350.0], [0.8, 1.0, 1.15]))
     fit = em.fit.material(measured(0, material), 293.15, law="table", vertical=True)
     draws, master = fit.draws(400), fit.master
     assert isinstance(fit.material.shift, em.ShiftTable)
     assert isinstance(fit.material.vertical, em.VerticalTable)
     for values, at, std in (
-        ([each.shift.log10_a_table for each in draws], fit.material.shift.temperature, master.log10_a_std),
-        ([np.log10(each.vertical.factor) for each in draws], fit.material.vertical.temperature, master.log10_b_std),
+        (
+            [each.shift.log10_a_table for each in draws],
+            fit.material.shift.temperature,
+            master.log10_a_std,
+        ),
+        (
+            [np.log10(each.vertical.factor) for each in draws],
+            fit.material.vertical.temperature,
+            master.log10_b_std,
+        ),
     ):
-        scatter = dict(zip(np.asarray(at).round(2), np.std(values, axis=0), strict=True))
+        scatter = dict(
+            zip(np.asarray(at).round(2), np.std(values, axis=0), strict=True)
+        )
         assert scatter[293.15] < 0.02 * max(scatter.values())
         found = [scatter[kelvin] for kelvin in master.temperature.round(2)]
         np.testing.assert_allclose(found, std, rtol=0.2)
     assert all((np.diff(each.shift.log10_a_table) < 0).all() for each in draws)
 
 
-@pytest.mark.parametrize("kind", ["table of shift factors", "entropy elasticity", "table of vertical shifts"])
+@pytest.mark.parametrize(
+    "kind", ["table of shift factors", "entropy elasticity", "table of vertical shifts"]
+)
 def test_the_truth_lies_among_the_draws(kind):
-    """Friction of the material that was measured, at temperatures beside the reference, over three noises."""
+    """Friction of the material that was measured, at temperatures beside the reference,
+    over three noises.
+    """
     vertical = {
         "entropy elasticity": em.EntropicVertical(293.15),
-        "table of vertical shifts": em.VerticalTable([240.0, 293.15, 350.0], [0.8, 1.0, 1.15]),
+        "table of vertical shifts": em.VerticalTable(
+            [240.0, 293.15, 350.0], [0.8, 1.0, 1.15]
+        ),
     }.get(kind)
 
     def friction(material):
         kelvin = np.array([[273.15], [293.15], [323.15]])
-        return em.friction(material, ROAD, velocity=[1e-4, 1e-3], temperature=kelvin, pressure=2e5)
+        return em.friction(
+            material, ROAD, velocity=[1e-4, 1e-3], temperature=kelvin, pressure=2e5
+        )
 
     truth, off = friction(true(vertical)).mu, []
     for seed in range(3):
-        table = {"law": "table", "vertical": False} if vertical is None else {"vertical": True}
-        curve = friction(em.fit.material(measured(seed, true(vertical)), 293.15, **table).draws(20))
+        table = (
+            {"law": "table", "vertical": False}
+            if vertical is None
+            else {"vertical": True}
+        )
+        curve = friction(
+            em.fit.material(measured(seed, true(vertical)), 293.15, **table).draws(20)
+        )
         assert not curve.extrapolated.any()
-        off.append((np.log(curve.mu).mean(axis=0) - np.log(truth)) / np.log(curve.mu).std(axis=0))
+        off.append(
+            (np.log(curve.mu).mean(axis=0) - np.log(truth))
+            / np.log(curve.mu).std(axis=0)
+        )
     assert 0.3 < np.sqrt(np.mean(np.square(off))) < 2
     assert np.max(np.abs(off)) < 4.5
 
@@ -108,7 +144,9 @@ def test_friction_of_draws_is_one_curve_with_a_band(fit):
     assert "12 draws of tread" in curve.summary()
     assert "95 % of the draws" in curve.summary()
     typical = curve.typical()
-    np.testing.assert_allclose(typical.model_error, np.median(curve.model_error, axis=0))
+    np.testing.assert_allclose(
+        typical.model_error, np.median(curve.model_error, axis=0)
+    )
     axes = curve.plot()
     assert len(axes.collections) == 1
     top = axes.collections[0].get_paths()[0].vertices[:, 1].max()
@@ -121,14 +159,22 @@ def test_friction_of_draws_is_one_curve_with_a_band(fit):
 def test_road_and_material_are_drawn_together(fit):
     scene = {"velocity": VELOCITY[:3], "pressure": 2e5, "temperature": 293.15}
     roads = ROAD.draws(40, level=0.2, cutoff=0.5)
-    slopes = np.array([road.rms_slope / ROAD.ended(road.q_high).rms_slope for road in roads])
+    slopes = np.array(
+        [road.rms_slope / ROAD.ended(road.q_high).rms_slope for road in roads]
+    )
     assert np.std(2 * np.log(slopes)) == pytest.approx(0.2, rel=0.35)
-    assert np.std([np.log(road.q_high) for road in roads]) == pytest.approx(0.5, rel=0.35)
+    assert np.std([np.log(road.q_high) for road in roads]) == pytest.approx(
+        0.5, rel=0.35
+    )
     draws, few = fit.draws(5), ROAD.draws(5, level=0.2)
     both = em.friction(draws, few, **scene)
-    np.testing.assert_allclose(both.mu[2], em.friction(draws[2], few[2], **scene).mu, rtol=1e-3)
+    np.testing.assert_allclose(
+        both.mu[2], em.friction(draws[2], few[2], **scene).mu, rtol=1e-3
+    )
     only = em.friction(fit.material, few, **scene)
-    np.testing.assert_allclose(only.mu[1], em.friction(fit.material, few[1], **scene).mu, rtol=1e-3)
+    np.testing.assert_allclose(
+        only.mu[1], em.friction(fit.material, few[1], **scene).mu, rtol=1e-3
+    )
     with pytest.raises(em.InputError, match="as many draws"):
         em.friction(fit.draws(4), few, **scene)
     for bad in ({}, {"level": -1.0}):
@@ -140,7 +186,9 @@ def test_a_file_gives_draws_of_its_misfit():
     rubber = em.load_material("epdm-70")
     omega, size, _ = np.array(rubber.range.misfit).T
     draws = rubber.draws(200)
-    off = np.std([np.log(each.storage(omega) / rubber.storage(omega)) for each in draws], axis=0)
+    off = np.std(
+        [np.log(each.storage(omega) / rubber.storage(omega)) for each in draws], axis=0
+    )
     assert 0.5 < np.median(off / size) < 1.2
     assert draws[0].range.misfit == ()
     with pytest.raises(em.InputError, match="misfit"):
@@ -153,24 +201,45 @@ def test_a_sweep_over_draws(fit, tmp_path):
     pytest.importorskip("zarr")
     draws = fit.draws(3)
     axes = {"material": draws, "velocity": VELOCITY}
-    found = em.sweep(em.friction, axes, store=tmp_path / "s.zarr", shape=em.Sphere(5e-3), load=1.0, progress=False)
+    found = em.sweep(
+        em.friction,
+        axes,
+        store=tmp_path / "s.zarr",
+        shape=em.Sphere(5e-3),
+        load=1.0,
+        progress=False,
+    )
     assert found.material.values.tolist()[1] == "draw 2 of tread"
-    np.testing.assert_allclose(found.mu[2], em.friction(draws[2], em.Sphere(5e-3), velocity=VELOCITY, load=1.0).mu)
+    np.testing.assert_allclose(
+        found.mu[2],
+        em.friction(draws[2], em.Sphere(5e-3), velocity=VELOCITY, load=1.0).mu,
+    )
 
 
 def test_a_sweep_pairs_the_draws_of_rubber_and_road(fit, tmp_path):
-    """As `em.friction` of both does; another rubber without draws is the same for each."""
+    """As `em.friction` of both does; another rubber without draws is the same for
+    each.
+    """
     pytest.importorskip("zarr")
     draws, roads = fit.draws(3), ROAD.draws(3, level=0.1, cutoff=0.2)
     scene = {"temperature": 293.15, "pressure": 2e5}
     axes = {"material": [draws, true()], "velocity": VELOCITY}
-    found = em.sweep(em.friction, axes, store=tmp_path / "s.zarr", surface=roads, progress=False, **scene)
+    found = em.sweep(
+        em.friction,
+        axes,
+        store=tmp_path / "s.zarr",
+        surface=roads,
+        progress=False,
+        **scene,
+    )
     assert found.mu.dims == ("draw", "material", "velocity")
     for i, material in enumerate(axes["material"]):
         together = em.friction(material, roads, velocity=VELOCITY, **scene)
         np.testing.assert_allclose(found.mu[:, i], together.mu, rtol=1e-12)
     band = found.mu[:, 0].quantile([0.025, 0.5, 0.975], "draw")
-    np.testing.assert_allclose(band, em.friction(draws, roads, velocity=VELOCITY, **scene).band(), rtol=1e-12)
+    np.testing.assert_allclose(
+        band, em.friction(draws, roads, velocity=VELOCITY, **scene).band(), rtol=1e-12
+    )
 
 
 SCENE = """
@@ -201,7 +270,21 @@ def test_a_scene_with_uncertainty(tmp_path, capsys):
     assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
     assert "level_error" in capsys.readouterr().err
     pytest.importorskip("zarr")
-    path.write_text(SCENE.replace("MATERIAL", "epdm-70") + '[sweep]\ncall = "friction"\n')
+    path.write_text(
+        SCENE.replace("MATERIAL", "epdm-70") + '[sweep]\ncall = "friction"\n'
+    )
     table = tmp_path / "t.csv"
-    assert main(["sweep", str(path), "--out", str(tmp_path / "s.zarr"), "--table", str(table)]) == 0
+    assert (
+        main(
+            [
+                "sweep",
+                str(path),
+                "--out",
+                str(tmp_path / "s.zarr"),
+                "--table",
+                str(table),
+            ]
+        )
+        == 0
+    )
     assert "draw 4, velocity 3" in capsys.readouterr().out

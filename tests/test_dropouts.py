@@ -1,4 +1,6 @@
-"""Dropouts of profilometers, written as numbers, do not move the friction; they are said, and too many are refused."""
+"""Dropouts of profilometers, written as numbers, do not move the friction; they are
+said, and too many are refused.
+"""
 
 import re
 import warnings
@@ -16,8 +18,12 @@ STEP = 1e-5  # [m]
 
 def rough(shape, hurst=0.8, seed=0, rms=50e-6):
     """Heights of a self-affine profile or map."""
-    q = np.sqrt(sum(np.meshgrid(*[np.fft.fftfreq(n) ** 2 for n in shape], indexing="ij")))
-    size = np.where(q > 0, np.maximum(q, 4 / max(shape)), np.inf) ** -(hurst + len(shape) / 2)
+    q = np.sqrt(
+        sum(np.meshgrid(*[np.fft.fftfreq(n) ** 2 for n in shape], indexing="ij"))
+    )
+    size = np.where(q > 0, np.maximum(q, 4 / max(shape)), np.inf) ** -(
+        hurst + len(shape) / 2
+    )
     phase = np.exp(2j * np.pi * np.random.default_rng(seed).random(shape))
     height = np.fft.ifftn(size * phase).real
     return rms * height / height.std()
@@ -43,10 +49,22 @@ def with_values(height, places, value):
 @pytest.mark.parametrize(
     ("places", "value", "words"),
     [
-        ([1000], -9999e-6, "1 of 4096 points are dropouts, 1 times -0.009999 m: left out"),
+        (
+            [1000],
+            -9999e-6,
+            "1 of 4096 points are dropouts, 1 times -0.009999 m: left out",
+        ),
         ([1000], 0.0123, "1 of 4096 points are spikes, by up to 0.012"),
-        (slice(100, 900, 20), -9999e-6, "40 of 4096 points are dropouts, 40 times -0.009999 m: left out"),
-        (slice(100, 140), -32768e-8, "40 of 4096 points are dropouts, 40 times -0.00032768 m: left out"),
+        (
+            slice(100, 900, 20),
+            -9999e-6,
+            "40 of 4096 points are dropouts, 40 times -0.009999 m: left out",
+        ),
+        (
+            slice(100, 140),
+            -32768e-8,
+            "40 of 4096 points are dropouts, 40 times -0.00032768 m: left out",
+        ),
         ([0, -1], 0.007, "2 of 4096 points are dropouts, 2 times 0.007 m: left out"),
     ],
 )
@@ -54,7 +72,9 @@ def test_dropouts_do_not_move_friction(places, value, words):
     with pytest.warns(FitWarning, match=words):
         got = em.read_surface(with_values(PROFILE, places, value), pixel_size=STEP)
     assert words in got.report[0]
-    assert friction(got) == pytest.approx(friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=0.01)
+    assert friction(got) == pytest.approx(
+        friction(em.read_surface(PROFILE, pixel_size=STEP)), rel=0.01
+    )
 
 
 def test_codes_beside_a_spike_that_is_further_away():
@@ -68,14 +88,19 @@ def test_codes_beside_a_spike_that_is_further_away():
 
 
 @pytest.mark.parametrize("titles", ["x [mm],height [um]", "x [mm],y [mm],height [um]"])
-def test_dropouts_in_files_are_found_before_points_are_sorted_and_averaged(titles, tmp_path):
+def test_dropouts_in_files_are_found_before_points_are_sorted_and_averaged(
+    titles, tmp_path
+):
     height = MAP if "y" in titles else PROFILE
     damaged = 1e6 * with_values(height, slice(50, 3000, 300), -9999e-6)
     place = [1e3 * STEP * axis.ravel() for axis in np.indices(height.shape)]
     rows = np.column_stack([*place, damaged.ravel()])
     np.random.default_rng(0).shuffle(rows)
     np.savetxt(tmp_path / "scan.csv", rows, delimiter=",", header=titles, comments="")
-    with pytest.warns(FitWarning, match=r"scan\.csv: 10 of .* points are dropouts, 10 times -0\.009999 m"):
+    with pytest.warns(
+        FitWarning,
+        match=r"scan\.csv: 10 of .* points are dropouts, 10 times -0\.009999 m",
+    ):
         got = em.read_surface(tmp_path / "scan.csv")
     clean = em.read_surface(height, pixel_size=STEP)
     np.testing.assert_allclose(got.c, clean.c, rtol=0.05)
@@ -84,7 +109,14 @@ def test_dropouts_in_files_are_found_before_points_are_sorted_and_averaged(title
 @pytest.mark.parametrize(
     ("share", "value", "words"),
     [
-        (0.3, -9999e-6, "measured at three quarters of the points or more, got 12.. of 4096 dropouts"),
+        (
+            0.3,
+            -9999e-6,
+            (
+                "measured at three quarters of the points or more, got 12.. of 4096 "
+                "dropouts"
+            ),
+        ),
         (0.7, -9999e-6, "measured at three quarters"),
         (0.04, None, "free of spikes at 98% of the points or more, got 1.. of 4096"),
     ],
@@ -104,7 +136,15 @@ def test_surfaces_have_no_dropouts():
         grooves = 2e-4 * (np.arange(64) % 20 == 7)
         polished = np.minimum(profile, np.quantile(profile, 0.6))
         stepped = profile + 1e-4 * (np.arange(1024) // 60 % 2)
-        for height in (profile, polished, stepped, profile.round(6), -(profile**2), area, area + grooves):
+        for height in (
+            profile,
+            polished,
+            stepped,
+            profile.round(6),
+            -(profile**2),
+            area,
+            area + grooves,
+        ):
             kept, words = without_dropouts(height)
             assert not words
             np.testing.assert_array_equal(kept, height)
@@ -114,13 +154,24 @@ def test_surfaces_have_no_dropouts():
 def test_the_command_line_says_dropouts_once(tmp_path, capsys):
     x = 1e3 * STEP * np.arange(PROFILE.size)
     rows = np.column_stack([x, 1e6 * with_values(PROFILE, [1000], -9999e-6)])
-    np.savetxt(tmp_path / "scan.csv", rows, delimiter=",", header="x [mm],height [um]", comments="")
-    em.save_material(em.Prony(1e6, [1e7], [1e-5], name="rubber"), tmp_path / "rubber.toml")
+    np.savetxt(
+        tmp_path / "scan.csv",
+        rows,
+        delimiter=",",
+        header="x [mm],height [um]",
+        comments="",
+    )
+    em.save_material(
+        em.Prony(1e6, [1e7], [1e-5], name="rubber"), tmp_path / "rubber.toml"
+    )
     scene = """material = "rubber.toml"\n[surface]\nshape = "file"\nfile = "scan.csv"
 [contact]\npressure = "0.3 MPa"\nvelocity = ["1 mm/s", "1 m/s"]\n"""
     (tmp_path / "scene.toml").write_text(scene)
     assert main(["friction", str(tmp_path / "scene.toml"), "--out", str(tmp_path)]) == 0
     said = [line for line in capsys.readouterr().err.splitlines() if "dropouts" in line]
     assert said == [
-        "elastomdr: warning: scan.csv: 1 of 4096 points are dropouts, 1 times -0.009999 m: left out, and bridged."
+        (
+            "elastomdr: warning: scan.csv: 1 of 4096 points are dropouts, 1 times "
+            "-0.009999 m: left out, and bridged."
+        )
     ]

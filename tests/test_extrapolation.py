@@ -1,4 +1,6 @@
-"""A material knows where its numbers hold; what uses it beyond that says so, point by point and in words."""
+"""A material knows where its numbers hold; what uses it beyond that says so, point by
+point and in words.
+"""
 
 import warnings
 
@@ -33,7 +35,8 @@ def test_every_point_is_flagged_by_the_frequency_of_its_passage(curve):
     np.testing.assert_array_equal(found.extrapolated, (rate < 4.0) | (rate > 1e3))
     assert 3 < found.extrapolated.sum() < 13
     assert said.startswith(
-        f"{found.extrapolated.sum()} of 16 points lie beyond the range of the material: v a_T/(2a) to 2 v a_T/a from"
+        f"{found.extrapolated.sum()} of 16 points lie beyond the range of the "
+        "material: v a_T/(2a) to 2 v a_T/a from"
     )
     assert "range 1 to 1e+03 rad/s" in said
     assert said.rstrip(".") in found.summary()
@@ -50,23 +53,40 @@ def test_a_scene_within_the_range_is_not_flagged():
         found = em.friction(RUBBER, BALL, velocity=np.geomspace(3e-3, 0.1, 16), **SCENE)
     assert not found.extrapolated.any()
     assert "extrapolated" not in found.summary()
-    assert em.friction(em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1]), BALL, velocity=VELOCITY, **SCENE).extrapolated is None
+    assert (
+        em.friction(
+            em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1]), BALL, velocity=VELOCITY, **SCENE
+        ).extrapolated
+        is None
+    )
 
 
 @pytest.mark.parametrize("name", ["psa-468mp", "tread-passenger-synthetic"])
 def test_the_slow_end_of_what_was_measured(name):
-    """Fitted to its own moduli, without noise: where a passage lasts longer than the data, friction is flagged."""
+    """Fitted to its own moduli, without noise: where a passage lasts longer than the
+    data, friction is flagged.
+    """
     rubber = em.load_material(name)
     reference = float(rubber.shift.reference)
     kelvin, f = reference + np.arange(-10.0, 51.0, 10.0), np.geomspace(0.1, 100, 13)
-    moduli = np.concatenate([np.asarray(rubber.at(t).complex_modulus(2 * np.pi * f)) for t in kelvin])
+    moduli = np.concatenate(
+        [np.asarray(rubber.at(t).complex_modulus(2 * np.pi * f)) for t in kelvin]
+    )
     omega = np.tile(2 * np.pi * f, kelvin.size)
-    data = em.fit.dma(omega, moduli.real, moduli.imag, np.repeat(kelvin, f.size), kind="shear")
+    data = em.fit.dma(
+        omega, moduli.real, moduli.imag, np.repeat(kelvin, f.size), kind="shear"
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         fitted = em.fit.material(data, reference).material
-        velocity, scene = np.geomspace(1e-6, 0.3, 18), {"load": 1.0, "temperature": reference, "model": em.Line()}
-        found, truth = (em.friction(m, em.Sphere(5e-3), velocity=velocity, **scene) for m in (fitted, rubber))
+        velocity, scene = (
+            np.geomspace(1e-6, 0.3, 18),
+            {"load": 1.0, "temperature": reference, "model": em.Line()},
+        )
+        found, truth = (
+            em.friction(m, em.Sphere(5e-3), velocity=velocity, **scene)
+            for m in (fitted, rubber)
+        )
     off = np.abs(found.mu / truth.mu - 1)
     assert off[found.extrapolated].max() > 0.1
     assert off[~found.extrapolated].max() < 0.02
@@ -76,12 +96,23 @@ def test_the_slow_end_of_what_was_measured(name):
 def test_temperatures_shift_the_frequency_and_have_a_range_of_their_own():
     kelvin = np.array([[273.15], [313.15]])
     with pytest.warns(em.ExtrapolationWarning):
-        found = em.friction(RUBBER, BALL, velocity=VELOCITY[:8], temperature=kelvin, **SCENE)
+        found = em.friction(
+            RUBBER, BALL, velocity=VELOCITY[:8], temperature=kelvin, **SCENE
+        )
     length = found.contact.leading + found.contact.trailing
     rate = 4 * VELOCITY[:8] * np.asarray(LAW.a(kelvin)) / length
     np.testing.assert_array_equal(found.extrapolated, (rate < 4.0) | (rate > 1e3))
-    with pytest.warns(em.ExtrapolationWarning, match="16 of 16 points .* from 320 to 330 K, range 273.15 to 313.15 K"):
-        hot = em.friction(RUBBER, BALL, velocity=VELOCITY[:8], temperature=np.array([[320.0], [330.0]]), **SCENE)
+    with pytest.warns(
+        em.ExtrapolationWarning,
+        match="16 of 16 points .* from 320 to 330 K, range 273.15 to 313.15 K",
+    ):
+        hot = em.friction(
+            RUBBER,
+            BALL,
+            velocity=VELOCITY[:8],
+            temperature=np.array([[320.0], [330.0]]),
+            **SCENE,
+        )
     assert hot.extrapolated.all()
 
 
@@ -91,12 +122,17 @@ def test_a_material_brought_to_a_temperature_keeps_its_range():
     np.testing.assert_allclose(cold.range.omega, (1 / a, 1e3 / a))
     assert cold.range.temperature is None
     assert cold.range.beyond == ""
-    with pytest.warns(em.ExtrapolationWarning, match="2 of 2 points .* temperature 350 K, range 273.15 to 313.15 K"):
+    with pytest.warns(
+        em.ExtrapolationWarning,
+        match="2 of 2 points .* temperature 350 K, range 273.15 to 313.15 K",
+    ):
         em.friction(RUBBER.at(350.0), BALL, velocity=[0.1, 0.2], **SCENE)
 
 
 def test_an_assumed_range_is_noted_without_a_warning():
-    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], range=Range((1.0, 1e3), None, illustrative=True))
+    rubber = em.Prony(
+        1e6, [4e6, 1e6], [1e-3, 1e-1], range=Range((1.0, 1e3), None, illustrative=True)
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = em.friction(rubber, BALL, velocity=VELOCITY, **SCENE)
@@ -107,7 +143,9 @@ def test_an_assumed_range_is_noted_without_a_warning():
 def test_two_bodies_and_layers():
     other = em.Prony(1e6, [1e6], [1.0], range={"time": (1e-2, 10.0)})
     plain = em.Prony(1e6, [1e6], [1.0])
-    assert em.half_space(RUBBER.at(293.15), other).range.omega == pytest.approx((1.0, 100.0))
+    assert em.half_space(RUBBER.at(293.15), other).range.omega == pytest.approx(
+        (1.0, 100.0)
+    )
     assert em.half_space(plain, other).range.omega == pytest.approx((0.1, 100.0))
     assert em.springs(RUBBER, 1e-3, bonded=False).range == RUBBER.range
     apart = shared(Range((1.0, 2.0), None), Range((3.0, 4.0), None))
@@ -126,22 +164,33 @@ def test_files_keep_the_range(tmp_path):
 
 def test_the_plan_and_the_command_line_say_it(tmp_path, monkeypatch, capsys):
     em.save_material(RUBBER, tmp_path / "rubber.toml")
-    scene = 'material = "rubber.toml"\n[indenter]\nshape = "paraboloid"\nradius = "5 mm"\n[contact]\nload = "1 N"\n'
+    scene = (
+        'material = "rubber.toml"\n[indenter]\nshape = "paraboloid"\nradius = "5 '
+        'mm"\n[contact]\nload = "1 N"\n'
+    )
     (tmp_path / "fast.toml").write_text(
-        scene + 'velocity = ["1 m/s", "9 m/s"]\nmodel = "line"\n[numerics]\nrtol = 1e-3\n'
+        scene
+        + 'velocity = ["1 m/s", "9 m/s"]\nmodel = "line"\n[numerics]\nrtol = 1e-3\n'
     )
     monkeypatch.chdir(tmp_path)
     assert main(["plan", "fast.toml"]) == 0
-    assert "beyond the range of the material, 1 to 1e+03 rad/s" in capsys.readouterr().out
+    assert (
+        "beyond the range of the material, 1 to 1e+03 rad/s" in capsys.readouterr().out
+    )
     assert main(["friction", "fast.toml"]) == 0
     out, err = capsys.readouterr()
     assert "extrapolated" in out
     assert err.startswith("elastomdr: warning: 2 of 2 points lie beyond the range")
     assert err.count("\n") == 1
-    assert "within the range" in str(em.plan(RUBBER, BALL, velocity=[1e-2, 0.02], **SCENE))
+    assert "within the range" in str(
+        em.plan(RUBBER, BALL, velocity=[1e-2, 0.02], **SCENE)
+    )
 
 
-@pytest.mark.parametrize("bad", [{"omgea": (1, 2)}, {"omega": (2, 1)}, {"time": (0.0, 1.0)}, {"time": 3}, (1, 2)])
+@pytest.mark.parametrize(
+    "bad",
+    [{"omgea": (1, 2)}, {"omega": (2, 1)}, {"time": (0.0, 1.0)}, {"time": 3}, (1, 2)],
+)
 def test_refusals(bad):
     with pytest.raises(InputError, match="range must"):
         em.Prony(1e6, [1e6], [1.0], range=bad)
@@ -160,79 +209,127 @@ def test_gradients_go_through_a_material_with_a_range():
 
 def test_a_rough_surface_at_temperatures_that_were_not_measured():
     surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e3)
-    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, range={"temperature": LIMITS["temperature"]})
+    rubber = em.Prony(
+        1e6,
+        [4e6, 1e6],
+        [1e-3, 1e-1],
+        shift=LAW,
+        range={"temperature": LIMITS["temperature"]},
+    )
     asked = {"velocity": 1.0, "pressure": 1e5, "rtol": 1e-2}
     kelvin = np.array([293.15, 350.0])
     for body in (surface, surface.line(samples=64)):
         length = None if body is surface else 1e-3
         model = em.Line(equivalent_length=length)
         with pytest.warns(
-            em.ExtrapolationWarning, match="1 of 2 points .* from 293.15 to 350 K, range 273.15 to 313.15"
+            em.ExtrapolationWarning,
+            match="1 of 2 points .* from 293.15 to 350 K, range 273.15 to 313.15",
         ):
             found = em.friction(rubber, body, temperature=kelvin, model=model, **asked)
         assert found.extrapolated.tolist() == [False, True]
-    with pytest.warns(em.ExtrapolationWarning, match="1 of 1 points .* temperature 350 K, range 273.15") as caught:
+    with pytest.warns(
+        em.ExtrapolationWarning,
+        match="1 of 1 points .* temperature 350 K, range 273.15",
+    ) as caught:
         found = em.friction(rubber.at(350.0), surface, model=em.Line(), **asked)
     assert found.extrapolated.all()
     assert len(caught) == 1
 
 
 def test_share_of_the_slope_beyond_the_data():
-    """C = q^-3 has as much square slope at each wave number; of a line a wave of amplitude h has (q h)^2/2."""
+    """C = q^-3 has as much square slope at each wave number; of a line a wave of
+    amplitude h has (q h)^2/2.
+    """
     from elastomdr.call.extrapolation import excited_outside
 
     surface = em.Spectrum([1e3, 1.1e4], [1e-9, 1e-9 / 1331], convention="2d")
-    known, velocity = Range((2e2, 1e3), None), np.array([0.1, 1.0, 0.01])  # wave numbers 2e3 to 1e4, 200 to 1e3, 2e4 up
-    np.testing.assert_allclose(excited_outside(known, surface, velocity), [0.2, 1.0, 1.0], rtol=1e-12)
+    # wave numbers 2e3 to 1e4, 200 to 1e3, 2e4 up
+    known, velocity = Range((2e2, 1e3), None), np.array([0.1, 1.0, 0.01])
+    np.testing.assert_allclose(
+        excited_outside(known, surface, velocity), [0.2, 1.0, 1.0], rtol=1e-12
+    )
     x = np.arange(64) * 1e-5
     q = 2 * np.pi / (64 * 1e-5) * np.array([2, 5])
     line = em.RoughLine(x, 3e-6 * np.cos(q[0] * x) + 2e-6 * np.cos(q[1] * x))
-    share = excited_outside(Range((0.9 * q[1], 1.1 * q[1]), None), line, np.array([1.0]))
-    np.testing.assert_allclose(share, (3 * q[0]) ** 2 / ((3 * q[0]) ** 2 + (2 * q[1]) ** 2), rtol=1e-12)
+    share = excited_outside(
+        Range((0.9 * q[1], 1.1 * q[1]), None), line, np.array([1.0])
+    )
+    np.testing.assert_allclose(
+        share, (3 * q[0]) ** 2 / ((3 * q[0]) ** 2 + (2 * q[1]) ** 2), rtol=1e-12
+    )
 
 
 class TestHistories:
     """Data from 1 to 1000 rad/s speak of ages from 1 ms to 1 s."""
 
-    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber", range={"omega": (1.0, 1e3)})
+    rubber = em.Prony(
+        1e6,
+        [4e6, 1e6],
+        [1e-3, 1e-1],
+        shift=LAW,
+        name="rubber",
+        range={"omega": (1.0, 1e3)},
+    )
 
     @pytest.mark.parametrize("what", [{"depth": 1e-5}, {"load": 1e-3}])
     def test_a_step_is_known_by_its_age(self, what):
         time = np.append(0.0, np.geomspace(1e-4, 10.0, 41))
-        with pytest.warns(em.ExtrapolationWarning, match="within 0.001 s decides.* after more than 1 s") as caught:
+        with pytest.warns(
+            em.ExtrapolationWarning,
+            match="within 0.001 s decides.* after more than 1 s",
+        ) as caught:
             found = em.indent(self.rubber, BALL, time=time, **what)
         assert len(caught) == 1
-        np.testing.assert_array_equal(found.extrapolated, (time < 0.99e-3) | (time > 1.01))
+        np.testing.assert_array_equal(
+            found.extrapolated, (time < 0.99e-3) | (time > 1.01)
+        )
         assert str(caught[0].message).rstrip(".") in found.summary()
         assert "beyond the range of the material" in found.csv()
         assert {":", "-"} == {line.get_linestyle() for line in found.plot().lines}
 
     def test_temperature_shifts_the_ages(self):
-        factor, time = float(LAW.a(283.15)), np.append(0.0, np.geomspace(1e-4, 90.0, 61))
+        factor, time = (
+            float(LAW.a(283.15)),
+            np.append(0.0, np.geomspace(1e-4, 90.0, 61)),
+        )
         with pytest.warns(em.ExtrapolationWarning):
-            found = em.indent(self.rubber, BALL, time=time, depth=1e-5, temperature=283.15)
+            found = em.indent(
+                self.rubber, BALL, time=time, depth=1e-5, temperature=283.15
+            )
         with pytest.warns(em.ExtrapolationWarning):
             brought = em.indent(self.rubber.at(283.15), BALL, time=time, depth=1e-5)
         assert 2 < factor < 10
-        np.testing.assert_array_equal(found.extrapolated, (time < 1e-3 * factor) | (time > factor))
+        np.testing.assert_array_equal(
+            found.extrapolated, (time < 1e-3 * factor) | (time > factor)
+        )
         np.testing.assert_array_equal(found.extrapolated, brought.extrapolated)
         rubber = em.Prony(1e6, [4e6], [1e-3], shift=LAW, range=LIMITS)
-        with pytest.warns(em.ExtrapolationWarning, match="temperature from 350 to 350 K, range 273.15 to 313.15 K"):
-            assert em.indent(rubber, BALL, time=[0.0, 1.0], depth=[0, 1e-5], temperature=350.0).extrapolated.all()
+        with pytest.warns(
+            em.ExtrapolationWarning,
+            match="temperature from 350 to 350 K, range 273.15 to 313.15 K",
+        ):
+            assert em.indent(
+                rubber, BALL, time=[0.0, 1.0], depth=[0, 1e-5], temperature=350.0
+            ).extrapolated.all()
 
     @pytest.mark.parametrize(("omega", "within"), [(30.0, True), (5e3, False)])
     def test_an_oscillation_is_known_by_its_frequency(self, omega, within):
         time = np.linspace(0, 8 * np.pi / omega, 81)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = em.indent(self.rubber, BALL, time=time, depth=1e-5 * (1.5 - np.cos(omega * time)))
+            found = em.indent(
+                self.rubber, BALL, time=time, depth=1e-5 * (1.5 - np.cos(omega * time))
+            )
         assert found.extrapolated[20:].all() != within
         assert found.extrapolated[20:].any() != within
 
     @pytest.mark.parametrize("rest", [0.0, 1e-4])
     def test_a_deeper_press_before_hides_nothing(self, rest):
         """Data within a factor of 1.0003, and forces that differ by one of 32."""
-        time, depth = [0, 0.1, 0.2, 0.5, 0.5000001, 0.5000002], [0, 1e-3, rest, rest, 2e-4, 4e-4]
+        time, depth = (
+            [0, 0.1, 0.2, 0.5, 0.5000001, 0.5000002],
+            [0, 1e-3, rest, rest, 2e-4, 4e-4],
+        )
         with pytest.warns(em.ExtrapolationWarning, match="within 0.001 s decides"):
             found = em.indent(self.rubber, BALL, time=time, depth=depth)
         assert found.extrapolated[-1]
@@ -246,28 +343,50 @@ class TestHistories:
         assert np.argwhere(found.extrapolated).tolist() == [[2, 0]]
 
     @pytest.mark.parametrize("velocity", [1e-4, 1e-2, 3.0])
-    @pytest.mark.parametrize("body", [BALL, em.SelfAffine(0.8, 0.2, 1e3, 4e3).line(samples=64)])
+    @pytest.mark.parametrize(
+        "body", [BALL, em.SelfAffine(0.8, 0.2, 1e3, 4e3).line(samples=64)]
+    )
     def test_sliding_agrees_with_steady_sliding(self, body, velocity):
         way = 40 * 1e-3
         time = np.linspace(0, way / velocity, 61)
         load = 0.1 if body is BALL else 100.0
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            moving = em.slide(self.rubber, body, time=time, position=velocity * time, load=load, rtol=0.1)
-            steady = em.friction(self.rubber, body, velocity=velocity, load=load, model=em.Line(), rtol=1e-2)
+            moving = em.slide(
+                self.rubber,
+                body,
+                time=time,
+                position=velocity * time,
+                load=load,
+                rtol=0.1,
+            )
+            steady = em.friction(
+                self.rubber,
+                body,
+                velocity=velocity,
+                load=load,
+                model=em.Line(),
+                rtol=1e-2,
+            )
         assert moving.extrapolated[-1] == steady.extrapolated
         assert not moving.extrapolated[0]  # where it is put down
 
     def test_a_flat_line_excites_nothing(self):
         flat = em.RoughLine(1e-5 * np.arange(64), np.zeros(64))
-        assert not em.friction(self.rubber, flat, velocity=1e-9, load=100.0, model=em.Line()).extrapolated
-        assert not em.slide(self.rubber, flat, time=[0, 0.1], position=[0, 1e-3], load=100.0).extrapolated.any()
+        assert not em.friction(
+            self.rubber, flat, velocity=1e-9, load=100.0, model=em.Line()
+        ).extrapolated
+        assert not em.slide(
+            self.rubber, flat, time=[0, 0.1], position=[0, 1e-3], load=100.0
+        ).extrapolated.any()
 
     def test_a_rest_grows_older(self):
         time = np.linspace(0, 3.0, 61)
         position = np.clip(time - 2, 0, None) * 5e-3
         with pytest.warns(em.ExtrapolationWarning, match="after more than 1 s"):
-            found = em.slide(self.rubber, BALL, time=time, position=position, load=0.1, rtol=0.1)
+            found = em.slide(
+                self.rubber, BALL, time=time, position=position, load=0.1, rtol=0.1
+            )
         old = (time > 1.001) & (time < 2.05)
         assert found.extrapolated[old].all()
         assert not found.extrapolated[(time < 0.999) | (time > 2.5)].any()
@@ -275,20 +394,33 @@ class TestHistories:
 
     def test_driven(self):
         time = np.linspace(0, 2.0, 41)
-        scene = {"time": time, "position": 1e-4 * time, "load": 0.1, "tangential": em.Mount(0.01, 1e3, 1.0)}
+        scene = {
+            "time": time,
+            "position": 1e-4 * time,
+            "load": 0.1,
+            "tangential": em.Mount(0.01, 1e3, 1.0),
+        }
         with pytest.warns(em.ExtrapolationWarning, match="after more than 1 s"):
             found = em.drive(self.rubber, BALL, **scene, rtol=0.1)
-        np.testing.assert_array_equal(found.extrapolated, time > 1)  # the contact is wider than its way
-        assert em.drive(em.Prony(1e6, [4e6], [1e-3]), BALL, **scene, rtol=0.1).extrapolated is None
+        # the contact is wider than its way
+        np.testing.assert_array_equal(found.extrapolated, time > 1)
+        assert (
+            em.drive(em.Prony(1e6, [4e6], [1e-3]), BALL, **scene, rtol=0.1).extrapolated
+            is None
+        )
 
     def test_impacts(self):
         velocity = np.geomspace(1e-4, 10.0, 6)
         other = em.Prony(1e6, [1e6], [1.0])
-        with pytest.warns(em.ExtrapolationWarning, match="a_T/t to 4 a_T/t, t the contact time") as caught:
+        with pytest.warns(
+            em.ExtrapolationWarning, match="a_T/t to 4 a_T/t, t the contact time"
+        ) as caught:
             found = em.impact([self.rubber, other], BALL, mass=4e-3, velocity=velocity)
         assert len(caught) == 1
         assert not found.extrapolated[1].any()
-        np.testing.assert_array_equal(found.extrapolated[0], 4 / found.duration[0] > 1e3)
+        np.testing.assert_array_equal(
+            found.extrapolated[0], 4 / found.duration[0] > 1e3
+        )
         assert 0 < found.extrapolated[0].sum() < 6
         assert found.plot() is not None
 
@@ -301,7 +433,9 @@ class TestHistories:
         np.testing.assert_array_equal(found.extrapolated, 4 * time > 1.001)
         scene = {"velocity": VELOCITY, "load": 1.0, "model": em.Line(), "rtol": 1e-3}
         with pytest.warns(em.ExtrapolationWarning) as caught:
-            pulled = em.traction(self.rubber, BALL, creepage=0.01, friction=0.5, **scene)
+            pulled = em.traction(
+                self.rubber, BALL, creepage=0.01, friction=0.5, **scene
+            )
         assert len(caught) == 1
         with pytest.warns(em.ExtrapolationWarning):
             rolled = em.rolling(self.rubber, BALL, **scene)
@@ -312,9 +446,15 @@ class TestHistories:
         tread = em.half_space(self.rubber, tangential=True)
         with pytest.warns(em.ExtrapolationWarning):
             found = em.traction(
-                em.Foundation(1e7, [], []), BALL, tangential=tread, velocity=[1e-5, 1e-2], creepage=0.01, friction=0.5,
-                load=1.0, model=em.Line(),
-            )  # fmt: skip
+                em.Foundation(1e7, [], []),
+                BALL,
+                tangential=tread,
+                velocity=[1e-5, 1e-2],
+                creepage=0.01,
+                friction=0.5,
+                load=1.0,
+                model=em.Line(),
+            )
         assert found.extrapolated.tolist() == [True, False]
 
 
@@ -327,37 +467,90 @@ ROLLER = em.Cylinder(0.05, 0.5)
 
 
 def _conveyor(material):
-    side = em.Idlers(em.springs(material.at(COLD), 1e-2, bonded=False), ROLLER, spacing=1.0)
-    return em.conveyor(side, side, velocity=[2.0, 4.0], belt=20.0, goods=[[0.0], [100.0]])
+    side = em.Idlers(
+        em.springs(material.at(COLD), 1e-2, bonded=False), ROLLER, spacing=1.0
+    )
+    return em.conveyor(
+        side, side, velocity=[2.0, 4.0], belt=20.0, goods=[[0.0], [100.0]]
+    )
 
 
 def _warming(material):
-    wheel = {"velocity": 1.0, "load": 100.0, "ambient": COLD, "conductance": [1.0, 2.0], "hottest": 320.0}
+    wheel = {
+        "velocity": 1.0,
+        "load": 100.0,
+        "ambient": COLD,
+        "conductance": [1.0, 2.0],
+        "hottest": 320.0,
+    }
     return em.heat_build_up(
-        em.springs(material, 1e-2, bonded=False), ROLLER, **wheel, capacity=1e3, time=[0.0, 100.0, 1e3], rtol=1e-4
+        em.springs(material, 1e-2, bonded=False),
+        ROLLER,
+        **wheel,
+        capacity=1e3,
+        time=[0.0, 100.0, 1e3],
+        rtol=1e-4,
     )
 
 
 # Of every class of results, a call outside the range of the material.
 OUTSIDE = {
-    "FrictionCurve": lambda m: em.friction(m, ROAD, velocity=[0.1, 1.0], pressure=3e5, temperature=COLD),
-    "RollingCurve": lambda m: em.rolling(m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE),
-    "Dissipation": lambda m: em.dissipation(m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE),
-    "FrictionSpectrum": lambda m: em.friction_spectrum(m, WAVE, velocity=0.1, load=10.0, temperature=COLD),
-    "LineContact": lambda m: em.line_contact(m, WAVE, velocity=0.1, load=10.0, temperature=COLD),
-    "RoughContact": lambda m: em.press(m, ROAD, pressure=[1e4, 1e5], model=em.Line(seeds=2, samples=1024)),
-    "Indentation": lambda m: em.indent(m, BALL, time=[0.0, 1.0], depth=[0.0, 1e-4], temperature=COLD),
-    "Impact": lambda m: em.impact(m, BALL, mass=1e-3, velocity=[0.5, 1.0], temperature=COLD, rtol=1e-3),
-    "Slide": lambda m: em.slide(m, BALL, time=EVEN, position=0.02 * EVEN, load=1.0, temperature=COLD, rtol=0.1),
+    "FrictionCurve": lambda m: em.friction(
+        m, ROAD, velocity=[0.1, 1.0], pressure=3e5, temperature=COLD
+    ),
+    "RollingCurve": lambda m: em.rolling(
+        m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE
+    ),
+    "Dissipation": lambda m: em.dissipation(
+        m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE
+    ),
+    "FrictionSpectrum": lambda m: em.friction_spectrum(
+        m, WAVE, velocity=0.1, load=10.0, temperature=COLD
+    ),
+    "LineContact": lambda m: em.line_contact(
+        m, WAVE, velocity=0.1, load=10.0, temperature=COLD
+    ),
+    "RoughContact": lambda m: em.press(
+        m, ROAD, pressure=[1e4, 1e5], model=em.Line(seeds=2, samples=1024)
+    ),
+    "Indentation": lambda m: em.indent(
+        m, BALL, time=[0.0, 1.0], depth=[0.0, 1e-4], temperature=COLD
+    ),
+    "Impact": lambda m: em.impact(
+        m, BALL, mass=1e-3, velocity=[0.5, 1.0], temperature=COLD, rtol=1e-3
+    ),
+    "Slide": lambda m: em.slide(
+        m, BALL, time=EVEN, position=0.02 * EVEN, load=1.0, temperature=COLD, rtol=0.1
+    ),
     "Drive": lambda m: em.drive(
-        m, BALL, time=EVEN[:3], position=EVEN[:3], load=1.0, temperature=COLD, tangential=em.Mount(0.1, 1e3), rtol=0.1
+        m,
+        BALL,
+        time=EVEN[:3],
+        position=EVEN[:3],
+        load=1.0,
+        temperature=COLD,
+        tangential=em.Mount(0.1, 1e3),
+        rtol=0.1,
     ),
     "ForceSpectrum": lambda m: OUTSIDE["Slide"](m).spectrum("normal_force"),
     "Shear": lambda m: em.shear(
-        m.at(COLD), BALL, time=EVEN[:3], displacement=1e-6 * EVEN[:3], load=1.0, friction=0.5, elements=8, steps=2
+        m.at(COLD),
+        BALL,
+        time=EVEN[:3],
+        displacement=1e-6 * EVEN[:3],
+        load=1.0,
+        friction=0.5,
+        elements=8,
+        steps=2,
     ),
     "Traction": lambda m: em.traction(
-        m, BALL, velocity=1.0, creepage=[1e-3, 1e-2], friction=0.5, load=1.0, temperature=COLD
+        m,
+        BALL,
+        velocity=1.0,
+        creepage=[1e-3, 1e-2],
+        friction=0.5,
+        load=1.0,
+        temperature=COLD,
     ),
     "Conveyor": _conveyor,
     "HeatBuildUp": _warming,
@@ -366,16 +559,25 @@ OUTSIDE = {
 # And what does not look at it, and says so.
 BLIND = {
     "Stability": lambda: em.stability(
-        em.Mount(1.0, 1e3), velocity=[1.0, 2.0, 3.0], force=[1.0, 0.9, 0.8], wavelength=1.0
+        em.Mount(1.0, 1e3),
+        velocity=[1.0, 2.0, 3.0],
+        force=[1.0, 0.9, 0.8],
+        wavelength=1.0,
     ),
-    "PerssonCurve": lambda: em.reference.persson(RUBBER, ROAD, velocity=0.1, pressure=3e5),
+    "PerssonCurve": lambda: em.reference.persson(
+        RUBBER, ROAD, velocity=0.1, pressure=3e5
+    ),
     "HalfPlaneCurve": lambda: em.reference.half_plane_sliding(
         RUBBER, 0.01, velocity=0.1, load_per_length=1.0, points=16
     ),
     "HalfSpaceCurve": lambda: em.reference.half_space_sliding(
-        RUBBER, 1e-6 * np.random.default_rng(1).random((16, 16)), cell=(1e-4, 1e-4), velocity=0.1, load=1e-3
+        RUBBER,
+        1e-6 * np.random.default_rng(1).random((16, 16)),
+        cell=(1e-4, 1e-4),
+        velocity=0.1,
+        load=1e-3,
     ),
-}  # fmt: skip
+}
 
 
 def _kinds(kind):
@@ -388,7 +590,10 @@ def test_every_class_of_results_is_looked_at():
     for name in em.__all__:
         getattr(em, name)
     names = {kind.__name__ for kind in _kinds(Result)}
-    assert {name for name in names if not name.startswith(("_", "Abstract"))} == {*OUTSIDE, *BLIND}
+    assert {name for name in names if not name.startswith(("_", "Abstract"))} == {
+        *OUTSIDE,
+        *BLIND,
+    }
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -404,7 +609,9 @@ def test_every_result_says_where_it_is_extrapolated(name):
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("name", ["FrictionCurve", "Dissipation", "Conveyor", "HeatBuildUp", "ORing"])
+@pytest.mark.parametrize(
+    "name", ["FrictionCurve", "Dissipation", "Conveyor", "HeatBuildUp", "ORing"]
+)
 def test_a_result_without_a_range_says_that_nothing_is_marked(name):
     found = OUTSIDE[name](NO_RANGE)
     assert found.extrapolated is None
@@ -413,13 +620,20 @@ def test_a_result_without_a_range_says_that_nothing_is_marked(name):
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize(
-    "name", ["Stability", "PerssonCurve", *(pytest.param(n, marks=pytest.mark.slow) for n in list(BLIND)[2:])]
+    "name",
+    [
+        "Stability",
+        "PerssonCurve",
+        *(pytest.param(n, marks=pytest.mark.slow) for n in list(BLIND)[2:]),
+    ],
 )
 def test_what_looks_at_no_range_says_why(name):
     found = BLIND[name]()
     assert type(found).__name__ == name
     assert found.extrapolated is None
-    assert ("does not enter" if name == "Stability" else "takes the material as it is given") in found.summary()
+    assert (
+        "does not enter" if name == "Stability" else "takes the material as it is given"
+    ) in found.summary()
 
 
 def test_a_cord_held_for_ten_years_is_beyond_data_of_minutes():

@@ -31,20 +31,27 @@ def test_figure_of_one_curve():
     assert not ax.collections  # an error of 1e-9 cannot be seen
     line, peak = ax.get_lines()
     np.testing.assert_array_equal(line.get_ydata(), friction_curve().mu)
-    assert (peak.get_xdata()[0], peak.get_ydata()[0]) == (pytest.approx(0.01), pytest.approx(0.5))
+    assert (peak.get_xdata()[0], peak.get_ydata()[0]) == (
+        pytest.approx(0.01),
+        pytest.approx(0.5),
+    )
 
 
 def test_figure_of_several_curves():
-    ax = drawn(rolling_curve(temperature=KELVIN[:, None], error=0.05, failed=[0, 1]), title="A title")
+    ax = drawn(
+        rolling_curve(temperature=KELVIN[:, None], error=0.05, failed=[0, 1]),
+        title="A title",
+    )
     assert ax.get_title(loc="left") == "A title"
     assert ax.get_ylabel() == "Rolling resistance coefficient [-]"
     assert ax.get_xlabel() == "Rolling velocity [m/s]"
     labels = [t.get_text() for t in ax.get_legend().get_texts()]
     assert [label.split(":")[0] for label in labels] == ["0 °C", "20 °C", "40 °C"]
     assert len(ax.collections) == 3
-    assert {"6 of 99 points did not converge and are left out", "shaded: numerical error"} <= {
-        t.get_text() for t in ax.texts
-    }
+    assert {
+        "6 of 99 points did not converge and are left out",
+        "shaded: numerical error",
+    } <= {t.get_text() for t in ax.texts}
 
 
 def test_band_is_the_whole_uncertainty():
@@ -52,9 +59,21 @@ def test_band_is_the_whole_uncertainty():
     bound = np.where(VELOCITY > 1e-2, np.nan, 0.04)
     for model_error, half, words in (
         (None, np.full(VELOCITY.size, 0.01), "numerical error"),
-        (np.full(VELOCITY.size, 0.04), np.full(VELOCITY.size, 0.05), "numerical and model error"),
-        (bound, np.where(VELOCITY > 1e-2, 0.01, 0.05), "numerical and model error, in part numerical only"),
-        (np.full(VELOCITY.size, np.nan), np.full(VELOCITY.size, 0.01), "numerical error (the model's is not known)"),
+        (
+            np.full(VELOCITY.size, 0.04),
+            np.full(VELOCITY.size, 0.05),
+            "numerical and model error",
+        ),
+        (
+            bound,
+            np.where(VELOCITY > 1e-2, 0.01, 0.05),
+            "numerical and model error, in part numerical only",
+        ),
+        (
+            np.full(VELOCITY.size, np.nan),
+            np.full(VELOCITY.size, 0.01),
+            "numerical error (the model's is not known)",
+        ),
     ):
         curve = dataclasses.replace(plain, model_error=model_error)
         ax = drawn(curve)
@@ -74,15 +93,24 @@ def test_band_of_a_point_and_of_an_unknown_error():
 
 def test_band_of_computed_curves():
     road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e4)
-    for shape, how in ((road, {"pressure": 1e5}), (em.Paraboloid(5e-3), {"load": 10.0})):
+    for shape, how in (
+        (road, {"pressure": 1e5}),
+        (em.Paraboloid(5e-3), {"load": 10.0}),
+    ):
         curve = em.friction(
-            em.StandardSolid(1e6, 9e6, 1e-4), shape, velocity=np.geomspace(1e-2, 10, 12), rtol=1e-4, **how
+            em.StandardSolid(1e6, 9e6, 1e-4),
+            shape,
+            velocity=np.geomspace(1e-2, 10, 12),
+            rtol=1e-4,
+            **how,
         )
         whole = curve.error + np.nan_to_num(curve.model_error)
         bands = drawn(curve).collections
         assert len(bands) == int((whole > 0.004 * curve.mu.max()).any())
         for band in bands:
-            assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx((curve.mu + whole).max(), rel=1e-9)
+            assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(
+                (curve.mu + whole).max(), rel=1e-9
+            )
 
 
 def test_figure_on_given_axes_and_along_other_axes():
@@ -108,7 +136,11 @@ def test_nothing_overlaps_or_leaves_the_figure(title, kelvin):
     curve = friction_curve(temperature=kelvin, failed=[0])
     ax = drawn(curve, title=title)
     frame = ax.figure.bbox
-    boxes = [t.get_window_extent() for t in [*ax.texts, ax.title, ax._left_title] if t.get_text()]
+    boxes = [
+        t.get_window_extent()
+        for t in [*ax.texts, ax.title, ax._left_title]
+        if t.get_text()
+    ]
     legend = ax.get_legend()
     boxes += [legend.get_window_extent()] if legend else []
     for i, box in enumerate(boxes):
@@ -124,18 +156,25 @@ def width(png):
 
 
 def test_png_is_as_wide_as_its_style_says():
-    assert width(friction_curve().png("A title")) == 1320  # 6.6 inches at 200 dots per inch
+    # 6.6 inches at 200 dots per inch
+    assert width(friction_curve().png("A title")) == 1320
     for curve in (friction_curve(), friction_curve(temperature=KELVIN[:, None])):
         assert width(curve.png(style="paper")) == pytest.approx(85 / 25.4 * 300, abs=1)
-    with pytest.raises(em.InputError, match="style must be None or \"paper\", got 'slide'"):
+    with pytest.raises(
+        em.InputError, match="style must be None or \"paper\", got 'slide'"
+    ):
         friction_curve().plot(style="slide")
     with pytest.raises(em.InputError, match="ax must be matplotlib Axes"):
         friction_curve().plot("paper")
 
 
-@pytest.mark.parametrize("kelvin", [None, KELVIN[:, None], np.linspace(270, 320, 9)[:, None]])
+@pytest.mark.parametrize(
+    "kelvin", [None, KELVIN[:, None], np.linspace(270, 320, 9)[:, None]]
+)
 def test_a_figure_for_a_paper_has_no_title_and_nothing_is_cut_off(kelvin):
-    ax = drawn(friction_curve(temperature=kelvin, error=0.02, failed=[0]), style="paper")
+    ax = drawn(
+        friction_curve(temperature=kelvin, error=0.02, failed=[0]), style="paper"
+    )
     assert ax.get_title(loc="left") == ""
     assert not ax.texts
     box, frame = ax.get_tightbbox(), ax.figure.bbox  # with ticks, labels and legend
@@ -143,7 +182,10 @@ def test_a_figure_for_a_paper_has_no_title_and_nothing_is_cut_off(kelvin):
     assert box.x1 <= frame.x1 + 1
     assert box.y0 >= frame.y0 - 1
     assert box.y1 <= frame.y1 + 1
-    assert drawn(friction_curve(), style="paper", title="Mine").get_title(loc="left") == "Mine"
+    assert (
+        drawn(friction_curve(), style="paper", title="Mine").get_title(loc="left")
+        == "Mine"
+    )
 
 
 def legend(ax):
@@ -152,7 +194,9 @@ def legend(ax):
 
 def test_several_results_on_the_same_axes_are_named_by_what_they_differ_in():
     def curve(**inputs):
-        return dataclasses.replace(friction_curve(error=0.05), inputs=tuple({**dict(INPUTS), **inputs}.items()))
+        return dataclasses.replace(
+            friction_curve(error=0.05), inputs=tuple({**dict(INPUTS), **inputs}.items())
+        )
 
     ax = curve().plot(style="paper")
     assert ax.get_legend() is None
@@ -173,7 +217,8 @@ def test_several_results_on_the_same_axes_are_named_by_what_they_differ_in():
     curve(material="sbr").plot(ax)
     assert ax.get_title(loc="left") == "Friction"  # of more than one material
     assert legend(ax) == ["nbr: peak 0.5 at 0.01 m/s", "sbr: peak 0.5 at 0.01 m/s"]
-    assert [t.get_text() for t in ax.texts] == ["shaded: numerical error", MODEL]  # no peak of one of them
+    # no peak of one of them
+    assert [t.get_text() for t in ax.texts] == ["shaded: numerical error", MODEL]
     dataclasses.replace(curve(), model="another model (a test)").plot(ax)
     assert [label.split(":")[0] for label in legend(ax)] == [
         "nbr, bare MDR line",
@@ -183,38 +228,89 @@ def test_several_results_on_the_same_axes_are_named_by_what_they_differ_in():
 
 
 def test_materials_are_told_apart_by_name():
-    many = FrictionCurve.stack([friction_curve(temperature=KELVIN[:2, None])] * 2, ["nbr", "sbr"])
-    assert legend(many.plot(style="paper")) == ["nbr, 0 °C", "nbr, 20 °C", "sbr, 0 °C", "sbr, 20 °C"]
+    many = FrictionCurve.stack(
+        [friction_curve(temperature=KELVIN[:2, None])] * 2, ["nbr", "sbr"]
+    )
+    assert legend(many.plot(style="paper")) == [
+        "nbr, 0 °C",
+        "nbr, 20 °C",
+        "sbr, 0 °C",
+        "sbr, 20 °C",
+    ]
     assert legend(many.plot(style="paper", label="new"))[3] == "new, sbr, 20 °C"
 
 
 def test_measured_points_take_the_colour_of_their_temperature():
-    measured = {"velocity": [1e-3, 1e-2, 1e-1], "mu": [0.1, 0.7, 0.2], "temperature": [273.15, 294.0, 350.0]}
+    measured = {
+        "velocity": [1e-3, 1e-2, 1e-1],
+        "mu": [0.1, 0.7, 0.2],
+        "temperature": [273.15, 294.0, 350.0],
+    }
     ax = drawn(friction_curve(temperature=KELVIN[:, None]), measured=measured)
-    labels = {line.get_label(): line for line in ax.get_lines() if str(line.get_label()).startswith("measured")}
-    assert set(labels) == {"measured, 0 °C", "measured, 20 °C", "measured, 76.85 °C (no curve)"}
+    labels = {
+        line.get_label(): line
+        for line in ax.get_lines()
+        if str(line.get_label()).startswith("measured")
+    }
+    assert set(labels) == {
+        "measured, 0 °C",
+        "measured, 20 °C",
+        "measured, 76.85 °C (no curve)",
+    }
     assert labels["measured, 76.85 °C (no curve)"].get_xdata()[0] == 0.1
     assert ax.get_ylim()[1] > 0.7
     curves = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
-    assert labels["measured, 20 °C"].get_color() is not labels["measured, 0 °C"].get_color()
-    np.testing.assert_array_equal(labels["measured, 20 °C"].get_color(), curves[1].get_color())
-    grid = {"velocity": [1e-3, 1e-2], "temperature": [[273.15], [294.0]], "mu": [[0.1, 0.2], [0.3, 0.4]]}
-    lines = drawn(friction_curve(temperature=KELVIN[:, None]), measured=grid).get_lines()
+    assert (
+        labels["measured, 20 °C"].get_color()
+        is not labels["measured, 0 °C"].get_color()
+    )
+    np.testing.assert_array_equal(
+        labels["measured, 20 °C"].get_color(), curves[1].get_color()
+    )
+    grid = {
+        "velocity": [1e-3, 1e-2],
+        "temperature": [[273.15], [294.0]],
+        "mu": [[0.1, 0.2], [0.3, 0.4]],
+    }
+    lines = drawn(
+        friction_curve(temperature=KELVIN[:, None]), measured=grid
+    ).get_lines()
     points = {str(line.get_label()): list(line.get_ydata()) for line in lines}
-    assert (points["measured, 0 °C"], points["measured, 20 °C"]) == ([0.1, 0.2], [0.3, 0.4])
+    assert (points["measured, 0 °C"], points["measured, 20 °C"]) == (
+        [0.1, 0.2],
+        [0.3, 0.4],
+    )
     warm = 333.15 + np.array([0.0, 20.4, 0.6, 19.6, -0.6])
-    elsewhere = {"velocity": np.full(5, 1e-2), "mu": 0.1 * np.arange(1, 6), "temperature": warm}
-    lines = drawn(friction_curve(temperature=KELVIN[:, None]), measured=elsewhere).get_lines()
+    elsewhere = {
+        "velocity": np.full(5, 1e-2),
+        "mu": 0.1 * np.arange(1, 6),
+        "temperature": warm,
+    }
+    lines = drawn(
+        friction_curve(temperature=KELVIN[:, None]), measured=elsewhere
+    ).get_lines()
     points = {str(line.get_label()): list(line.get_ydata()) for line in lines}
     np.testing.assert_allclose(points["measured, 60 °C (no curve)"], [0.1, 0.3, 0.5])
     np.testing.assert_allclose(points["measured, 80 °C (no curve)"], [0.2, 0.4])
-    many = elsewhere | {"velocity": np.full(9, 1e-2), "mu": np.ones(9), "temperature": 320.15 + 10 * np.arange(9)}
-    assert legend(drawn(friction_curve(temperature=KELVIN[:, None]), measured=many))[-1] == (
-        "measured, 47 °C to 127 °C (no curve)"
-    )
+    many = elsewhere | {
+        "velocity": np.full(9, 1e-2),
+        "mu": np.ones(9),
+        "temperature": 320.15 + 10 * np.arange(9),
+    }
+    assert legend(drawn(friction_curve(temperature=KELVIN[:, None]), measured=many))[
+        -1
+    ] == ("measured, 47 °C to 127 °C (no curve)")
     bare = {"velocity": [1e-2], "mu": [0.1]}
-    assert legend(drawn(friction_curve(temperature=KELVIN[:, None]), measured=bare))[-1] == "measured"
-    for bad in ({"velocity": [1.0]}, {"velocity": [1.0], "mu": [1.0, 2.0]}, {"velocity": [-1.0], "mu": [1.0]}, 3.0):
+    assert (
+        legend(drawn(friction_curve(temperature=KELVIN[:, None]), measured=bare))[-1]
+        == "measured"
+    )
+    for bad in (
+        {"velocity": [1.0]},
+        {"velocity": [1.0], "mu": [1.0, 2.0]},
+        {"velocity": [-1.0], "mu": [1.0]},
+        3.0,
+    ):
         with pytest.raises(em.InputError, match="measured"):
             friction_curve().plot(measured=bad)
 
@@ -225,12 +321,16 @@ def test_figure_of_a_surface():
     height = line.get_lines()[0].get_ydata()
     np.testing.assert_allclose(height.std(), 1e6 * surface.rms_height, rtol=1e-9)
     np.testing.assert_array_equal(spectrum.get_lines()[0].get_xdata(), surface.q)
-    assert (line.get_xlabel(), spectrum.get_xlabel()) == ("Position on the line [mm]", "Wave number q [rad/m]")
+    assert (line.get_xlabel(), spectrum.get_xlabel()) == (
+        "Position on the line [mm]",
+        "Wave number q [rad/m]",
+    )
     x = np.linspace(0, 1e-3, 64, endpoint=False)
     _, waves = em.RoughLine(x, 1e-6 * np.cos(2 * np.pi * 3 * x / 1e-3)).plot()
     q, power = waves.get_lines()[0].get_data()
     assert q[np.nanargmax(power)] == pytest.approx(6000 * np.pi)
-    np.testing.assert_allclose(2 * np.nansum(power) * 2000 * np.pi, 0.5e-12, rtol=1e-9)  # both sides: <h^2>
+    # both sides: <h^2>
+    np.testing.assert_allclose(2 * np.nansum(power) * 2000 * np.pi, 0.5e-12, rtol=1e-9)
 
 
 def test_quantities_of_one_unit_share_axes_and_others_are_refused():
@@ -239,22 +339,31 @@ def test_quantities_of_one_unit_share_axes_and_others_are_refused():
     rolling.plot(ax)
     assert ax.get_ylabel() == "Friction coefficient, rolling resistance coefficient [-]"
     assert ax.get_xlabel() == "Sliding velocity, rolling velocity [m/s]"
-    assert [text.partition(",")[0] for text in legend(ax)] == ["friction coefficient", "rolling resistance coefficient"]
+    assert [text.partition(",")[0] for text in legend(ax)] == [
+        "friction coefficient",
+        "rolling resistance coefficient",
+    ]
     lines = len(ax.get_lines())
     rubber, ball = em.StandardSolid(1e6, 4e6, 1e-2), em.Paraboloid(5e-3)
     pressed = em.indent(rubber, ball, time=[0.0, 1.0], depth=[0.0, 1e-4])
-    with pytest.raises(em.InputError, match=r"ax must have axes with the units of the result"):
+    with pytest.raises(
+        em.InputError, match=r"ax must have axes with the units of the result"
+    ):
         pressed.plot(ax)
     assert len(ax.get_lines()) == lines  # nothing was drawn
 
 
 def test_forces_on_the_same_axes_have_one_unit():
     rubber, ball = em.StandardSolid(1e6, 4e6, 1e-2), em.Paraboloid(5e-3)
-    small, large = (em.indent(rubber, ball, time=[0.0, 1.0], depth=[0.0, d]) for d in (1e-7, 1e-3))
+    small, large = (
+        em.indent(rubber, ball, time=[0.0, 1.0], depth=[0.0, d]) for d in (1e-7, 1e-3)
+    )
     alone = large.plot(matplotlib.figure.Figure().add_subplot())
     assert alone.get_ylabel() == "Force [N]"
     given = small.plot(matplotlib.figure.Figure().add_subplot())
     assert given.get_ylabel() == "Force [µN]"
     large.plot(given)
     assert given.get_ylabel() == "Force [µN]"
-    np.testing.assert_allclose(np.nanmax(given.get_lines()[-1].get_ydata()), 1e6 * large.force[-1], rtol=1e-9)
+    np.testing.assert_allclose(
+        np.nanmax(given.get_lines()[-1].get_ydata()), 1e6 * large.force[-1], rtol=1e-9
+    )

@@ -1,4 +1,6 @@
-"""The shear law that measured friction leaves to hysteresis: known laws found again, intervals, what is undecided."""
+"""The shear law that measured friction leaves to hysteresis: known laws found again,
+intervals, what is undecided.
+"""
 
 import numpy as np
 import pytest
@@ -11,7 +13,12 @@ ROAD = em.SelfAffine(0.8, rms_slope=0.7, q_low=1.26e3, q_high=3.1e5)
 TRUTH = {"stress": 6e6, "velocity": 4e-3, "width": 0.1, "energy": 9e4}
 LAW = em.AdhesiveShear(6e6, 4e-3, 0.1, shift=em.Arrhenius(9e4, 293.15))
 KELVIN = np.array([[278.15], [293.15], [308.15]])
-SCENE = {"velocity": np.geomspace(1e-6, 0.1, 10), "temperature": KELVIN, "pressure": 3e5, "rtol": 1e-4}
+SCENE = {
+    "velocity": np.geomspace(1e-6, 0.1, 10),
+    "temperature": KELVIN,
+    "pressure": 3e5,
+    "rtol": 1e-4,
+}
 
 
 @pytest.fixture(scope="module")
@@ -41,24 +48,34 @@ def test_without_noise_the_law_comes_back(bare, mu):
 
 @pytest.mark.parametrize("error", ["known", "relative", None])
 def test_intervals_hold_the_truth_about_as_often_as_they_say(bare, mu, error):
-    """25 draws of four intervals of 95 %: fewer than 86 of 100 would be three standard deviations off; the benchmark
-    adhesion_coverage.py draws 200."""
+    """25 draws of four intervals of 95 %: fewer than 86 of 100 would be three standard
+    deviations off; the benchmark adhesion_coverage.py draws 200.
+    """
     inside = []
     for seed in range(25):
         given = 0.02 * mu if error == "known" else error
         fit = em.fit.adhesion(bare, noisy(mu, seed), error=given)
-        inside += [fit.interval[name][0] <= value <= fit.interval[name][1] for name, value in TRUTH.items()]
+        inside += [
+            fit.interval[name][0] <= value <= fit.interval[name][1]
+            for name, value in TRUTH.items()
+        ]
         for name, value in TRUTH.items():  # no interval is so wide that it must
             assert fit.interval[name][1] - fit.interval[name][0] < 0.6 * value
     assert 0.86 <= np.mean(inside) <= 0.999
 
 
 def test_a_free_cutoff_is_found_with_it(bare, mu):
-    curves = {q: em.friction(RUBBER, ROAD.ended(q), **SCENE) for q in np.geomspace(3e4, 3e6, 7)}
+    curves = {
+        q: em.friction(RUBBER, ROAD.ended(q), **SCENE)
+        for q in np.geomspace(3e4, 3e6, 7)
+    }
     exact = em.fit.adhesion(curves, mu, error=0.02 * mu)
     assert exact.q_high == pytest.approx(3.1e5, rel=0.03)  # cubics between cutoffs
     assert exact.parameters["stress"] == pytest.approx(6e6, rel=0.03)
-    fit, held = (em.fit.adhesion(curve, noisy(mu, 1), error=0.02 * mu) for curve in (curves, bare))
+    fit, held = (
+        em.fit.adhesion(curve, noisy(mu, 1), error=0.02 * mu)
+        for curve in (curves, bare)
+    )
     low, high = fit.interval["q_high"]
     assert low <= 3.1e5 <= high
     widths = [np.diff(np.log(f.interval["stress"]))[0] for f in (fit, held)]
@@ -66,7 +83,11 @@ def test_a_free_cutoff_is_found_with_it(bare, mu):
 
 
 def test_what_the_data_cannot_decide_is_said(bare, mu):
-    slow = {**SCENE, "velocity": np.geomspace(1e-6, 1e-5, 6), "temperature": KELVIN[1:2]}
+    slow = {
+        **SCENE,
+        "velocity": np.geomspace(1e-6, 1e-5, 6),
+        "temperature": KELVIN[1:2],
+    }
     curve = em.friction(RUBBER, ROAD, **slow)
     measured = noisy(em.friction(RUBBER, ROAD, adhesion=LAW, **slow).mu, 3)
     fit = em.fit.adhesion(curve, measured, error=0.02 * measured)
@@ -85,35 +106,60 @@ def test_what_the_data_cannot_decide_is_said(bare, mu):
 
 def test_a_table_of_friction_is_taken_as_it_is_read(bare, mu, tmp_path):
     v, t = (np.broadcast_to(x, mu.shape).ravel() for x in (SCENE["velocity"], KELVIN))
-    rows = [f"{a:.12g},{b:.12g},{c:.12g}" for a, b, c in zip(v, t - 273.15, noisy(mu).ravel(), strict=True)]
+    rows = [
+        f"{a:.12g},{b:.12g},{c:.12g}"
+        for a, b, c in zip(v, t - 273.15, noisy(mu).ravel(), strict=True)
+    ]
     path = tmp_path / "rig.csv"
-    path.write_text("\n".join(["velocity [m/s],temperature [degC],mu", *rows]), encoding="utf-8")
+    path.write_text(
+        "\n".join(["velocity [m/s],temperature [degC],mu", *rows]), encoding="utf-8"
+    )
     data = em.read_friction(path)
     from_file = em.fit.adhesion(bare, data, error="relative")
     direct = em.fit.adhesion(bare, noisy(mu), error="relative")
     for name in TRUTH:
-        assert from_file.parameters[name] == pytest.approx(direct.parameters[name], rel=1e-5)
-    finer = em.friction(RUBBER, ROAD, **{**SCENE, "velocity": np.geomspace(1e-6, 0.1, 91)})
+        assert from_file.parameters[name] == pytest.approx(
+            direct.parameters[name], rel=1e-5
+        )
+    finer = em.friction(
+        RUBBER, ROAD, **{**SCENE, "velocity": np.geomspace(1e-6, 0.1, 91)}
+    )
     on_grid = em.fit.adhesion(finer, data, error="relative")
-    assert on_grid.parameters["stress"] == pytest.approx(direct.parameters["stress"], rel=1e-4)
+    assert on_grid.parameters["stress"] == pytest.approx(
+        direct.parameters["stress"], rel=1e-4
+    )
 
 
 def test_the_result_has_words_a_table_and_a_figure(bare, mu, tmp_path):
     fit = em.fit.adhesion(bare, noisy(mu), error="relative")
     said = repr(fit)
-    for text in ("95 %, by the profile", "stress", "J/mol", "of the friction", "model error"):
+    for text in (
+        "95 %, by the profile",
+        "stress",
+        "J/mol",
+        "of the friction",
+        "model error",
+    ):
         assert text in said
     fit.to_csv(tmp_path / "fit.csv")
-    rows = [row for row in (tmp_path / "fit.csv").read_text(encoding="utf-8").splitlines() if row[0] != "#"]
+    rows = [
+        row
+        for row in (tmp_path / "fit.csv").read_text(encoding="utf-8").splitlines()
+        if row[0] != "#"
+    ]
     assert len(rows) == 31
-    assert fit.hysteresis + fit.adhesion + fit.residuals == pytest.approx(fit.measured, rel=1e-12)
+    assert fit.hysteresis + fit.adhesion + fit.residuals == pytest.approx(
+        fit.measured, rel=1e-12
+    )
     assert fit.plot().get_xlabel() == "Sliding velocity [m/s]"
     low, high = fit.level
     assert low < fit.parameters["stress"] < high
 
 
 def test_bad_input_is_one_clear_line(bare, mu):
-    line = em.friction(em.StandardSolid(1e6, 1e6, 1e-2), em.Sphere(0.01), velocity=[0.1, 1.0], load=1.0)
+    line = em.friction(
+        em.StandardSolid(1e6, 1e6, 1e-2), em.Sphere(0.01), velocity=[0.1, 1.0], load=1.0
+    )
     for call, named in (
         (lambda: em.fit.adhesion(line, [0.5, 0.6]), "real contact area"),
         (lambda: em.fit.adhesion(bare, mu.ravel()), "measured"),
@@ -121,7 +167,13 @@ def test_bad_input_is_one_clear_line(bare, mu):
         (lambda: em.fit.adhesion(bare, mu, error=-1.0), "error"),
         (lambda: em.fit.adhesion({1e5: bare, 2e5: bare}, mu), "curve"),
         (lambda: em.fit.adhesion(mu, mu), "curve"),
-        (lambda: em.fit.adhesion(em.friction(RUBBER, ROAD, velocity=[1e-3, 1e-2], pressure=3e5), [0.5, 0.6]), "more"),
+        (
+            lambda: em.fit.adhesion(
+                em.friction(RUBBER, ROAD, velocity=[1e-3, 1e-2], pressure=3e5),
+                [0.5, 0.6],
+            ),
+            "more",
+        ),
     ):
         with pytest.raises(InputError, match=named) as caught:
             call()

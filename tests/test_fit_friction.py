@@ -1,4 +1,6 @@
-"""Measured friction: shifted to a master curve, and parameters of a material calibrated to it."""
+"""Measured friction: shifted to a master curve, and parameters of a material calibrated
+to it.
+"""
 
 import numpy as np
 import pytest
@@ -29,12 +31,15 @@ def measured(noise=0.01, seed=0):
 def test_grosch_master_curve():
     scores = []
     for seed in range(6):
-        master = em.fit.friction_master(VELOCITY, KELVIN[:, None], measured(0.01, seed), 293.15)
+        master = em.fit.friction_master(
+            VELOCITY, KELVIN[:, None], measured(0.01, seed), 293.15
+        )
         truth = np.asarray(LAW.log10_a(KELVIN))
         away = KELVIN != 293.15
         scores.append(((master.log10_a - truth)[away] / master.log10_a_std[away]) ** 2)
         assert np.abs(master.log10_a - truth).max() < 0.2
-    assert 0.2 < np.mean(scores) < 3.0  # a chi squared of 30 values that are correlated within each set
+    # a chi squared of 30 values that are correlated within each set
+    assert 0.2 < np.mean(scores) < 3.0
     assert isinstance(master.wlf, em.WLF)
     assert abs(float(master.wlf.c1) - 6.0) < 3 * master.laws["WLF"].std["c1"]
     v = np.geomspace(master.velocity.min(), master.velocity.max(), 30)
@@ -49,17 +54,27 @@ def test_grosch_master_curve():
 
 
 def test_errors_of_measured_friction():
-    """Noise in proportion to the friction, said so or given point by point, and better used for it."""
+    """Noise in proportion to the friction, said so or given point by point, and better
+    used for it.
+    """
     a = 10 ** np.asarray(LAW.log10_a(KELVIN))[:, None]
     curve = 0.1 + 1.5 * np.exp(-((np.log10(VELOCITY * a) - 0.5) ** 2) / 4)
     truth, off = np.asarray(LAW.log10_a(KELVIN)), {}
     for seed in range(4):
         mu = curve * (1 + 0.05 * np.random.default_rng(seed).normal(size=curve.shape))
-        for name, error in (("default", None), ("relative", "relative"), ("given", 0.05 * curve)):
-            master = em.fit.friction_master(VELOCITY, KELVIN[:, None], mu, 293.15, error=error)
+        for name, error in (
+            ("default", None),
+            ("relative", "relative"),
+            ("given", 0.05 * curve),
+        ):
+            master = em.fit.friction_master(
+                VELOCITY, KELVIN[:, None], mu, 293.15, error=error
+            )
             off.setdefault(name, []).append(master.log10_a - truth)
         np.testing.assert_allclose(master.error, (0.05 * curve).ravel())
-    default, relative, given = (np.square(off[name]).mean() for name in ("default", "relative", "given"))
+    default, relative, given = (
+        np.square(off[name]).mean() for name in ("default", "relative", "given")
+    )
     assert max(relative, given) < default
     for error, said in (
         ("some", "error must be numbers"),
@@ -84,7 +99,10 @@ def test_flat_friction_has_no_shift():
         ((VELOCITY, KELVIN, measured()), "must match in shape"),
         ((-VELOCITY, KELVIN[:, None], measured()), "velocity must be positive"),
         ((VELOCITY, 293.15, measured()[0]), "two values at least"),
-        ((VELOCITY, KELVIN[:, None], measured(), 400.0), "within the measured temperatures"),
+        (
+            (VELOCITY, KELVIN[:, None], measured(), 400.0),
+            "within the measured temperatures",
+        ),
         ((VELOCITY, KELVIN[:, None], np.full((6, 12), np.nan)), "mu must be finite"),
     ],
 )
@@ -93,24 +111,42 @@ def test_refusals_of_friction(arguments, said):
         em.fit.friction_master(*arguments)
 
 
-RUBBER = em.Prony(1e6, np.geomspace(2e7, 4e5, 4), np.geomspace(1e-6, 1e-2, 4), shift=LAW)
-SCENE = {"load": 1.0, "temperature": KELVIN[::2, None], "model": em.Line(), "rtol": 1e-3}
+RUBBER = em.Prony(
+    1e6, np.geomspace(2e7, 4e5, 4), np.geomspace(1e-6, 1e-2, 4), shift=LAW
+)
+SCENE = {
+    "load": 1.0,
+    "temperature": KELVIN[::2, None],
+    "model": em.Line(),
+    "rtol": 1e-3,
+}
 SPEED = np.geomspace(1e-3, 1.0, 5)
 
 
 def test_calibration_finds_what_was_changed():
-    """A slope of the spectrum, a level and a shift constant are found again from noisy friction, by exact gradients."""
+    """A slope of the spectrum, a level and a shift constant are found again from noisy
+    friction, by exact gradients.
+    """
     middle = np.exp(np.log(np.asarray(RUBBER.times)).mean())
     other = em.Prony(
         1e6 * 10**0.1,
-        np.asarray(RUBBER.moduli) * 10**0.1 * (np.asarray(RUBBER.times) / middle) ** 0.08,
+        np.asarray(RUBBER.moduli)
+        * 10**0.1
+        * (np.asarray(RUBBER.times) / middle) ** 0.08,
         RUBBER.times,
         shift=em.WLF(6.0 * 10**0.05, 110.0, 293.15),
     )
     ball = em.Paraboloid(5e-3)
     mu = em.friction(other, ball, velocity=SPEED, **SCENE).mu
     mu = mu + 2e-4 * np.random.default_rng(0).normal(size=mu.shape)
-    found = em.fit.calibrate(RUBBER, ball, velocity=SPEED, measured=mu, parameters=("modulus", "slope", "c1"), **SCENE)
+    found = em.fit.calibrate(
+        RUBBER,
+        ball,
+        velocity=SPEED,
+        measured=mu,
+        parameters=("modulus", "slope", "c1"),
+        **SCENE,
+    )
     truth = {"modulus": 0.1, "slope": 0.08, "c1": 0.05}
     assert found.converged
     for name, value in truth.items():
@@ -118,39 +154,66 @@ def test_calibration_finds_what_was_changed():
         assert found.std[name] < 0.05
     assert found.error == pytest.approx(2e-4, rel=0.5)
     np.testing.assert_allclose(found.material.moduli, other.moduli, rtol=0.1)
-    np.testing.assert_allclose(em.friction(found.material, ball, velocity=SPEED, **SCENE).mu, found.computed, rtol=1e-6)
+    np.testing.assert_allclose(
+        em.friction(found.material, ball, velocity=SPEED, **SCENE).mu,
+        found.computed,
+        rtol=1e-6,
+    )
     assert "residuals" in repr(found)
 
 
 def test_other_measurements_of_a_scene_compile_nothing(monkeypatch):
-    """The parameters are put into the scene once per program, and once more for the answer."""
+    """The parameters are put into the scene once per program, and once more for the
+    answer.
+    """
     count, ball = [], em.Paraboloid(5e-3)
-    monkeypatch.setattr(calibration, "applied", lambda *given: (count.append(0), applied(*given))[1])
+    monkeypatch.setattr(
+        calibration, "applied", lambda *given: (count.append(0), applied(*given))[1]
+    )
     arguments = {"velocity": SPEED, "parameters": ("modulus", "slope", "c1")} | SCENE
     start = em.friction(RUBBER, ball, velocity=SPEED, **SCENE).mu
     found = []
     for factor in (1.0, 1.02, 1.03):
         count.clear()
-        found.append(em.fit.calibrate(RUBBER, ball, measured=factor * start, error=1e-3, **arguments))
+        found.append(
+            em.fit.calibrate(
+                RUBBER, ball, measured=factor * start, error=1e-3, **arguments
+            )
+        )
     assert len(count) == 1
     assert found[1].parameters != found[2].parameters
 
 
 def test_an_error_from_few_points_widens_intervals_as_students_t():
-    """1.96 standard deviations held 85 % of 150 truths with five points and two parameters; Student's t has 3.18."""
-    ball, speed, noise = em.Paraboloid(5e-3), SPEED[:5], np.array([1.0, -1.0, 0.5, 1.0, -1.5])
+    """1.96 standard deviations held 85 % of 150 truths with five points and two
+    parameters; Student's t has 3.18.
+    """
+    ball, speed, noise = (
+        em.Paraboloid(5e-3),
+        SPEED[:5],
+        np.array([1.0, -1.0, 0.5, 1.0, -1.5]),
+    )
     scene = SCENE | {"temperature": 293.15}
     mu = em.friction(RUBBER, ball, velocity=speed, **scene).mu + 2e-4 * noise
-    arguments = {"velocity": speed, "measured": mu, "parameters": ("modulus", "slope")} | scene
+    arguments = {
+        "velocity": speed,
+        "measured": mu,
+        "parameters": ("modulus", "slope"),
+    } | scene
     found = em.fit.calibrate(RUBBER, ball, **arguments)
     known = em.fit.calibrate(RUBBER, ball, error=found.error, **arguments)
     for name in ("modulus", "slope"):
-        assert known.std[name] < 0.1 * known.prior[name]  # else the prior's part is not widened
-        assert found.std[name] / known.std[name] == pytest.approx(3.182 / 1.96, rel=0.05)
+        # else the prior's part is not widened
+        assert known.std[name] < 0.1 * known.prior[name]
+        assert found.std[name] / known.std[name] == pytest.approx(
+            3.182 / 1.96, rel=0.05
+        )
 
 
 def test_programs_are_kept_for_the_constants_they_have():
-    """Another scene, a change of one's own, or more scenes than are kept, and never a stale answer."""
+    """Another scene, a change of one's own, or more scenes than are kept, and never a
+    stale answer.
+    """
     calls = []
 
     def square(a, kept=True):
@@ -158,7 +221,9 @@ def test_programs_are_kept_for_the_constants_they_have():
             calls.append(a)
             return a * p**2
 
-        value, jacobian = with_jacobian(compute, {"a": np.array([a]), "name": "x", "none": None} if kept else None)
+        value, jacobian = with_jacobian(
+            compute, {"a": np.array([a]), "name": "x", "none": None} if kept else None
+        )
         np.testing.assert_allclose(value(np.array([3.0])), 9.0 * a)
         np.testing.assert_allclose(jacobian(np.array([3.0])), [[6.0 * a]])
 
@@ -183,11 +248,20 @@ def test_programs_are_kept_for_the_constants_they_have():
         ({"measured": [0.1, np.nan]}, "measured must be finite"),
         ({"measured": [0.1], "parameters": ("slope", "time")}, "as many points"),
         ({"quantity": "wear"}, "quantity must be"),
-        ({"material": em.StandardSolid(1e6, 1e6, 1.0), "parameters": ("c1",)}, "need a material with a WLF law"),
+        (
+            {"material": em.StandardSolid(1e6, 1e6, 1.0), "parameters": ("c1",)},
+            "need a material with a WLF law",
+        ),
         ({"material": "rubber"}, "material must be a Prony"),
         ({"error": -1.0}, "error must be positive"),
         ({"parameters": ("q_high",)}, "need a surface with a spectrum"),
-        ({"parameters": ("length",), "model": em.Line(equivalent_length="full contact")}, "needs a number"),
+        (
+            {
+                "parameters": ("length",),
+                "model": em.Line(equivalent_length="full contact"),
+            },
+            "needs a number",
+        ),
     ],
 )
 def test_refusals_of_calibration(changes, said):
@@ -205,14 +279,19 @@ def test_refusals_of_calibration(changes, said):
 
 ROAD = em.SelfAffine(0.8, rms_height=2e-5, q_low=1e3, q_high=8e3)
 HEAVY = {
-    "velocity": SPEED[:3], "temperature": KELVIN[::3, None], "pressure": 1e6,
-    "model": em.Line(equivalent_length=1e-2, periods=1, samples=256), "rtol": 1e-6,
-}  # fmt: skip
+    "velocity": SPEED[:3],
+    "temperature": KELVIN[::3, None],
+    "pressure": 1e6,
+    "model": em.Line(equivalent_length=1e-2, periods=1, samples=256),
+    "rtol": 1e-6,
+}
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
 def test_calibration_of_a_roughness_cutoff():
-    """In full contact mu = gain sum (1/2) A^2 k E''(k v)/(p L): all but the cutoff are one factor."""
+    """In full contact mu = gain sum (1/2) A^2 k E''(k v)/(p L): all but the cutoff are
+    one factor.
+    """
     truth = em.friction(RUBBER, ROAD.ended(1.2e4), **HEAVY)
     noisy = truth.mu * (1 + 1e-3 * np.random.default_rng(0).normal(size=truth.mu.shape))
     ask = {"measured": noisy, "error": 1e-3 * noisy, **HEAVY}
@@ -228,11 +307,14 @@ def test_calibration_of_a_roughness_cutoff():
     width = {"heights": 0.1, "length": 0.3, "gain": 0.2}
     start = {"q_high": wanted, "heights": 0.0, "length": 0.0, "gain": 0.0}
     free = em.fit.calibrate(RUBBER, ROAD, parameters=start, widths=width, **ask)
-    # Known of log mu are 2 heights - length + gain and the cutoff: what is orthogonal to it in prior widths stays open.
+    # Known of log mu are 2 heights - length + gain and the cutoff: what is orthogonal
+    # to it in prior widths stays open.
     factor = np.array([0.0, 2 * 0.1, -0.3, 0.2])
     direction, left = free.weakest
     assert left == pytest.approx(1.0, abs=1e-3)
-    assert abs(np.array(list(direction.values())) @ factor) < 0.02 * np.linalg.norm(factor)
+    assert abs(np.array(list(direction.values())) @ factor) < 0.02 * np.linalg.norm(
+        factor
+    )
     assert abs(direction["q_high"]) < 0.05
     assert "least known" in repr(free)
     assert list(free.prior) == list(free.parameters)
@@ -244,10 +326,14 @@ def test_a_spectrum_ended_elsewhere():
     shorter, longer = ROAD.ended(7e3), ROAD.ended(1.2e4)
     np.testing.assert_allclose(shorter.at(q[:3]), ROAD.at(q[:3]))
     assert shorter.at(8e3) == 0
-    np.testing.assert_allclose(longer.at(q), ROAD.c[0] * (q / 1e3) ** -3.6 * (q >= 1e3), rtol=1e-12)
+    np.testing.assert_allclose(
+        longer.at(q), ROAD.c[0] * (q / 1e3) ** -3.6 * (q >= 1e3), rtol=1e-12
+    )
     assert longer.ended(8e3).rms_slope == pytest.approx(ROAD.rms_slope, rel=1e-12)
     kinked = em.Spectrum([1e3, 2e3, 8e3], [1.0, 1.0, 1e-3], convention="2d")
-    assert kinked.ended(4e3).moment(3) == pytest.approx(kinked.moment(3, 1e3, 4e3), rel=1e-12)
+    assert kinked.ended(4e3).moment(3) == pytest.approx(
+        kinked.moment(3, 1e3, 4e3), rel=1e-12
+    )
     assert kinked.ended(2e3).q.size == 2
     assert ROAD.raised(2.0).rms_height == pytest.approx(2 * ROAD.rms_height, rel=1e-12)
     with pytest.raises(InputError, match="q_high must be above q_low"):

@@ -1,4 +1,6 @@
-"""A material from Shore A alone: Gent's modulus, the spectrum of a library material, graded as an estimate."""
+"""A material from Shore A alone: Gent's modulus, the spectrum of a library material,
+graded as an estimate.
+"""
 
 import numpy as np
 import pytest
@@ -9,24 +11,47 @@ from elastomdr.material.check import check_material
 from elastomdr.material.validity import misfit
 
 
-@pytest.mark.parametrize(("shore", "modulus"), [(40, 1.689e6), (60, 3.605e6), (80, 9.349e6)])  # by hand from the paper
+# by hand from the paper
+@pytest.mark.parametrize(
+    ("shore", "modulus"), [(40, 1.689e6), (60, 3.605e6), (80, 9.349e6)]
+)
 def test_the_modulus_is_that_of_gent(shore, modulus):
     rubber = em.fit.from_hardness(shore)
-    assert float(rubber.at(296.15).tensile().relaxation(3.0)) == pytest.approx(modulus, rel=2e-3)
+    assert float(rubber.at(296.15).tensile().relaxation(3.0)) == pytest.approx(
+        modulus, rel=2e-3
+    )
     other = em.load_material("sbr-gum-like")
-    np.testing.assert_allclose(rubber.loss_tangent([1.0, 1e3]), other.loss_tangent([1.0, 1e3]))
+    np.testing.assert_allclose(
+        rubber.loss_tangent([1.0, 1e3]), other.loss_tangent([1.0, 1e3])
+    )
     assert [float(x) for x in misfit(rubber, 1.0, 1e3)] == [1.0, 1.0]  # a factor of two
 
 
 def test_refusals():
-    for shore, like, said in ((95, "sbr-gum-like", "between 20 and 90"), (60, "nothing", "nothing")):
+    for shore, like, said in (
+        (95, "sbr-gum-like", "between 20 and 90"),
+        (60, "nothing", "nothing"),
+    ):
         with pytest.raises(em.InputError, match=said):
             em.fit.from_hardness(shore, like=like)
 
 
 def test_the_command_line(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert main(["fit", "--shore-a", "65", "--like", "natural-rubber-like", "--name", "sole"]) == 0
+    assert (
+        main(
+            [
+                "fit",
+                "--shore-a",
+                "65",
+                "--like",
+                "natural-rubber-like",
+                "--name",
+                "sole",
+            ]
+        )
+        == 0
+    )
     assert "within a factor of two" in capsys.readouterr().out
     assert check_material("sole.toml") == []
     assert 'grade = "estimated"' in (tmp_path / "sole.toml").read_text()

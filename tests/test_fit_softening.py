@@ -1,4 +1,6 @@
-"""Softening from strain sweeps: known factors found again, sweeps joined, a table, what is undecided, a real sweep."""
+"""Softening from strain sweeps: known factors found again, sweeps joined, a table, what
+is undecided, a real sweep.
+"""
 
 import csv
 import os
@@ -12,7 +14,11 @@ import elastomdr as em
 from elastomdr.errors import InputError
 
 TRUTH = {"drop": 0.6, "strain": 0.01, "exponent": 0.55, "rise": 0.8}
-DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
+DATA = Path(
+    os.environ.get(
+        "ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"
+    )
+)
 SWEEP = DATA / "epdm-70" / "sd_10hz.csv"
 
 
@@ -56,21 +62,37 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say():
     inside = []
     for seed in range(40):
         found = em.fit.softening(sweep(0.01, seed))
-        inside += [found.interval[name][0] <= value <= found.interval[name][1] for name, value in TRUTH.items()]
+        inside += [
+            found.interval[name][0] <= value <= found.interval[name][1]
+            for name, value in TRUTH.items()
+        ]
     assert 0.87 <= np.mean(inside) <= 0.995  # of 160, that depend on each other
 
 
 def test_sweeps_at_several_temperatures_and_frequencies_are_joined():
     """Each of a third of the strains: no sweep sees both ends of the fall."""
     parts = []
-    for i, (kelvin, hertz, small) in enumerate(((283.15, 1.0, (7e6, 9e5)), (313.15, 10.0, (4e6, 2e5)),
-                                                (283.15, 10.0, (8e6, 1e6)))):  # fmt: skip
+    for i, (kelvin, hertz, small) in enumerate(
+        (
+            (283.15, 1.0, (7e6, 9e5)),
+            (313.15, 10.0, (4e6, 2e5)),
+            (283.15, 10.0, (8e6, 1e6)),
+        )
+    ):
         part = sweep(0.003, i, 36, small=small)
         kept = slice(8 * i, 8 * i + 20)
         rows = {name: values[kept] for name, values in part.items()}
-        parts.append({**rows, "temperature": np.full(20, kelvin), "omega": np.full(20, 2 * np.pi * hertz)})
+        parts.append(
+            {
+                **rows,
+                "temperature": np.full(20, kelvin),
+                "omega": np.full(20, 2 * np.pi * hertz),
+            }
+        )
     mixed = np.random.default_rng(0).permutation(60)
-    joined = {name: np.concatenate([part[name] for part in parts])[mixed] for name in parts[0]}
+    joined = {
+        name: np.concatenate([part[name] for part in parts])[mixed] for name in parts[0]
+    }
     found = em.fit.softening(joined)
     assert found.found.omega.size == 3
     for name, value in TRUTH.items():
@@ -106,7 +128,11 @@ def test_it_has_words_a_table_and_a_figure(tmp_path):
     for text in ("drop", "exponent", "Student", "24 points of 1 sweeps"):
         assert text in repr(found)
     found.to_csv(tmp_path / "s.csv")
-    rows = [row for row in (tmp_path / "s.csv").read_text(encoding="utf-8").splitlines() if row[0] != "#"]
+    rows = [
+        row
+        for row in (tmp_path / "s.csv").read_text(encoding="utf-8").splitlines()
+        if row[0] != "#"
+    ]
     assert len(rows) == 25
     assert found.plot().get_xlabel() == "Strain amplitude [%]"
 
@@ -120,7 +146,12 @@ def test_bad_input_is_one_clear_line():
         ({**good, "storage": -good["storage"]}, "storage"),
         ({**good, "temperature": [293.15, 303.15]}, "temperature"),
         ({"strain": good["strain"]}, "strain_sweep"),
-        (em.fit.dma(good["strain"], good["storage"], good["loss"], 293.15, kind="shear"), "strain"),
+        (
+            em.fit.dma(
+                good["strain"], good["storage"], good["loss"], 293.15, kind="shear"
+            ),
+            "strain",
+        ),
         ([1.0, 2.0], "strain_sweep"),
     ):
         with pytest.raises(InputError, match=named) as caught:
@@ -130,15 +161,27 @@ def test_bad_input_is_one_clear_line():
         em.fit.softening(good, form="cubic")
 
 
-@pytest.mark.skipif(not SWEEP.exists(), reason="measured data are not part of the package")
+@pytest.mark.skipif(
+    not SWEEP.exists(), reason="measured data are not part of the package"
+)
 def test_a_measured_sweep_of_a_filled_rubber():
     rows = list(csv.DictReader(SWEEP.read_text(encoding="utf-8").splitlines()))
-    columns = {"strain": "strain_dyn_pct", "storage": "G_storage_pa", "loss": "G_loss_pa",
-               "temperature": "temperature_C", "omega": "freq_hz"}  # fmt: skip
-    data = {name: np.array([float(row[title]) for row in rows]) for name, title in columns.items()}
+    columns = {
+        "strain": "strain_dyn_pct",
+        "storage": "G_storage_pa",
+        "loss": "G_loss_pa",
+        "temperature": "temperature_C",
+        "omega": "freq_hz",
+    }
+    data = {
+        name: np.array([float(row[title]) for row in rows])
+        for name, title in columns.items()
+    }
     data["strain"], data["temperature"], data["omega"] = (
-        data["strain"] / 100, data["temperature"] + 273.15, 2 * np.pi * data["omega"],
-    )  # fmt: skip
+        data["strain"] / 100,
+        data["temperature"] + 273.15,
+        2 * np.pi * data["omega"],
+    )
     found = em.fit.softening(data)
     f, g = found.factors(0.01)
     assert 0.77 < f < 0.83  # 5.2 to 4.2 MPa

@@ -20,24 +20,36 @@ FORCE = 5 + 2 * np.cos(2 * np.pi * 20 * TIME) + 0.3 * np.sin(2 * np.pi * 70 * TI
 
 
 def motion(force=FORCE, time=TIME):
-    return dataclasses.replace(SLIDE, time=time, normal_force=force, friction_force=0.1 * force)
+    return dataclasses.replace(
+        SLIDE, time=time, normal_force=force, friction_force=0.1 * force
+    )
 
 
 def test_amplitudes_of_whole_periods():
     found = motion().spectrum(since=0.1, period=0.05)
-    expected = np.where(np.isclose(found.frequency, 20), 2.0, np.where(np.isclose(found.frequency, 70), 0.3, 0.0))
-    # 70 Hz has 3.5 waves in a period of 0.05 s, and whole ones in the six periods that are left.
+    expected = np.where(
+        np.isclose(found.frequency, 20),
+        2.0,
+        np.where(np.isclose(found.frequency, 70), 0.3, 0.0),
+    )
+    # 70 Hz has 3.5 waves in a period of 0.05 s, and whole ones in the six periods that
+    # are left.
     np.testing.assert_allclose(found.amplitude, expected, atol=1e-12)
     assert found.rms == pytest.approx(np.sqrt(2.0 + 0.045), rel=1e-12)
     assert float(found.mean) == pytest.approx(5.0, rel=1e-12)
     assert "largest amplitude" in found.summary()
     assert "2 N at 20 Hz" in found.summary()
-    assert (motion().spectrum("friction_force", since=0.1, period=0.05).amplitude <= 0.2 + 1e-12).all()
+    assert (
+        motion().spectrum("friction_force", since=0.1, period=0.05).amplitude
+        <= 0.2 + 1e-12
+    ).all()
 
 
 def test_what_dies_out_is_in_the_error():
     settled = motion().spectrum(since=0.2, period=0.05)
-    dying = motion(FORCE + np.exp(-TIME / 0.1) * np.cos(2 * np.pi * 20 * TIME)).spectrum(since=0.2, period=0.05)
+    dying = motion(
+        FORCE + np.exp(-TIME / 0.1) * np.cos(2 * np.pi * 20 * TIME)
+    ).spectrum(since=0.2, period=0.05)
     assert settled.error.max() < 1e-10
     off = np.abs(dying.amplitude - settled.amplitude)
     at = np.argmin(abs(dying.frequency - 20))
@@ -46,7 +58,9 @@ def test_what_dies_out_is_in_the_error():
 
 
 def test_density_of_noise():
-    """White noise of variance s^2 has the density 2 s^2 dt; the window does not change the mean square."""
+    """White noise of variance s^2 has the density 2 s^2 dt; the window does not change
+    the mean square.
+    """
     noise = np.random.default_rng(2).normal(0, 3.0, 4001)
     found = motion(noise, np.linspace(0, 4, 4001)).spectrum()
     assert found.density.mean() == pytest.approx(2 * 9.0 * 1e-3, rel=0.05)

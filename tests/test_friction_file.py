@@ -1,11 +1,17 @@
-"""Measured friction from files: one table in several units gives one set of points; what is missing is named."""
+"""Measured friction from files: one table in several units gives one set of points;
+what is missing is named.
+"""
 
 import numpy as np
 import pytest
 
 import elastomdr as em
 
-V, T, MU = np.array([1e-3, 1e-2, 1e-1, 1.0]), np.array([278.15, 293.15, 313.15, 333.15]), np.array([0.3, 0.5, 0.7, 0.6])
+V, T, MU = (
+    np.array([1e-3, 1e-2, 1e-1, 1.0]),
+    np.array([278.15, 293.15, 313.15, 333.15]),
+    np.array([0.3, 0.5, 0.7, 0.6]),
+)
 
 
 def write(folder, text):
@@ -25,7 +31,10 @@ def write(folder, text):
     ],
 )
 def test_one_table_in_several_units(tmp_path, titles, velocity, temperature, join):
-    rows = [join.join(f"{x:.12g}" for x in row) for row in zip(velocity, temperature, MU, strict=True)]
+    rows = [
+        join.join(f"{x:.12g}" for x in row)
+        for row in zip(velocity, temperature, MU, strict=True)
+    ]
     found = em.read_friction(write(tmp_path, "\n".join([titles, *rows])))
     for name, values in (("velocity", V), ("temperature", T), ("mu", MU)):
         np.testing.assert_allclose(found.points[name], values, rtol=1e-11)
@@ -34,26 +43,57 @@ def test_one_table_in_several_units(tmp_path, titles, velocity, temperature, joi
 
 
 def test_pressure_errors_and_what_the_user_adds(tmp_path):
-    file = write(tmp_path, "mu std [%],speed,load [N],COF 2,p [MPa]\n3,1,50,0.4,0.5\n5,10,50,0.6,1\n")
-    found = em.read_friction(file, velocity_unit="mm/s", temperature=300.0, columns={"mu": "COF 2"})
+    file = write(
+        tmp_path,
+        "mu std [%],speed,load [N],COF 2,p [MPa]\n3,1,50,0.4,0.5\n5,10,50,0.6,1\n",
+    )
+    found = em.read_friction(
+        file, velocity_unit="mm/s", temperature=300.0, columns={"mu": "COF 2"}
+    )
     np.testing.assert_allclose(found.velocity, [1e-3, 1e-2], rtol=1e-14)
     np.testing.assert_allclose(found.pressure, [5e5, 1e6], rtol=1e-14)
     np.testing.assert_allclose(found.error, [0.012, 0.03], rtol=1e-14)
     np.testing.assert_allclose(found.temperature, 300.0)
     assert "2 points of 'rig.csv'" in repr(found)
-    assert (em.read_friction(file, velocity_unit="mm/s", columns={"mu": 4}).mu == found.mu).all()
+    assert (
+        em.read_friction(file, velocity_unit="mm/s", columns={"mu": 4}).mu == found.mu
+    ).all()
 
 
 def test_rows_that_are_no_measurement_are_counted_and_named(tmp_path):
-    rows = ["1,20,50", "2,20,", "3,20,60", "-4,20,60", "5,20,slipped", "mean,,60", "6", "7,20,-1", "8,20,0", "9,20,90,"]
-    file = write(tmp_path, "\n".join(["velocity [mm/s],temperature [degC],mu [%]", *rows, "1,20,50", "2,20,50"]))
-    with pytest.warns(em.fit.FitWarning, match=r"rig.csv: 6 rows left out: line 3: .*; line 5: .*; line 6: .*; line 9"):
+    rows = [
+        "1,20,50",
+        "2,20,",
+        "3,20,60",
+        "-4,20,60",
+        "5,20,slipped",
+        "mean,,60",
+        "6",
+        "7,20,-1",
+        "8,20,0",
+        "9,20,90,",
+    ]
+    file = write(
+        tmp_path,
+        "\n".join(
+            ["velocity [mm/s],temperature [degC],mu [%]", *rows, "1,20,50", "2,20,50"]
+        ),
+    )
+    with pytest.warns(
+        em.fit.FitWarning,
+        match=r"rig.csv: 6 rows left out: line 3: .*; line 5: .*; line 6: .*; line 9",
+    ):
         found = em.read_friction(file)
     np.testing.assert_allclose(found.velocity, np.array([1, 3, 8, 9, 1, 2]) / 1e3)
     np.testing.assert_allclose(found.mu, [0.5, 0.6, 0, 0.9, 0.5, 0.5])
     assert found.report[0] in repr(found)
-    file = write(tmp_path, "\n".join(["# v[mm/s] T[K] mu n", "1 293 0.5 1", "2 0.6 1", "3 293 0.7 1"]))
-    with pytest.warns(em.fit.FitWarning, match="1 row left out: line 3: it has 3 cells in place of 4"):
+    file = write(
+        tmp_path,
+        "\n".join(["# v[mm/s] T[K] mu n", "1 293 0.5 1", "2 0.6 1", "3 293 0.7 1"]),
+    )
+    with pytest.warns(
+        em.fit.FitWarning, match="1 row left out: line 3: it has 3 cells in place of 4"
+    ):
         np.testing.assert_allclose(em.read_friction(file).mu, [0.5, 0.7])
 
 
@@ -61,12 +101,18 @@ def test_rows_that_are_no_measurement_are_counted_and_named(tmp_path):
     ("text", "words"),
     [
         ("velocity [mm],mu\n1,0.5\n", "'mm', which is none of velocity"),
-        ("velocity [m/s],temperature [MPa],mu\n1,20,0.5\n", "'MPa', which is none of temperature"),
+        (
+            "velocity [m/s],temperature [MPa],mu\n1,20,0.5\n",
+            "'MPa', which is none of temperature",
+        ),
         ("velocity [m/s],mu [N]\n1,0.5\n", "'N', which is none of ratio"),
         ("velocity [m/s],force\n1,0.5\n", "no column of mu"),
         ("velocity [m/s],mu,friction\n1,0.5,0.7\n", "both hold mu and differ"),
         ("1,0.5\n2,0.6\n", "no column of velocity"),
-        ("velocity [m/s],mu\n-1,0.5\n-2,0.6\n3,0.5\n", "2 of 3 rows are no measurement"),
+        (
+            "velocity [m/s],mu\n-1,0.5\n-2,0.6\n3,0.5\n",
+            "2 of 3 rows are no measurement",
+        ),
         ("velocity [m/s],mu\n1,50\n2,60\n", "goes from 50 to 60"),
         ("log v [m/s],mu\n1,0.5\n2,0.6\n", "a logarithm without a base"),
         ("v [mm/s],mu [%],std [%]\n1,50,2\n2,60,2\n", "percent of mu or of 1"),
@@ -109,8 +155,13 @@ def test_bad_arguments(tmp_path, given, words):
 )
 def test_more_titles(tmp_path, titles, velocity):
     for mark in ";" if "," in titles else "; ":
-        rows = [mark.join(f"{x:.12g}" for x in row) for row in zip(velocity, T, MU, strict=True)]
-        found = em.read_friction(write(tmp_path, "\n".join([titles.replace(";", mark), *rows])))
+        rows = [
+            mark.join(f"{x:.12g}" for x in row)
+            for row in zip(velocity, T, MU, strict=True)
+        ]
+        found = em.read_friction(
+            write(tmp_path, "\n".join([titles.replace(";", mark), *rows]))
+        )
         np.testing.assert_allclose(found.velocity, V, rtol=1e-9)
         np.testing.assert_allclose([found.mu, found.temperature], [MU, T])
         assert found.report == ()

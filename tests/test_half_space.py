@@ -1,4 +1,6 @@
-"""The three-dimensional half-space: its solver against the reference, and em.HalfSpace on surfaces."""
+"""The three-dimensional half-space: its solver against the reference, and em.HalfSpace
+on surfaces.
+"""
 
 import jax.numpy as jnp
 import numpy as np
@@ -23,14 +25,27 @@ def heights():
 @pytest.mark.parametrize("velocity", [1e-2, 1.0])
 def test_it_is_the_reference_on_the_same_grid(heights, share, velocity):
     pressure = share * 1e6 * 0.3
-    found = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), velocity=velocity, pressure=pressure)
-    other = em.reference.half_space_sliding(SOLID, heights, cell=SIDE, velocity=velocity, load=pressure * SIDE**2)
+    found = half_space.solve(
+        SOLID.complex_modulus,
+        heights,
+        (SIDE, SIDE),
+        velocity=velocity,
+        pressure=pressure,
+    )
+    other = em.reference.half_space_sliding(
+        SOLID, heights, cell=SIDE, velocity=velocity, load=pressure * SIDE**2
+    )
     assert found.settled
     assert found.stress / pressure == pytest.approx(float(other.mu), rel=1e-6)
     assert found.separation == pytest.approx(float(other.separation), rel=1e-6)
     assert np.mean(found.pressure) == pytest.approx(pressure, rel=1e-12)
     single = half_space.solve(
-        SOLID.complex_modulus, heights, (SIDE, SIDE), velocity=velocity, pressure=pressure, double=False
+        SOLID.complex_modulus,
+        heights,
+        (SIDE, SIDE),
+        velocity=velocity,
+        pressure=pressure,
+        double=False,
     )
     assert single.stress == pytest.approx(found.stress, rel=1e-3)
 
@@ -38,15 +53,21 @@ def test_it_is_the_reference_on_the_same_grid(heights, share, velocity):
 def test_a_neighbour_saves_work_and_changes_nothing(heights):
     given = {"velocity": 0.1, "pressure": 1e5}
     cold = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given)
-    near = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), velocity=0.12, pressure=1e5)
-    warm = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given, start=near.pressure)
+    near = half_space.solve(
+        SOLID.complex_modulus, heights, (SIDE, SIDE), velocity=0.12, pressure=1e5
+    )
+    warm = half_space.solve(
+        SOLID.complex_modulus, heights, (SIDE, SIDE), **given, start=near.pressure
+    )
     assert warm.stress == pytest.approx(cold.stress, rel=1e-7)
     assert warm.products <= cold.products
 
 
 def test_signorini(heights):
     """Pressures push, gaps are open, and the stress is the mean of p dh/dx."""
-    found = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), velocity=0.1, pressure=1e5)
+    found = half_space.solve(
+        SOLID.complex_modulus, heights, (SIDE, SIDE), velocity=0.1, pressure=1e5
+    )
     on = half_space.waves(SOLID.complex_modulus, 0.1, heights.shape, (SIDE, SIDE))
     u = np.fft.irfft2(on.kernel * np.fft.rfft2(found.pressure), s=heights.shape)
     touching = found.pressure > 0
@@ -57,7 +78,8 @@ def test_signorini(heights):
     k = 2j * np.pi * np.fft.fftfreq(64, 1 / 64)[:, None] / SIDE
     k[32] = 0
     slope = np.fft.irfft2(k * np.fft.rfft2(heights), s=heights.shape)
-    # Heights are counted into the rubber; the border of the contact turns within a cell.
+    # Heights are counted into the rubber; the border of the contact turns within a
+    # cell.
     assert -np.mean(found.pressure * slope) == pytest.approx(found.stress, rel=0.05)
 
 
@@ -66,7 +88,9 @@ def test_it_runs_on_jax_arrays(heights):
 
     with jax.enable_x64(True):
         given = {"velocity": 0.1, "pressure": 1e5}
-        found = half_space.solve(SOLID.complex_modulus, jnp.asarray(heights), (SIDE, SIDE), **given, xp=jnp)
+        found = half_space.solve(
+            SOLID.complex_modulus, jnp.asarray(heights), (SIDE, SIDE), **given, xp=jnp
+        )
     other = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given)
     assert found.stress == pytest.approx(other.stress, rel=1e-6)
 
@@ -78,10 +102,18 @@ def test_area_is_that_of_finer_grids():
     for n in (128, 512):
         kept = np.zeros((n, n // 2 + 1), complex)
         half = n // 2
-        kept[:half, :half], kept[-half + 1 :, :half] = waves[:half, :half], waves[-half + 1 :, :half]
+        kept[:half, :half], kept[-half + 1 :, :half] = (
+            waves[:half, :half],
+            waves[-half + 1 :, :half],
+        )
         heights = np.fft.irfft2(kept, s=(n, n)) * (n / 512) ** 2
         found = half_space.solve(
-            SOLID.complex_modulus, heights, (2 * SIDE,) * 2, velocity=0.1, pressure=1e5, double=False
+            SOLID.complex_modulus,
+            heights,
+            (2 * SIDE,) * 2,
+            velocity=0.1,
+            pressure=1e5,
+            double=False,
         )
         area.append(found.area)
     assert area[0] == pytest.approx(area[1], rel=0.03)
@@ -91,9 +123,14 @@ def test_surfaces():
     velocity = np.array([1e-2, 0.1, 1.0])
     done = []
     curve = em.friction(
-        SOLID, ROAD, velocity=velocity, pressure=2e5, model=em.HalfSpace(cells=128, seeds=2), rtol=1e-3,
+        SOLID,
+        ROAD,
+        velocity=velocity,
+        pressure=2e5,
+        model=em.HalfSpace(cells=128, seeds=2),
+        rtol=1e-3,
         progress=lambda *so_far: done.append(so_far),
-    )  # fmt: skip
+    )
     other = em.friction(SOLID, ROAD, velocity=velocity, pressure=2e5)
     assert curve.converged.all()
     assert done[-1] == (6, 6)
@@ -101,40 +138,66 @@ def test_surfaces():
     assert (np.abs(curve.mu - other.mu) <= curve.error + other.model_error).all()
     np.testing.assert_allclose(curve.area_ratio, other.area_ratio, rtol=0.15)
     assert "summits" in curve.summary()
-    assert "128 by 128" in str(em.plan(SOLID, ROAD, velocity=velocity, pressure=2e5, model=em.HalfSpace(cells=128)))
+    assert "128 by 128" in str(
+        em.plan(
+            SOLID, ROAD, velocity=velocity, pressure=2e5, model=em.HalfSpace(cells=128)
+        )
+    )
 
 
 def test_one_map_says_nothing_of_scatter():
-    curve = em.friction(SOLID, ROAD, velocity=0.1, pressure=2e5, model=em.HalfSpace(cells=64), rtol=1e-3)
+    curve = em.friction(
+        SOLID, ROAD, velocity=0.1, pressure=2e5, model=em.HalfSpace(cells=64), rtol=1e-3
+    )
     assert np.isfinite(curve.mu)
     assert np.isnan(curve.error)
 
 
 def test_full_contact_is_the_closed_form():
-    """mu = (pi eta v/2p) int q^4 C dq of Kelvin elements, E'' = eta omega, whatever waves a map is made of.
+    """mu = (pi eta v/2p) int q^4 C dq of Kelvin elements, E'' = eta omega, whatever
+    waves a map is made of.
 
-    C = A q^-3.6 from q_0 to q_1: int q^3 C dq = A (q_1^0.4 - q_0^0.4)/0.4 = <|grad h|^2>/2 pi, int q^4 C dq likewise.
+    C = A q^-3.6 from q_0 to q_1: int q^3 C dq = A (q_1^0.4 - q_0^0.4)/0.4 = <|grad
+    h|^2>/2 pi, int q^4 C dq likewise.
     """
     viscosity, velocity, pressure = 2.0, 0.3, 1e9
     material = em.Foundation.kelvin(1e6, viscosity)
-    curve = em.friction(material, ROAD, velocity=velocity, pressure=pressure, model=em.HalfSpace(cells=64, seeds=2))
+    curve = em.friction(
+        material,
+        ROAD,
+        velocity=velocity,
+        pressure=pressure,
+        model=em.HalfSpace(cells=64, seeds=2),
+    )
     low, high = 1e3, 8e3
-    fourth = 0.3**2 / (2 * np.pi) * (high**1.4 - low**1.4) / 1.4 / ((high**0.4 - low**0.4) / 0.4)
-    np.testing.assert_allclose(curve.mu, np.pi * viscosity * velocity * fourth / (2 * pressure), rtol=1e-4)
+    fourth = (
+        0.3**2
+        / (2 * np.pi)
+        * (high**1.4 - low**1.4)
+        / 1.4
+        / ((high**0.4 - low**0.4) / 0.4)
+    )
+    np.testing.assert_allclose(
+        curve.mu, np.pi * viscosity * velocity * fourth / (2 * pressure), rtol=1e-4
+    )
     np.testing.assert_allclose(curve.area_ratio, 1.0)
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.ConvergenceWarning")
 def test_a_cell_with_one_summit_is_no_answer():
     model = em.HalfSpace(cells=32, periods=1, seeds=2)
-    curve = em.friction(SOLID, ROAD, velocity=10.0, pressure=2e4, model=model, rtol=1e-3)
+    curve = em.friction(
+        SOLID, ROAD, velocity=10.0, pressure=2e4, model=model, rtol=1e-3
+    )
     assert not curve.converged
     assert np.isnan(curve.mu)
 
 
 def test_cells_that_do_not_resolve_are_refused():
     with pytest.raises(InputError, match="cells"):
-        em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5, model=em.HalfSpace(cells=16))
+        em.friction(
+            SOLID, ROAD, velocity=0.1, pressure=1e5, model=em.HalfSpace(cells=16)
+        )
     wide = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e2, q_high=1e6)
     with pytest.raises(InputError, match=r"em\.Multiscale"):
         em.friction(SOLID, wide, velocity=0.1, pressure=1e5, model=em.HalfSpace())
@@ -142,15 +205,29 @@ def test_cells_that_do_not_resolve_are_refused():
 
 def test_smooth_bodies_are_the_reference():
     given = {"velocity": 0.1, "load": 1.0}
-    curve = em.friction(SOLID, em.Paraboloid(1e-2), **given, model=em.HalfSpace(cells=32))
-    other = em.reference.half_space_sliding(SOLID, em.Paraboloid(1e-2), **given, points=32)
+    curve = em.friction(
+        SOLID, em.Paraboloid(1e-2), **given, model=em.HalfSpace(cells=32)
+    )
+    other = em.reference.half_space_sliding(
+        SOLID, em.Paraboloid(1e-2), **given, points=32
+    )
     assert curve.mu == other.mu
 
 
 def test_summits_grow_with_the_cell_and_the_load():
     at = {"velocity": np.array([0.1]), "pressure": np.array([1e5])}
-    small = maps.summits(SOLID.complex_modulus, ROAD, *at.values(), maps.Grid(32, 1, SIDE / 2))
-    large = maps.summits(SOLID.complex_modulus, ROAD, *at.values(), maps.Grid(128, 4, 2 * SIDE))
+    small = maps.summits(
+        SOLID.complex_modulus, ROAD, *at.values(), maps.Grid(32, 1, SIDE / 2)
+    )
+    large = maps.summits(
+        SOLID.complex_modulus, ROAD, *at.values(), maps.Grid(128, 4, 2 * SIDE)
+    )
     assert large == pytest.approx(16 * small)
-    heavy = maps.summits(SOLID.complex_modulus, ROAD, np.array([0.1]), np.array([1e9]), maps.Grid(128, 4, 2 * SIDE))
+    heavy = maps.summits(
+        SOLID.complex_modulus,
+        ROAD,
+        np.array([0.1]),
+        np.array([1e9]),
+        maps.Grid(128, 4, 2 * SIDE),
+    )
     assert heavy == pytest.approx(16)

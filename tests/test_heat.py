@@ -1,4 +1,6 @@
-"""Heat: moving sources against closed forms, the flash temperature against a slow integral, and its friction."""
+"""Heat: moving sources against closed forms, the flash temperature against a slow
+integral, and its friction.
+"""
 
 import numpy as np
 import pytest
@@ -9,13 +11,19 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.rough.heat import rise, scales
 
-pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")  # of the width of the spectrum
+# of the width of the spectrum
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
 RUBBER = em.Heat(0.2, 2e6)  # D = 1e-7 m^2/s
 WLF = em.WLF(c1=8.86, c2=101.6, reference=293.15)
 COMPOUND = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=WLF)
 SURFACE = em.SelfAffine(0.8, rms_slope=0.3, q_low=2e3, q_high=6e4)
 POOR = em.Heat(0.005, 5e4)  # a fortieth of what a rubber has, for large rises
-ASKED = {"velocity": np.array([1e-3, 0.1, 1.0, 10.0]), "pressure": 5e4, "temperature": 293.15, "model": em.Line()}
+ASKED = {
+    "velocity": np.array([1e-3, 0.1, 1.0, 10.0]),
+    "pressure": 5e4,
+    "temperature": 293.15,
+    "model": em.Line(),
+}
 
 
 def hot(heat=POOR, material=COMPOUND, **changes):
@@ -36,21 +44,32 @@ def curve():
 
 
 def test_still_and_moving_sources():
-    np.testing.assert_allclose(RUBBER.uniform_flux(1e5, 0.002), 7.978845608028654, rtol=1e-12)
+    np.testing.assert_allclose(
+        RUBBER.uniform_flux(1e5, 0.002), 7.978845608028654, rtol=1e-12
+    )
     slow = RUBBER.moving_band(1e5, 5e-5, 0.001, [-5e-5, 0.0])
     np.testing.assert_allclose(slow, [35.89133510687399, 40.36925612281435], rtol=1e-6)
     fast = RUBBER.moving_band(1e5, 5e-5, 1.0, [-5e-5, 0.0])
     np.testing.assert_allclose(fast, [1.7527389915104155, 1.262196572218204], rtol=1e-6)
     # Ever faster, each point of a band is warmed for the time 2b/v as a half-space is.
-    gaps = [RUBBER.moving_band(1e5, 5e-5, v, -5e-5) / RUBBER.uniform_flux(1e5, 1e-4 / v) - 1 for v in (1.0, 100.0, 1e4)]
+    gaps = [
+        RUBBER.moving_band(1e5, 5e-5, v, -5e-5) / RUBBER.uniform_flux(1e5, 1e-4 / v) - 1
+        for v in (1.0, 100.0, 1e4)
+    ]
     assert abs(gaps[2]) < 2e-4
     assert np.all(np.diff(np.abs(gaps)) < 0)
 
 
 def test_heat_left_behind_is_friction_power():
-    """Far behind a band each strip of the surface holds 2 b q/v per area, and cools as a plane source does."""
+    """Far behind a band each strip of the surface holds 2 b q/v per area, and cools as
+    a plane source does.
+    """
     x = 1e-3 * np.array([1e2, 1e3, 1e4])
-    left = RUBBER.moving_band(1e5, 5e-5, 0.1, -x) * RUBBER.heat_capacity * np.sqrt(np.pi * RUBBER.diffusivity * x / 0.1)
+    left = (
+        RUBBER.moving_band(1e5, 5e-5, 0.1, -x)
+        * RUBBER.heat_capacity
+        * np.sqrt(np.pi * RUBBER.diffusivity * x / 0.1)
+    )
     gap = left / (2 * 5e-5 * 1e5 / 0.1) - 1
     assert abs(gap[2]) < 1e-5
     np.testing.assert_allclose(gap[:2] / gap[1:], 10.0, rtol=0.05)
@@ -59,17 +78,23 @@ def test_heat_left_behind_is_friction_power():
 def test_moving_disc():
     at_rest = 8 * 1e5 * 1e-3 / (3 * np.pi * 0.2)
     np.testing.assert_allclose(RUBBER.moving_disc(1e5, 1e-3, 0.0), at_rest, rtol=1e-9)
-    # Fast: chords of length c, each the mean of 2 q sqrt(t/(pi lambda rho c)) over t from 0 to c/v.
+    # Fast: chords of length c, each the mean of 2 q sqrt(t/(pi lambda rho c)) over t
+    # from 0 to c/v.
     chord = quad(lambda s: 2 / np.pi * (2 * np.sqrt(1 - s**2)) ** 1.5 * 2 / 3, 0, 1)[0]
     fast = RUBBER.uniform_flux(1e5, 1e-3 / 1e5) * chord
     np.testing.assert_allclose(RUBBER.moving_disc(1e5, 1e-3, 1e5), fast, rtol=1e-6)
 
 
-@pytest.mark.parametrize("shape", [em.FlatPunch(1e-3), em.Paraboloid(2 * 0.4 * 1e-3 / (np.pi * 1e5))])
+@pytest.mark.parametrize(
+    "shape", [em.FlatPunch(1e-3), em.Paraboloid(2 * 0.4 * 1e-3 / (np.pi * 1e5))]
+)
 def test_thermal_foundation_at_rest(shape):
-    """The MDR's line conducts 2 lambda dx where it is pressed with E* dx: temperature for displacement."""
+    """The MDR's line conducts 2 lambda dx where it is pressed with E* dx: temperature
+    for displacement.
+    """
     line = em.Foundation(2 * 0.2, [], [])
-    if isinstance(shape, em.FlatPunch):  # an isothermal disc, 50 K, radius a: Q = 4 lambda a dT
+    # an isothermal disc, 50 K, radius a: Q = 4 lambda a dT
+    if isinstance(shape, em.FlatPunch):
         got = em.indent(line, shape, time=[0.0, 1.0], depth=[0.0, 50.0])
         np.testing.assert_allclose(got.force[-1], 0.04, rtol=1e-12)
         return
@@ -78,22 +103,33 @@ def test_thermal_foundation_at_rest(shape):
     got = em.indent(line, shape, time=[0.0, 1.0], depth=[0.0, depth])
     np.testing.assert_allclose(got.contact_radius[-1], 1e-3, rtol=1e-12)
     np.testing.assert_allclose(got.force[-1], 0.20943951023931956, rtol=1e-12)
-    np.testing.assert_allclose(got.displacement(1e-3, time=1.0), 196.34954084936209, rtol=1e-12)
+    np.testing.assert_allclose(
+        got.displacement(1e-3, time=1.0), 196.34954084936209, rtol=1e-12
+    )
 
 
 def slow_rise(heat, material, velocity, reduced, pressure):
-    """The flash temperature per heat flux by adaptive quadrature, with P and s_q of this function's own making."""
+    """The flash temperature per heat flux by adaptive quadrature, with P and s_q of
+    this function's own making.
+    """
     g, e, tau = 4 * 0.5e6, 4 * np.asarray(material.moduli), np.asarray(material.times)
     q = np.geomspace(SURFACE.q_low, SURFACE.q_high, 1500)
     phi = (np.arange(64) + 0.5) * np.pi / 128
     z = 1j * (q * reduced)[:, None, None] * np.cos(phi)[:, None] * tau
     modulus = g + (e * z / (1 + z)).sum(-1)
-    grow = SURFACE.at(q) * q**4 / 8 * 2 * np.pi * (np.abs(modulus / pressure) ** 2).mean(1)
-    spread = np.concatenate([[0], np.cumsum(0.5 * np.diff(np.log(q)) * (grow[1:] + grow[:-1]))])
+    grow = (
+        SURFACE.at(q) * q**4 / 8 * 2 * np.pi * (np.abs(modulus / pressure) ** 2).mean(1)
+    )
+    spread = np.concatenate(
+        [[0], np.cumsum(0.5 * np.diff(np.log(q)) * (grow[1:] + grow[:-1]))]
+    )
     area = erf(0.5 / np.sqrt(np.maximum(spread, 1e-300)))
     share = SURFACE.at(q) * q**4 * area * (np.cos(phi) * modulus.imag).mean(1)
     share /= np.trapezoid(share, np.log(q))
-    w, far = velocity * heat.heat_capacity / (2 * heat.conductivity), np.log(np.pi / SURFACE.q_low)
+    w, far = (
+        velocity * heat.heat_capacity / (2 * heat.conductivity),
+        np.log(np.pi / SURFACE.q_low),
+    )
 
     def excess(r):
         return 1 / np.interp(np.log(np.pi / r), np.log(q), area) - 1
@@ -103,15 +139,30 @@ def slow_rise(heat, material, velocity, reduced, pressure):
 
         def f(y):
             r = np.exp(y)
-            return r * r * excess(r) * i0e(w * r) * k0e(whole * r) * np.exp((w - whole) * r)
+            return (
+                r
+                * r
+                * excess(r)
+                * i0e(w * r)
+                * k0e(whole * r)
+                * np.exp((w - whole) * r)
+            )
 
         return quad(f, far - 18, far, limit=200, epsrel=1e-5)[0]
 
     def over_k(y):
         k = np.exp(y)
-        return k * over_r(k) * np.trapezoid(share * 4 * q**2 / (k**2 + 4 * q**2), np.log(q)) ** 2
+        return (
+            k
+            * over_r(k)
+            * np.trapezoid(share * 4 * q**2 / (k**2 + 4 * q**2), np.log(q)) ** 2
+        )
 
-    return 2 / (np.pi * heat.conductivity) * quad(over_k, np.log(1.0), np.log(1e8), limit=100, epsrel=1e-4)[0]
+    return (
+        2
+        / (np.pi * heat.conductivity)
+        * quad(over_k, np.log(1.0), np.log(1e8), limit=100, epsrel=1e-4)[0]
+    )
 
 
 def test_flash_temperature_against_adaptive_quadrature(curve):
@@ -119,29 +170,44 @@ def test_flash_temperature_against_adaptive_quadrature(curve):
     for i in (0, 2):
         v = ASKED["velocity"][i]
         per_flux = slow_rise(POOR, COMPOUND, v, v * factor[i], 5e4)
-        np.testing.assert_allclose(curve.temperature_rise[i], per_flux * curve.heat_flux[i], rtol=3e-3)
+        np.testing.assert_allclose(
+            curve.temperature_rise[i], per_flux * curve.heat_flux[i], rtol=3e-3
+        )
 
 
 def test_flash_temperature_of_rubber_with_vertical_shifts():
-    """All moduli times b_T are a contact under p/b_T; the heat is mu p v all the same."""
+    """All moduli times b_T are a contact under p/b_T; the heat is mu p v all the
+    same.
+    """
     vertical = em.VerticalTable([273.15, 293.15, 393.15], [0.8, 1.0, 2.0])
-    rubber = em.Prony(0.5e6, COMPOUND.moduli, COMPOUND.times, shift=WLF, vertical=vertical)
+    rubber = em.Prony(
+        0.5e6, COMPOUND.moduli, COMPOUND.times, shift=WLF, vertical=vertical
+    )
     found = hot(material=rubber, velocity=0.1)
     kelvin = 293.15 + found.temperature_rise
     assert vertical.b(kelvin) > 1.05
-    per_flux = slow_rise(POOR, COMPOUND, 0.1, 0.1 * WLF.a(kelvin), 5e4 / vertical.b(kelvin))
-    np.testing.assert_allclose(found.temperature_rise, per_flux * found.mu * 5e4 * 0.1, rtol=3e-3)
+    per_flux = slow_rise(
+        POOR, COMPOUND, 0.1, 0.1 * WLF.a(kelvin), 5e4 / vertical.b(kelvin)
+    )
+    np.testing.assert_allclose(
+        found.temperature_rise, per_flux * found.mu * 5e4 * 0.1, rtol=3e-3
+    )
 
 
 def test_heat_into_rubber_is_friction_power(curve):
-    power = curve.friction_force * curve.velocity  # per length of the line, which carries p L
-    np.testing.assert_allclose(curve.heat_flux, power * 5e4 / curve.normal_force, rtol=1e-8)
+    # per length of the line, which carries p L
+    power = curve.friction_force * curve.velocity
+    np.testing.assert_allclose(
+        curve.heat_flux, power * 5e4 / curve.normal_force, rtol=1e-8
+    )
 
 
 def test_hot_curve_is_the_cold_one_at_its_own_temperature(curve):
     assert curve.converged.all()
     assert curve.temperature_rise.max() > 10
-    warm = em.friction(COMPOUND, SURFACE, **ASKED | {"temperature": 293.15 + curve.temperature_rise})
+    warm = em.friction(
+        COMPOUND, SURFACE, **ASKED | {"temperature": 293.15 + curve.temperature_rise}
+    )
     np.testing.assert_allclose(curve.mu, warm.mu, rtol=1e-6)
     cold = em.friction(COMPOUND, SURFACE, **ASKED)
     np.testing.assert_array_equal(curve.cold, cold.mu)
@@ -155,7 +221,8 @@ def test_limits_of_the_flash_temperature():
     still = [rise(RUBBER, with_area, np.array([v]))[0, 0] for v in (1e-9, 1e-7)]
     np.testing.assert_allclose(still[0], still[1], rtol=2e-3)  # no Peclet number left
     fast = [rise(RUBBER, with_area, np.array([v]))[0, 0] for v in (1e6, 1e8)]
-    np.testing.assert_allclose(fast[0] / fast[1], 100.0, rtol=1e-2)  # heated in its volume, for a time ~ 1/v
+    # heated in its volume, for a time ~ 1/v
+    np.testing.assert_allclose(fast[0] / fast[1], 100.0, rtol=1e-2)
     good = hot(em.Heat(1e6, 1e12))
     np.testing.assert_allclose(good.mu, good.cold, rtol=1e-6)
     full = hot(pressure=1e9)  # heated evenly: no flash
@@ -181,7 +248,10 @@ def test_a_temperature_that_is_not_found():
         ({"heat": 0.2}, "heat must be an em.Heat"),
         ({"temperature": None}, "heat needs a temperature"),
         ({"pressure": None, "load": 3.0}, "heat needs a surface"),
-        ({"shape": em.Sphere(1e-3), "pressure": None, "load": 3.0}, "heat belongs to a rough surface"),
+        (
+            {"shape": em.Sphere(1e-3), "pressure": None, "load": 3.0},
+            "heat belongs to a rough surface",
+        ),
     ],
 )
 def test_bad_input(change, message):
@@ -227,10 +297,21 @@ def test_scene_with_heat_and_measured_points(tmp_path, capsys, monkeypatch):
     assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
     said, warned = capsys.readouterr()
     assert "points.csv: 1 row left out: line 6: velocity [mm/s] is ''" in warned
-    for word in ("flash temperature", "K above", "without heating", "0.25 W/(m K)", "length scale", "excited beyond"):
+    for word in (
+        "flash temperature",
+        "K above",
+        "without heating",
+        "0.25 W/(m K)",
+        "length scale",
+        "excited beyond",
+    ):
         assert word in said
     table = (tmp_path / "tyre-friction.csv").read_text()
-    for title in ("flash temperature rise [K]", "without heating [-]", "heat flux into the rubber [W/m^2]"):
+    for title in (
+        "flash temperature rise [K]",
+        "without heating [-]",
+        "heat flux into the rubber [W/m^2]",
+    ):
         assert title in table
     scene.write_text(SCENE.format(conductivity="0.25 W"))
     assert main(["friction", str(scene)]) == 2

@@ -1,4 +1,6 @@
-"""`em.heat_build_up` against Lambert's function, scipy's integrator, the balance of power, and its refusals."""
+"""`em.heat_build_up` against Lambert's function, scipy's integrator, the balance of
+power, and its refusals.
+"""
 
 import dataclasses
 
@@ -13,13 +15,21 @@ import elastomdr as em
 BETA, COLD, LOAD, HEAT = 0.04, 293.15, 800.0, 200.0  # 1/K, K, N, J/K
 WHEEL = em.Cylinder(0.1, 0.05)
 SHIFT = em.ShiftTable([COLD, COLD + 100], [0.0, -100 * BETA / np.log(10)])
-RUBBER = em.Foundation(1e9, [1e9], [1e-9], shift=SHIFT)  # one short time: P = P_0 exp(-beta dT)
-SCENE = {"velocity": np.array([0.5, 1.0, 2.0]), "load": LOAD, "ambient": COLD, "hottest": COLD + 99}
+# one short time: P = P_0 exp(-beta dT)
+RUBBER = em.Foundation(1e9, [1e9], [1e-9], shift=SHIFT)
+SCENE = {
+    "velocity": np.array([0.5, 1.0, 2.0]),
+    "load": LOAD,
+    "ambient": COLD,
+    "hottest": COLD + 99,
+}
 
 
 @pytest.fixture(scope="module")
 def power():
-    return em.rolling(RUBBER, WHEEL, velocity=SCENE["velocity"], load=LOAD, temperature=COLD).power
+    return em.rolling(
+        RUBBER, WHEEL, velocity=SCENE["velocity"], load=LOAD, temperature=COLD
+    ).power
 
 
 def test_steady_state(power):
@@ -31,7 +41,9 @@ def test_steady_state(power):
     np.testing.assert_allclose(rise, expected, rtol=3e-6)
     assert (np.abs(rise - expected) < warm.error + 1e-6 * expected).all()
     np.testing.assert_allclose(warm.power, power * np.exp(-BETA * rise), rtol=1e-5)
-    np.testing.assert_allclose(warm.coefficient * LOAD * SCENE["velocity"], warm.power, rtol=1e-12)
+    np.testing.assert_allclose(
+        warm.coefficient * LOAD * SCENE["velocity"], warm.power, rtol=1e-12
+    )
     assert warm.settling is None
     said = dict(warm.findings())
     assert said["load"] == "800 N"  # once, though given to three points
@@ -42,15 +54,27 @@ def test_steady_state(power):
 def test_history(power):
     conductance = power[1] / 50
     time = HEAT / conductance * np.array([0.0, 0.02, 0.1, 0.3, 1.0, 10.0])
-    warm = em.heat_build_up(RUBBER, WHEEL, conductance=conductance, capacity=HEAT, time=time, **SCENE)
+    warm = em.heat_build_up(
+        RUBBER, WHEEL, conductance=conductance, capacity=HEAT, time=time, **SCENE
+    )
     for i, first in enumerate(power):
         way = solve_ivp(
-            lambda _, rise, p=first: (p * np.exp(-BETA * rise) - conductance * rise) / HEAT,
-            (0, time[-1]), [0.0], t_eval=time, rtol=1e-10, atol=1e-10,
-        )  # fmt: skip
-        np.testing.assert_allclose(warm.temperature[i] - COLD, way.y[0], atol=2e-5 * way.y[0].max())
+            lambda _, rise, p=first: (
+                (p * np.exp(-BETA * rise) - conductance * rise) / HEAT
+            ),
+            (0, time[-1]),
+            [0.0],
+            t_eval=time,
+            rtol=1e-10,
+            atol=1e-10,
+        )
+        np.testing.assert_allclose(
+            warm.temperature[i] - COLD, way.y[0], atol=2e-5 * way.y[0].max()
+        )
     slope = -BETA * power * np.exp(-BETA * (warm.steady[:, 0] - COLD))
-    np.testing.assert_allclose(warm.settling[:, 0], HEAT / (conductance - slope), rtol=1e-2)
+    np.testing.assert_allclose(
+        warm.settling[:, 0], HEAT / (conductance - slope), rtol=1e-2
+    )
     assert (np.diff(warm.temperature, axis=-1) > 0).all()
     assert warm.temperature.shape == warm.time.shape == (3, 6)
     assert "above the surroundings" in warm.summary()
@@ -58,31 +82,61 @@ def test_history(power):
 
 
 def test_axes_in_any_order(power):
-    """Velocity first, load last: curves over velocity, and an axis of the Dataset for each of the two."""
+    """Velocity first, load last: curves over velocity, and an axis of the Dataset for
+    each of the two.
+    """
     load = np.array([400.0, 800.0, 1200.0])
     scene = SCENE | {"velocity": SCENE["velocity"][:, None], "load": load}
     found = em.heat_build_up(RUBBER, WHEEL, conductance=power[1] / 50, **scene)
     assert dict(found.to_xarray().sizes) == {"velocity": 3, "load": 3}
-    lines = [line for line in found.summary().splitlines() if line.startswith("steady at")]
-    assert [line.partition("  ")[0] for line in lines] == ["steady at 0.5 m/s, 400 N", "steady at 2 m/s, 1200 N"]
+    lines = [
+        line for line in found.summary().splitlines() if line.startswith("steady at")
+    ]
+    assert [line.partition("  ")[0] for line in lines] == [
+        "steady at 0.5 m/s, 400 N",
+        "steady at 2 m/s, 1200 N",
+    ]
     ax = found.plot()
-    assert [x.get_text() for x in ax.get_legend().get_texts()] == ["400 N", "800 N", "1200 N"]
+    assert [x.get_text() for x in ax.get_legend().get_texts()] == [
+        "400 N",
+        "800 N",
+        "1200 N",
+    ]
     for line, kelvin in zip(ax.get_lines(), found.temperature.T, strict=True):
         np.testing.assert_array_equal(line.get_xdata(), SCENE["velocity"])
         np.testing.assert_array_equal(line.get_ydata(), kelvin - 273.15)
     fields = {  # a history, made up
-        "time": np.array([0.0, 5.0, 10.0]), "ambient": COLD + np.array([0.0, 10.0])[:, None, None],
-        "capacity": np.array([[100.0], [200.0]]), "converged": True,
+        "time": np.array([0.0, 5.0, 10.0]),
+        "ambient": COLD + np.array([0.0, 10.0])[:, None, None],
+        "capacity": np.array([[100.0], [200.0]]),
+        "converged": True,
         "temperature": COLD + np.arange(12).reshape(2, 2, 3),
-    }  # fmt: skip
-    names = ("velocity", "load", "conductance", "steady", "settling", "power", "coefficient", "error")
-    fields = {name: np.broadcast_to(x, (2, 2, 3)) for name, x in (dict.fromkeys(names, 1.0) | fields).items()}
+    }
+    names = (
+        "velocity",
+        "load",
+        "conductance",
+        "steady",
+        "settling",
+        "power",
+        "coefficient",
+        "error",
+    )
+    fields = {
+        name: np.broadcast_to(x, (2, 2, 3))
+        for name, x in (dict.fromkeys(names, 1.0) | fields).items()
+    }
     found = dataclasses.replace(found, **fields)
     assert dict(found.to_xarray().sizes) == {"ambient": 2, "capacity": 2, "time": 3}
     assert "heat capacity [J/K]" in found.csv()
     ax = found.plot()
     words = [x.get_text() for x in ax.get_legend().get_texts()]
-    assert words == ["20 °C, 100 J/K", "20 °C, 200 J/K", "30 °C, 100 J/K", "30 °C, 200 J/K"]
+    assert words == [
+        "20 °C, 100 J/K",
+        "20 °C, 200 J/K",
+        "30 °C, 100 J/K",
+        "30 °C, 200 J/K",
+    ]
     np.testing.assert_array_equal(ax.get_lines()[0].get_xdata(), [0.0, 5.0, 10.0])
 
 
@@ -92,42 +146,70 @@ def test_gradient(power):
     conductance = float(power[1] / 50)
 
     def rise(h):
-        return em.heat_build_up(RUBBER, WHEEL, conductance=h, rtol=1e-8, **SCENE | {"velocity": 1.0}).steady - COLD
+        return (
+            em.heat_build_up(
+                RUBBER, WHEEL, conductance=h, rtol=1e-8, **SCENE | {"velocity": 1.0}
+            ).steady
+            - COLD
+        )
 
     with jax.enable_x64(True):
         expected = lambertw(BETA * 50).real / BETA
         found = jax.grad(rise)(conductance)
-    np.testing.assert_allclose(found, -expected / conductance / (1 + BETA * expected), rtol=1e-4)
+    np.testing.assert_allclose(
+        found, -expected / conductance / (1 + BETA * expected), rtol=1e-4
+    )
 
 
 def test_no_steady_state(power):
     """Too little cooling: NaN and one warning, not the end of the range."""
     with pytest.warns(em.ConvergenceWarning, match="no steady temperature below"):
-        warm = em.heat_build_up(RUBBER, WHEEL, conductance=power[1] * np.array([1e-9, 0.02, 1.0]), **SCENE)
+        warm = em.heat_build_up(
+            RUBBER, WHEEL, conductance=power[1] * np.array([1e-9, 0.02, 1.0]), **SCENE
+        )
     assert np.isnan(warm.steady[0])
     assert warm.converged.tolist() == [False, True, True]
 
 
 def test_the_lowest_of_three_steady_states():
-    """A stable and an unstable one 5 K apart, another 44 K above: scipy warms the body up from the cold."""
+    """A stable and an unstable one 5 K apart, another 44 K above: scipy warms the body
+    up from the cold.
+    """
     rubber = em.Foundation(1e9, [1e10], [1e-3], shift=em.WLF(8.86, 101.6, 293.15))
     wheel, scene = em.Cylinder(0.1, 0.05), {"velocity": 1.0, "load": 2000.0}
-    found = em.heat_build_up(rubber, wheel, ambient=265.0, conductance=0.2, hottest=392.0, **scene)
+    found = em.heat_build_up(
+        rubber, wheel, ambient=265.0, conductance=0.2, hottest=392.0, **scene
+    )
     kelvin = np.linspace(265, 270, 101)
     power = np.asarray(em.rolling(rubber, wheel, temperature=kelvin, **scene).power)
-    way = solve_ivp(lambda _, y: np.interp(y, kelvin, power) - 0.2 * (y - 265), (0, 1e4), [265.0], rtol=1e-8)
+    way = solve_ivp(
+        lambda _, y: np.interp(y, kelvin, power) - 0.2 * (y - 265),
+        (0, 1e4),
+        [265.0],
+        rtol=1e-8,
+    )
     np.testing.assert_allclose(found.steady, way.y[0, -1], atol=1e-2)
 
 
 @pytest.mark.parametrize("cold", [213.15, 200.15])
 def test_rubber_too_cold_to_be_known(cold):
-    """Far below the shift law's range: NaN with its flag, with and without a history."""
-    tyre = em.springs(em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False)
+    """Far below the shift law's range: NaN with its flag, with and without a
+    history.
+    """
+    tyre = em.springs(
+        em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False
+    )
     with pytest.warns(em.ConvergenceWarning, match="that can be found"):
         found = em.heat_build_up(
-            tyre, em.Cylinder(0.1, 0.05), velocity=2.0, load=800.0, ambient=cold, conductance=1.2, capacity=1e3,
+            tyre,
+            em.Cylinder(0.1, 0.05),
+            velocity=2.0,
+            load=800.0,
+            ambient=cold,
+            conductance=1.2,
+            capacity=1e3,
             time=[0.0, 100.0],
-        )  # fmt: skip
+        )
     assert not found.converged.any()
     assert np.isnan(found.temperature).all()
 

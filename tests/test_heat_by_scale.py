@@ -1,4 +1,6 @@
-"""Temperature by length scale: the fixed point and its conduction against slow sums, its limits, balance, gradients."""
+"""Temperature by length scale: the fixed point and its conduction against slow sums,
+its limits, balance, gradients.
+"""
 
 import time
 
@@ -20,11 +22,17 @@ ROAD = em.SelfAffine(0.8, rms_slope=0.5, q_low=2e3, q_high=1e5)
 HEAT = em.Heat(0.25, 2e6)
 STONE = em.Heat(0.25, 2e6, road=(1.5, 2e6))
 SHEAR = em.AdhesiveShear(3e5, 6e-3, 0.1, shift=em.Arrhenius(9e4, 293.15))
-ASKED = {"velocity": np.array([1e-3, 0.1, 10.0]), "pressure": 2e5, "temperature": 293.15}
+ASKED = {
+    "velocity": np.array([1e-3, 0.1, 10.0]),
+    "pressure": 2e5,
+    "temperature": 293.15,
+}
 
 
 def rise_of(heat, velocity, flux, waves, at, area, shear):
-    """Rises at three wave numbers by plain sums over distance and depth, and the share of the road."""
+    """Rises at three wave numbers by plain sums over distance and depth, and the share
+    of the road.
+    """
     q, each, end = at.q.ravel(), waves.each[0].ravel(), float(at.end)
     whole = each.sum() + waves.edges[0] + shear
     k = np.geomspace(1e-3 * q[0], 1e4 * end, 500)
@@ -34,13 +42,25 @@ def rise_of(heat, velocity, flux, waves, at, area, shear):
     def profile(q, k):
         return 4 * q**2 / (k**2 + 4 * q**2)
 
-    depth = (each @ profile(q[:, None], k) + waves.edges[0] * profile(end, k) + shear) / whole
+    depth = (
+        each @ profile(q[:, None], k) + waves.edges[0] * profile(end, k) + shear
+    ) / whole
     r = np.geomspace(1e-5 / end, np.pi / q[0], 3000)
     w = velocity / (2 * heat.conductivity / heat.heat_capacity)
-    kernel = i0e(w * r) * k0e(r * np.hypot(w, k)[:, None]) * np.exp((w - np.hypot(w, k)[:, None]) * r)
+    kernel = (
+        i0e(w * r)
+        * k0e(r * np.hypot(w, k)[:, None])
+        * np.exp((w - np.hypot(w, k)[:, None]) * r)
+    )
 
     def excess(q):
-        return 1 / np.interp(np.log(np.minimum(q, np.pi / r)), np.log([*q_sorted, end]), area) - 1
+        return (
+            1
+            / np.interp(
+                np.log(np.minimum(q, np.pi / r)), np.log([*q_sorted, end]), area
+            )
+            - 1
+        )
 
     q_sorted = q
     factor = 2 / (np.pi * heat.conductivity)
@@ -53,22 +73,52 @@ def rise_of(heat, velocity, flux, waves, at, area, shear):
         own = np.trapezoid(excess(end) * i0e(w * r), r) / heat.conductivity
         road = mean(depth, end) / (own + np.trapezoid(excess(end), r) / heat.road[0])
     scales = (q[q.size // 2], end)
-    return [flux * (mean(profile(s, k) * depth, s) - road * mean(profile(s, k), s)) for s in scales], scales, road
+    return (
+        [
+            flux * (mean(profile(s, k) * depth, s) - road * mean(profile(s, k), s))
+            for s in scales
+        ],
+        scales,
+        road,
+    )
 
 
-@pytest.mark.parametrize(("heat", "adhesion"), [(HEAT, None), (STONE, None), (STONE, SHEAR)])
+@pytest.mark.parametrize(
+    ("heat", "adhesion"), [(HEAT, None), (STONE, None), (STONE, SHEAR)]
+)
 def test_conduction_is_what_plain_sums_make_of_it(heat, adhesion):
-    """Of a rubber that hardly feels the temperature, so that the state is that of the body's."""
+    """Of a rubber that hardly feels the temperature, so that the state is that of the
+    body's.
+    """
     rubber = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=em.Arrhenius(1e-3, 293.15))
     law = None if adhesion is None else em.AdhesiveShear(3e5, 6e-3, 0.1)
-    curve = em.friction(rubber, ROAD, velocity=0.3, pressure=2e5, temperature=293.15, heat=heat, adhesion=law)
+    curve = em.friction(
+        rubber,
+        ROAD,
+        velocity=0.3,
+        pressure=2e5,
+        temperature=293.15,
+        heat=heat,
+        adhesion=law,
+    )
     body, at = surface_foundation(rubber), nodes(ROAD, 64)
     found = multiscale.waves(
-        body.complex_modulus, at, np.array([0.3]), np.array([2e5]), em.Multiscale(), None, multiscale.Local()
+        body.complex_modulus,
+        at,
+        np.array([0.3]),
+        np.array([2e5]),
+        em.Multiscale(),
+        None,
+        multiscale.Local(),
     )
-    shares = np.append(multiscale.contact(until(found.rate, at.weight), em.Multiscale())[0].ravel(), found.area[0])
+    shares = np.append(
+        multiscale.contact(until(found.rate, at.weight), em.Multiscale())[0].ravel(),
+        found.area[0],
+    )
     shear = 0.0 if law is None else float(law.shear_stress(0.3)) * found.area[0] / 2e5
-    rises, _, road = rise_of(heat, 0.3, float(curve.mu) * 2e5 * 0.3, found, at, shares, shear)
+    rises, _, road = rise_of(
+        heat, 0.3, float(curve.mu) * 2e5 * 0.3, found, at, shares, shear
+    )
     assert curve.contact_rise == pytest.approx(rises[1], rel=0.01)
     if heat.road is not None:
         assert curve.road_share == pytest.approx(road, rel=0.01)
@@ -78,7 +128,9 @@ def test_heat_is_friction_power():
     for adhesion in (None, SHEAR):
         curve = em.friction(RUBBER, ROAD, heat=STONE, adhesion=adhesion, **ASKED)
         power = curve.mu * ASKED["pressure"] * curve.velocity
-        np.testing.assert_allclose(curve.heat_flux / (1 - curve.road_share), power, rtol=1e-4)
+        np.testing.assert_allclose(
+            curve.heat_flux / (1 - curve.road_share), power, rtol=1e-4
+        )
         assert ((curve.road_share > 0) & (curve.road_share < 1)).all()
         assert (curve.contact_rise > curve.temperature_rise).all()
 
@@ -89,9 +141,11 @@ def test_hot_friction_is_that_of_its_temperatures():
     np.testing.assert_array_equal(curve.cold, em.friction(RUBBER, ROAD, **ASKED).mu)
     assert curve.contact_rise[-1] > 5
     hottest, body = (
-        em.friction(RUBBER, ROAD, **ASKED | {"temperature": 293.15 + t}).mu for t in (curve.contact_rise, 0)
+        em.friction(RUBBER, ROAD, **ASKED | {"temperature": 293.15 + t}).mu
+        for t in (curve.contact_rise, 0)
     )
-    assert ((curve.mu - hottest) * (curve.mu - body) <= 1e-9).all()  # between body and contact
+    # between body and contact
+    assert ((curve.mu - hottest) * (curve.mu - body) <= 1e-9).all()
     assert "rise by wavelength" in curve.summary()
     assert "temperature for each length scale" in curve.model
 
@@ -102,23 +156,45 @@ def test_limits_of_temperature():
     np.testing.assert_allclose(good.mu, cold.mu, rtol=1e-5)
     full = em.friction(RUBBER, ROAD, heat=HEAT, **ASKED | {"pressure": 3e9})
     assert (full.temperature_rise < 1e-6).all()
-    slow = em.friction(RUBBER, ROAD, heat=HEAT, **ASKED | {"velocity": np.array([1e-9, 1e-8])})
-    np.testing.assert_allclose(*(slow.contact_rise / slow.heat_flux), rtol=0.01)  # no Peclet number left
-    none = em.friction(RUBBER, ROAD, heat=em.Heat(0.25, 2e6, road=(1e-12, 2e6)), **ASKED)
-    np.testing.assert_allclose(none.mu, em.friction(RUBBER, ROAD, heat=HEAT, **ASKED).mu, rtol=1e-9)
-    twin = em.friction(  # what arises on the surface is shared by two equal bodies at rest
-        em.Prony(0.5e6, [1.0], [1e-3], shift=WLF), ROAD, velocity=1e-7, pressure=2e5, temperature=293.15,
-        heat=em.Heat(0.25, 2e6, road=(0.25, 2e6)), adhesion=em.AdhesiveShear(3e5, 6e-3, 0.0),
-    )  # fmt: skip
+    slow = em.friction(
+        RUBBER, ROAD, heat=HEAT, **ASKED | {"velocity": np.array([1e-9, 1e-8])}
+    )
+    # no Peclet number left
+    np.testing.assert_allclose(*(slow.contact_rise / slow.heat_flux), rtol=0.01)
+    none = em.friction(
+        RUBBER, ROAD, heat=em.Heat(0.25, 2e6, road=(1e-12, 2e6)), **ASKED
+    )
+    np.testing.assert_allclose(
+        none.mu, em.friction(RUBBER, ROAD, heat=HEAT, **ASKED).mu, rtol=1e-9
+    )
+    # what arises on the surface is shared by two equal bodies at rest
+    twin = em.friction(
+        em.Prony(0.5e6, [1.0], [1e-3], shift=WLF),
+        ROAD,
+        velocity=1e-7,
+        pressure=2e5,
+        temperature=293.15,
+        heat=em.Heat(0.25, 2e6, road=(0.25, 2e6)),
+        adhesion=em.AdhesiveShear(3e5, 6e-3, 0.0),
+    )
     assert twin.road_share == pytest.approx(0.5, abs=0.005)
 
 
 def test_a_profile_far_from_that_of_cold_rubber():
-    """Cold, the finest waves would be heated by 2,800 K; the one steady state is 118 K hot."""
+    """Cold, the finest waves would be heated by 2,800 K; the one steady state is 118 K
+    hot.
+    """
     tread = em.load_material("tread-passenger-synthetic")
-    road = em.SelfAffine(0.8, rms_slope=1.3, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 1e-4)
+    road = em.SelfAffine(
+        0.8, rms_slope=1.3, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 1e-4
+    )
     curve = em.friction(
-        tread, road, velocity=np.array([8.8, 16.0, 30.0]), pressure=1.2e5, temperature=258.15, heat=HEAT
+        tread,
+        road,
+        velocity=np.array([8.8, 16.0, 30.0]),
+        pressure=1.2e5,
+        temperature=258.15,
+        heat=HEAT,
     )
     assert curve.converged.all()
     np.testing.assert_allclose(curve.contact_rise, [93.5, 105.0, 117.6], atol=1.0)
@@ -126,12 +202,25 @@ def test_a_profile_far_from_that_of_cold_rubber():
 
 
 def test_a_hotter_steady_state_is_said():
-    """Shear that rises with temperature heats itself: from a warm start rubber stays where cold rubber does not go."""
-    rubber = em.Prony(1e6, [1e6, 1e6, 1e7, 1e8], [1e-4, 1e-3, 1e-6, 1e-8], shift=em.WLF(8.86, 101.6, 250.15))
+    """Shear that rises with temperature heats itself: from a warm start rubber stays
+    where cold rubber does not go.
+    """
+    rubber = em.Prony(
+        1e6,
+        [1e6, 1e6, 1e7, 1e8],
+        [1e-4, 1e-3, 1e-6, 1e-8],
+        shift=em.WLF(8.86, 101.6, 250.15),
+    )
     road = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e3, q_high=1e5)
     shear = em.AdhesiveShear(3e7, 1e-2, 0.4, shift=em.Arrhenius(1.5e5, 350.0))
     curve = em.friction(
-        rubber, road, velocity=10.0, temperature=243.15, pressure=3e5, heat=em.Heat(0.2, 2e6), adhesion=shear
+        rubber,
+        road,
+        velocity=10.0,
+        temperature=243.15,
+        pressure=3e5,
+        heat=em.Heat(0.2, 2e6),
+        adhesion=shear,
     )
     assert curve.temperature_rise < 10
     assert "1 points have a second, hotter steady state" in curve.summary()
@@ -147,8 +236,17 @@ def test_a_shift_law_that_ends():
 
 
 def test_persson_softening_and_vertical_shifts_take_part():
-    soft = em.Softening([1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.1, 0.9, 0.5])
-    rubber = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=WLF, softening=soft, vertical=em.EntropicVertical(293.15))
+    soft = em.Softening(
+        [1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.1, 0.9, 0.5]
+    )
+    rubber = em.Prony(
+        0.5e6,
+        [3e7, 3e6],
+        [1e-6, 1e-3],
+        shift=WLF,
+        softening=soft,
+        vertical=em.EntropicVertical(293.15),
+    )
     for model in ("persson", "multiscale"):
         curve = em.friction(rubber, ROAD, heat=STONE, model=model, **ASKED)
         assert curve.converged.all()
@@ -158,7 +256,10 @@ def test_persson_softening_and_vertical_shifts_take_part():
 
 def test_a_hot_curve_is_fast():
     tread = em.load_material("tread-passenger-synthetic")
-    asked = {"velocity": np.geomspace(1e-3, 10, 24), "temperature": np.array([[283.0], [293.0], [313.0]])}
+    asked = {
+        "velocity": np.geomspace(1e-3, 10, 24),
+        "temperature": np.array([[283.0], [293.0], [313.0]]),
+    }
     em.friction(tread, ROAD, pressure=2e5, heat=HEAT, **asked)
     spent = []
     for _ in range(3):
@@ -171,22 +272,40 @@ def test_a_hot_curve_is_fast():
 @pytest.mark.slow
 def test_gradients_through_softening_heat_and_adhesion():
     def mu(velocity, kelvin, level):
-        soft = em.Softening([1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.1, 0.9, 0.5])
-        rubber = em.Prony(0.5e6, level * np.array([3e7, 3e6]), [1e-6, 1e-3], shift=WLF, softening=soft)
+        soft = em.Softening(
+            [1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.1, 0.9, 0.5]
+        )
+        rubber = em.Prony(
+            0.5e6, level * np.array([3e7, 3e6]), [1e-6, 1e-3], shift=WLF, softening=soft
+        )
         return em.friction(
-            rubber, ROAD, velocity=velocity, pressure=2e5, temperature=kelvin, heat=STONE, adhesion=SHEAR, rtol=1e-8
+            rubber,
+            ROAD,
+            velocity=velocity,
+            pressure=2e5,
+            temperature=kelvin,
+            heat=STONE,
+            adhesion=SHEAR,
+            rtol=1e-8,
         ).mu
 
     at = np.array([1.0, 293.0, 1.0])
     with jax.enable_x64(True):
         slopes = jax.grad(mu, (0, 1, 2))(*at)
     for i, step in enumerate(np.diag([1e-3, 0.05, 1e-3])):
-        near, far = (float(mu(*(at + n * step))) - float(mu(*(at - n * step))) for n in (1, 2))
-        assert float(slopes[i]) == pytest.approx((8 * near - far) / (12 * step[i]), rel=1e-5)
+        near, far = (
+            float(mu(*(at + n * step))) - float(mu(*(at - n * step))) for n in (1, 2)
+        )
+        assert float(slopes[i]) == pytest.approx(
+            (8 * near - far) / (12 * step[i]), rel=1e-5
+        )
 
 
 def test_bad_heat():
-    for road, words in (((1.0,), "road must be a pair"), ((-1.0, 2e6), "road: conductivity must be positive")):
+    for road, words in (
+        ((1.0,), "road must be a pair"),
+        ((-1.0, 2e6), "road: conductivity must be positive"),
+    ):
         with pytest.raises(em.InputError, match=words):
             em.Heat(0.25, 2e6, road=road)
     with pytest.raises(em.InputError, match=r"road needs em\.Multiscale"):
@@ -196,11 +315,15 @@ def test_bad_heat():
 def test_the_series_for_jax_is_the_function_of_bessel():
     x = np.geomspace(1e-8, 1e4, 300)
     with jax.enable_x64(True):
-        np.testing.assert_allclose(warm._k0e_of_jax(jax.numpy.asarray(x)), k0e(x), rtol=4e-7)
+        np.testing.assert_allclose(
+            warm._k0e_of_jax(jax.numpy.asarray(x)), k0e(x), rtol=4e-7
+        )
 
 
 def test_splines_are_natural_and_meet_their_knots():
     knots = np.array([0.0, 0.4, 1.0, 1.7])
-    np.testing.assert_allclose(numpy_unless_traced(warm.basis)(knots, knots), np.eye(4), atol=1e-14)
+    np.testing.assert_allclose(
+        numpy_unless_traced(warm.basis)(knots, knots), np.eye(4), atol=1e-14
+    )
     line = warm.basis(knots, np.linspace(0, 1.7, 9)) @ (2 + 3 * knots)
     np.testing.assert_allclose(line, 2 + 3 * np.linspace(0, 1.7, 9), rtol=1e-13)

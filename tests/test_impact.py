@@ -1,4 +1,6 @@
-"""`em.impact` against solutions of reduced equations, closed forms, and the element-by-element contact step."""
+"""`em.impact` against solutions of reduced equations, closed forms, and the
+element-by-element contact step.
+"""
 
 import math
 
@@ -17,10 +19,19 @@ from .bouncing import BALL, DM, KELVIN_VOIGT, E, M, R, V, impact, kelvin_voigt
 
 @pytest.mark.parametrize("beta", KELVIN_VOIGT)
 def test_kelvin_voigt(beta):
-    found, (restitution, depth, duration) = impact(kelvin_voigt(beta)), KELVIN_VOIGT[beta]
-    np.testing.assert_allclose(found.restitution, restitution, rtol=1e-8 if depth else 4e-8)
+    found, (restitution, depth, duration) = (
+        impact(kelvin_voigt(beta)),
+        KELVIN_VOIGT[beta],
+    )
+    np.testing.assert_allclose(
+        found.restitution, restitution, rtol=1e-8 if depth else 4e-8
+    )
     if depth:
-        np.testing.assert_allclose([found.max_depth / DM, found.duration * V / DM], [depth, duration], rtol=1e-7)
+        np.testing.assert_allclose(
+            [found.max_depth / DM, found.duration * V / DM],
+            [depth, duration],
+            rtol=1e-7,
+        )
     assert found.error < 1e-6
 
 
@@ -32,7 +43,9 @@ def test_kelvin_voigt(beta):
     ],
 )
 def test_one_branch(part, b, expected):
-    """Ting's solution inside an integrator of high order; the second is a Maxwell liquid."""
+    """Ting's solution inside an integrator of high order; the second is a Maxwell
+    liquid.
+    """
     found = impact(em.Foundation(E * (1 - part), [E * part], [b * DM / V]))
     out = [found.restitution, found.max_depth / DM, found.duration * V / DM]
     np.testing.assert_allclose(out, expected, rtol=1e-7)
@@ -42,26 +55,42 @@ def test_elastic():
     """Hertz: T = 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) dm/v0, and nothing is lost."""
     found = impact(em.Foundation(E, [], []))
     duration = 2 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9) * DM / V
-    np.testing.assert_allclose([found.restitution, found.duration], [1, duration], rtol=1e-9)
+    np.testing.assert_allclose(
+        [found.restitution, found.duration], [1, duration], rtol=1e-9
+    )
     np.testing.assert_allclose(found.max_depth, DM, rtol=1e-8)
-    np.testing.assert_allclose(found.max_force, 4 / 3 * E * math.sqrt(R * DM**3), rtol=1e-7)
+    np.testing.assert_allclose(
+        found.max_force, 4 / 3 * E * math.sqrt(R * DM**3), rtol=1e-7
+    )
     slope = (1 - impact(kelvin_voigt(1e-5)).restitution) / 1e-5
-    np.testing.assert_allclose(slope, 1.891705853511856, rtol=1e-4)  # the next term is of order beta
+    # the next term is of order beta
+    np.testing.assert_allclose(slope, 1.891705853511856, rtol=1e-4)
 
 
 def test_converges_with_the_square_of_the_steps():
     """One grid alone, without extrapolation: an error that is a series in n^-2."""
     with jax.enable_x64(True):
         viscosity = np.array([E * 0.5 * DM / V])
-        body = Body(BALL, np.zeros((1, 1)), np.full((1, 1), E), viscosity, np.array([M]), np.array([V]))
+        body = Body(
+            BALL,
+            np.zeros((1, 1)),
+            np.full((1, 1), E),
+            viscosity,
+            np.array([M]),
+            np.array([V]),
+        )
         solve = jax.jit(lambda g: march(body, g, per_area=False).restitution[0])
-        error = [abs(float(solve(grid(n, 64))) - KELVIN_VOIGT[0.5][0]) for n in (16, 32, 64)]
+        error = [
+            abs(float(solve(grid(n, 64))) - KELVIN_VOIGT[0.5][0]) for n in (16, 32, 64)
+        ]
     slopes = np.log2(np.array(error[:-1]) / error[1:])
     np.testing.assert_allclose(slopes, 2, atol=0.1)
 
 
 def oscillator(stiffness, damping):
-    """Restitution and duration of m d'' + c d' + k d = 0 until c d' + k d = 0, in closed form."""
+    """Restitution and duration of m d'' + c d' + k d = 0 until c d' + k d = 0, in
+    closed form.
+    """
     beta = damping / (2 * math.sqrt(stiffness * M))
     w = math.sqrt(stiffness / M)
     damped = w * math.sqrt(1 - beta**2)
@@ -74,30 +103,50 @@ def test_punch_is_a_linear_oscillator():
     punch = em.FlatPunch(radius)
     found = em.impact(em.Foundation.kelvin(E, viscosity), punch, mass=M, velocity=V)
     restitution, end = oscillator(2 * radius * E, 2 * radius * viscosity)
-    np.testing.assert_allclose([found.restitution, found.duration], [restitution, end], rtol=1e-7)
-    np.testing.assert_allclose(found.lost, 0.5 * M * V**2 * (1 - restitution**2), rtol=1e-7)
+    np.testing.assert_allclose(
+        [found.restitution, found.duration], [restitution, end], rtol=1e-7
+    )
+    np.testing.assert_allclose(
+        found.lost, 0.5 * M * V**2 * (1 - restitution**2), rtol=1e-7
+    )
 
 
 def test_a_dashpot_at_temperatures():
     """Its viscosity goes with a_T b_T, the spring with b_T."""
-    shift, vertical = em.WLF(8.86, 101.6, 293.15), em.VerticalTable([263.15, 293.15, 333.15], [0.8, 1.0, 1.3])
+    shift, vertical = (
+        em.WLF(8.86, 101.6, 293.15),
+        em.VerticalTable([263.15, 293.15, 333.15], [0.8, 1.0, 1.3]),
+    )
     rubber = em.Foundation(E, [], [], 800.0, shift=shift, vertical=vertical)
     kelvin, radius = np.array([288.15, 313.15]), 2e-3
-    found = em.impact(rubber, em.FlatPunch(radius), mass=M, velocity=V, temperature=kelvin)
+    found = em.impact(
+        rubber, em.FlatPunch(radius), mass=M, velocity=V, temperature=kelvin
+    )
     a, b = shift.a(kelvin), vertical.b(kelvin)
-    expected = [oscillator(2 * radius * E * b[i], 2 * radius * 800.0 * a[i] * b[i])[0] for i in range(2)]
+    expected = [
+        oscillator(2 * radius * E * b[i], 2 * radius * 800.0 * a[i] * b[i])[0]
+        for i in range(2)
+    ]
     assert expected[0] < 0.8 * expected[1]
     np.testing.assert_allclose(found.restitution, expected, rtol=1e-7)
 
 
 def test_elastic_cone():
-    """F = 2 E* d^2/(pi tan) (Sneddon 1965), so that m v^2/2 = 2 E* dm^3/(3 pi tan); T = 2 int dd/v."""
+    """F = 2 E* d^2/(pi tan) (Sneddon 1965), so that m v^2/2 = 2 E* dm^3/(3 pi tan); T =
+    2 int dd/v.
+    """
     slope = 0.4
     found = em.impact(em.Foundation(E, [], []), em.Cone(slope), mass=M, velocity=V)
     depth = (0.75 * math.pi * slope * M * V**2 / E) ** (1 / 3)
-    duration = 2 * depth / V * math.sqrt(math.pi) * math.gamma(4 / 3) / math.gamma(5 / 6)
-    np.testing.assert_allclose([found.max_depth, found.duration], [depth, duration], rtol=1e-7)
-    np.testing.assert_allclose(found.max_force, 2 * E * depth**2 / (math.pi * slope), rtol=1e-7)
+    duration = (
+        2 * depth / V * math.sqrt(math.pi) * math.gamma(4 / 3) / math.gamma(5 / 6)
+    )
+    np.testing.assert_allclose(
+        [found.max_depth, found.duration], [depth, duration], rtol=1e-7
+    )
+    np.testing.assert_allclose(
+        found.max_force, 2 * E * depth**2 / (math.pi * slope), rtol=1e-7
+    )
 
 
 def test_cylinder_on_a_layer():
@@ -112,8 +161,18 @@ def test_cylinder_on_a_layer():
         return y[1]
 
     turn.terminal = True
-    run = solve_ivp(approach, (0, 1), [1e-14, V], events=turn, rtol=1e-11, atol=1e-16, method="DOP853")
-    found = em.impact(em.Foundation.kelvin(k, eta), em.Cylinder(R, length), mass=M, velocity=V)
+    run = solve_ivp(
+        approach,
+        (0, 1),
+        [1e-14, V],
+        events=turn,
+        rtol=1e-11,
+        atol=1e-16,
+        method="DOP853",
+    )
+    found = em.impact(
+        em.Foundation.kelvin(k, eta), em.Cylinder(R, length), mass=M, velocity=V
+    )
     np.testing.assert_allclose(found.max_depth, run.y_events[0][0][0], rtol=1e-7)
     assert 0.5 < found.restitution < 1
 
@@ -124,15 +183,23 @@ BRANCHES = em.Foundation(2e6, [6e6, 3e6, 1e6], [2e-5, 5e-4, 3e-2])
 
 @pytest.mark.slow
 def test_elements_agree():
-    """The depths of the impact, imposed on independent elements by the contact step: same force, same energy lost."""
+    """The depths of the impact, imposed on independent elements by the contact step:
+    same force, same energy lost.
+    """
     found = impact(BRANCHES)
     history = found.history
     knots = history.time
     size = 400
-    fine = np.unique(np.concatenate([np.linspace(knots[i], knots[i + 1], 41) for i in range(len(knots) - 1)]))
+    fine = np.unique(
+        np.concatenate(
+            [np.linspace(knots[i], knots[i + 1], 41) for i in range(len(knots) - 1)]
+        )
+    )
     depth = _quintic(history, M, fine)
     x = (np.arange(size) + 0.5) / size * math.sqrt(R * found.max_depth)
-    law = Relaxation(*(np.asarray(v) for v in (2e6, BRANCHES.moduli, BRANCHES.times, 0.0)))
+    law = Relaxation(
+        *(np.asarray(v) for v in (2e6, BRANCHES.moduli, BRANCHES.times, 0.0))
+    )
     with jax.enable_x64(True):
         places = depth[:, None] - x**2 / R
 
@@ -140,7 +207,11 @@ def test_elements_agree():
             state = contact_step(law, state, ends[0], ends[1], ends[2])
             return state, (state.q.sum(), state.work.sum())
 
-        run = jax.jit(lambda: jax.lax.scan(step, rest(law, size), (places[:-1], places[1:], np.diff(fine)))[1])
+        run = jax.jit(
+            lambda: jax.lax.scan(
+                step, rest(law, size), (places[:-1], places[1:], np.diff(fine))
+            )[1]
+        )
         force, work = (2 * x[0] * 2 * np.asarray(y) for y in run())
     middle = np.searchsorted(fine, knots[10])
     np.testing.assert_allclose(force[middle - 1], history.force[10], rtol=1e-4)
@@ -151,7 +222,9 @@ def test_elements_agree():
 
 
 def _quintic(history, mass, t):
-    """Depth between the instants of a history, from depth, velocity and force at their ends."""
+    """Depth between the instants of a history, from depth, velocity and force at their
+    ends.
+    """
     from scipy.interpolate import BPoly
 
     values = np.stack([history.depth, history.velocity, -history.force / mass], axis=1)
@@ -159,7 +232,9 @@ def _quintic(history, mass, t):
 
 
 def test_energy_of_the_history():
-    """int F d' dt over the history is the kinetic energy lost, to what interpolating 33 instants allows."""
+    """int F d' dt over the history is the kinetic energy lost, to what interpolating 33
+    instants allows.
+    """
     from scipy.interpolate import CubicSpline
 
     h = impact(RUBBER).history
@@ -168,7 +243,9 @@ def test_energy_of_the_history():
 
 
 def test_broadcasts_and_many_materials():
-    """Masses, velocities and materials in one call are the same as one by one; branches need not be as many."""
+    """Masses, velocities and materials in one call are the same as one by one; branches
+    need not be as many.
+    """
     materials = [em.Foundation(E, [], []), kelvin_voigt(0.5), RUBBER]
     mass, velocity = np.array([[0.5], [1.0]]) * M, np.array([0.1, 1.0, 10.0]) * V
     found = impact(materials, mass=mass, velocity=velocity)
@@ -180,8 +257,15 @@ def test_broadcasts_and_many_materials():
 
 
 def test_temperature_is_a_change_of_times():
-    rubber = em.Prony(0.5e6, [1.5e6, 0.8e6, 0.2e6], [2e-5, 5e-4, 3e-2], shift=em.WLF(8.86, 101.6, 293.15))
-    warm = em.impact(rubber, BALL, mass=M, velocity=V, temperature=np.array([273.15, 313.15]))
+    rubber = em.Prony(
+        0.5e6,
+        [1.5e6, 0.8e6, 0.2e6],
+        [2e-5, 5e-4, 3e-2],
+        shift=em.WLF(8.86, 101.6, 293.15),
+    )
+    warm = em.impact(
+        rubber, BALL, mass=M, velocity=V, temperature=np.array([273.15, 313.15])
+    )
     cold = em.impact(rubber.at(273.15), BALL, mass=M, velocity=V)
     np.testing.assert_allclose(warm.restitution[0], cold.restitution, rtol=1e-9)
     assert abs(warm.restitution[1] - warm.restitution[0]) > 0.01
@@ -201,7 +285,9 @@ def test_gradient():
     with jax.enable_x64(True):
         gradient = np.asarray(jax.jit(jax.grad(outcome))(PARAMETERS)) * PARAMETERS
     steps = 1e-4 * np.diag(PARAMETERS)
-    numeric = [(outcome(PARAMETERS + s) - outcome(PARAMETERS - s)) / 2e-4 for s in steps]
+    numeric = [
+        (outcome(PARAMETERS + s) - outcome(PARAMETERS - s)) / 2e-4 for s in steps
+    ]
     np.testing.assert_allclose(gradient, numeric, rtol=2e-5, atol=2e-7)
 
 
@@ -210,7 +296,9 @@ def test_vmap_over_materials_and_forward_mode():
     moduli = np.array([1e6, 3e6, 9e6])
 
     def restitution(e):
-        return impact(em.Foundation(2e6, np.array([1.0, 0.5, 0.2]) * e, BRANCHES.times)).restitution
+        return impact(
+            em.Foundation(2e6, np.array([1.0, 0.5, 0.2]) * e, BRANCHES.times)
+        ).restitution
 
     with jax.enable_x64(True):
         value, slope = jax.vmap(lambda e: jax.jvp(restitution, (e,), (e,)))(moduli)
@@ -240,7 +328,10 @@ def test_bad_scenes():
         em.impact(em.KelvinVoigt(1e6, 1.0), em.Cylinder(R, 0.1), mass=M, velocity=V)
     with pytest.raises(em.InputError, match="empty list"):
         em.impact([], BALL, mass=M, velocity=V)
-    kinds = [em.half_space(em.KelvinVoigt(1e6, 1.0)), em.Foundation(1e6, [], [], per_area=True)]
+    kinds = [
+        em.half_space(em.KelvinVoigt(1e6, 1.0)),
+        em.Foundation(1e6, [], [], per_area=True),
+    ]
     with pytest.raises(em.InputError, match="both"):
         em.impact(kinds, BALL, mass=1, velocity=1)
 

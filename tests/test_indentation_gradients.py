@@ -21,17 +21,23 @@ def _directional(function, point, rtol):
     way = np.array([0.7, -0.4, 0.5, 0.3, 0.6])[: point.size] * point
     got = jax.jvp(function, (point,), (way,))[1]
     slow = [
-        (np.asarray(function(point + h * way)) - np.asarray(function(point - h * way))) / (2 * h) for h in (2e-4, 1e-4)
+        (np.asarray(function(point + h * way)) - np.asarray(function(point - h * way)))
+        / (2 * h)
+        for h in (2e-4, 1e-4)
     ]
     expected = slow[1] + (slow[1] - slow[0]) / 3
     for row, wanted in zip(got, expected, strict=True):
-        np.testing.assert_allclose(row, wanted, rtol=rtol, atol=rtol * np.abs(wanted).max())
+        np.testing.assert_allclose(
+            row, wanted, rtol=rtol, atol=rtol * np.abs(wanted).max()
+        )
 
 
 def test_derivatives_under_a_depth():
     def call(p):
         foundation = em.Foundation(p[0], p[1:2], p[2:3])
-        result = em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, depth=p[4] * TWICE)
+        result = em.indent(
+            foundation, em.Paraboloid(p[3]), time=TIMES, depth=p[4] * TWICE
+        )
         return jnp.stack([result.force, result.contact_radius, result.dissipated])
 
     _directional(call, np.array([1.0, 3.0, 0.5, 1.0, 1.0]), 1e-6)
@@ -40,14 +46,18 @@ def test_derivatives_under_a_depth():
 def test_derivatives_under_a_growing_load():
     def call(p):
         foundation = em.Foundation(p[0], p[1:2], p[2:3])
-        result = em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, load=3e-3 * (1 + TIMES))
+        result = em.indent(
+            foundation, em.Paraboloid(p[3]), time=TIMES, load=3e-3 * (1 + TIMES)
+        )
         return jnp.stack([result.depth, result.contact_radius, result.dissipated])
 
     point = np.array([1.0, 3.0, 0.5, 1.0])
     _directional(call, point, 1e-7)
     way = np.array([0.7, -0.4, 0.5, 0.3]) * point
     back = jax.grad(lambda p: call(p)[0, -1])(point)
-    np.testing.assert_allclose(back @ way, jax.jvp(call, (point,), (way,))[1][0, -1], rtol=1e-10)
+    np.testing.assert_allclose(
+        back @ way, jax.jvp(call, (point,), (way,))[1][0, -1], rtol=1e-10
+    )
 
 
 @pytest.mark.slow
@@ -56,7 +66,9 @@ def test_derivatives_under_a_falling_load():
 
     def call(p):
         foundation = em.Foundation(p[0], p[1:2], p[2:3])
-        return em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, load=load, rtol=1e-4).depth[None]
+        return em.indent(
+            foundation, em.Paraboloid(p[3]), time=TIMES, load=load, rtol=1e-4
+        ).depth[None]
 
     _directional(call, np.array([1.0, 3.0, 0.5, 1.0]), 1e-5)
 
@@ -67,7 +79,9 @@ def test_reverse_mode_under_a_falling_load():
 
     def call(modulus, radius, share):
         foundation = em.Foundation(1.0, jnp.stack([modulus]), [0.5])
-        return em.indent(foundation, em.Paraboloid(radius), time=time, load=share * load, rtol=1e-2).depth[-1]
+        return em.indent(
+            foundation, em.Paraboloid(radius), time=time, load=share * load, rtol=1e-2
+        ).depth[-1]
 
     point = np.array([3.0, 1.0, 1.0])
     back = jax.grad(call, argnums=(0, 1, 2))(*point)
@@ -83,7 +97,11 @@ def test_reverse_mode_under_a_falling_load():
 def test_derivatives_with_adhesion():
     def call(p):
         result = em.indent(
-            em.Foundation(p[0], [], []), em.Paraboloid(p[1]), time=TIMES, load=p[3] * PULSES, adhesion=p[2]
+            em.Foundation(p[0], [], []),
+            em.Paraboloid(p[1]),
+            time=TIMES,
+            load=p[3] * PULSES,
+            adhesion=p[2],
         )
         return jnp.stack([result.depth, result.contact_radius])
 

@@ -1,4 +1,6 @@
-"""Calls under the caller's own `jax.jit`, where JAX has no 64-bit types: numbers that are not traced stay numbers."""
+"""Calls under the caller's own `jax.jit`, where JAX has no 64-bit types: numbers that
+are not traced stay numbers.
+"""
 
 import jax
 import numpy as np
@@ -7,15 +9,34 @@ import pytest
 import elastomdr as em
 from elastomdr.transient.layer_disc import layer_disc
 
-RUBBER, BALL, TIME = em.StandardSolid(1e6, 4e6, 0.3), em.Paraboloid(5e-3), np.linspace(0, 1, 5)
+RUBBER, BALL, TIME = (
+    em.StandardSolid(1e6, 4e6, 0.3),
+    em.Paraboloid(5e-3),
+    np.linspace(0, 1, 5),
+)
 CARCASS, TREAD = em.Foundation(8e7, [], []), em.Foundation(5e7, [1e8, 1e8], [1e-2, 1.0])
 WHEEL = {"velocity": 25.0, "slip": 0.005, "friction": 0.8, "tangential": TREAD}
 CALLS = {
     "indent": lambda k: em.indent(RUBBER, BALL, time=TIME, depth=k * 1e-4 * TIME).force,
-    "impact": lambda k: em.impact(RUBBER, BALL, mass=0.01 * k, velocity=1.0).restitution,
-    "a load on an elastic body": lambda k: em.rolling(em.Prony(1e6, [], []), BALL, velocity=1.0, load=k).depth,
-    "traction": lambda k: em.traction(CARCASS, em.Cylinder(0.3, 0.16), load=4e3 * k, **WHEEL).force,
-    "shear": lambda k: em.shear(RUBBER, BALL, time=TIME, displacement=1e-5 * k * TIME, friction=0.5, load=1.0).force,
+    "impact": lambda k: (
+        em.impact(RUBBER, BALL, mass=0.01 * k, velocity=1.0).restitution
+    ),
+    "a load on an elastic body": lambda k: (
+        em.rolling(em.Prony(1e6, [], []), BALL, velocity=1.0, load=k).depth
+    ),
+    "traction": lambda k: (
+        em.traction(CARCASS, em.Cylinder(0.3, 0.16), load=4e3 * k, **WHEEL).force
+    ),
+    "shear": lambda k: (
+        em.shear(
+            RUBBER,
+            BALL,
+            time=TIME,
+            displacement=1e-5 * k * TIME,
+            friction=0.5,
+            load=1.0,
+        ).force
+    ),
 }
 
 
@@ -34,21 +55,41 @@ def test_a_march_under_jit():
     """Its grid is given there, outside it is chosen: both within the tolerance."""
 
     def mu(load):
-        return em.slide(RUBBER, BALL, time=TIME, position=1e-3 * TIME, load=load, rtol=1e-1, elements=256).mu
+        return em.slide(
+            RUBBER,
+            BALL,
+            time=TIME,
+            position=1e-3 * TIME,
+            load=load,
+            rtol=1e-1,
+            elements=256,
+        ).mu
 
     chosen = mu(1.0)
     np.testing.assert_allclose(jax.jit(mu)(1.0), chosen, atol=0.1 * chosen.max())
 
 
 def test_a_march_under_jit_that_misses_its_tolerance_has_numbers_and_says_so():
-    """Elements are given there: what two levels of them give is handed out with its error, and not as converged."""
+    """Elements are given there: what two levels of them give is handed out with its
+    error, and not as converged.
+    """
 
     def found(load):
-        result = em.slide(RUBBER, BALL, time=TIME, position=1e-3 * TIME, load=load, rtol=1e-6, elements=64)
+        result = em.slide(
+            RUBBER,
+            BALL,
+            time=TIME,
+            position=1e-3 * TIME,
+            load=load,
+            rtol=1e-6,
+            elements=64,
+        )
         return result.mu, result.error, result.converged
 
     mu, error, converged = map(np.asarray, jax.jit(found)(1.0))
-    exact = em.slide(RUBBER, BALL, time=TIME, position=1e-3 * TIME, load=1.0, rtol=1e-4).mu
+    exact = em.slide(
+        RUBBER, BALL, time=TIME, position=1e-3 * TIME, load=1.0, rtol=1e-4
+    ).mu
     assert not converged[1:].any()
     assert (np.abs(mu - exact) <= error + 1e-4 * exact.max()).all()
 
@@ -57,42 +98,75 @@ SHORT = np.linspace(0, 1, 3)
 COARSE = {"rtol": 1e-1, "elements": 64}
 FEW = {"elements": 32, "steps": 8}
 VERBS = {
-    "indent": lambda k: em.indent(RUBBER, BALL, time=TIME, depth=k * 1e-4 * TIME).force[-1],
-    "slide": lambda k: em.slide(RUBBER, BALL, time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu[-1],
-    "drive": lambda k: em.drive(RUBBER, BALL, time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu[-1],
+    "indent": lambda k: em.indent(RUBBER, BALL, time=TIME, depth=k * 1e-4 * TIME).force[
+        -1
+    ],
+    "slide": lambda k: em.slide(
+        RUBBER, BALL, time=SHORT, position=1e-3 * SHORT, load=k, **COARSE
+    ).mu[-1],
+    "drive": lambda k: em.drive(
+        RUBBER, BALL, time=SHORT, position=1e-3 * SHORT, load=k, **COARSE
+    ).mu[-1],
     "shear": lambda k: em.shear(
-        RUBBER, BALL, time=SHORT, displacement=1e-5 * k * SHORT, friction=0.5, load=1.0, **FEW
+        RUBBER,
+        BALL,
+        time=SHORT,
+        displacement=1e-5 * k * SHORT,
+        friction=0.5,
+        load=1.0,
+        **FEW,
     ).force[-1],
-    "traction": lambda k: em.traction(CARCASS, em.Cylinder(0.3, 0.16), load=4e3 * k, **WHEEL).force,
-    "impact": lambda k: em.impact(RUBBER, BALL, mass=0.01 * k, velocity=1.0).restitution,
+    "traction": lambda k: (
+        em.traction(CARCASS, em.Cylinder(0.3, 0.16), load=4e3 * k, **WHEEL).force
+    ),
+    "impact": lambda k: (
+        em.impact(RUBBER, BALL, mass=0.01 * k, velocity=1.0).restitution
+    ),
     "rolling": lambda k: em.rolling(RUBBER, BALL, velocity=1.0, load=k).coefficient,
-    "friction": lambda k: em.friction(RUBBER, em.Cone(0.1 * k), velocity=0.01, load=1.0, model=em.Line()).mu,
+    "friction": lambda k: (
+        em.friction(
+            RUBBER, em.Cone(0.1 * k), velocity=0.01, load=1.0, model=em.Line()
+        ).mu
+    ),
 }
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")  # what JAX says of the way back
+# what JAX says of the way back
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")
 @pytest.mark.parametrize("wide", [False, True], ids=["32-bit types", "64-bit types"])
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_verb_under_every_transformation(verb, wide):
-    """The table of `docs/transient.md`: jit, vmap and grad against the plain call and its differences."""
+    """The table of `docs/transient.md`: jit, vmap and grad against the plain call and
+    its differences.
+    """
 
-    def call(k):  # a new function each time: JAX keeps programs by it, with constants of either width
+    # a new function each time: JAX keeps programs by it, with constants of either width
+    def call(k):
         return VERBS[verb](k)
 
     with jax.enable_x64(wide):
         near = np.array([1.0, 1.001, 0.999])
-        plain = jax.jit(call) if verb in ("slide", "drive") else call  # elements are chosen in a plain call
+        # elements are chosen in a plain call
+        plain = jax.jit(call) if verb in ("slide", "drive") else call
         exact = [float(plain(k)) for k in near]
         np.testing.assert_allclose(jax.jit(call)(1.0), exact[0], rtol=1e-5)
         np.testing.assert_allclose(jax.vmap(call)(near), exact, rtol=1e-5)
-        np.testing.assert_allclose(jax.grad(call)(1.0), (exact[1] - exact[2]) / 2e-3, rtol=5e-2)
+        np.testing.assert_allclose(
+            jax.grad(call)(1.0), (exact[1] - exact[2]) / 2e-3, rtol=5e-2
+        )
 
 
 LAYER = em.layer(em.Prony(1e6, [4e6], [0.3]), 2e-3)
 ON_LAYER = {
-    "friction": lambda k: em.friction(LAYER, BALL, velocity=0.01, load=k, model=em.Line(), rtol=1e-3).mu,
-    "rolling": lambda k: em.rolling(LAYER, em.Cylinder(5e-3, 0.01), velocity=0.01, load=10 * k, rtol=1e-4).coefficient,
+    "friction": lambda k: (
+        em.friction(LAYER, BALL, velocity=0.01, load=k, model=em.Line(), rtol=1e-3).mu
+    ),
+    "rolling": lambda k: (
+        em.rolling(
+            LAYER, em.Cylinder(5e-3, 0.01), velocity=0.01, load=10 * k, rtol=1e-4
+        ).coefficient
+    ),
 }
 WAYS = {
     "jit": jax.jit,
@@ -111,7 +185,9 @@ def test_layers_are_refused_without_64_bit_types(verb, way):
 @pytest.mark.slow
 @pytest.mark.parametrize("verb", ON_LAYER)
 def test_layers_under_every_transformation(verb):
-    """With 64-bit types: jit, vmap and grad against the plain call and its differences."""
+    """With 64-bit types: jit, vmap and grad against the plain call and its
+    differences.
+    """
     exact = [float(ON_LAYER[verb](k)) for k in (1.0, 1.01, 0.99)]
     with jax.enable_x64(True):
         found = {way: WAYS[way](ON_LAYER[verb])(1.0) for way in WAYS}
@@ -120,9 +196,12 @@ def test_layers_under_every_transformation(verb):
     np.testing.assert_allclose(found["grad"], (exact[1] - exact[2]) / 2e-2, rtol=5e-3)
 
 
-@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")  # what JAX says of the way back
+# what JAX says of the way back
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")
 def test_gradient_of_an_indentation_without_64_bit_types():
-    """F of a paraboloid at E(t) goes as d^(3/2): its derivative by a factor on the depth is 1.5 F."""
+    """F of a paraboloid at E(t) goes as d^(3/2): its derivative by a factor on the
+    depth is 1.5 F.
+    """
     call = VERBS["indent"]
     with jax.enable_x64(False):
         np.testing.assert_allclose(jax.grad(call)(1.0), 1.5 * call(1.0), rtol=1e-6)
@@ -130,12 +209,18 @@ def test_gradient_of_an_indentation_without_64_bit_types():
 
 @pytest.mark.filterwarnings("ignore:Explicitly requested dtype")
 def test_surfaces_are_made_from_traced_numbers_without_64_bit_types():
-    """rms height of a self-affine surface goes as its rms slope; heights of a line are its own slope."""
+    """rms height of a self-affine surface goes as its rms slope; heights of a line are
+    its own slope.
+    """
     with jax.enable_x64(False):
-        rms = jax.grad(lambda s: em.SelfAffine(0.8, rms_slope=s, q_low=1e3, q_high=1e5).rms_height)(0.1)
+        rms = jax.grad(
+            lambda s: em.SelfAffine(0.8, rms_slope=s, q_low=1e3, q_high=1e5).rms_height
+        )(0.1)
         x = np.arange(8.0)
         high = jax.jit(lambda k: em.RoughLine(x, k * np.sin(x)).highest)(2.0)
-    assert rms == pytest.approx(em.SelfAffine(0.8, rms_slope=1.0, q_low=1e3, q_high=1e5).rms_height, rel=1e-6)
+    assert rms == pytest.approx(
+        em.SelfAffine(0.8, rms_slope=1.0, q_low=1e3, q_high=1e5).rms_height, rel=1e-6
+    )
     assert high == pytest.approx(em.RoughLine(x, 2 * np.sin(x)).highest, rel=1e-6)
 
 
@@ -147,7 +232,9 @@ def test_compiled_gradient_under_a_falling_load_without_64_bit_types():
     def call(radius):
         material = em.Prony(1e6, [1e8, 1e7], [1e-4, 1e-1], poisson=0.4)
         time, load = [0.0, 0.5, 1.0], [0.0, 1.0, 0.5]
-        return em.indent(material, em.Sphere(radius), time=time, load=load, rtol=1e-3).depth[-1]
+        return em.indent(
+            material, em.Sphere(radius), time=time, load=load, rtol=1e-3
+        ).depth[-1]
 
     with jax.enable_x64(False):
         slope = jax.jit(jax.grad(call))(0.01)
@@ -157,33 +244,77 @@ def test_compiled_gradient_under_a_falling_load_without_64_bit_types():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Explicitly requested dtype")
 def test_compiled_falling_load_is_handed_out_with_its_error():
-    """Its steps are fixed under jit and miss the default tolerance: numbers all the same, where they were NaN."""
+    """Its steps are fixed under jit and miss the default tolerance: numbers all the
+    same, where they were NaN.
+    """
     time, load = np.linspace(0, 0.01, 6), np.array([0.0, 5, 10, 5, 2, 8])
 
     def call(modulus):
-        return em.indent(em.Prony(1e6, [modulus], [1e-3]), em.Paraboloid(5e-3), time=time, load=load)
+        return em.indent(
+            em.Prony(1e6, [modulus], [1e-3]), em.Paraboloid(5e-3), time=time, load=load
+        )
 
-    got, plain = jax.jit(lambda g: (lambda r: (r.depth, r.error, r.converged))(call(g)))(5e6), call(5e6)
+    got, plain = (
+        jax.jit(lambda g: (lambda r: (r.depth, r.error, r.converged))(call(g)))(5e6),
+        call(5e6),
+    )
     assert not got[2].all()
-    assert (np.abs(got[0] - plain.depth) <= (got[1] + plain.error) * plain.depth.max()).all()
+    assert (
+        np.abs(got[0] - plain.depth) <= (got[1] + plain.error) * plain.depth.max()
+    ).all()
 
 
-FACTORS = {"equilibrium": 1.0, "moduli": 1.0, "times": 1.0, "size": 1.0, "asked": 1.0}  # of what is traced, one by one
+# of what is traced, one by one
+FACTORS = {"equilibrium": 1.0, "moduli": 1.0, "times": 1.0, "size": 1.0, "asked": 1.0}
 TRACED = {
-    "indent by depth": lambda m, s, k: em.indent(m, _ball(s), time=TIME, depth=k * 1e-4 * TIME).force,
-    "indent by load": lambda m, s, k: em.indent(m, _ball(s), time=TIME, load=k * 0.1 * TIME).depth,
-    "slide": lambda m, s, k: em.slide(m, _ball(s), time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu,
-    "drive": lambda m, s, k: em.drive(m, _ball(s), time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu,
-    "shear": lambda m, s, k: (
-        em.shear(m, _ball(s), time=SHORT, displacement=1e-5 * k * SHORT, friction=0.5, load=1.0, **FEW).force
+    "indent by depth": lambda m, s, k: (
+        em.indent(m, _ball(s), time=TIME, depth=k * 1e-4 * TIME).force
     ),
-    "traction": lambda m, s, k: em.traction(m, _ball(s), load=k, velocity=1.0, creepage=0.005, friction=0.5).force,
-    "impact": lambda m, s, k: em.impact(m, _ball(s), mass=0.01 * k, velocity=1.0).restitution,
-    "rolling": lambda m, s, k: em.rolling(m, _ball(s), velocity=1.0, load=k).coefficient,
-    "press": lambda m, s, k: em.press(m, _surface(s), pressure=3e3 * k, model=em.Line(seeds=1, samples=256)).stiffness,
-    "a profile": lambda m, s, k: em.friction(m, _profile(s), velocity=0.1, load=k, rtol=1e-2).mu,
-    "indent on a layer": lambda m, s, k: em.indent(em.layer(m, 2e-3), _ball(s), time=TIME, depth=k * 1e-4 * TIME).force,
-    "impact on a layer": lambda m, s, k: em.impact(em.layer(m, 2e-3), _ball(s), mass=0.01 * k, velocity=1.0).duration,
+    "indent by load": lambda m, s, k: (
+        em.indent(m, _ball(s), time=TIME, load=k * 0.1 * TIME).depth
+    ),
+    "slide": lambda m, s, k: (
+        em.slide(m, _ball(s), time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu
+    ),
+    "drive": lambda m, s, k: (
+        em.drive(m, _ball(s), time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu
+    ),
+    "shear": lambda m, s, k: (
+        em.shear(
+            m,
+            _ball(s),
+            time=SHORT,
+            displacement=1e-5 * k * SHORT,
+            friction=0.5,
+            load=1.0,
+            **FEW,
+        ).force
+    ),
+    "traction": lambda m, s, k: (
+        em.traction(
+            m, _ball(s), load=k, velocity=1.0, creepage=0.005, friction=0.5
+        ).force
+    ),
+    "impact": lambda m, s, k: (
+        em.impact(m, _ball(s), mass=0.01 * k, velocity=1.0).restitution
+    ),
+    "rolling": lambda m, s, k: (
+        em.rolling(m, _ball(s), velocity=1.0, load=k).coefficient
+    ),
+    "press": lambda m, s, k: (
+        em.press(
+            m, _surface(s), pressure=3e3 * k, model=em.Line(seeds=1, samples=256)
+        ).stiffness
+    ),
+    "a profile": lambda m, s, k: (
+        em.friction(m, _profile(s), velocity=0.1, load=k, rtol=1e-2).mu
+    ),
+    "indent on a layer": lambda m, s, k: (
+        em.indent(em.layer(m, 2e-3), _ball(s), time=TIME, depth=k * 1e-4 * TIME).force
+    ),
+    "impact on a layer": lambda m, s, k: (
+        em.impact(em.layer(m, 2e-3), _ball(s), mass=0.01 * k, velocity=1.0).duration
+    ),
     "a rough line": lambda m, s, k: em.friction(m, _line(s), velocity=1.0, load=k).mu,
 }
 
@@ -209,11 +340,17 @@ def _line(size):
 @pytest.mark.parametrize("wide", [False, True], ids=["32-bit types", "64-bit types"])
 @pytest.mark.parametrize("verb", TRACED)
 def test_any_argument_alone_may_be_traced(verb, wide):
-    """What is not traced stays a number: no error of JAX's own, whichever argument it is (traced, not compiled)."""
+    """What is not traced stays a number: no error of JAX's own, whichever argument it
+    is (traced, not compiled).
+    """
 
     def call(name, factor):
         f = FACTORS | {name: factor}
-        law = (1e6 * f["equilibrium"], f["moduli"] * np.array([4e6, 2e6]), f["times"] * np.array([0.3, 0.01]))
+        law = (
+            1e6 * f["equilibrium"],
+            f["moduli"] * np.array([4e6, 2e6]),
+            f["times"] * np.array([0.3, 0.01]),
+        )
         return TRACED[verb](em.Prony(*law), f["size"], f["asked"])
 
     with jax.enable_x64(wide):
@@ -228,26 +365,42 @@ def test_gradients_of_a_profile_from_points():
     law = em.Prony(1e6, [4e6, 2e6], [0.3, 0.01])
 
     def mu(size, load):
-        return em.friction(law, _profile(size), velocity=0.1, load=load, model=em.Line(), rtol=1e-6).mu
+        return em.friction(
+            law, _profile(size), velocity=0.1, load=load, model=em.Line(), rtol=1e-6
+        ).mu
 
     with jax.enable_x64(True):
         slopes = jax.grad(mu, argnums=(0, 1))(1.0, 1.0)
-    expected = [(mu(1.01, 1.0) - mu(0.99, 1.0)) / 0.02, (mu(1.0, 1.01) - mu(1.0, 0.99)) / 0.02]
+    expected = [
+        (mu(1.01, 1.0) - mu(0.99, 1.0)) / 0.02,
+        (mu(1.0, 1.01) - mu(1.0, 0.99)) / 0.02,
+    ]
     np.testing.assert_allclose(slopes, expected, rtol=1e-3)
 
 
 def test_compiled_gradient_of_a_punch_under_a_load():
-    """Its depth is in proportion to the load; marches that are not needed gave NaN where they began without load."""
+    """Its depth is in proportion to the load; marches that are not needed gave NaN
+    where they began without load.
+    """
 
     def depth(load):
-        return em.indent(RUBBER, em.FlatPunch(1e-3), time=SHORT, load=load * np.array([0.0, 1.0, 0.5])).depth[-1]
+        return em.indent(
+            RUBBER,
+            em.FlatPunch(1e-3),
+            time=SHORT,
+            load=load * np.array([0.0, 1.0, 0.5]),
+        ).depth[-1]
 
     with jax.enable_x64(True):
-        np.testing.assert_allclose(jax.jit(jax.grad(depth))(0.1), depth(0.1) / 0.1, rtol=1e-9)
+        np.testing.assert_allclose(
+            jax.jit(jax.grad(depth))(0.1), depth(0.1) / 0.1, rtol=1e-9
+        )
 
 
 def _depth_on_layer(thickness):
-    return layer_disc(_profile(1.0), thickness, 0.0, True).profile(np.array([1.5e-3]))[0]
+    return layer_disc(_profile(1.0), thickness, 0.0, True).profile(np.array([1.5e-3]))[
+        0
+    ]
 
 
 def test_the_thickness_of_a_layer_under_a_profile_may_be_traced():
@@ -264,15 +417,21 @@ def test_gradient_of_a_profile_on_a_layer_by_its_thickness():
     np.testing.assert_allclose(slope, (near[0] - near[1]) / 2e-6, rtol=1e-5)
 
 
-@pytest.mark.parametrize("times", [[0.3, 0.01, 0.05], [0.3, 0.01, 0.3]], ids=["any order", "equal"])
+@pytest.mark.parametrize(
+    "times", [[0.3, 0.01, 0.05], [0.3, 0.01, 0.3]], ids=["any order", "equal"]
+)
 def test_traced_times_in_any_order(times):
-    """Retardation times interlace sorted relaxation times, and one is lost where two are equal."""
+    """Retardation times interlace sorted relaxation times, and one is lost where two
+    are equal.
+    """
 
     def creep(t):
         return em.Prony(1e6, [4e6, 2e6, 3e6], t).creep_compliance(0.3) * 1e6
 
     with jax.enable_x64(True):
-        np.testing.assert_allclose(jax.jit(creep)(np.array(times)), creep(times), rtol=1e-9)
+        np.testing.assert_allclose(
+            jax.jit(creep)(np.array(times)), creep(times), rtol=1e-9
+        )
         slope = jax.grad(creep)(np.array(times))
     for i in range(3):
         near = [np.array(times) * (1 + s * 1e-5 * (np.arange(3) == i)) for s in (1, -1)]

@@ -1,4 +1,6 @@
-"""Marching through a profile: against the closed passage where that holds, and where contact returns."""
+"""Marching through a profile: against the closed passage where that holds, and where
+contact returns.
+"""
 
 import math
 from typing import ClassVar
@@ -20,9 +22,14 @@ from elastomdr.surface.shapes import AbstractShape, Cone, Paraboloid, Sphere
 
 
 def six(equilibrium, moduli, times, viscosity=0.0):
-    """A law with six branches, empty ones included: laws of one size share their compiled code."""
+    """A law with six branches, empty ones included: laws of one size share their
+    compiled code.
+    """
     empty = 6 - len(moduli)
-    moduli, times = [*moduli, *[0.0] * empty], [*times, *10.0 ** np.arange(3, 3 + empty)]
+    moduli, times = (
+        [*moduli, *[0.0] * empty],
+        [*times, *10.0 ** np.arange(3, 3 + empty)],
+    )
     return Relaxation(*map(np.asarray, (equilibrium, moduli, times, viscosity)))
 
 
@@ -39,7 +46,9 @@ def float64():
 
 
 class Terraces(AbstractShape):
-    """g = s (|x| + (1 - cos kx) b/k): nearly flat terraces, on which a recovering element meets the body again."""
+    """g = s (|x| + (1 - cos kx) b/k): nearly flat terraces, on which a recovering
+    element meets the body again.
+    """
 
     slope: float
     wave: float
@@ -54,7 +63,11 @@ class Terraces(AbstractShape):
         return self.slope * (x + self.depth * (1 - jnp.cos(self.wave * x)) / self.wave)
 
     def _slope(self, x):
-        return self.slope * jnp.sign(x) * (1 + self.depth * jnp.sin(self.wave * jnp.abs(x)))
+        return (
+            self.slope
+            * jnp.sign(x)
+            * (1 + self.depth * jnp.sin(self.wave * jnp.abs(x)))
+        )
 
 
 TERRACES = SingleLine(Terraces(0.1, 2 * np.pi / 1e-3, 0.95))
@@ -62,10 +75,13 @@ TERRACES = SingleLine(Terraces(0.1, 2 * np.pi / 1e-3, 0.95))
 
 def bumpy(height=1.5e-5):
     r = np.linspace(0, 4e-3, 33)
-    return SingleLine(Profile(r, r**2 / 0.02 + height * (1 - np.cos(2 * np.pi * r / 1.5e-3))))
+    return SingleLine(
+        Profile(r, r**2 / 0.02 + height * (1 - np.cos(2 * np.pi * r / 1.5e-3)))
+    )
 
 
-# ---------------------------------------------------------------- where the closed passage holds
+# ---------------------------------------------------------------- where the closed
+# passage holds
 
 
 @pytest.mark.parametrize(
@@ -79,7 +95,15 @@ def bumpy(height=1.5e-5):
         (Cone(0.1), Rule(4, split=True, exact=True), RUBBER, "load", 1.0),
         (Sphere(0.01), Rule(12), RUBBER, "depth", 1e-3),
     ],
-    ids=["rubber", "liquid", "damped", "damped-depth", "cone-damped", "cone-rubber", "sphere-depth"],
+    ids=[
+        "rubber",
+        "liquid",
+        "damped",
+        "damped-depth",
+        "cone-damped",
+        "cone-rubber",
+        "sphere-depth",
+    ],
 )
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7])
 def test_agrees_with_the_passage(shape, rule, law, control, value, rtol):
@@ -88,18 +112,33 @@ def test_agrees_with_the_passage(shape, rule, law, control, value, rtol):
     march = march_passages(law, lines, control, value, VELOCITIES, rtol)
     assert march.converged.all()
     assert (march.error <= rtol * march.mu).all()
-    assert (np.abs(march.mu - exact.mu) <= march.error + exact.error + 1e-11 * exact.mu).all()
+    assert (
+        np.abs(march.mu - exact.mu) <= march.error + exact.error + 1e-11 * exact.mu
+    ).all()
     for name in ("normal_force", "friction_force", "depth", "leading"):
-        np.testing.assert_allclose(getattr(march, name), getattr(exact, name), rtol=max(rtol, 1e-7))
-    np.testing.assert_allclose(march.trailing, exact.trailing, atol=2e-3 * float(exact.leading.max()))
+        np.testing.assert_allclose(
+            getattr(march, name), getattr(exact, name), rtol=max(rtol, 1e-7)
+        )
+    np.testing.assert_allclose(
+        march.trailing, exact.trailing, atol=2e-3 * float(exact.leading.max())
+    )
 
 
 def test_strips_of_a_layer():
-    """A paraboloid on a Kelvin layer, k and eta per area, at low speed: F_N = pi k a^4/(4R), mu = eta v/(k R)."""
-    layer, lines = Relaxation(*map(np.asarray, (2e10, [], [], 2e7))), Strips(Paraboloid(0.5))
-    march = march_passages(layer, lines, "depth", np.full(2, 1e-4), np.array([1e-7, 1e-6]), 1e-6)
+    """A paraboloid on a Kelvin layer, k and eta per area, at low speed: F_N = pi k
+    a^4/(4R), mu = eta v/(k R).
+    """
+    layer, lines = (
+        Relaxation(*map(np.asarray, (2e10, [], [], 2e7))),
+        Strips(Paraboloid(0.5)),
+    )
+    march = march_passages(
+        layer, lines, "depth", np.full(2, 1e-4), np.array([1e-7, 1e-6]), 1e-6
+    )
     assert march.converged.all()
-    np.testing.assert_allclose(march.leading, 0.01 * np.cos(np.pi / 4 * (1 - 0.98940093499164993)), rtol=1e-12)
+    np.testing.assert_allclose(
+        march.leading, 0.01 * np.cos(np.pi / 4 * (1 - 0.98940093499164993)), rtol=1e-12
+    )
     np.testing.assert_allclose(march.normal_force, np.pi * 2e10 * 1e-8 / 2, rtol=1e-6)
     np.testing.assert_allclose(march.mu, 2e7 * np.array([1e-7, 1e-6]) / 1e10, rtol=1e-6)
 
@@ -111,7 +150,9 @@ def test_strips_of_a_layer():
 def contacts(law, size, velocity):
     """How many times an element is in contact on its way from a to -a."""
     profile, count = TERRACES.shape._profile, 4096
-    w = (profile(size) - profile(size * (1 - 2 * jnp.linspace(0.0, 1.0, count + 1))))[:, None]
+    w = (profile(size) - profile(size * (1 - 2 * jnp.linspace(0.0, 1.0, count + 1))))[
+        :, None
+    ]
 
     def step(state, ends):
         state = contact_step(law, state, *ends, 2 * size / velocity / count)
@@ -125,7 +166,10 @@ def contacts(law, size, velocity):
 def test_contact_returns_and_the_error_covers_it(law):
     law = jax.tree.map(jnp.asarray, law)
     velocity, depth = np.logspace(-3, 2, 11), np.full(11, 8e-4)
-    coarse, fine = (march_passages(law, TERRACES, "depth", depth, velocity, rtol) for rtol in (1e-3, 1e-6))
+    coarse, fine = (
+        march_passages(law, TERRACES, "depth", depth, velocity, rtol)
+        for rtol in (1e-3, 1e-6)
+    )
     assert max(contacts(law, fine.leading[i], velocity[i]) for i in (4, 6, 10)) > 1
     assert coarse.converged.all()
     assert fine.converged.all()
@@ -139,15 +183,21 @@ def test_profile_from_points_that_is_not_convex():
     lines, velocity = bumpy(), np.logspace(-3, 2, 9)
     assert not lines.shape.convex
     load = np.full(9, 5.0)
-    march, finer = (march_passages(DAMPED, lines, "load", load, velocity, rtol) for rtol in (1e-6, 1e-8))
+    march, finer = (
+        march_passages(DAMPED, lines, "load", load, velocity, rtol)
+        for rtol in (1e-6, 1e-8)
+    )
     assert march.converged.all()
     assert (np.abs(march.mu - finer.mu) <= march.error + finer.error).all()
     np.testing.assert_allclose(march.normal_force, load, rtol=1e-8)
     # nearly elastic and nearly glassy: friction vanishes as v and as 1/v
     extreme = np.array([1e-9, 1e-8, 1e-7, 1e-2, 1e0, 1e2, 1e7, 1e8, 1e9])
     mu = march_passages(RUBBER, lines, "load", load, extreme, 1e-4).mu
-    np.testing.assert_allclose([mu[1] / mu[0], mu[2] / mu[1], mu[6] / mu[7], mu[7] / mu[8]], 10, rtol=1e-3)
-    # a load beyond what the points of the profile can carry; its neighbours are not disturbed
+    np.testing.assert_allclose(
+        [mu[1] / mu[0], mu[2] / mu[1], mu[6] / mu[7], mu[7] / mu[8]], 10, rtol=1e-3
+    )
+    # a load beyond what the points of the profile can carry; its neighbours are not
+    # disturbed
     load[4] = 1e6
     march = march_passages(DAMPED, lines, "load", load, velocity, 1e-5)
     np.testing.assert_array_equal(march.converged, load < 1e6)
@@ -155,12 +205,18 @@ def test_profile_from_points_that_is_not_convex():
 
 @pytest.mark.slow
 def test_truncated_paraboloid():
-    """f = (r^2 - b^2)_+ / 2R has g = x sqrt(x^2 - b^2)/R and F = 2 E*/(3R) (2 a^2 + b^2) sqrt(a^2 - b^2), elastic; the
-    march meets it as it meets two sampling rates of each other.
+    """f = (r^2 - b^2)_+ / 2R has g = x sqrt(x^2 - b^2)/R and F = 2 E*/(3R) (2 a^2 +
+    b^2) sqrt(a^2 - b^2), elastic; the march meets it as it meets two sampling rates of
+    each other.
     """
     bottom, radius, contact = 1e-3, 2e-2, 2.5e-3
     depth = contact / radius * math.sqrt(contact**2 - bottom**2)
-    force = 2 / (3 * radius) * (2 * contact**2 + bottom**2) * math.sqrt(contact**2 - bottom**2)
+    force = (
+        2
+        / (3 * radius)
+        * (2 * contact**2 + bottom**2)
+        * math.sqrt(contact**2 - bottom**2)
+    )
     errors = []
     for spacing in (5e-5, 2.5e-5, 1.25e-5):
         r = np.arange(0, 4e-3 + 0.5 * spacing, spacing)
@@ -173,20 +229,42 @@ def test_truncated_paraboloid():
     with pytest.raises(em.InputError, match="grows as a disc"):
         Profile(r, np.maximum(r**2 - bottom**2, 0) / (2 * radius), curve="spline")
     body = Profile(
-        np.arange(0, 4.05e-3, 1e-4), np.maximum(np.arange(0, 4.05e-3, 1e-4) ** 2 - bottom**2, 0) / (2 * radius)
+        np.arange(0, 4.05e-3, 1e-4),
+        np.maximum(np.arange(0, 4.05e-3, 1e-4) ** 2 - bottom**2, 0) / (2 * radius),
     )
     solid = em.StandardSolid(1e6, 3e6, 1e-3)
-    curve = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-3, model=em.Line())
+    curve = em.friction(
+        solid,
+        body,
+        velocity=np.array([1e-3, 1.0, 1e4]),
+        depth=depth,
+        rtol=1e-3,
+        model=em.Line(),
+    )
     assert curve.converged.all()
-    np.testing.assert_allclose(curve.normal_force[[0, 2]], [4e6 * force, 1.6e7 * force], rtol=5e-4)
-    with pytest.warns(em.ConvergenceWarning, match="errors are up to .* a larger rtol would accept them"):
-        fine = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-8, model=em.Line())
+    np.testing.assert_allclose(
+        curve.normal_force[[0, 2]], [4e6 * force, 1.6e7 * force], rtol=5e-4
+    )
+    with pytest.warns(
+        em.ConvergenceWarning,
+        match="errors are up to .* a larger rtol would accept them",
+    ):
+        fine = em.friction(
+            solid,
+            body,
+            velocity=np.array([1e-3, 1.0, 1e4]),
+            depth=depth,
+            rtol=1e-8,
+            model=em.Line(),
+        )
     assert np.isnan(fine.mu[0])
 
 
 @pytest.mark.slow
 def test_gradients():
-    """d log(mu) by moduli, times, velocity, load and the height of the bumps: reverse, forward, central differences."""
+    """d log(mu) by moduli, times, velocity, load and the height of the bumps: reverse,
+    forward, central differences.
+    """
     start = dict(
         moduli=jnp.asarray([8e6, 3e6]),
         times=jnp.asarray([1e-4, 1e-2]),
@@ -201,20 +279,34 @@ def test_gradients():
         law = Relaxation(jnp.asarray(4e6), p["moduli"], p["times"], jnp.asarray(0.0))
         z = r**2 / 0.02 + p["height"] * (1 - np.cos(2 * np.pi * r / 1.5e-3))
         lines = SingleLine(Profile(r, z, apex="smooth"))
-        return jnp.sum(jnp.log(march_passages(law, lines, "load", p["value"], p["velocity"], 1e-7).mu))
+        return jnp.sum(
+            jnp.log(
+                march_passages(law, lines, "load", p["value"], p["velocity"], 1e-7).mu
+            )
+        )
 
     reverse = jax.grad(logarithm)(start)
     for name, leaf in start.items():
         step = 1e-4 * leaf
         up, down = (logarithm({**start, name: leaf + sign * step}) for sign in (1, -1))
-        assert float(jnp.sum(reverse[name] * step)) == pytest.approx(float(0.5 * (up - down)), rel=1e-4), name
+        assert float(jnp.sum(reverse[name] * step)) == pytest.approx(
+            float(0.5 * (up - down)), rel=1e-4
+        ), name
     forward = jax.jvp(logarithm, (start,), (start,))[1]
-    assert forward == pytest.approx(float(sum(jnp.sum(reverse[k] * start[k]) for k in start)), rel=1e-9)
+    assert forward == pytest.approx(
+        float(sum(jnp.sum(reverse[k] * start[k]) for k in start)), rel=1e-9
+    )
 
 
 def test_under_jit():
-    velocity, depth, lines = jnp.asarray([0.1, 1.0]), jnp.full(2, 3e-4), SingleLine(Paraboloid(0.01))
-    traced = jax.jit(lambda v: march_passages(DAMPED, lines, "depth", depth, v, 1e-6))(velocity)
+    velocity, depth, lines = (
+        jnp.asarray([0.1, 1.0]),
+        jnp.full(2, 3e-4),
+        SingleLine(Paraboloid(0.01)),
+    )
+    traced = jax.jit(lambda v: march_passages(DAMPED, lines, "depth", depth, v, 1e-6))(
+        velocity
+    )
     direct = march_passages(DAMPED, lines, "depth", depth, velocity, 1e-6)
     assert traced.converged.all()
     np.testing.assert_allclose(traced.mu, direct.mu, rtol=1e-6)

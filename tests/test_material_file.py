@@ -1,4 +1,6 @@
-"""The format of material files: every fault is one clear line, and a file is written completely or not at all."""
+"""The format of material files: every fault is one clear line, and a file is written
+completely or not at all.
+"""
 
 import os
 
@@ -80,26 +82,74 @@ def test_unknown_names_and_paths(file):
         ("poisson = 0.5", "poisson = 0.5\npoisson = 0.4", ["not valid TOML", "line 7"]),
         ("moduli", "modulli", ["unknown key 'modulli'", "Did you mean 'moduli'?"]),
         ("c2 =", "c3 =", ["unknown key 'c3' in [shift]", "Did you mean"]),
-        ("[source.moduli]", "[source.modulus]", ["unknown key 'modulus' in [source]", "Did you mean 'moduli'?"]),
+        (
+            "[source.moduli]",
+            "[source.modulus]",
+            ["unknown key 'modulus' in [source]", "Did you mean 'moduli'?"],
+        ),
         ("times = [1e-3, 1.0]", "", ["key 'times' is missing"]),
         ("poisson = 0.5", "", ["key 'poisson' (or 'bulk') is missing"]),
         ("c2 = 100.0", "", ["key 'c2' in [shift] is missing"]),
-        ("equilibrium = 1e6", 'equilibrium = "1 MPa"', ["equilibrium must be a finite number, got '1 MPa'"]),
-        ("equilibrium = 1e6", "equilibrium = true", ["equilibrium must be a finite number, got True"]),
-        ("equilibrium = 1e6", "equilibrium = inf", ["equilibrium must be a finite number, got inf"]),
-        ("[1e6, 2e6]", "[1e6, nan]", ["moduli must be a list of finite numbers", "nan"]),
-        ("[1e6, 2e6]", "1e6", ["moduli must be a list of finite numbers, got 1000000.0"]),
-        ('law = "WLF"', 'law = "WFL"', ["law in [shift] must be one of WLF", "Did you mean 'WLF'?"]),
+        (
+            "equilibrium = 1e6",
+            'equilibrium = "1 MPa"',
+            ["equilibrium must be a finite number, got '1 MPa'"],
+        ),
+        (
+            "equilibrium = 1e6",
+            "equilibrium = true",
+            ["equilibrium must be a finite number, got True"],
+        ),
+        (
+            "equilibrium = 1e6",
+            "equilibrium = inf",
+            ["equilibrium must be a finite number, got inf"],
+        ),
+        (
+            "[1e6, 2e6]",
+            "[1e6, nan]",
+            ["moduli must be a list of finite numbers", "nan"],
+        ),
+        (
+            "[1e6, 2e6]",
+            "1e6",
+            ["moduli must be a list of finite numbers, got 1000000.0"],
+        ),
+        (
+            'law = "WLF"',
+            'law = "WFL"',
+            ["law in [shift] must be one of WLF", "Did you mean 'WLF'?"],
+        ),
         ('law = "WLF"', "law = [1]", ["law in [shift] must be one of WLF", "got [1]"]),
-        ("omega = [1.0, 1e3]", "omega = [1e3, 1.0]", ["omega in [range]", "the lower first"]),
-        ('"published fit"', '"published"', ["grade in [source.shift]", "Did you mean 'published fit'?"]),
-        ('kind = "shear"', 'kind = "bending"', ["kind must be 'shear' or 'tensile', got 'bending'"]),
-        ("[1e6, 2e6]", "[1e6, -2e6]", ["moduli must be zero or positive and finite, got -2e+06"]),
+        (
+            "omega = [1.0, 1e3]",
+            "omega = [1e3, 1.0]",
+            ["omega in [range]", "the lower first"],
+        ),
+        (
+            '"published fit"',
+            '"published"',
+            ["grade in [source.shift]", "Did you mean 'published fit'?"],
+        ),
+        (
+            'kind = "shear"',
+            'kind = "bending"',
+            ["kind must be 'shear' or 'tensile', got 'bending'"],
+        ),
+        (
+            "[1e6, 2e6]",
+            "[1e6, -2e6]",
+            ["moduli must be zero or positive and finite, got -2e+06"],
+        ),
         ("[1e-3, 1.0]", "[1.0]", ["same length"]),
         ("poisson = 0.5", "poisson = 0.6", ["poisson must be", "0.6"]),
         ("poisson = 0.5", "poisson = 0.5\nbulk = 2e9", ["exclude each other"]),
         ("c1 = 5.0", "c1 = -5.0", ["c1 must be positive"]),
-        ("e_temperature = 293.15", "e_temperature = 300.0", ["reference_temperature", "300 K and 293.15 K"]),
+        (
+            "e_temperature = 293.15",
+            "e_temperature = 300.0",
+            ["reference_temperature", "300 K and 293.15 K"],
+        ),
     ],
 )
 def test_every_fault_in_a_file_is_one_clear_line(file, old, new, parts):
@@ -124,20 +174,44 @@ def test_a_file_that_is_not_text(tmp_path):
     [
         ("moduli = [1e6, 2e6]", "moduli = [1e6, 2.0e-3]", "moduli[1] is 0.002 Pa"),
         ("equilibrium = 1e6", "equilibrium = 0.5", "equilibrium is 0.5 Pa"),
-        ("moduli = [1e6, 2e6]", "moduli = [1e6, 2e11]", "equilibrium plus all moduli is 2.00002e+11 Pa"),
+        (
+            "moduli = [1e6, 2e6]",
+            "moduli = [1e6, 2e11]",
+            "equilibrium plus all moduli is 2.00002e+11 Pa",
+        ),
         ("times = [1e-3, 1.0]", "times = [1e-18, 1.0]", "times[0] is 1e-18 s"),
         ("[263.15, 333.15]", "[-10.0, 333.15]", "temperature in [range] is -10 K"),
-        ("[263.15, 333.15]", "[303.15, 333.15]", "reference_temperature is 293.15 K, outside 303.15 to 333.15 K"),
-        ("[263.15, 333.15]", "[173.15, 333.15]", "the shift law does not cover the range"),
+        (
+            "[263.15, 333.15]",
+            "[303.15, 333.15]",
+            "reference_temperature is 293.15 K, outside 303.15 to 333.15 K",
+        ),
+        (
+            "[263.15, 333.15]",
+            "[173.15, 333.15]",
+            "the shift law does not cover the range",
+        ),
         ("reference_temperature = 293.15", "", "reference_temperature is missing"),
         ("temperature = [263.15, 333.15]", "", "temperature is missing in [range]"),
         ("omega = [1.0, 1e3]", "", "omega (or time) is missing in [range]"),
         ("omega = [1.0, 1e3]", "omega = [0.0, 1e3]", "which is not above 0"),
         ('citation = "There"', "", "citation is missing in [source.shift]"),
         ('grade = "measured"', "", "grade is missing in [source.moduli]"),
-        ('"measured"', '"fitted here"', "storage_residual is missing in [source.moduli]"),
-        ("[source.poisson]", "[source.bulk]", "[source.bulk] describes numbers that are not there"),
-        ('name = "mine"', 'name = "yours"', "name is 'yours', but the file is called mine.toml"),
+        (
+            '"measured"',
+            '"fitted here"',
+            "storage_residual is missing in [source.moduli]",
+        ),
+        (
+            "[source.poisson]",
+            "[source.bulk]",
+            "[source.bulk] describes numbers that are not there",
+        ),
+        (
+            'name = "mine"',
+            'name = "yours"',
+            "name is 'yours', but the file is called mine.toml",
+        ),
         ('description = "A rubber"', "", "description is missing"),
     ],
 )
@@ -149,7 +223,9 @@ def test_the_check_finds(file, old, new, part):
 
 
 def test_a_time_range_and_a_bulk_modulus_pass_the_check(file):
-    text = GOOD.replace("omega = [1.0, 1e3]", "time = [1e-3, 10.0]").replace("poisson = 0.5", "bulk = 2e9")
+    text = GOOD.replace("omega = [1.0, 1e3]", "time = [1e-3, 10.0]").replace(
+        "poisson = 0.5", "bulk = 2e9"
+    )
     assert check_material(file(text.replace("[source.poisson]", "[source.bulk]"))) == []
 
 
@@ -178,6 +254,8 @@ def test_what_cannot_be_saved(tmp_path):
         em.save_material(em.half_space(material), tmp_path / "x.toml")  # pyright: ignore[reportArgumentType]
     one_line(error, "must be a Prony")
     with pytest.raises(InputError) as error:
-        em.save_material(material, tmp_path / "x.toml", info={"range": {"omgea": [1.0, 2.0]}})
+        em.save_material(
+            material, tmp_path / "x.toml", info={"range": {"omgea": [1.0, 2.0]}}
+        )
     one_line(error, "omgea", "Did you mean 'omega'?")
     assert list(tmp_path.iterdir()) == []

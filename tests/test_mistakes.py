@@ -1,4 +1,6 @@
-"""Mistakes that users make: each is met by a message that says what to write. Scenes to start from, and stick-slip."""
+"""Mistakes that users make: each is met by a message that says what to write. Scenes to
+start from, and stick-slip.
+"""
 
 from pathlib import Path
 
@@ -29,18 +31,46 @@ def _in_its_own_folder(tmp_path, monkeypatch):
 
 
 MISTAKES = {
-    "C": ('"20 degC"', '"20 C"', 'temperature must be a temperature, got "20 C": write "20 degC".'),
+    "C": (
+        '"20 degC"',
+        '"20 C"',
+        'temperature must be a temperature, got "20 C": write "20 degC".',
+    ),
     "Fahrenheit": ('"20 degC"', '"68 F"', 'write "68 degF"'),
     "20": ('"20 degC"', "20", 'got 20. Did you mean "20 degC"?'),
-    "20 in quotes": ('"20 degC"', '"20"', 'got "20" without one. Did you mean "20 degC"?'),
-    "comma": ('"10 N"', '"10,5 N"', 'load must have a decimal point, not a comma, got "10,5 N": write "10.5 N".'),
+    "20 in quotes": (
+        '"20 degC"',
+        '"20"',
+        'got "20" without one. Did you mean "20 degC"?',
+    ),
+    "comma": (
+        '"10 N"',
+        '"10,5 N"',
+        'load must have a decimal point, not a comma, got "10,5 N": write "10.5 N".',
+    ),
     "point and comma": ('"10 N"', '"1.000,5 N"', 'write "1000.5 N"'),
     "5": ('"5 mm"', "5", 'Did you mean "5 mm"?'),
-    "pressure": ('load = "10 N"', 'pressure = "0.3 MPa"', "pressed on with a load or a depth"),
-    "file": ('"tread-passenger-synthetic"', '"compond.toml"', "Did you mean 'compound.toml'? Looked for in "),
-    "name": ('"tread-passenger-synthetic"', '"tread-pasenger"', "Did you mean 'tread-passenger-synthetic'?"),
-    "no name": ('"tread-passenger-synthetic"', '"compound"', 'a file beside the scene: write "compound.toml"'),
-}  # fmt: skip
+    "pressure": (
+        'load = "10 N"',
+        'pressure = "0.3 MPa"',
+        "pressed on with a load or a depth",
+    ),
+    "file": (
+        '"tread-passenger-synthetic"',
+        '"compond.toml"',
+        "Did you mean 'compound.toml'? Looked for in ",
+    ),
+    "name": (
+        '"tread-passenger-synthetic"',
+        '"tread-pasenger"',
+        "Did you mean 'tread-passenger-synthetic'?",
+    ),
+    "no name": (
+        '"tread-passenger-synthetic"',
+        '"compound"',
+        'a file beside the scene: write "compound.toml"',
+    ),
+}
 
 
 @pytest.mark.parametrize("case", MISTAKES)
@@ -54,11 +84,17 @@ def test_scenes(case, capsys):
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
-@pytest.mark.parametrize("name", [name for name in em.materials() if "polyisoprene" not in name])  # liquids
+# liquids
+@pytest.mark.parametrize(
+    "name", [name for name in em.materials() if "polyisoprene" not in name]
+)
 @pytest.mark.parametrize("slope", [0.05, 1.0])
 def test_pressure_in_megapascals(name, slope):
     road = em.SelfAffine(0.8, rms_slope=slope, q_low=1e3, q_high=1e5)
-    with pytest.warns(em.ModelWarning, match=r"pressure is taken in Pa.*If 0\.3 MPa are meant, write 300000"):
+    with pytest.warns(
+        em.ModelWarning,
+        match=r"pressure is taken in Pa.*If 0\.3 MPa are meant, write 300000",
+    ):
         found = em.friction(em.load_material(name), road, velocity=0.01, pressure=0.3)
     assert found.converged
 
@@ -76,7 +112,10 @@ def test_a_small_pressure_is_computed():
 def test_temperature_in_celsius(shape):
     rubber = em.load_material("tread-passenger-synthetic")
     force = {"pressure": 3e5} if shape is ROAD else {"load": 1.0}
-    with pytest.raises(em.InputError, match=r"temperature must be.*kelvin.*got 20.*20 degC is 293\.15 K"):
+    with pytest.raises(
+        em.InputError,
+        match=r"temperature must be.*kelvin.*got 20.*20 degC is 293\.15 K",
+    ):
         em.friction(rubber, shape, velocity=0.01, temperature=20, **force)
 
 
@@ -84,43 +123,70 @@ def test_temperature_in_celsius(shape):
 @pytest.mark.parametrize("verb", ["friction", "rolling", "indent", "impact"])
 def test_radius_in_millimetres(shape, verb):
     given = {
-        "indent": {"time": [0.0, 1.0], "load": 1.0}, "impact": {"mass": 1.0, "velocity": 1.0},
-    }.get(verb, {"velocity": 0.01, "load": 1.0})  # fmt: skip
+        "indent": {"time": [0.0, 1.0], "load": 1.0},
+        "impact": {"mass": 1.0, "velocity": 1.0},
+    }.get(verb, {"velocity": 0.01, "load": 1.0})
     rubber = em.StandardSolid(1e6, 1e6, 1e-2)
-    with pytest.warns(em.ModelWarning, match=r'is 5 m\. Radii are in metres: 5 mm are 0\.005 m \(in a scene "5 mm"\)'):
+    with pytest.warns(
+        em.ModelWarning,
+        match=r'is 5 m\. Radii are in metres: 5 mm are 0\.005 m \(in a scene "5 mm"\)',
+    ):
         getattr(em, verb)(rubber, shape, **given)
 
 
 def test_radius_in_a_scene(capsys):
     Path("ball.toml").write_text(SCENE.replace('"5 mm"', '"5 m"'))
     assert main(["friction", "ball.toml"]) == 0
-    assert "warning: The radius of the sphere is 5 m. Radii are in metres: 5 mm" in capsys.readouterr().err
+    assert (
+        "warning: The radius of the sphere is 5 m. Radii are in metres: 5 mm"
+        in capsys.readouterr().err
+    )
 
 
 def test_material_that_is_not_there():
     em.save_material(em.load_material("nbr-linder"), "compound.toml")
     Path("compond-notes.toml").write_text("title = 'no material'")
-    with pytest.raises(em.InputError, match=r"no such file\. Did you mean 'compound\.toml'\? Looked for in /"):
+    with pytest.raises(
+        em.InputError,
+        match=r"no such file\. Did you mean 'compound\.toml'\? Looked for in /",
+    ):
         em.load_material("compond.toml")
-    with pytest.raises(em.InputError, match=r"Did you mean 'nbr-linder'\? Looked for in"):
+    with pytest.raises(
+        em.InputError, match=r"Did you mean 'nbr-linder'\? Looked for in"
+    ):
         em.load_material("nbr-lindner.toml")
-    with pytest.raises(em.InputError, match=r"Did you mean 'nbr-linder'\?.*elastomdr materials.*Looked for in /"):
+    with pytest.raises(
+        em.InputError,
+        match=r"Did you mean 'nbr-linder'\?.*elastomdr materials.*Looked for in /",
+    ):
         em.load_material("nbr_linder")
 
 
 def test_pressure_on_a_ball():
-    with pytest.raises(em.InputError, match=r"sphere takes load or depth, got pressure=300000.*load= \[N\]"):
-        em.friction(em.load_material("nbr-linder"), em.Sphere(5e-3), velocity=0.01, pressure=3e5)
+    with pytest.raises(
+        em.InputError,
+        match=r"sphere takes load or depth, got pressure=300000.*load= \[N\]",
+    ):
+        em.friction(
+            em.load_material("nbr-linder"), em.Sphere(5e-3), velocity=0.01, pressure=3e5
+        )
 
 
 def test_moduli_exchanged():
     f, kelvin = np.geomspace(0.1, 100, 8), np.linspace(253.15, 293.15, 5)
     law = em.WLF(8.9, 101.6, 293.15)
-    rubber = em.Prony(1e6, np.full(8, 3e7), np.geomspace(1e-7, 1, 8), kind="tensile", shift=law)
+    rubber = em.Prony(
+        1e6, np.full(8, 3e7), np.geomspace(1e-7, 1, 8), kind="tensile", shift=law
+    )
     omega, t = (x.ravel() for x in np.meshgrid(2 * np.pi * f, kelvin))
     reduced = omega * law.a(t)
-    dma = em.fit.dma(omega, rubber.loss(reduced), rubber.storage(reduced), t, kind="tensile")
-    with pytest.raises(em.InputError, match=r"look exchanged.*Exchange them: .*--column storage=N --column loss=M"):
+    dma = em.fit.dma(
+        omega, rubber.loss(reduced), rubber.storage(reduced), t, kind="tensile"
+    )
+    with pytest.raises(
+        em.InputError,
+        match=r"look exchanged.*Exchange them: .*--column storage=N --column loss=M",
+    ):
         em.fit.master_curve(dma, 293.15)
 
 
@@ -144,9 +210,14 @@ def test_scene_to_start_from_by_its_own_name(capsys):
     assert "must end in .toml" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("swing", "said"), [(0.0, "no: "), (0.3, "no: "), (0.7, "not decided: "), (1.0, "yes: ")])
+@pytest.mark.parametrize(
+    ("swing", "said"),
+    [(0.0, "no: "), (0.3, "no: "), (0.7, "not decided: "), (1.0, "yes: ")],
+)
 def test_stick_slip_of_a_motion(swing, said):
-    """A body driven at 1 mm/s whose velocity is 1 - s sin, or, for s = 1, stands and jumps."""
+    """A body driven at 1 mm/s whose velocity is 1 - s sin, or, for s = 1, stands and
+    jumps.
+    """
     time = np.linspace(0, 10, 2001)
     wave = np.sin(2 * np.pi * time)
     velocity = 1e-3 * (1 + swing * wave if swing < 1 else np.maximum(np.pi * wave, 0))
@@ -163,31 +234,60 @@ def _motion(time, velocity, friction, normal):
     flat = np.full(time.size, normal)
     zero = np.zeros(time.size)
     known = dict(
-        time=time, drive=1e-3 * time, position=1e-3 * time, velocity=velocity, depth=zero, mu=friction / normal,
-        normal_force=flat, friction_force=friction, pull=friction, given=zero, kinetic=zero, stored=zero,
-        dissipated=zero, imbalance=zero, error=zero, converged=np.ones(time.size, bool), per_length=True,
-        model="", plan="", inputs=(),
-    )  # fmt: skip
+        time=time,
+        drive=1e-3 * time,
+        position=1e-3 * time,
+        velocity=velocity,
+        depth=zero,
+        mu=friction / normal,
+        normal_force=flat,
+        friction_force=friction,
+        pull=friction,
+        given=zero,
+        kinetic=zero,
+        stored=zero,
+        dissipated=zero,
+        imbalance=zero,
+        error=zero,
+        converged=np.ones(time.size, bool),
+        per_length=True,
+        model="",
+        plan="",
+        inputs=(),
+    )
     return Drive(**known)
 
 
 def test_stick_slip_of_a_drive():
     v = np.geomspace(0.1, 1, 9)
-    for damping, said in ((0.1, "yes, "), (1e3, "no, above 0.02 m/s: swings die out; friction 10 to ")):
+    for damping, said in (
+        (0.1, "yes, "),
+        (1e3, "no, above 0.02 m/s: swings die out; friction 10 to "),
+    ):
         mount = em.Mount(2.0, 800.0, damping)
-        summary = em.stability(mount, velocity=v, force=10 * v**-0.2, wavelength=1e-3).summary()
-        (line,) = (line for line in summary.splitlines() if line.startswith("stick-slip"))
+        summary = em.stability(
+            mount, velocity=v, force=10 * v**-0.2, wavelength=1e-3
+        ).summary()
+        (line,) = (
+            line for line in summary.splitlines() if line.startswith("stick-slip")
+        )
         assert line.split(maxsplit=1)[1].startswith(said)
         assert line.endswith(" N")
 
 
-@pytest.mark.parametrize("given", [{"load": 10.0}, {"depth": 1e-6}], ids=["load", "depth"])
+@pytest.mark.parametrize(
+    "given", [{"load": 10.0}, {"depth": 1e-6}], ids=["load", "depth"]
+)
 def test_a_load_on_a_surface_makes_it_a_line(given):
     rubber = em.StandardSolid(1e6, 1e6, 1e-2)
     name = next(iter(given))
-    with pytest.warns(em.ModelWarning, match=rf"{name} on a surface is .* line.*give pressure= \[Pa\].*em.Multiscale"):
+    with pytest.warns(
+        em.ModelWarning,
+        match=rf"{name} on a surface is .* line.*give pressure= \[Pa\].*em.Multiscale",
+    ):
         curve = em.friction(rubber, ROAD, velocity=0.01, **given)
-    same = em.friction(rubber, ROAD, velocity=0.01, model=em.Line(), **given)  # asked for: no warning
+    # asked for: no warning
+    same = em.friction(rubber, ROAD, velocity=0.01, model=em.Line(), **given)
     assert curve.mu == same.mu
     with pytest.warns(em.ModelWarning, match=f"{name} on a surface"):
         em.plan(rubber, ROAD, velocity=0.01, **given)
@@ -196,33 +296,65 @@ def test_a_load_on_a_surface_makes_it_a_line(given):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: em.friction(RUBBER, BALL, velocities=1.0, load=1.0), r"friction\(\) has no argument 'velocities'"
-         r"\. Did you mean 'velocity'\?"),
-        (lambda: em.Sphere(radus=1.0), r"Sphere\(\) has no argument 'radus'\. Did you mean 'radius'\?"),
-        (lambda: em.Line(seed=1), r"Line\(\) has no argument 'seed'\. Did you mean 'seeds'\?"),
-        (lambda: em.fit.master_curve(None, refrence=1.0), r"'refrence'\. Did you mean 'reference'\?"),
-        (lambda: em.Sphere(zzz=1.0), r"Sphere\(\) has no argument 'zzz'\. Arguments are radius\."),
+        (
+            lambda: em.friction(RUBBER, BALL, velocities=1.0, load=1.0),
+            r"friction\(\) has no argument 'velocities'"
+            r"\. Did you mean 'velocity'\?",
+        ),
+        (
+            lambda: em.Sphere(radus=1.0),
+            r"Sphere\(\) has no argument 'radus'\. Did you mean 'radius'\?",
+        ),
+        (
+            lambda: em.Line(seed=1),
+            r"Line\(\) has no argument 'seed'\. Did you mean 'seeds'\?",
+        ),
+        (
+            lambda: em.fit.master_curve(None, refrence=1.0),
+            r"'refrence'\. Did you mean 'reference'\?",
+        ),
+        (
+            lambda: em.Sphere(zzz=1.0),
+            r"Sphere\(\) has no argument 'zzz'\. Arguments are radius\.",
+        ),
     ],
-)  # fmt: skip
+)
 def test_arguments_that_are_not_there(call, message):
     with pytest.raises(TypeError, match=message):
         call()
 
 
 def test_names_that_are_not_there():
-    with pytest.raises(AttributeError, match=r"'elastomdr' has no attribute 'Spere'\. Did you mean 'Sphere'\?$"):
+    with pytest.raises(
+        AttributeError,
+        match=r"'elastomdr' has no attribute 'Spere'\. Did you mean 'Sphere'\?$",
+    ):
         em.Spere  # noqa: B018
-    with pytest.raises(AttributeError, match=r"'elastomdr\.fit' has no attribute 'materal'\. Did you mean 'material'"):
+    with pytest.raises(
+        AttributeError,
+        match=r"'elastomdr\.fit' has no attribute 'materal'\. Did you mean 'material'",
+    ):
         em.fit.materal  # noqa: B018
 
 
 def test_shapes_that_do_not_fit_are_told_by_name():
     message = r"velocity, load and temperature must broadcast, got velocity of shape \(6,\), load a number, "
-    with pytest.raises(em.InputError, match=message + r"temperature of shape \(3,\)\.$"):
-        em.friction(RUBBER, BALL, velocity=[0.1] * 6, load=1.0, temperature=[290.0, 300.0, 310.0])
+    with pytest.raises(
+        em.InputError, match=message + r"temperature of shape \(3,\)\.$"
+    ):
+        em.friction(
+            RUBBER,
+            BALL,
+            velocity=[0.1] * 6,
+            load=1.0,
+            temperature=[290.0, 300.0, 310.0],
+        )
 
 
 def test_a_key_that_belongs_elsewhere_and_is_misspelled(capsys):
     Path("ball.toml").write_text("frictoin = 0.5\n" + SCENE)
     assert main(["friction", "ball.toml"]) == 2
-    assert "frictoin is not known. Did you mean 'friction'? That key belongs to scenes of" in capsys.readouterr().err
+    assert (
+        "frictoin is not known. Did you mean 'friction'? That key belongs to scenes of"
+        in capsys.readouterr().err
+    )

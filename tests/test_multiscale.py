@@ -1,4 +1,6 @@
-"""em.Multiscale and em.Persson on surfaces: limits, independent evaluation, transforms, the map, bad input."""
+"""em.Multiscale and em.Persson on surfaces: limits, independent evaluation, transforms,
+the map, bad input.
+"""
 
 import itertools
 import json
@@ -27,12 +29,21 @@ def full_contact(material, surface, velocity, pressure):
         q = np.exp(log_q)
 
         def by_angle(phi):
-            return np.cos(phi) * material.complex_modulus(q * velocity * np.cos(phi)).imag
+            return (
+                np.cos(phi) * material.complex_modulus(q * velocity * np.cos(phi)).imag
+            )
 
-        return q**4 * float(surface.at(q)) * 4 * quad(by_angle, 0, np.pi / 2, epsabs=0, epsrel=1e-9)[0]
+        return (
+            q**4
+            * float(surface.at(q))
+            * 4
+            * quad(by_angle, 0, np.pi / 2, epsabs=0, epsrel=1e-9)[0]
+        )
 
     ends = np.log(surface.q)
-    whole = sum(quad(of_wave, a, b, epsrel=1e-8)[0] for a, b in itertools.pairwise(ends))
+    whole = sum(
+        quad(of_wave, a, b, epsrel=1e-8)[0] for a, b in itertools.pairwise(ends)
+    )
     return whole / (2 * pressure)
 
 
@@ -47,25 +58,37 @@ def test_persson_is_its_integrals_evaluated_independently():
     velocity, pressure = np.array([1e-3, 0.1, 10.0]), np.array([[3e4], [1e6]])
     for stored in (True, False):
         model = em.Persson(gamma=0.4, stored=stored)
-        curve = em.friction(SOLID, ROAD, velocity=velocity, pressure=pressure, model=model)
-        other = em.reference.persson(SOLID, ROAD, velocity=velocity, pressure=pressure, gamma=0.4, stored=stored)
+        curve = em.friction(
+            SOLID, ROAD, velocity=velocity, pressure=pressure, model=model
+        )
+        other = em.reference.persson(
+            SOLID, ROAD, velocity=velocity, pressure=pressure, gamma=0.4, stored=stored
+        )
         np.testing.assert_allclose(curve.mu, other.mu, rtol=2e-5)  # of the reference
         np.testing.assert_allclose(curve.area_ratio, other.area_ratio, rtol=2e-5)
         assert (curve.error <= 1e-6 * curve.mu).all()
 
 
 def test_light_contact_carries_load_by_its_area():
-    """For p -> 0 the area is proportional to the pressure, and friction does not depend on it."""
-    curve = em.friction(SOLID, ROAD, velocity=0.1, pressure=np.array([30.0, 300.0]), rtol=1e-4)
+    """For p -> 0 the area is proportional to the pressure, and friction does not depend
+    on it.
+    """
+    curve = em.friction(
+        SOLID, ROAD, velocity=0.1, pressure=np.array([30.0, 300.0]), rtol=1e-4
+    )
     np.testing.assert_allclose(curve.area_ratio[1] / curve.area_ratio[0], 10, rtol=1e-4)
-    assert curve.mu[1] / curve.mu[0] == pytest.approx(1, abs=0.03)  # ten times the pressure, still falling to its limit
+    # ten times the pressure, still falling to its limit
+    assert curve.mu[1] / curve.mu[0] == pytest.approx(1, abs=0.03)
 
 
 def test_small_loss_gives_friction_in_proportion():
     def solid(loss):
         return em.Foundation(1e6, [1e6 * loss], [1e-3])
 
-    mu = [float(em.friction(solid(loss), ROAD, velocity=0.05, pressure=1e5, rtol=1e-8).mu) for loss in (1e-5, 1e-4)]
+    mu = [
+        float(em.friction(solid(loss), ROAD, velocity=0.05, pressure=1e5, rtol=1e-8).mu)
+        for loss in (1e-5, 1e-4)
+    ]
     assert mu[1] / mu[0] == pytest.approx(10, rel=1e-3)
 
 
@@ -86,7 +109,9 @@ def test_a_table_of_a_spectrum_is_the_spectrum():
     q = np.array([1e3, 3e3, 1e4, 5e4])
     table = em.Spectrum(q, ROAD.at(q), convention="2d")
     given = {"velocity": 0.1, "pressure": 1e5}
-    assert em.friction(SOLID, table, **given).mu == pytest.approx(float(em.friction(SOLID, ROAD, **given).mu), rel=2e-6)
+    assert em.friction(SOLID, table, **given).mu == pytest.approx(
+        float(em.friction(SOLID, ROAD, **given).mu), rel=2e-6
+    )
 
 
 def test_error_is_that_of_finer_cells():
@@ -97,14 +122,22 @@ def test_error_is_that_of_finer_cells():
     assert (fine.error <= 1e-8 * fine.mu).all()
 
 
-@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")  # strains beyond the sweep
+# strains beyond the sweep
+@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")
 def test_a_sweep_of_strain_narrower_than_a_cell():
-    """Between its two points finer cells changed nothing, as if all had settled: 5e-4 of mu, 1000 times the error."""
+    """Between its two points finer cells changed nothing, as if all had settled: 5e-4
+    of mu, 1000 times the error.
+    """
     payne = em.Softening([0.0107, 0.0135], [0.97, 0.39], [0.52, 1.9])
     rubber = em.Prony(3e5, [8e2, 8e3], [1e-9, 0.5], softening=payne)
-    road = em.Spectrum([206.0, 221.0, 5593.0], [1.7e-13, 1.7e-13, 1.2e-17], convention="2d")
+    road = em.Spectrum(
+        [206.0, 221.0, 5593.0], [1.7e-13, 1.7e-13, 1.2e-17], convention="2d"
+    )
     rough, fine = (
-        em.friction(rubber, road, velocity=0.26, pressure=1600.0, strain_share=0.86, rtol=rtol) for rtol in (1e-3, 1e-8)
+        em.friction(
+            rubber, road, velocity=0.26, pressure=1600.0, strain_share=0.86, rtol=rtol
+        )
+        for rtol in (1e-3, 1e-8)
     )
     assert fine.converged
     assert abs(rough.mu - fine.mu) <= rough.error
@@ -112,15 +145,31 @@ def test_a_sweep_of_strain_narrower_than_a_cell():
 
 @pytest.mark.parametrize("model", ["multiscale", "persson"])
 def test_a_point_does_not_depend_on_those_beside_it(model):
-    """Cells, tables and their refinement: also with temperatures, and with heat, which takes tables of its own."""
-    warm = em.Prony(1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2], shift=em.WLF(8.86, 101.6, 293.15))
-    given = {"velocity": [1e-4, 0.013, 9.0], "temperature": [283.0, 293.15, 340.0], "pressure": [2e4, 3e5, 4e6]}
+    """Cells, tables and their refinement: also with temperatures, and with heat, which
+    takes tables of its own.
+    """
+    warm = em.Prony(
+        1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2], shift=em.WLF(8.86, 101.6, 293.15)
+    )
+    given = {
+        "velocity": [1e-4, 0.013, 9.0],
+        "temperature": [283.0, 293.15, 340.0],
+        "pressure": [2e4, 3e5, 4e6],
+    }
     for heat in (None, em.Heat(0.3, 2e6)):
         together = em.friction(warm, ROAD, model=model, heat=heat, **given)
         for i in range(3):
-            alone = em.friction(warm, ROAD, model=model, heat=heat, **{key: given[key][i] for key in given})
+            alone = em.friction(
+                warm,
+                ROAD,
+                model=model,
+                heat=heat,
+                **{key: given[key][i] for key in given},
+            )
             for name in ("mu", "area_ratio", "model_error"):
-                assert getattr(together, name)[i] == pytest.approx(getattr(alone, name), rel=1e-12, abs=0)
+                assert getattr(together, name)[i] == pytest.approx(
+                    getattr(alone, name), rel=1e-12, abs=0
+                )
 
 
 def test_bound_covers_and_widens():
@@ -131,12 +180,18 @@ def test_bound_covers_and_widens():
     assert (multiscale.bound(em.Multiscale(), area, 2.56e4, 100.0) > 2.5 * inside).all()
     assert (multiscale.bound(em.Multiscale(), area, 64.0, 1e4) > 1.5 * inside).all()
     assert np.isnan(multiscale.bound(em.Persson(gamma=1.0), area, 64.0, 100.0)).all()
-    # On the map ln(1 + bound) is linear in ln A; below its least contact, 0.4 %, it is as many times as large as
-    # there are decades, plus one.
-    logs = np.log1p(multiscale.bound(em.Multiscale(), np.array([0.4, 0.04, 0.004, 4e-4, 4e-6]), 64.0, 100.0))
+    # On the map ln(1 + bound) is linear in ln A; below its least contact, 0.4 %, it is
+    # as many times as large as there are decades, plus one.
+    logs = np.log1p(
+        multiscale.bound(
+            em.Multiscale(), np.array([0.4, 0.04, 0.004, 4e-4, 4e-6]), 64.0, 100.0
+        )
+    )
     decade = logs[1] - logs[0]
     np.testing.assert_allclose(logs[2] - logs[1], decade, rtol=1e-9)
-    np.testing.assert_allclose(logs[3:], [2 * (logs[2] + decade), 4 * (logs[2] + 3 * decade)], rtol=1e-9)
+    np.testing.assert_allclose(
+        logs[3:], [2 * (logs[2] + decade), 4 * (logs[2] + 3 * decade)], rtol=1e-9
+    )
     curve = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
     assert 0 < curve.model_error < 0.3 * curve.mu
 
@@ -144,9 +199,15 @@ def test_bound_covers_and_widens():
 @pytest.mark.parametrize("model", [em.Multiscale(), em.Persson()])
 def test_gradients_are_differences(model):
     def mu(x):
-        material = em.Foundation(x[0] * 1e6, x[1] * np.array([3e6, 8e6]), x[2] * np.array([1e-3, 1e-2]))
-        road = em.SelfAffine(0.8 * x[3], rms_slope=0.4 * x[4], q_low=1e3 * x[5], q_high=5e4 * x[6])
-        return em.friction(material, road, velocity=0.1 * x[7], pressure=1e5 * x[8], model=model).mu
+        material = em.Foundation(
+            x[0] * 1e6, x[1] * np.array([3e6, 8e6]), x[2] * np.array([1e-3, 1e-2])
+        )
+        road = em.SelfAffine(
+            0.8 * x[3], rms_slope=0.4 * x[4], q_low=1e3 * x[5], q_high=5e4 * x[6]
+        )
+        return em.friction(
+            material, road, velocity=0.1 * x[7], pressure=1e5 * x[8], model=model
+        ).mu
 
     with jax.enable_x64(True):
         x = np.ones(9)
@@ -157,7 +218,9 @@ def test_gradients_are_differences(model):
             step = np.zeros(9)
             step[i] = 1e-4
             difference = (mu_fixed(mu, x + step) - mu_fixed(mu, x - step)) / 2e-4
-            assert slope[i] == pytest.approx(difference, rel=2e-4, abs=2e-5 * float(value))
+            assert slope[i] == pytest.approx(
+                difference, rel=2e-4, abs=2e-5 * float(value)
+            )
 
 
 def mu_fixed(mu, x):
@@ -169,7 +232,9 @@ def test_vmap_is_a_loop():
     velocity = np.array([0.01, 0.1, 1.0])
 
     def mu(v, modulus):
-        return em.friction(em.Foundation(1e6, [modulus], [1e-3]), ROAD, velocity=v, pressure=1e5).mu
+        return em.friction(
+            em.Foundation(1e6, [modulus], [1e-3]), ROAD, velocity=v, pressure=1e5
+        ).mu
 
     with jax.enable_x64(True):
         many = jax.vmap(mu)(velocity, np.array([1e6, 2e6, 3e6]))
@@ -189,7 +254,9 @@ def test_points_of_the_map():
     """All points of the recorded map by em.friction, as it is shipped."""
     record = json.loads(MAP.read_text())
     found = json.loads(MAP.with_name("rough_fit.json").read_text())
-    assert multiscale.Form(**found["constants"]) == pytest.approx(multiscale.FORM, rel=0.1)
+    assert multiscale.Form(**found["constants"]) == pytest.approx(
+        multiscale.FORM, rel=0.1
+    )
     assert all(v["met"] for v in found["verdicts"])
     assert len(record["points"]) >= 250
     import sys
@@ -205,7 +272,11 @@ def test_points_of_the_map():
             continue
         surface = surface_of(point["surface"])
         curve = em.friction(
-            rubber(point["material"]), surface, velocity=point["velocity"], pressure=point["pressure"], rtol=1e-3
+            rubber(point["material"]),
+            surface,
+            velocity=point["velocity"],
+            pressure=point["pressure"],
+            rtol=1e-3,
         )
         truth = np.mean(point["mu"])
         off.append(np.log(float(curve.mu) / truth))
@@ -219,7 +290,9 @@ def test_points_of_the_map():
 def test_tabulated_moduli_go_straight_in():
     omega = np.geomspace(1e-2, 1e9, 111)
     value = SOLID.complex_modulus(omega)
-    table = em.TabulatedModulus(omega, value.real * 0.75, value.imag * 0.75, kind="tensile", poisson=0.5)
+    table = em.TabulatedModulus(
+        omega, value.real * 0.75, value.imag * 0.75, kind="tensile", poisson=0.5
+    )
     velocity = np.geomspace(1e-3, 1, 5)
     series = em.friction(SOLID, ROAD, velocity=velocity, pressure=1e5)
     curve = em.friction(table, ROAD, velocity=velocity, pressure=1e5, rtol=1e-5)
@@ -247,16 +320,23 @@ def test_bad_input(change, words):
 
 def test_the_right_model_for_the_shape():
     with pytest.raises(InputError, match="model"):
-        em.friction(SOLID, em.Sphere(1e-3), velocity=0.1, load=1.0, model=em.Multiscale())
+        em.friction(
+            SOLID, em.Sphere(1e-3), velocity=0.1, load=1.0, model=em.Multiscale()
+        )
     with pytest.raises(InputError, match="equilibrium"):
         em.friction(em.Maxwell(1e6, 1e-3), ROAD, velocity=0.1, pressure=1e5)
 
 
 def test_share_of_contact_is_persson_at_both_ends():
-    parts = multiscale.parts(SOLID.complex_modulus, nodes(ROAD, 24), np.array([0.1]), np.array([1e12]))
+    parts = multiscale.parts(
+        SOLID.complex_modulus, nodes(ROAD, 24), np.array([0.1]), np.array([1e12])
+    )
     assert parts.area[0] == pytest.approx(1.0)
-    parts = multiscale.parts(SOLID.complex_modulus, nodes(ROAD, 24), np.array([1e-9]), np.array([1e3]))
-    # At rest A = erf(1/(2 sqrt G)), G = (pi/4) (E*/p)^2 int q^3 C dq, and S = 1/2 inside where contact is light.
+    parts = multiscale.parts(
+        SOLID.complex_modulus, nodes(ROAD, 24), np.array([1e-9]), np.array([1e3])
+    )
+    # At rest A = erf(1/(2 sqrt G)), G = (pi/4) (E*/p)^2 int q^3 C dq, and S = 1/2
+    # inside where contact is light.
     third = ROAD.moment(3)
     light = erf(0.5 / np.sqrt(0.5 * np.pi / 4 * (1e6 / 1e3) ** 2 * third))
     assert parts.area[0] == pytest.approx(light, rel=5e-3)
@@ -271,7 +351,9 @@ def test_gradient_in_temperature():
     tread = em.load_material("tread-passenger-synthetic")
 
     def mu(kelvin, **more):
-        return em.friction(tread, ROAD, velocity=0.1, pressure=3e5, temperature=kelvin, **more).mu
+        return em.friction(
+            tread, ROAD, velocity=0.1, pressure=3e5, temperature=kelvin, **more
+        ).mu
 
     with jax.enable_x64(True):
         slope = float(jax.grad(mu)(293.15))
@@ -282,20 +364,32 @@ def test_gradient_in_temperature():
 def table_of(material, **more):
     omega = np.geomspace(1e-4, 1e12, 129)
     value = material.complex_modulus(omega)
-    return em.TabulatedModulus(omega, value.real, value.imag, shift=material.shift, **more)
+    return em.TabulatedModulus(
+        omega, value.real, value.imag, shift=material.shift, **more
+    )
 
 
 def test_tables_take_heat_and_transformations():
     tread = em.load_material("tread-passenger-synthetic")
     given = {"pressure": 3e5, "temperature": 293.15, "rtol": 1e-3}
     hot = [
-        em.friction(m, ROAD, velocity=[0.1, 1.0], heat=em.Heat(0.25, 2e6), **given) for m in (table_of(tread), tread)
+        em.friction(m, ROAD, velocity=[0.1, 1.0], heat=em.Heat(0.25, 2e6), **given)
+        for m in (table_of(tread), tread)
     ]
     np.testing.assert_allclose(hot[0].mu, hot[1].mu, rtol=2e-3)
-    np.testing.assert_allclose(hot[0].temperature_rise, hot[1].temperature_rise, rtol=1e-2)
+    np.testing.assert_allclose(
+        hot[0].temperature_rise, hot[1].temperature_rise, rtol=1e-2
+    )
     with jax.enable_x64(True):
-        slope = jax.jit(jax.grad(lambda v: em.friction(table_of(tread), ROAD, velocity=v, **given).mu))(0.1)
-    ends = [float(em.friction(tread, ROAD, velocity=v, **given | {"rtol": 1e-7}).mu) for v in (0.101, 0.099)]
+        slope = jax.jit(
+            jax.grad(
+                lambda v: em.friction(table_of(tread), ROAD, velocity=v, **given).mu
+            )
+        )(0.1)
+    ends = [
+        float(em.friction(tread, ROAD, velocity=v, **given | {"rtol": 1e-7}).mu)
+        for v in (0.101, 0.099)
+    ]
     assert slope == pytest.approx((ends[0] - ends[1]) / 2e-3, rel=5e-3)
 
 
@@ -303,11 +397,18 @@ def test_gradient_in_a_tabulated_spectrum():
     q = np.array([1e3, 3e3, 1e4, 5e4])
 
     def mu(factor):
-        return em.friction(SOLID, em.Spectrum(q, factor * ROAD.at(q), convention="2d"), velocity=0.1, pressure=1e5).mu
+        return em.friction(
+            SOLID,
+            em.Spectrum(q, factor * ROAD.at(q), convention="2d"),
+            velocity=0.1,
+            pressure=1e5,
+        ).mu
 
     with jax.enable_x64(True):
         slope = float(jax.grad(mu)(1.0))
-    assert slope == pytest.approx((float(mu(1.001)) - float(mu(0.999))) / 2e-3, rel=1e-3)
+    assert slope == pytest.approx(
+        (float(mu(1.001)) - float(mu(0.999))) / 2e-3, rel=1e-3
+    )
 
 
 def test_transformations_ask_for_64_bit_types():

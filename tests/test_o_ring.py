@@ -1,4 +1,6 @@
-"""An O-ring between plates: Hertz' width, small strain against its closed form, relaxation, derivatives, refusals."""
+"""An O-ring between plates: Hertz' width, small strain against its closed form,
+relaxation, derivatives, refusals.
+"""
 
 import jax
 import numpy as np
@@ -15,17 +17,34 @@ def test_width_is_that_of_hertz_for_the_load():
     """Johnson 1985, 4.45: a^2 = 4 W R/(pi E*), E* = 4 G, for either formula."""
     for formula in ("lindley", "hertz"):
         found = em.o_ring(RUBBER, 3e-3, SQUEEZE, formula=formula)
-        np.testing.assert_allclose(found.width, 2 * np.sqrt(4 * found.line_load * 1.5e-3 / (np.pi * 4e6)), rtol=1e-14)
-        np.testing.assert_allclose(found.pressure * found.width, found.line_load, rtol=1e-14)
+        np.testing.assert_allclose(
+            found.width,
+            2 * np.sqrt(4 * found.line_load * 1.5e-3 / (np.pi * 4e6)),
+            rtol=1e-14,
+        )
+        np.testing.assert_allclose(
+            found.pressure * found.width, found.line_load, rtol=1e-14
+        )
 
 
 def test_small_strain_is_lamberts_function():
-    """s [ln(4/s) - 1] = C has s = (4/e) exp(W_-1(-C e/4)); W = (2 pi/3) E d s with E = 3 G."""
-    exact = 2 * np.pi / 3 * 3e6 * 3e-3 * 4 * np.exp(-1 + lambertw(-SQUEEZE * np.e / 4, -1).real)
+    """s [ln(4/s) - 1] = C has s = (4/e) exp(W_-1(-C e/4)); W = (2 pi/3) E d s with E =
+    3 G.
+    """
+    exact = (
+        2
+        * np.pi
+        / 3
+        * 3e6
+        * 3e-3
+        * 4
+        * np.exp(-1 + lambertw(-SQUEEZE * np.e / 4, -1).real)
+    )
     found = em.o_ring(RUBBER, 3e-3, SQUEEZE, formula="hertz").line_load
     np.testing.assert_allclose(found, exact, rtol=1e-13)
     ratio = em.o_ring(RUBBER, 3e-3, SQUEEZE).line_load / exact
-    np.testing.assert_allclose(ratio, [0.516, 0.742, 0.862], atol=1e-3)  # as the docs say
+    # as the docs say
+    np.testing.assert_allclose(ratio, [0.516, 0.742, 0.862], atol=1e-3)
 
 
 def test_load_relaxes_as_the_modulus():
@@ -33,24 +52,37 @@ def test_load_relaxes_as_the_modulus():
     found = em.o_ring(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
     a = 10 ** (-8.86 * 10.0 / (101.6 + 10.0))
     modulus = 1e6 + 3e6 * np.exp(-time / (2.0 * np.array([[1.0], [a]])))
-    np.testing.assert_allclose(found.line_load / found.line_load[0, 0], modulus / 4e6, rtol=1e-12)
+    np.testing.assert_allclose(
+        found.line_load / found.line_load[0, 0], modulus / 4e6, rtol=1e-12
+    )
     np.testing.assert_allclose(found.width, found.width[0, 0], rtol=1e-14)
 
 
 def test_compressible_cord_has_its_own_young_modulus():
-    """E = 2 G (1 + nu) and E* = 2 G/(1 - nu), or both of G and K by hand, at either end of the relaxation."""
+    """E = 2 G (1 + nu) and E* = 2 G/(1 - nu), or both of G and K by hand, at either end
+    of the relaxation.
+    """
     g, nu, bulk = np.array([4e6, 1e6]), 0.4, 6e6
     by_bulk = 9 * bulk * g / (3 * bulk + g), 4 * g * (3 * bulk + g) / (3 * bulk + 4 * g)
     lindley = 1.25 * 0.1**1.5 + 50 * 0.1**6
     s = 4 * np.exp(-1 + lambertw(-0.1 * np.e / 4, -1).real)
-    for (young, plane), kind in (((2 * g * (1 + nu), 2 * g / (1 - nu)), {"poisson": nu}), (by_bulk, {"bulk": bulk})):
+    for (young, plane), kind in (
+        ((2 * g * (1 + nu), 2 * g / (1 - nu)), {"poisson": nu}),
+        (by_bulk, {"bulk": bulk}),
+    ):
         rubber = em.Prony(1e6, [3e6], [2.0], **kind)
         given = {"diameter": 3e-3, "squeeze": 0.1, "time": np.array([0.0, 1e3])}
         found = em.o_ring(rubber, **given)
         np.testing.assert_allclose(found.line_load, young * 3e-3 * lindley, rtol=1e-12)
-        np.testing.assert_allclose(found.width, np.sqrt(8 * found.line_load * 3e-3 / (np.pi * plane)), rtol=1e-12)
+        np.testing.assert_allclose(
+            found.width,
+            np.sqrt(8 * found.line_load * 3e-3 / (np.pi * plane)),
+            rtol=1e-12,
+        )
         small = em.o_ring(rubber, **given, formula="hertz")
-        np.testing.assert_allclose(small.line_load, np.pi / 2 * plane * 3e-3 * s, rtol=1e-12)
+        np.testing.assert_allclose(
+            small.line_load, np.pi / 2 * plane * 3e-3 * s, rtol=1e-12
+        )
         np.testing.assert_allclose(small.width, 2 * 3e-3 * np.sqrt(s), rtol=1e-12)
 
 
@@ -59,7 +91,12 @@ def test_table_summary_and_figure(tmp_path):
     found = em.o_ring(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
     found.to_csv(tmp_path / "cord.csv")
     text = (tmp_path / "cord.csv").read_text()
-    for said in ("line load [N/m]", "mean pressure [Pa]", "# squeeze: 0.08 of the diameter", "Lindley"):
+    for said in (
+        "line load [N/m]",
+        "mean pressure [Pa]",
+        "# squeeze: 0.08 of the diameter",
+        "Lindley",
+    ):
         assert said in text
     assert dict(found.to_xarray().sizes) == {"temperature": 2, "time": 3}
     np.testing.assert_array_equal(found.to_dict()["width"], found.width)
@@ -71,8 +108,12 @@ def test_table_summary_and_figure(tmp_path):
     assert found.png().startswith(b"\x89PNG")
     squeezed = em.o_ring(RUBBER, 3e-3, SQUEEZE)
     assert "relaxed" in squeezed.summary()
-    np.testing.assert_allclose(squeezed.plot(show="width").get_lines()[0].get_xdata(), 100 * SQUEEZE)
-    with pytest.raises(em.InputError, match="show must be one of pressure, width, line_load"):
+    np.testing.assert_allclose(
+        squeezed.plot(show="width").get_lines()[0].get_xdata(), 100 * SQUEEZE
+    )
+    with pytest.raises(
+        em.InputError, match="show must be one of pressure, width, line_load"
+    ):
         squeezed.plot(show="presure")
 
 
@@ -98,8 +139,14 @@ def test_derivatives(formula):
         ({"diameter": -1.0}, "diameter must be positive"),
         ({"time": -1.0}, "time must be zero or positive"),
         ({"formula": "green"}, "formula must be"),
-        ({"material": em.springs(em.Prony(1e6, [], [], poisson=0.45), 1e-3)}, "not a foundation"),
-        ({"material": em.half_space(RUBBER, RUBBER)}, "not a foundation: its load needs Young's modulus"),
+        (
+            {"material": em.springs(em.Prony(1e6, [], [], poisson=0.45), 1e-3)},
+            "not a foundation",
+        ),
+        (
+            {"material": em.half_space(RUBBER, RUBBER)},
+            "not a foundation: its load needs Young's modulus",
+        ),
         ({"material": em.half_space(RUBBER, tangential=True)}, "not a foundation"),
         ({"material": em.Maxwell(1e6, 1.0)}, "it relaxes altogether"),
         ({"material": em.Prony(1e6, [], []), "temperature": 300.0}, "no shift law"),

@@ -1,4 +1,6 @@
-"""What is written about the package in several places agrees; what a wheel has to carry is there."""
+"""What is written about the package in several places agrees; what a wheel has to carry
+is there.
+"""
 
 import re
 import tomllib
@@ -28,13 +30,20 @@ def test_one_version_and_licence():
 
 def test_recipe_needs_what_the_package_needs():
     run = words("conda/recipe.yaml").split("  run:\n")[1].split("\n\n")[0]
-    listed = {line.strip("- ").replace(" ", "").replace("matplotlib-base", "matplotlib") for line in run.splitlines()}
+    listed = {
+        line.strip("- ").replace(" ", "").replace("matplotlib-base", "matplotlib")
+        for line in run.splitlines()
+    }
     python = f"python{PROJECT['project']['requires-python']}"
     assert listed == {python, *PROJECT["project"]["dependencies"]}
 
 
 def test_classifiers_agree_with_what_is_required():
-    named = [c for c in PROJECT["project"]["classifiers"] if re.search(r"Python :: 3\.\d+$", c)]
+    named = [
+        c
+        for c in PROJECT["project"]["classifiers"]
+        if re.search(r"Python :: 3\.\d+$", c)
+    ]
     oldest = PROJECT["project"]["requires-python"].removeprefix(">=")
     assert named[0].endswith(oldest)
     assert "Typing :: Typed" in PROJECT["project"]["classifiers"]
@@ -45,5 +54,7 @@ def test_wheel_carries_materials_and_scenes_to_start_from():
     wheel = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]
     assert wheel["force-include"]["materials"] == "elastomdr/material/data"
     assert all((ROOT / source).exists() for source in wheel["force-include"])
-    assert {path.stem for path in (ROOT / "materials").glob("*.toml")} <= set(em.materials())
+    assert {path.stem for path in (ROOT / "materials").glob("*.toml")} <= set(
+        em.materials()
+    )
     assert list((ROOT / "src" / "elastomdr" / "cli" / "templates").glob("*.toml"))

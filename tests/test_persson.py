@@ -1,4 +1,6 @@
-"""Persson's theory against values computed apart from this code, and as a curve beside the line's."""
+"""Persson's theory against values computed apart from this code, and as a curve beside
+the line's.
+"""
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -12,16 +14,23 @@ SURFACE = em.Spectrum(TABLE, 1e-17 * (TABLE / 1e3) ** -3.6, convention="2d")
 
 
 def test_persson():
-    got = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=[0.3, 0.3], gamma=0.5)
+    got = em.reference.persson(
+        RUBBER, SURFACE, pressure=3e5, velocity=[0.3, 0.3], gamma=0.5
+    )
     np.testing.assert_allclose(got.mu, 0.012198893352743344, rtol=1e-6)
     np.testing.assert_allclose(got.area_ratio, 0.639337598626935, rtol=1e-6)
     np.testing.assert_allclose(got.spread, 0.5983828641409461, rtol=1e-6)
     full = em.reference.persson(RUBBER, SURFACE, pressure=1e12, velocity=0.3, gamma=1.0)
     np.testing.assert_allclose(full.mu * 1e12, 4592.225558045976, rtol=1e-8)
-    inside = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=0.3, stored=True)
+    inside = em.reference.persson(
+        RUBBER, SURFACE, pressure=3e5, velocity=0.3, stored=True
+    )
     assert inside.spread < got.spread[0]
-    whole = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=0.3, gamma=1.0, stored=True)
-    np.testing.assert_allclose(whole.spread, got.spread[0], rtol=1e-7)  # S = 1: nothing to put inside
+    whole = em.reference.persson(
+        RUBBER, SURFACE, pressure=3e5, velocity=0.3, gamma=1.0, stored=True
+    )
+    # S = 1: nothing to put inside
+    np.testing.assert_allclose(whole.spread, got.spread[0], rtol=1e-7)
     assert (np.abs(got.mu - 0.012198893352743344) <= got.error).all()
     axes = got.plot(full.plot())
     assert len(axes.lines) >= 2
@@ -30,7 +39,9 @@ def test_persson():
 
 
 def test_light_contact():
-    """G leaves zero at once and P falls with it: mu and G by an adaptive integrator in log q, with S = 1."""
+    """G leaves zero at once and P falls with it: mu and G by an adaptive integrator in
+    log q, with S = 1.
+    """
     pressure, velocity = 1e3, 0.3
     t = np.pi / 8000 * (np.arange(4000) + 0.5)  # a quarter of the circle
 
@@ -39,10 +50,17 @@ def test_light_contact():
         modulus = RUBBER.complex_modulus(q * velocity * np.cos(t)) / pressure
         c = q**4 * float(SURFACE.at(np.array([q]))[0]) * 4 * np.pi / 8000
         share = erf(0.5 / np.sqrt(max(y[0], 1e-300)))
-        return [c / 8 * np.sum(np.abs(modulus) ** 2), 0.5 * c * share * np.sum(np.cos(t) * modulus.imag)]
+        return [
+            c / 8 * np.sum(np.abs(modulus) ** 2),
+            0.5 * c * share * np.sum(np.cos(t) * modulus.imag),
+        ]
 
     ends = np.log([SURFACE.q_low, SURFACE.q_high])
-    exact = solve_ivp(rate, ends, [0.0, 0.0], rtol=1e-8, atol=1e-13, first_step=1e-12).y[:, -1]
-    got = em.reference.persson(RUBBER, SURFACE, pressure=pressure, velocity=velocity, gamma=1.0)
+    exact = solve_ivp(
+        rate, ends, [0.0, 0.0], rtol=1e-8, atol=1e-13, first_step=1e-12
+    ).y[:, -1]
+    got = em.reference.persson(
+        RUBBER, SURFACE, pressure=pressure, velocity=velocity, gamma=1.0
+    )
     np.testing.assert_allclose([got.spread, got.mu], exact, rtol=1e-5)
     assert got.error < 1e-5 * got.mu

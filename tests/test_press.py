@@ -1,4 +1,6 @@
-"""em.press: a rough surface under a pressure, against closed forms of one wave, creep, fast sliding and 3D maps."""
+"""em.press: a rough surface under a pressure, against closed forms of one wave, creep,
+fast sliding and 3D maps.
+"""
 
 import jax
 import numpy as np
@@ -19,26 +21,40 @@ WIDE = em.Line(equivalent_length=LENGTH)
 
 
 def test_one_wave():
-    """h = A cos(kx), in contact up to kx = a: p L/E* = (A/pi)(sin a - a cos a), share a/pi, depth A (1 - cos a)."""
+    """h = A cos(kx), in contact up to kx = a: p L/E* = (A/pi)(sin a - a cos a), share
+    a/pi, depth A (1 - cos a).
+    """
     angle = np.linspace(0.2, 3.0, 8)
     p = 1e6 * AMPLITUDE / np.pi * (np.sin(angle) - angle * np.cos(angle)) / LENGTH
     found = em.press(SOLID, LINE, pressure=p, model=WIDE)
     share, depth = angle / np.pi, AMPLITUDE * (1 - np.cos(angle))
     np.testing.assert_allclose(found.approach, depth - p * LENGTH / 1e6, rtol=2e-5)
-    np.testing.assert_allclose(found.separation, AMPLITUDE - found.approach, rtol=0, atol=1e-8 * AMPLITUDE)
-    np.testing.assert_allclose(found.conductance, 2 / LENGTH * share / (1 - share), rtol=3e-5)
+    np.testing.assert_allclose(
+        found.separation, AMPLITUDE - found.approach, rtol=0, atol=1e-8 * AMPLITUDE
+    )
+    np.testing.assert_allclose(
+        found.conductance, 2 / LENGTH * share / (1 - share), rtol=3e-5
+    )
     np.testing.assert_allclose(found.stiffness, 1e6 / 2 * found.conductance, rtol=1e-12)
-    up, down = (em.press(SOLID, LINE, pressure=p * f, model=WIDE).approach for f in (1.001, 0.999))
+    up, down = (
+        em.press(SOLID, LINE, pressure=p * f, model=WIDE).approach
+        for f in (1.001, 0.999)
+    )
     np.testing.assert_allclose(found.stiffness, 0.002 * p / (up - down), rtol=1e-3)
 
 
 def test_full_contact():
-    """Beyond p L = E* A one wave is filled: no gap is left, and the interface has no compliance."""
-    found = em.press(SOLID, LINE, pressure=[1.01e6 * AMPLITUDE / LENGTH, 1e6], model=WIDE)
+    """Beyond p L = E* A one wave is filled: no gap is left, and the interface has no
+    compliance.
+    """
+    found = em.press(
+        SOLID, LINE, pressure=[1.01e6 * AMPLITUDE / LENGTH, 1e6], model=WIDE
+    )
     assert (found.separation == 0).all()
     assert np.isinf(found.conductance).all()
     np.testing.assert_allclose(found.approach, AMPLITUDE, rtol=1e-6)
-    # The energy of full contact is that of the surface, int p d(approach) = (pi/2) m_2 E*.
+    # The energy of full contact is that of the surface, int p d(approach) = (pi/2) m_2
+    # E*.
     p = np.geomspace(1, 1e7, 4000)
     wide = em.press(SOLID, SURFACE, pressure=p, model=em.Line(seeds=[3], samples=16384))
     energy = np.trapezoid(p, wide.approach)
@@ -71,48 +87,75 @@ def test_sliding_goes_from_the_relaxed_to_the_glassy_contact():
     relaxed = em.press(RUBBER, SURFACE, pressure=3e3, model=few)
     glassy = em.press(em.Foundation(4e6, [], []), SURFACE, pressure=3e3, model=few)
     for end, rest in zip((0, 1), (relaxed, glassy), strict=True):
-        assert found.conductance[end] == pytest.approx(float(rest.conductance), rel=0.01)
+        assert found.conductance[end] == pytest.approx(
+            float(rest.conductance), rel=0.01
+        )
         assert found.separation[end] == pytest.approx(float(rest.separation), rel=0.002)
     assert found.stiffness[0] == pytest.approx(float(relaxed.stiffness), rel=0.03)
     assert np.isnan(found.conductance_low).all()
 
 
 def test_the_bound_holds_for_maps_and_the_line_is_near_them():
-    """Stiffness of a map in three dimensions at three loads: above the bound of its own peak, near the line."""
+    """Stiffness of a map in three dimensions at three loads: above the bound of its own
+    peak, near the line.
+    """
     spectrum = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=4e3)
     heights, side = rough_map(spectrum, 1, periods=6, points=96)
     for level in (0.01, 0.05, 0.2):
         p = level * 0.3 * 1e6
         gaps = [
             solve(
-                lambda w: np.full(np.shape(w), 1e6 + 0j), heights, (side, side), velocity=1.0, pressure=p * f
+                lambda w: np.full(np.shape(w), 1e6 + 0j),
+                heights,
+                (side, side),
+                velocity=1.0,
+                pressure=p * f,
             ).separation
             for f in (0.95, 1.0, 1.05)
         ]
         stiffness = 0.1 * p / (gaps[0] - gaps[2])
-        assert 0.5e6 * least_conductance(p / 1e6, heights.max() - heights.mean()) < stiffness
+        assert (
+            0.5e6 * least_conductance(p / 1e6, heights.max() - heights.mean())
+            < stiffness
+        )
         line = em.press(SOLID, spectrum, pressure=p)
         assert float(line.stiffness) == pytest.approx(stiffness, rel=0.3)
-        assert float(line.separation) == pytest.approx(gaps[1], abs=0.2 * spectrum.rms_height)
+        assert float(line.separation) == pytest.approx(
+            gaps[1], abs=0.2 * spectrum.rms_height
+        )
         assert line.conductance / 300 < line.conductance_low < line.conductance
 
 
 def test_heat_and_current():
-    found = em.press(SOLID, SURFACE, pressure=3e3, conductivity=[0.2, 0.6], resistivity=1e-3)
-    assert float(found.thermal) == pytest.approx(0.15 * float(found.conductance), rel=1e-12)
-    assert float(found.electrical) == pytest.approx(1e3 * float(found.conductance), rel=1e-12)
+    found = em.press(
+        SOLID, SURFACE, pressure=3e3, conductivity=[0.2, 0.6], resistivity=1e-3
+    )
+    assert float(found.thermal) == pytest.approx(
+        0.15 * float(found.conductance), rel=1e-12
+    )
+    assert float(found.electrical) == pytest.approx(
+        1e3 * float(found.conductance), rel=1e-12
+    )
     assert em.press(SOLID, SURFACE, pressure=3e3).thermal is None
 
 
 def test_shapes_materials_and_temperature():
-    rubber = em.Prony(1e6, [3e6], [0.1], shift=em.WLF(8.86, 101.6, 293.15), vertical=em.EntropicVertical(293.15))
+    rubber = em.Prony(
+        1e6,
+        [3e6],
+        [0.1],
+        shift=em.WLF(8.86, 101.6, 293.15),
+        vertical=em.EntropicVertical(293.15),
+    )
     p, t = np.array([1e3, 3e3]), np.array([[0.1], [1.0], [10.0]])
     found = em.press([rubber, rubber], SURFACE, pressure=p, time=t, temperature=303.15)
     assert found.conductance.shape == (2, 3, 2)
     a = float(rubber.shift.a(303.15))
     same = em.press(rubber, SURFACE, pressure=p * 293.15 / 303.15, time=t / a)
     np.testing.assert_allclose(found.conductance[0], same.conductance, rtol=1e-10)
-    np.testing.assert_allclose(found.stiffness[0], same.stiffness * 303.15 / 293.15, rtol=1e-10)
+    np.testing.assert_allclose(
+        found.stiffness[0], same.stiffness * 303.15 / 293.15, rtol=1e-10
+    )
     assert "Rough contact" in found.summary()
     found.select(found.materials[0]).plot(show="separation")
 
@@ -126,21 +169,32 @@ def test_gradients(name):
         surface = em.SelfAffine(0.8, rms_slope=at["slope"], q_low=1e3, q_high=8e3)
         rubber = em.Foundation(at["equilibrium"], [3e6], [0.1])
         model = em.Line(seeds=2, periods=4, samples=1024)
-        found = em.press(rubber, surface, pressure=at["pressure"], time=at["time"], model=model)
-        return (jax.numpy if isinstance(x, jax.core.Tracer) else np).log(getattr(found, field))
+        found = em.press(
+            rubber, surface, pressure=at["pressure"], time=at["time"], model=model
+        )
+        return (jax.numpy if isinstance(x, jax.core.Tracer) else np).log(
+            getattr(found, field)
+        )
 
     for field in ("separation", "stiffness"):
         x, h = values[name], 1e-6 * values[name]
         slope = (logarithm(x + h, field) - logarithm(x - h, field)) / (2 * h)
         with jax.enable_x64(True):
-            assert float(jax.grad(logarithm)(x, field)) == pytest.approx(slope, rel=2e-3), field
-            assert float(jax.jit(logarithm, static_argnums=1)(x, field)) == pytest.approx(logarithm(x, field), rel=1e-7)
+            assert float(jax.grad(logarithm)(x, field)) == pytest.approx(
+                slope, rel=2e-3
+            ), field
+            assert float(
+                jax.jit(logarithm, static_argnums=1)(x, field)
+            ) == pytest.approx(logarithm(x, field), rel=1e-7)
 
 
 BAD = {
     "time or velocity": {"time": 1.0, "velocity": 1.0},
     "pressure must be positive": {"pressure": -1.0},
-    "pressure and time must broadcast": {"pressure": [1.0, 2.0], "time": [1.0, 2.0, 3.0]},
+    "pressure and time must broadcast": {
+        "pressure": [1.0, 2.0],
+        "time": [1.0, 2.0, 3.0],
+    },
     "conductivity must be a number or a pair": {"conductivity": [1.0, 2.0, 3.0]},
     "without average": {"model": em.Line(average=True)},
     "in em.press": {"model": em.Multiscale()},
@@ -161,4 +215,6 @@ def test_bad_input(text):
 
 def test_sliding_is_not_traced():
     with pytest.raises(em.InputError, match="velocity cannot be given"):
-        jax.jit(lambda v: em.press(RUBBER, SURFACE, pressure=3e3, velocity=v).conductance)(1.0)
+        jax.jit(
+            lambda v: em.press(RUBBER, SURFACE, pressure=3e3, velocity=v).conductance
+        )(1.0)

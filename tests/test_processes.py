@@ -1,4 +1,6 @@
-"""The command line as a process of its own: how little it loads, and where it keeps compiled code."""
+"""The command line as a process of its own: how little it loads, and where it keeps
+compiled code.
+"""
 
 import os
 import subprocess
@@ -19,16 +21,28 @@ def place(tmp_path, monkeypatch):
 
 def run(*argv: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        argv, capture_output=True, text=True, env={**os.environ, **environment}, check=False, timeout=120
+        argv,
+        capture_output=True,
+        text=True,
+        env={**os.environ, **environment},
+        check=False,
+        timeout=120,
     )
 
 
 CODES = {
     "import": "import elastomdr; dir(elastomdr)",
-    "help": "import elastomdr.cli.main as m\ntry: m.main(['--help'])\nexcept SystemExit as e: assert not e.code",
-    "help of a command": "import elastomdr.cli.main as m\ntry: m.main(['friction', '--help'])\n"
-    "except SystemExit as e: assert not e.code",
-    "bad scene": "import elastomdr.cli.main as m\nassert m.main(['friction', 'scene.toml']) == 2",
+    "help": (
+        "import elastomdr.cli.main as m\ntry: m.main(['--help'])\nexcept SystemExit "
+        "as e: assert not e.code"
+    ),
+    "help of a command": (
+        "import elastomdr.cli.main as m\ntry: m.main(['friction', '--help'])\n"
+        "except SystemExit as e: assert not e.code"
+    ),
+    "bad scene": (
+        "import elastomdr.cli.main as m\nassert m.main(['friction', 'scene.toml']) == 2"
+    ),
 }
 
 
@@ -37,7 +51,14 @@ def test_what_is_not_needed_is_not_loaded(place, code):
     (place / "scene.toml").write_text(SCENE.replace("load", "laod"))
     code = CODES[code]
     heavy = "{'jax', 'matplotlib', 'numpy', 'scipy', 'pint', 'equinox', 'diffrax'}"
-    done = run(sys.executable, "-c", f"{code}\nimport sys; assert not {heavy} & set(sys.modules), sys.modules.keys()")
+    done = run(
+        sys.executable,
+        "-c",
+        (
+            f"{code}\nimport sys; assert not {heavy} & set(sys.modules), "
+            "sys.modules.keys()"
+        ),
+    )
     assert done.returncode == 0, done.stderr
 
 
@@ -59,29 +80,49 @@ print(jax.config.jax_compilation_cache_dir, jax.config.jax_persistent_cache_min_
 
 
 def start(place, given=None, **environment: str) -> str:
-    """Computes something in a new process; returns where it keeps compiled code, and from what time of compiling on."""
+    """Computes something in a new process; returns where it keeps compiled code, and
+    from what time of compiling on.
+    """
     own = {"XDG_CACHE_HOME": str(place / "cache"), "HOME": str(place)}
-    settings = {key: value for key, value in os.environ.items() if not key.startswith("JAX_")}
+    settings = {
+        key: value for key, value in os.environ.items() if not key.startswith("JAX_")
+    }
     code = START.replace("GIVEN", repr(given))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=300,
-                          env={**settings, **own, **environment})  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+        env={**settings, **own, **environment},
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="the place of the cache is the platform's")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="the place of the cache is the platform's"
+)
 def test_compiled_code_is_kept(place):
     folder = place / "cache" / "elastomdr" / "jax"
     assert start(place) == f"{folder} 0.0"
     kept = {path.name: path.stat().st_mtime_ns for path in folder.glob("*-cache")}
     assert kept
     start(place)
-    assert {path.name: path.stat().st_mtime_ns for path in folder.glob("*-cache")} == kept  # compiled nothing
+    # compiled nothing
+    assert {
+        path.name: path.stat().st_mtime_ns for path in folder.glob("*-cache")
+    } == kept
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="the place of the cache is the platform's")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="the place of the cache is the platform's"
+)
 def test_a_cache_of_the_users_own_stays_as_it_is(place):
-    assert start(place, JAX_COMPILATION_CACHE_DIR=str(place / "own")) == f"{place / 'own'} 1.0"
+    assert (
+        start(place, JAX_COMPILATION_CACHE_DIR=str(place / "own"))
+        == f"{place / 'own'} 1.0"
+    )
     assert start(place, given=str(place / "own")) == f"{place / 'own'} 1.0"
     assert start(place, JAX_ENABLE_COMPILATION_CACHE="false") == "None 1.0"
     assert not (place / "cache").exists()

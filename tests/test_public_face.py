@@ -38,10 +38,18 @@ def pyright(path: Path) -> list[int]:
     """The lines of a file at which pyright finds errors."""
     ran = subprocess.run(
         [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, str(path)],
-        capture_output=True, text=True, check=False, cwd=path.parent,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=path.parent,
+    )
     assert re.search(r"\d+ errors?, ", ran.stdout), ran.stdout + ran.stderr
-    return sorted({int(line) for line in re.findall(rf"{path.name}:(\d+):\d+ - error", ran.stdout)})
+    return sorted(
+        {
+            int(line)
+            for line in re.findall(rf"{path.name}:(\d+):\d+ - error", ran.stdout)
+        }
+    )
 
 
 def test_a_type_checker_accepts_right_uses_and_knows_their_types():
@@ -50,11 +58,14 @@ def test_a_type_checker_accepts_right_uses_and_knows_their_types():
 
 def test_a_type_checker_refuses_wrong_uses():
     lines = (HERE / "bad.py").read_text(encoding="utf-8").splitlines()
-    assert pyright(HERE / "bad.py") == [number for number, line in enumerate(lines, 1) if "# error" in line]
+    assert pyright(HERE / "bad.py") == [
+        number for number, line in enumerate(lines, 1) if "# error" in line
+    ]
 
 
 DEFENDED = {
-    "ContactStep.order(terms)",  # the interface of diffrax.AbstractSolver, in whose place it stands
+    # the interface of diffrax.AbstractSolver, in whose place it stands
+    "ContactStep.order(terms)",
     "ContactStep.init(terms)",
     "ContactStep.init(t0)",
     "ContactStep.init(t1)",
@@ -64,9 +75,11 @@ DEFENDED = {
     "ContactStep.step(made_jump)",
     "ContactStep.func(terms)",
     "ContactStep.func(t0)",
-    "Result.plan",  # each verb has a plan of its own, and several materials a tuple of them
+    # each verb has a plan of its own, and several materials a tuple of them
+    "Result.plan",
     "Result.to_dict()",  # arrays and texts by name
-    "Result.png(options)",  # those of `plot`, which each class of results has of its own
+    # those of `plot`, which each class of results has of its own
+    "Result.png(options)",
     "Slide.png(options)",
     "MaterialFit.info()",  # texts, numbers and tables, as in a material file
     "save_material(info)",
@@ -75,8 +88,12 @@ DEFENDED = {
 }
 
 
-def annotated(node: ast.stmt, within: str = "") -> Iterator[tuple[str, ast.expr | None]]:
-    """Names of fields, arguments and answers in the source of a class or function, with their annotations."""
+def annotated(
+    node: ast.stmt, within: str = ""
+) -> Iterator[tuple[str, ast.expr | None]]:
+    """Names of fields, arguments and answers in the source of a class or function, with
+    their annotations.
+    """
     if isinstance(node, ast.ClassDef):
         for inner in node.body:
             yield from annotated(inner, f"{node.name}.")
@@ -84,7 +101,9 @@ def annotated(node: ast.stmt, within: str = "") -> Iterator[tuple[str, ast.expr 
         name = ast.unparse(node.target)
         if not name.startswith("_"):
             yield within + name, node.annotation
-    elif isinstance(node, ast.FunctionDef) and (not node.name.startswith("_") or node.name in ("__init__", "__call__")):
+    elif isinstance(node, ast.FunctionDef) and (
+        not node.name.startswith("_") or node.name in ("__init__", "__call__")
+    ):
         of = node.args
         for given in (*of.posonlyargs, *of.args, of.vararg, *of.kwonlyargs, of.kwarg):
             if given is not None and given.arg not in ("self", "cls"):
@@ -94,15 +113,25 @@ def annotated(node: ast.stmt, within: str = "") -> Iterator[tuple[str, ast.expr 
 
 
 def sources(value: Any) -> Iterator[Any]:
-    """What a public name is made of: a function, or a class with those of this package that it derives from."""
+    """What a public name is made of: a function, or a class with those of this package
+    that it derives from.
+    """
     if inspect.isclass(value):
-        yield from (base for base in value.__mro__ if base.__module__.split(".")[0] == "elastomdr")
+        yield from (
+            base
+            for base in value.__mro__
+            if base.__module__.split(".")[0] == "elastomdr"
+        )
     elif callable(value):
         yield inspect.unwrap(value)
 
 
 def test_any_in_a_public_signature_is_defended():
-    public = [getattr(package, name) for package in (em, em.fit, em.reference) for name in package.__all__]
+    public = [
+        getattr(package, name)
+        for package in (em, em.fit, em.reference)
+        for name in package.__all__
+    ]
     found, bare, count = set(), set(), 0
     for source in {each for value in public for each in sources(value)}:
         for name, annotation in annotated(ast.parse(inspect.getsource(source)).body[0]):

@@ -1,4 +1,6 @@
-"""Rankings of materials: order, place, what is significant, table, figure and the command."""
+"""Rankings of materials: order, place, what is significant, table, figure and the
+command.
+"""
 
 import csv
 
@@ -15,10 +17,18 @@ V = np.geomspace(1e-3, 1.0, 4)
 
 
 def rubber(name, scale, misfit):
-    """Loss in proportion to `scale`; the loss modulus is known to `misfit`, not at all for None."""
-    rows = () if misfit is None else tuple((10.0**k, misfit, misfit) for k in np.arange(-2, 12, 0.25))
+    """Loss in proportion to `scale`; the loss modulus is known to `misfit`, not at all
+    for None.
+    """
+    rows = (
+        ()
+        if misfit is None
+        else tuple((10.0**k, misfit, misfit) for k in np.arange(-2, 12, 0.25))
+    )
     known = None if misfit is None else Range((1e-3, 1e12), None, misfit=rows)
-    return em.Prony(1e6, np.full(9, scale * 2e5), np.logspace(-8, 0, 9), name=name, range=known)
+    return em.Prony(
+        1e6, np.full(9, scale * 2e5), np.logspace(-8, 0, 9), name=name, range=known
+    )
 
 
 def curve(*rubbers):
@@ -26,13 +36,17 @@ def curve(*rubbers):
 
 
 def test_order_place_and_what_is_significant():
-    one = curve(rubber("low", 1.0, 0.05), rubber("high", 1.5, 0.05), rubber("near", 1.52, 0.05))
+    one = curve(
+        rubber("low", 1.0, 0.05), rubber("high", 1.5, 0.05), rubber("near", 1.52, 0.05)
+    )
     found = one.ranking(velocity=V[1])
     assert [place.material for place in found.places] == ["near", "high", "low"]
     assert [place.significant for place in found.places] == [False, True, None]
     for place in found.places:
         assert place.mu == pytest.approx(one.select(place.material).mu[1], rel=1e-13)
-        assert place.uncertainty == pytest.approx(one.select(place.material).error[1], rel=1e-12)
+        assert place.uncertainty == pytest.approx(
+            one.select(place.material).error[1], rel=1e-12
+        )
     mu = [place.mu for place in found.places]
     assert found.places[0].ahead == pytest.approx(mu[0] - mu[1], rel=1e-12)
     assert np.isnan(found.places[2].ahead)
@@ -44,7 +58,9 @@ def test_order_place_and_what_is_significant():
 
 
 def test_what_no_fit_tells_is_not_known():
-    found = curve(rubber("low", 1.0, None), rubber("high", 1.5, 0.05)).ranking(velocity=1e-2)
+    found = curve(rubber("low", 1.0, None), rubber("high", 1.5, 0.05)).ranking(
+        velocity=1e-2
+    )
     assert np.isnan(found.places[1].uncertainty)
     assert found.places[0].significant is None
     assert "not known whether significant" in found.summary()
@@ -53,7 +69,10 @@ def test_what_no_fit_tells_is_not_known():
 def test_a_point_without_an_answer_is_last():
     one = curve(rubber("low", 1.0, 0.05), rubber("high", 1.5, 0.05))
     one.mu[1, 2] = np.nan
-    assert [place.material for place in one.ranking(velocity=V[2]).places] == ["low", "high"]
+    assert [place.material for place in one.ranking(velocity=V[2]).places] == [
+        "low",
+        "high",
+    ]
 
 
 def test_bad_input():
@@ -85,13 +104,21 @@ def test_command(tmp_path, capsys):
     (tmp_path / "two.toml").write_text(SCENE + '[compare]\nvelocity = "1e-2 m/s"\n')
     assert main(["compare", str(tmp_path / "two.toml"), "--out", str(tmp_path)]) == 0
     assert "ranking by friction at 0.01 m/s" in capsys.readouterr().out
-    lines = [x for x in (tmp_path / "two-compare.csv").read_text().splitlines() if not x.startswith("#")]
+    lines = [
+        x
+        for x in (tmp_path / "two-compare.csv").read_text().splitlines()
+        if not x.startswith("#")
+    ]
     rows = list(csv.DictReader(lines))
     assert [row["rank"] for row in rows] == ["1", "2"]
     asked = [em.load_material(row["material"]) for row in rows]
-    road = em.SelfAffine(0.8, rms_slope=0.5, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 2e-4)
+    road = em.SelfAffine(
+        0.8, rms_slope=0.5, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 2e-4
+    )
     mu = em.friction(asked, road, velocity=1e-2, temperature=293.15, pressure=3e5).mu
-    assert [float(row["friction coefficient [-]"]) for row in rows] == pytest.approx(list(mu), rel=1e-5)
+    assert [float(row["friction coefficient [-]"]) for row in rows] == pytest.approx(
+        list(mu), rel=1e-5
+    )
     assert mu[0] > mu[1]
     image = plt.imread(tmp_path / "two-compare.png")
     assert np.ptp(image[..., :3]) > 0.5
@@ -101,8 +128,14 @@ def test_command(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("", '[compare]\nvelocity = "9 m/s"'), "[compare] velocity must be within the friction law"),
-        (('["epdm-70", "tread-winter-synthetic"]', '"epdm-70"'), "material must be a list of two or more"),
+        (
+            ("", '[compare]\nvelocity = "9 m/s"'),
+            "[compare] velocity must be within the friction law",
+        ),
+        (
+            ('["epdm-70", "tread-winter-synthetic"]', '"epdm-70"'),
+            "material must be a list of two or more",
+        ),
         (("", "[compare]\nspeed = 1"), "speed"),
     ],
 )

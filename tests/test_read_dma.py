@@ -1,4 +1,6 @@
-"""Files of moduli: every layout gives the same SI numbers, units are never guessed, rows that are none are named."""
+"""Files of moduli: every layout gives the same SI numbers, units are never guessed,
+rows that are none are named.
+"""
 
 import warnings
 
@@ -14,7 +16,8 @@ from elastomdr.fit import FitWarning
 from .dma_files import KNOWN, LAYOUTS, eplexor_xlsx, isotherms, measure, plain_csv, q800
 
 ROWS = measure(KNOWN, np.array([-10.0, 0.0, 20.0]), np.geomspace(0.1, 50, 6))
-FOUR = [(1, 20, 2e6, 1e5), (2, 20, 3e6, 2e5), (4, 20, 4e6, 3e5)]  # f [Hz], T [degC], storage, loss
+# f [Hz], T [degC], storage, loss
+FOUR = [(1, 20, 2e6, 1e5), (2, 20, 3e6, 2e5), (4, 20, 4e6, 3e5)]
 
 
 def check(dma, rows=ROWS, digits=1e-11):
@@ -22,7 +25,9 @@ def check(dma, rows=ROWS, digits=1e-11):
     rows = rows[np.lexsort((rows[:, 0], rows[:, 1]))]
     np.testing.assert_allclose(dma.temperature[order], rows[:, 1] + 273.15, rtol=1e-11)
     np.testing.assert_allclose(dma.omega[order], 2 * np.pi * rows[:, 0], rtol=digits)
-    np.testing.assert_allclose([dma.storage[order], dma.loss[order]], rows[:, 2:].T, rtol=digits)
+    np.testing.assert_allclose(
+        [dma.storage[order], dma.loss[order]], rows[:, 2:].T, rtol=digits
+    )
 
 
 def table(titles, rows=FOUR, mark=","):
@@ -39,7 +44,9 @@ def read(path, **options):
 @pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: layout.__name__)
 def test_every_layout_gives_the_same_numbers(layout, tmp_path):
     dma = read(layout(tmp_path, ROWS), kind="shear" if layout is q800 else None)
-    check(dma, digits=1e-5 if layout.__name__ in ("reptate", "decimal_comma") else 1e-10)
+    check(
+        dma, digits=1e-5 if layout.__name__ in ("reptate", "decimal_comma") else 1e-10
+    )
     assert (dma.kind, dma.bad_rows) == ("shear", ())
     assert {"frequency", "storage", "loss"} - set(dma.units) <= {"frequency"}
 
@@ -47,8 +54,14 @@ def test_every_layout_gives_the_same_numbers(layout, tmp_path):
 @pytest.mark.parametrize(
     "titles",
     [
-        "Frequency (Hz),Temperature (°C),Storage modulus G' (MPa),Loss modulus G'' (MPa)",
-        "Frequency f [Hz],Temperature T [°C],Storage Modulus (G') (MPa),Loss Modulus (G'') (MPa)",
+        (
+            "Frequency (Hz),Temperature (°C),Storage modulus G' (MPa),Loss modulus "
+            "G'' (MPa)"
+        ),
+        (
+            "Frequency f [Hz],Temperature T [°C],Storage Modulus (G') (MPa),Loss "
+            "Modulus (G'') (MPa)"
+        ),
         "Frequency - Hz,Temperature - °C,G' - MPa,G'' - MPa",
         "Frequenz [Hz],Temperatur [°C],Speichermodul G' [MPa],Verlustmodul G'' [MPa]",
         "주파수 (Hz),온도 (℃),저장 탄성률 G' (MPa),손실 탄성률 G'' (MPa)",
@@ -67,15 +80,31 @@ def test_every_layout_gives_the_same_numbers(layout, tmp_path):
 )
 def test_titles_and_units(titles, write):
     """Each file is written in the units of its titles."""
-    sizes = {"MPa": 1e6, "mpa": 1e6, "kPa": 1e3, "GPa": 1e9, "N/mm²": 1e6, "psi": 6894.757293168, "dyn/cm2": 0.1,
-             "bar": 1e5, "kgf/cm2": 98066.5}  # fmt: skip
+    sizes = {
+        "MPa": 1e6,
+        "mpa": 1e6,
+        "kPa": 1e3,
+        "GPa": 1e9,
+        "N/mm²": 1e6,
+        "psi": 6894.757293168,
+        "dyn/cm2": 0.1,
+        "bar": 1e5,
+        "kgf/cm2": 98066.5,
+    }
     head, behind = titles.split(",", 3)[:3], titles.split(",", 3)[3]
-    factors = [next((v for k, v in sizes.items() if k in text), 1e6) for text in (head[2], behind)]
+    factors = [
+        next((v for k, v in sizes.items() if k in text), 1e6)
+        for text in (head[2], behind)
+    ]
     rows = np.array(FOUR) * [1, 1, 1 / factors[0], 1 / factors[1]]
     if "omega" in titles:
         rows[:, 0] *= 2 * np.pi
     rows[:, 0] *= 1e-3 if "kHz" in titles else 1
-    rows[:, 1] = rows[:, 1] * 1.8 + 32 if "degF" in titles else rows[:, 1] + 273.15 * ("[K]" in titles)
+    rows[:, 1] = (
+        rows[:, 1] * 1.8 + 32
+        if "degF" in titles
+        else rows[:, 1] + 273.15 * ("[K]" in titles)
+    )
     dma = read(write(table(titles, rows)))
     check(dma, np.array(FOUR), 1e-9)
     assert dma.kind == "shear"
@@ -87,39 +116,72 @@ def test_titles_and_units(titles, write):
     [
         (" ", "T[degC] f[Hz] G'[Pa] G''[Pa]"),
         (" ", "T [degC] f [Hz] G' [Pa] G'' [Pa]"),
-        (" ", "Temperature (degC)  Frequency (Hz)  Storage modulus G' (Pa)  Loss modulus G'' (Pa)"),
+        (
+            " ",
+            (
+                "Temperature (degC)  Frequency (Hz)  Storage modulus G' (Pa)  Loss "
+                "modulus G'' (Pa)"
+            ),
+        ),
         (" ", "T / degC  f / Hz  G' / Pa  G'' / Pa"),
         (" ", "T [degC],f [Hz],G' [Pa],G'' [Pa]"),
-        (" ", "Temp [degC] Freq [Hz] Shear storage modulus [Pa] Shear loss modulus [Pa]"),
+        (
+            " ",
+            "Temp [degC] Freq [Hz] Shear storage modulus [Pa] Shear loss modulus [Pa]",
+        ),
         (";", "Temperature [degC];Frequency [Hz];G' [Pa];G'' [Pa]"),
     ],
 )
 def test_what_savetxt_writes(mark, titles, comments, tmp_path):
-    np.savetxt(tmp_path / "a.txt", ROWS[:, [1, 0, 2, 3]], delimiter=mark, header=titles, comments=comments, fmt="%.15g")
+    np.savetxt(
+        tmp_path / "a.txt",
+        ROWS[:, [1, 0, 2, 3]],
+        delimiter=mark,
+        header=titles,
+        comments=comments,
+        fmt="%.15g",
+    )
     check(read(tmp_path / "a.txt"))
 
 
 @pytest.mark.parametrize(
     ("titles", "row"),
     [
-        ("f [Hz],T [degC],|G*| [MPa],phase angle [deg]", (5.0, np.degrees(np.arctan(0.75)))),
+        (
+            "f [Hz],T [degC],|G*| [MPa],phase angle [deg]",
+            (5.0, np.degrees(np.arctan(0.75))),
+        ),
         ("f [Hz],T [degC],|G*| [MPa],delta (rad)", (5.0, np.arctan(0.75))),
         ("f [Hz],T [degC],|G*| [MPa],tan delta", (5.0, 0.75)),
         ("f [Hz],T [degC],G' [MPa],tan(delta)", (4.0, 0.75)),
         ("f,T,G',tan delta\nHz,degC,MPa,%", (4.0, 75.0)),
-        ("log10 f [Hz],T [degC],log10 G' [kPa],log10(G''/kPa) [-]", (np.log10(4e3), np.log10(3e3))),
+        (
+            "log10 f [Hz],T [degC],log10 G' [kPa],log10(G''/kPa) [-]",
+            (np.log10(4e3), np.log10(3e3)),
+        ),
         ("lg(f/Hz),T [degC],lg(G') [Pa],lg(G'' [Pa])", (np.log10(4e6), np.log10(3e6))),
         ("ln f,T,ln G',ln G''\nHz,degC,kPa,kPa", (np.log(4e3), np.log(3e3))),
         ("f,T,G',G''\nln Hz,degC,ln kPa,ln(kPa)", (np.log(4e3), np.log(3e3))),
-        ("log10_freq_hz,temperature_C,log10_G_storage_pa,log10_G_loss_pa", (np.log10(4e6), np.log10(3e6))),
+        (
+            "log10_freq_hz,temperature_C,log10_G_storage_pa,log10_G_loss_pa",
+            (np.log10(4e6), np.log10(3e6)),
+        ),
     ],
 )
 def test_moduli_in_other_words(titles, row, write):
     f = np.array([1.0, 2.0, 4.0])
-    rate = np.log(f) if "ln" in titles else np.log10(f) if "lg" in titles or "log" in titles else f
+    rate = (
+        np.log(f)
+        if "ln" in titles
+        else np.log10(f)
+        if "lg" in titles or "log" in titles
+        else f
+    )
     dma = read(write(table(titles, [(x, 20, *row) for x in rate])))
     np.testing.assert_allclose(dma.omega, 2 * np.pi * f, rtol=1e-9)
-    np.testing.assert_allclose([dma.storage, dma.loss], [[4e6] * 3, [3e6] * 3], rtol=1e-9)
+    np.testing.assert_allclose(
+        [dma.storage, dma.loss], [[4e6] * 3, [3e6] * 3], rtol=1e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -132,8 +194,13 @@ def test_moduli_in_other_words(titles, row, write):
     ],
 )
 def test_relaxation(titles, kind, write):
-    dma = read(write(table(titles, [(1, 20, 3), (10, 20, 2.5), (100, 20, 2)])), kind=None if kind else "shear")
-    np.testing.assert_allclose(dma.time, np.array([1, 10, 100]) * (60 if "min" in titles else 1))
+    dma = read(
+        write(table(titles, [(1, 20, 3), (10, 20, 2.5), (100, 20, 2)])),
+        kind=None if kind else "shear",
+    )
+    np.testing.assert_allclose(
+        dma.time, np.array([1, 10, 100]) * (60 if "min" in titles else 1)
+    )
     np.testing.assert_allclose(dma.relaxation, [3e6, 2.5e6, 2e6])
     np.testing.assert_allclose(dma.time_temperature, 293.15)
     assert dma.kind == (kind or "shear")
@@ -143,7 +210,8 @@ def test_relaxation(titles, kind, write):
     ("row", "storage"),
     [
         ('0.5,20,"8,097.18",100', 8097.18e6),  # thousands with a point elsewhere
-        ("0,5;20;8.097,18;100", 8097.18e6),  # decimal commas with a point between thousands
+        # decimal commas with a point between thousands
+        ("0,5;20;8.097,18;100", 8097.18e6),
         ("0,5;20;8.097;100", 8097e6),
         ("0,5;\u221220;2,5;0,1", 2.5e6),
         ("0.5;20;2\u00a0100;100", 2100e6),  # a blank between thousands
@@ -154,57 +222,101 @@ def test_thousands_and_decimals(write, row, storage):
     mark = next(mark for mark in ";\t," if mark in row)
     dma = read(
         write(
-            "\n".join(["sep=;" * (mark == ";"), mark.join(["f [Hz]", "T [°C]", "E' [MPa]", "E'' [MPa]"]), *3 * [row]])
+            "\n".join(
+                [
+                    "sep=;" * (mark == ";"),
+                    mark.join(["f [Hz]", "T [°C]", "E' [MPa]", "E'' [MPa]"]),
+                    *3 * [row],
+                ]
+            )
         )
     )
     np.testing.assert_allclose([dma.storage[0], dma.omega[0]], [storage, np.pi])
     rows = "1;20;532.870;35.311\n2;20;1.018.790;80.114\n3;20;1.205.749;90.000\n"
     dma = read(write("Datum;12.05.2023\nf [Hz];T [degC];G' [Pa];G'' [Pa]\n" + rows))
-    np.testing.assert_array_equal([dma.storage, dma.loss], [[532870, 1018790, 1205749], [35311, 80114, 90000]])
+    np.testing.assert_array_equal(
+        [dma.storage, dma.loss], [[532870, 1018790, 1205749], [35311, 80114, 90000]]
+    )
 
 
 def test_isotherms_side_by_side_may_differ_in_length_and_unit(write):
     parts = isotherms(ROWS)
     parts[1] = parts[1][:3]
-    lines = [",".join("f [Hz],T [degC],G' [Pa],G'' [Pa]".replace("Pa", u) for u in ("Pa", "kPa", "Pa"))]
+    lines = [
+        ",".join(
+            "f [Hz],T [degC],G' [Pa],G'' [Pa]".replace("Pa", u)
+            for u in ("Pa", "kPa", "Pa")
+        )
+    ]
     for i in range(6):
-        cells = [[x / (1e3 if j == 1 and k > 1 else 1) for k, x in enumerate(part[i])] if i < len(part) else [""] * 4
-                 for j, part in enumerate(parts)]  # fmt: skip
+        cells = [
+            [x / (1e3 if j == 1 and k > 1 else 1) for k, x in enumerate(part[i])]
+            if i < len(part)
+            else [""] * 4
+            for j, part in enumerate(parts)
+        ]
         lines.append(",".join(str(x) for part in cells for x in part))
     check(read(write("\n".join(lines))), np.concatenate(parts))
-    blocks = "\n\n".join(table(f"T = {p[0, 1]:g} °C\nf [Hz],G' [Pa],G'' [Pa]", p[:, [0, 2, 3]]) for p in parts)
+    blocks = "\n\n".join(
+        table(f"T = {p[0, 1]:g} °C\nf [Hz],G' [Pa],G'' [Pa]", p[:, [0, 2, 3]])
+        for p in parts
+    )
     check(read(write(blocks)), np.concatenate(parts), 1e-10)
 
 
 @pytest.mark.parametrize(
-    "line", ["Glass transition: -60 °C", "300 C-units", "T = 20", "Run 3 C", "stored at 5 °C for 3 h"]
+    "line",
+    [
+        "Glass transition: -60 °C",
+        "300 C-units",
+        "T = 20",
+        "Run 3 C",
+        "stored at 5 °C for 3 h",
+    ],
 )
 def test_lines_that_give_no_temperature(line, write):
     with pytest.warns(FitWarning, match=r"temperature=293\.15"):
         assert np.isnan(
-            em.read_dma(write(f"{line}\n" + table("f [Hz],G' [Pa],G'' [Pa]", np.delete(FOUR, 1, 1)))).temperature
+            em.read_dma(
+                write(
+                    f"{line}\n"
+                    + table("f [Hz],G' [Pa],G'' [Pa]", np.delete(FOUR, 1, 1))
+                )
+            ).temperature
         ).all()
 
 
 def test_temperatures_from_the_user(write):
-    """One for all, or one for each file or isotherm without; what the files say is not overruled."""
+    """One for all, or one for each file or isotherm without; what the files say is not
+    overruled.
+    """
     parts = [
         write(table("f [Hz],G' [Pa],G'' [Pa]", part[:, [0, 2, 3]]), f"{i}.csv")
         for i, part in enumerate(isotherms(ROWS))
     ]
     check(read(parts, temperature=[263.15, 273.15, 293.15]), digits=1e-10)
     assert set(read(parts[0], temperature=300.0).temperature) == {300.0}
-    with pytest.raises(em.InputError, match="temperature must be one number, or one for each of the 3"):
+    with pytest.raises(
+        em.InputError, match="temperature must be one number, or one for each of the 3"
+    ):
         em.read_dma(parts, temperature=[263.15, 273.15])
-    with pytest.raises(em.InputError, match=r"temperature must be left out, got 300 K: .* 20 degC"):
+    with pytest.raises(
+        em.InputError, match=r"temperature must be left out, got 300 K: .* 20 degC"
+    ):
         em.read_dma(write(table("f [Hz],T [degC],G' [Pa],G'' [Pa]")), temperature=300.0)
 
 
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("T = -20 °C\n1,2e6,1e5\n2,2e6,1e5\nT = 0 ± 0.1 °C\n1,2e6,1e5\n2,2e6,1e5", "line 6"),
-        ("T = 20 °C\n1,2e6,1e5\n2,2e6,1e5\nnothing,of,this\n1,2e6,1e5\n2,2e6,1e5", "line 6"),
+        (
+            "T = -20 °C\n1,2e6,1e5\n2,2e6,1e5\nT = 0 ± 0.1 °C\n1,2e6,1e5\n2,2e6,1e5",
+            "line 6",
+        ),
+        (
+            "T = 20 °C\n1,2e6,1e5\n2,2e6,1e5\nnothing,of,this\n1,2e6,1e5\n2,2e6,1e5",
+            "line 6",
+        ),
         ("T = 20 degC\nT = 25 degC\n1,2e6,1e5\n2,2e6,1e5", "T = 20 degC"),
     ],
 )
@@ -214,63 +326,127 @@ def test_rows_of_which_nobody_knows_the_temperature_are_refused(text, line, writ
 
 
 def test_rows_that_are_no_measurement_are_counted_and_named(write, tmp_path):
-    rows = ["1,20,2e6,1e5", "2,20,,1e5", "3,20,2e6,-5", "4,20,x,1e5", "5,20,2e6,1e5", "nan,20,2e6,1e5", "6,20,2e6,0",
-            "7,-300,2e6,1e5", "8", ",,,5", "end of run", ",,,", "9,20,2e6,1e5"]  # fmt: skip
+    rows = [
+        "1,20,2e6,1e5",
+        "2,20,,1e5",
+        "3,20,2e6,-5",
+        "4,20,x,1e5",
+        "5,20,2e6,1e5",
+        "nan,20,2e6,1e5",
+        "6,20,2e6,0",
+        "7,-300,2e6,1e5",
+        "8",
+        ",,,5",
+        "end of run",
+        ",,,",
+        "9,20,2e6,1e5",
+    ]
     path = write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "\n".join(rows), "one.csv")
-    with pytest.warns(FitWarning, match=r"one.csv: 8 rows left out: .* and 2 more, all of them in bad_rows"):
+    with pytest.warns(
+        FitWarning,
+        match=r"one.csv: 8 rows left out: .* and 2 more, all of them in bad_rows",
+    ):
         dma = em.read_dma(path)
     np.testing.assert_allclose(dma.omega / (2 * np.pi), [1, 5, 9])
-    assert [text.split(":")[0] for text in dma.bad_rows] == [f"line {i}" for i in (3, 4, 5, 7, 8, 9, 10, 11)]
+    assert [text.split(":")[0] for text in dma.bad_rows] == [
+        f"line {i}" for i in (3, 4, 5, 7, 8, 9, 10, 11)
+    ]
     assert dma.bad_rows[1] == "line 4: G'' [Pa] is -5 Pa, not positive"
-    good = "\n".join(f"{f},20,{2e6 * f**0.05},{1e5 * f**0.1}" for f in (1, 2, 4, 8, 16, 32))
+    good = "\n".join(
+        f"{f},20,{2e6 * f**0.05},{1e5 * f**0.1}" for f in (1, 2, 4, 8, 16, 32)
+    )
     with pytest.warns(FitWarning, match="left out"):
-        both = em.read_dma([path, write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n1,20,-1,1e5\n" + good, "two.csv")])
+        both = em.read_dma(
+            [
+                path,
+                write(
+                    "f [Hz],T [degC],G' [Pa],G'' [Pa]\n1,20,-1,1e5\n" + good, "two.csv"
+                ),
+            ]
+        )
     em.fit.master_curve(both).to_csv(tmp_path / "master.csv")
-    said = [line for line in (tmp_path / "master.csv").read_text().splitlines() if "row left out" in line]
+    said = [
+        line
+        for line in (tmp_path / "master.csv").read_text().splitlines()
+        if "row left out" in line
+    ]
     assert len(said) == 9
     assert said[-1].startswith("# row left out: two.csv: line 2: ")
     blanks = "1 20 2e6 1e5 0.2\n0.5 2.5e6 5e5 0.2\n2 20 2e6 1e5 0.2\n1 20 2e6 1e5 0.2 7"
-    with pytest.warns(FitWarning, match="line 3: it has 4 cells in place of 5; line 5: it has 6"):
+    with pytest.warns(
+        FitWarning, match="line 3: it has 4 cells in place of 5; line 5: it has 6"
+    ):
         assert em.read_dma(write("f[Hz] T[degC] G'[Pa] G''[Pa] x\n" + blanks)).size == 2
     for bad in (0.0, -1.5, 90.0, 270.0):
         phases = table(
-            "f [Hz],T [degC],|G*| [Pa],phase [deg]", [(f, 20, 2e6, bad if f == 3 else 30) for f in (1, 2, 3)]
+            "f [Hz],T [degC],|G*| [Pa],phase [deg]",
+            [(f, 20, 2e6, bad if f == 3 else 30) for f in (1, 2, 3)],
         )
         with pytest.warns(FitWarning, match="line 4: .* not between 0 and 90 deg"):
             np.testing.assert_allclose(em.read_dma(write(phases)).loss, 1e6)
 
 
 def test_which_column_is_taken(write):
-    """That of the sample before others, if it has its numbers; one that says the same passes."""
+    """That of the sample before others, if it has its numbers; one that says the same
+    passes.
+    """
     f, t, s, l = ROWS.T
     named = {"T [degC]": t, "f [Hz]": f, "G' [Pa]": s, "G'' [Pa]": l}
 
     def of(**more):
-        titles = {**named, **more} if "first" not in more else {"Set temp [degC]": t - 9, **named}
+        titles = (
+            {**named, **more}
+            if "first" not in more
+            else {"Set temp [degC]": t - 9, **named}
+        )
         return write(table(",".join(titles), np.column_stack(list(titles.values()))))
 
     for more in (
-        {"Temperature [K]": t + 273.15}, {"frequency [Hz]": f * 1.001}, {"E' [Pa]": 3 * s}, {"first": 0},
-        {"Storage modulus [MPa]": s / 1e6, "loss modulus [kPa]": l / 1e3}, {"log10 G' [Pa]": np.log10(s)},
+        {"Temperature [K]": t + 273.15},
+        {"frequency [Hz]": f * 1.001},
+        {"E' [Pa]": 3 * s},
+        {"first": 0},
+        {"Storage modulus [MPa]": s / 1e6, "loss modulus [kPa]": l / 1e3},
+        {"log10 G' [Pa]": np.log10(s)},
         {"Phase [V]": f, "G* sigma": s, "No": f},
-    ):  # fmt: skip
+    ):
         check(read(of(**more), kind="shear"), digits=1e-9)
     dma = read(of(**{"Sample temperature [degC]": t + 15}))
     np.testing.assert_allclose(dma.temperature, t + 288.15)
-    assert dma.columns[0].endswith("temperature from 5 'Sample temperature [degC]'; passed over: 1 'T [degC]'")
+    assert dma.columns[0].endswith(
+        "temperature from 5 'Sample temperature [degC]'; passed over: 1 'T [degC]'"
+    )
     holed = of(**{"Sample temperature [degC]": t}).read_text().splitlines()
-    holed = [line if i % 2 else line.rpartition(",")[0] + "," for i, line in enumerate(holed[1:])]
+    holed = [
+        line if i % 2 else line.rpartition(",")[0] + ","
+        for i, line in enumerate(holed[1:])
+    ]
     head = "T [degC],f [Hz],G' [Pa],G'' [Pa],Sample temperature [degC]"
     check(read(write("\n".join([head, *holed]))), digits=1e-9)
-    for more in ({"Temperature [K]": t + 373.15}, {"frequency [Hz]": 2 * f}, {"G'' [kPa]": l}, {"storage [Pa]": s / 2}):
-        with pytest.raises(em.InputError, match=r"both hold .* and differ; name one, as columns="):
+    for more in (
+        {"Temperature [K]": t + 373.15},
+        {"frequency [Hz]": 2 * f},
+        {"G'' [kPa]": l},
+        {"storage [Pa]": s / 2},
+    ):
+        with pytest.raises(
+            em.InputError, match=r"both hold .* and differ; name one, as columns="
+        ):
             em.read_dma(of(**more))
 
 
 def test_moduli_of_both_kinds(write):
-    path = write(table("f [Hz],T [degC],E' [MPa],G'' [MPa],G' [MPa],E'' [MPa]", 3 * [(1, 20, 6, 0.2, 2, 0.6)]))
+    path = write(
+        table(
+            "f [Hz],T [degC],E' [MPa],G'' [MPa],G' [MPa],E'' [MPa]",
+            3 * [(1, 20, 6, 0.2, 2, 0.6)],
+        )
+    )
     for kind, storage, loss in (("shear", 2e6, 2e5), ("tensile", 6e6, 6e5)):
-        np.testing.assert_allclose([*read(path, kind=kind).storage[:1], read(path, kind=kind).loss[0]], [storage, loss])
+        np.testing.assert_allclose(
+            [*read(path, kind=kind).storage[:1], read(path, kind=kind).loss[0]],
+            [storage, loss],
+        )
     with pytest.raises(em.InputError, match="kind must be 'shear'"):
         em.read_dma(write(table("f [Hz],T [degC],G' [Pa],G'' [Pa]")), kind="tensile")
     with pytest.raises(em.InputError, match="only one of both"):
@@ -278,38 +454,68 @@ def test_moduli_of_both_kinds(write):
 
 
 def test_columns_from_the_user(write):
-    """By title or number, with units and logarithms; what a title says stays unless a unit is given."""
+    """By title or number, with units and logarithms; what a title says stays unless a
+    unit is given.
+    """
     rows = [(f, 2, 0.1, 20) for f in (1, 2, 4)]
     path = write(table("speed,stiff,damp,warm\nHz,MPa,MPa,C", rows))
     for columns in (
         {"frequency": "speed", "storage": 2, "loss": "damp", "temperature": "4"},
-        {"frequency": "1 [Hz]", "storage": "stiff [MPa]", "loss": "3", "temperature": "warm [degC]"},
+        {
+            "frequency": "1 [Hz]",
+            "storage": "stiff [MPa]",
+            "loss": "3",
+            "temperature": "warm [degC]",
+        },
     ):
-        check(read(path, columns=columns, kind="shear"), np.array([(f, 20, 2e6, 1e5) for f in (1, 2, 4)]))
+        check(
+            read(path, columns=columns, kind="shear"),
+            np.array([(f, 20, 2e6, 1e5) for f in (1, 2, 4)]),
+        )
     bare = write("\n".join(",".join(map(str, row)) for row in rows))  # no header at all
-    columns = {"frequency": "1 [rad/s]", "storage": "2 [MPa]", "loss": "3 [MPa]", "temperature": "4 [degC]"}
-    np.testing.assert_allclose(read(bare, columns=columns, kind="shear").omega, [1, 2, 4])
-    ramp = write(table("T [degC],E' [MPa],E'' [MPa]", [(t, 2, 0.1) for t in (0, 10, 20)]))
-    np.testing.assert_allclose(read(ramp, columns={"frequency": "10 Hz"}).omega, 20 * np.pi)
-    logs = write(table("log a [Hz],T [degC],x [MPa],y [MPa]", [(0, 20, np.log10(2), np.log10(0.1))] * 2))
+    columns = {
+        "frequency": "1 [rad/s]",
+        "storage": "2 [MPa]",
+        "loss": "3 [MPa]",
+        "temperature": "4 [degC]",
+    }
+    np.testing.assert_allclose(
+        read(bare, columns=columns, kind="shear").omega, [1, 2, 4]
+    )
+    ramp = write(
+        table("T [degC],E' [MPa],E'' [MPa]", [(t, 2, 0.1) for t in (0, 10, 20)])
+    )
+    np.testing.assert_allclose(
+        read(ramp, columns={"frequency": "10 Hz"}).omega, 20 * np.pi
+    )
+    logs = write(
+        table(
+            "log a [Hz],T [degC],x [MPa],y [MPa]",
+            [(0, 20, np.log10(2), np.log10(0.1))] * 2,
+        )
+    )
     columns = {"frequency": "log10(1)", "storage": "log10(3)", "loss": "log10(4) [MPa]"}
     np.testing.assert_allclose(read(logs, columns=columns, kind="shear").storage, 2e6)
     swapped = read(
-        write(table("f [Hz],T [degC],E'' [MPa],E' [MPa]", [(1, 20, 2, 0.1)])), columns={"storage": 3, "loss": 4}
+        write(table("f [Hz],T [degC],E'' [MPa],E' [MPa]", [(1, 20, 2, 0.1)])),
+        columns={"storage": 3, "loss": 4},
     )
     np.testing.assert_allclose([swapped.storage[0], swapped.loss[0]], [2e6, 1e5])
     assert swapped.kind == "tensile"
 
 
 def test_columns_of_one_isotherm_of_several(write):
-    """Side by side only that with the named columns is read; lines above keep their temperatures."""
+    """Side by side only that with the named columns is read; lines above keep their
+    temperatures.
+    """
     parts = [part[:, [0, 2, 3]] for part in isotherms(ROWS)]
     text = "T = -10 degC,,,T = 0 degC,,,T = 20 degC,,\n" + table(
         ",".join(["f [Hz],G' [Pa],G'' [Pa]"] * 3), np.hstack(parts)
     )
     check(read(write(text), columns={"storage": 5, "loss": 6}), ROWS[6:12], 1e-10)
     text = "\n".join(
-        f"T = {celsius} degC\n" + table("f [Hz],a,b", part) for celsius, part in zip((-10, 0, 20), parts, strict=True)
+        f"T = {celsius} degC\n" + table("f [Hz],a,b", part)
+        for celsius, part in zip((-10, 0, 20), parts, strict=True)
     )
     columns = {"storage": "2 [Pa]", "loss": "b [Pa]"}
     check(read(write(text), columns=columns, kind="shear"), digits=1e-10)
@@ -340,12 +546,25 @@ def test_files_that_are_none(tmp_path, write, monkeypatch):
     (tmp_path / "broken.xls").write_bytes(b"\xd0\xcf\x11\xe0" + b"\1" * 600)
     twice = write(table("f [Hz],T [degC],G' [Pa],G'' [Pa]"), "twice.csv")
     for path, said in (
-        (tmp_path / "none.csv", "got 'none.csv': No such file"), (tmp_path, "is a folder"), (3, "a file or a list"),
-        (write("\n \n", "empty.csv"), "no row of numbers"), (tmp_path / "binary.csv", "binary"),
-        (tmp_path / "broken.xls", "must be a spreadsheet"), ([twice, twice], "every file once"),
-        (write("f [Hz],T [K],G' [Pa],G'' [Pa]\n1,2,a\n3,4,b", "no.csv"), "no row below .* is a measurement"),
-        (write(" ".join(["storage modulus G' (x) - y, z:"] * 500) + "\n1,2", "prose.csv"), "there is no column of"),
-    ):  # fmt: skip
+        (tmp_path / "none.csv", "got 'none.csv': No such file"),
+        (tmp_path, "is a folder"),
+        (3, "a file or a list"),
+        (write("\n \n", "empty.csv"), "no row of numbers"),
+        (tmp_path / "binary.csv", "binary"),
+        (tmp_path / "broken.xls", "must be a spreadsheet"),
+        ([twice, twice], "every file once"),
+        (
+            write("f [Hz],T [K],G' [Pa],G'' [Pa]\n1,2,a\n3,4,b", "no.csv"),
+            "no row below .* is a measurement",
+        ),
+        (
+            write(
+                " ".join(["storage modulus G' (x) - y, z:"] * 500) + "\n1,2",
+                "prose.csv",
+            ),
+            "there is no column of",
+        ),
+    ):
         with pytest.raises(em.InputError, match=said):
             em.read_dma(path)
     sheet = eplexor_xlsx(tmp_path, ROWS)[0]
@@ -355,11 +574,23 @@ def test_files_that_are_none(tmp_path, write, monkeypatch):
 
 
 def test_reptates_master_curves_and_relaxation(write):
-    dma = read(write("T=-35;C1=8.8;\n 0.1 150 4500 -10 0\n 1.0 1500 9500 -20 0\n 10 9e3 2e4 -20 0\n", "pi.tts"))
-    np.testing.assert_allclose([dma.temperature, dma.loss], [[238.15] * 3, [4500, 9500, 2e4]])
+    dma = read(
+        write(
+            (
+                "T=-35;C1=8.8;\n 0.1 150 4500 -10 0\n 1.0 1500 9500 -20 0\n 10 9e3 "
+                "2e4 -20 0\n"
+            ),
+            "pi.tts",
+        )
+    )
+    np.testing.assert_allclose(
+        [dma.temperature, dma.loss], [[238.15] * 3, [4500, 9500, 2e4]]
+    )
     assert dma.shifted
     with pytest.warns(FitWarning, match="no temperature"):
-        dma = em.read_dma(write("mwdfile=ps2.dmwd;\n 0.1 150 4500\n 1.0 1500 9500\n", "ps.tts"))
+        dma = em.read_dma(
+            write("mwdfile=ps2.dmwd;\n 0.1 150 4500\n 1.0 1500 9500\n", "ps.tts")
+        )
     with pytest.raises(em.InputError, match="--temperature 20degC"):
         em.fit.master_curve(dma)
     dma = read(write("T=20;gamma=1;\n 0.1 2e6\n 1.0 1e6\n", "pi.gt"))
@@ -367,57 +598,113 @@ def test_reptates_master_curves_and_relaxation(write):
 
 
 @pytest.mark.parametrize(
-    "titles", ["T,log_aT\nC,-", "T [K],a_T", "Temp. [degC],ln aT", "Temperature (°C),log10 shift factor"]
+    "titles",
+    [
+        "T,log_aT\nC,-",
+        "T [K],a_T",
+        "Temp. [degC],ln aT",
+        "Temperature (°C),log10 shift factor",
+    ],
 )
 def test_shift_lists(titles, write):
     celsius, log10_a = np.array([60.0, 20.0, -20.0]), np.array([-2.0, 0.0, 3.5])
-    factor = {"a_T": 10**log10_a, "ln aT": np.log(10) * log10_a}.get(titles.split(",")[1], log10_a)
-    shift = em.read_shifts(write(table(titles, np.column_stack([celsius + 273.15 * ("[K]" in titles), factor]))))
+    factor = {"a_T": 10**log10_a, "ln aT": np.log(10) * log10_a}.get(
+        titles.split(",")[1], log10_a
+    )
+    shift = em.read_shifts(
+        write(
+            table(
+                titles, np.column_stack([celsius + 273.15 * ("[K]" in titles), factor])
+            )
+        )
+    )
     np.testing.assert_allclose(shift.temperature, celsius[::-1] + 273.15, rtol=1e-14)
     np.testing.assert_allclose(shift.log10_a_table, log10_a[::-1], atol=1e-12)
     np.testing.assert_allclose(shift.reference, 293.15)
 
 
-def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(tmp_path):
-    """And nowhere else: melt, glass, filled rubber and gum, over one and three decades, with 5 % of noise."""
+def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(
+    tmp_path,
+):
+    """And nowhere else: melt, glass, filled rubber and gum, over one and three decades,
+    with 5 % of noise.
+    """
     law, times = em.WLF(7.0, 120.0, 293.15), np.geomspace(1e-9, 1e3, 25)
-    melt = em.Prony(0.0, [1e9, 1e8, 1e6, 3e5, 3e5], [1e-9, 1e-7, 1e-5, 1e-3, 1e-2], shift=law)
+    melt = em.Prony(
+        0.0, [1e9, 1e8, 1e6, 3e5, 3e5], [1e-9, 1e-7, 1e-5, 1e-3, 1e-2], shift=law
+    )
     glass = em.Prony(1e9, np.full(25, 1e7), times, shift=law)  # tan delta of 0.01
     filled = em.Prony(4e6, 4e5 * times**-0.05, times, shift=law)
     from elastomdr.fit.swapped import look_swapped
 
     for material in (melt, glass, filled, KNOWN):
         for decades, noise in ((1.0, 0.002), (3.0, 0.05)):
-            f, t, s, l = measure(material, np.array([-20.0, 20.0]), np.geomspace(0.1, 0.1 * 10**decades, 9), noise).T
+            f, t, s, l = measure(
+                material,
+                np.array([-20.0, 20.0]),
+                np.geomspace(0.1, 0.1 * 10**decades, 9),
+                noise,
+            ).T
             assert not look_swapped(t + 273.15, 2 * np.pi * f, s, l)
             assert look_swapped(t + 273.15, 2 * np.pi * f, l, s)
     omega = np.geomspace(0.1, 100, 20)
     rouse = 1e5 * np.sqrt(omega)
     assert not look_swapped(np.full(20, 300.0), omega, rouse, rouse)  # alike
-    assert not look_swapped(np.arange(20) + 200.0, np.full(20, 6.28), rouse, 10 * rouse)  # a ramp
-    assert not look_swapped(np.full(20, 300.0), omega, rouse, np.where(omega > 1, 1e306, rouse))  # damaged
+    # a ramp
+    assert not look_swapped(np.arange(20) + 200.0, np.full(20, 6.28), rouse, 10 * rouse)
+    # damaged
+    assert not look_swapped(
+        np.full(20, 300.0), omega, rouse, np.where(omega > 1, 1e306, rouse)
+    )
     rows = measure(KNOWN)[:, [0, 1, 3, 2]]
     dma = em.read_dma(plain_csv(tmp_path, rows))
-    named, advice = "storage from 3 'G_storage_pa', loss from 4 ", "--column storage=4 --column loss=3"
+    named, advice = (
+        "storage from 3 'G_storage_pa', loss from 4 ",
+        "--column storage=4 --column loss=3",
+    )
     with pytest.raises(em.InputError, match=f"look exchanged.*{named}.*{advice}"):
         em.fit.material(dma)
-    exchanged = em.read_dma(plain_csv(tmp_path, rows), columns={"storage": 4, "loss": 3})
+    exchanged = em.read_dma(
+        plain_csv(tmp_path, rows), columns={"storage": 4, "loss": 3}
+    )
     np.testing.assert_allclose(exchanged.storage, rows[:, 3])
 
 
 def test_arrays_and_joining(tmp_path):
     f, t, s, l = ROWS.T
     dma = em.fit.dma(2 * np.pi * f, s, l, t + 273.15, kind="shear")
-    parts = [em.fit.dma(2 * np.pi * p[:, 0], p[:, 2], p[:, 3], p[0, 1] + 273.15, kind="shear") for p in isotherms(ROWS)]
+    parts = [
+        em.fit.dma(
+            2 * np.pi * p[:, 0], p[:, 2], p[:, 3], p[0, 1] + 273.15, kind="shear"
+        )
+        for p in isotherms(ROWS)
+    ]
     np.testing.assert_array_equal(em.fit.join(*parts).storage, dma.storage)
-    np.testing.assert_allclose(em.read_dma(plain_csv(tmp_path, ROWS)[0]).storage, dma.storage)
+    np.testing.assert_allclose(
+        em.read_dma(plain_csv(tmp_path, ROWS)[0]).storage, dma.storage
+    )
     for wrong, said in (
-        (lambda: em.fit.join(dma, em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="tensile")), "one kind"),
-        (lambda: em.fit.dma([1, 2], [1e6, 1e6], [1e5, -1], 293.15, kind="shear"), r"loss .* got -1 \(entry 1\)"),
-        (lambda: em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="bulk"), "kind must be"),
-        (lambda: em.fit.Dma(np.full(3, 293.15), np.ones(3), np.ones(2), np.ones(3), "shear"), "3, got 2"),
         (
-            lambda: em.fit.Dma(np.full(2, 293.15), np.ones(2), -np.ones(2), np.ones(2), "shear"),
+            lambda: em.fit.join(
+                dma, em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="tensile")
+            ),
+            "one kind",
+        ),
+        (
+            lambda: em.fit.dma([1, 2], [1e6, 1e6], [1e5, -1], 293.15, kind="shear"),
+            r"loss .* got -1 \(entry 1\)",
+        ),
+        (lambda: em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="bulk"), "kind must be"),
+        (
+            lambda: em.fit.Dma(
+                np.full(3, 293.15), np.ones(3), np.ones(2), np.ones(3), "shear"
+            ),
+            "3, got 2",
+        ),
+        (
+            lambda: em.fit.Dma(
+                np.full(2, 293.15), np.ones(2), -np.ones(2), np.ones(2), "shear"
+            ),
             "storage must be positive",
         ),
     ):
@@ -433,10 +720,16 @@ def frames():
     """The same measurement as tables in memory."""
     values = ROWS * SCALE
     frame = pd.DataFrame(values, columns=TITLES)
-    names, units = zip(*(title.removesuffix("]").split(" [") for title in TITLES), strict=True)
-    two_rows = pd.DataFrame(values, columns=pd.MultiIndex.from_tuples(zip(names, units, strict=True)))
+    names, units = zip(
+        *(title.removesuffix("]").split(" [") for title in TITLES), strict=True
+    )
+    two_rows = pd.DataFrame(
+        values, columns=pd.MultiIndex.from_tuples(zip(names, units, strict=True))
+    )
     columns = zip(names, units, values.T, strict=True)
-    quantities = pd.DataFrame({name: pd.Series(x, dtype=f"pint[{unit}]") for name, unit, x in columns})
+    quantities = pd.DataFrame(
+        {name: pd.Series(x, dtype=f"pint[{unit}]") for name, unit, x in columns}
+    )
     return {
         "pandas": frame,
         "units in a second row": two_rows,

@@ -1,4 +1,6 @@
-"""Files that were misread or refused without advice: each is read, or answered with what to do, and that works."""
+"""Files that were misread or refused without advice: each is read, or answered with
+what to do, and that works.
+"""
 
 import re
 import warnings
@@ -19,7 +21,9 @@ TANGENT = LOSS / STORAGE
 
 def written(path, titles, *columns, mark=","):
     rows = zip(*columns, strict=True)
-    cells = (mark.join(x if isinstance(x, str) else f"{x:.12g}" for x in row) for row in rows)
+    cells = (
+        mark.join(x if isinstance(x, str) else f"{x:.12g}" for x in row) for row in rows
+    )
     path.write_text("\n".join([titles, *cells]), encoding="utf-8")
     return path
 
@@ -32,9 +36,14 @@ def read(path, **options):
 
 
 def advised(message):
-    """The values of `columns=` that a message offers, which are those of its --column options as well."""
+    """The values of `columns=` that a message offers, which are those of its --column
+    options as well.
+    """
     python = [eval(text) for text in re.findall(r"columns=(\{.*?\})", message)]
-    shell = [dict([_column(one or other)]) for one, other in re.findall(r"--column (?:'(.*?)'|(\S+?))\)", message)]
+    shell = [
+        dict([_column(one or other)])
+        for one, other in re.findall(r"--column (?:'(.*?)'|(\S+?))\)", message)
+    ]
     assert python
     assert python == shell
     return python
@@ -43,25 +52,48 @@ def advised(message):
 @pytest.mark.parametrize("mark", [" ", "\t", ","])
 def test_titles_of_many_columns(mark, tmp_path):
     celsius = np.arange(-60.0, 64.0, 4.0)
-    titles = [title for t in celsius for title in (f"G'({t:g}degC)[MPa]", f"G''({t:g}degC)[MPa]")]
-    moduli = [column for i in range(celsius.size) for column in ((2 - 0.03 * i) * STORAGE, LOSS)]
-    dma = read(written(tmp_path / "wide.txt", mark.join(["f[Hz]", *titles]), F, *moduli, mark=mark))
+    titles = [
+        title
+        for t in celsius
+        for title in (f"G'({t:g}degC)[MPa]", f"G''({t:g}degC)[MPa]")
+    ]
+    moduli = [
+        column
+        for i in range(celsius.size)
+        for column in ((2 - 0.03 * i) * STORAGE, LOSS)
+    ]
+    dma = read(
+        written(
+            tmp_path / "wide.txt", mark.join(["f[Hz]", *titles]), F, *moduli, mark=mark
+        )
+    )
     assert len(mark.join(titles)) > 500
     np.testing.assert_allclose(np.unique(dma.temperature), celsius + 273.15)
-    np.testing.assert_allclose(dma.storage[-F.size :], (2 - 0.03 * (celsius.size - 1)) * STORAGE * 1e6)
+    np.testing.assert_allclose(
+        dma.storage[-F.size :], (2 - 0.03 * (celsius.size - 1)) * STORAGE * 1e6
+    )
 
 
 @pytest.mark.parametrize("reader", [em.read_dma, em.read_friction])
 def test_too_many_columns_are_refused_at_once(reader, tmp_path):
     titles = ",".join(["f [Hz]", *(f"column {i} [MPa]" for i in range(20_000))])
     path = written(tmp_path / "wide.csv", titles, *[np.ones(3)] * 20_001)
-    with pytest.raises(em.InputError, match="2,000 columns at most, got 20,001") as caught:
+    with pytest.raises(
+        em.InputError, match="2,000 columns at most, got 20,001"
+    ) as caught:
         reader(path)
     assert len(str(caught.value)) < 200
 
 
 def test_loss_tangent_in_percent_without_a_unit_is_asked_for(tmp_path):
-    path = written(tmp_path / "a.csv", "f [Hz],T [degC],E' [MPa],tan delta", F, 0 * F + 20, STORAGE, 100 * TANGENT)
+    path = written(
+        tmp_path / "a.csv",
+        "f [Hz],T [degC],E' [MPa],tan delta",
+        F,
+        0 * F + 20,
+        STORAGE,
+        100 * TANGENT,
+    )
     with pytest.raises(em.InputError, match="has no unit and goes from") as caught:
         read(path)
     percent, plain = advised(str(caught.value))
@@ -70,7 +102,14 @@ def test_loss_tangent_in_percent_without_a_unit_is_asked_for(tmp_path):
 
 
 def test_loss_tangent_of_a_melt_with_its_unit_is_believed(tmp_path):
-    path = written(tmp_path / "a.csv", "f [Hz],T [degC],G' [MPa],tan delta [1]", F, 0 * F + 20, STORAGE, 20 + 0 * F)
+    path = written(
+        tmp_path / "a.csv",
+        "f [Hz],T [degC],G' [MPa],tan delta [1]",
+        F,
+        0 * F + 20,
+        STORAGE,
+        20 + 0 * F,
+    )
     np.testing.assert_allclose(read(path).loss, 20e6 * STORAGE)
 
 
@@ -78,8 +117,18 @@ def test_loss_tangent_of_a_melt_with_its_unit_is_believed(tmp_path):
 def test_loss_tangent_that_contradicts_the_moduli_is_asked_for(unit, tmp_path):
     factor = 100 if "%" in unit else 1
     titles = f"f [Hz],T [degC],E' [MPa],E'' [kPa],tan delta{unit}"
-    path = written(tmp_path / "a.csv", titles, F, 0 * F + 20, STORAGE, 1e3 * LOSS, 1.3 * factor * TANGENT)
-    with pytest.raises(em.InputError, match=r"is 1\.3 times the ratio of columns 4 \"E''.* and 3") as caught:
+    path = written(
+        tmp_path / "a.csv",
+        titles,
+        F,
+        0 * F + 20,
+        STORAGE,
+        1e3 * LOSS,
+        1.3 * factor * TANGENT,
+    )
+    with pytest.raises(
+        em.InputError, match=r"is 1\.3 times the ratio of columns 4 \"E''.* and 3"
+    ) as caught:
         read(path)
     loss, tangent = advised(str(caught.value))
     np.testing.assert_allclose(read(path, columns=loss).loss, 1e6 * LOSS)
@@ -89,13 +138,22 @@ def test_loss_tangent_that_contradicts_the_moduli_is_asked_for(unit, tmp_path):
 @pytest.mark.parametrize("factor", [1.0, 1.04, 100.0])
 def test_loss_tangent_that_agrees_is_passed_over(factor, tmp_path):
     titles = "f [Hz],T [degC],E' [MPa],E'' [MPa],tan delta"
-    path = written(tmp_path / "a.csv", titles, F, 0 * F + 20, STORAGE, LOSS, factor * TANGENT)
+    path = written(
+        tmp_path / "a.csv", titles, F, 0 * F + 20, STORAGE, LOSS, factor * TANGENT
+    )
     np.testing.assert_allclose(read(path).loss, 1e6 * LOSS)
 
 
 def test_a_loss_that_is_negative_nearly_everywhere_is_turned(tmp_path):
     sign = np.where(np.arange(F.size) == 7, 1.0, -1.0)
-    path = written(tmp_path / "a.csv", "f [Hz],T [degC],G' [MPa],G'' [MPa]", F, 0 * F + 20, STORAGE, sign * LOSS)
+    path = written(
+        tmp_path / "a.csv",
+        "f [Hz],T [degC],G' [MPa],G'' [MPa]",
+        F,
+        0 * F + 20,
+        STORAGE,
+        sign * LOSS,
+    )
     with pytest.warns(FitWarning) as caught:
         dma = em.read_dma(path)
     assert [re.sub(r"^a.csv: ", "", str(one.message))[:40] for one in caught] == [
@@ -110,10 +168,20 @@ def test_too_few_points_say_which_rows_were_left_out(tmp_path):
     sign[::2] *= -1
     sign[4:] = np.where(np.arange(F.size - 4) % 4 < 3, -1.0, np.nan)
     sign[:4] = 1.0
-    path = written(tmp_path / "a.csv", "f [Hz],T [degC],G' [MPa],G'' [MPa]", F, 0 * F + 20, STORAGE, sign * LOSS)
+    path = written(
+        tmp_path / "a.csv",
+        "f [Hz],T [degC],G' [MPa],G'' [MPa]",
+        F,
+        0 * F + 20,
+        STORAGE,
+        sign * LOSS,
+    )
     with pytest.warns(FitWarning, match="26 rows left out"):
         dma = em.read_dma(path)
-    with pytest.raises(em.InputError, match=r"five points at least, got 4; 26 rows of a\.csv were left out, such as"):
+    with pytest.raises(
+        em.InputError,
+        match=r"five points at least, got 4; 26 rows of a\.csv were left out, such as",
+    ):
         em.fit.master_curve(dma)
 
 
@@ -122,15 +190,25 @@ TIMES = np.unique(np.geomspace(1, 7200, 40).round(1))
 
 def clock(seconds, start=0):
     seconds = seconds + start
-    return f"{int(seconds) // 3600:02d}:{int(seconds) // 60 % 60:02d}:{seconds % 60:04.1f}"
+    return (
+        f"{int(seconds) // 3600:02d}:{int(seconds) // 60 % 60:02d}:{seconds % 60:04.1f}"
+    )
 
 
-@pytest.mark.parametrize(("titles", "mark"), [("time,G(t) [MPa]", ","), ("t [hh:mm:ss];G(t) [MPa]", ";"),
-                                              ("time G(t)[MPa]", " ")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("titles", "mark"),
+    [
+        ("time,G(t) [MPa]", ","),
+        ("t [hh:mm:ss];G(t) [MPa]", ";"),
+        ("time G(t)[MPa]", " "),
+    ],
+)
 def test_times_as_hours_minutes_seconds(titles, mark, tmp_path):
     remark = "Start: 14:05:33\nOperator,A. B.,14:05:33,2\n"
     cells = [clock(t).replace(".", ",") if mark == ";" else clock(t) for t in TIMES]
-    path = written(tmp_path / "a.txt", remark + titles, cells, 1 + TIMES**-0.2, mark=mark)
+    path = written(
+        tmp_path / "a.txt", remark + titles, cells, 1 + TIMES**-0.2, mark=mark
+    )
     dma = read(path, temperature=293.15)
     np.testing.assert_allclose(dma.time, TIMES)
     np.testing.assert_allclose(dma.relaxation, 1e6 * (1 + TIMES**-0.2))
@@ -144,13 +222,17 @@ def test_durations_in_a_spreadsheet(tmp_path):
     for t in TIMES:
         book.active.append([datetime.timedelta(seconds=float(t)), 1 + float(t) ** -0.2])
     book.save(tmp_path / "a.xlsx")
-    np.testing.assert_allclose(read(tmp_path / "a.xlsx", temperature=293.15).time, TIMES)
+    np.testing.assert_allclose(
+        read(tmp_path / "a.xlsx", temperature=293.15).time, TIMES
+    )
 
 
 def test_times_of_day_are_refused(tmp_path):
     cells = [clock(t, start=50_000) for t in TIMES]
     path = written(tmp_path / "a.csv", "time,G(t) [MPa]", cells, 1 + TIMES**-0.2)
-    with pytest.raises(em.InputError, match=r"begins at 13\.89 h and lasts 7199 s: a time of day"):
+    with pytest.raises(
+        em.InputError, match=r"begins at 13\.89 h and lasts 7199 s: a time of day"
+    ):
         read(path, temperature=293.15)
 
 
@@ -160,13 +242,18 @@ def test_formulas_without_values_are_refused_with_what_to_do(tmp_path):
     for i, f in enumerate(F, start=2):
         book.active.append([float(f), 20.0, f"=1+A{i}^0.3", f"=0.2*A{i}^0.3"])
     book.save(tmp_path / "a.xlsx")
-    with pytest.raises(em.InputError, match="formulas have no values: open it in Excel or LibreOffice and save it"):
+    with pytest.raises(
+        em.InputError,
+        match="formulas have no values: open it in Excel or LibreOffice and save it",
+    ):
         read(tmp_path / "a.xlsx")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
 def test_marks_of_windows_editors(encoding, tmp_path, capsys):
-    em.save_material(em.Prony(1e6, [1e6], [1e-3], name="rubber"), tmp_path / "rubber.toml")
+    em.save_material(
+        em.Prony(1e6, [1e6], [1e-3], name="rubber"), tmp_path / "rubber.toml"
+    )
     scene = """material = "rubber.toml"\n[indenter]\nshape = "sphere"\nradius = "5 mm"
 [contact]\nload = "1 N"\nvelocity = "1 m/s"\n"""
     (tmp_path / "scene.toml").write_text(scene.replace("\n", "\r\n"), encoding=encoding)
@@ -179,4 +266,7 @@ def test_marks_of_windows_editors(encoding, tmp_path, capsys):
 def test_a_scene_that_is_no_utf8_says_what_to_do(tmp_path, capsys):
     (tmp_path / "scene.toml").write_bytes('# 20 °C\nmaterial = "x"\n'.encode("cp1252"))
     assert main(["plan", str(tmp_path / "scene.toml")]) == 2
-    assert "must be UTF-8 text, which line 1 is not: save it as UTF-8." in capsys.readouterr().err
+    assert (
+        "must be UTF-8 text, which line 1 is not: save it as UTF-8."
+        in capsys.readouterr().err
+    )

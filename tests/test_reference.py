@@ -1,4 +1,6 @@
-"""The slow truths: half-plane and half-space against exact and independent answers, and what they say of the line."""
+"""The slow truths: half-plane and half-space against exact and independent answers, and
+what they say of the line.
+"""
 
 import jax
 import numpy as np
@@ -10,15 +12,16 @@ from elastomdr.reference import half_plane_sliding, half_space, half_space_slidi
 STIFF = em.Foundation(4e6, [36e6], [1e-3])
 BALL, LOAD = em.Paraboloid(0.01), 10.0
 
-# Hunter's cylinder on a standard solid, plane strain: mu, leading and trailing edge. The exact solution is a 2 by 2
-# linear system in Bessel functions once the half-width is known (Hunter 1961); R = 10 mm, 2 kN/m.
+# Hunter's cylinder on a standard solid, plane strain: mu, leading and trailing edge.
+# The exact solution is a 2 by 2 linear system in Bessel functions once the half-width
+# is known (Hunter 1961); R = 10 mm, 2 kN/m.
 HUNTER = {
     0.05: (0.040127887943461976, 0.002511954564153908, 0.002086623350717033),
     1.0: (0.0811896667194903, 0.0015935402658255984, 0.00012869848555041363),
     50.0: (0.0038997155366004388, 0.0008354906088109923, 0.0007603612813419032),
 }
-# Three-dimensional spectral solutions of a paraboloid on a standard solid by another code, periodic: E_1/E_inf, v, mu
-# and its uncertainty.
+# Three-dimensional spectral solutions of a paraboloid on a standard solid by another
+# code, periodic: E_1/E_inf, v, mu and its uncertainty.
 BOUNDARY_ELEMENTS = [
     (0.5, 1.0, 0.02444, 0.0075),
     (0.5, 15.0, 0.00769, 0.0075),
@@ -31,44 +34,78 @@ BOUNDARY_ELEMENTS = [
 
 
 def test_full_contact_is_a_sum_over_waves():
-    """One wave by hand, mu = (1/2) A^2 k E*''(k v)/F, down to the load A |E*(k v)| at which it lifts; the engine."""
-    k, height, v, rubber = 2e3, 1e-5, np.array([0.05, 0.5, 5.0]), em.Foundation(4e6, [36e6], [1e-3])
+    """One wave by hand, mu = (1/2) A^2 k E*''(k v)/F, down to the load A |E*(k v)| at
+    which it lifts; the engine.
+    """
+    k, height, v, rubber = (
+        2e3,
+        1e-5,
+        np.array([0.05, 0.5, 5.0]),
+        em.Foundation(4e6, [36e6], [1e-3]),
+    )
     x = 2 * np.pi / k * np.arange(64) / 64
     line = em.RoughLine(x, height * np.cos(k * x))
     modulus = rubber.complex_modulus(k * v)
     load = 1.01 * height * np.abs(modulus)
     mu = em.reference.full_contact_sliding(rubber, line, velocity=v, load=load)
-    np.testing.assert_allclose(mu, 0.5 * height**2 * k * modulus.imag / load, rtol=1e-12)
-    assert np.isnan(em.reference.full_contact_sliding(rubber, line, velocity=v, load=0.98 * load)).all()
-    engine = em.friction(rubber, line, velocity=v, load=2 * load, model=em.Line(), rtol=1e-4)
+    np.testing.assert_allclose(
+        mu, 0.5 * height**2 * k * modulus.imag / load, rtol=1e-12
+    )
+    assert np.isnan(
+        em.reference.full_contact_sliding(rubber, line, velocity=v, load=0.98 * load)
+    ).all()
+    engine = em.friction(
+        rubber, line, velocity=v, load=2 * load, model=em.Line(), rtol=1e-4
+    )
     np.testing.assert_allclose(engine.mu, mu / 2, rtol=1e-3)
     with jax.enable_x64(True):
-        slope = jax.grad(lambda f: em.reference.full_contact_sliding(rubber, line, velocity=0.5, load=f))(2 * load[1])
+        slope = jax.grad(
+            lambda f: em.reference.full_contact_sliding(
+                rubber, line, velocity=0.5, load=f
+            )
+        )(2 * load[1])
     np.testing.assert_allclose(slope, -mu[1] / 2 / (2 * load[1]), rtol=1e-12)
     springs = em.springs(em.Prony(1e6, [], [], poisson=0.4), 1e-3)
-    for change, words in (({"material": springs}, "RoughLine on a material"),
-                          ({"load": 0.0}, "load must be positive"), ({"temperature": 300.0}, "no shift law"),
-                          ({"load": [1.0, 2.0]}, "must broadcast")):  # fmt: skip
+    for change, words in (
+        ({"material": springs}, "RoughLine on a material"),
+        ({"load": 0.0}, "load must be positive"),
+        ({"temperature": 300.0}, "no shift law"),
+        ({"load": [1.0, 2.0]}, "must broadcast"),
+    ):
         given = {"material": rubber, "line": line, "velocity": v, "load": 1.0} | change
         with pytest.raises(em.InputError, match=words):
-            em.reference.full_contact_sliding(given.pop("material"), given.pop("line"), **given)
+            em.reference.full_contact_sliding(
+                given.pop("material"), given.pop("line"), **given
+            )
 
 
 @pytest.mark.parametrize("way", [1, -1])
 def test_load_of_full_contact_depends_on_the_direction(way):
-    """Three waves, asymmetric, and their mirror image: NaN just where the engine loses contact, else its friction."""
-    rubber, v, x = em.Foundation(4e6, [36e6], [1e-3]), 0.5, 2e-3 * np.pi * np.arange(64) / 64
+    """Three waves, asymmetric, and their mirror image: NaN just where the engine loses
+    contact, else its friction.
+    """
+    rubber, v, x = (
+        em.Foundation(4e6, [36e6], [1e-3]),
+        0.5,
+        2e-3 * np.pi * np.arange(64) / 64,
+    )
     waves = ((1e3, 1e-5, 0.0), (2e3, 6e-6, 0.9), (3e3, 4e-6, 2.1))
-    line = em.RoughLine(x, sum(a * np.cos(way * k * x + angle) for k, a, angle in waves))
-    # By hand: the line moves towards +x, so that the rubber's force is ahead of the line's height, at larger x.
+    line = em.RoughLine(
+        x, sum(a * np.cos(way * k * x + angle) for k, a, angle in waves)
+    )
+    # By hand: the line moves towards +x, so that the rubber's force is ahead of the
+    # line's height, at larger x.
     law = [rubber.complex_modulus(k * v) for k, _, _ in waves]
     pull = (
-        abs(e) * a * np.cos(way * (k * x - np.angle(e)) + angle) for e, (k, a, angle) in zip(law, waves, strict=True)
+        abs(e) * a * np.cos(way * (k * x - np.angle(e)) + angle)
+        for e, (k, a, angle) in zip(law, waves, strict=True)
     )
     limit = -sum(pull).min()
     load = limit * np.array([0.97, 1.03])
     mu = em.reference.full_contact_sliding(rubber, line, velocity=v, load=load)
-    engine = em.friction(rubber, line, velocity=v, load=load, model=em.Line(), rtol=1e-4)
+    engine = em.friction(
+        rubber, line, velocity=v, load=load, model=em.Line(), rtol=1e-4
+    )
     np.testing.assert_array_equal(np.isnan(mu), [True, False])
     assert engine.lines.share[0] < 0.999
     assert engine.lines.share[1] == 1
@@ -79,12 +116,18 @@ def test_load_of_full_contact_depends_on_the_direction(way):
 def test_half_planes_settle_at_any_contrast(contrast):
     """On more cells, too, than a contact that is begun anywhere would settle on.
 
-    The error is an estimate: of 784 points, contrasts 3 to 1000 on 128 to 1024 cells, 8 are off 4096 cells by up to 1.8
-    times it.
+    The error is an estimate: of 784 points, contrasts 3 to 1000 on 128 to 1024 cells, 8
+    are off 4096 cells by up to 1.8 times it.
     """
-    law, velocity = em.Foundation(4e6, [4e6 * (contrast - 1)], [1e-3]), np.geomspace(1e-4, 1e2, 25)
+    law, velocity = (
+        em.Foundation(4e6, [4e6 * (contrast - 1)], [1e-3]),
+        np.geomspace(1e-4, 1e2, 25),
+    )
     got, half = (
-        half_plane_sliding(law, 0.01, velocity=velocity, load_per_length=2e3, points=points) for points in (1024, 512)
+        half_plane_sliding(
+            law, 0.01, velocity=velocity, load_per_length=2e3, points=points
+        )
+        for points in (1024, 512)
     )
     assert got.converged.all()
     assert half.converged.all()
@@ -97,20 +140,26 @@ def test_half_planes_settle_at_any_contrast(contrast):
 def test_hunter():
     velocity = np.array(list(HUNTER))
     exact = np.array(list(HUNTER.values())).T
-    got = half_plane_sliding(STIFF, 0.01, velocity=velocity, load_per_length=2e3, points=512)
+    got = half_plane_sliding(
+        STIFF, 0.01, velocity=velocity, load_per_length=2e3, points=512
+    )
     np.testing.assert_allclose(got.mu, exact[0], rtol=5e-5)
     assert (np.abs(got.mu - exact[0]) <= got.error).all()
     cell = 1.2 * (got.contact.leading + got.contact.trailing) / 512
     assert (np.abs(got.contact.leading - exact[1]) < cell).all()
     assert (np.abs(got.contact.trailing - exact[2]) < cell).all()
-    peak = half_plane_sliding(STIFF, 0.01, velocity=0.34053658255287605, load_per_length=2e3, points=512)
+    peak = half_plane_sliding(
+        STIFF, 0.01, velocity=0.34053658255287605, load_per_length=2e3, points=512
+    )
     np.testing.assert_allclose(peak.mu, 0.12187256930406094, rtol=2e-5)
     assert "2000 N/m" in peak.summary()
 
 
 @pytest.mark.parametrize(("ratio", "velocity", "mu", "rtol"), BOUNDARY_ELEMENTS)
 def test_another_boundary_element_code(ratio, velocity, mu, rtol):
-    got = half_space_sliding(em.Foundation(4e6, [4e6 * ratio], [1e-3]), BALL, velocity=velocity, load=LOAD)
+    got = half_space_sliding(
+        em.Foundation(4e6, [4e6 * ratio], [1e-3]), BALL, velocity=velocity, load=LOAD
+    )
     assert got.converged
     np.testing.assert_allclose(got.mu, mu, rtol=rtol)
     np.testing.assert_allclose(got.normal_force, LOAD, rtol=1e-9)
@@ -126,8 +175,12 @@ def test_hertz_and_low_speed():
     np.testing.assert_allclose(by_depth.normal_force, LOAD, rtol=1e-3)
     # mu = v sum(E_k tau_k)/(E_inf R), down to a loss of 1e-9 of what is stored
     velocity = np.array([1e-6, 1e-4])
-    slow = half_space_sliding(em.Foundation(4e6, [12e6], [1e-3]), BALL, velocity=velocity, load=LOAD)
-    np.testing.assert_allclose(slow.mu, velocity * 12e6 * 1e-3 / (4e6 * 0.01), rtol=0.01)
+    slow = half_space_sliding(
+        em.Foundation(4e6, [12e6], [1e-3]), BALL, velocity=velocity, load=LOAD
+    )
+    np.testing.assert_allclose(
+        slow.mu, velocity * 12e6 * 1e-3 / (4e6 * 0.01), rtol=0.01
+    )
 
 
 def test_direction_average_on_a_broad_spectrum():
@@ -143,18 +196,27 @@ def test_direction_average_on_a_broad_spectrum():
         em.friction(broad, BALL, model=em.Line(), **scene),
     )
     np.testing.assert_allclose(average.mu, truth.mu, rtol=0.02)
-    assert (np.abs(average.mu - truth.mu) <= average.model_error + truth.error + 0.002 * truth.mu).all()
+    assert (
+        np.abs(average.mu - truth.mu)
+        <= average.model_error + truth.error + 0.002 * truth.mu
+    ).all()
     assert (average.model_error < 0.15 * average.mu).all()
     assert (line.mu / truth.mu > 1.3).all()
 
 
 def test_full_contact_on_a_sum_of_cosines():
-    """Friction stress sum_k (1/4) A_k^2 k_x |k| E''(k_x v) of a map that is pressed flat, at 1e-7 and 1e5 m/s too."""
+    """Friction stress sum_k (1/4) A_k^2 k_x |k| E''(k_x v) of a map that is pressed
+    flat, at 1e-7 and 1e5 m/s too.
+    """
     law = em.Foundation(4e6, [36e6, 6e6], [1e-5, 1e-3])
     sides = np.array([2e-3, 1e-3])
     x, y = np.meshgrid(*(side * np.arange(32) / 32 for side in sides), indexing="ij")
-    waves = [(1, 0, 2e-6), (3, -2, 1e-6), (2, 1, 5e-7)]  # number along, number across, A [m]
-    heights = sum(a * np.cos(2 * np.pi * (m * x / sides[0] + n * y / sides[1]) + m) for m, n, a in waves)
+    # number along, number across, A [m]
+    waves = [(1, 0, 2e-6), (3, -2, 1e-6), (2, 1, 5e-7)]
+    heights = sum(
+        a * np.cos(2 * np.pi * (m * x / sides[0] + n * y / sides[1]) + m)
+        for m, n, a in waves
+    )
     velocity = np.array([1e-7, 1e-2, 1.0, 1e5])
     exact = 0.0
     for m, n, a in waves:
@@ -166,23 +228,33 @@ def test_full_contact_on_a_sum_of_cosines():
     np.testing.assert_array_equal(got.area, 1.0)
     assert (got.error < 1e-8 * got.mu).all()
     assert "0.002 m by 0.001 m" in got.summary()
-    # Partial contact: wherever the cell begins the answer is the same, and it is another than in full contact.
+    # Partial contact: wherever the cell begins the answer is the same, and it is
+    # another than in full contact.
     light = {"velocity": 1.0, "load": 0.02 * load, "cell": sides}
-    part, moved = (half_space_sliding(law, h, **light) for h in (heights, np.roll(heights, (5, 11), (0, 1))))
+    part, moved = (
+        half_space_sliding(law, h, **light)
+        for h in (heights, np.roll(heights, (5, 11), (0, 1)))
+    )
     np.testing.assert_allclose(part.mu, moved.mu, rtol=1e-8)
     assert 0.05 < part.area < 0.95
     assert part.friction_force < 0.9 * exact[2] * sides.prod()
 
 
 def test_separation_and_area_of_westergaards_wave():
-    """Mean gap over amplitude 1 - f + f ln f, contact 2/pi asin(sqrt(f)) of a period, f = p L/(pi E* amplitude)."""
+    """Mean gap over amplitude 1 - f + f ln f, contact 2/pi asin(sqrt(f)) of a period, f
+    = p L/(pi E* amplitude).
+    """
     elastic = em.Foundation(4e6, [], [])
     wave = 2e-5 * np.cos(2 * np.pi * np.arange(128) / 128)[:, None] * np.ones((1, 8))
     part = np.array([0.05, 0.3, 0.8])
     load = part * np.pi * 4e6 * 2e-5 / 0.01 * 0.01**2
     got = half_space_sliding(elastic, wave, cell=0.01, velocity=1.0, load=load)
-    np.testing.assert_allclose(got.separation / 2e-5, 1 - part + part * np.log(part), atol=2e-4)
-    np.testing.assert_allclose(got.area, 2 / np.pi * np.arcsin(np.sqrt(part)), atol=1 / 128)
+    np.testing.assert_allclose(
+        got.separation / 2e-5, 1 - part + part * np.log(part), atol=2e-4
+    )
+    np.testing.assert_allclose(
+        got.area, 2 / np.pi * np.arcsin(np.sqrt(part)), atol=1 / 128
+    )
     assert np.abs(got.mu).max() == 0
 
 
@@ -198,13 +270,19 @@ def test_rough_map():
     np.testing.assert_allclose(np.std(height), surface.rms_height, rtol=0.1)
     q = np.hypot(waves[:, None], waves)
     assert power[(q < 999) | (q > 8001)].max() < 1e-12 * power.max()
-    assert not np.allclose(height, em.reference.rough_map(surface, 2, periods=4, points=128)[0])
-    with pytest.raises(em.InputError, match="points must be a multiple of 4, at least 128"):
+    assert not np.allclose(
+        height, em.reference.rough_map(surface, 2, periods=4, points=128)[0]
+    )
+    with pytest.raises(
+        em.InputError, match="points must be a multiple of 4, at least 128"
+    ):
         em.reference.rough_map(surface, periods=4, points=64)
 
 
 def test_one_body_in_a_large_cell():
-    """Three-dimensional spectral solution of a paraboloid by another code: E_1/E_inf = 3, 1 m/s."""
+    """Three-dimensional spectral solution of a paraboloid by another code: E_1/E_inf =
+    3, 1 m/s.
+    """
     law = em.Foundation(4e6, [12e6], [1e-3])
     got = half_space_sliding(law, BALL, velocity=1.0, load=LOAD, cell=0.03, points=128)
     np.testing.assert_allclose(got.mu, 0.07147, rtol=0.02)
@@ -217,22 +295,43 @@ def test_corrected_average_is_differentiable():
 
     with jax.enable_x64(True):
         slope = float(jax.grad(friction)(36e6))
-    np.testing.assert_allclose(slope, (friction(36.01e6) - friction(35.99e6)) / 2e4, rtol=1e-4)
+    np.testing.assert_allclose(
+        slope, (friction(36.01e6) - friction(35.99e6)) / 2e4, rtol=1e-4
+    )
 
 
-# Half-space solutions of benchmarks/validity_map.py, 64 by 64 cells, own error below 0.1 %; E_1/E_inf, v, mu.
+# Half-space solutions of benchmarks/validity_map.py, 64 by 64 cells, own error below
+# 0.1 %; E_1/E_inf, v, mu.
 ASYMMETRIC = [
-    (9.0, (0.80308572213915119, 2.8338767124544257), (0.08077839848354613, 0.03245034854986375)),
-    (99.0, (0.13894954943731375, 0.51794746792312074), (0.09803780660428153, 0.04051324258996042)),
-    (999.0, (0.094665226030818991, 0.37275937203149379), (0.03994701172915496, 0.013401508158992815)),
+    (
+        9.0,
+        (0.80308572213915119, 2.8338767124544257),
+        (0.08077839848354613, 0.03245034854986375),
+    ),
+    (
+        99.0,
+        (0.13894954943731375, 0.51794746792312074),
+        (0.09803780660428153, 0.04051324258996042),
+    ),
+    (
+        999.0,
+        (0.094665226030818991, 0.37275937203149379),
+        (0.03994701172915496, 0.013401508158992815),
+    ),
 ]
 
 
 def test_average_corrected_for_an_asymmetric_contact():
-    """Within 1 % where the plain average is up to 9 % high; the bounds hold, and neither limit is touched."""
+    """Within 1 % where the plain average is up to 9 % high; the bounds hold, and
+    neither limit is touched.
+    """
     for ratio, velocity, mu in ASYMMETRIC:
         law = em.Foundation(4e6, [4e6 * ratio], [1e-3])
-        scene = {"velocity": np.array([1e-7, *velocity, 1e7]), "load": LOAD, "rtol": 1e-4}
+        scene = {
+            "velocity": np.array([1e-7, *velocity, 1e7]),
+            "load": LOAD,
+            "rtol": 1e-4,
+        }
         plain, corrected = (
             em.friction(law, BALL, model=em.Averaged(corrected=False), **scene),
             em.friction(law, BALL, **scene),
@@ -248,28 +347,39 @@ def test_average_corrected_for_an_asymmetric_contact():
 
 
 def test_a_glassy_edge_much_thinner_than_a_cell_settles():
-    """One relaxation time, a modulus that rises by 1000 within v tau = 6 um, on cells of 80 um."""
+    """One relaxation time, a modulus that rises by 1000 within v tau = 6 um, on cells
+    of 80 um.
+    """
     law = em.Foundation(4e6, [4e9], [1e-3])
     found = half_space_sliding(law, BALL, velocity=6.1e-3, load=LOAD, points=32)
     assert found.converged
     average = em.friction(law, BALL, velocity=6.1e-3, load=LOAD, model=em.Averaged())
     assert np.abs(found.mu - average.mu) < average.model_error
-    np.testing.assert_allclose(found.mu, 0.1361, rtol=5e-3)  # on 128 by 128 cells, with another place of the observer
+    # on 128 by 128 cells, with another place of the observer
+    np.testing.assert_allclose(found.mu, 0.1361, rtol=5e-3)
 
 
 def test_the_error_covers_where_half_as_many_cells_agree():
-    """32 and 64 cells agree to 0.1 %, and both are 1.6 % high: the average is exact to 0.1 % at so small a loss."""
+    """32 and 64 cells agree to 0.1 %, and both are 1.6 % high: the average is exact to
+    0.1 % at so small a loss.
+    """
     law = em.Foundation(4e6, [36e6], [1e-3])
-    found, truth = (f(law, BALL, velocity=3e-3, load=LOAD) for f in (half_space_sliding, em.friction))
+    found, truth = (
+        f(law, BALL, velocity=3e-3, load=LOAD)
+        for f in (half_space_sliding, em.friction)
+    )
     assert abs(found.mu - truth.mu) < found.error
     assert found.error < 0.03 * found.mu
 
 
 def test_what_is_not_resolved_is_flagged(monkeypatch):
-    # One relaxation time and a modulus that rises by 1000 within v tau = 1e-5 m at the leading edge.
+    # One relaxation time and a modulus that rises by 1000 within v tau = 1e-5 m at the
+    # leading edge.
     monkeypatch.setattr(half_space, "LEADS", (0.0,))
     with pytest.warns(em.ConvergenceWarning, match="1 of 1 contacts did not settle"):
-        got = half_space_sliding(em.Foundation(4e6, [4e9], [1e-3]), BALL, velocity=1e-2, load=LOAD)
+        got = half_space_sliding(
+            em.Foundation(4e6, [4e9], [1e-3]), BALL, velocity=1e-2, load=LOAD
+        )
     assert np.isnan(got.mu)
     assert not got.converged
 
@@ -277,21 +387,79 @@ def test_what_is_not_resolved_is_flagged(monkeypatch):
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: half_space_sliding(STIFF, em.FlatPunch(1.0), velocity=1.0, load=1.0), "shape must be an axisym"),
-        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0), "load or depth must be given.*neither"),
-        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, points=33), "points must be an even"),
-        (lambda: half_space_sliding(STIFF, BALL, velocity=-1.0, load=1.0), "velocity must be positive"),
-        (lambda: half_space_sliding(STIFF, BALL, velocity=[1.0, 2.0], load=[1.0, 2.0, 3.0]), "must broadcast"),
-        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, temperature=300.0), "no shift law"),
-        (lambda: half_space_sliding(em.Maxwell(1e6, 1.0), BALL, velocity=1.0, load=1.0), "must be a solid"),
-        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0, depth=1e-4, cell=0.1), "depth has no meaning"),
-        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, cell=[1.0] * 3), "cell must be the sides"),
-        (lambda: half_space_sliding(STIFF, em.Sphere(0.01), velocity=1.0, load=1.0, cell=0.1), "cell must lie within"),
-        (lambda: half_space_sliding(STIFF, np.ones((6, 8)), velocity=1.0, load=1.0, cell=0.1), "shape must be a body"),
-        (lambda: half_plane_sliding(STIFF, -1.0, velocity=1.0, load_per_length=1.0), "radius must be positive"),
-        (lambda: half_plane_sliding(STIFF, 1.0, velocity=1.0, load_per_length=0.0), "load_per_length must be positive"),
         (
-            lambda: half_plane_sliding(em.Foundation(1.0, [], [], per_area=True), 1.0, velocity=1.0, load_per_length=1),
+            lambda: half_space_sliding(
+                STIFF, em.FlatPunch(1.0), velocity=1.0, load=1.0
+            ),
+            "shape must be an axisym",
+        ),
+        (
+            lambda: half_space_sliding(STIFF, BALL, velocity=1.0),
+            "load or depth must be given.*neither",
+        ),
+        (
+            lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, points=33),
+            "points must be an even",
+        ),
+        (
+            lambda: half_space_sliding(STIFF, BALL, velocity=-1.0, load=1.0),
+            "velocity must be positive",
+        ),
+        (
+            lambda: half_space_sliding(
+                STIFF, BALL, velocity=[1.0, 2.0], load=[1.0, 2.0, 3.0]
+            ),
+            "must broadcast",
+        ),
+        (
+            lambda: half_space_sliding(
+                STIFF, BALL, velocity=1.0, load=1.0, temperature=300.0
+            ),
+            "no shift law",
+        ),
+        (
+            lambda: half_space_sliding(
+                em.Maxwell(1e6, 1.0), BALL, velocity=1.0, load=1.0
+            ),
+            "must be a solid",
+        ),
+        (
+            lambda: half_space_sliding(STIFF, BALL, velocity=1.0, depth=1e-4, cell=0.1),
+            "depth has no meaning",
+        ),
+        (
+            lambda: half_space_sliding(
+                STIFF, BALL, velocity=1.0, load=1.0, cell=[1.0] * 3
+            ),
+            "cell must be the sides",
+        ),
+        (
+            lambda: half_space_sliding(
+                STIFF, em.Sphere(0.01), velocity=1.0, load=1.0, cell=0.1
+            ),
+            "cell must lie within",
+        ),
+        (
+            lambda: half_space_sliding(
+                STIFF, np.ones((6, 8)), velocity=1.0, load=1.0, cell=0.1
+            ),
+            "shape must be a body",
+        ),
+        (
+            lambda: half_plane_sliding(STIFF, -1.0, velocity=1.0, load_per_length=1.0),
+            "radius must be positive",
+        ),
+        (
+            lambda: half_plane_sliding(STIFF, 1.0, velocity=1.0, load_per_length=0.0),
+            "load_per_length must be positive",
+        ),
+        (
+            lambda: half_plane_sliding(
+                em.Foundation(1.0, [], [], per_area=True),
+                1.0,
+                velocity=1.0,
+                load_per_length=1,
+            ),
             "must be a half-space",
         ),
     ],

@@ -1,4 +1,6 @@
-"""Results: tables that other programs read back, figures that say what they show, text that stays true."""
+"""Results: tables that other programs read back, figures that say what they show, text
+that stays true.
+"""
 
 import dataclasses
 import html
@@ -25,9 +27,15 @@ VELOCITY = np.geomspace(1e-6, 1e2, 33)  # its middle is 0.01
 KELVIN = np.array([273.15, 293.15, 313.15])
 
 
-def friction_curve(velocity=VELOCITY, temperature=None, load=10.0, error=1e-9, failed=(), plan="a plan"):
-    """mu = z/(1 + z^2) with z = v a_T/(1 cm/s) and one decade of a_T per 20 K: a peak of 0.5 at z = 1."""
-    given = np.broadcast_arrays(velocity, KELVIN[1] if temperature is None else temperature, load)
+def friction_curve(
+    velocity=VELOCITY, temperature=None, load=10.0, error=1e-9, failed=(), plan="a plan"
+):
+    """mu = z/(1 + z^2) with z = v a_T/(1 cm/s) and one decade of a_T per 20 K: a peak
+    of 0.5 at z = 1.
+    """
+    given = np.broadcast_arrays(
+        velocity, KELVIN[1] if temperature is None else temperature, load
+    )
     v, kelvin, force = (np.array(x, dtype=float) for x in given)
     z = v * 10 ** ((KELVIN[1] - kelvin) / 20) / 1e-2
     mu = np.array(z / (1 + z**2))
@@ -76,22 +84,45 @@ def test_csv_reads_back_the_same_numbers(tmp_path):
     curve.to_csv(tmp_path / "curve.csv")
     table = pd.read_csv(tmp_path / "curve.csv", comment="#")
     assert list(table) == list(curve.columns())
-    assert list(table)[:3] == ["velocity [m/s]", "temperature [K]", "friction coefficient [-]"]
+    assert list(table)[:3] == [
+        "velocity [m/s]",
+        "temperature [K]",
+        "friction coefficient [-]",
+    ]
     assert (table.dtypes == [float] * 9 + [bool]).all()
     for title, values in curve.columns().items():
         np.testing.assert_allclose(table[title], values, rtol=1e-15)
     assert table["friction coefficient [-]"].isna().sum() == 3
-    rows = [line for line in (tmp_path / "curve.csv").read_text().splitlines() if not line.startswith("#")]
+    rows = [
+        line
+        for line in (tmp_path / "curve.csv").read_text().splitlines()
+        if not line.startswith("#")
+    ]
     assert len(rows) == 1 + 99
-    numbers = np.array([[float(cell or "nan") for cell in row.split(",")[:-1]] for row in rows[1:]])
-    np.testing.assert_array_equal(numbers.T, list(curve.columns().values())[:-1])  # to the last bit
+    numbers = np.array(
+        [[float(cell or "nan") for cell in row.split(",")[:-1]] for row in rows[1:]]
+    )
+    # to the last bit
+    np.testing.assert_array_equal(numbers.T, list(curve.columns().values())[:-1])
 
 
 def test_csv_header_says_what_the_numbers_are():
-    header = [line for line in friction_curve(failed=[0]).csv([("scene", "a\nb")]).splitlines() if line[0] == "#"]
+    header = [
+        line
+        for line in friction_curve(failed=[0]).csv([("scene", "a\nb")]).splitlines()
+        if line[0] == "#"
+    ]
     assert all(line.startswith("# ") for line in header)
     text = "\n".join(header)
-    for said in (em.__version__, MODEL, "material: nbr", "load: 10 N", "SI", "peak mu = 0.5 at 0.01 m/s", "scene: a b"):
+    for said in (
+        em.__version__,
+        MODEL,
+        "material: nbr",
+        "load: 10 N",
+        "SI",
+        "peak mu = 0.5 at 0.01 m/s",
+        "scene: a b",
+    ):
         assert said in text
     assert "33, 1 did not converge" in text
 
@@ -100,7 +131,9 @@ def test_csv_is_whole_or_not_there(tmp_path):
     target = tmp_path / "curve.csv"
     target.mkdir()
     for path in (tmp_path / "missing" / "curve.csv", target, "bad\0name.csv"):
-        with pytest.raises(em.InputError, match=r"path must be a file that can be written.*csv") as raised:
+        with pytest.raises(
+            em.InputError, match=r"path must be a file that can be written.*csv"
+        ) as raised:
             friction_curve().to_csv(path)
         assert "\n" not in str(raised.value)
     assert list(tmp_path.iterdir()) == [target]
@@ -127,7 +160,9 @@ def test_dict_pandas_xarray_hold_the_same(make):
     assert frame.attrs["model"] == MODEL
     data = curve.to_xarray()
     assert dict(data.sizes) == {"temperature": 3, "velocity": 33}
-    np.testing.assert_array_equal(data[name].sel(temperature=293.15), getattr(curve, name)[1])
+    np.testing.assert_array_equal(
+        data[name].sel(temperature=293.15), getattr(curve, name)[1]
+    )
     assert data["velocity"].attrs["units"] == "m/s"
     assert data.attrs["material"] == "nbr"
     assert data.attrs["elastomdr"] == em.__version__
@@ -138,7 +173,9 @@ def test_missing_packages_are_named(monkeypatch):
 
     for package, method in (("pandas", "to_pandas"), ("xarray", "to_xarray")):
         monkeypatch.setitem(sys.modules, package, None)
-        with pytest.raises(em.InputError, match=rf"{package}.*pip install elastomdr\[tables\]"):
+        with pytest.raises(
+            em.InputError, match=rf"{package}.*pip install elastomdr\[tables\]"
+        ):
             getattr(friction_curve(), method)()
 
 
@@ -153,27 +190,37 @@ def test_axes_are_named_after_what_changes_along_them():
         ["temperature", "velocity"],
         ["0 degC", "20 degC", "40 degC"],
     )
-    both = friction_curve(temperature=KELVIN[:2, None, None], load=np.array([[1.0], [10.0]]), failed=[0])
+    both = friction_curve(
+        temperature=KELVIN[:2, None, None], load=np.array([[1.0], [10.0]]), failed=[0]
+    )
     assert axis_names(both) == (
         ["temperature", "load", "velocity"],
         ["0 degC, 1 N", "0 degC, 10 N", "20 degC, 1 N", "20 degC, 10 N"],
     )
-    assert axis_names(friction_curve(velocity=0.1, temperature=KELVIN)) == (["temperature"], [""])
-    tied = friction_curve(velocity=VELOCITY * np.array([[1.0], [2.0]]))  # no axis of its own for velocity
+    assert axis_names(friction_curve(velocity=0.1, temperature=KELVIN)) == (
+        ["temperature"],
+        [""],
+    )
+    # no axis of its own for velocity
+    tied = friction_curve(velocity=VELOCITY * np.array([[1.0], [2.0]]))
     assert axis_names(tied)[0] == ["axis_0", "axis_1"]
     assert dict(tied.to_xarray().sizes) == {"axis_0": 2, "axis_1": 33}
 
 
 def test_summary_finds_the_peak_and_the_ends():
     text = friction_curve().summary()
-    assert "peak mu = 0.5 at 0.01 m/s; ends: 0.0001 at 1e-06 m/s, 0.0001 at 100 m/s" in text
+    assert (
+        "peak mu = 0.5 at 0.01 m/s; ends: 0.0001 at 1e-06 m/s, 0.0001 at 100 m/s"
+        in text
+    )
     assert "33, all converged; largest estimated error of mu: 1e-09" in text
     assert MODEL in text
     rising = friction_curve(velocity=np.geomspace(1e-5, 1e-3, 5)).summary()
     assert "largest mu = 0.0990" in rising
     assert "an end of the range" in rising
     falling = friction_curve(velocity=np.geomspace(1e2, 1.0, 5)).summary()
-    assert "largest mu = 0.0099" in falling  # the order in which velocities are given does not matter
+    # the order in which velocities are given does not matter
+    assert "largest mu = 0.0099" in falling
     assert "other end 0.0001 at 100 m/s" in falling
     assert "no point converged" in friction_curve(failed=range(33)).summary()
     assert "33 did not converge" in friction_curve(failed=range(33)).summary()
@@ -185,9 +232,13 @@ def test_summary_finds_the_peak_and_the_ends():
 
 def test_repr_is_readable_and_never_fails():
     assert repr(friction_curve()) == "FrictionCurve\n" + friction_curve().summary()
-    assert repr(jax.tree.map(lambda x: None, friction_curve())).startswith("FrictionCurve(")
+    assert repr(jax.tree.map(lambda x: None, friction_curve())).startswith(
+        "FrictionCurve("
+    )
     assert "shape (33,)" in repr(eqx.filter(friction_curve(), eqx.is_inexact_array))
-    assert repr(jax.tree.map(lambda x: "?", rolling_curve())).startswith("RollingCurve(")
+    assert repr(jax.tree.map(lambda x: "?", rolling_curve())).startswith(
+        "RollingCurve("
+    )
     seen = []
 
     def under_jit(curve):
@@ -207,7 +258,9 @@ def test_repr_is_readable_and_never_fails():
 def test_curves_are_pytrees():
     curve = friction_curve(temperature=KELVIN[:, None])
     assert len(jax.tree.leaves(curve)) == 10
-    doubled = jax.jit(lambda c: jax.tree.map(lambda x: x if x.dtype == bool else 2 * x, c))(curve)
+    doubled = jax.jit(
+        lambda c: jax.tree.map(lambda x: x if x.dtype == bool else 2 * x, c)
+    )(curve)
     np.testing.assert_allclose(doubled.mu, 2 * curve.mu, rtol=1e-6)
     rows = jax.vmap(lambda c: jnp.nanmax(c.mu))(curve)
     assert rows.shape == (3,)
@@ -225,7 +278,13 @@ def test_a_computed_curve_is_such_a_result(tmp_path):
     rubber = em.StandardSolid(1e6, 3e6, 1e-2, name="test rubber")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        curve = em.friction(rubber, em.Paraboloid(5e-3), velocity=[0.01, 0.1, 1.0], load=10.0, model=em.Line())
+        curve = em.friction(
+            rubber,
+            em.Paraboloid(5e-3),
+            velocity=[0.01, 0.1, 1.0],
+            load=10.0,
+            model=em.Line(),
+        )
     assert "test rubber" in repr(curve)
     assert curve.columns()["friction coefficient [-]"].shape == (3,)
     assert hash(jax.tree.structure(curve)) is not None
@@ -234,8 +293,13 @@ def test_a_computed_curve_is_such_a_result(tmp_path):
 
 
 def test_materials_are_a_first_axis(tmp_path):
-    soft, hard = friction_curve(temperature=KELVIN[:, None]), friction_curve(temperature=KELVIN[:, None], failed=[0])
-    hard = dataclasses.replace(hard, model_error=hard.error, inputs=(*INPUTS[:2], ("load", "20 N")))
+    soft, hard = (
+        friction_curve(temperature=KELVIN[:, None]),
+        friction_curve(temperature=KELVIN[:, None], failed=[0]),
+    )
+    hard = dataclasses.replace(
+        hard, model_error=hard.error, inputs=(*INPUTS[:2], ("load", "20 N"))
+    )
     both = FrictionCurve.stack([soft, hard], ["soft", "hard"])
     assert both.mu.shape == (2, 3, 33)
     assert both.materials == ("soft", "hard")
@@ -243,11 +307,21 @@ def test_materials_are_a_first_axis(tmp_path):
     assert axis_names(both)[1][:2] == ["soft, 0 degC", "soft, 20 degC"]
     assert np.isnan(both.model_error[0]).all()  # not known for the first
     back = both.select("hard")
-    assert dict(back.inputs) == {"material": "hard", "shape": INPUTS[1][1], "load": "20 N"}
+    assert dict(back.inputs) == {
+        "material": "hard",
+        "shape": INPUTS[1][1],
+        "load": "20 N",
+    }
     for one, other in ((both.select("soft"), soft), (back, hard)):
-        assert jax.tree.structure(one) == jax.tree.structure(dataclasses.replace(other, inputs=one.inputs))
-        jax.tree.map(np.testing.assert_array_equal, jax.tree.leaves(one), jax.tree.leaves(other))
-    with pytest.raises(em.InputError, match="material must be one of soft, hard, got 'sofd'"):
+        assert jax.tree.structure(one) == jax.tree.structure(
+            dataclasses.replace(other, inputs=one.inputs)
+        )
+        jax.tree.map(
+            np.testing.assert_array_equal, jax.tree.leaves(one), jax.tree.leaves(other)
+        )
+    with pytest.raises(
+        em.InputError, match="material must be one of soft, hard, got 'sofd'"
+    ):
         both.select("sofd")
 
     inputs = dict(both.inputs)
@@ -257,9 +331,14 @@ def test_materials_are_a_first_axis(tmp_path):
     assert "198, 3 did not converge" in both.summary()
     both.to_csv(tmp_path / "both.csv")
     table = pd.read_csv(tmp_path / "both.csv", comment="#")
-    assert list(table.groupby("material", sort=False).size().items()) == [("soft", 99), ("hard", 99)]
+    assert list(table.groupby("material", sort=False).size().items()) == [
+        ("soft", 99),
+        ("hard", 99),
+    ]
     data = both.to_xarray()
-    np.testing.assert_array_equal(data["mu"].sel(material="soft", temperature=293.15), soft.mu[1])
+    np.testing.assert_array_equal(
+        data["mu"].sel(material="soft", temperature=293.15), soft.mu[1]
+    )
     assert both.to_dict()["material"] == ("soft", "hard")
     assert jax.jit(lambda c: c)(both).materials == both.materials
 
@@ -269,7 +348,11 @@ def test_materials_are_a_first_axis(tmp_path):
         ([soft, flat], ["a", "b"], "one shape"),
         ([flat, rolling_curve()], ["a", "b"], "one class"),
         ([flat], ["a", "b"], "2 names"),
-        ([flat, dataclasses.replace(flat, contact=None)], ["a", "b"], "computed alike, got contact"),
+        (
+            [flat, dataclasses.replace(flat, contact=None)],
+            ["a", "b"],
+            "computed alike, got contact",
+        ),
     ):
         with pytest.raises(em.InputError, match=said):
             FrictionCurve.stack(results, names)
@@ -288,10 +371,18 @@ def test_spectra_of_unlike_length():
         share = np.full((2, n), 1 / n)
         time = np.geomspace(1e-3, 1.0, n) * np.ones((2, 1))
         return em.Dissipation(
-            velocity=np.array([[1.0], [2.0]]) * np.ones(n), time=time, share=share,
-            resistance=share, power=share, normal_force=10 * np.ones((2, n)), error=1e-9 * np.ones((2, n)),
-            converged=np.ones((2, n), bool), model=MODEL, plan="a plan", inputs=INPUTS,
-        )  # fmt: skip
+            velocity=np.array([[1.0], [2.0]]) * np.ones(n),
+            time=time,
+            share=share,
+            resistance=share,
+            power=share,
+            normal_force=10 * np.ones((2, n)),
+            error=1e-9 * np.ones((2, n)),
+            converged=np.ones((2, n), bool),
+            model=MODEL,
+            plan="a plan",
+            inputs=INPUTS,
+        )
 
     both = em.Dissipation.stack([spectrum(3), spectrum(5)], ["a", "b"])
     assert both.share.shape == (2, 2, 5)
@@ -307,32 +398,50 @@ def test_excel_holds_the_table_and_what_it_is(tmp_path, monkeypatch):
 
     import openpyxl
 
-    curve = dataclasses.replace(friction_curve(failed=[3]), inputs=(("material", "=1+1"), ("note", "a\x01b")))
+    curve = dataclasses.replace(
+        friction_curve(failed=[3]), inputs=(("material", "=1+1"), ("note", "a\x01b"))
+    )
     curve.to_excel(tmp_path / "curve.xlsx")
     book = openpyxl.load_workbook(tmp_path / "curve.xlsx")
     titles, *rows = book["result"].iter_rows(values_only=True)
     assert list(titles) == list(curve.columns())
     for i, values in enumerate(curve.columns().values()):
         read = [np.nan if row[i] is None else row[i] for row in rows]
-        np.testing.assert_allclose(np.array(read, dtype=float), values.astype(float), rtol=1e-15)
+        np.testing.assert_allclose(
+            np.array(read, dtype=float), values.astype(float), rtol=1e-15
+        )
     told = {row[0].value: row[1] for row in book["inputs"].iter_rows()}
     assert told["material"].value == "=1+1"
     assert told["material"].data_type == "s"  # no formula
     assert told["model"].value == MODEL
     meaning = {row[1]: row for row in book["columns"].iter_rows(values_only=True)}
     assert meaning["contact.leading"][::2] == ("leading edge", "m")
-    with pytest.raises(em.InputError, match=r"path must end in \.xlsx, got .*curve\.csv"):
+    with pytest.raises(
+        em.InputError, match=r"path must end in \.xlsx, got .*curve\.csv"
+    ):
         curve.to_excel(tmp_path / "curve.csv")
     with pytest.raises(em.InputError, match="path must not be that of a workbook"):
         curve.to_csv(tmp_path / "curve.xlsx")
     monkeypatch.setitem(sys.modules, "openpyxl", None)
-    with pytest.raises(em.InputError, match=r"openpyxl.*pip install elastomdr\[excel\]"):
+    with pytest.raises(
+        em.InputError, match=r"openpyxl.*pip install elastomdr\[excel\]"
+    ):
         curve.to_excel(tmp_path / "curve.xlsx")
 
 
 def test_every_field_of_every_result_is_declared():
-    """A number without a name and a unit would be in no table: fields are quantities, settings, or parts of these."""
-    for name in ("Impact", "Indentation", "Slide", "Traction", "LineContact", "HeatBuildUp", "FrictionSpectrum"):
+    """A number without a name and a unit would be in no table: fields are quantities,
+    settings, or parts of these.
+    """
+    for name in (
+        "Impact",
+        "Indentation",
+        "Slide",
+        "Traction",
+        "LineContact",
+        "HeatBuildUp",
+        "FrictionSpectrum",
+    ):
         getattr(em, name)  # loads it
     seen, names = [Result], []
     while seen:
@@ -348,17 +457,22 @@ def test_every_field_of_every_result_is_declared():
 
 
 UNITS = {  # of each quantity, whatever the result
-    "-": "adhesion area area_ratio coefficient cold creepage error friction hysteresis linear model_error mu outside "
-    "ratio restitution road_share rolling share slip spread squeeze stick strain",
+    "-": (
+        "adhesion area area_ratio coefficient cold creepage error friction hysteresis "
+        "linear model_error mu outside ratio restitution road_share rolling share "
+        "slip spread squeeze stick strain"
+    ),
     "m^2": "contact_area",
     "": "converged extrapolated follows stuck touching",
     "m/s": "road slowest velocity",
     "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "amplitude mean force friction_force max_force normal_force pull resistance",
     "W": "power slip_power",
-    "m": "approach approach_error contact_radius "
-    "depth diameter displacement drive height leading max_depth position separation stick_radius "
-    "surface trailing width x",
+    "m": (
+        "approach approach_error contact_radius depth diameter displacement drive "
+        "height leading max_depth position separation stick_radius surface trailing "
+        "width x"
+    ),
     "s": "duration settling time",
     "Pa": "pressure",
     "rad/s": "omega",
@@ -380,11 +494,16 @@ UNITS = {  # of each quantity, whatever the result
     "J/K": "capacity",
 }
 OTHERS = {
-    "Shear.error": "N", "ForceSpectrum.error": "N",
-    "ORing.error": "N/m", "HeatBuildUp.error": "K", "HeatBuildUp.load": "N",
+    "Shear.error": "N",
+    "ForceSpectrum.error": "N",
+    "ORing.error": "N/m",
+    "HeatBuildUp.error": "K",
+    "HeatBuildUp.load": "N",
     "RoughContact.conductance": "1/m",
-    "LineContact.force": "N/m", "Conveyor.resistance": "N/m", "Conveyor.power": "W/m",
-}  # fmt: skip
+    "LineContact.force": "N/m",
+    "Conveyor.resistance": "N/m",
+    "Conveyor.power": "W/m",
+}
 
 
 def test_every_quantity_has_the_unit_of_what_it_is():
@@ -398,13 +517,17 @@ def test_every_quantity_has_the_unit_of_what_it_is():
         waiting += cls.__subclasses__()
         for f in dataclasses.fields(cls):
             if q := f.metadata.get("quantity"):
-                assert q.unit == OTHERS.get(f"{cls.__name__}.{f.name}", units[f.name]), (cls, f.name)
+                assert q.unit == OTHERS.get(
+                    f"{cls.__name__}.{f.name}", units[f.name]
+                ), (cls, f.name)
                 count += 1
     assert count > 100
 
 
 def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
-    curve = dataclasses.replace(friction_curve(), inputs=(("material", "<b>"), *INPUTS[1:]))
+    curve = dataclasses.replace(
+        friction_curve(), inputs=(("material", "<b>"), *INPUTS[1:])
+    )
     shown = curve._repr_html_()
     assert shown.startswith("<table><caption>FrictionCurve</caption>")
     assert "<b>" not in shown
@@ -413,10 +536,22 @@ def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
         assert f">{html.escape(text)}</td>" in shown
     rubber = em.Prony(1e6, np.full(20, 1e6), np.geomspace(1e-9, 1e-2, 20), name="a & b")
     shown = rubber._repr_html_()
-    for row in ("equilibrium</th>", ">1e+06 Pa</td>", "1e-09 to 0.01 (20 values) s", "a &amp; b", "poisson"):
+    for row in (
+        "equilibrium</th>",
+        ">1e+06 Pa</td>",
+        "1e-09 to 0.01 (20 values) s",
+        "a &amp; b",
+        "poisson",
+    ):
         assert row in shown
     swept = np.geomspace(1e-3, 0.5, 12)
-    fit = em.fit.softening({"strain": swept, "storage": 1e6 + 4e6 / (1 + swept / 0.02), "loss": 1e5 + 0 * swept}).found
+    fit = em.fit.softening(
+        {
+            "strain": swept,
+            "storage": 1e6 + 4e6 / (1 + swept / 0.02),
+            "loss": 1e5 + 0 * swept,
+        }
+    ).found
     assert "<caption>Sweeps</caption>" in fit._repr_html_()
     assert html.escape(fit.summary().splitlines()[-1][-20:]) in fit._repr_html_()
 

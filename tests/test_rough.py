@@ -23,13 +23,23 @@ def cosines(points: int, heights=HEIGHTS) -> em.RoughLine:
 
 
 def rough(points: int = 4096, seed: int = 3) -> em.RoughLine:
-    return synthesise(em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4), seed, 4, points)
+    return synthesise(
+        em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4), seed, 4, points
+    )
 
 
-def march(line: em.RoughLine, law: em.Foundation, velocity: float, depth: float, periods: int) -> tuple[float, ...]:
-    """The contact step of one branch, period after period in plain Python: mu by work, by dissipation, and the load."""
+def march(
+    line: em.RoughLine, law: em.Foundation, velocity: float, depth: float, periods: int
+) -> tuple[float, ...]:
+    """The contact step of one branch, period after period in plain Python: mu by work,
+    by dissipation, and the load.
+    """
     (stiff,), (tau,), soft = law.moduli, law.times, float(law.equilibrium)
-    surface = np.roll(line.height[::-1], -int(np.argmax(line.height[::-1])) - 1) - line.height.max() + depth
+    surface = (
+        np.roll(line.height[::-1], -int(np.argmax(line.height[::-1])) - 1)
+        - line.height.max()
+        + depth
+    )
     h = float(line.spacing) / velocity
     keep = np.exp(-h / tau)
     gain = stiff * (1 - keep) * tau / h
@@ -44,9 +54,11 @@ def march(line: em.RoughLine, law: em.Foundation, velocity: float, depth: float,
             settled = stiff * tau * rate
             # int f^2 ds/(E tau) of f = settled + (f - settled) exp(-s/tau), exactly
             rest = f - settled
-            heat += (settled**2 * h + 2 * settled * rest * tau * (1 - keep) + rest**2 * tau / 2 * (1 - keep**2)) / (
-                stiff * tau
-            )
+            heat += (
+                settled**2 * h
+                + 2 * settled * rest * tau * (1 - keep)
+                + rest**2 * tau / 2 * (1 - keep**2)
+            ) / (stiff * tau)
             work += 0.5 * (q + after) * (new - u)
             f, u, q = keep * f + gain * (new - u), new, after
             load += q
@@ -55,17 +67,27 @@ def march(line: em.RoughLine, law: em.Foundation, velocity: float, depth: float,
 
 
 def test_full_contact_of_cosines():
-    got = em.friction(RUBBER, cosines(16384), velocity=0.3, load=600.0, model=em.Line(samples=65536))
+    got = em.friction(
+        RUBBER, cosines(16384), velocity=0.3, load=600.0, model=em.Line(samples=65536)
+    )
     np.testing.assert_allclose(got.mu, 0.0014075137994553225, rtol=1e-9)
     np.testing.assert_allclose(got.friction_force, 0.8445082796731935, rtol=1e-8)
     np.testing.assert_allclose(got.depth, 6e-4 + HEIGHTS.sum(), rtol=1e-9)
     assert got.lines.share == 1
-    by_depth = em.friction(RUBBER, cosines(16384), velocity=0.3, depth=got.depth, model=em.Line(samples=65536))
+    by_depth = em.friction(
+        RUBBER,
+        cosines(16384),
+        velocity=0.3,
+        depth=got.depth,
+        model=em.Line(samples=65536),
+    )
     np.testing.assert_allclose(by_depth.normal_force, 600.0, rtol=1e-8)
 
 
 def test_direction_average_of_a_cosine():
-    """<cos(phi) E''(w cos(phi))> = E_1/(w tau) (1 - 1/sqrt(1 + (w tau)^2)), at w tau = 0.1, 1, 10."""
+    """<cos(phi) E''(w cos(phi))> = E_1/(w tau) (1 - 1/sqrt(1 + (w tau)^2)), at w tau =
+    0.1, 1, 10.
+    """
     kernel = np.array([0.04962809790010864, 0.2928932188134525, 0.09004962809790011])
     x = np.arange(1024) * 2 * np.pi / 1e3 / 1024
     one = em.Foundation(1e6, [1e6], [1e-3])
@@ -85,38 +107,51 @@ def test_direction_average_of_a_cosine():
 @pytest.mark.parametrize("skip", [False, True])
 def test_partial_contact_against_a_march(skip):
     line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
-    got = em.friction(one, line, velocity=1.0, depth=2e-5, model=em.Line(samples=4096), skip=skip)
+    got = em.friction(
+        one, line, velocity=1.0, depth=2e-5, model=em.Line(samples=4096), skip=skip
+    )
     work, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
     assert 0.01 < got.lines.share < 0.9
-    np.testing.assert_allclose(got.mu, heat, rtol=2e-4)  # what friction puts in is what the branch dissipates
-    np.testing.assert_allclose(got.normal_force, load, rtol=1e-5)  # the plain march does not know of bends in a step
+    # what friction puts in is what the branch dissipates
+    np.testing.assert_allclose(got.mu, heat, rtol=2e-4)
+    # the plain march does not know of bends in a step
+    np.testing.assert_allclose(got.normal_force, load, rtol=1e-5)
     assert abs(heat - work) < got.error
 
 
 def test_contact_along_the_line():
     line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
-    got = em.line_contact(one, line, velocity=1.0, depth=2e-5, model=em.Line(samples=4096))
+    got = em.line_contact(
+        one, line, velocity=1.0, depth=2e-5, model=em.Line(samples=4096)
+    )
     _, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
     np.testing.assert_allclose(got.force.mean(), load, rtol=1e-5)
     np.testing.assert_allclose(got.height.max(), 2e-5, rtol=1e-12)
     assert (got.force[got.touching] > 0).all()
     assert (got.surface >= got.height).all()
     np.testing.assert_array_equal(got.surface[got.touching], got.height[got.touching])
-    # The force on what moves to +x, by the slopes it meets: the rubber pushes back on the leading flanks.
-    slope = (np.roll(got.height, -1) - np.roll(got.height, 1)) / (2 * (got.x[1] - got.x[0]))
+    # The force on what moves to +x, by the slopes it meets: the rubber pushes back on
+    # the leading flanks.
+    slope = (np.roll(got.height, -1) - np.roll(got.height, 1)) / (
+        2 * (got.x[1] - got.x[0])
+    )
     np.testing.assert_allclose(-(got.force * slope).mean() / load, heat, rtol=0.02)
     assert "not the real contact area" in got.summary()
     assert got.csv().count("True") > got.touching.sum()
     axes = got.plot()
     assert len(axes.lines) == 4
-    failed = dataclasses.replace(got, **{k: np.nan * getattr(got, k) for k in ("height", "surface", "force")})
+    failed = dataclasses.replace(
+        got, **{k: np.nan * getattr(got, k) for k in ("height", "surface", "force")}
+    )
     assert len(failed.plot().lines) == 4
     with pytest.raises(em.InputError, match="must be single numbers"):
         em.line_contact(one, line, velocity=[1.0, 2.0], depth=2e-5)
 
 
 def test_pressure_by_the_rule_of_full_contact():
-    """Waves of one length in full contact: the friction stress of a half-space, <h^2> q^2 <cos E''(q v cos)>/2."""
+    """Waves of one length in full contact: the friction stress of a half-space, <h^2>
+    q^2 <cos E''(q v cos)>/2.
+    """
     narrow = em.SelfAffine(0.0, rms_height=1e-6, q_low=1e3, q_high=1.01e3)
     one = em.Foundation(1e6, [1e6], [1e-3])
     model = em.Line(average=True, equivalent_length="full contact", samples=1024)
@@ -135,7 +170,13 @@ def test_pressure_by_the_rule_of_full_contact():
 
 def test_elastic_line_loses_nothing():
     """Full contact: mean u is load over E*, depth that and the highest wave on top."""
-    got = em.friction(em.Foundation(1e6, [], []), cosines(1024), velocity=0.3, load=[3.0, 600.0], model=em.Line())
+    got = em.friction(
+        em.Foundation(1e6, [], []),
+        cosines(1024),
+        velocity=0.3,
+        load=[3.0, 600.0],
+        model=em.Line(),
+    )
     np.testing.assert_array_equal(got.mu, 0.0)
     np.testing.assert_allclose(got.depth[1], 6e-4 + HEIGHTS.sum(), rtol=1e-9)
     assert got.converged.all()
@@ -143,7 +184,9 @@ def test_elastic_line_loses_nothing():
 
 def test_plan_of_a_rough_line():
     many = em.Foundation(1e6, 1e6 * np.ones(9), np.geomspace(1e-12, 1e6, 9))
-    plan = em.plan(many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, model=em.Line())
+    plan = em.plan(
+        many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, model=em.Line()
+    )
     assert (plan.points, plan.branches, plan.solutions, plan.lines) == (5, 9, 5, 1)
     text = str(plan)
     assert 1 <= plan.carried[0] <= plan.carried[1] < 9
@@ -161,19 +204,33 @@ def test_plan_of_a_rough_line():
 
 def test_order_in_the_sample_spacing():
     line = cosines(1024, np.array([2e-5, 4e-6, 0.0]))
-    mu = [float(em.friction(RUBBER, line, velocity=0.1, load=3.0, model=em.Line(samples=n)).mu) for n in
-          (4096, 16384, 65536)]  # fmt: skip
+    mu = [
+        float(
+            em.friction(
+                RUBBER, line, velocity=0.1, load=3.0, model=em.Line(samples=n)
+            ).mu
+        )
+        for n in (4096, 16384, 65536)
+    ]
     assert np.log(abs((mu[2] - mu[0]) / (mu[2] - mu[1]))) / np.log(4) > 1.5
 
 
 def test_one_asperity_with_a_long_period():
-    ball = em.friction(RUBBER, em.Paraboloid(1e-3), velocity=[1e-3, 0.1], depth=1e-6, model=em.Line())
+    ball = em.friction(
+        RUBBER, em.Paraboloid(1e-3), velocity=[1e-3, 0.1], depth=1e-6, model=em.Line()
+    )
     gaps = []
     for period in (4e-3, 16e-3):
         n = round(period / 2e-6)
         x = np.arange(n) * 2e-6
         shape = -np.minimum((x - x[n // 2]) ** 2 / 1e-3, 3e-6)
-        line = em.friction(RUBBER, em.RoughLine(x, shape), velocity=[1e-3, 0.1], depth=1e-6, model=em.Line())
+        line = em.friction(
+            RUBBER,
+            em.RoughLine(x, shape),
+            velocity=[1e-3, 0.1],
+            depth=1e-6,
+            model=em.Line(),
+        )
         gaps.append(np.abs(line.mu / ball.mu - 1).max())
     assert gaps[1] < 5e-3
     assert gaps[1] <= gaps[0] + 2e-4
@@ -181,14 +238,20 @@ def test_one_asperity_with_a_long_period():
 
 def test_master_curve_and_skipping():
     wlf = em.WLF(c1=8.86, c2=101.6, reference=293.15)
-    rubber = em.Prony(0.5e6, 1e6 * np.ones(12), np.geomspace(1e-12, 1e10, 12), shift=wlf)
+    rubber = em.Prony(
+        0.5e6, 1e6 * np.ones(12), np.geomspace(1e-12, 1e10, 12), shift=wlf
+    )
     v = np.array([1e-3, 1.0])
     asked = {"pressure": 1e5, "model": em.Line(samples=4096)}
     surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=1e4)
     cold = em.friction(rubber, surface, velocity=v, temperature=283.15, **asked)
-    same = em.friction(rubber, surface, velocity=v * wlf.a(283.15), temperature=293.15, **asked)
+    same = em.friction(
+        rubber, surface, velocity=v * wlf.a(283.15), temperature=293.15, **asked
+    )
     np.testing.assert_allclose(cold.mu, same.mu, rtol=1e-8)
-    every = em.friction(rubber, surface, velocity=v, temperature=283.15, skip=False, **asked)
+    every = em.friction(
+        rubber, surface, velocity=v, temperature=283.15, skip=False, **asked
+    )
     np.testing.assert_allclose(every.mu, cold.mu, rtol=1e-6)
     assert "2 pi/q_low" in cold.model
     for word in ("rms height", "rms slope", "cutoffs"):
@@ -202,7 +265,11 @@ def test_master_curve_and_skipping():
     )
     np.testing.assert_allclose(wide.normal_force, 1e5 * 1e-3, rtol=1e-7)
     lines = em.friction(
-        rubber, surface, velocity=v, temperature=283.15, **asked | {"model": em.Line(samples=4096, seeds=2)}
+        rubber,
+        surface,
+        velocity=v,
+        temperature=283.15,
+        **asked | {"model": em.Line(samples=4096, seeds=2)},
     )
     assert (lines.lines.scatter > 0).all()
 
@@ -212,7 +279,9 @@ def test_resumed_sweeps():
         put = dict.__setitem__
 
     kept, calls = Kept(), []
-    one = em.friction(RUBBER, rough(), velocity=[0.1, 1.0], load=5.0, model=em.Line(), store=kept)
+    one = em.friction(
+        RUBBER, rough(), velocity=[0.1, 1.0], load=5.0, model=em.Line(), store=kept
+    )
     assert kept
     two = em.friction(
         RUBBER,
@@ -234,8 +303,12 @@ def test_random_scenes_converge_or_say_so():
         velocity = 10.0 ** rng.uniform(-9, 5, 8)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", em.ConvergenceWarning)
-            got = em.friction(RUBBER, rough(seed=seed), velocity=velocity, load=load, model=em.Line())
-        np.testing.assert_allclose(got.normal_force[got.converged], load[got.converged], rtol=1e-8)
+            got = em.friction(
+                RUBBER, rough(seed=seed), velocity=velocity, load=load, model=em.Line()
+            )
+        np.testing.assert_allclose(
+            got.normal_force[got.converged], load[got.converged], rtol=1e-8
+        )
         assert (got.mu[got.converged] > 0).all()
         assert np.isnan(got.mu[~got.converged]).all()
         assert got.converged.mean() > 0.7
@@ -251,14 +324,29 @@ def test_random_scenes_converge_or_say_so():
         ({"model": "lines"}, "model must be .* Did you mean 'line'"),
         ({"model": "averaged"}, "use em.Line.average=True"),
         ({"model": em.Line(samples=3)}, "samples must be"),
-        ({"model": em.Persson(), "pressure": None, "load": 1.0}, "model must be em.Line.. for a surface without"),
-        ({"model": em.Multiscale(), "shape": rough()}, "model must be em.Line.. for an em.RoughLine"),
-        ({"material": em.Foundation.maxwell(1e6, 1.0), "model": em.Line()}, "equilibrium modulus"),
+        (
+            {"model": em.Persson(), "pressure": None, "load": 1.0},
+            "model must be em.Line.. for a surface without",
+        ),
+        (
+            {"model": em.Multiscale(), "shape": rough()},
+            "model must be em.Line.. for an em.RoughLine",
+        ),
+        (
+            {"material": em.Foundation.maxwell(1e6, 1.0), "model": em.Line()},
+            "equilibrium modulus",
+        ),
         ({"shape": rough()}, "equivalent_length"),
     ],
 )
 def test_bad_input(change, message):
-    asked = {"material": RUBBER, "shape": SURFACE, "velocity": 1.0, "pressure": 1e5, "model": em.Line()} | change
+    asked = {
+        "material": RUBBER,
+        "shape": SURFACE,
+        "velocity": 1.0,
+        "pressure": 1e5,
+        "model": em.Line(),
+    } | change
     with pytest.raises(em.InputError, match=message):
         em.friction(asked.pop("material"), asked.pop("shape"), **asked)
 
@@ -303,7 +391,9 @@ def test_scene(tmp_path, capsys, monkeypatch):
     assert "carried, each velocity its own window" in capsys.readouterr().out
     assert not list(tmp_path.glob(".*parts"))
     assert main(["rolling", str(scene)]) == 2
-    scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"').replace('model = "line"', FULL))
+    scene.write_text(
+        SCENE.format(contact='pressure = "0.05 MPa"').replace('model = "line"', FULL)
+    )
     assert main(["plan", str(scene)]) == 0
     assert "that of full contact" in capsys.readouterr().out
     scene.write_text(SCENE.format(contact=""))

@@ -1,11 +1,14 @@
-"""Ensembles of lines with the spectrum of a surface: how many samples they take, and which seeds."""
+"""Ensembles of lines with the spectrum of a surface: how many samples they take, and
+which seeds.
+"""
 
 import numpy as np
 import pytest
 
 import elastomdr as em
 
-pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")  # of the width of the spectrum
+# of the width of the spectrum
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
 RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
 
 
@@ -18,10 +21,13 @@ def test_light_contact_takes_the_samples_it_needs(monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr("elastomdr.rough.ensemble.SAMPLING", 1.0)
         fine = em.friction(RUBBER, surface, model=em.Line(samples=2**17), **asked)
-    assert (np.abs(found.mu - fine.mu) <= found.lines.numerical + fine.lines.numerical).all()
+    assert (
+        np.abs(found.mu - fine.mu) <= found.lines.numerical + fine.lines.numerical
+    ).all()
     assert (found.lines.numerical <= 0.1 * found.mu).all()
     with pytest.warns(em.ConvergenceWarning, match="more samples"):
-        coarse = em.friction(RUBBER, surface, model=em.Line(samples=1024), **asked)  # asked for, kept to
+        # asked for, kept to
+        coarse = em.friction(RUBBER, surface, model=em.Line(samples=1024), **asked)
     assert not coarse.converged[0].all()
     assert coarse.converged[1].all()
 
@@ -30,10 +36,15 @@ def test_seeds_by_name_and_by_number():
     asked = {"velocity": [0.1, 1.0], "pressure": 1e5}
     surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4)
     first, second = (
-        em.friction(RUBBER, surface, model=em.Line(seeds=[seed], samples=1024), **asked) for seed in (0, 7)
+        em.friction(RUBBER, surface, model=em.Line(seeds=[seed], samples=1024), **asked)
+        for seed in (0, 7)
     )
-    both = em.friction(RUBBER, surface, model=em.Line(seeds=[0, 7], samples=1024), **asked)
+    both = em.friction(
+        RUBBER, surface, model=em.Line(seeds=[0, 7], samples=1024), **asked
+    )
     np.testing.assert_allclose(both.mu, 0.5 * (first.mu + second.mu), rtol=1e-6)
     assert "seeds 0, 7" in dict(both.inputs)["ensemble"]
-    np.testing.assert_array_equal(first.mu, em.friction(RUBBER, surface, model=em.Line(samples=1024), **asked).mu)
+    np.testing.assert_array_equal(
+        first.mu, em.friction(RUBBER, surface, model=em.Line(samples=1024), **asked).mu
+    )
     assert (first.mu != second.mu).all()

@@ -1,4 +1,6 @@
-"""mu of a rough line and its stated error where the force jumps at the edges of contacts, against a closed form."""
+"""mu of a rough line and its stated error where the force jumps at the edges of
+contacts, against a closed form.
+"""
 
 import jax
 import numpy as np
@@ -14,10 +16,14 @@ from elastomdr.rough.periodic import _limit, solve_line
 from elastomdr.surface.synthesis import synthesise
 
 
-def dashpot_on_a_cosine(stiff: float, eta: float, k: float, height: float, velocity: float, depth: float):
-    """mu and mean force per length of a spring and a dashpot, from q = E w + eta dw/dt in contact, w = d - A + A cos.
+def dashpot_on_a_cosine(
+    stiff: float, eta: float, k: float, height: float, velocity: float, depth: float
+):
+    """mu and mean force per length of a spring and a dashpot, from q = E w + eta dw/dt
+    in contact, w = d - A + A cos.
 
-    Contact ends where q = 0, recovery goes as exp(-E t/eta), and the next wave meets it before its crest.
+    Contact ends where q = 0, recovery goes as exp(-E t/eta), and the next wave meets it
+    before its crest.
     """
     period = 2 * np.pi / k / velocity
 
@@ -43,35 +49,64 @@ def dashpot_on_a_cosine(stiff: float, eta: float, k: float, height: float, veloc
 
 
 def test_force_that_jumps_at_the_edge():
-    """With a dashpot alone the force jumps where contact begins: of second order, and the error covers it."""
+    """With a dashpot alone the force jumps where contact begins: of second order, and
+    the error covers it.
+    """
     x = np.arange(4096) * 2 * np.pi / 1e3 / 4096
-    rubber, line = em.Foundation(1e6, [], [], viscosity=1e3), em.RoughLine(x, 1e-5 * np.cos(1e3 * x))
+    rubber, line = (
+        em.Foundation(1e6, [], [], viscosity=1e3),
+        em.RoughLine(x, 1e-5 * np.cos(1e3 * x)),
+    )
     for depth in (1e-5, 3e-5):
         velocity = [3.0, 10.0, 30.0, 100.0]
         exact = [dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, v, depth) for v in velocity]
         for samples in (4096, 65536):
-            got = em.friction(rubber, line, velocity=velocity, depth=depth, model=em.Line(samples=samples))
+            got = em.friction(
+                rubber,
+                line,
+                velocity=velocity,
+                depth=depth,
+                model=em.Line(samples=samples),
+            )
             mu, load = np.transpose(exact)
-            np.testing.assert_allclose(got.normal_force, load, rtol=3e-7 * (4096 / samples) ** 2 + 1e-9)
-            np.testing.assert_allclose(got.mu, mu, rtol=2e-5 * (4096 / samples) ** 2 + 1e-8)
+            np.testing.assert_allclose(
+                got.normal_force, load, rtol=3e-7 * (4096 / samples) ** 2 + 1e-9
+            )
+            np.testing.assert_allclose(
+                got.mu, mu, rtol=2e-5 * (4096 / samples) ** 2 + 1e-8
+            )
             assert (np.abs(got.mu - mu) <= got.error).all()
             assert (got.error <= 1e-4 * mu).all()
 
 
 def test_contacts_of_few_samples_have_an_error_that_covers():
-    """One to twenty samples touch: against eight times as many samples, 97 % of the points at least."""
+    """One to twenty samples touch: against eight times as many samples, 97 % of the
+    points at least.
+    """
     draw, covered = np.random.default_rng(11), []
     for _ in range(12):
         surface = em.SelfAffine(
-            draw.uniform(0.5, 1), rms_slope=0.3, q_low=1e3, q_high=1e3 * draw.choice([4.0, 8.0, 16.0])
+            draw.uniform(0.5, 1),
+            rms_slope=0.3,
+            q_low=1e3,
+            q_high=1e3 * draw.choice([4.0, 8.0, 16.0]),
         )
         line = synthesise(surface, int(draw.integers(1e6)), 2, 4096)
         height, spacing = np.asarray(line.height), float(line.spacing)
         law = Relaxation(
-            np.asarray(1e6), 1e6 * 10 ** draw.uniform(-1, 2, 2), 10 ** draw.uniform(-5, -2, 2), np.zeros(())
+            np.asarray(1e6),
+            1e6 * 10 ** draw.uniform(-1, 2, 2),
+            10 ** draw.uniform(-5, -2, 2),
+            np.zeros(()),
         )
-        velocity, load = 10 ** draw.uniform(-2, 3, 16), 1e6 * height.std() * 10 ** draw.uniform(-5, -2, 16)
-        some, many = (solve_line(height[::n], spacing * n, law, velocity, load, "load", 1e-6) for n in (8, 1))
+        velocity, load = (
+            10 ** draw.uniform(-2, 3, 16),
+            1e6 * height.std() * 10 ** draw.uniform(-5, -2, 16),
+        )
+        some, many = (
+            solve_line(height[::n], spacing * n, law, velocity, load, "load", 1e-6)
+            for n in (8, 1)
+        )
         good = some.converged & many.converged
         covered += list((np.abs(some.mu - many.mu) <= some.error + many.error)[good])
     assert len(covered) > 150
@@ -79,23 +114,39 @@ def test_contacts_of_few_samples_have_an_error_that_covers():
 
 
 def test_contact_that_ends_within_a_step():
-    """A dashpot far quicker than a step: the work of the step in which contact ends was of first order, off by 8e-4."""
+    """A dashpot far quicker than a step: the work of the step in which contact ends was
+    of first order, off by 8e-4.
+    """
     x = np.arange(256) * 2 * np.pi / 1e3 / 256
-    rubber, line = em.Foundation(1e6, [], [], viscosity=1e3), em.RoughLine(x, 1e-5 * np.cos(1e3 * x))
+    rubber, line = (
+        em.Foundation(1e6, [], [], viscosity=1e3),
+        em.RoughLine(x, 1e-5 * np.cos(1e3 * x)),
+    )
     exact, _ = dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, 1e-5, 0.77e-5)
     for samples in (1024, 4096):
-        got = em.friction(rubber, line, velocity=1e-5, depth=0.77e-5, model=em.Line(samples=samples))
+        got = em.friction(
+            rubber, line, velocity=1e-5, depth=0.77e-5, model=em.Line(samples=samples)
+        )
         np.testing.assert_allclose(got.mu, exact, rtol=1e-5)
 
 
 @pytest.mark.parametrize("samples", [256, 1024])
 def test_error_where_rubber_gives_way_within_a_step(samples):
-    """eta/E over the step from 4e-4 to 5: in between the bend of a step is neither closed form nor resolved."""
+    """eta/E over the step from 4e-4 to 5: in between the bend of a step is neither
+    closed form nor resolved.
+    """
     x = np.arange(samples) * 2 * np.pi / 1e3 / samples
-    rubber, line = em.Foundation(1e6, [], [], viscosity=1e3), em.RoughLine(x, 1e-5 * np.cos(1e3 * x))
+    rubber, line = (
+        em.Foundation(1e6, [], [], viscosity=1e3),
+        em.RoughLine(x, 1e-5 * np.cos(1e3 * x)),
+    )
     velocity = np.geomspace(1e-5, 3e-2, 8)
-    found = em.friction(rubber, line, velocity=velocity, depth=0.77e-5, model=em.Line(samples=samples))
-    exact = np.array([dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, v, 0.77e-5)[0] for v in velocity])
+    found = em.friction(
+        rubber, line, velocity=velocity, depth=0.77e-5, model=em.Line(samples=samples)
+    )
+    exact = np.array(
+        [dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, v, 0.77e-5)[0] for v in velocity]
+    )
     assert (np.abs(found.mu - exact) <= found.error).all()
     assert (found.error < 5e-3 * found.mu).all()
 
@@ -105,38 +156,68 @@ TREAD = em.Foundation(2e6, 3e6 * (BROAD / 1e-10) ** -0.1, BROAD)
 
 
 def test_a_broad_spectrum_on_a_long_line_converges():
-    """20 branches over 14 decades: forces in contact passed through the modes of free recovery, and mu was NaN.
+    """20 branches over 14 decades: forces in contact passed through the modes of free
+    recovery, and mu was NaN.
 
-    mu is that of `benchmarks/robustness/rough_march.py`, from event to event, on four times the samples.
+    mu is that of `benchmarks/robustness/rough_march.py`, from event to event, on four
+    times the samples.
     """
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2e3, q_high=2e5)
     line = synthesise(surface, 2, 4, 16384)
     velocity = np.geomspace(1e-6, 100, 8)[:7]
-    found = solve_line(line.height, float(line.spacing), TREAD.law(), velocity, np.full(7, 0.6), "load", 1e-6)
+    found = solve_line(
+        line.height,
+        float(line.spacing),
+        TREAD.law(),
+        velocity,
+        np.full(7, 0.6),
+        "load",
+        1e-6,
+    )
     assert found.converged.all()
     assert (found.error < 0.01 * found.mu).all()
-    truth = [0.0139054, 0.0161710, 0.0186927, 0.0212329, 0.0236236, 0.0261357, 0.0283870]
+    truth = [
+        0.0139054,
+        0.0161710,
+        0.0186927,
+        0.0212329,
+        0.0236236,
+        0.0261357,
+        0.0283870,
+    ]
     assert (np.abs(found.mu - truth) <= found.error).all()
 
 
 def test_no_stretch_passed_leaves_the_state_as_it_is():
-    """Branches much shorter than a step are lost in the modes of free recovery: in contact they must not be touched."""
+    """Branches much shorter than a step are lost in the modes of free recovery: in
+    contact they must not be touched.
+    """
     with jax.enable_x64(True):
         by = coefficients(lanes(TREAD.law(), 1), np.array([1e-4]))
-        free = stretches(np.zeros(64), 4, by.seen, by.lost, by.gain, by.give, by.relaxed)
-        y = np.append(1.0, by.gain[:, 0])[:, None]  # forces of a motion at constant speed
-        passed, after, _ = recover(jax.device_put(free), np.array(0), y, np.array([np.inf]), 16, 2)
+        free = stretches(
+            np.zeros(64), 4, by.seen, by.lost, by.gain, by.give, by.relaxed
+        )
+        # forces of a motion at constant speed
+        y = np.append(1.0, by.gain[:, 0])[:, None]
+        passed, after, _ = recover(
+            jax.device_put(free), np.array(0), y, np.array([np.inf]), 16, 2
+        )
         assert int(passed) == 0
         np.testing.assert_array_equal(after, y)
 
 
 def test_a_coarse_level_that_was_not_solved_costs_no_point():
-    """mu of every 64th, 16th, 4th and each sample, of second order: without one of the coarse ones the error covers."""
+    """mu of every 64th, 16th, 4th and each sample, of second order: without one of the
+    coarse ones the error covers.
+    """
     mus = [np.array([1.0 + 1e-4 * 16.0**level]) for level in (3, 2, 1, 0)]
     bare = np.array([False])
     _, every = _limit(list(mus), bare)
     for missing in range(3):
-        some = [mu if level != missing else np.array([np.nan]) for level, mu in enumerate(mus)]
+        some = [
+            mu if level != missing else np.array([np.nan])
+            for level, mu in enumerate(mus)
+        ]
         mu, error = _limit(some, bare)
         assert mu == mus[-1]
         assert every * (1 - 1e-9) <= error < 0.02

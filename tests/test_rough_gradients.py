@@ -1,4 +1,6 @@
-"""Derivatives of the friction of rough lines and surfaces, in both modes, against differences."""
+"""Derivatives of the friction of rough lines and surfaces, in both modes, against
+differences.
+"""
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +13,8 @@ from elastomdr.surface.synthesis import synthesise
 SURFACE = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=8e3)
 LINE = synthesise(SURFACE, 0, 4, 64)
 SHIFT = em.WLF(c1=8.86, c2=101.6, reference=293.15)
-GIVEN = np.array([2e7, 3e6, 1e-4, 1e-2, 0.3, 3e4, 298.0])  # E_1, E_2, tau_1, tau_2, v, p, T
+# E_1, E_2, tau_1, tau_2, v, p, T
+GIVEN = np.array([2e7, 3e6, 1e-4, 1e-2, 0.3, 3e4, 298.0])
 
 
 @pytest.fixture(autouse=True)
@@ -23,24 +26,42 @@ def any_sampling(monkeypatch):
 def by_pressure(x, average=False):
     rubber = em.Prony(1e6, x[:2], x[2:4], shift=SHIFT)
     return em.friction(
-        rubber, SURFACE, velocity=x[4], pressure=x[5], temperature=x[6], model=em.Line(average, samples=256)
+        rubber,
+        SURFACE,
+        velocity=x[4],
+        pressure=x[5],
+        temperature=x[6],
+        model=em.Line(average, samples=256),
     ).mu
 
 
 def by_spectrum(x):
-    """Of a surface by its Hurst exponent, rms slope and three cutoffs, the load by the rule of full contact."""
-    surface = em.SelfAffine(x[0], rms_slope=x[1], q_low=x[2], q_rolloff=x[3], q_high=x[4])
+    """Of a surface by its Hurst exponent, rms slope and three cutoffs, the load by the
+    rule of full contact.
+    """
+    surface = em.SelfAffine(
+        x[0], rms_slope=x[1], q_low=x[2], q_rolloff=x[3], q_high=x[4]
+    )
     rubber = em.Foundation(1e6, [2e7, 3e6], [1e-4, 1e-2])
     return em.friction(
-        rubber, surface, velocity=0.3, pressure=3e5, model=em.Line(samples=256, equivalent_length="full contact"),
-    ).mu  # fmt: skip
+        rubber,
+        surface,
+        velocity=0.3,
+        pressure=3e5,
+        model=em.Line(samples=256, equivalent_length="full contact"),
+    ).mu
 
 
 def by_depth(x):
     """Of a line whose heights and depth are given: the first heights, and the depth."""
-    line = em.RoughLine(LINE.x, LINE.height * (1 + x[0]) + x[1] * jnp.cos(2 * jnp.pi * np.arange(64) / 64))
+    line = em.RoughLine(
+        LINE.x,
+        LINE.height * (1 + x[0]) + x[1] * jnp.cos(2 * jnp.pi * np.arange(64) / 64),
+    )
     rubber = em.Foundation(1e6, [2e7], [1e-4])
-    return em.friction(rubber, line, velocity=0.3, depth=x[2], model=em.Line(samples=256)).mu
+    return em.friction(
+        rubber, line, velocity=0.3, depth=x[2], model=em.Line(samples=256)
+    ).mu
 
 
 @pytest.mark.parametrize(
@@ -48,7 +69,11 @@ def by_depth(x):
     [
         (by_pressure, GIVEN, 1e-6 * GIVEN),
         (lambda x: by_pressure(x, True), GIVEN, 1e-6 * GIVEN),
-        (by_spectrum, np.array([0.8, 0.2, 1e3, 2e3, 8e3]), 1e-6 * np.array([0.8, 0.2, 1e3, 2e3, 8e3])),
+        (
+            by_spectrum,
+            np.array([0.8, 0.2, 1e3, 2e3, 8e3]),
+            1e-6 * np.array([0.8, 0.2, 1e3, 2e3, 8e3]),
+        ),
         (by_depth, np.array([0.0, 1e-6, 2e-5]), np.array([1e-5, 1e-10, 1e-10])),
     ],
     ids=["pressure", "direction", "spectrum", "depth"],
@@ -72,27 +97,43 @@ def test_more_lanes_than_are_solved_at_once():
 
     def mu(load):
         return em.friction(
-            em.Foundation(1e6, np.full(13, 1e6), np.geomspace(1e-9, 1e3, 13)), LINE, velocity=velocity, load=load,
+            em.Foundation(1e6, np.full(13, 1e6), np.geomspace(1e-9, 1e3, 13)),
+            LINE,
+            velocity=velocity,
+            load=load,
             model=em.Line(samples=256),
-        ).mu  # fmt: skip
+        ).mu
 
     with jax.enable_x64(True):
         slope = jax.jit(jax.jacfwd(mu))(3.0)
-        np.testing.assert_allclose(slope, (mu(3.0003) - mu(2.9997)) / 6e-4, rtol=2e-3, atol=1e-5)
+        np.testing.assert_allclose(
+            slope, (mu(3.0003) - mu(2.9997)) / 6e-4, rtol=2e-3, atol=1e-5
+        )
 
 
 def test_traced_cutoffs_need_samples():
     def friction(q):
         surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=q)
-        return em.friction(em.Foundation(1e6, [2e7], [1e-4]), surface, velocity=0.3, pressure=3e4, model="line").mu
+        return em.friction(
+            em.Foundation(1e6, [2e7], [1e-4]),
+            surface,
+            velocity=0.3,
+            pressure=3e4,
+            model="line",
+        ).mu
 
-    with jax.enable_x64(True), pytest.raises(em.InputError, match="samples must be given"):
+    with (
+        jax.enable_x64(True),
+        pytest.raises(em.InputError, match="samples must be given"),
+    ):
         jax.grad(friction)(8e3)
 
 
 def test_many_at_once():
     with jax.enable_x64(True):
-        found = jax.vmap(lambda v: by_pressure(jnp.asarray(GIVEN).at[4].set(v)))(jnp.asarray([0.1, 0.3]))
+        found = jax.vmap(lambda v: by_pressure(jnp.asarray(GIVEN).at[4].set(v)))(
+            jnp.asarray([0.1, 0.3])
+        )
         assert np.isclose(found[1], by_pressure(GIVEN), rtol=1e-7)
 
 
@@ -101,7 +142,15 @@ def test_flash_temperature_has_no_derivative():
     rubber = em.StandardSolid(1e6, 2e7, 1e-4, shift=SHIFT)
 
     def hot(v):
-        return em.friction(rubber, SURFACE, velocity=v, pressure=3e4, temperature=298.0, heat=heat, model=em.Line()).mu
+        return em.friction(
+            rubber,
+            SURFACE,
+            velocity=v,
+            pressure=3e4,
+            temperature=298.0,
+            heat=heat,
+            model=em.Line(),
+        ).mu
 
     with jax.enable_x64(True), pytest.raises(em.InputError, match="not differentiable"):
         jax.grad(hot)(0.3)

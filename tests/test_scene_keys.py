@@ -1,4 +1,6 @@
-"""The schema of scene files: units, and the keys as help and documentation show them."""
+"""The schema of scene files: units, and the keys as help and documentation show
+them.
+"""
 
 import dataclasses
 
@@ -7,12 +9,22 @@ import pytest
 from elastomdr.cli.keys import as_markdown, as_text, sections
 from elastomdr.cli.kinds import KINDS
 from elastomdr.cli.main import main
-from elastomdr.cli.units import USUAL, InputError, Length, Quantity, Temperature, Velocity
+from elastomdr.cli.units import (
+    USUAL,
+    InputError,
+    Length,
+    Quantity,
+    Temperature,
+    Velocity,
+)
 from elastomdr.models import KINDS as MODELS
 
 
 def quantities(kind=Quantity):
-    return [kind, *(below for child in kind.__subclasses__() for below in quantities(child))]
+    return [
+        kind,
+        *(below for child in kind.__subclasses__() for below in quantities(child)),
+    ]
 
 
 def test_usual_units_are_those_of_pint():
@@ -22,7 +34,9 @@ def test_usual_units_are_those_of_pint():
     for unit, usual in USUAL.items():
         kind = next(kind for kind in quantities()[1:] if kind.unit == unit)
         for name in usual:
-            expected = registry.Quantity(3.7, registry.parse_units(name)).to(unit).magnitude
+            expected = (
+                registry.Quantity(3.7, registry.parse_units(name)).to(unit).magnitude
+            )
             assert kind.convert("3.7", name) == pytest.approx(expected, rel=4e-16), name
 
 
@@ -43,7 +57,16 @@ def test_examples_are_quantities_of_their_kind(kind):
         kind.read("5")
 
 
-@pytest.mark.parametrize("text", ["1e400 m", "-1e99999999999999999999 m", "1e-99999999999999999999 m", "0 mm", "-1 m"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1e400 m",
+        "-1e99999999999999999999 m",
+        "1e-99999999999999999999 m",
+        "0 mm",
+        "-1 m",
+    ],
+)
 def test_numbers_without_meaning(text):
     with pytest.raises(InputError, match=r"positive|between") as refused:
         Length.read(text)
@@ -64,7 +87,9 @@ def test_every_key_has_a_meaning():
 def test_documentation_has_all_keys(capsys):
     page = as_markdown()
     for kinds in KINDS.values():
-        for key in (key for kind in kinds for section in sections(kind) for key in section.keys):
+        for key in (
+            key for kind in kinds for section in sections(kind) for key in section.keys
+        ):
             assert f"| `{key.name}` | " in page
     for verb in KINDS:
         with pytest.raises(SystemExit) as done:
@@ -74,7 +99,9 @@ def test_documentation_has_all_keys(capsys):
 
 
 def test_options_of_models_are_keys_of_the_contact():
-    (contact,) = (part for part in sections(KINDS["friction"][0]) if part.title == "[contact]")
+    (contact,) = (
+        part for part in sections(KINDS["friction"][0]) if part.title == "[contact]"
+    )
     keys = {key.name for key in contact.keys}
     for model in MODELS.values():
         assert {field.name for field in dataclasses.fields(model)} <= keys

@@ -1,4 +1,6 @@
-"""Files made to do harm: nothing is run, nothing is written elsewhere, what would fill the memory is refused."""
+"""Files made to do harm: nothing is run, nothing is written elsewhere, what would fill
+the memory is refused.
+"""
 
 import ast
 import json
@@ -21,14 +23,25 @@ _PACKAGE = "http://schemas.openxmlformats.org/package/2006/relationships"
 
 
 def _workbook(path: Path, rows: str, padding: int = 0) -> Path:
-    """A spreadsheet with one sheet, its XML followed by so many spaces, which compress to a thousandth."""
+    """A spreadsheet with one sheet, its XML followed by so many spaces, which compress
+    to a thousandth.
+    """
     parts = {
-        "_rels/.rels": f'<Relationships xmlns="{_PACKAGE}"><Relationship Id="r1" Type="{_OFFICE}/officeDocument" '
-        'Target="xl/workbook.xml"/></Relationships>',
-        "xl/workbook.xml": f'<workbook xmlns="{_MAIN}" xmlns:r="{_OFFICE}"><sheets><sheet name="S" sheetId="1" '
-        'r:id="r1"/></sheets></workbook>',
-        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{_PACKAGE}"><Relationship Id="r1" '
-        f'Type="{_OFFICE}/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
+        "_rels/.rels": (
+            f'<Relationships xmlns="{_PACKAGE}"><Relationship Id="r1" '
+            f'Type="{_OFFICE}/officeDocument" '
+            'Target="xl/workbook.xml"/></Relationships>'
+        ),
+        "xl/workbook.xml": (
+            f'<workbook xmlns="{_MAIN}" xmlns:r="{_OFFICE}"><sheets><sheet name="S" '
+            'sheetId="1" '
+            'r:id="r1"/></sheets></workbook>'
+        ),
+        "xl/_rels/workbook.xml.rels": (
+            f'<Relationships xmlns="{_PACKAGE}"><Relationship Id="r1" '
+            f'Type="{_OFFICE}/worksheet" '
+            'Target="worksheets/sheet1.xml"/></Relationships>'
+        ),
         "xl/worksheets/sheet1.xml": f'<worksheet xmlns="{_MAIN}"><sheetData>{rows}</sheetData></worksheet>'
         + " " * padding,
     }
@@ -39,14 +52,21 @@ def _workbook(path: Path, rows: str, padding: int = 0) -> Path:
 
 
 def _cells(*places: tuple[str, int]) -> str:
-    return "".join(f'<row r="{row}"><c r="{column}{row}"><v>1</v></c></row>' for column, row in places)
+    return "".join(
+        f'<row r="{row}"><c r="{column}{row}"><v>1</v></c></row>'
+        for column, row in places
+    )
 
 
-@pytest.mark.parametrize("column", ["XFD", "J"], ids=["17 billion cells", "10 million cells"])
+@pytest.mark.parametrize(
+    "column", ["XFD", "J"], ids=["17 billion cells", "10 million cells"]
+)
 def test_a_spreadsheet_that_is_larger_than_its_file(tmp_path, column):
     path = _workbook(tmp_path / "bomb.xlsx", _cells(("A", 1), (column, 1048576)))
     assert path.stat().st_size < 2000
-    with pytest.raises(em.InputError, match="path must be a spreadsheet that can be read"):
+    with pytest.raises(
+        em.InputError, match="path must be a spreadsheet that can be read"
+    ):
         em.read_dma(path)
 
 
@@ -57,7 +77,10 @@ def test_a_spreadsheet_that_is_mostly_padding(tmp_path):
         em.read_dma(path)
 
 
-@pytest.mark.parametrize("text", ["a = " + "[" * 100_000, "a" + ".a" * 10_000 + " = 1", "a = " + "9" * 10_000])
+@pytest.mark.parametrize(
+    "text",
+    ["a = " + "[" * 100_000, "a" + ".a" * 10_000 + " = 1", "a = " + "9" * 10_000],
+)
 def test_toml_that_is_deep_or_long(tmp_path, text):
     path = tmp_path / "deep.toml"
     path.write_text(text)
@@ -77,7 +100,12 @@ def test_reading_is_bounded(tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    ["1," * 1_500_000, "omega [" + "rad/" * 100_000 + "s],storage [Pa],loss [Pa]\n1,2,3\n2,3,4\n3,4,5\n"],
+    [
+        "1," * 1_500_000,
+        "omega ["
+        + "rad/" * 100_000
+        + "s],storage [Pa],loss [Pa]\n1,2,3\n2,3,4\n3,4,5\n",
+    ],
     ids=["one line", "one unit"],
 )
 def test_a_text_that_is_one_long_line(tmp_path, text):
@@ -88,9 +116,13 @@ def test_a_text_that_is_one_long_line(tmp_path, text):
         em.read_dma(path)
 
 
-@pytest.mark.parametrize("unit", ["9**9**9**9*Pa", "Pa*(9**9)**9**9", "9^9^9^9 Pa", "Pa**123456789"])
+@pytest.mark.parametrize(
+    "unit", ["9**9**9**9*Pa", "Pa*(9**9)**9**9", "9^9^9^9 Pa", "Pa**123456789"]
+)
 def test_a_unit_that_would_compute_for_ever(unit):
-    """pint evaluates powers of numbers; no power of a power, and none of three digits, is a unit."""
+    """pint evaluates powers of numbers; no power of a power, and none of three digits,
+    is a unit.
+    """
     with pytest.raises(InputError):
         Pressure.convert("1", unit)
     assert to_si(unit, "modulus") is None
@@ -99,14 +131,23 @@ def test_a_unit_that_would_compute_for_ever(unit):
 def test_a_store_that_asks_to_unpickle_is_refused(tmp_path):
     def swept():
         return em.sweep(
-            em.friction, {"velocity": [0.1, 1.0]}, store=tmp_path / "runs.zarr", progress=False,
-            material=em.StandardSolid(1e6, 3e6, 1e-3), shape=em.Paraboloid(0.01), load=1.0,
-        )  # fmt: skip
+            em.friction,
+            {"velocity": [0.1, 1.0]},
+            store=tmp_path / "runs.zarr",
+            progress=False,
+            material=em.StandardSolid(1e6, 3e6, 1e-3),
+            shape=em.Paraboloid(0.01),
+            load=1.0,
+        )
 
     swept()
     path = tmp_path / "runs.zarr" / "state" / ".zarray"
     about = json.loads(path.read_text())
-    path.write_text(json.dumps({**about, "dtype": "|O", "filters": [{"id": "pickle"}], "compressor": None}))
+    path.write_text(
+        json.dumps(
+            {**about, "dtype": "|O", "filters": [{"id": "pickle"}], "compressor": None}
+        )
+    )
     with pytest.raises(em.InputError, match=r"one that em\.sweep has made"):
         swept()
     path.write_text(json.dumps({**about, "shape": [10**13]}))  # more than any memory
@@ -125,16 +166,24 @@ def test_a_link_in_place_of_an_output_is_replaced_and_not_followed(tmp_path):
 
 
 def test_nothing_that_is_read_is_run():
-    """No eval, exec or pickle anywhere in the package, no shell, and NumPy is not allowed to unpickle."""
+    """No eval, exec or pickle anywhere in the package, no shell, and NumPy is not
+    allowed to unpickle.
+    """
     for path in SOURCE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, (ast.Import, ast.ImportFrom)):
-                names = [alias.name for alias in node.names] + [getattr(node, "module", None) or ""]
-                assert not {"pickle", "marshal", "shelve", "dill", "cloudpickle"} & set(names), path
+                names = [alias.name for alias in node.names] + [
+                    getattr(node, "module", None) or ""
+                ]
+                assert not {"pickle", "marshal", "shelve", "dill", "cloudpickle"} & set(
+                    names
+                ), path
             if isinstance(node, ast.Call):
                 name = node.func.id if isinstance(node.func, ast.Name) else ""
                 assert name not in {"eval", "exec", "compile"}, (path, node.lineno)
                 given = {word.arg: word.value for word in node.keywords}
                 for key in ("shell", "allow_pickle"):
                     value = given.get(key)
-                    assert value is None or (isinstance(value, ast.Constant) and value.value is False), path
+                    assert value is None or (
+                        isinstance(value, ast.Constant) and value.value is False
+                    ), path

@@ -16,11 +16,19 @@ CALLS = {
     "line": lambda m: em.friction(m, BALL, velocity=[0.1, 1.0], load=1.0, model="line"),
     "rolling": lambda m: em.rolling(m, BALL, velocity=[0.1, 1.0], load=1.0),
     "dissipation": lambda m: em.dissipation(m, BALL, velocity=[0.1, 1.0], load=1.0),
-    "indent": lambda m: em.indent(m, BALL, time=TIME, depth=1e-4 * np.sin(40 * TIME) ** 2),
+    "indent": lambda m: em.indent(
+        m, BALL, time=TIME, depth=1e-4 * np.sin(40 * TIME) ** 2
+    ),
     "impact": lambda m: em.impact(m, BALL, mass=4e-3, velocity=[0.5, 2.0]),
-    "shear": lambda m: em.shear(m, BALL, time=TIME, load=1.0, displacement=1e-5 * TIME / 0.05, friction=0.5),
-    "slide": lambda m: em.slide(m, BALL, time=TIME, load=1.0, position=0.02 * TIME, rtol=1e-2),
-    "traction": lambda m: em.traction(m, BALL, velocity=1.0, creepage=[0.001, 0.1], friction=0.8, load=5.0),
+    "shear": lambda m: em.shear(
+        m, BALL, time=TIME, load=1.0, displacement=1e-5 * TIME / 0.05, friction=0.5
+    ),
+    "slide": lambda m: em.slide(
+        m, BALL, time=TIME, load=1.0, position=0.02 * TIME, rtol=1e-2
+    ),
+    "traction": lambda m: em.traction(
+        m, BALL, velocity=1.0, creepage=[0.001, 0.1], friction=0.8, load=5.0
+    ),
     "cord": lambda m: em.o_ring(m, 3e-3, 0.1, time=[1.0, 100.0]),
 }
 
@@ -32,8 +40,11 @@ def test_a_list_of_materials_is_a_first_axis(call):
     assert type(together) is type(alone[0])
     for i, one in enumerate(alone):
         chosen = together.select(("soft", "hard")[i])
-        for (quantity, value), other in zip(one.fields().items(), chosen.fields().values(), strict=True):
-            rtol = 0.05 if "error" in quantity.label else 1e-9  # errors follow the steps of a search
+        for (quantity, value), other in zip(
+            one.fields().items(), chosen.fields().values(), strict=True
+        ):
+            # errors follow the steps of a search
+            rtol = 0.05 if "error" in quantity.label else 1e-9
             np.testing.assert_allclose(value, other, rtol=rtol, err_msg=quantity.label)
     assert together.to_xarray().sizes["material"] == 2
     assert "soft" in together.summary()
@@ -42,13 +53,21 @@ def test_a_list_of_materials_is_a_first_axis(call):
 
 def test_names_tell_materials_apart():
     nameless = em.StandardSolid(2e6, 4e6, 1e-2)
-    curve = em.friction([SOFT, nameless, SOFT], BALL, velocity=[0.1, 1.0, 10.0], load=1.0)
+    curve = em.friction(
+        [SOFT, nameless, SOFT], BALL, velocity=[0.1, 1.0, 10.0], load=1.0
+    )
     assert curve.materials == ("soft", "material 2", "soft (2)")
     assert curve.mu.shape == (3, 3)
     labels = [text.get_text() for text in curve.plot().get_legend().get_texts()]
-    assert [label.partition(":")[0] for label in labels] == ["soft", "material 2", "soft (2)"]
+    assert [label.partition(":")[0] for label in labels] == [
+        "soft",
+        "material 2",
+        "soft (2)",
+    ]
     assert "material" in curve.csv()
-    np.testing.assert_array_equal(em.friction(material=[SOFT], shape=BALL, velocity=1.0, load=1.0).mu.shape, (1,))
+    np.testing.assert_array_equal(
+        em.friction(material=[SOFT], shape=BALL, velocity=1.0, load=1.0).mu.shape, (1,)
+    )
 
 
 def test_a_list_passes_through_gradients():
@@ -63,7 +82,11 @@ def test_a_list_passes_through_gradients():
 
 
 def test_warnings_of_all_materials_are_one():
-    liquids = [em.Maxwell(1e6, 1e-2, name="one"), em.Maxwell(2e6, 1e-2, name="two"), SOFT]
+    liquids = [
+        em.Maxwell(1e6, 1e-2, name="one"),
+        em.Maxwell(2e6, 1e-2, name="two"),
+        SOFT,
+    ]
     with pytest.warns(em.ConvergenceWarning) as caught:
         curve = em.friction(liquids, em.Sphere(0.01), velocity=[1.0, 2.0], load=1.0)
     assert curve.mu.shape == (3, 2)
@@ -78,12 +101,19 @@ def test_an_empty_list_is_refused():
 
 def test_a_plan_of_several_materials():
     plans = em.plan([SOFT, HARD], BALL, velocity=[0.1, 1.0], load=1.0)
-    assert list(map(str, plans)) == [str(em.plan(m, BALL, velocity=[0.1, 1.0], load=1.0)) for m in (SOFT, HARD)]
-    assert [line for line in str(plans).splitlines() if line in ("soft", "hard")] == ["soft", "hard"]
+    assert list(map(str, plans)) == [
+        str(em.plan(m, BALL, velocity=[0.1, 1.0], load=1.0)) for m in (SOFT, HARD)
+    ]
+    assert [line for line in str(plans).splitlines() if line in ("soft", "hard")] == [
+        "soft",
+        "hard",
+    ]
 
 
 def test_a_wrong_entry_is_named_by_its_place():
-    with pytest.raises(em.InputError, match=r"^material\[1\]: material must be .*'rubber'"):
+    with pytest.raises(
+        em.InputError, match=r"^material\[1\]: material must be .*'rubber'"
+    ):
         em.friction([SOFT, "rubber"], BALL, velocity=1.0, load=1.0)
     with pytest.raises(em.InputError, match=r"^material\[0\]: material must be"):
         em.friction([None, SOFT], BALL, velocity=1.0, load=1.0)

@@ -1,4 +1,6 @@
-"""`em.shear` against Cattaneo and Mindlin, an event-by-event elastic solution, and its own order."""
+"""`em.shear` against Cattaneo and Mindlin, an event-by-event elastic solution, and its
+own order.
+"""
 
 import itertools
 
@@ -22,14 +24,20 @@ def elastic(time=TIME, **changes):
     return em.shear(NORMAL, BALL, time=time, **scene)
 
 
-@pytest.mark.parametrize("control", [{"load": LOAD}, {"load": None, "depth": DEPTH}], ids=["load", "depth"])
+@pytest.mark.parametrize(
+    "control", [{"load": LOAD}, {"load": None, "depth": DEPTH}], ids=["load", "depth"]
+)
 def test_mindlin_deresiewicz_loop(control):
-    """Amplitude 0.7 mu F_N: displacement, energy per cycle, stick radius a (1 - T)^(1/3)."""
+    """Amplitude 0.7 mu F_N: displacement, energy per cycle, stick radius a (1 -
+    T)^(1/3).
+    """
     amplitude = 0.00016555785760328506
     found = elastic(displacement=amplitude * LOOP, **control)
     assert found.converged.all()
     np.testing.assert_allclose(found.force[10], 0.7 * MU * LOAD, rtol=1e-9)
-    np.testing.assert_allclose(found.slip_loss[30] - found.slip_loss[10], 6.392600797424778e-05, rtol=1e-9)
+    np.testing.assert_allclose(
+        found.slip_loss[30] - found.slip_loss[10], 6.392600797424778e-05, rtol=1e-9
+    )
     np.testing.assert_allclose(found.stick_radius[10], A * 0.3 ** (1 / 3), rtol=1e-8)
     np.testing.assert_allclose(found.force[20], -found.force[10], rtol=1e-9)
     np.testing.assert_allclose(found.work, found.slip_loss + found.stored, rtol=1e-8)
@@ -37,7 +45,8 @@ def test_mindlin_deresiewicz_loop(control):
 
 
 def test_slip_loss_of_small_amplitudes():
-    """dW = (18/5) (mu F_N)^2/(G* a) {1 - (1 - T)^(5/3) - (5T/6) [1 + (1 - T)^(2/3)]}, T = F_x/(mu F_N) (Mindlin 1952).
+    """dW = (18/5) (mu F_N)^2/(G* a) {1 - (1 - T)^(5/3) - (5T/6) [1 + (1 - T)^(2/3)]}, T
+    = F_x/(mu F_N) (Mindlin 1952).
 
     The bracket, about 5 T^3/162, in 40 digits (mpmath).
     """
@@ -45,26 +54,40 @@ def test_slip_loss_of_small_amplitudes():
         amplitude = FULL * (1 - (1 - t) ** (2 / 3))
         found = elastic(displacement=amplitude * LOOP)
         expected = 18 / 5 * (MU * LOAD) ** 2 / (G * A) * bracket
-        np.testing.assert_allclose(found.slip_loss[30] - found.slip_loss[10], expected, rtol=1e-9)
+        np.testing.assert_allclose(
+            found.slip_loss[30] - found.slip_loss[10], expected, rtol=1e-9
+        )
 
 
 def test_cattaneo():
-    """F_x = mu F_N [1 - (1 - U/U_full)^(3/2)], stick radius a sqrt(1 - U/U_full), stiffness 2 G* a at first."""
+    """F_x = mu F_N [1 - (1 - U/U_full)^(3/2)], stick radius a sqrt(1 - U/U_full),
+    stiffness 2 G* a at first.
+    """
     part = np.concatenate([[0, 1e-6], np.linspace(0, 1.2, 40)[1:]])
     found = elastic(displacement=part * FULL)
     left = np.maximum(1 - part, 0)
-    np.testing.assert_allclose(found.force, MU * LOAD * (1 - left**1.5), rtol=1e-9, atol=1e-9 * LOAD)
-    np.testing.assert_allclose(found.stick_radius[:30], A * np.sqrt(left[:30]), rtol=1e-6)
+    np.testing.assert_allclose(
+        found.force, MU * LOAD * (1 - left**1.5), rtol=1e-9, atol=1e-9 * LOAD
+    )
+    np.testing.assert_allclose(
+        found.stick_radius[:30], A * np.sqrt(left[:30]), rtol=1e-6
+    )
     np.testing.assert_allclose(found.contact_radius, A, rtol=1e-8)
     np.testing.assert_allclose(found.force[1], 2 * G * A * 1e-6 * FULL, rtol=1e-5)
 
 
 def test_converges_with_the_square_of_the_elements():
-    scale = np.linspace(1, 1.03, 8)  # where stick ends within an element is chance: take many
+    # where stick ends within an element is chance: take many
+    scale = np.linspace(1, 1.03, 8)
     errors = []
     for n in (200, 400, 800):
         force = [
-            elastic(displacement=np.minimum(TIME, 1) * 0.65 * FULL, elements=n, load=None, depth=DEPTH * s).force[-1]
+            elastic(
+                displacement=np.minimum(TIME, 1) * 0.65 * FULL,
+                elements=n,
+                load=None,
+                depth=DEPTH * s,
+            ).force[-1]
             - MU * LOAD * s**1.5 * (1 - (1 - 0.65 / s) ** 1.5)
             for s in scale
         ]
@@ -74,45 +97,68 @@ def test_converges_with_the_square_of_the_elements():
 
 
 def test_oblique_loading_in_any_order():
-    """Normal and tangential motion at once, up and down: against a play operator in (depth, displacement), on the
-    profile's levels y = g(x), written out here.
+    """Normal and tangential motion at once, up and down: against a play operator in
+    (depth, displacement), on the profile's levels y = g(x), written out here.
     """
     rng = np.random.default_rng(3)
     depth = DEPTH * np.abs(np.cumsum(rng.normal(0, 0.4, 30)) + 1)
     shift = FULL * np.cumsum(rng.normal(0, 0.3, 30))
     still = np.full(11, shift[-1]), np.full(11, depth[-1])
-    found = elastic(displacement=np.append(shift, still[0]), load=None, depth=np.append(depth, still[1]))
+    found = elastic(
+        displacement=np.append(shift, still[0]),
+        load=None,
+        depth=np.append(depth, still[1]),
+    )
 
     x = (np.arange(60_000) + 0.5) / 60_000 * np.sqrt(R * depth.max()) * 1.0001
     y, sheared, expected = x**2 / R, np.zeros(60_000), []
     d0 = u0 = 0.0
     for d, u in zip(depth, shift, strict=True):
-        for part in np.linspace(0, 1, 401)[1:] if expected else [1.0]:  # small steps instead of a rule within a step
-            dn, un = (d0 + part * (d - d0), u0 + part * (u - u0)) if expected else (d, u)
+        # small steps instead of a rule within a step
+        for part in np.linspace(0, 1, 401)[1:] if expected else [1.0]:
+            dn, un = (
+                (d0 + part * (d - d0), u0 + part * (u - u0)) if expected else (d, u)
+            )
             inside = np.maximum(dn - y, 0)
             last = d0 + (part - 1 / 400) * (d - d0) if expected else 0.0
             previous = u0 + (part - 1 / 400) * (u - u0) if expected else 0.0
-            carried = np.where(y < max(last, 1e-300) if expected else True, un - previous, 0.5 * (un - previous))
-            sheared = np.clip(sheared + carried, -MU * E / G * inside, MU * E / G * inside)
+            carried = np.where(
+                y < max(last, 1e-300) if expected else True,
+                un - previous,
+                0.5 * (un - previous),
+            )
+            sheared = np.clip(
+                sheared + carried, -MU * E / G * inside, MU * E / G * inside
+            )
         d0, u0 = d, u
         expected.append(2 * (x[1] - x[0]) * G * sheared.sum())
     np.testing.assert_allclose(found.force[:30], expected, atol=1e-4 * MU * LOAD)
 
 
 def test_normal_part_and_second_order_in_time():
-    """Viscoelastic, smooth motion: differences between 2, 4 and 8 steps fall by four; the error estimate holds."""
+    """Viscoelastic, smooth motion: differences between 2, 4 and 8 steps fall by four;
+    the error estimate holds.
+    """
     rubber = em.StandardSolid(1e6, 3e6, 0.2)
     time = np.linspace(0, 2, 21)
 
     def force(steps):
         return em.shear(
-            rubber, BALL, time=time, displacement=1e-4 * np.sin(2 * np.pi * time), friction=0.8,
-            depth=4e-4 * np.sin(np.pi * time / 2) ** 2, elements=1000, steps=steps,
-        )  # fmt: skip
+            rubber,
+            BALL,
+            time=time,
+            displacement=1e-4 * np.sin(2 * np.pi * time),
+            friction=0.8,
+            depth=4e-4 * np.sin(np.pi * time / 2) ** 2,
+            elements=1000,
+            steps=steps,
+        )
 
     runs = [force(n) for n in (2, 4, 8)]
     change = [np.abs(b.force - a.force).max() for a, b in itertools.pairwise(runs)]
-    np.testing.assert_allclose(np.log2(np.array(change[:-1]) / change[1:]), 2, atol=0.15)
+    np.testing.assert_allclose(
+        np.log2(np.array(change[:-1]) / change[1:]), 2, atol=0.15
+    )
     assert np.abs(runs[1].force - runs[2].force).max() < runs[1].error.max()
     assert np.all(
         runs[2].work - runs[2].slip_loss - runs[2].stored >= -1e-12 * runs[2].work.max()
@@ -129,17 +175,29 @@ def test_normal_part_and_second_order_in_time():
 
 
 @pytest.mark.parametrize("friction", [1e6, np.inf])
-@pytest.mark.parametrize(("control", "start", "share"), [("depth", DEPTH, 8 / 15), ("load", LOAD, 9 / 14)])
+@pytest.mark.parametrize(
+    ("control", "start", "share"), [("depth", DEPTH, 8 / 15), ("load", LOAD, 9 / 14)]
+)
 def test_lifted_while_sheared(friction, control, start, share):
-    """Each element sticks until its pressure is gone and loses G (U s)^2/2, where s = 1 - (x/a)^2 of the way at a depth
-    that falls evenly, and 1 - (x/a)^3 at such a load; with two instants alone. By hand."""
+    """Each element sticks until its pressure is gone and loses G (U s)^2/2, where s = 1
+    - (x/a)^2 of the way at a depth that falls evenly, and 1 - (x/a)^3 at such a load;
+    with two instants alone. By hand.
+    """
     time, way = np.array([0.0, 1.0]), 1e-5
-    scene = {"displacement": way * time, "friction": friction, "load": None, control: start * (1 - time)}
+    scene = {
+        "displacement": way * time,
+        "friction": friction,
+        "load": None,
+        control: start * (1 - time),
+    }
     found = elastic(time=time, **scene)
     expected = G * way**2 * A * share
-    # A finite friction lets go a little earlier. The depth falls ever faster as the load goes: of order 5/3 in 1/64.
+    # A finite friction lets go a little earlier. The depth falls ever faster as the
+    # load goes: of order 5/3 in 1/64.
     rtol = 1e-7 if control == "depth" else 2e-3
-    np.testing.assert_allclose([found.work[-1], found.slip_loss[-1]], expected, rtol=rtol)
+    np.testing.assert_allclose(
+        [found.work[-1], found.slip_loss[-1]], expected, rtol=rtol
+    )
 
 
 def test_what_is_not_finite_is_refused():
@@ -155,8 +213,12 @@ class TestExtremes:
 
     def test_no_slip(self):
         """mu = inf: 2 G* a U at a constant depth, and nothing lost."""
-        found = elastic(displacement=FULL * LOOP, friction=np.inf, load=None, depth=DEPTH)
-        np.testing.assert_allclose(found.force, 2 * G * A * FULL * LOOP, rtol=1e-6, atol=1e-12)
+        found = elastic(
+            displacement=FULL * LOOP, friction=np.inf, load=None, depth=DEPTH
+        )
+        np.testing.assert_allclose(
+            found.force, 2 * G * A * FULL * LOOP, rtol=1e-6, atol=1e-12
+        )
         assert np.all(found.slip_loss == 0)
 
     def test_no_load(self):
@@ -165,23 +227,44 @@ class TestExtremes:
         assert np.all(found.force == 0)
 
     def test_unloaded_after_shear(self):
-        """What is stored when the load goes is given back, by slip; the force ends at zero."""
+        """What is stored when the load goes is given back, by slip; the force ends at
+        zero.
+        """
         part = np.minimum(TIME / 2, 1)
-        found = elastic(displacement=0.5 * FULL * part, load=LOAD * np.minimum(2 - TIME / 2, 1))
+        found = elastic(
+            displacement=0.5 * FULL * part, load=LOAD * np.minimum(2 - TIME / 2, 1)
+        )
         assert abs(found.force[-1]) < 1e-6 * LOAD
-        np.testing.assert_allclose(found.work[-1], found.slip_loss[-1] + found.stored[-1], rtol=1e-8)
+        np.testing.assert_allclose(
+            found.work[-1], found.slip_loss[-1] + found.stored[-1], rtol=1e-8
+        )
 
     def test_a_relaxation_time_far_below_the_step(self):
         """A branch that has relaxed at once is not there."""
         fast = em.Foundation(E, [3 * E], [1e-9])
-        found = em.shear(fast, BALL, time=TIME, displacement=FULL * LOOP, friction=MU, load=LOAD, tangential=TANGENTIAL)
+        found = em.shear(
+            fast,
+            BALL,
+            time=TIME,
+            displacement=FULL * LOOP,
+            friction=MU,
+            load=LOAD,
+            tangential=TANGENTIAL,
+        )
         same = elastic(displacement=FULL * LOOP)
         np.testing.assert_allclose(found.force[1:], same.force[1:], atol=2e-6 * LOAD)
 
     def test_a_liquid_sinks_beyond_its_body(self):
         liquid = em.Foundation(0.0, [E], [1e-2])
-        scene = {"displacement": 0, "friction": MU, "load": LOAD, "tangential": TANGENTIAL}
-        with pytest.warns(em.ConvergenceWarning, match="40 of 41 instants: the contact is wider"):
+        scene = {
+            "displacement": 0,
+            "friction": MU,
+            "load": LOAD,
+            "tangential": TANGENTIAL,
+        }
+        with pytest.warns(
+            em.ConvergenceWarning, match="40 of 41 instants: the contact is wider"
+        ):
             found = em.shear(liquid, em.Sphere(1e-3), time=TIME, **scene)
         assert not found.converged[-1]
         assert np.isnan(found.force[-1])
@@ -189,21 +272,38 @@ class TestExtremes:
 
 @pytest.mark.slow
 def test_gradient():
-    """The force at the end against finite differences: moduli, times, radius, friction, load, displacement."""
+    """The force at the end against finite differences: moduli, times, radius, friction,
+    load, displacement.
+    """
 
     def force(p):
-        normal, tangential = em.Foundation(p[0], p[1:2], p[2:3]), em.Foundation(p[3], p[4:5], p[5:6])
+        normal, tangential = (
+            em.Foundation(p[0], p[1:2], p[2:3]),
+            em.Foundation(p[3], p[4:5], p[5:6]),
+        )
         return em.shear(
-            normal, em.Paraboloid(p[6]), time=np.linspace(0, 1, 11), displacement=p[9] * np.linspace(0, 1, 11),
-            friction=p[7], load=p[8], tangential=tangential, elements=4000, steps=2,
-        ).force[-1]  # fmt: skip
+            normal,
+            em.Paraboloid(p[6]),
+            time=np.linspace(0, 1, 11),
+            displacement=p[9] * np.linspace(0, 1, 11),
+            friction=p[7],
+            load=p[8],
+            tangential=tangential,
+            elements=4000,
+            steps=2,
+        ).force[-1]
 
     at = np.array([2e6, 4e6, 0.3, 1.5e6, 3e6, 0.2, R, 0.5, 2.0, 1e-4])
     with jax.enable_x64(True):
         gradient = np.asarray(jax.jit(jax.grad(force))(at)) * at
         call = jax.jit(force)
-        numeric = [(float(call(at + s)) - float(call(at - s))) / 4e-3 for s in 2e-3 * np.diag(at)]
-    np.testing.assert_allclose(gradient, numeric, rtol=2e-3, atol=1e-3 * np.abs(gradient).max())
+        numeric = [
+            (float(call(at + s)) - float(call(at - s))) / 4e-3
+            for s in 2e-3 * np.diag(at)
+        ]
+    np.testing.assert_allclose(
+        gradient, numeric, rtol=2e-3, atol=1e-3 * np.abs(gradient).max()
+    )
 
 
 @pytest.mark.parametrize(
@@ -225,7 +325,14 @@ def test_bad_input(changes, message):
 
 def test_a_dashpot_is_not_moved_at_once():
     with pytest.raises(em.InputError, match="depth must be 0 at the first instant"):
-        em.shear(em.KelvinVoigt(1e6, 1e3), BALL, time=TIME, displacement=0.0, friction=MU, depth=DEPTH)
+        em.shear(
+            em.KelvinVoigt(1e6, 1e3),
+            BALL,
+            time=TIME,
+            displacement=0.0,
+            friction=MU,
+            depth=DEPTH,
+        )
 
 
 def test_table_and_figure():
@@ -241,7 +348,14 @@ def test_body_above_the_surface_feels_nothing():
     laws = {"tangential": em.Foundation(3e6, [], []), "friction": 0.3, "elements": 200}
     depth = np.array([1e-4, 0.0, -1e-4, 0.0, 1e-4])
     found, bare = (
-        em.shear(em.Foundation(4e6, [], []), em.Paraboloid(0.01), time=time, displacement=1e-5 * time, depth=d, **laws)
+        em.shear(
+            em.Foundation(4e6, [], []),
+            em.Paraboloid(0.01),
+            time=time,
+            displacement=1e-5 * time,
+            depth=d,
+            **laws,
+        )
         for d in (depth, np.maximum(depth, 0))
     )
     assert found.converged.all()

@@ -1,4 +1,6 @@
-"""Transient sliding against steady friction and exact creep; its depth at a load, derivatives, steps and refusals."""
+"""Transient sliding against steady friction and exact creep; its depth at a load,
+derivatives, steps and refusals.
+"""
 
 import jax
 import jax.numpy as jnp
@@ -25,7 +27,8 @@ def float64():
         yield
 
 
-# ---------------------------------------------------------------- against steady sliding and exact creep
+# ---------------------------------------------------------------- against steady
+# sliding and exact creep
 
 
 def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load():
@@ -33,7 +36,9 @@ def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load():
     position = np.array([0.0, 0.0, 0.02, 0.035, 0.035, 0.05])  # 0.5 m/s, then 5 m/s
     load = np.array([10.0, 10.0, 10.0, 10.0, 5.0, 5.0])
     slide = em.slide(RUBBER, BALL, time=time, position=position, load=load, rtol=1e-2)
-    steady = em.friction(RUBBER, BALL, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], model=em.Line())
+    steady = em.friction(
+        RUBBER, BALL, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], model=em.Line()
+    )
     assert slide.converged.all()
     assert slide.model == steady.model
     np.testing.assert_allclose(slide.mu[[0, 1]], 0, atol=1e-4)
@@ -49,9 +54,15 @@ def test_dwell_is_the_exact_creep_of_a_paraboloid():
     exact = (0.75 * 0.01 * 10 * RUBBER.creep_compliance(time)) ** (2 / 3) / 0.01
     assert slide.converged.all()
     np.testing.assert_allclose(slide.depth, exact, rtol=1e-3)
-    elastic = 0.4 * 10 * exact[0]  # F ~ d^1.5: the work of the sudden load, all of it stored
+    # F ~ d^1.5: the work of the sudden load, all of it stored
+    elastic = 0.4 * 10 * exact[0]
     np.testing.assert_allclose([slide.work[0], slide.stored[0]], elastic, rtol=2e-3)
-    np.testing.assert_allclose(slide.work - slide.work[0], 10 * (exact - exact[0]), rtol=2e-3, atol=1e-3 * elastic)
+    np.testing.assert_allclose(
+        slide.work - slide.work[0],
+        10 * (exact - exact[0]),
+        rtol=2e-3,
+        atol=1e-3 * elastic,
+    )
 
 
 def steady_error(body, depth, spacing, exact):
@@ -59,22 +70,34 @@ def steady_error(body, depth, spacing, exact):
     law = Relaxation(*map(jnp.asarray, (4e6, np.array([12e6]), np.array([1e-3]), 0.0)))
     v, count = 1.0, round(8e-3 / spacing)
     steps = round(4e-3 / spacing)
-    x = 0.93 * spacing * jnp.arange(1, steps + 1)  # so that the edges pass through all places between two elements
+    # so that the edges pass through all places between two elements
+    x = 0.93 * spacing * jnp.arange(1, steps + 1)
     surface = indenter(SingleLine(body), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
     forces, _ = march(
-        law, surface, Steps(jnp.full(steps, 0.93 * spacing / v), x, jnp.full(steps, depth)), control="depth"
+        law,
+        surface,
+        Steps(jnp.full(steps, 0.93 * spacing / v), x, jnp.full(steps, depth)),
+        control="depth",
     )
     return float(jnp.sqrt(jnp.mean((forces.drag[-64:] / exact - 1) ** 2)))
 
 
-@pytest.mark.parametrize(("body", "depth", "parts"), [(BALL, 1e-4, (128, 256, 512, 1024)), (CONE, 3e-4, (128, 512))])
+@pytest.mark.parametrize(
+    ("body", "depth", "parts"),
+    [(BALL, 1e-4, (128, 256, 512, 1024)), (CONE, 3e-4, (128, 512))],
+)
 def test_second_order_in_elements_and_steps(body, depth, parts):
     """Also for a cone, at whose tip the slope jumps between two elements."""
     spacing = 4e-3 / np.array(parts)
     law = em.Foundation(4e6, [12e6], [1e-3])
-    exact = float(em.friction(law, body, velocity=1.0, depth=depth, model=em.Line()).friction_force)
+    exact = float(
+        em.friction(
+            law, body, velocity=1.0, depth=depth, model=em.Line()
+        ).friction_force
+    )
     errors = [steady_error(body, depth, s, exact) for s in spacing]
-    # The factor of h^2 depends on where the edges fall between elements: 1.6 to 2.9 per level, 2.0 in all.
+    # The factor of h^2 depends on where the edges fall between elements: 1.6 to 2.9 per
+    # level, 2.0 in all.
     assert 1.6 < np.polyfit(np.log(spacing), np.log(errors), 1)[0] < 2.5
     assert errors[0] < 1e-3
 
@@ -91,10 +114,16 @@ def test_depth_at_a_load_is_exact(seed):
         depth = settle(level, slope, spring, jnp.asarray(force), jnp.asarray(guess))
         carried = spring * depth + jnp.sum(slope * jnp.maximum(depth - level, 0.0))
         np.testing.assert_allclose(carried, force, rtol=1e-9)
-    rate = jax.grad(settle, argnums=3)(level, slope, spring, jnp.asarray(force), jnp.asarray(0.0))
-    np.testing.assert_allclose(rate, 1 / (spring + slope[level < depth].sum()), rtol=1e-12)
+    rate = jax.grad(settle, argnums=3)(
+        level, slope, spring, jnp.asarray(force), jnp.asarray(0.0)
+    )
+    np.testing.assert_allclose(
+        rate, 1 / (spring + slope[level < depth].sum()), rtol=1e-12
+    )
     if not spring:
-        assert settle(level, slope, spring, jnp.zeros(()), jnp.asarray(3.0)) == level.min()
+        assert (
+            settle(level, slope, spring, jnp.zeros(()), jnp.asarray(3.0)) == level.min()
+        )
 
 
 # ---------------------------------------------------------------- gradients
@@ -104,7 +133,13 @@ def final_mu(modulus, radius, load):
     law = em.Foundation(4e6, jnp.stack([modulus]), [1e-3])
     time = np.array([0.0, 1e-3, 3e-3])  # at rest, then 0.5 m/s
     found = em.slide(
-        law, em.Paraboloid(radius), time=time, position=np.array([0.0, 0.0, 1e-3]), load=load, elements=192, rtol=1e-1
+        law,
+        em.Paraboloid(radius),
+        time=time,
+        position=np.array([0.0, 0.0, 1e-3]),
+        load=load,
+        elements=192,
+        rtol=1e-1,
     )
     return found.mu[-1]
 
@@ -116,13 +151,21 @@ def test_gradients_meet_finite_differences_in_both_modes():
     grads = jax.jit(jax.grad(final_mu, argnums=(0, 1, 2)))(*at)
     assert np.isfinite(grads).all()
     tangent = jax.jit(lambda *a: jax.jvp(final_mu, a, tuple(a))[1])(*at)
-    np.testing.assert_allclose(tangent, sum(g * a for g, a in zip(grads, at, strict=True)), rtol=1e-9)
+    np.testing.assert_allclose(
+        tangent, sum(g * a for g, a in zip(grads, at, strict=True)), rtol=1e-9
+    )
     for i, step in enumerate((2e-3, 2e-3, 2e-3)):
-        ends = [value(*(a * (1 + sign * step * (i == j)) for j, a in enumerate(at))) for sign in (1, -1)]
-        np.testing.assert_allclose(grads[i] * at[i], (ends[0] - ends[1]) / (2 * step), rtol=0.05, atol=1e-4)
+        ends = [
+            value(*(a * (1 + sign * step * (i == j)) for j, a in enumerate(at)))
+            for sign in (1, -1)
+        ]
+        np.testing.assert_allclose(
+            grads[i] * at[i], (ends[0] - ends[1]) / (2 * step), rtol=0.05, atol=1e-4
+        )
 
 
-# ---------------------------------------------------------------- time steps, results, refusals
+# ---------------------------------------------------------------- time steps, results,
+# refusals
 
 
 def test_steps_cover_the_history():
@@ -139,29 +182,47 @@ def test_steps_cover_the_history():
 
 
 def test_one_compiled_program_serves_all_levels(monkeypatch):
-    """Elements beyond the others and steps without length, which it needs, change nothing."""
+    """Elements beyond the others and steps without length, which it needs, change
+    nothing.
+    """
     program = jax.jit(
-        lambda *args, **options: march.__wrapped__(*args, **options), static_argnames=("control", "viscous")
+        lambda *args, **options: march.__wrapped__(*args, **options),
+        static_argnames=("control", "viscous"),
     )
     monkeypatch.setattr("elastomdr.transient.slide.march", program)
     monkeypatch.setattr("elastomdr.transient.refinement._MUCH", -1.0)
-    found = em.slide(RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-3)
+    found = em.slide(
+        RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-3
+    )
     assert found.plan.levels > 2
     assert program._cache_size() == 1
     alone = Steps(jnp.full(64, 1e-4), jnp.arange(64) * 4e-5, jnp.full(64, 10.0))
     ends = [
-        march(RUBBER.law(), indenter(SingleLine(BALL), -2e-3, 4e-5, count, 1.0), steps, control="load")[0]
+        march(
+            RUBBER.law(),
+            indenter(SingleLine(BALL), -2e-3, 4e-5, count, 1.0),
+            steps,
+            control="load",
+        )[0]
         for count, steps in ((192, alone), (384, padded(alone, 200)))
     ]
     assert ends[1].drag.shape == (256,)
     for exact, found in zip(*ends, strict=True):
-        np.testing.assert_allclose(found[:64], exact, rtol=1e-12, atol=1e-12 * float(jnp.abs(exact).max()))
+        np.testing.assert_allclose(
+            found[:64], exact, rtol=1e-12, atol=1e-12 * float(jnp.abs(exact).max())
+        )
         np.testing.assert_array_equal(found[64:], found[63])
 
 
 def test_result_is_a_table_and_a_figure(tmp_path):
     time = np.linspace(0, 0.01, 4)
-    slide = em.slide(em.Foundation(4e6, [12e6], [1e-3]), WAVES, time=time, position=0.01 * time, load=2.0)
+    slide = em.slide(
+        em.Foundation(4e6, [12e6], [1e-3]),
+        WAVES,
+        time=time,
+        position=0.01 * time,
+        load=2.0,
+    )
     slide.to_csv(tmp_path / "slide.csv")
     text = (tmp_path / "slide.csv").read_text()
     assert "normal force [N/m]" in text
@@ -177,12 +238,19 @@ def test_result_is_a_table_and_a_figure(tmp_path):
 T2 = np.array([0.0, 1.0])
 
 
-@pytest.mark.parametrize("given", [{"load": 0.0}, {"depth": 0.0}, {"depth": np.array([-1e-3, -2e-3])}])
+@pytest.mark.parametrize(
+    "given", [{"load": 0.0}, {"depth": 0.0}, {"depth": np.array([-1e-3, -2e-3])}]
+)
 def test_a_body_that_is_not_pressed_down_feels_nothing(given):
     slide = em.slide(RUBBER, BALL, time=T2, position=T2, **given)
     assert slide.converged.all()
     assert np.isnan(slide.mu).all()  # there is none without a normal force
-    for field in (slide.normal_force, slide.friction_force, slide.work, slide.dissipated):
+    for field in (
+        slide.normal_force,
+        slide.friction_force,
+        slide.work,
+        slide.dissipated,
+    ):
         assert (field == 0).all()
     np.testing.assert_allclose(slide.depth, given.get("depth", 0.0) + 0 * T2)
 
@@ -202,11 +270,20 @@ def test_a_body_that_is_not_pressed_down_feels_nothing(given):
         ({"elements": 3}, "elements"),
         ({"shape": em.FlatPunch(1e-3)}, "FlatPunch"),
         ({"shape": "ball"}, "shape"),
-        ({"material": em.Foundation.kelvin(1e6, 1e3), "load": None, "depth": 1e-4}, "depth must not jump"),
+        (
+            {"material": em.Foundation.kelvin(1e6, 1e3), "load": None, "depth": 1e-4},
+            "depth must not jump",
+        ),
     ],
 )
 def test_refuses_bad_input(change, message):
-    arguments = {"material": RUBBER, "shape": BALL, "time": T2, "position": T2, "load": 1.0} | change
+    arguments = {
+        "material": RUBBER,
+        "shape": BALL,
+        "time": T2,
+        "position": T2,
+        "load": 1.0,
+    } | change
     with pytest.raises(em.InputError, match=message):
         em.slide(arguments.pop("material"), arguments.pop("shape"), **arguments)
 
@@ -215,7 +292,9 @@ def test_rough_line_refuses_uneven_points():
     with pytest.raises(em.InputError, match="evenly spaced"):
         em.RoughLine([0.0, 1.0, 2.0, 4.0], np.zeros(4))
     line = em.RoughLine([0.0, 1.0, 2.0, 4.5], [0.0, 1.0, 2.0, 3.0], resample=True)
-    np.testing.assert_allclose(line.height, np.interp(1.5 * np.arange(4), [0, 1, 2, 4.5], [0, 1, 2, 3]))
+    np.testing.assert_allclose(
+        line.height, np.interp(1.5 * np.arange(4), [0, 1, 2, 4.5], [0, 1, 2, 3])
+    )
     with pytest.raises(em.InputError, match="4 entries"):
         em.RoughLine([0.0, 1.0], [0.0, 1.0])
 
@@ -224,6 +303,13 @@ def test_a_history_out_of_reach_is_flagged():
     """A body that is pressed past the end of its profile has no answer."""
     r = np.linspace(0, 1e-3, 9)
     with pytest.warns(em.ConvergenceWarning, match="did not converge"):
-        slide = em.slide(RUBBER, em.Profile(r, r**2 / 0.02), time=T2, position=0 * T2, load=1e3, rtol=1e-1)
+        slide = em.slide(
+            RUBBER,
+            em.Profile(r, r**2 / 0.02),
+            time=T2,
+            position=0 * T2,
+            load=1e3,
+            rtol=1e-1,
+        )
     assert np.isnan(slide.mu).all()
     assert not slide.converged.any()

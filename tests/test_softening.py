@@ -1,4 +1,6 @@
-"""Strain softening: the class, its place in materials and files, and what it makes of friction on surfaces."""
+"""Strain softening: the class, its place in materials and files, and what it makes of
+friction on surfaces.
+"""
 
 import re
 
@@ -14,12 +16,18 @@ from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
 from elastomdr.rough.multiscale import FORM
 
-STRAIN, STORAGE, LOSS = [1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.3, 0.9, 0.5]
+STRAIN, STORAGE, LOSS = (
+    [1e-3, 1e-2, 0.1, 1.0],
+    [1.0, 0.8, 0.5, 0.4],
+    [1.0, 1.3, 0.9, 0.5],
+)
 PAYNE = em.Softening(STRAIN, STORAGE, LOSS)
 
 
 def rubber(**options):
-    return em.Prony(1e6, [5e6, 2e7], [1e-5, 1e-3], softening=PAYNE, name="filled", **options)
+    return em.Prony(
+        1e6, [5e6, 2e7], [1e-5, 1e-3], softening=PAYNE, name="filled", **options
+    )
 
 
 def test_factors_meet_the_sweep_stay_monotone_and_are_held_beyond_it():
@@ -34,7 +42,9 @@ def test_factors_meet_the_sweep_stay_monotone_and_are_held_beyond_it():
 
 
 def test_below_its_first_strain_a_sweep_goes_to_one_as_the_strain():
-    storage, loss = em.Softening([0.1, 1.0], [0.8, 0.5], [1.2, 0.7]).factors([0.0, 0.05, 0.0999999, 0.1])
+    storage, loss = em.Softening([0.1, 1.0], [0.8, 0.5], [1.2, 0.7]).factors(
+        [0.0, 0.05, 0.0999999, 0.1]
+    )
     np.testing.assert_allclose(storage, [1.0, 0.9, 0.8, 0.8], rtol=1e-6)
     np.testing.assert_allclose(loss, [1.0, 1.1, 1.2, 1.2], rtol=1e-6)
 
@@ -51,22 +61,52 @@ def test_factors_differentiate():
     with jax.enable_x64(True):
         by_table, by_strain = jax.grad(value, (0, 1))(table, strain)
     h = 1e-6
-    assert by_strain == pytest.approx((value(table, strain + h) - value(table, strain - h)) / (2 * h), rel=1e-6)
+    assert by_strain == pytest.approx(
+        (value(table, strain + h) - value(table, strain - h)) / (2 * h), rel=1e-6
+    )
     step = h * np.eye(4)[2]
-    assert by_table[2] == pytest.approx((value(table + step, strain) - value(table - step, strain)) / (2 * h), rel=1e-6)
+    assert by_table[2] == pytest.approx(
+        (value(table + step, strain) - value(table - step, strain)) / (2 * h), rel=1e-6
+    )
 
 
-@pytest.mark.parametrize(("strain", "storage", "loss", "said"), [
-    ([0.1, 1, 10], [1, 0.9, 0.8], [1, 1, 1], "strain must be an amplitude without unit.*got 10; divide per cent"),
-    (STRAIN, [1.2, 1, 1, 1], LOSS, "storage must be factors on the modulus of small strain, 1 at most, got 1.2"),
-    (STRAIN, [1, 0.8, 0.9, 0.4], LOSS, r"storage must fall .* got 0.8 followed by 0.9 \(entries 1 and 2\)"),
-    (STRAIN, [1, 0.8, 0.5, 0], LOSS, "storage must be positive and finite, got 0"),
-    (STRAIN, [1, 0.8, 0.5, np.nan], LOSS, "storage must be positive and finite, got nan"),
-    (STRAIN, STORAGE, [1, 1, 1, 11], "loss must be factors.*10 at most, got 11"),
-    (STRAIN, STORAGE, LOSS[:3], "lists of the same length"),
-    ([0.1], [1], [1], "2 entries at least"),
-    ([0.1, 0.1], [1, 1], [1, 1], "strain must be ascending"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("strain", "storage", "loss", "said"),
+    [
+        (
+            [0.1, 1, 10],
+            [1, 0.9, 0.8],
+            [1, 1, 1],
+            "strain must be an amplitude without unit.*got 10; divide per cent",
+        ),
+        (
+            STRAIN,
+            [1.2, 1, 1, 1],
+            LOSS,
+            (
+                "storage must be factors on the modulus of small strain, 1 at most, "
+                "got 1.2"
+            ),
+        ),
+        (
+            STRAIN,
+            [1, 0.8, 0.9, 0.4],
+            LOSS,
+            r"storage must fall .* got 0.8 followed by 0.9 \(entries 1 and 2\)",
+        ),
+        (STRAIN, [1, 0.8, 0.5, 0], LOSS, "storage must be positive and finite, got 0"),
+        (
+            STRAIN,
+            [1, 0.8, 0.5, np.nan],
+            LOSS,
+            "storage must be positive and finite, got nan",
+        ),
+        (STRAIN, STORAGE, [1, 1, 1, 11], "loss must be factors.*10 at most, got 11"),
+        (STRAIN, STORAGE, LOSS[:3], "lists of the same length"),
+        ([0.1], [1], [1], "2 entries at least"),
+        ([0.1, 0.1], [1, 1], [1, 1], "strain must be ascending"),
+    ],
+)
 def test_bad_sweeps_get_one_clear_line(strain, storage, loss, said):
     with pytest.raises(em.InputError, match=said) as error:
         em.Softening(strain, storage, loss)
@@ -75,10 +115,17 @@ def test_bad_sweeps_get_one_clear_line(strain, storage, loss, said):
 
 
 def test_materials_and_foundations_carry_it():
-    table = em.TabulatedModulus([1, 10, 100], [1e6] * 3, [1e5] * 3, softening=PAYNE, shift=em.WLF(5, 100, 293))
+    table = em.TabulatedModulus(
+        [1, 10, 100], [1e6] * 3, [1e5] * 3, softening=PAYNE, shift=em.WLF(5, 100, 293)
+    )
     series = rubber(shift=em.WLF(5, 100, 293))
     for material in (series, table, rubber(bulk=2e9, shift=em.WLF(5, 100, 293))):
-        changed = material.at(313.0), material.shear(), material.tensile(), em.half_space(material)
+        changed = (
+            material.at(313.0),
+            material.shear(),
+            material.tensile(),
+            em.half_space(material),
+        )
         assert all(other.softening is PAYNE for other in changed)
     assert em.KelvinVoigt(1e6, 10.0, softening=PAYNE).softening is PAYNE
     assert em.springs(series, 0.01, bonded=False).softening is PAYNE
@@ -99,27 +146,43 @@ def test_files_carry_it(tmp_path):
     assert "factors on the loss modulus" in text
     assert "loss moduli [Pa]" not in text
     path.write_text(text.replace("    0.4,", "    0.6,"))
-    with pytest.raises(em.InputError, match=r"filled\.toml: softening: storage must fall"):
+    with pytest.raises(
+        em.InputError, match=r"filled\.toml: softening: storage must fall"
+    ):
         load_material(path)
     path.write_text(re.sub(r"loss = \[.*?\n\][^\n]*\n", "", text, flags=re.DOTALL))
     with pytest.raises(em.InputError, match=r"key 'loss' in \[softening\] is missing"):
         load_material(path)
     path.write_text(text.replace("    1.3,", ""))
-    with pytest.raises(em.InputError, match=r"strain, storage and loss in \[softening\] must have the same length"):
+    with pytest.raises(
+        em.InputError,
+        match=r"strain, storage and loss in \[softening\] must have the same length",
+    ):
         load_material(path)
 
 
 def test_the_check_wants_its_source_and_a_sweep_from_small_strain(tmp_path):
     path = tmp_path / "filled.toml"
-    save_material(em.Prony(1e6, [], [], softening=em.Softening([0.5, 1.0], [0.4, 0.3], [0.9, 0.8])), path)
+    save_material(
+        em.Prony(
+            1e6, [], [], softening=em.Softening([0.5, 1.0], [0.4, 0.3], [0.9, 0.8])
+        ),
+        path,
+    )
     findings = "\n".join(check_material(path))
     assert "citation is missing in [source.softening]" in findings
-    assert "storage[0] in [softening], at the smallest strain, is 0.4, outside 0.5 to 2" in findings
+    assert (
+        "storage[0] in [softening], at the smallest strain, is 0.4, outside 0.5 to 2"
+        in findings
+    )
 
 
 def test_cards_say_that_they_are_of_small_strain():
     for card in (abaqus_card(rubber()), plain_card(rubber())):
-        assert "softening (storage modulus times 0.4 at 1) has no place in this card" in card
+        assert (
+            "softening (storage modulus times 0.4 at 1) has no place in this card"
+            in card
+        )
 
 
 KRAUS = np.geomspace(1e-4, 3.0, 160)
@@ -132,7 +195,8 @@ def kraus(strain):
 
 SOFT = em.Softening(KRAUS, *kraus(KRAUS))
 ROAD = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e3, q_high=1e5, q_rolloff=3e3)
-BRANCHES = 4 * np.array([3e6, 8e6, 2e7]), np.array([1e-4, 1e-3, 1e-2])  # E* = 4 G, incompressible
+# E* = 4 G, incompressible
+BRANCHES = 4 * np.array([3e6, 8e6, 2e7]), np.array([1e-4, 1e-3, 1e-2])
 
 
 def of_rubber(softening, **options):
@@ -140,7 +204,9 @@ def of_rubber(softening, **options):
 
 
 def integrals(velocity, pressure, share, factors):
-    """Friction and area of Persson's theory and of Multiscale, by plain sums over 6000 waves and 90 angles."""
+    """Friction and area of Persson's theory and of Multiscale, by plain sums over 6000
+    waves and 90 angles.
+    """
     edges = np.linspace(np.log(1e3), np.log(1e5), 6001)
     q, step = np.exp(0.5 * (edges[1:] + edges[:-1])), edges[1] - edges[0]
     phi = (np.arange(90) + 0.5) * np.pi / 180
@@ -150,10 +216,13 @@ def integrals(velocity, pressure, share, factors):
         modulus = 4e6 + (BRANCHES[0] * iwt / (1 + iwt)).sum(-1)
         storage, loss = factors(strain)
         modulus = storage[:, None] * modulus.real + 1j * loss[:, None] * modulus.imag
-        return 2 * np.pi * (np.cos(phi) * modulus.imag).mean(1), 2 * np.pi * (abs(modulus) ** 2).mean(1)
+        return 2 * np.pi * (np.cos(phi) * modulus.imag).mean(1), 2 * np.pi * (
+            abs(modulus) ** 2
+        ).mean(1)
 
     power = q**4 * ROAD.at(q)
-    slope = np.cumsum(2 * np.pi * power * step)  # mean square slope of the waves up to q
+    # mean square slope of the waves up to q
+    slope = np.cumsum(2 * np.pi * power * step)
     drag, stiffness = averages(q, share * np.sqrt(slope - np.pi * power * step))
     rate = power * stiffness / (8 * pressure**2)
 
@@ -170,7 +239,9 @@ def integrals(velocity, pressure, share, factors):
         return np.array(out)
 
     spread = stored(rate)
-    shares = contact(np.concatenate([[spread[0] / 2], 0.5 * (spread[1:] + spread[:-1])]))
+    shares = contact(
+        np.concatenate([[spread[0] / 2], 0.5 * (spread[1:] + spread[:-1])])
+    )
     area, full = contact(spread[-1]), power * drag * step / (2 * pressure)
     persson = (full * 0.5 * (1 + shares**2) * shares).sum()
 
@@ -180,16 +251,30 @@ def integrals(velocity, pressure, share, factors):
     end = np.full(401, share * np.sqrt(slope[-1]))
     drag_end, stiffness_end = averages(1e5 * beyond, end)
     last = end_power * stiffness_end[0] / (8 * pressure**2)
-    edge = 4 * pressure * np.trapezoid(last * drag_end / stiffness_end / beyond**2, np.log(beyond))
-    total, later = (rate * step).sum(), np.maximum(np.interp(np.log(q) + form.shift, edges[1:], contact(spread)), area)
+    edge = (
+        4
+        * pressure
+        * np.trapezoid(last * drag_end / stiffness_end / beyond**2, np.log(beyond))
+    )
+    total, later = (
+        (rate * step).sum(),
+        np.maximum(np.interp(np.log(q) + form.shift, edges[1:], contact(spread)), area),
+    )
     level = 1 - (1 - form.level) * (1 - area) * (last / total) ** form.slope
-    weight = level * area + (1 - level * area) * (later - area) / (1 - area) * later**form.power
+    weight = (
+        level * area
+        + (1 - level * area) * (later - area) / (1 - area) * later**form.power
+    )
     rise = last / total * (power * step).sum() / end_power
-    multiscale = (full * weight).sum() + form.edge * area * (1 - area) * rise**form.rise * edge
+    multiscale = (full * weight).sum() + form.edge * area * (
+        1 - area
+    ) * rise**form.rise * edge
     return persson, multiscale, area
 
 
-@pytest.mark.parametrize(("velocity", "pressure"), [(1e-3, 1e6), (0.1, 2e5), (10.0, 1e6)])
+@pytest.mark.parametrize(
+    ("velocity", "pressure"), [(1e-3, 1e6), (0.1, 2e5), (10.0, 1e6)]
+)
 def test_softened_friction_is_its_integrals_evaluated_independently(velocity, pressure):
     asked = {"velocity": velocity, "pressure": pressure, "strain_share": 0.7}
     persson, multiscale, area = integrals(velocity, pressure, 0.7, kraus)
@@ -208,10 +293,14 @@ def test_softened_friction_is_its_integrals_evaluated_independently(velocity, pr
 @pytest.mark.parametrize("model", ["persson", "multiscale"])
 def test_factors_of_one_change_nothing(model):
     asked = {"velocity": np.geomspace(1e-3, 10, 5), "pressure": 3e5, "model": model}
-    one = em.friction(of_rubber(em.Softening([1e-4, 1.0], [1, 1], [1, 1])), ROAD, **asked)
+    one = em.friction(
+        of_rubber(em.Softening([1e-4, 1.0], [1, 1], [1, 1])), ROAD, **asked
+    )
     straight = em.friction(of_rubber(None), ROAD, **asked)
     for field in ("mu", "area_ratio", "model_error"):
-        np.testing.assert_allclose(getattr(one, field), getattr(straight, field), rtol=1e-13)
+        np.testing.assert_allclose(
+            getattr(one, field), getattr(straight, field), rtol=1e-13
+        )
     assert straight.linear is None
 
 
@@ -220,7 +309,9 @@ def test_even_factors_are_a_softer_rubber():
     with pytest.warns(em.ExtrapolationWarning, match="on a sweep that ends at 1e-08"):
         curve = em.friction(of_rubber(half), ROAD, velocity=0.1, pressure=1e5)
     softer = em.Prony(0.5e6, BRANCHES[0] / 8, BRANCHES[1])
-    assert curve.mu == pytest.approx(float(em.friction(softer, ROAD, velocity=0.1, pressure=1e5).mu), rel=1e-12)
+    assert curve.mu == pytest.approx(
+        float(em.friction(softer, ROAD, velocity=0.1, pressure=1e5).mu), rel=1e-12
+    )
     assert curve.extrapolated.all()
 
 
@@ -228,11 +319,17 @@ def test_models_that_are_linear_say_so():
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
     curve, straight = (
         em.friction(
-            em.Foundation(1e6, np.full(6, 2e6), np.geomspace(1e-6, 1e-1, 6), softening=softening),
-            surface, velocity=0.1, pressure=2e5, model=em.HalfSpace(cells=64), rtol=1e-3,
+            em.Foundation(
+                1e6, np.full(6, 2e6), np.geomspace(1e-6, 1e-1, 6), softening=softening
+            ),
+            surface,
+            velocity=0.1,
+            pressure=2e5,
+            model=em.HalfSpace(cells=64),
+            rtol=1e-3,
         )
         for softening in (SOFT, None)
-    )  # fmt: skip
+    )
     assert curve.mu == straight.mu
     assert np.isnan(curve.model_error)
     assert "linear: softening with strain left out" in curve.model
@@ -241,15 +338,24 @@ def test_models_that_are_linear_say_so():
 
 @pytest.mark.parametrize("share", [0.0, -1.0, 50.0, np.nan])
 def test_a_share_that_is_none(share):
-    with pytest.raises(em.InputError, match="strain_share must be above 0 and at most 2"):
-        em.friction(of_rubber(SOFT), ROAD, velocity=0.1, pressure=1e5, strain_share=share)
+    with pytest.raises(
+        em.InputError, match="strain_share must be above 0 and at most 2"
+    ):
+        em.friction(
+            of_rubber(SOFT), ROAD, velocity=0.1, pressure=1e5, strain_share=share
+        )
 
 
 @pytest.mark.slow
 def test_gradients_through_softening():
     def mu(storage, share, velocity):
         soft = em.Softening(STRAIN, 1 - storage * (1 - np.array(STORAGE)), LOSS)
-        asked = {"velocity": velocity, "pressure": 3e5, "strain_share": share, "rtol": 1e-8}
+        asked = {
+            "velocity": velocity,
+            "pressure": 3e5,
+            "strain_share": share,
+            "rtol": 1e-8,
+        }
         return em.friction(of_rubber(soft), ROAD, **asked).mu
 
     at = np.array([0.9, 0.5, 0.1])
@@ -261,7 +367,12 @@ def test_gradients_through_softening():
 
 
 def test_a_list_of_materials_and_a_scene(tmp_path):
-    both = em.friction([of_rubber(None, name="soft"), of_rubber(SOFT, name="hard")], ROAD, velocity=0.1, pressure=1e5)
+    both = em.friction(
+        [of_rubber(None, name="soft"), of_rubber(SOFT, name="hard")],
+        ROAD,
+        velocity=0.1,
+        pressure=1e5,
+    )
     assert both.mu.shape == (2,)
     save_material(of_rubber(SOFT, name="filled"), tmp_path / "filled.toml")
     (tmp_path / "road.toml").write_text(
@@ -270,4 +381,6 @@ def test_a_list_of_materials_and_a_scene(tmp_path):
         "strain_share = 0.25\n"
     )
     assert main(["friction", str(tmp_path / "road.toml"), "--out", str(tmp_path)]) == 0
-    assert "coefficient without softening" in (tmp_path / "road-friction.csv").read_text()
+    assert (
+        "coefficient without softening" in (tmp_path / "road-friction.csv").read_text()
+    )

@@ -1,4 +1,6 @@
-"""The floors of docs/structure.md: each package imports only from those above it; figures, files have their rooms."""
+"""The floors of docs/structure.md: each package imports only from those above it;
+figures, files have their rooms.
+"""
 
 import ast
 from collections.abc import Iterator
@@ -8,14 +10,42 @@ import elastomdr as em
 
 SOURCE = Path(em.__file__).parent
 FLOORS = (
-    "errors", "_types", "compiled_code", "units", "notebook_tables", "trees", "arrays", "checks", "files", "models", "numerics",
-    "results", "material", "surface", "element", "call", "smooth", "rough", "transient", "reference", "verbs", "tyre",
-    "belt", "seal", "sweeps", "io", "fit", "cli", "app",
-)  # fmt: skip
+    "errors",
+    "_types",
+    "compiled_code",
+    "units",
+    "notebook_tables",
+    "trees",
+    "arrays",
+    "checks",
+    "files",
+    "models",
+    "numerics",
+    "results",
+    "material",
+    "surface",
+    "element",
+    "call",
+    "smooth",
+    "rough",
+    "transient",
+    "reference",
+    "verbs",
+    "tyre",
+    "belt",
+    "seal",
+    "sweeps",
+    "io",
+    "fit",
+    "cli",
+    "app",
+)
 
 
 def imports(path: Path) -> Iterator[tuple[str, ...]]:
-    """The modules of this package that a file imports, and other packages by their name."""
+    """The modules of this package that a file imports, and other packages by their
+    name.
+    """
     home = ("elastomdr", *path.relative_to(SOURCE).with_suffix("").parts)
     nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
     skipped = set()
@@ -34,7 +64,9 @@ def imports(path: Path) -> Iterator[tuple[str, ...]]:
 
 def files(*parts: str) -> list[Path]:
     place = SOURCE.joinpath(*parts)
-    found = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+    found = (
+        sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+    )
     assert found
     return found
 
@@ -48,30 +80,61 @@ def test_floors():
     for floor, name in enumerate(FLOORS):
         below = set(FLOORS[floor + 1 :])
         for path in files(name):
-            inside = [module for module in imports(path) if module[0] == "elastomdr" and not is_figure(module)]
+            inside = [
+                module
+                for module in imports(path)
+                if module[0] == "elastomdr" and not is_figure(module)
+            ]
             wrong = [module for module in inside if below & {*module[1:2]}]
             assert not wrong, f"{path.relative_to(SOURCE)} imports {wrong}"
 
 
 def test_only_io_reads_files_of_others():
-    """A fit takes measurements as data; what units and titles mean is known in `io` alone."""
+    """A fit takes measurements as data; what units and titles mean is known in `io`
+    alone.
+    """
     for path in files("fit"):
         for module in imports(path):
-            assert module[:2] != ("elastomdr", "io") or module[2] == "data", f"{path.name} imports {module}"
-        assert "read_" not in path.read_text(encoding="utf-8").partition("files import")[2].partition("\n")[0], path
+            assert module[:2] != ("elastomdr", "io") or module[2] == "data", (
+                f"{path.name} imports {module}"
+            )
+        assert (
+            "read_"
+            not in path.read_text(encoding="utf-8")
+            .partition("files import")[2]
+            .partition("\n")[0]
+        ), path
 
 
 def test_figures_have_their_files():
     for path in files():
-        if path.relative_to(SOURCE).as_posix() in ("results/plotting.py", "fit/figures.py"):
+        if path.relative_to(SOURCE).as_posix() in (
+            "results/plotting.py",
+            "fit/figures.py",
+        ):
             continue
-        assert not [module for module in imports(path) if module[0] == "matplotlib"], path
+        assert not [module for module in imports(path) if module[0] == "matplotlib"], (
+            path
+        )
 
 
 def test_a_result_never_solves():
     for path in files("results"):
-        inside = {module[1] for module in imports(path) if module[0] == "elastomdr" and len(module) > 1}
-        ground = {"errors", "files", "checks", "arrays", "notebook_tables", "trees", "units", ""}
+        inside = {
+            module[1]
+            for module in imports(path)
+            if module[0] == "elastomdr" and len(module) > 1
+        }
+        ground = {
+            "errors",
+            "files",
+            "checks",
+            "arrays",
+            "notebook_tables",
+            "trees",
+            "units",
+            "",
+        }
         assert inside <= ground | {"results"}, f"{path.name} imports {inside}"
 
 
@@ -79,19 +142,38 @@ def test_results_import_no_jax():
     """Apart from what the ground imports."""
     for path in files("results"):
         tree = ast.parse(path.read_text(encoding="utf-8"))
-        at_import = [node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
-        names = {(node.module or "") if isinstance(node, ast.ImportFrom) else node.names[0].name for node in at_import}
-        assert not {name.partition(".")[0] for name in names} & {"jax", "equinox", "diffrax", "jaxtyping", "matplotlib"}
+        at_import = [
+            node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))
+        ]
+        names = {
+            (node.module or "")
+            if isinstance(node, ast.ImportFrom)
+            else node.names[0].name
+            for node in at_import
+        }
+        assert not {name.partition(".")[0] for name in names} & {
+            "jax",
+            "equinox",
+            "diffrax",
+            "jaxtyping",
+            "matplotlib",
+        }
 
 
 def test_no_circle_of_imports():
     """Not inside a room either, nor where a function imports when it is called."""
-    modules = {(*path.relative_to(SOURCE).with_suffix("").parts,): path for path in files()}
+    modules = {
+        (*path.relative_to(SOURCE).with_suffix("").parts,): path for path in files()
+    }
     needs = {}
     for home, path in modules.items():
         found = {module[1:] for module in imports(path) if module[0] == "elastomdr"}
-        needs[home] = {module for module in found if module in modules and module != home}
-    while ready := [home for home, inside in needs.items() if not inside & needs.keys()]:
+        needs[home] = {
+            module for module in found if module in modules and module != home
+        }
+    while ready := [
+        home for home, inside in needs.items() if not inside & needs.keys()
+    ]:
         for home in ready:
             del needs[home]
     assert not needs, f"circles among {sorted('/'.join(home) for home in needs)}"

@@ -12,21 +12,36 @@ CREEP = np.geomspace(1e-4, 1.0, 9)
 def test_thick_elastic_layer_begins_and_ends_as_carter_and_is_near_it_between():
     rubber = em.Prony(1e6, [], [])
     given = {"velocity": 1.0, "creepage": CREEP, "friction": 0.5, "load": 300.0}
-    layer, exact = em.traction(em.layer(rubber, 2.0), ROLL, **given), em.traction(rubber, ROLL, **given)
+    layer, exact = (
+        em.traction(em.layer(rubber, 2.0), ROLL, **given),
+        em.traction(rubber, ROLL, **given),
+    )
     np.testing.assert_allclose(layer.coefficient[:2], exact.coefficient[:2], rtol=1e-2)
     np.testing.assert_allclose(layer.coefficient[-1], 0.5, rtol=1e-2)
     assert np.abs(layer.coefficient - exact.coefficient).max() < 0.08 * 0.5
 
 
 def test_thin_layer_is_the_brush_of_its_shear():
-    """Without slip a layer much thinner than its contact carries xi G int r dr/h; branches their ramps."""
+    """Without slip a layer much thinner than its contact carries xi G int r dr/h;
+    branches their ramps.
+    """
     rubber = em.Prony(1e6, [4e6], [2e-2], poisson=0.3)
-    thin = em.traction(em.layer(rubber, 2e-4), ROLL, velocity=0.5, creepage=1e-3, friction=np.inf, load=2e4)
+    thin = em.traction(
+        em.layer(rubber, 2e-4),
+        ROLL,
+        velocity=0.5,
+        creepage=1e-3,
+        friction=np.inf,
+        load=2e4,
+    )
     length = float(thin.contact.leading + thin.contact.trailing)
     r = np.linspace(0, length, 20001)
     s = 0.5 * 2e-2
-    expected = 1e-3 * 0.5 * np.trapezoid(1e6 * r + 4e6 * s * -np.expm1(-r / s), r) / 2e-4
-    np.testing.assert_allclose(thin.force, expected, rtol=1e-2)  # the contact is 50 times as wide as thick
+    expected = (
+        1e-3 * 0.5 * np.trapezoid(1e6 * r + 4e6 * s * -np.expm1(-r / s), r) / 2e-4
+    )
+    # the contact is 50 times as wide as thick
+    np.testing.assert_allclose(thin.force, expected, rtol=1e-2)
     assert float(thin.stick) == 1
 
 

@@ -6,23 +6,47 @@ import pytest
 from elastomdr.cli import units
 from elastomdr.units.registry import KINDS, to_si
 
-POUND, INCH, GRAVITY = 0.45359237, 0.0254, 9.80665  # the international pound and inch [kg, m], standard gravity
+# the international pound and inch [kg, m], standard gravity
+POUND, INCH, GRAVITY = 0.45359237, 0.0254, 9.80665
 PSI = POUND * GRAVITY / INCH**2
 
 # What each unit is in SI: factor, and offset.
 FACTORS = {
     "modulus": {
-        "Pa": 1, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "N/mm^2": 1e6, "N/m^2": 1, "bar": 1e5, "psi": PSI,
-        "ksi": 1e3 * PSI, "dyn/cm2": 0.1, "dyne/cm^2": 0.1, "kgf/cm2": 1e4 * GRAVITY, "kg/cm2": 1e4 * GRAVITY,
-        "kg/mm2": 1e6 * GRAVITY, "mpa": 1e6, "lbf/in^2": PSI,
+        "Pa": 1,
+        "kPa": 1e3,
+        "MPa": 1e6,
+        "GPa": 1e9,
+        "N/mm2": 1e6,
+        "N/mm^2": 1e6,
+        "N/m^2": 1,
+        "bar": 1e5,
+        "psi": PSI,
+        "ksi": 1e3 * PSI,
+        "dyn/cm2": 0.1,
+        "dyne/cm^2": 0.1,
+        "kgf/cm2": 1e4 * GRAVITY,
+        "kg/cm2": 1e4 * GRAVITY,
+        "kg/mm2": 1e6 * GRAVITY,
+        "mpa": 1e6,
+        "lbf/in^2": PSI,
     },
     "frequency": {
-        "Hz": 2 * np.pi, "kHz": 2e3 * np.pi, "mHz": 2e-3 * np.pi, "rad/s": 1, "rads": 1, "rpm": 2 * np.pi / 60,
+        "Hz": 2 * np.pi,
+        "kHz": 2e3 * np.pi,
+        "mHz": 2e-3 * np.pi,
+        "rad/s": 1,
+        "rads": 1,
+        "rpm": 2 * np.pi / 60,
         "1/s": None,
     },
     "angular frequency": {"rad/s": 1, "1/s": 1, "s-1": 1, "Hz": None},
     "temperature": {
-        "K": 1, "C": (1, 273.15), "°C": (1, 273.15), "degC": (1, 273.15), "degF": (5 / 9, 273.15 - 32 * 5 / 9),
+        "K": 1,
+        "C": (1, 273.15),
+        "°C": (1, 273.15),
+        "degC": (1, 273.15),
+        "degF": (5 / 9, 273.15 - 32 * 5 / 9),
         "°F": (5 / 9, 273.15 - 32 * 5 / 9),
     },
     "time": {"s": 1, "ms": 1e-3, "min": 60, "h": 3600, "hr": 3600, "sec": 1},
@@ -33,12 +57,19 @@ FACTORS = {
     "compliance": {"1/Pa": 1, "1/kPa": 1e-3, "1/MPa": 1e-6},
     "stiffness": {"N/m": 1, "N/mm": 1e3, "kN/m": 1e3},
     "area": {"m^2": 1, "mm^2": 1e-6, "mm2": 1e-6, "cm^2": 1e-4},
-    "velocity": {"m/s": 1, "mm/s": 1e-3, "um/s": 1e-6, "km/h": 1 / 3.6, "m/min": 1 / 60, "in/s": INCH},
+    "velocity": {
+        "m/s": 1,
+        "mm/s": 1e-3,
+        "um/s": 1e-6,
+        "km/h": 1 / 3.6,
+        "m/min": 1 / 60,
+        "in/s": INCH,
+    },
     "length": {"m": 1, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "in": INCH},
     "wave number": {"1/m": 1, "rad/m": 1, "1/um": 1e6},
     "m^4": {"m^4": 1, "mm^4": 1e-12, "um^4": 1e-24},
     "m^3": {"m^3": 1, "mm^3": 1e-9, "um^3": 1e-18},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -48,15 +79,33 @@ def test_units_of_titles(kind):
         if expected is None:
             assert found is None, text
         else:
-            factor, offset = expected if isinstance(expected, tuple) else (expected, 0.0)
+            factor, offset = (
+                expected if isinstance(expected, tuple) else (expected, 0.0)
+            )
             np.testing.assert_allclose(found, (factor, offset), rtol=1e-9, err_msg=text)
 
 
-PREFIX = {"G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
+PREFIX = {
+    "G": 1e9,
+    "M": 1e6,
+    "k": 1e3,
+    "c": 1e-2,
+    "m": 1e-3,
+    "u": 1e-6,
+    "µ": 1e-6,
+    "n": 1e-9,
+}
 OTHERS = {
-    "min": 60, "h": 3600, "day": 86400, "bar": 1e5, "t": 1e3, "g": 1e-3, "degC": 1, "kg": 1,
+    "min": 60,
+    "h": 3600,
+    "day": 86400,
+    "bar": 1e5,
+    "t": 1e3,
+    "g": 1e-3,
+    "degC": 1,
+    "kg": 1,
     **{name: 1 for name in ("m", "N", "K", "s", "Pa", "Hz", "J", "W", "rad", "mol")},
-}  # fmt: skip
+}
 
 
 def by_parts(unit):
@@ -69,7 +118,13 @@ def by_parts(unit):
         return float(single) ** int(power or 1)
 
     def product(words):
-        return np.prod([of(word) for word in words.strip("()").replace(" ", "*").split("*") if word != "1"])
+        return np.prod(
+            [
+                of(word)
+                for word in words.strip("()").replace(" ", "*").split("*")
+                if word != "1"
+            ]
+        )
 
     return product(above) / np.prod([product(words) for words in below])
 
@@ -80,7 +135,12 @@ def test_units_of_the_command_line(si):
     kind = type("Kind", (units.Quantity,), {"unit": si})
     for unit in units.USUAL[si]:
         offset = 273.15 if unit == "degC" else 0.0
-        np.testing.assert_allclose(kind.convert("3", unit), 3 * by_parts(unit) + offset, rtol=1e-12, err_msg=unit)
+        np.testing.assert_allclose(
+            kind.convert("3", unit),
+            3 * by_parts(unit) + offset,
+            rtol=1e-12,
+            err_msg=unit,
+        )
 
 
 def test_units_that_a_library_converts():

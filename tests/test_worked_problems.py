@@ -1,4 +1,5 @@
-"""Every worked problem runs, passes the check it ends in, leaves its figure, and stands in the docs.
+"""Every worked problem runs, passes the check it ends in, leaves its figure, and stands
+in the docs.
 
 A file of its own, so that another process can run it beside the examples.
 """

@@ -5,15 +5,53 @@ import re
 import numpy as np
 
 VALUES = (
-    "nan", "inf", "-inf", "0", "-0.0", "-1", "1e400", "1e308", "1e-320", "99999999999999999999999", "true", '""', "[]",
-    "{}", "[[1]]", '"x"', "1979-05-27", "07:32:00", '"1e400 m"', '"nan m"', '"5 mm"', '"-5 mm"', '"0 s"', '"10 N"',
+    "nan",
+    "inf",
+    "-inf",
+    "0",
+    "-0.0",
+    "-1",
+    "1e400",
+    "1e308",
+    "1e-320",
+    "99999999999999999999999",
+    "true",
+    '""',
+    "[]",
+    "{}",
+    "[[1]]",
+    '"x"',
+    "1979-05-27",
+    "07:32:00",
+    '"1e400 m"',
+    '"nan m"',
+    '"5 mm"',
+    '"-5 mm"',
+    '"0 s"',
+    '"10 N"',
     '"1e-300 m/s"',
-    '"1e300 m/s"', '"20 degC"', '"/dev/null"', '"/dev/zero"', '"."', '"\\u0000"', '"é µ"', "'''a\nb'''",
-    "0x7f", "1_000", "3.5",
-    '"m**m"', '"5 m**(1/0)"', '"5 m^9999999999"', "[1, 2, 'a']", '["1 s", "2 s"]', "[nan, 1e308, -1e308, 1]",
-)  # fmt: skip
+    '"1e300 m/s"',
+    '"20 degC"',
+    '"/dev/null"',
+    '"/dev/zero"',
+    '"."',
+    '"\\u0000"',
+    '"é µ"',
+    "'''a\nb'''",
+    "0x7f",
+    "1_000",
+    "3.5",
+    '"m**m"',
+    '"5 m**(1/0)"',
+    '"5 m^9999999999"',
+    "[1, 2, 'a']",
+    '["1 s", "2 s"]',
+    "[nan, 1e308, -1e308, 1]",
+)
 NUMBER = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
-VALUE = re.compile(rb"(?m)(?<== )(\"[^\"\n]*\"|\[[^\]\n]*\]|\{[^}\n]*\}|[^\s\"\[{#][^\s,}#]*)")
+VALUE = re.compile(
+    rb"(?m)(?<== )(\"[^\"\n]*\"|\[[^\]\n]*\]|\{[^}\n]*\}|[^\s\"\[{#][^\s,}#]*)"
+)
 
 
 def mutate(content: bytes, random: np.random.Generator) -> bytes:
@@ -51,7 +89,9 @@ def _lines(content: bytes, random: np.random.Generator) -> bytes:
 
 def _value(content: bytes, random: np.random.Generator) -> bytes:
     """A value of a TOML file replaced."""
-    return _replaced(content, VALUE, VALUES[random.integers(len(VALUES))].encode(), random)
+    return _replaced(
+        content, VALUE, VALUES[random.integers(len(VALUES))].encode(), random
+    )
 
 
 def _number(content: bytes, random: np.random.Generator) -> bytes:
@@ -75,7 +115,9 @@ def _number(content: bytes, random: np.random.Generator) -> bytes:
     return _replaced(content, NUMBER, choices[random.integers(len(choices))], random)
 
 
-def _replaced(content: bytes, pattern: re.Pattern, new: bytes, random: np.random.Generator) -> bytes:
+def _replaced(
+    content: bytes, pattern: re.Pattern, new: bytes, random: np.random.Generator
+) -> bytes:
     found = list(pattern.finditer(content))
     if not found:
         return content
@@ -90,7 +132,9 @@ def _encoded(content: bytes, random: np.random.Generator) -> bytes:
 
 
 def _breaks(content: bytes, random: np.random.Generator) -> bytes:
-    return content.replace(b"\n", (b"\r\n", b"\r", b"\0", b"\n\n", b"")[random.integers(5)])
+    return content.replace(
+        b"\n", (b"\r\n", b"\r", b"\0", b"\n\n", b"")[random.integers(5)]
+    )
 
 
 def _binary(content: bytes, random: np.random.Generator) -> bytes:

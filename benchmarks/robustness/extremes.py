@@ -1,12 +1,15 @@
-"""Does it hold at the ends? 20 decades of velocity, 40 branches over 24 decades, against Hertz and power laws.
+"""Does it hold at the ends? 20 decades of velocity, 40 branches over 24 decades,
+against Hertz and power laws.
 
     python benchmarks/robustness/extremes.py
 
-With tau over 24 decades, velocities from 1e-12 to 1e8 m/s do not reach both the relaxed and the glassy end. So three
-spectra: one that is relaxed at 1e-12 m/s (by 12 decades), one that is glassy at 1e8 m/s (by 11), and one in the middle,
-whose ends lie beyond that range. References: Hertz, F_N = (4/3) E a d with E = E_inf or E_0, and
+With tau over 24 decades, velocities from 1e-12 to 1e8 m/s do not reach both the relaxed
+and the glassy end. So three spectra: one that is relaxed at 1e-12 m/s (by 12 decades),
+one that is glassy at 1e8 m/s (by 11), and one in the middle, whose ends lie beyond that
+range. References: Hertz, F_N = (4/3) E a d with E = E_inf or E_0, and
 
-    v -> 0:    mu = 2 v sum(E_k tau_k) / (E_inf R) on the line, half of that averaged over directions;
+    v -> 0:
+    mu = 2 v sum(E_k tau_k) / (E_inf R) on the line, half of that averaged over directions;
     v -> inf:  mu = (4/5) d sum(E_k / tau_k) / (E_0 v) for both, d being Hertz' glassy depth.
 """
 
@@ -29,10 +32,19 @@ SPECTRA = {  # shortest and longest tau [s], velocities beyond the range [m/s]
     "middle": (1e-12, 1e12, (1e-27, 1e24)),
     "slow": (1e-1, 1e23, ()),
 }
-ENDS = {"relaxed": "fast", "glassy": "slow"}  # the spectra that reach an end within the range
+# the spectra that reach an end within the range
+ENDS = {"relaxed": "fast", "glassy": "slow"}
 COLUMNS = (
-    "spectrum", "average", "end", "v [m/s]", "passage/nearest tau", "mu", "F_N/Hertz - 1", "mu/power law - 1", "slope",
-)  # fmt: skip
+    "spectrum",
+    "average",
+    "end",
+    "v [m/s]",
+    "passage/nearest tau",
+    "mu",
+    "F_N/Hertz - 1",
+    "mu/power law - 1",
+    "slope",
+)
 
 
 def foundation(shortest: float, longest: float) -> em.Foundation:
@@ -45,7 +57,9 @@ def _name(model: Any) -> str:
 
 
 def at_end(name: str, end: str, model: Any, velocity: float) -> tuple:
-    """One row: load and friction at one end of one spectrum against their limits; the slope is d log mu / d log v."""
+    """One row: load and friction at one end of one spectrum against their limits; the
+    slope is d log mu / d log v.
+    """
     shortest, longest, _ = SPECTRA[name]
     law = foundation(shortest, longest)
     relaxed = end == "relaxed"
@@ -64,47 +78,83 @@ def at_end(name: str, end: str, model: Any, velocity: float) -> tuple:
         limit = 0.8 * depth * (law.moduli / law.times).sum() / (modulus * velocity)
     near = np.array([velocity, 2 * velocity])
     loaded = em.friction(law, SHAPE, velocity=near, load=LOAD, model=model, rtol=RTOL)
-    pressed = em.friction(law, SHAPE, velocity=velocity, depth=depth, model=model, rtol=RTOL)
+    pressed = em.friction(
+        law, SHAPE, velocity=velocity, depth=depth, model=model, rtol=RTOL
+    )
     passage = 2 * size / velocity
     apart = passage / longest if relaxed else shortest / passage
     return (
-        name, _name(model), end, velocity, apart if relaxed else 1 / apart, loaded.mu[0],
-        float(pressed.normal_force) / (4 / 3 * modulus * size * depth) - 1, loaded.mu[0] / limit - 1,
+        name,
+        _name(model),
+        end,
+        velocity,
+        apart if relaxed else 1 / apart,
+        loaded.mu[0],
+        float(pressed.normal_force) / (4 / 3 * modulus * size * depth) - 1,
+        loaded.mu[0] / limit - 1,
         np.log2(loaded.mu[1] / loaded.mu[0]),
-    )  # fmt: skip
+    )
 
 
 def main() -> None:
     record = heading(
         "Extremes: 81 velocities from 1e-12 to 1e8 m/s, 40 branches over 24 decades",
-        f"paraboloid, R = {RADIUS:g} m, {LOAD:g} N or the depth of Hertz' contact under it, rtol {RTOL:g}",
+        (
+            f"paraboloid, R = {RADIUS:g} m, {LOAD:g} N or the depth of Hertz' contact "
+            f"under it, rtol {RTOL:g}"
+        ),
         f"E_inf = {EQUILIBRIUM:g} Pa, E_k = E_inf (tau_k/tau_40)^-0.12, tau: "
-        + "; ".join(f"{name} {low:g} ... {high:g} s" for name, (low, high, _) in SPECTRA.items()),
+        + "; ".join(
+            f"{name} {low:g} ... {high:g} s" for name, (low, high, _) in SPECTRA.items()
+        ),
     )
     figure, ax = plt.subplots(figsize=(8, 4.5), layout="constrained")
     rows, curves, missing = [], [], 0
     for i, (name, (shortest, longest, beyond)) in enumerate(SPECTRA.items()):
         for model, style in ((em.Line(), ":"), (em.Averaged(corrected=False), "-")):
             law = foundation(shortest, longest)
-            curve = em.friction(law, SHAPE, velocity=VELOCITY, load=LOAD, model=model, rtol=1e-8)
+            curve = em.friction(
+                law, SHAPE, velocity=VELOCITY, load=LOAD, model=model, rtol=1e-8
+            )
             failed = int(np.sum(~np.isfinite(curve.mu) | ~curve.converged))
             missing += failed
             curves.append((name, _name(model), failed, curve.mu.min(), curve.mu.max()))
-            label = f"{name}: tau {shortest:g} ... {longest:g} s" if isinstance(model, em.Averaged) else None
+            label = (
+                f"{name}: tau {shortest:g} ... {longest:g} s"
+                if isinstance(model, em.Averaged)
+                else None
+            )
             ax.loglog(VELOCITY, curve.mu, style, color=f"C{i}", label=label)
-            for end, velocity in zip(ENDS, beyond or (VELOCITY[0], VELOCITY[-1]), strict=True):
+            for end, velocity in zip(
+                ENDS, beyond or (VELOCITY[0], VELOCITY[-1]), strict=True
+            ):
                 if beyond or ENDS[end] == name:
                     rows.append(at_end(name, end, model, velocity))
-    record["curves"] = table(("spectrum", "average", "NaN or not converged", "least mu", "largest mu"), curves)
+    record["curves"] = table(
+        ("spectrum", "average", "NaN or not converged", "least mu", "largest mu"),
+        curves,
+    )
     record["ends"] = table(COLUMNS, rows)
     print()
     record["figures"] = [
         verdict("points that are NaN or did not converge", missing, 0),
         verdict("largest deviation from Hertz", max(abs(row[6]) for row in rows), 1e-9),
-        verdict("largest deviation from the power laws of friction", max(abs(row[7]) for row in rows), 1e-9),
-        verdict("largest deviation of the exponent from +1 or -1", max(abs(abs(row[8]) - 1) for row in rows), 1e-9),
+        verdict(
+            "largest deviation from the power laws of friction",
+            max(abs(row[7]) for row in rows),
+            1e-9,
+        ),
+        verdict(
+            "largest deviation of the exponent from +1 or -1",
+            max(abs(abs(row[8]) - 1) for row in rows),
+            1e-9,
+        ),
     ]
-    ax.set(xlabel="velocity [m/s]", ylabel="mu", title="Solid: averaged over directions; dotted: bare line")
+    ax.set(
+        xlabel="velocity [m/s]",
+        ylabel="mu",
+        title="Solid: averaged over directions; dotted: bare line",
+    )
     ax.grid(color="0.92")
     ax.legend()
     save("robustness/extremes", record, figure)

@@ -1,14 +1,18 @@
-"""Can a file bring the command line down? Thousands of damaged scene, material, DMA and surface files.
+"""Can a file bring the command line down? Thousands of damaged scene, material, DMA and
+surface files.
 
     python benchmarks/robustness/fuzz.py [--files N] [--seed S] [--computed K]
 
-The shipped scenes and materials, and measurements and surfaces written here, are damaged at random: bytes flipped or
-cut, lines deleted, doubled or exchanged, numbers made huge, tiny, negative, nan or of another type, other encodings,
-empty or binary files, folders and pipes in their place. Each run must end with status 0, 2 or 3 in good time; with 2
-there must be one line on the standard error that begins with "elastomdr: error: ", and no run may leave a traceback.
-All goes through `elastomdr.cli.main.main`, and the same files through the page's own handlers, where what is wrong must
-be an `em.InputError` of one clear line, which the page shows beside a field. A scene that survives its reading and
-every check of its arguments is not computed, which would take hours, but for the first `--computed` of them.
+The shipped scenes and materials, and measurements and surfaces written here, are
+damaged at random: bytes flipped or cut, lines deleted, doubled or exchanged, numbers
+made huge, tiny, negative, nan or of another type, other encodings, empty or binary
+files, folders and pipes in their place. Each run must end with status 0, 2 or 3 in good
+time; with 2 there must be one line on the standard error that begins with "elastomdr:
+error: ", and no run may leave a traceback. All goes through `elastomdr.cli.main.main`,
+and the same files through the page's own handlers, where what is wrong must be an
+`em.InputError` of one clear line, which the page shows beside a field. A scene that
+survives its reading and every check of its arguments is not computed, which would take
+hours, but for the first `--computed` of them.
 """
 
 import argparse
@@ -45,22 +49,43 @@ class Sound(BaseException):
 
 
 def sources(folder: Path) -> list[tuple[str, bytes, list[list[str]]]]:
-    """Name, content, and the command lines that read it ("FILE" stands for its name; other files lie beside it)."""
+    """Name, content, and the command lines that read it ("FILE" stands for its name;
+    other files lie beside it).
+    """
     found: list[tuple[str, bytes, list[list[str]]]] = []
     for path in sorted((ROOT / "examples" / "scenes").glob("*.toml")):
         content = path.read_bytes()
-        verbs = ["slide"] if b"[[stage]]" in content else ["indent"] if b"[history]" in content else []
-        found.append(("scene.toml", content, [[verb, "FILE"] for verb in verbs or ["friction", "rolling", "plan"]]))
+        verbs = (
+            ["slide"]
+            if b"[[stage]]" in content
+            else ["indent"]
+            if b"[history]" in content
+            else []
+        )
+        found.append(
+            (
+                "scene.toml",
+                content,
+                [[verb, "FILE"] for verb in verbs or ["friction", "rolling", "plan"]],
+            )
+        )
     scene = b"""material = "rubber.toml"\ntemperature = "20 degC"
 [indenter]\nshape = "profile"\nunit = "mm"\nfile = "tip.csv"
 [contact]\ndepth = ["0.1 mm", "1 um"]\nvelocity = ["1 mm/s", "1 m/s"]\nmodel = "line"\n[numerics]\nrtol = 1e-4\n"""
     rough = b"""material = "rubber.toml"\n[surface]\nshape = "file"\nfile = "track.csv"\nshortest = "0.2 mm"
 [contact]\npressure = "0.1 MPa"\nvelocity = "1 m/s"\n"""
     x = np.linspace(0, 10, 64)
-    track = "x [mm], height [um]\n" + "\n".join(f"{a:.6g},{50 * np.sin(2 * a) + 20 * np.cos(5.3 * a):.6g}" for a in x)
+    track = "x [mm], height [um]\n" + "\n".join(
+        f"{a:.6g},{50 * np.sin(2 * a) + 20 * np.cos(5.3 * a):.6g}" for a in x
+    )
     rubber = (ROOT / "materials" / "epdm-70.toml").read_bytes()
     tip = b"# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n"
-    written = {"friction.toml": scene, "rough.toml": rough, "track.csv": track.encode(), "tip.csv": tip}
+    written = {
+        "friction.toml": scene,
+        "rough.toml": rough,
+        "track.csv": track.encode(),
+        "tip.csv": tip,
+    }
     for name, content in written.items():
         (folder / name).write_bytes(content)
     (folder / "rubber.toml").write_bytes(rubber)
@@ -72,13 +97,22 @@ def sources(folder: Path) -> list[tuple[str, bytes, list[list[str]]]]:
     ]
     for path in sorted((ROOT / "materials").glob("*.toml")):
         found.append(
-            ("rubber.toml", path.read_bytes(), [["materials", "./rubber.toml"], ["friction", "friction.toml"]])
+            (
+                "rubber.toml",
+                path.read_bytes(),
+                [["materials", "./rubber.toml"], ["friction", "friction.toml"]],
+            )
         )
     found += [(name, content, [["fit", "FILE"]]) for name, content in _measured()]
     q = np.geomspace(1e3, 1e5, 8)
-    spectrum = "q [1/m], C [m^4]\n" + "\n".join(f"{a:.5g},{1e-3 * a**-3.6:.5g}" for a in q)
+    spectrum = "q [1/m], C [m^4]\n" + "\n".join(
+        f"{a:.5g},{1e-3 * a**-3.6:.5g}" for a in q
+    )
     found.append(("spectrum.csv", spectrum.encode(), [["page", "FILE"]]))
-    return [(name, content, [*commands, ["page", "FILE"]]) for name, content, commands in found]
+    return [
+        (name, content, [*commands, ["page", "FILE"]])
+        for name, content, commands in found
+    ]
 
 
 def _measured() -> Iterator[tuple[str, bytes]]:
@@ -87,12 +121,21 @@ def _measured() -> Iterator[tuple[str, bytes]]:
     import elastomdr as em
     from tests import dma_files
 
-    rubber = em.Prony(1e6, [1e8, 1e7, 1e6], [1e-5, 1e-3, 1e-1], shift=em.WLF(8.86, 101.6, 293.15))
+    rubber = em.Prony(
+        1e6, [1e8, 1e7, 1e6], [1e-5, 1e-3, 1e-1], shift=em.WLF(8.86, 101.6, 293.15)
+    )
     rows = dma_files.measure(rubber)
     writers = (
-        dma_files.plain_csv, dma_files.two_rows, dma_files.tabs_in_rad, dma_files.decimal_comma, dma_files.korean,
-        dma_files.trios, dma_files.reptate, dma_files.eplexor_xls, dma_files.eplexor_xlsx,
-    )  # fmt: skip
+        dma_files.plain_csv,
+        dma_files.two_rows,
+        dma_files.tabs_in_rad,
+        dma_files.decimal_comma,
+        dma_files.korean,
+        dma_files.trios,
+        dma_files.reptate,
+        dma_files.eplexor_xls,
+        dma_files.eplexor_xlsx,
+    )
     with tempfile.TemporaryDirectory() as folder:
         for writer in writers:
             for path in writer(Path(folder), rows)[:1]:
@@ -101,7 +144,9 @@ def _measured() -> Iterator[tuple[str, bytes]]:
 
 @contextlib.contextmanager
 def only_checked(computed: int) -> Iterator[None]:
-    """Stops public calls where they would begin to compute, but for the first `computed` scenes of each kind."""
+    """Stops public calls where they would begin to compute, but for the first
+    `computed` scenes of each kind.
+    """
     import elastomdr.rough.line
     import elastomdr.smooth.cylinder
     import elastomdr.smooth.problem
@@ -112,10 +157,15 @@ def only_checked(computed: int) -> Iterator[None]:
 
     scenes = elastomdr.scenes
     stops = (
-        (scenes.steady, "make_plan"), (scenes.rough, "solve_lines"), (scenes.slide, "contact_sizes"),
-        (scenes.cylinder, "_refined"), (scenes.drive, "refine"), (scenes.indent, "indent_under"),
-        (scenes.indent, "indent_with_adhesion"), (pipeline, "master_curve"),
-    )  # fmt: skip
+        (scenes.steady, "make_plan"),
+        (scenes.rough, "solve_lines"),
+        (scenes.slide, "contact_sizes"),
+        (scenes.cylinder, "_refined"),
+        (scenes.drive, "refine"),
+        (scenes.indent, "indent_under"),
+        (scenes.indent, "indent_with_adhesion"),
+        (pipeline, "master_curve"),
+    )
     places: list[tuple[Any, str, Any]] = []
 
     def stop(module: Any, name: str) -> None:
@@ -141,7 +191,9 @@ def only_checked(computed: int) -> Iterator[None]:
 
 
 def run(argv: list[str]) -> tuple[str, str]:
-    """How a command line ended, "0", "2", "3" or "sound", and what is wrong with that, if anything."""
+    """How a command line ended, "0", "2", "3" or "sound", and what is wrong with that,
+    if anything.
+    """
     from elastomdr.cli.main import main as command
 
     if argv[0] == "page":
@@ -149,13 +201,20 @@ def run(argv: list[str]) -> tuple[str, str]:
     out, err = io.StringIO(), io.StringIO()
     signal.alarm(LIMIT)
     try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings():
+        with (
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+            warnings.catch_warnings(),
+        ):
             warnings.simplefilter("error", RuntimeWarning)
             status = command(argv)
     except Sound:
         return "sound", ""
     except TooLong:
-        return "too long", f"more than {LIMIT} s (or {COMPUTED_LIMIT} s for what is computed)"
+        return (
+            "too long",
+            f"more than {LIMIT} s (or {COMPUTED_LIMIT} s for what is computed)",
+        )
     except SystemExit as stopped:
         return "exit", f"SystemExit {stopped.code}"
     except BaseException:
@@ -179,7 +238,9 @@ def run(argv: list[str]) -> tuple[str, str]:
 
 
 def page(argv: list[str]) -> int:
-    """A file dropped on the page: as the rubber it is a material or measured, as the road a spectrum or heights."""
+    """A file dropped on the page: as the rubber it is a material or measured, as the
+    road a spectrum or heights.
+    """
     from elastomdr.app.road import look, recognised
     from elastomdr.app.rubber import calculate
     from elastomdr.app.scene import compute
@@ -217,13 +278,18 @@ def page(argv: list[str]) -> int:
                     raise ValueError("not one line") from error
             except Sound:
                 pass
-        if any(each.is_symlink() or not each.is_relative_to(place) for each in Path(place).rglob("*")):
+        if any(
+            each.is_symlink() or not each.is_relative_to(place)
+            for each in Path(place).rglob("*")
+        ):
             raise ValueError("a file outside the session's folder")
     return status
 
 
 def _place(path: Path, content: bytes, random: np.random.Generator) -> None:
-    """Puts the damaged file where the command looks for it; now and then a folder, nothing, or a loop of links."""
+    """Puts the damaged file where the command looks for it; now and then a folder,
+    nothing, or a loop of links.
+    """
     strange = random.random()
     if path.is_symlink() or path.exists():
         path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
@@ -238,11 +304,20 @@ def _place(path: Path, content: bytes, random: np.random.Generator) -> None:
 
 
 def main() -> int:
-    options = argparse.ArgumentParser(description="Damaged files through the command line.")
+    options = argparse.ArgumentParser(
+        description="Damaged files through the command line."
+    )
     options.add_argument("--files", type=int, default=5000)
     options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--computed", type=int, default=0, help="of each kind of scene, how many are computed")
-    options.add_argument("--only", default="", help="only files whose name has this in it")
+    options.add_argument(
+        "--computed",
+        type=int,
+        default=0,
+        help="of each kind of scene, how many are computed",
+    )
+    options.add_argument(
+        "--only", default="", help="only files whose name has this in it"
+    )
     chosen = options.parse_args()
     sys.path.append(str(ROOT / "benchmarks"))
     from common import IN_PARTS, heading, save, table, verdict
@@ -260,7 +335,11 @@ def main() -> int:
     counts: dict[str, Counter] = {}
     bad: dict[str, tuple[list[str], str, bytes]] = {}
     failures, slowest, begin = 0, 0.0, time.perf_counter()
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), only_checked(chosen.computed):
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        contextlib.chdir(folder),
+        only_checked(chosen.computed),
+    ):
         files = [entry for entry in sources(Path()) if chosen.only in entry[0]]
         if not files:
             options.error(f"--only: no file has {chosen.only!r} in its name")
@@ -278,18 +357,27 @@ def main() -> int:
             counts.setdefault(f"{command[0]}, {Path(name).suffix}", Counter())[how] += 1
             if wrong:
                 failures += 1
-                bad.setdefault(wrong.strip().splitlines()[-1][:120], (argv, wrong, damaged))
+                bad.setdefault(
+                    wrong.strip().splitlines()[-1][:120], (argv, wrong, damaged)
+                )
             _place(Path(name), kept.get(name, b""), _NOTHING_STRANGE)
     kinds = sorted({kind for counter in counts.values() for kind in counter})
     record["runs"] = table(
         ("verb, file", *(f"status {k}" if k.isdigit() else k for k in kinds)),
-        [(name, *(counter[k] for k in kinds)) for name, counter in sorted(counts.items())],
+        [
+            (name, *(counter[k] for k in kinds))
+            for name, counter in sorted(counts.items())
+        ],
     )
     for argv, wrong, damaged in bad.values():
         print(f"\n  {' '.join(argv)}: {wrong}\n    file: {damaged[:600]!r}")
     print()
     record["verdicts"] = [
-        verdict("runs that ended in a traceback, too late or without one clear line", failures, 0),
+        verdict(
+            "runs that ended in a traceback, too late or without one clear line",
+            failures,
+            0,
+        ),
         verdict("slowest run", slowest, LIMIT, " s"),
     ]
     print(f"  {time.perf_counter() - begin:.0f} s")

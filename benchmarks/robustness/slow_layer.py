@@ -1,8 +1,10 @@
-"""Contact on a layer of rubber by cells: the judge of the stress test of layers. Nothing is shared with elastomdr.
+"""Contact on a layer of rubber by cells: the judge of the stress test of layers.
+Nothing is shared with elastomdr.
 
-The surface of a layer of thickness h on a rigid base answers a wave of pressure by u = 2 W(kh) p/(k E*). `cylinder`
-slides on cells whose answers come from one long transform, and finds its contact by elimination with a dense matrix;
-`ball` is pressed into an elastic layer on a square of cells, by conjugate gradients (Polonsky and Keer 1999).
+The surface of a layer of thickness h on a rigid base answers a wave of pressure by u =
+2 W(kh) p/(k E*). `cylinder` slides on cells whose answers come from one long transform,
+and finds its contact by elimination with a dense matrix; `ball` is pressed into an
+elastic layer on a square of cells, by conjugate gradients (Polonsky and Keer 1999).
 """
 
 from typing import Any
@@ -24,20 +26,34 @@ def answer(z: Any, poisson: float, bonded: bool) -> np.ndarray:
     for n in range(1, 12):
         term = term * y / (2 * n * (2 * n + 1))
         rest += term
-    rest = np.where(z < 1, rest * e, 0.5 * (1 - e**2) - 2 * z * e)  # (sinh 2z - 2z) e^-2z
+    # (sinh 2z - 2z) e^-2z
+    rest = np.where(z < 1, rest * e, 0.5 * (1 - e**2) - 2 * z * e)
     sine, cosine = 0.5 * (1 - e**2), 0.5 * (1 + e**2)
     over = 2 * (kappa - 1) * sine + 2 * rest
     return over / (2 * kappa * cosine + (1 + kappa**2 + 4 * z**2) * e) / z
 
 
 def cylinder(
-    law: Law, poisson: float, bonded: bool, thickness: float, radius: float, velocity: float, load: float, size: float,
+    law: Law,
+    poisson: float,
+    bonded: bool,
+    thickness: float,
+    radius: float,
+    velocity: float,
+    load: float,
+    size: float,
     cells: int,
-) -> tuple[float, float, float]:  # fmt: skip
-    """mu, leading and trailing edge of a cylinder under a load per length; `size` about half its contact."""
+) -> tuple[float, float, float]:
+    """mu, leading and trailing edge of a cylinder under a load per length; `size` about
+    half its contact.
+    """
     step = size / cells
-    memory = velocity * law.times.max(initial=0.0) * (1 + law.moduli.sum() / law.equilibrium)
-    count = 1 << int(np.ceil(np.log2((40 * memory + 20 * thickness + 40 * size) / step)))
+    memory = (
+        velocity * law.times.max(initial=0.0) * (1 + law.moduli.sum() / law.equilibrium)
+    )
+    count = 1 << int(
+        np.ceil(np.log2((40 * memory + 20 * thickness + 40 * size) / step))
+    )
     if count > 1 << 22:
         raise ArithmeticError("too long a memory for cells")
     k = 2 * np.pi * np.fft.rfftfreq(count, step)
@@ -68,15 +84,31 @@ def cylinder(
     if on[0] or on[-1] or np.abs(np.diff(on.astype(int))).sum() != 2:
         raise ArithmeticError("the contact is not one strip within its window")
     drag = step * (p * x).sum() / radius
-    return float(drag / load), float(x[on].max() + 0.5 * step), float(-x[on].min() + 0.5 * step)
+    return (
+        float(drag / load),
+        float(x[on].max() + 0.5 * step),
+        float(-x[on].min() + 0.5 * step),
+    )
 
 
-def ball(poisson: float, bonded: bool, thickness: float, radius: float, depth: float, cells: int) -> float:
+def ball(
+    poisson: float,
+    bonded: bool,
+    thickness: float,
+    radius: float,
+    depth: float,
+    cells: int,
+) -> float:
     """Force over E* of an elastic layer under a paraboloid at a depth."""
-    reach = 1.1 * np.sqrt(2 * radius * depth)  # no contact is wider than the cut at the surface, and hardly at all
+    # no contact is wider than the cut at the surface, and hardly at all
+    reach = 1.1 * np.sqrt(2 * radius * depth)
     step = reach / cells
     count = 1 << int(np.ceil(np.log2((2 * reach + 8 * thickness) / step)))
-    k = 2 * np.pi * np.hypot(np.fft.fftfreq(count, step)[:, None], np.fft.rfftfreq(count, step))
+    k = (
+        2
+        * np.pi
+        * np.hypot(np.fft.fftfreq(count, step)[:, None], np.fft.rfftfreq(count, step))
+    )
     waves = 2 * thickness * answer(k * thickness, poisson, bonded)
     # A cell of even pressure, not a wave: its own share by the transform of a square.
     x = step * (np.arange(count) - count // 2)

@@ -1,14 +1,19 @@
-"""Steady sliding of a line by slow routes that share nothing with elastomdr: the judges of the stress test.
+"""Steady sliding of a line by slow routes that share nothing with elastomdr: the judges
+of the stress test.
 
-Both start from a leading edge a and return the trailing edge b, F_N and F_x of the line (Popov & Hess 2015, ch. 7),
+Both start from a leading edge a and return the trailing edge b, F_N and F_x of the line
+(Popov & Hess 2015, ch. 7),
 
-    q(x) = E_inf [g(a) - g(x)] + eta v g'(x) + sum_k f_k(x),    f_k(x) = E_k int_x^a exp(-(y - x)/s_k) g'(y) dy,
+    q(x) = E_inf [g(a) - g(x)] + eta v g'(x) + sum_k f_k(x),
+    f_k(x) = E_k int_x^a exp(-(y - x)/s_k) g'(y) dy,
 
-with s_k = v tau_k, b where q(-b) = 0, F_N = int q dx and F_x = int q g' dx. `closed` has the integrals of a paraboloid
-and of a cone in closed form, with as many digits (mpmath) as cancel. `marched` takes any body: it follows f_k element
-by element on panels that shrink geometrically towards every kink, with Gauss' rule on each, in double precision. A
-branch slower than the passage enters as E_k [g(a) - g(x) - h_k(x)] with h_k = int (1 - exp(-(y - x)/s_k)) g'(y) dy, so
-that a small loss is not the difference of large numbers; about ten digits of mu are left.
+with s_k = v tau_k, b where q(-b) = 0, F_N = int q dx and F_x = int q g' dx. `closed`
+has the integrals of a paraboloid and of a cone in closed form, with as many digits
+(mpmath) as cancel. `marched` takes any body: it follows f_k element by element on
+panels that shrink geometrically towards every kink, with Gauss' rule on each, in double
+precision. A branch slower than the passage enters as E_k [g(a) - g(x) - h_k(x)] with
+h_k = int (1 - exp(-(y - x)/s_k)) g'(y) dy, so that a small loss is not the difference
+of large numbers; about ten digits of mu are left.
 """
 
 import itertools
@@ -22,7 +27,8 @@ from scipy.optimize import brentq
 
 NODES = np.polynomial.legendre.leggauss(12)
 INNER = np.polynomial.legendre.leggauss(32)
-FAR = 42.0  # relaxation lengths after which nothing is left of a branch, exp(-42) = 6e-19
+# relaxation lengths after which nothing is left of a branch, exp(-42) = 6e-19
+FAR = 42.0
 LEVELS = 18  # panels towards a kink, each a quarter of the one before
 
 
@@ -36,7 +42,9 @@ class Law(NamedTuple):
 
 
 class Body(NamedTuple):
-    """The MDR line of a body: `profile` g [m], `slope` g', and where g' or a derivative of it jumps (x >= 0) [m]."""
+    """The MDR line of a body: `profile` g [m], `slope` g', and where g' or a derivative
+    of it jumps (x >= 0) [m].
+    """
 
     profile: Callable[[Any], Any]
     slope: Callable[[Any], Any]
@@ -51,7 +59,9 @@ class Truth(NamedTuple):
     trailing: float  # b [m]
 
 
-def closed(power: int, steepness: float, law: Law, velocity: float, leading: float) -> Truth:
+def closed(
+    power: int, steepness: float, law: Law, velocity: float, leading: float
+) -> Truth:
     """The line g = steepness |x|^power, power 1 or 2, in as many digits as cancel."""
     reach = max([1.0, *(velocity * law.times / leading)])
     with mp.workdps(45 + int(4 * np.log10(reach))):
@@ -66,20 +76,34 @@ class _Closed:
     """What both closed forms share; `memory` is f_k(-b)/E_k."""
 
     def __init__(self, law: Law, v: Any, a: Any, c: Any):
-        self.a, self.c, self.spring, self.dashpot = a, c, mp.mpf(law.equilibrium), v * mp.mpf(law.viscosity)
+        self.a, self.c, self.spring, self.dashpot = (
+            a,
+            c,
+            mp.mpf(law.equilibrium),
+            v * mp.mpf(law.viscosity),
+        )
         branches = zip(law.moduli, law.times, strict=True)
-        self.branches = [(mp.mpf(float(e)), v * mp.mpf(float(t))) for e, t in branches if e > 0]
+        self.branches = [
+            (mp.mpf(float(e)), v * mp.mpf(float(t))) for e, t in branches if e > 0
+        ]
 
     def exit(self):
-        """b where q(-b) = 0: the false position method with halving (Illinois), zero if contact is lost at the apex."""
+        """b where q(-b) = 0: the false position method with halving (Illinois), zero if
+        contact is lost at the apex.
+        """
         low, high = self.a * mp.mpf(10) ** -30, self.a
         at_low, at_high = self.density(low), self.density(high)
         if at_low <= 0:
             return mp.mpf(0)
-        while high > 4 * low and low < self.a / 8:  # far apart: halve the logarithm, the edge may lie anywhere
+        # far apart: halve the logarithm, the edge may lie anywhere
+        while high > 4 * low and low < self.a / 8:
             middle = mp.sqrt(low * high)
             value = self.density(middle)
-            low, at_low, high, at_high = (low, at_low, middle, value) if value < 0 else (middle, value, high, at_high)
+            low, at_low, high, at_high = (
+                (low, at_low, middle, value)
+                if value < 0
+                else (middle, value, high, at_high)
+            )
         for _ in range(400):
             middle = (low * at_high - high * at_low) / (at_high - at_low)
             value = self.density(middle)
@@ -89,7 +113,9 @@ class _Closed:
                 high, at_high, at_low = middle, value, at_low / 2
             else:
                 low, at_low, at_high = middle, value, at_high / 2
-            if abs(value) < mp.mpf(10) ** -26 * mp.fsum(abs(part) for part in self.parts(middle)):
+            if abs(value) < mp.mpf(10) ** -26 * mp.fsum(
+                abs(part) for part in self.parts(middle)
+            ):
                 return middle
         raise RuntimeError("no trailing edge found")
 
@@ -164,7 +190,9 @@ def marched(body: Body, law: Law, velocity: float, leading: float) -> Truth:
     top = body.profile(leading)
 
     def walk(ends: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, float, float]:
-        """f_k/E_k (fast) or h_k (slow) at the last of descending `ends`, and what was added to F_N and F_x."""
+        """f_k/E_k (fast) or h_k (slow) at the last of descending `ends`, and what was
+        added to F_N and F_x.
+        """
         normal = drag = 0.0
         state = start
         node, weight = 0.5 * (1 + NODES[0]), 0.5 * NODES[1]
@@ -173,7 +201,9 @@ def marched(body: Body, law: Law, velocity: float, leading: float) -> Truth:
             gone = x0 - x
             passed = _local(body, x, gone, decay, slow)
             kept = np.exp(-gone[:, None] / decay)
-            carried = kept * state + np.where(slow, -np.expm1(-gone[:, None] / decay) * (top - body.profile(x0)), 0.0)
+            carried = kept * state + np.where(
+                slow, -np.expm1(-gone[:, None] / decay) * (top - body.profile(x0)), 0.0
+            )
             values = carried + passed
             state = values[-1]
             rest = values[:-1] @ np.where(slow, -moduli, moduli)
@@ -184,19 +214,31 @@ def marched(body: Body, law: Law, velocity: float, leading: float) -> Truth:
         return state, normal, drag
 
     kinks = [k for k in body.kinks if 0 < k < leading]
-    at_apex, ahead_normal, ahead_drag = walk(_graded([leading, *reversed(kinks), 0.0]), np.zeros(moduli.size))
+    at_apex, ahead_normal, ahead_drag = walk(
+        _graded([leading, *reversed(kinks), 0.0]), np.zeros(moduli.size)
+    )
 
     def behind(b: float) -> tuple[float, float, float]:
         inner = [-k for k in kinks if k < b]
         state, normal, drag = walk(_graded([0.0, *inner, -b]), at_apex)
-        density = stiff * (top - body.profile(b)) - viscous * body.slope(b) + state @ np.where(slow, -moduli, moduli)
+        density = (
+            stiff * (top - body.profile(b))
+            - viscous * body.slope(b)
+            + state @ np.where(slow, -moduli, moduli)
+        )
         return density, normal, drag
 
     if behind(1e-12 * leading)[0] <= 0:
         b = 0.0
         normal = drag = 0.0
     else:
-        left = brentq(lambda log: behind(leading * -np.expm1(log))[0], -50.0, -1e-12, xtol=1e-13, rtol=1e-13)
+        left = brentq(
+            lambda log: behind(leading * -np.expm1(log))[0],
+            -50.0,
+            -1e-12,
+            xtol=1e-13,
+            rtol=1e-13,
+        )
         b = leading * -np.expm1(left)
         _, normal, drag = behind(b)
     rise = top - body.profile(b)
@@ -204,28 +246,40 @@ def marched(body: Body, law: Law, velocity: float, leading: float) -> Truth:
     return Truth(drag / normal, normal, b)
 
 
-def _local(body: Body, x: np.ndarray, reach: np.ndarray, decay: np.ndarray, slow: np.ndarray) -> np.ndarray:
-    """int_0^reach w(r) g'(x + r) dr of each place and branch, w = exp(-r/s) or, for slow branches, 1 - exp(-r/s)."""
+def _local(
+    body: Body, x: np.ndarray, reach: np.ndarray, decay: np.ndarray, slow: np.ndarray
+) -> np.ndarray:
+    """int_0^reach w(r) g'(x + r) dr of each place and branch, w = exp(-r/s) or, for
+    slow branches, 1 - exp(-r/s).
+    """
     long = np.minimum(reach[:, None], FAR * decay)
     node, weight = 0.5 * (1 + INNER[0]), 0.5 * INNER[1]
     r = long[..., None] * node
-    factor = np.where(slow[:, None], -np.expm1(-r / decay[:, None]), np.exp(-r / decay[:, None]))
+    factor = np.where(
+        slow[:, None], -np.expm1(-r / decay[:, None]), np.exp(-r / decay[:, None])
+    )
     return (factor * body.slope(x[:, None, None] + r) @ weight) * long
 
 
 def _graded(ends: list[float]) -> np.ndarray:
     """Descending panel ends, ever finer towards each of the given ends."""
     shrink = 0.5 * 0.25 ** np.arange(LEVELS)
-    parts = [x0 - (x0 - x1) * np.r_[0.0, shrink[::-1], 1 - shrink[1:]] for x0, x1 in itertools.pairwise(ends)]
+    parts = [
+        x0 - (x0 - x1) * np.r_[0.0, shrink[::-1], 1 - shrink[1:]]
+        for x0, x1 in itertools.pairwise(ends)
+    ]
     return np.append(np.concatenate(parts), ends[-1])
 
 
 def from_points(r: np.ndarray, z: np.ndarray) -> Body:
-    """The body of the spline through points (smooth on its axis), by Gauss' rule on Abel's integral.
+    """The body of the spline through points (smooth on its axis), by Gauss' rule on
+    Abel's integral.
 
-    g = x int f'(x sin t) dt and g' = int [f' + r f''](x sin t) dt over a quarter turn, cut where x sin t meets a point;
-    kept between two points as Chebyshev series in sqrt(x - r_i), which is how they start behind a point. Before the
-    first point, where the spline is one cubic, by the rule itself: a series has no digits left far closer to the axis.
+    g = x int f'(x sin t) dt and g' = int [f' + r f''](x sin t) dt over a quarter turn,
+    cut where x sin t meets a point; kept between two points as Chebyshev series in
+    sqrt(x - r_i), which is how they start behind a point. Before the first point, where
+    the spline is one cubic, by the rule itself: a series has no digits left far closer
+    to the axis.
     """
     spline = CubicSpline(r, z, bc_type=((1, 0.0), "not-a-knot"))
     node, weight = np.polynomial.legendre.leggauss(16)
@@ -235,13 +289,17 @@ def from_points(r: np.ndarray, z: np.ndarray) -> Body:
         half = 0.5 * np.diff(cuts)[:, None]
         radius = x * np.sin(cuts[:-1, None] + half * (1 + node))
         first, second = spline(radius, 1), spline(radius, 2)
-        return x * np.sum(half * weight * first), np.sum(half * weight * (first + radius * second))
+        return x * np.sum(half * weight * first), np.sum(
+            half * weight * (first + radius * second)
+        )
 
     degree = 30
     angle = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
     places = r[:-1, None] + np.diff(r)[:, None] * (0.5 * (1 + angle)) ** 2
     values = np.array([[abel(x) for x in row] for row in places])
-    series = np.polynomial.chebyshev.chebfit(angle, np.moveaxis(values, 1, 0).reshape(degree + 1, -1), degree)
+    series = np.polynomial.chebyshev.chebfit(
+        angle, np.moveaxis(values, 1, 0).reshape(degree + 1, -1), degree
+    )
     series = series.reshape(degree + 1, r.size - 1, 2)
 
     def line(x: Any, which: int) -> Any:

@@ -1,10 +1,13 @@
-"""Friction on rough surfaces by slow routes that share nothing with elastomdr: judges of the stress test of surfaces.
+"""Friction on rough surfaces by slow routes that share nothing with elastomdr: judges
+of the stress test of surfaces.
 
-`theory` evaluates the integrals of Persson's theory and of `em.Multiscale` as `docs/theory.md` states them, by Gauss'
-rule on panels of log q that shrink towards the lower cutoff and on panels of the angle that shrink towards where a wave
-runs across the motion; the area that grows with magnification by an ordinary differential equation. `full_contact` is
-the sum over the waves of a line, `cells` a contact in three dimensions by elimination with a dense matrix, `at_rest` a
-line pressed into elements by bisection on its own sorted samples.
+`theory` evaluates the integrals of Persson's theory and of `em.Multiscale` as
+`docs/theory.md` states them, by Gauss' rule on panels of log q that shrink towards the
+lower cutoff and on panels of the angle that shrink towards where a wave runs across the
+motion; the area that grows with magnification by an ordinary differential equation.
+`full_contact` is the sum over the waves of a line, `cells` a contact in three
+dimensions by elimination with a dense matrix, `at_rest` a line pressed into elements by
+bisection on its own sorted samples.
 """
 
 import functools
@@ -40,8 +43,12 @@ def modulus(law: Law, omega: Any) -> Any:
     return law.equilibrium + 1j * w * law.viscosity + (law.moduli * z / (1 + z)).sum(-1)
 
 
-def averages(law: Law, omega: np.ndarray, panels: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """int cos Im E*(w cos) dphi, int (Re E*)^2 dphi and int (Im E*)^2 dphi at each omega."""
+def averages(
+    law: Law, omega: np.ndarray, panels: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """int cos Im E*(w cos) dphi, int (Re E*)^2 dphi and int (Im E*)^2 dphi at each
+    omega.
+    """
     ends = np.linspace(0.0, 40.0, panels + 1)
     s = 0.5 * (ends[1:] + ends[:-1])[:, None] + 0.5 * np.diff(ends)[:, None] * X
     u = (0.5 * np.pi * np.exp(-s)).ravel()
@@ -50,27 +57,43 @@ def averages(law: Law, omega: np.ndarray, panels: int) -> tuple[np.ndarray, np.n
     out = np.empty((3, omega.size))
     for i, w in enumerate(omega):
         value = modulus(law, w * cosine)
-        out[:, i] = weight @ np.stack([cosine * value.imag, value.real**2, value.imag**2], 1)
+        out[:, i] = weight @ np.stack(
+            [cosine * value.imag, value.real**2, value.imag**2], 1
+        )
     return tuple(out)
 
 
 @functools.lru_cache(maxsize=256)
 def _stored(gamma: float) -> Callable[[Any], Any]:
-    """log G of log R where dG/dR = S(G), G(0) = 0: R is the integral of 1/S, turned round."""
+    """log G of log R where dG/dR = S(G), G(0) = 0: R is the integral of 1/S, turned
+    round.
+    """
     log_g = np.linspace(np.log(1e-6), np.log(1e40), 6001)
     half = 0.5 * np.diff(log_g)
     g = np.exp(log_g[:-1, None] + half[:, None] * (1 + X))
     slow = 1 / (gamma + (1 - gamma) * erf(0.5 / np.sqrt(g)) ** 2)
     r = np.exp(log_g[0]) + np.append(0.0, np.cumsum(half * ((g * slow) @ W)))
     inverse = CubicSpline(np.log(r), log_g)
-    return lambda x: np.where(x < log_g[0], x, inverse(np.clip(x, log_g[0], np.log(r[-1]))))
+    return lambda x: np.where(
+        x < log_g[0], x, inverse(np.clip(x, log_g[0], np.log(r[-1])))
+    )
 
 
 def theory(
-    law: Law, q: np.ndarray, c: np.ndarray, velocity: float, pressure: float, model: str, gamma: float = 0.5,
-    stored: bool = True, soften: Callable[[Any], Any] | None = None, kinks: Any = (), fine: int = 1,
-) -> Theory:  # fmt: skip
-    """Persson's theory or Multiscale at a point; `soften(strain over s)` gives the factors on both moduli.
+    law: Law,
+    q: np.ndarray,
+    c: np.ndarray,
+    velocity: float,
+    pressure: float,
+    model: str,
+    gamma: float = 0.5,
+    stored: bool = True,
+    soften: Callable[[Any], Any] | None = None,
+    kinks: Any = (),
+    fine: int = 1,
+) -> Theory:
+    """Persson's theory or Multiscale at a point; `soften(strain over s)` gives the
+    factors on both moduli.
 
     `kinks` are the wave numbers where a factor may have one.
     """
@@ -92,7 +115,10 @@ def theory(
     log_q, log_c = np.log(q), np.log(c)
     power = np.exp(4 * x + np.interp(x, log_q, log_c))
     end_power = np.exp(4 * log_q[-1] + log_c[-1])
-    drag, real, lost = (a.reshape(x.shape) for a in averages(law, velocity * np.exp(x).ravel(), 20 * fine))
+    drag, real, lost = (
+        a.reshape(x.shape)
+        for a in averages(law, velocity * np.exp(x).ravel(), 20 * fine)
+    )
     edge = 0.5 * np.log(FAR) * (1 + np.polynomial.legendre.leggauss(24 * fine)[0])
     edge_weight = 0.5 * np.log(FAR) * np.polynomial.legendre.leggauss(24 * fine)[1]
     far = averages(law, velocity * q[-1] * np.exp(np.append(0.0, edge)), 20 * fine)
@@ -123,7 +149,10 @@ def theory(
     end = end_power * far_stiffness[0] / (8 * pressure**2)
     later = np.maximum(share(until(np.minimum(x + SHIFT, log_q[-1]))), area)
     level = 1 - (1 - LEVEL) * (1 - area) * (end / total) ** SLOPE
-    weights = level * area + (1 - level * area) * (later - area) / max(1 - area, 1e-12) * later**POWER
+    weights = (
+        level * area
+        + (1 - level * area) * (later - area) / max(1 - area, 1e-12) * later**POWER
+    )
     rise = end / total * ((power * weight).sum() / end_power)
     beyond = 4 * pressure * end * far_drag[1:] / far_stiffness[1:] * np.exp(-2 * edge)
     edges = EDGE * area * (1 - area) * rise**RISE * float(beyond @ edge_weight)
@@ -131,23 +160,37 @@ def theory(
 
 
 class _Until:
-    """int from the first end of `values` given at Gauss' nodes of panels, as a function of the upper limit."""
+    """int from the first end of `values` given at Gauss' nodes of panels, as a function
+    of the upper limit.
+    """
 
     def __init__(self, values: np.ndarray, ends: np.ndarray):
         half = 0.5 * np.diff(ends)
         self._ends, self._half = ends, half
         self._whole = np.concatenate([[0.0], np.cumsum(half * (values @ W))])
-        self._series = np.array([np.polynomial.legendre.legint(TO_SERIES @ v, lbnd=-1) for v in values])
+        self._series = np.array(
+            [np.polynomial.legendre.legint(TO_SERIES @ v, lbnd=-1) for v in values]
+        )
 
     def __call__(self, x: Any) -> np.ndarray:
-        at = np.clip(np.searchsorted(self._ends, x, side="right") - 1, 0, self._half.size - 1)
+        at = np.clip(
+            np.searchsorted(self._ends, x, side="right") - 1, 0, self._half.size - 1
+        )
         local = np.clip((x - self._ends[at]) / self._half[at] - 1, -1, 1)
         inside = (np.polynomial.legendre.legvander(local, 8) * self._series[at]).sum(-1)
-        return np.clip(self._whole[at] + self._half[at] * inside, self._whole[at], self._whole[at + 1])
+        return np.clip(
+            self._whole[at] + self._half[at] * inside,
+            self._whole[at],
+            self._whole[at + 1],
+        )
 
 
-def full_contact(law: Law, heights: np.ndarray, spacing: float, velocity: float, load: float) -> float:
-    """mu of a line that touches everywhere, wave by wave in a plain loop; NaN where it would have to pull."""
+def full_contact(
+    law: Law, heights: np.ndarray, spacing: float, velocity: float, load: float
+) -> float:
+    """mu of a line that touches everywhere, wave by wave in a plain loop; NaN where it
+    would have to pull.
+    """
     n, drag, force = heights.size, 0.0, np.full(heights.size, load)
     place = np.arange(n)
     for j in range(1, n // 2 + 1):
@@ -156,11 +199,15 @@ def full_contact(law: Law, heights: np.ndarray, spacing: float, velocity: float,
         own = complex(modulus(law, k * velocity))
         both = 1 if 2 * j == n else 2
         drag += both * abs(wave) ** 2 * k * own.imag
-        force = force + both * np.real(np.conj(own) * wave * np.exp(2j * np.pi * j * place / n))
+        force = force + both * np.real(
+            np.conj(own) * wave * np.exp(2j * np.pi * j * place / n)
+        )
     return drag / load if force.min() > 0 else np.nan
 
 
-def cells(law: Law, heights: np.ndarray, side: float, velocity: float, pressure: float) -> float:
+def cells(
+    law: Law, heights: np.ndarray, side: float, velocity: float, pressure: float
+) -> float:
     """mu of a map in three dimensions."""
     n = len(heights)
     j = np.fft.fftfreq(n, 1 / n)
@@ -199,7 +246,9 @@ def cells(law: Law, heights: np.ndarray, side: float, velocity: float, pressure:
 
 
 def at_rest(heights: np.ndarray, load: float) -> tuple[float, float]:
-    """Mean gap and share in contact of a line under the mean load over the modulus [m], straight between its points."""
+    """Mean gap and share in contact of a line under the mean load over the modulus [m],
+    straight between its points.
+    """
     g = heights.max() - heights
     low, high = np.minimum(g, np.roll(g, -1)), np.maximum(g, np.roll(g, -1))
     rise = np.maximum(high - low, 1e-300)
@@ -218,7 +267,14 @@ def creep(law: Law, time: float) -> float:
 
         def transform(s: Any) -> Any:
             branches = zip(law.moduli, law.times, strict=True)
-            stiff = mp.fsum(mp.mpf(float(e)) * s * mp.mpf(float(t)) / (1 + s * mp.mpf(float(t))) for e, t in branches)
-            return 1 / (s * (mp.mpf(law.equilibrium) + s * mp.mpf(law.viscosity) + stiff))
+            stiff = mp.fsum(
+                mp.mpf(float(e)) * s * mp.mpf(float(t)) / (1 + s * mp.mpf(float(t)))
+                for e, t in branches
+            )
+            return 1 / (
+                s * (mp.mpf(law.equilibrium) + s * mp.mpf(law.viscosity) + stiff)
+            )
 
-        return float(mp.invertlaplace(transform, mp.mpf(time), method="talbot", degree=40))
+        return float(
+            mp.invertlaplace(transform, mp.mpf(time), method="talbot", degree=40)
+        )

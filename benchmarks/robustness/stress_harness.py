@@ -1,10 +1,13 @@
-"""Random scenes by the thousand: answered, judged in other processes, kept as they finish, summed up by family.
+"""Random scenes by the thousand: answered, judged in other processes, kept as they
+finish, summed up by family.
 
-A `Suite` draws batches of scenes, answers them with elastomdr, and judges the answers by a slow route. A point is
-"right" or "wrong" (off by more than the tolerance, and converged), "flagged" (NaN with converged=False), or "unjudged"
-(the judge does not vouch for its own answer). Covered is one whose miss, less what the judge itself may be off by, is
-within the stated error. Every finished batch is a line in `out/NAME-SEED.jsonl` at the root of the repository, so that
-a run that was stopped goes on where it was; other code begins anew.
+A `Suite` draws batches of scenes, answers them with elastomdr, and judges the answers
+by a slow route. A point is "right" or "wrong" (off by more than the tolerance, and
+converged), "flagged" (NaN with converged=False), or "unjudged" (the judge does not
+vouch for its own answer). Covered is one whose miss, less what the judge itself may be
+off by, is within the stated error. Every finished batch is a line in
+`out/NAME-SEED.jsonl` at the root of the repository, so that a run that was stopped goes
+on where it was; other code begins anew.
 """
 
 import argparse
@@ -30,18 +33,22 @@ from common import IN_PARTS, heading, save, table, verdict
 ROOT = Path(__file__).parents[2]
 SAID_EVERY = 30.0  # s
 AHEAD = 64  # answers that wait for their judge
-MAPS = 40_000  # memory maps, at which compiled programs are let go: Linux allows a process 65,530
+# memory maps, at which compiled programs are let go: Linux allows a process 65,530
+MAPS = 40_000
 
 Verdict = tuple[str, float, float]  # kind, relative miss, miss over the stated error
 
 
 class Batch(Protocol):
-    """Scenes that one call answers, as numbers, so that another process can judge them."""
+    """Scenes that one call answers, as numbers, so that another process can judge
+    them.
+    """
 
     @property
     def family(self) -> str: ...
     @property
-    def number(self) -> int: ...  # of the batch in its family: seed and number draw it again
+    # of the batch in its family: seed and number draw it again
+    def number(self) -> int: ...
     @property
     def scenes(self) -> int: ...
 
@@ -52,9 +59,12 @@ class Suite(NamedTuple):
     name: str  # of the record
     title: str
     scenes: int  # of a whole run
-    families: dict[str, tuple[float, int]]  # share of the scenes, and how many are drawn together
-    draw: Callable[[str, int, int, np.random.Generator], Any]  # family, number, scenes together, random numbers
-    answer: Callable[[Any], dict[str, Any]]  # the public call; at least `converged`, an entry per point
+    # share of the scenes, and how many are drawn together
+    families: dict[str, tuple[float, int]]
+    # family, number, scenes together, random numbers
+    draw: Callable[[str, int, int, np.random.Generator], Any]
+    # the public call; at least `converged`, an entry per point
+    answer: Callable[[Any], dict[str, Any]]
     judge: Callable[[Any, dict[str, Any]], list[Verdict]]
     about: Callable[[Any], str]  # a batch in a few words
     covers: str = "error"  # the field that is to cover what is missed
@@ -88,13 +98,37 @@ def run(suite: Suite) -> int:
     options = argparse.ArgumentParser(description=suite.title)
     options.add_argument("--scenes", type=int, default=suite.scenes)
     options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--family", action="append", choices=list(suite.families), help="default: all")
-    options.add_argument("--processes", type=int, default=os.cpu_count(), help="that judge")
-    options.add_argument("--fresh", action="store_true", help="forget what an earlier run has finished")
-    options.add_argument("--older", action="store_true", help="keep what older code has finished; the record says so")
-    options.add_argument("--report", action="store_true", help="only sum up what is finished, by older code too")
-    options.add_argument("--show", type=int, default=10, help="how many wrong or crashed ones are printed")
-    options.add_argument("--others", type=int, default=0, help="how many flagged and uncovered ones are printed")
+    options.add_argument(
+        "--family", action="append", choices=list(suite.families), help="default: all"
+    )
+    options.add_argument(
+        "--processes", type=int, default=os.cpu_count(), help="that judge"
+    )
+    options.add_argument(
+        "--fresh", action="store_true", help="forget what an earlier run has finished"
+    )
+    options.add_argument(
+        "--older",
+        action="store_true",
+        help="keep what older code has finished; the record says so",
+    )
+    options.add_argument(
+        "--report",
+        action="store_true",
+        help="only sum up what is finished, by older code too",
+    )
+    options.add_argument(
+        "--show",
+        type=int,
+        default=10,
+        help="how many wrong or crashed ones are printed",
+    )
+    options.add_argument(
+        "--others",
+        type=int,
+        default=0,
+        help="how many flagged and uncovered ones are printed",
+    )
     chosen = options.parse_args()
 
     record = heading(suite.title, f"{chosen.scenes} scenes, seed {chosen.seed}")
@@ -112,12 +146,20 @@ def run(suite: Suite) -> int:
             options.error(f"--report: nothing of this has finished, in {path.name}")
         record["inputs"].append(f"a part: {len(wanted)} batches that have finished")
     if older := sum(one.code != _code() for one in done.values()):
-        record["inputs"].append(f"{older} batches answered and judged by an older version of the code")
+        record["inputs"].append(
+            f"{older} batches answered and judged by an older version of the code"
+        )
     if not chosen.report:
         _begin(path, done)
     order = [one for one in _in_order(suite, wanted) if one not in done]
     if len(order) < len(wanted):
-        print(f"  {len(wanted) - len(order)} of {len(wanted)} batches are kept from before, in {path.name}", flush=True)
+        print(
+            (
+                f"  {len(wanted) - len(order)} of {len(wanted)} batches are kept from "
+                f"before, in {path.name}"
+            ),
+            flush=True,
+        )
     with path.open("a") as kept:
         for one in _finished(suite, order, chosen.seed, chosen.processes):
             done[one.family, one.number] = one
@@ -126,9 +168,17 @@ def run(suite: Suite) -> int:
     found = [done[one] for one in _in_order(suite, wanted)]
     record |= _summary(suite, found)
     _print(suite, found, chosen)
-    if IN_PARTS or (not chosen.family and not chosen.report and chosen.scenes >= suite.scenes):
+    if IN_PARTS or (
+        not chosen.family and not chosen.report and chosen.scenes >= suite.scenes
+    ):
         save(f"robustness/{suite.name}", record)
-    return 1 if any(one.crashed or any(v[0] == "wrong" for v in one.verdicts) for one in found) else 0
+    return (
+        1
+        if any(
+            one.crashed or any(v[0] == "wrong" for v in one.verdicts) for one in found
+        )
+        else 0
+    )
 
 
 def _in_order(suite: Suite, wanted: set[tuple[str, int]]) -> list[tuple[str, int]]:
@@ -139,12 +189,20 @@ def _in_order(suite: Suite, wanted: set[tuple[str, int]]) -> list[tuple[str, int
 def _code() -> str:
     """What answers and judges, as a hash."""
     here = Path(__file__).parent
-    files = [*(ROOT / "src").rglob("*.py"), *here.glob("stress*.py"), *here.glob("slow_*.py")]
-    return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(files))).hexdigest()
+    files = [
+        *(ROOT / "src").rglob("*.py"),
+        *here.glob("stress*.py"),
+        *here.glob("slow_*.py"),
+    ]
+    return hashlib.sha256(
+        b"".join(file.read_bytes() for file in sorted(files))
+    ).hexdigest()
 
 
 def _kept(path: Path, older: bool) -> dict[tuple[str, int], Done]:
-    """Batches that the same code has finished, or any; a last line that an interrupt cut short is left out."""
+    """Batches that the same code has finished, or any; a last line that an interrupt
+    cut short is left out.
+    """
     done, code = {}, _code()
     for line in path.read_text().splitlines() if path.exists() else ():
         try:
@@ -161,7 +219,9 @@ def _begin(path: Path, done: dict[tuple[str, int], Done]) -> None:
     path.write_text("".join(json.dumps(one) + "\n" for one in done.values()))
 
 
-def _judged(judge: Callable, batch: Batch, found: dict[str, Any]) -> tuple[list[Verdict], str, float]:
+def _judged(
+    judge: Callable, batch: Batch, found: dict[str, Any]
+) -> tuple[list[Verdict], str, float]:
     """In another process: the verdicts, what failed, and the seconds."""
     begin, failure = time.perf_counter(), ""
     try:
@@ -172,7 +232,9 @@ def _judged(judge: Callable, batch: Batch, found: dict[str, Any]) -> tuple[list[
     return verdicts, failure, time.perf_counter() - begin
 
 
-def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: int) -> Iterator[Done]:
+def _finished(
+    suite: Suite, order: list[tuple[str, int]], seed: int, processes: int
+) -> Iterator[Done]:
     """Batches as they finish."""
     said = last = begin = time.perf_counter()
     code = _code()
@@ -181,37 +243,75 @@ def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: 
     with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
         for i in range(len(order) + 1):
             if i < len(order):
-                batch, crash, start = drawn(suite, *order[i], seed), "", time.perf_counter()
+                batch, crash, start = (
+                    drawn(suite, *order[i], seed),
+                    "",
+                    time.perf_counter(),
+                )
                 try:
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
                         found = suite.answer(batch)
-                except Exception:  # a crash is what the test looks for: counted, shown, and the exit status is 1
+                # a crash is what the test looks for: counted, shown, and the exit
+                # status is 1
+                except Exception:
                     crash = traceback.format_exc(limit=-3)
                 _let_go()
                 took = time.perf_counter() - start
                 if crash:
                     now = time.perf_counter()
-                    yield Done(batch.family, batch.number, batch.scenes, [], crash, True, took, 0.0, now - last, code)
+                    yield Done(
+                        batch.family,
+                        batch.number,
+                        batch.scenes,
+                        [],
+                        crash,
+                        True,
+                        took,
+                        0.0,
+                        now - last,
+                        code,
+                    )
                     last, count = now, count + 1
                 else:
-                    waiting[pool.submit(_judged, suite.judge, batch, found)] = batch, took
-            while waiting and (i == len(order) or len(waiting) > AHEAD or any(job.done() for job in waiting)):
+                    waiting[pool.submit(_judged, suite.judge, batch, found)] = (
+                        batch,
+                        took,
+                    )
+            while waiting and (
+                i == len(order)
+                or len(waiting) > AHEAD
+                or any(job.done() for job in waiting)
+            ):
                 for job in wait(waiting, SAID_EVERY, FIRST_COMPLETED).done:
-                    (batch, took), (verdicts, failure, judged) = waiting.pop(job), job.result()
+                    (batch, took), (verdicts, failure, judged) = (
+                        waiting.pop(job),
+                        job.result(),
+                    )
                     wrong += sum(v[0] == "wrong" for v in verdicts)
                     now = time.perf_counter()
                     about = batch.family, batch.number, batch.scenes
-                    yield Done(*about, verdicts, failure, False, took, judged, now - last, code)
+                    yield Done(
+                        *about, verdicts, failure, False, took, judged, now - last, code
+                    )
                     last, count = now, count + 1
                 if (now := time.perf_counter()) - said > SAID_EVERY:
                     said = now
-                    where = f"{order[min(i, len(order) - 1)][0]}: {count} of {len(order)} batches"
-                    print(f"  {now - begin:6.0f} s, {where}, {wrong} points wrong", file=sys.stderr, flush=True)
+                    where = (
+                        f"{order[min(i, len(order) - 1)][0]}: {count} of {len(order)} "
+                        "batches"
+                    )
+                    print(
+                        f"  {now - begin:6.0f} s, {where}, {wrong} points wrong",
+                        file=sys.stderr,
+                        flush=True,
+                    )
 
 
 def _let_go() -> None:
-    """Thousands of scenes of hundreds of kinds compile more programs than a process may hold."""
+    """Thousands of scenes of hundreds of kinds compile more programs than a process may
+    hold.
+    """
     maps = Path("/proc/self/maps")
     if maps.exists() and maps.read_bytes().count(b"\n") > MAPS:
         jax.clear_caches()
@@ -226,26 +326,68 @@ def _summary(suite: Suite, found: list[Done]) -> dict[str, Any]:
         kinds = [v[0] for v in said]
         judged = [v for v in said if v[0] in ("right", "wrong")]
         rows.append(
-            (family, sum(one.scenes for one in ours), len(said), *(kinds.count(k) for k in KINDS),
-             sum(one.scenes for one in ours if one.crashed), max((v[1] for v in judged), default=np.nan),
-             max((v[2] for v in judged), default=np.nan), _covered(judged), sum(one.answer for one in ours),
-             sum(one.judge for one in ours))
-        )  # fmt: skip
-    columns = ("family", "scenes", "points", *KINDS, "crashed", "largest miss", f"over `{suite.covers}`", "covered [%]")
-    record: dict[str, Any] = {"families": table((*columns, "answers [s]", "judges [s]"), rows)}
+            (
+                family,
+                sum(one.scenes for one in ours),
+                len(said),
+                *(kinds.count(k) for k in KINDS),
+                sum(one.scenes for one in ours if one.crashed),
+                max((v[1] for v in judged), default=np.nan),
+                max((v[2] for v in judged), default=np.nan),
+                _covered(judged),
+                sum(one.answer for one in ours),
+                sum(one.judge for one in ours),
+            )
+        )
+    columns = (
+        "family",
+        "scenes",
+        "points",
+        *KINDS,
+        "crashed",
+        "largest miss",
+        f"over `{suite.covers}`",
+        "covered [%]",
+    )
+    record: dict[str, Any] = {
+        "families": table((*columns, "answers [s]", "judges [s]"), rows)
+    }
     said = [v for one in found for v in one.verdicts]
     kinds, points = [v[0] for v in said], max(len(said), 1)
     judged = [v for v in said if v[0] in ("right", "wrong")]
     print()
     record["verdicts"] = [
         verdict("points wrong and not flagged", kinds.count("wrong"), 0),
-        verdict("scenes that crashed", sum(one.scenes for one in found if one.crashed), 0),
-        verdict("points that the judge could not judge", 100 * kinds.count("unjudged") / points, 1, " %"),
-        verdict(f"true error within `{suite.covers}`", _covered(judged), suite.covered, " %", least=True),
-        verdict("points flagged", 100 * kinds.count("flagged") / points, suite.flagged, " %"),
+        verdict(
+            "scenes that crashed", sum(one.scenes for one in found if one.crashed), 0
+        ),
+        verdict(
+            "points that the judge could not judge",
+            100 * kinds.count("unjudged") / points,
+            1,
+            " %",
+        ),
+        verdict(
+            f"true error within `{suite.covers}`",
+            _covered(judged),
+            suite.covered,
+            " %",
+            least=True,
+        ),
+        verdict(
+            "points flagged", 100 * kinds.count("flagged") / points, suite.flagged, " %"
+        ),
     ]
-    record["seconds"] = {name: sum(getattr(one, name) for one in found) for name in ("answer", "judge", "wall")}
-    print("  " + ", ".join(f"{name} {value:.0f} s" for name, value in record["seconds"].items()))
+    record["seconds"] = {
+        name: sum(getattr(one, name) for one in found)
+        for name in ("answer", "judge", "wall")
+    }
+    print(
+        "  "
+        + ", ".join(
+            f"{name} {value:.0f} s" for name, value in record["seconds"].items()
+        )
+    )
     return record
 
 
@@ -260,14 +402,21 @@ def _print(suite: Suite, found: list[Done], chosen: argparse.Namespace) -> None:
     """The points worth a look, with what draws them again."""
     points = [(one, i, v) for one in found for i, v in enumerate(one.verdicts)]
     wrong = [p for p in points if p[2][0] == "wrong"]
-    others = [p for p in points if p[2][0] in ("flagged", "unjudged") or (p[2][0] == "right" and p[2][2] > 1)]
+    others = [
+        p
+        for p in points
+        if p[2][0] in ("flagged", "unjudged") or (p[2][0] == "right" and p[2][2] > 1)
+    ]
     for one, i, (kind, miss, over) in wrong[: chosen.show] + others[: chosen.others]:
         batch = drawn(suite, one.family, one.number, chosen.seed)
         print(
-            f"  {kind.upper() if kind == 'wrong' else kind}, miss {miss:.2g}, {over:.2g} times its error: "
-            f"point {i} of {one.family} {one.number}, {suite.about(batch)}"
+            f"  {kind.upper() if kind == 'wrong' else kind}, miss {miss:.2g}, "
+            f"{over:.2g} times its error: point {i} of {one.family} {one.number}, "
+            f"{suite.about(batch)}"
         )
     for one in [one for one in found if one.failure][: chosen.show]:
         batch = drawn(suite, one.family, one.number, chosen.seed)
         how = "CRASHED" if one.crashed else "judge failed"
-        print(f"\n  {how}: {one.family} {one.number}, {suite.about(batch)}\n{one.failure}")
+        print(
+            f"\n  {how}: {one.family} {one.number}, {suite.about(batch)}\n{one.failure}"
+        )

@@ -2,9 +2,10 @@
 
     python benchmarks/robustness/stress_layers.py [--scenes N] [--seed S] [--family F] [--show K]
 
-Bonded layers and such that slip, of any Poisson's ratio, a fifteenth to thirty times as thick as the contact is wide; a
-cylinder slides or rolls under a load, a ball is held at a depth. The cells of `slow_layer.py` are good to a few in a
-thousand: wrong is a converged answer that is off by more than that.
+Bonded layers and such that slip, of any Poisson's ratio, a fifteenth to thirty times as
+thick as the contact is wide; a cylinder slides or rolls under a load, a ball is held at
+a depth. The cells of `slow_layer.py` are good to a few in a thousand: wrong is a
+converged answer that is off by more than that.
 """
 
 import sys
@@ -47,8 +48,17 @@ def draw(family: str, number: int, scenes: int, random: np.random.Generator) -> 
         thickness = size * 10 ** random.uniform(-0.7, 0.8)
         values = times.max() * np.r_[0.0, np.sort(10 ** random.uniform(-4, 1.5, 3))]
     return Drawn(
-        family, number, scenes, law, poisson, bool(random.random() < 0.6), thickness, radius, size, values
-    )  # fmt: skip
+        family,
+        number,
+        scenes,
+        law,
+        poisson,
+        bool(random.random() < 0.6),
+        thickness,
+        radius,
+        size,
+        values,
+    )
 
 
 def answer(scene: Drawn) -> dict[str, Any]:
@@ -57,23 +67,41 @@ def answer(scene: Drawn) -> dict[str, Any]:
 
     shear = 0.5 * (1 - scene.poisson)  # G over E*
     rubber = em.Prony(
-        shear * scene.law.equilibrium, shear * scene.law.moduli, scene.law.times, poisson=scene.poisson
-    )  # fmt: skip
+        shear * scene.law.equilibrium,
+        shear * scene.law.moduli,
+        scene.law.times,
+        poisson=scene.poisson,
+    )
     layer = em.layer(rubber, scene.thickness, bonded=scene.bonded)
     if scene.family == "cylinder":
         body = em.Cylinder(scene.radius, 100 * scene.size)
-        got = em.friction(layer, body, velocity=scene.values, load=100 * scene.size * load(scene))
-        return {"mu": got.mu, "error": got.error, "converged": got.converged, "leading": got.contact.leading,
-                "trailing": got.contact.trailing}  # fmt: skip
+        got = em.friction(
+            layer, body, velocity=scene.values, load=100 * scene.size * load(scene)
+        )
+        return {
+            "mu": got.mu,
+            "error": got.error,
+            "converged": got.converged,
+            "leading": got.contact.leading,
+            "trailing": got.contact.trailing,
+        }
     depth = np.full(scene.values.size, scene.size**2 / scene.radius)
     got = em.indent(layer, em.Paraboloid(scene.radius), time=scene.values, depth=depth)
     return {"mu": got.force, "error": got.error, "converged": got.converged}
 
 
 def load(scene: Drawn) -> float:
-    """Per length [N/m]: for a contact of about the half-width `size` on relaxed rubber, thin or thick."""
+    """Per length [N/m]: for a contact of about the half-width `size` on relaxed rubber,
+    thin or thick.
+    """
     stiff = np.pi * scene.law.equilibrium / 4 * scene.size**2 / scene.radius
-    return float(stiff * (1 + 0.1 * (scene.size / scene.thickness) ** (2 if scene.poisson > 0.45 else 1)))
+    return float(
+        stiff
+        * (
+            1
+            + 0.1 * (scene.size / scene.thickness) ** (2 if scene.poisson > 0.45 else 1)
+        )
+    )
 
 
 def judge(scene: Drawn, found: dict[str, Any]) -> list[Verdict]:
@@ -87,20 +115,41 @@ def judge(scene: Drawn, found: dict[str, Any]) -> list[Verdict]:
             out.append(("flagged" if np.isnan(value) else "wrong", np.nan, np.nan))
             continue
         if scene.family == "cylinder":
-            size = max(float(found["leading"][i]), float(found["trailing"][i]))  # how wide a window, no more
-            scale = (scene.law, scene.poisson, scene.bonded, scene.thickness, scene.radius, float(scene.values[i]))
+            # how wide a window, no more
+            size = max(float(found["leading"][i]), float(found["trailing"][i]))
+            scale = (
+                scene.law,
+                scene.poisson,
+                scene.bonded,
+                scene.thickness,
+                scene.radius,
+                float(scene.values[i]),
+            )
             rows = [cylinder(*scale, load(scene), size, cells) for cells in (150, 300)]
             coarse, fine = rows[0][0], rows[1][0]
-            edges = abs(rows[1][1] - float(found["leading"][i])) + abs(rows[1][2] - float(found["trailing"][i]))
+            edges = abs(rows[1][1] - float(found["leading"][i])) + abs(
+                rows[1][2] - float(found["trailing"][i])
+            )
             miss, own = abs(value / fine - 1), 2 * abs(coarse / fine - 1)
             miss = max(miss, edges / size - 0.02)
         else:
             depth = scene.size**2 / scene.radius
             if i == 0:
                 forces = [
-                    ball(scene.poisson, scene.bonded, scene.thickness, scene.radius, depth, cells) for cells in (16, 32)
+                    ball(
+                        scene.poisson,
+                        scene.bonded,
+                        scene.thickness,
+                        scene.radius,
+                        depth,
+                        cells,
+                    )
+                    for cells in (16, 32)
                 ]
-            relaxed = scene.law.equilibrium + (scene.law.moduli * np.exp(-scene.values[i] / scene.law.times)).sum()
+            relaxed = (
+                scene.law.equilibrium
+                + (scene.law.moduli * np.exp(-scene.values[i] / scene.law.times)).sum()
+            )
             miss = abs(value / (relaxed * forces[1]) - 1)
             own = 2 * abs(forces[0] / forces[1] - 1)
         if own > 5 * LIMIT:
@@ -112,7 +161,8 @@ def judge(scene: Drawn, found: dict[str, Any]) -> list[Verdict]:
 
 def about(scene: Drawn) -> str:
     return (
-        f"{scene.law.moduli.size} branches, Poisson {scene.poisson:.3g}, {'bonded' if scene.bonded else 'slips'}, h/a "
+        f"{scene.law.moduli.size} branches, Poisson {scene.poisson:.3g}, "
+        f"{'bonded' if scene.bonded else 'slips'}, h/a "
         f"{scene.thickness / scene.size:.3g}, {scene.values}"
     )
 

@@ -1,7 +1,8 @@
 """Random histories: what the stress test of motion draws.
 
-1 to 60 branches, their times over 24 decades, around the duration of the scene, or nearly equal; moduli over 12
-decades, with and without equilibrium modulus and dashpot; bodies from a cone to |x|^12, cylinders on layers.
+1 to 60 branches, their times over 24 decades, around the duration of the scene, or
+nearly equal; moduli over 12 decades, with and without equilibrium modulus and dashpot;
+bodies from a cone to |x|^12, cylinders on layers.
 """
 
 from typing import Any, NamedTuple
@@ -10,12 +11,15 @@ import numpy as np
 from slow_route import Law
 
 POWERS = {"paraboloid": 2.0, "cone": 1.0, "r^1.5": 1.5, "r^12": 12.0, "cylinder": 2.0}
-BRANCHES, FEW_OFTEN = (1, 3, 8, 60), (0.4, 0.35, 0.2, 0.05)  # numbers of branches, and how often
+# numbers of branches, and how often
+BRANCHES, FEW_OFTEN = (1, 3, 8, 60), (0.4, 0.35, 0.2, 0.05)
 INSTANTS = 6
 
 
 class Batch(NamedTuple):
-    """Scenes of one compiled shape, as numbers, so that another process can judge them."""
+    """Scenes of one compiled shape, as numbers, so that another process can judge
+    them.
+    """
 
     family: str
     number: int  # of the batch in its family: seed and number draw it again
@@ -42,38 +46,78 @@ def draw(family: str, number: int, scenes: int, random: np.random.Generator) -> 
     size = steepness * length ** (1 - power)
     depth = size * length**power
     span = 10 ** random.uniform(-12, 12)
-    laws = [law(random, span, family, body) for _ in range(scenes if family in ("impact", "traction") else 1)]
+    laws = [
+        law(random, span, family, body)
+        for _ in range(scenes if family in ("impact", "traction") else 1)
+    ]
     rtol = 1e-6
     inputs: dict[str, Any] = {}
     if family == "indent, depth":
-        times = np.cumsum(np.c_[np.zeros(scenes), span * 10 ** random.uniform(-3, 0, (scenes, INSTANTS - 1))], axis=1)
+        times = np.cumsum(
+            np.c_[
+                np.zeros(scenes),
+                span * 10 ** random.uniform(-3, 0, (scenes, INSTANTS - 1)),
+            ],
+            axis=1,
+        )
         moved = random.uniform(-0.4, 1.0, (scenes, INSTANTS))
-        moved[:, 0] = 0.0 if laws[0].viscosity > 0 else np.where(random.random(scenes) < 0.5, 0, abs(moved[:, 0]))
+        moved[:, 0] = (
+            0.0
+            if laws[0].viscosity > 0
+            else np.where(random.random(scenes) < 0.5, 0, abs(moved[:, 0]))
+        )
         inputs = {"time": times, "depth": depth * moved}
         rtol = float(random.choice([1e-4, 1e-6, 1e-9]))
     elif family == "indent, load":
-        times = np.cumsum(np.c_[np.zeros(scenes), span * 10 ** random.uniform(-2, 0, (scenes, INSTANTS - 1))], axis=1)
-        part = np.where(random.random((scenes, INSTANTS)) < 0.2, 0, random.uniform(0, 1, (scenes, INSTANTS)))
+        times = np.cumsum(
+            np.c_[
+                np.zeros(scenes),
+                span * 10 ** random.uniform(-2, 0, (scenes, INSTANTS - 1)),
+            ],
+            axis=1,
+        )
+        part = np.where(
+            random.random((scenes, INSTANTS)) < 0.2,
+            0,
+            random.uniform(0, 1, (scenes, INSTANTS)),
+        )
         part[:, -1] = random.uniform(0.1, 1, scenes)
         inputs = {"time": times, "load": 10 ** random.uniform(-9, 9) * part}
         rtol = 1e-4
     elif family == "impact":
-        # Mass and speed so that an elastic body of all moduli has a contact of about `span`.
+        # Mass and speed so that an elastic body of all moduli has a contact of about
+        # `span`.
         stiff = laws[0].equilibrium + laws[0].moduli.sum()
         speed = 10 ** random.uniform(-10, 10) * 10 ** random.uniform(-1, 1, scenes)
         factor = elastic(body, size)
-        mass = stiff * factor * (speed * span) ** (power + 1) / speed**2 * 10 ** random.uniform(-1, 1, scenes)
+        mass = (
+            stiff
+            * factor
+            * (speed * span) ** (power + 1)
+            / speed**2
+            * 10 ** random.uniform(-1, 1, scenes)
+        )
         inputs = {"mass": mass, "velocity": speed}
     elif family == "traction":
         velocity = length / span * 10 ** random.uniform(-2, 2, scenes)
         sheared = [law(random, span, family, body) for _ in range(scenes)]
         mu = 10 ** random.uniform(-2, 0.5, scenes)
-        mu = np.where(random.random(scenes) < 0.05, random.choice([0.0, np.inf], scenes), mu)
+        mu = np.where(
+            random.random(scenes) < 0.05, random.choice([0.0, np.inf], scenes), mu
+        )
         creepage = (
-            np.where(np.isfinite(mu), np.maximum(mu, 0.01), 1.0) * steepness * 10 ** random.uniform(-4, 1, scenes)
+            np.where(np.isfinite(mu), np.maximum(mu, 0.01), 1.0)
+            * steepness
+            * 10 ** random.uniform(-4, 1, scenes)
         )
         creepage = np.where(random.random(scenes) < 0.03, 0.0, creepage)
-        inputs = {"velocity": velocity, "creepage": creepage, "friction": mu, "depth": depth, "sheared": sheared}
+        inputs = {
+            "velocity": velocity,
+            "creepage": creepage,
+            "friction": mu,
+            "depth": depth,
+            "sheared": sheared,
+        }
     else:
         times = np.cumsum(np.r_[0.0, span * 10 ** random.uniform(-2, 0, INSTANTS - 1)])
         mu = 10 ** random.uniform(-2, 0.5)
@@ -84,9 +128,16 @@ def draw(family: str, number: int, scenes: int, random: np.random.Generator) -> 
                 top = depth * random.uniform(0, 1, INSTANTS)
         else:
             laws = [law(random, span, family, body), law(random, span, family, body)]
-        ratio = (laws[0].equilibrium + laws[0].moduli.sum()) / (laws[1].equilibrium + laws[1].moduli.sum())
+        ratio = (laws[0].equilibrium + laws[0].moduli.sum()) / (
+            laws[1].equilibrium + laws[1].moduli.sum()
+        )
         far = mu * depth * ratio * 10 ** random.uniform(-3, 1)
-        inputs = {"time": times, "displacement": far * random.uniform(-1, 1, INSTANTS), "friction": mu, "depth": top}
+        inputs = {
+            "time": times,
+            "displacement": far * random.uniform(-1, 1, INSTANTS),
+            "friction": mu,
+            "depth": top,
+        }
         rtol = 1e-2
     return Batch(family, number, scenes, laws, body, size, inputs, rtol)
 
@@ -104,13 +155,25 @@ def law(random: np.random.Generator, span: float, family: str, body: str) -> Law
     if kind < 0.6:
         times = span * 10 ** random.uniform(-3, 3, count)
     elif kind < 0.75:
-        times = span * 10 ** random.uniform(-2, 2) * (1 + 10 ** random.uniform(-15, -2, count))
+        times = (
+            span
+            * 10 ** random.uniform(-2, 2)
+            * (1 + 10 ** random.uniform(-15, -2, count))
+        )
     times = np.unique(times)
     while times.size < count:  # a branch that became equal to another
         times = np.unique(np.append(times, times[-1] * 2.0))
     base = 10 ** random.uniform(0, 12)
-    moduli = 10 ** random.uniform(0, 12, count) if random.random() < 0.4 else base * 10 ** random.uniform(-2, 2, count)
-    soft = 10 ** random.uniform(0, 12) if random.random() < 0.3 else base * 10 ** random.uniform(-2, 1)
+    moduli = (
+        10 ** random.uniform(0, 12, count)
+        if random.random() < 0.4
+        else base * 10 ** random.uniform(-2, 2, count)
+    )
+    soft = (
+        10 ** random.uniform(0, 12)
+        if random.random() < 0.3
+        else base * 10 ** random.uniform(-2, 1)
+    )
     if random.random() < 0.15 and family != "traction":
         soft = 0.0
     dashpot = 0.0

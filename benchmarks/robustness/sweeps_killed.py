@@ -2,9 +2,10 @@
 
     python benchmarks/robustness/sweeps_killed.py [--sweeps N] [--seed S]
 
-Sweeps with random axes are computed by worker processes. After a random time all processes, the one that called, the
-scheduler or a worker get SIGKILL, up to three times; the same call then goes on. Nothing may be left running. At the
-end every point must be done and equal to a call of its own.
+Sweeps with random axes are computed by worker processes. After a random time all
+processes, the one that called, the scheduler or a worker get SIGKILL, up to three
+times; the same call then goes on. Nothing may be left running. At the end every point
+must be done and equal to a call of its own.
 """
 
 import argparse
@@ -47,10 +48,18 @@ def arguments(seed: int, number: int) -> tuple[dict, dict]:
     """Axes and fixed arguments of a sweep; the same in every process."""
     random = np.random.default_rng([seed, number])
     rubbers = [
-        em.Prony(1e6, 10 ** random.uniform(5, 7, 2), 10 ** random.uniform([-6, -4], [-5, -3]), name=f"rubber {i}")
+        em.Prony(
+            1e6,
+            10 ** random.uniform(5, 7, 2),
+            10 ** random.uniform([-6, -4], [-5, -3]),
+            name=f"rubber {i}",
+        )
         for i in range(int(random.integers(1, 4)))
     ]
-    axes: dict = {"material": rubbers, "velocity": np.sort(10 ** random.uniform(-4, 1, int(random.integers(3, 9))))}
+    axes: dict = {
+        "material": rubbers,
+        "velocity": np.sort(10 ** random.uniform(-4, 1, int(random.integers(3, 9)))),
+    }
     if random.random() < 0.5:
         axes = {"load": 10 ** random.uniform(-1, 1, int(random.integers(2, 5)))} | axes
         return axes, {"shape": em.Sphere(0.01)}
@@ -85,28 +94,51 @@ def states(store: Path) -> np.ndarray:
 
 
 def one(seed: int, number: int, place: Path) -> tuple:
-    """One sweep: what was killed, how many chunks were done by then, and what is wrong."""
+    """One sweep: what was killed, how many chunks were done by then, and what is
+    wrong.
+    """
     random = np.random.default_rng([seed, number, 1])
     store, kills, found, wrong = place / f"{number}.zarr", [], np.zeros(0), ""
     script = place / f"{number}.py"
-    values = {"here": str(Path(__file__).parent), "seed": seed, "number": number, "store": str(store)}
-    script.write_text(SCRIPT.format(points=int(random.integers(1, 6)), workers=2, pause=0.1, **values))
+    values = {
+        "here": str(Path(__file__).parent),
+        "seed": seed,
+        "number": number,
+        "store": str(store),
+    }
+    script.write_text(
+        SCRIPT.format(points=int(random.integers(1, 6)), workers=2, pause=0.1, **values)
+    )
     for turn in range(4):
         going = subprocess.Popen(
-            [sys.executable, str(script)], start_new_session=True, stderr=subprocess.PIPE, text=True
+            [sys.executable, str(script)],
+            start_new_session=True,
+            stderr=subprocess.PIPE,
+            text=True,
         )
-        kind = str(random.choice(["all", "main", "worker", "scheduler"])) if turn < 3 else "nothing"
+        kind = (
+            str(random.choice(["all", "main", "worker", "scheduler"]))
+            if turn < 3
+            else "nothing"
+        )
         before, begin = (states(store) == 1).sum(), time.monotonic()
         wanted = before + int(random.integers(0, 4)) if kind != "nothing" else 10**9
-        while going.poll() is None and time.monotonic() < begin + LIMIT and (states(store) == 1).sum() <= wanted:
+        while (
+            going.poll() is None
+            and time.monotonic() < begin + LIMIT
+            and (states(store) == 1).sum() <= wanted
+        ):
             time.sleep(0.05)
         started = members(going.pid)
         if going.poll() is None and kind in ("worker", "scheduler"):
-            of_kind = [each for each in started if schedules(each) == (kind == "scheduler")]
+            of_kind = [
+                each for each in started if schedules(each) == (kind == "scheduler")
+            ]
             if of_kind:
                 of_kind[int(random.integers(len(of_kind)))].kill()
                 kills.append(kind)
-            if kind == "worker" or not of_kind:  # the sweep goes on by itself, or has closed its cluster already
+            # the sweep goes on by itself, or has closed its cluster already
+            if kind == "worker" or not of_kind:
                 kind = "nothing"
         elif going.poll() is None and kind != "nothing":
             for each in [*started] * (kind == "all") + [psutil.Process(going.pid)]:
@@ -116,8 +148,17 @@ def one(seed: int, number: int, place: Path) -> tuple:
         try:
             said = going.communicate(timeout=LIMIT if kind == "nothing" else 60)[1]
         except subprocess.TimeoutExpired:
-            said, wrong = "", f"still there after {LIMIT:g} s" if kind == "nothing" else f"hangs without its {kind}"
-        if kind == "scheduler" and "the same call goes on from there" not in said and going.returncode != 0:
+            said, wrong = (
+                "",
+                f"still there after {LIMIT:g} s"
+                if kind == "nothing"
+                else f"hangs without its {kind}",
+            )
+        if (
+            kind == "scheduler"
+            and "the same call goes on from there" not in said
+            and going.returncode != 0
+        ):
             wrong = "the lost cluster is not named"
         if psutil.wait_procs(started, timeout=20)[1]:
             wrong = "processes are left"
@@ -129,10 +170,19 @@ def one(seed: int, number: int, place: Path) -> tuple:
         if going.returncode == 0:
             break
         if kind == "nothing" and not wrong:
-            wrong = said.strip().splitlines()[-1] if said.strip() else f"status {going.returncode}"
+            wrong = (
+                said.strip().splitlines()[-1]
+                if said.strip()
+                else f"status {going.returncode}"
+            )
             if kills and kills[-1] == "worker":  # a start of its own has to finish it
                 wrong = "" if turn < 3 else wrong
-    return number, " ".join(kills) or "none", int(found.sum()), wrong or compared(seed, number, store)
+    return (
+        number,
+        " ".join(kills) or "none",
+        int(found.sum()),
+        wrong or compared(seed, number, store),
+    )
 
 
 def compared(seed: int, number: int, store: Path) -> str:
@@ -149,8 +199,15 @@ def compared(seed: int, number: int, store: Path) -> str:
             given = {others[0]: value, "velocity": axes["velocity"]}
             alone = em.friction(material, fixed["shape"], **given)
             for name in ("mu", "model_error"):
-                here = whole[name].isel({"material": i, others[0]: j}).transpose("velocity").values
-                if not np.allclose(here, getattr(alone, name), rtol=1e-12, equal_nan=True):
+                here = (
+                    whole[name]
+                    .isel({"material": i, others[0]: j})
+                    .transpose("velocity")
+                    .values
+                )
+                if not np.allclose(
+                    here, getattr(alone, name), rtol=1e-12, equal_nan=True
+                ):
                     return f"{name} of material {i}, {others[0]} {j} differs"
     return ""
 
@@ -160,14 +217,23 @@ def main() -> int:
     options.add_argument("--sweeps", type=int, default=20)
     options.add_argument("--seed", type=int, default=1)
     chosen = options.parse_args()
-    record = heading("Sweeps killed at random", f"{chosen.sweeps} sweeps, seed {chosen.seed}")
+    record = heading(
+        "Sweeps killed at random", f"{chosen.sweeps} sweeps, seed {chosen.seed}"
+    )
     with tempfile.TemporaryDirectory() as place:
-        rows = [one(chosen.seed, number, Path(place)) for number in range(chosen.sweeps)]
+        rows = [
+            one(chosen.seed, number, Path(place)) for number in range(chosen.sweeps)
+        ]
     record["sweeps"] = table(("sweep", "killed", "chunks", "wrong"), rows)
     wrong = sum(bool(row[3]) for row in rows)
     record["verdicts"] = [
         verdict("sweeps not finished or not equal to single calls", wrong, 0),
-        verdict("kills", sum(len(row[1].split()) for row in rows if row[1] != "none"), chosen.sweeps, least=True),
+        verdict(
+            "kills",
+            sum(len(row[1].split()) for row in rows if row[1] != "none"),
+            chosen.sweeps,
+            least=True,
+        ),
     ]
     save("robustness/sweeps_killed", record)
     return 1 if wrong else 0

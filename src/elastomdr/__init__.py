@@ -1,6 +1,8 @@
-"""Viscoelastic rubber friction and rolling resistance by the Method of Dimensionality Reduction.
+"""Viscoelastic rubber friction and rolling resistance by the Method of Dimensionality
+Reduction.
 
-The public names, loaded when they are first used: `import elastomdr` itself loads neither JAX nor matplotlib.
+The public names, loaded when they are first used: `import elastomdr` itself loads
+neither JAX nor matplotlib.
 """
 
 import importlib
@@ -9,7 +11,12 @@ from typing import Any
 __version__ = "0.2.0"
 
 _HOMES = {
-    "errors": ("InputError", "ConvergenceWarning", "ExtrapolationWarning", "ModelWarning"),
+    "errors": (
+        "InputError",
+        "ConvergenceWarning",
+        "ExtrapolationWarning",
+        "ModelWarning",
+    ),
     "models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
     "material.tabulated": ("TabulatedModulus",),
@@ -17,7 +24,14 @@ _HOMES = {
     "material.vertical": ("EntropicVertical", "VerticalTable"),
     "material.softening": ("Softening",),
     "material.library": ("materials", "load_material", "save_material"),
-    "surface.shapes": ("Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Cylinder"),
+    "surface.shapes": (
+        "Sphere",
+        "Paraboloid",
+        "Cone",
+        "FlatPunch",
+        "PowerLaw",
+        "Cylinder",
+    ),
     "surface.profile": ("Profile",),
     "surface.rough_line": ("RoughLine",),
     "surface.spectrum": ("SelfAffine", "Spectrum"),
@@ -77,7 +91,10 @@ def __getattr__(name: str) -> Any:
     if name not in _MODULE_OF:
         from .errors import closest
 
-        raise AttributeError(f"module 'elastomdr' has no attribute {name!r}.{closest(name, __all__)}", name=name)
+        raise AttributeError(
+            f"module 'elastomdr' has no attribute {name!r}.{closest(name, __all__)}",
+            name=name,
+        )
     value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
     globals()[name] = value
     return value

@@ -1,4 +1,6 @@
-"""The types of arguments, for editors and type checkers only: other modules import them under `TYPE_CHECKING`."""
+"""The types of arguments, for editors and type checkers only: other modules import them
+under `TYPE_CHECKING`.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +26,22 @@ class HasUnit(Protocol):
 
 Array: TypeAlias = "jax.Array | np.ndarray"  # JAX's where it traces, NumPy's otherwise
 ComplexArray: TypeAlias = "jax.Array | np.ndarray[Any, np.dtype[np.complex128]]"
-Scalar: TypeAlias = "float | jax.Array"  # JAX's where it traces, a Python float otherwise
-Plain: TypeAlias = "float | np.number | np.ndarray | jax.Array"  # one number; arrays without a shape
+# JAX's where it traces, a Python float otherwise
+Scalar: TypeAlias = "float | jax.Array"
+# one number; arrays without a shape
+Plain: TypeAlias = "float | np.number | np.ndarray | jax.Array"
 Number: TypeAlias = "Plain | HasUnit"
-ArrayLike: TypeAlias = "Number | HasArray | Sequence[Number] | Sequence[Sequence[Number]] | Sequence[HasArray]"
+ArrayLike: TypeAlias = (
+    "Number | HasArray | Sequence[Number] | Sequence[Sequence[Number]] | "
+    "Sequence[HasArray]"
+)
 
 Kind: TypeAlias = Literal["shear", "tensile"]
 
 
-Convention: TypeAlias = Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"]
+Convention: TypeAlias = Literal[
+    "2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"
+]
 Motion: TypeAlias = Literal["friction", "rolling"]
 Response: TypeAlias = Literal["relaxation", "creep", "storage"]
 LawName: TypeAlias = Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"]

@@ -1,7 +1,9 @@
-"""One source for numbers and for what JAX transforms: the array namespace `xp`, and what differs besides.
+"""One source for numbers and for what JAX transforms: the array namespace `xp`, and
+what differs besides.
 
-While a public call of numbers runs, `xp` stands for NumPy; if one of its arguments is traced, or the call belongs to
-what only JAX computes, for `jax.numpy`. A formula is written once, over `xp`. A tracer that reaches NumPy raises.
+While a public call of numbers runs, `xp` stands for NumPy; if one of its arguments is
+traced, or the call belongs to what only JAX computes, for `jax.numpy`. A formula is
+written once, over `xp`. A tracer that reaches NumPy raises.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from .units.arguments import arguments_in_si
 if TYPE_CHECKING:
     import jax
 
-    Array = jax.Array | np.ndarray  # JAX while tracing or inside a computation, NumPy where values are handed out
+    # JAX while tracing or inside a computation, NumPy where values are handed out
+    Array = jax.Array | np.ndarray
 else:
     Array = Any
 
@@ -39,7 +42,9 @@ _mode = _Mode()
 
 
 class _Namespace:
-    """NumPy or `jax.numpy`, whichever is to be used at the moment and in this thread."""
+    """NumPy or `jax.numpy`, whichever is to be used at the moment and in this
+    thread.
+    """
 
     def __getattr__(self, name: str) -> Any:
         if _mode.numpy:
@@ -58,7 +63,8 @@ def on_numpy() -> bool:
 
 
 def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
-    """Runs `function` on NumPy, or, if JAX traces one of its arguments, on `jax.numpy` with 64-bit types.
+    """Runs `function` on NumPy, or, if JAX traces one of its arguments, on `jax.numpy`
+    with 64-bit types.
 
     Arguments with units come to it as numbers in SI units (`units/arguments.py`).
     """
@@ -82,10 +88,12 @@ def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def in_float64(function: Callable[P, R]) -> Callable[P, R]:
-    """Runs `function` on JAX with 64-bit types enabled and leaves the caller's JAX setting as it was.
+    """Runs `function` on JAX with 64-bit types enabled and leaves the caller's JAX
+    setting as it was.
 
-    Arrays in its answer that are not traced come back as NumPy arrays: JAX's own would be rounded to float32 by the
-    caller's next operation under JAX's default configuration. Units as in `numpy_unless_traced`.
+    Arrays in its answer that are not traced come back as NumPy arrays: JAX's own would
+    be rounded to float32 by the caller's next operation under JAX's default
+    configuration. Units as in `numpy_unless_traced`.
     """
     in_si = arguments_in_si(function)
 
@@ -106,29 +114,36 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
         return _with_its_way_back(function, args, kwargs)
     before, _mode.numpy = _mode.numpy, False
     try:
-        with jax.enable_x64(True), np.errstate(all="ignore"):  # as of NumPy's calls: what overflows is found by its NaN
+        # as of NumPy's calls: what overflows is found by its NaN
+        with jax.enable_x64(True), np.errstate(all="ignore"):
             return jax.tree.map(as_numpy, function(*args, **kwargs))
     finally:
         _mode.numpy = before
 
 
 def _reversible(*trees: Any) -> bool:
-    """Whether JAX traces some of it, and none of that for forward derivatives, which a reverse rule would exclude."""
+    """Whether JAX traces some of it, and none of that for forward derivatives, which a
+    reverse rule would exclude.
+    """
     import jax
     from jax.core import Tracer
     from jax.interpreters.ad import JVPTracer
 
     def forward(tracer: Any) -> bool:
         inner = getattr(tracer, "val", None)
-        return isinstance(tracer, JVPTracer) or (isinstance(inner, Tracer) and forward(inner))
+        return isinstance(tracer, JVPTracer) or (
+            isinstance(inner, Tracer) and forward(inner)
+        )
 
     traced = [leaf for leaf in jax.tree.leaves(trees) if isinstance(leaf, Tracer)]
     return bool(traced) and not any(map(forward, traced))
 
 
 def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
-    """`on_jax` with a reverse derivative that has 64-bit types too: JAX transposes after the call has returned, under
-    the caller's setting, where 32-bit zeros would meet 64-bit numbers."""
+    """`on_jax` with a reverse derivative that has 64-bit types too: JAX transposes
+    after the call has returned, under the caller's setting, where 32-bit zeros would
+    meet 64-bit numbers.
+    """
     import jax
     from jax.core import Tracer
 
@@ -144,7 +159,14 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
         with jax.enable_x64(True):
             found, shape = jax.tree.flatten(on_jax(function, *some, **named))
             kept = [isinstance(leaf, jax.Array) for leaf in found]
-            rest[:] = [shape, [None if array else leaf for leaf, array in zip(found, kept, strict=True)], kept]
+            rest[:] = [
+                shape,
+                [
+                    None if array else leaf
+                    for leaf, array in zip(found, kept, strict=True)
+                ],
+                kept,
+            ]
             return tuple(leaf for leaf, array in zip(found, kept, strict=True) if array)
 
     @jax.custom_vjp
@@ -163,20 +185,32 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
     arrays = iter(whole(*(leaves[i] for i in places)))
     shape, others, kept = rest
     return jax.tree.unflatten(
-        shape, [next(arrays) if array else leaf for leaf, array in zip(others, kept, strict=True)]
+        shape,
+        [
+            next(arrays) if array else leaf
+            for leaf, array in zip(others, kept, strict=True)
+        ],
     )
 
 
 def as_numpy(leaf: Any) -> Any:
-    """A NumPy array in place of an array of JAX's that is not traced; anything else as it is."""
+    """A NumPy array in place of an array of JAX's that is not traced; anything else as
+    it is.
+    """
     jax = sys.modules.get("jax")
-    if jax is not None and isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
+    if (
+        jax is not None
+        and isinstance(leaf, jax.Array)
+        and not isinstance(leaf, jax.core.Tracer)
+    ):
         return np.asarray(leaf)
     return leaf
 
 
 def is_traced(*trees: Any) -> bool:
-    """Whether any leaf is under a JAX transformation, so that its value cannot be looked at."""
+    """Whether any leaf is under a JAX transformation, so that its value cannot be
+    looked at.
+    """
     tracer = getattr(getattr(sys.modules.get("jax"), "core", None), "Tracer", None)
     return tracer is not None and any(_holds(tree, tracer) for tree in trees)
 
@@ -190,7 +224,10 @@ def _holds(tree: Any, tracer: type) -> bool:
     if isinstance(tree, (tuple, list)):
         return any(_holds(part, tracer) for part in tree)
     if isinstance(tree, (Tree, dict)):
-        return any(_holds(part, tracer) for part in (tree if isinstance(tree, dict) else vars(tree)).values())
+        return any(
+            _holds(part, tracer)
+            for part in (tree if isinstance(tree, dict) else vars(tree)).values()
+        )
     if isinstance(tree, tracer):
         return True
     import jax
@@ -199,7 +236,9 @@ def _holds(tree: Any, tracer: type) -> bool:
 
 
 def compiled(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """`jax.jit`, with some arguments static, where JAX computes; the function itself where NumPy does."""
+    """`jax.jit`, with some arguments static, where JAX computes; the function itself
+    where NumPy does.
+    """
 
     def mark(function: Callable[P, R]) -> Callable[P, R]:
         program: Any = None
@@ -224,7 +263,8 @@ def compiled(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
 def one_thread() -> Iterator[None]:
     """Keeps linear algebra on one thread; as `with` or as a decorator.
 
-    For matrices of a hundred rows threads only wait for each other, eight times as long as one takes.
+    For matrices of a hundred rows threads only wait for each other, eight times as long
+    as one takes.
     """
     from threadpoolctl import threadpool_limits
 
@@ -232,7 +272,9 @@ def one_thread() -> Iterator[None]:
         yield
 
 
-def while_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], state: Any) -> Any:
+def while_loop(
+    condition: Callable[[Any], Any], body: Callable[[Any], Any], state: Any
+) -> Any:
     """`jax.lax.while_loop`."""
     if not _mode.numpy:
         import jax
@@ -243,7 +285,9 @@ def while_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], stat
     return state
 
 
-def fori_loop(start: int, stop: int, body: Callable[[Any, Any], Any], state: Any) -> Any:
+def fori_loop(
+    start: int, stop: int, body: Callable[[Any, Any], Any], state: Any
+) -> Any:
     """`jax.lax.fori_loop`."""
     if not _mode.numpy:
         import jax
@@ -282,7 +326,9 @@ def arrays(tree: Any) -> Any:
 
 
 def each(function: Callable[[Any], Any], over: Any) -> Any:
-    """`jax.lax.map`: the results of a function of each entry along the first axis, stacked; one array each."""
+    """`jax.lax.map`: the results of a function of each entry along the first axis,
+    stacked; one array each.
+    """
     if not _mode.numpy:
         import jax
 
@@ -291,7 +337,8 @@ def each(function: Callable[[Any], Any], over: Any) -> Any:
 
 
 def scan(step: Callable[[Any, Any], Any], state: Any, over: Any) -> Any:
-    """`jax.lax.scan` over named tuples of arrays or None: the states after each entry of `over`, stacked.
+    """`jax.lax.scan` over named tuples of arrays or None: the states after each entry
+    of `over`, stacked.
 
     An array of `over` with one entry along its first axis serves every step.
     """
@@ -299,17 +346,30 @@ def scan(step: Callable[[Any, Any], Any], state: Any, over: Any) -> Any:
     if not _mode.numpy:
         import jax
 
-        over = jax.tree.map(lambda x: jax.numpy.broadcast_to(x, (length, *x.shape[1:])), over)
+        over = jax.tree.map(
+            lambda x: jax.numpy.broadcast_to(x, (length, *x.shape[1:])), over
+        )
         return jax.lax.scan(lambda before, x: (step(before, x),) * 2, state, over)[1]
     states = []
     for i in range(length):
-        state = step(state, type(over)(*(None if x is None else x[min(i, x.shape[0] - 1)] for x in over)))
+        state = step(
+            state,
+            type(over)(
+                *(None if x is None else x[min(i, x.shape[0] - 1)] for x in over)
+            ),
+        )
         states.append(state)
-    return type(state)(*(None if x[0] is None else np.stack(x) for x in zip(*states, strict=True)))
+    return type(state)(
+        *(None if x[0] is None else np.stack(x) for x in zip(*states, strict=True))
+    )
 
 
-def in_steps(step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, over: Any) -> tuple[Any, Any]:
-    """`jax.lax.scan` over a tuple of arrays, or tuples of them: the last carry, and what each step leaves, stacked."""
+def in_steps(
+    step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, over: Any
+) -> tuple[Any, Any]:
+    """`jax.lax.scan` over a tuple of arrays, or tuples of them: the last carry, and
+    what each step leaves, stacked.
+    """
     if not _mode.numpy:
         import jax
 
@@ -321,7 +381,9 @@ def in_steps(step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, over: Any)
     return carry, mapped(lambda *x: np.stack(x), *left)
 
 
-def cond(condition: Any, true: Callable[..., Any], false: Callable[..., Any], *given: Any) -> Any:
+def cond(
+    condition: Any, true: Callable[..., Any], false: Callable[..., Any], *given: Any
+) -> Any:
     """`jax.lax.cond`."""
     if not _mode.numpy:
         import jax
@@ -345,7 +407,9 @@ def mapped(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
 
 
 def _entries(tree: Any) -> Iterator[Any]:
-    """The entries of a tuple of arrays, or of tuples of them, along their first axis; at least one is an array."""
+    """The entries of a tuple of arrays, or of tuples of them, along their first axis;
+    at least one is an array.
+    """
     if tree is None:
         return itertools.repeat(None)
     if not isinstance(tree, tuple):

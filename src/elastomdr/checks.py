@@ -1,4 +1,6 @@
-"""Arguments and answers: float64 whatever the caller's JAX configuration, checks, and numbers as text."""
+"""Arguments and answers: float64 whatever the caller's JAX configuration, checks, and
+numbers as text.
+"""
 
 from __future__ import annotations
 
@@ -22,15 +24,20 @@ R = TypeVar("R")
 
 
 def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
-    """Refuses arguments that JAX traces without 64-bit types: for programs in which JAX would mix both widths when
-    `function` has returned, under the caller's setting."""
+    """Refuses arguments that JAX traces without 64-bit types: for programs in which JAX
+    would mix both widths when `function` has returned, under the caller's setting.
+    """
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        if is_traced(args, kwargs) and not sys.modules["jax"].config.read("jax_enable_x64"):
+        if is_traced(args, kwargs) and not sys.modules["jax"].config.read(
+            "jax_enable_x64"
+        ):
             raise InputError(
-                f"em.{function.__name__} under jit, grad or vmap needs JAX's 64-bit types: put "
-                "`with jax.enable_x64(True):` around the call, or set JAX_ENABLE_X64=1."
+                f"em.{function.__name__} under jit, grad or vmap needs JAX's 64-bit "
+                "types: put "
+                "`with jax.enable_x64(True):` around the call, or set "
+                "JAX_ENABLE_X64=1."
             )
         return function(*args, **kwargs)
 
@@ -40,9 +47,10 @@ def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
 def one_kernel(function: Callable[..., R]) -> Callable[..., R]:
     """Compiles `function` of arrays into one kernel.
 
-    XLA's runtime for CPUs starts every operation in the body of a loop by itself, which takes longer than the
-    arithmetic of a small step. Under this mark the loop is one piece of machine code, two to four times as fast. Not
-    for functions that scatter, sort or factorise matrices: there is no such kernel. Other devices ignore it.
+    XLA's runtime for CPUs starts every operation in the body of a loop by itself, which
+    takes longer than the arithmetic of a small step. Under this mark the loop is one
+    piece of machine code, two to four times as fast. Not for functions that scatter,
+    sort or factorise matrices: there is no such kernel. Other devices ignore it.
     """
 
     @functools.wraps(function)
@@ -59,7 +67,8 @@ def one_kernel(function: Callable[..., R]) -> Callable[..., R]:
 def argmax(x: Array) -> Array:
     """`jnp.argmax` along the first axis, the first of equal ones.
 
-    JAX's own is compiled with 32-bit indices where the caller's `jax.jit` has no 64-bit types, and fails there.
+    JAX's own is compiled with 32-bit indices where the caller's `jax.jit` has no 64-bit
+    types, and fails there.
     """
     x = xp.asarray(x)
     place = xp.arange(x.shape[0]).reshape(-1, *[1] * (x.ndim - 1))
@@ -67,13 +76,17 @@ def argmax(x: Array) -> Array:
 
 
 def nan_unless(good: Any, values: Any) -> Any:
-    """`values` where `good`, NaN elsewhere; under JAX's transformations so are the derivatives, which `jnp.where`
-    would give as zero, and a search by gradients would take for a minimum."""
+    """`values` where `good`, NaN elsewhere; under JAX's transformations so are the
+    derivatives, which `jnp.where` would give as zero, and a search by gradients would
+    take for a minimum.
+    """
     if not is_traced(good, values):
         return np.where(good, values, np.nan)
     import jax.numpy as jnp
 
-    return _traced_nan_unless()(jnp.asarray(good) != 0, jnp.asarray(values, jnp.float64))
+    return _traced_nan_unless()(
+        jnp.asarray(good) != 0, jnp.asarray(values, jnp.float64)
+    )
 
 
 @functools.cache
@@ -87,9 +100,9 @@ def _traced_nan_unless() -> Any:
 
     @nan_unless.defjvp
     def derivative(primals: tuple, tangents: tuple) -> tuple:
-        # A linear map, the same from both ends, so that forward and reverse mode work alike: where not good, zero
-        # stays zero (what nobody asked about spoils nothing) and all else overflows to infinity, then times zero
-        # gives NaN.
+        # A linear map, the same from both ends, so that forward and reverse mode work
+        # alike: where not good, zero stays zero (what nobody asked about spoils
+        # nothing) and all else overflows to infinity, then times zero gives NaN.
         good, _ = primals
         huge, zero = jnp.where(good, 1.0, 1e300), jnp.where(good, 1.0, 0.0)
         return nan_unless(*primals), tangents[1] * huge * huge * zero * huge * huge
@@ -98,7 +111,9 @@ def _traced_nan_unless() -> Any:
 
 
 def known(tree: Any) -> Any:
-    """Its arrays as NumPy's, whose arithmetic compiles nothing, unless one of them is traced."""
+    """Its arrays as NumPy's, whose arithmetic compiles nothing, unless one of them is
+    traced.
+    """
     if "jax" not in sys.modules or is_traced(tree):
         return tree
     import jax
@@ -107,18 +122,25 @@ def known(tree: Any) -> Any:
 
 
 def is_array_like(value: Any) -> bool:
-    """Whether `value` is something that JAX's transformations hand around: an array, a number or a tracer."""
+    """Whether `value` is something that JAX's transformations hand around: an array, a
+    number or a tracer.
+    """
     jax = sys.modules.get("jax")
-    kinds = (np.ndarray, np.generic, float, int) if jax is None else (np.ndarray, np.generic, float, int, jax.Array)
+    kinds = (
+        (np.ndarray, np.generic, float, int)
+        if jax is None
+        else (np.ndarray, np.generic, float, int, jax.Array)
+    )
     return isinstance(value, kinds) and not isinstance(value, bool)
 
 
 def as_float64(name: str, value: Any) -> Array:
-    """Turns `value` into a float64 NumPy array, or a float64 JAX array where it is traced.
+    """Turns `value` into a float64 NumPy array, or a float64 JAX array where it is
+    traced.
 
-    Concrete values become NumPy arrays, since JAX would round them to float32 under its default configuration. A value
-    with a unit comes to a public function as a number already (`units/arguments.py`); of what is no argument of one it is
-    converted here.
+    Concrete values become NumPy arrays, since JAX would round them to float32 under its
+    default configuration. A value with a unit comes to a public function as a number
+    already (`units/arguments.py`); of what is no argument of one it is converted here.
     """
     value = number_in_si(name, value)
     if is_traced(value):
@@ -128,61 +150,89 @@ def as_float64(name: str, value: Any) -> Array:
             return jax.numpy.asarray(value, dtype=jax.numpy.float64)
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise InputError(
-            f"{name} must have no masked entries, got {np.ma.count_masked(value)} of {value.size}: leave them out, or "
+            f"{name} must have no masked entries, got {np.ma.count_masked(value)} of "
+            f"{value.size}: leave them out, or "
             "put numbers in their place with `.filled(...)`."
         )
     try:
         array = np.asarray(value)
     except ValueError as error:
-        raise InputError(f"{name} must be a number or an array of numbers, got {value!r}.") from error
+        raise InputError(
+            f"{name} must be a number or an array of numbers, got {value!r}."
+        ) from error
     if array.dtype.kind not in "fiu":
-        raise InputError(f"{name} must be a number or an array of numbers in SI units, got {value!r}.")
+        raise InputError(
+            f"{name} must be a number or an array of numbers in SI units, got "
+            f"{value!r}."
+        )
     return np.array(array, dtype=np.float64)
 
 
-def require(name: str, value: Any, accepted: str, test: Callable[[np.ndarray], Any]) -> None:
-    """Raises `InputError` unless every entry passes `test`; values under a JAX transformation are not looked at."""
+def require(
+    name: str, value: Any, accepted: str, test: Callable[[np.ndarray], Any]
+) -> None:
+    """Raises `InputError` unless every entry passes `test`; values under a JAX
+    transformation are not looked at.
+    """
     if is_traced(value):
         return
     array = np.asarray(value, dtype=np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
         good = np.asarray(test(array) & ~np.isnan(array))
     if not good.all():
-        first = array.reshape(-1)[int(np.argmin(good.reshape(-1)))] if array.ndim else float(array)
+        first = (
+            array.reshape(-1)[int(np.argmin(good.reshape(-1)))]
+            if array.ndim
+            else float(array)
+        )
         raise InputError(f"{name} must be {accepted}, got {float(first):g}.")
 
 
-_LEAST, _MOST = 1e-100, 1e100  # beyond them products of a few numbers leave the range of float64
+# beyond them products of a few numbers leave the range of float64
+_LEAST, _MOST = 1e-100, 1e100
 
 
 def positive(name: str, value: Any) -> None:
-    if isinstance(value, np.ndarray) and value.size and value.min() > _LEAST and value.max() < _MOST:
+    if (
+        isinstance(value, np.ndarray)
+        and value.size
+        and value.min() > _LEAST
+        and value.max() < _MOST
+    ):
         return
     require(name, value, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
     representable(name, value)
 
 
 def not_negative(name: str, value: Any) -> None:
-    require(name, value, "zero or positive and finite", lambda x: (x >= 0) & np.isfinite(x))
+    require(
+        name, value, "zero or positive and finite", lambda x: (x >= 0) & np.isfinite(x)
+    )
     representable(name, value)
 
 
 def finite(name: str, value: Any) -> None:
-    """Raises `InputError` unless every entry is finite, of either sign, and not beyond what can be computed with."""
+    """Raises `InputError` unless every entry is finite, of either sign, and not beyond
+    what can be computed with.
+    """
     require(name, value, "finite", np.isfinite)
-    require(name, value, "between -1e100 and 1e100 in SI units", lambda x: abs(x) < _MOST)
+    require(
+        name, value, "between -1e100 and 1e100 in SI units", lambda x: abs(x) < _MOST
+    )
 
 
 def in_kelvin(name: str, value: Any, coldest: float = 60.0) -> None:
-    """Raises `InputError` for temperatures that are not positive, or can only be meant in degrees Celsius."""
+    """Raises `InputError` for temperatures that are not positive, or can only be meant
+    in degrees Celsius.
+    """
     if is_traced(value):
         return
     array = np.asarray(value, dtype=float)
     low = float(array[np.isfinite(array)].min(initial=np.inf))
     if -273.15 < low < coldest:
         raise InputError(
-            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} degC is "
-            f"{low + 273.15:.6g} K ({low:g}degC on the command line)."
+            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} "
+            f"degC is {low + 273.15:.6g} K ({low:g}degC on the command line)."
         )
     positive(name, value)
 
@@ -202,32 +252,41 @@ def ascending(name: str, values: Any) -> None:
     if not rises.all():
         i = int(np.argmin(rises))
         raise InputError(
-            f"{name} must be ascending, without repeats, got {values[i]:g} followed by {values[i + 1]:g} "
-            f"(entries {i} and {i + 1})."
+            f"{name} must be ascending, without repeats, got {values[i]:g} followed "
+            f"by {values[i + 1]:g} (entries {i} and {i + 1})."
         )
 
 
 def alike(least: int, **lists: Any) -> None:
-    """Raises `InputError` unless these are lists of one length, with `least` entries or more."""
+    """Raises `InputError` unless these are lists of one length, with `least` entries or
+    more.
+    """
     first, *others = (np.shape(values) for values in lists.values())
     if len(first) != 1 or first[0] < least or any(other != first for other in others):
         *names, last = lists
         *shapes, end = (str(np.shape(values)) for values in lists.values())
         raise InputError(
-            f"{', '.join(names)} and {last} must be lists of the same length with {least} entries at least, got shapes "
-            f"{', '.join(shapes)} and {end}."
+            f"{', '.join(names)} and {last} must be lists of the same length with "
+            f"{least} entries at least, got shapes {', '.join(shapes)} and {end}."
         )
 
 
 def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
-    """The shape to which arguments broadcast, those that are not None; raises `InputError` with the shape of each."""
-    shapes = {name: np.shape(array) for name, array in arrays.items() if array is not None}
+    """The shape to which arguments broadcast, those that are not None; raises
+    `InputError` with the shape of each.
+    """
+    shapes = {
+        name: np.shape(array) for name, array in arrays.items() if array is not None
+    }
     *names, last = shapes
     listed = f"{', '.join(names)} and {last}" if names else last
     try:
         shape = np.broadcast_shapes(*shapes.values())
     except ValueError as error:
-        words = ", ".join(f"{name} of shape {shape}" if shape else f"{name} a number" for name, shape in shapes.items())
+        words = ", ".join(
+            f"{name} of shape {shape}" if shape else f"{name} a number"
+            for name, shape in shapes.items()
+        )
         raise InputError(f"{listed} must broadcast, got {words}.") from error
     if 0 in shape:
         raise InputError(f"{listed} must not be empty, got shape {shape}.")
@@ -235,33 +294,49 @@ def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
 
 
 def only_one(**arguments: Any) -> str:
-    """The name of the only argument that is not None. Raises `InputError` where none is, or several are."""
+    """The name of the only argument that is not None. Raises `InputError` where none
+    is, or several are.
+    """
     given = [name for name, value in arguments.items() if value is not None]
     if len(given) == 1:
         return given[0]
     *names, last = arguments
-    got = " and ".join(f"{name}={arguments[name]}" if np.ndim(arguments[name]) == 0 else name for name in given)
+    got = " and ".join(
+        f"{name}={arguments[name]}" if np.ndim(arguments[name]) == 0 else name
+        for name in given
+    )
     either = " or ".join(filter(None, (", ".join(names), last)))
-    raise InputError(f"{either} must be given, and only one of them, got {got or 'neither'}.")
+    raise InputError(
+        f"{either} must be given, and only one of them, got {got or 'neither'}."
+    )
 
 
 def scalar(name: str, value: Any) -> Array:
     """A float64 scalar from `value`; raises `InputError` for anything with a shape."""
     array = as_float64(name, value)
     if array.shape != ():
-        raise InputError(f"{name} must be a single number, got an array of shape {array.shape}.")
+        raise InputError(
+            f"{name} must be a single number, got an array of shape {array.shape}."
+        )
     return array
 
 
 def plain(name: str, value: Any) -> float:
-    """A Python float, for what decides how a scene is computed; raises `InputError` for a value that JAX traces."""
+    """A Python float, for what decides how a scene is computed; raises `InputError` for
+    a value that JAX traces.
+    """
     if is_traced(value):
-        raise InputError(f"{name} must be a plain number: it is not differentiable, nor seen by jit and vmap.")
+        raise InputError(
+            f"{name} must be a plain number: it is not differentiable, nor seen by "
+            "jit and vmap."
+        )
     return float(scalar(name, value))
 
 
 def written(module: Any) -> str:
-    """A module as its class and its fields, numbers with six digits: what `repr` shows of shapes and shift laws."""
+    """A module as its class and its fields, numbers with six digits: what `repr` shows
+    of shapes and shift laws.
+    """
     return f"{type(module).__name__}({', '.join(f'{key}={_brief(value)}' for key, value in vars(module).items())})"
 
 
@@ -271,10 +346,14 @@ def _brief(value: Any) -> str:
     if isinstance(as_numpy(value), np.ndarray):
         if value.size > 6:
             return f"[{value.size} values]"
-        return re.sub(r"\s+", " ", np.array2string(np.asarray(value), precision=6, separator=", "))
+        return re.sub(
+            r"\s+", " ", np.array2string(np.asarray(value), precision=6, separator=", ")
+        )
     return f"{value:.6g}" if isinstance(value, float) else repr(value)
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """A number as an engineer writes it: `digits` significant digits, no trailing noise."""
+    """A number as an engineer writes it: `digits` significant digits, no trailing
+    noise.
+    """
     return f"{value:.{digits}g}" if math.isfinite(value) else str(value)

@@ -7,7 +7,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-_SETTINGS = {  # JAX by itself leaves out what compiles in less than a second, which is most of what a scene needs
+# JAX by itself leaves out what compiles in less than a second, which is most of what a
+# scene needs
+_SETTINGS = {
     "jax_persistent_cache_min_compile_time_secs": 0.0,
     "jax_persistent_cache_min_entry_size_bytes": -1,
 }
@@ -17,13 +19,17 @@ _SETTINGS = {  # JAX by itself leaves out what compiles in less than a second, w
 def keep_compiled_code() -> None:
     """Lets JAX keep compiled code between runs, in the user's cache folder.
 
-    Nothing is changed where JAX has been given a cache already, by `JAX_COMPILATION_CACHE_DIR` or in its
-    configuration, where it has been told to keep none, or where the folder cannot be written.
+    Nothing is changed where JAX has been given a cache already, by
+    `JAX_COMPILATION_CACHE_DIR` or in its configuration, where it has been told to keep
+    none, or where the folder cannot be written.
     """
     import jax
 
     config: Any = jax.config  # its attributes are made at run time
-    if config.jax_compilation_cache_dir is not None or not config.jax_enable_compilation_cache:
+    if (
+        config.jax_compilation_cache_dir is not None
+        or not config.jax_enable_compilation_cache
+    ):
         return
     if (folder := _usable(_default_folder())) is None:
         return
@@ -41,7 +47,8 @@ def _default_folder() -> str | None:
     else:
         base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
     folder = os.path.expanduser(os.path.join(base, "elastomdr", "jax")) if base else ""
-    return folder if os.path.isabs(folder) else None  # no home folder: "~" stays as it is
+    # no home folder: "~" stays as it is
+    return folder if os.path.isabs(folder) else None
 
 
 def _usable(folder: str | None) -> str | None:

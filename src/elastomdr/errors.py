@@ -1,26 +1,38 @@
-"""What elastomdr raises and warns with; every message names the argument, the value and what is accepted."""
+"""What elastomdr raises and warns with; every message names the argument, the value and
+what is accepted.
+"""
 
 import difflib
 from collections.abc import Iterable
 
 
 class InputError(ValueError):
-    """Raised for input that has no meaning: it names the argument, the value and what is accepted."""
+    """Raised for input that has no meaning: it names the argument, the value and what
+    is accepted.
+    """
 
 
 class ConvergenceWarning(UserWarning):
-    """Issued once per call when points did not converge; those points are NaN with `converged=False`."""
+    """Issued once per call when points did not converge; those points are NaN with
+    `converged=False`.
+    """
 
 
 class ExtrapolationWarning(UserWarning):
-    """Issued once per call when a material is used at frequencies or temperatures beyond those it was measured at."""
+    """Issued once per call when a material is used at frequencies or temperatures
+    beyond those it was measured at.
+    """
 
 
 class ModelWarning(UserWarning):
-    """Issued once per call when a model leaves out what matters for the body or surface it is used on."""
+    """Issued once per call when a model leaves out what matters for the body or surface
+    it is used on.
+    """
 
 
 def closest(word: str, valid: Iterable[str]) -> str:
-    """Returns " Did you mean 'x'?" for the valid word nearest to `word`, or an empty string."""
+    """Returns " Did you mean 'x'?" for the valid word nearest to `word`, or an empty
+    string.
+    """
     near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.5)
     return f" Did you mean {near[0]!r}?" if near else ""

@@ -1,4 +1,6 @@
-"""Reading and writing files: regular ones of a sensible size are read, and what is written is whole or not there."""
+"""Reading and writing files: regular ones of a sensible size are read, and what is
+written is whole or not there.
+"""
 
 import codecs
 import errno
@@ -15,7 +17,9 @@ _MOST_BYTES = 200_000_000
 
 
 def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
-    """The content of a file; raises `OSError` for a folder, a pipe, a device, or more than `most` bytes."""
+    """The content of a file; raises `OSError` for a folder, a pipe, a device, or more
+    than `most` bytes.
+    """
     path = Path(path)
     found = path.stat()
     if stat.S_ISDIR(found.st_mode):
@@ -23,24 +27,33 @@ def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
     if not stat.S_ISREG(found.st_mode):
         raise OSError(errno.EINVAL, "Not a regular file")
     if found.st_size > most:
-        raise OSError(errno.EFBIG, f"{found.st_size / 1e6:.0f} MB, more than {most / 1e6:g} MB")
+        raise OSError(
+            errno.EFBIG, f"{found.st_size / 1e6:.0f} MB, more than {most / 1e6:g} MB"
+        )
     return path.read_bytes()
 
 
 def read_text(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> str:
-    """A UTF-8 text, or a UTF-16 one that says so by its mark, as editors of Windows write them.
+    """A UTF-8 text, or a UTF-16 one that says so by its mark, as editors of Windows
+    write them.
 
     Raises `OSError` as `read_bytes` does, and `UnicodeDecodeError`.
     """
     raw = read_bytes(path, most)
-    encoding = "utf-16" if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
+    encoding = (
+        "utf-16"
+        if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+        else "utf-8-sig"
+    )
     return raw.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def write_files(files: Mapping[Path, bytes]) -> None:
-    """Writes files that are complete whenever they are there: to neighbours first, then all of them moved into place.
+    """Writes files that are complete whenever they are there: to neighbours first, then
+    all of them moved into place.
 
-    Raises `InputError` in one line, and leaves nothing behind, where a folder is missing or cannot be written.
+    Raises `InputError` in one line, and leaves nothing behind, where a folder is
+    missing or cannot be written.
     """
     mask = os.umask(0)
     os.umask(mask)
@@ -55,26 +68,40 @@ def write_files(files: Mapping[Path, bytes]) -> None:
             with os.fdopen(handle, "wb") as file:
                 file.write(content)
                 file.flush()
-                os.fsync(file.fileno())  # a full disk shows here, before anything is replaced
-            prepared[target].chmod(0o666 & ~mask)  # mkstemp makes private files; a table is as readable as any other
+                # a full disk shows here, before anything is replaced
+                os.fsync(file.fileno())
+            # mkstemp makes private files; a table is as readable as any other
+            prepared[target].chmod(0o666 & ~mask)
         for target, temporary in prepared.items():
             temporary.replace(target)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise InputError(f"path must be a file that can be written, got {str(target)!r}: {reason}.") from error
+        reason = (
+            error.strerror if isinstance(error, OSError) and error.strerror else error
+        )
+        raise InputError(
+            f"path must be a file that can be written, got {str(target)!r}: {reason}."
+        ) from error
     finally:
         for temporary in prepared.values():
             temporary.unlink(missing_ok=True)
 
 
 def csv_text(header: Iterable[str], columns: Mapping[str, Any]) -> str:
-    """A comma-separated table: header lines that start with "# ", the titles, one row per entry of the columns.
+    """A comma-separated table: header lines that start with "# ", the titles, one row
+    per entry of the columns.
 
-    Numbers have as many digits, up to 17, as it takes to read back the same float64; NaN is an empty cell.
+    Numbers have as many digits, up to 17, as it takes to read back the same float64;
+    NaN is an empty cell.
     """
-    values = [column.tolist() if hasattr(column, "tolist") else list(column) for column in columns.values()]
+    values = [
+        column.tolist() if hasattr(column, "tolist") else list(column)
+        for column in columns.values()
+    ]
     lines = [f"# {' '.join(line.split())}" for line in header]
-    lines += [",".join(columns), *(",".join(map(_cell, row)) for row in zip(*values, strict=True))]
+    lines += [
+        ",".join(columns),
+        *(",".join(map(_cell, row)) for row in zip(*values, strict=True)),
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -82,4 +109,6 @@ def _cell(value: Any) -> str:
     if isinstance(value, float):
         return "" if value != value else repr(float(value))
     text = str(value)
-    return f'"{text.replace(chr(34), 2 * chr(34))}"' if set(text) & set(',"\n') else text
+    return (
+        f'"{text.replace(chr(34), 2 * chr(34))}"' if set(text) & set(',"\n') else text
+    )

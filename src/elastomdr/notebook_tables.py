@@ -23,10 +23,16 @@ def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:
 
 
 def fields_in_words(tree: Any) -> Iterator[tuple[str, str]]:
-    """The fields of a dataclass that have a value, with the SI units of the arguments of these names."""
+    """The fields of a dataclass that have a value, with the SI units of the arguments
+    of these names.
+    """
     for field in dataclasses.fields(tree):
         value = getattr(tree, field.name)
-        if value is None or (isinstance(value, str) and not value) or field.name.startswith("_"):
+        if (
+            value is None
+            or (isinstance(value, str) and not value)
+            or field.name.startswith("_")
+        ):
             continue
         unit = UNITS.get(field.name.removesuffix("_table"), "")
         text = _in_words(value)

@@ -1,8 +1,10 @@
-"""Frozen dataclasses that JAX takes apart and puts together, whichever of JAX and elastomdr is imported first.
+"""Frozen dataclasses that JAX takes apart and puts together, whichever of JAX and
+elastomdr is imported first.
 
-A class that derives from `Tree` is a frozen dataclass. If JAX is loaded when the class is made, the class is registered
-with it as a pytree at once; if not, as soon as JAX has been imported. A check at the first call of ours would be too
-late: `jax.jit` takes its arguments apart before it calls anything.
+A class that derives from `Tree` is a frozen dataclass. If JAX is loaded when the class
+is made, the class is registered with it as a pytree at once; if not, as soon as JAX has
+been imported. A check at the first call of ours would be too late: `jax.jit` takes its
+arguments apart before it calls anything.
 """
 
 from __future__ import annotations
@@ -25,23 +27,31 @@ T = TypeVar("T")
 
 
 def static(**options: Any) -> Any:
-    """A field that JAX does not look into: part of the class, so to speak, and compared by `==`."""
+    """A field that JAX does not look into: part of the class, so to speak, and compared
+    by `==`.
+    """
     return dataclasses.field(metadata={"static": True}, **options)
 
 
-@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(static, dataclasses.field))
+@dataclass_transform(
+    frozen_default=True, eq_default=False, field_specifiers=(static, dataclasses.field)
+)
 class Tree(abc.ABC):  # noqa: B024
-    """Base of frozen dataclasses that are pytrees; a class with an `__init__` of its own sets its fields by `fill`.
+    """Base of frozen dataclasses that are pytrees; a class with an `__init__` of its
+    own sets its fields by `fill`.
 
-    Arguments with units come to `__init__` as numbers in SI units (`units/arguments.py`).
-    Two of them are equal only if they are the same object; `same` compares their values.
+    Arguments with units come to `__init__` as numbers in SI units
+    (`units/arguments.py`). Two of them are equal only if they are the same object;
+    `same` compares their values.
     """
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         init, repr = (not _has_own(cls, name) for name in ("__init__", "__repr__"))
         dataclasses.dataclass(frozen=True, eq=False, init=init, repr=repr)(cls)
-        cls._generated = [name for name, made in (("__init__", init), ("__repr__", repr)) if made]  # type: ignore
+        cls._generated = [
+            name for name, made in (("__init__", init), ("__repr__", repr)) if made
+        ]  # type: ignore
         if "__init__" in vars(cls):
             constructor_in_si(cls)
         pytree(cls)
@@ -51,9 +61,16 @@ class Tree(abc.ABC):  # noqa: B024
 
 
 def _has_own(cls: type, method: str) -> bool:
-    """Whether a class or one it derives from has a method that `dataclass` did not write."""
-    bases = (base for base in cls.__mro__ if base is not Tree and issubclass(base, Tree))
-    return any(method in vars(base) and method not in vars(base).get("_generated", ()) for base in bases)
+    """Whether a class or one it derives from has a method that `dataclass` did not
+    write.
+    """
+    bases = (
+        base for base in cls.__mro__ if base is not Tree and issubclass(base, Tree)
+    )
+    return any(
+        method in vars(base) and method not in vars(base).get("_generated", ())
+        for base in bases
+    )
 
 
 def fill(tree: Tree, **fields: Any) -> None:
@@ -69,13 +86,19 @@ def replaced(tree: T, **fields: Any) -> T:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two objects are of one class and all their fields have the same values, arrays by shape and entries."""
+    """Whether two objects are of one class and all their fields have the same values,
+    arrays by shape and entries.
+    """
     if isinstance(one, Tree):
-        return type(one) is type(other) and all(same(vars(one)[k], vars(other)[k]) for k in _names(type(one)))
+        return type(one) is type(other) and all(
+            same(vars(one)[k], vars(other)[k]) for k in _names(type(one))
+        )
     if hasattr(one, "shape") or hasattr(other, "shape"):
         import numpy as np
 
-        return np.shape(one) == np.shape(other) and bool(np.all(np.asarray(one) == np.asarray(other)))
+        return np.shape(one) == np.shape(other) and bool(
+            np.all(np.asarray(one) == np.asarray(other))
+        )
     return bool(one == other)
 
 
@@ -88,7 +111,9 @@ _waiting: list[type] = []
 
 
 def pytree(cls: type[T]) -> type[T]:
-    """Lets a dataclass pass through JAX's transformations, at once or from when JAX is loaded."""
+    """Lets a dataclass pass through JAX's transformations, at once or from when JAX is
+    loaded.
+    """
     with _lock:
         _waiting.append(cls)
     if sys.modules.get("jax") is not None:
@@ -97,7 +122,8 @@ def pytree(cls: type[T]) -> type[T]:
 
 
 def _register_waiting() -> None:
-    # Waits for another thread that is in the middle of importing JAX; in the same thread it needs this part only.
+    # Waits for another thread that is in the middle of importing JAX; in the same
+    # thread it needs this part only.
     from jax import tree_util
 
     with _lock:
@@ -113,7 +139,9 @@ def _make_pytree(cls: type, tree_util: Any) -> None:
 
     def parts(tree: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         values = vars(tree)
-        return tuple(values[name] for name in leaves), tuple(values[name] for name in others)
+        return tuple(values[name] for name in leaves), tuple(
+            values[name] for name in others
+        )
 
     def parts_with_keys(tree: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         values, rest = parts(tree)
@@ -129,10 +157,15 @@ def _make_pytree(cls: type, tree_util: Any) -> None:
 
 
 class _AfterJax(importlib.abc.MetaPathFinder):
-    """Finds JAX as the other finders do, and has the classes that wait registered when it has been imported."""
+    """Finds JAX as the other finders do, and has the classes that wait registered when
+    it has been imported.
+    """
 
     def find_spec(
-        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+        self,
+        fullname: str,
+        path: Sequence[str] | None,
+        target: ModuleType | None = None,
     ) -> importlib.machinery.ModuleSpec | None:
         if fullname != "jax":
             return None

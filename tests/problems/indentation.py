@@ -1,4 +1,6 @@
-"""Indentation with closed-form answers: (name, call, expected fields at instants, relative tolerance)."""
+"""Indentation with closed-form answers: (name, call, expected fields at instants,
+relative tolerance).
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -20,7 +22,9 @@ TIMES = np.array([0, 0.25, 0.5, 0.8, 1.0, 1.1, 1.25, 1.4, 1.5095304990693228, 2.
 
 def _triangle() -> Any:
     solid = em.Foundation(1.0, [3.0], [0.5])
-    return em.indent(solid, em.Paraboloid(1.0), time=TIMES, depth=0.01 * np.minimum(TIMES, 2 - TIMES))
+    return em.indent(
+        solid, em.Paraboloid(1.0), time=TIMES, depth=0.01 * np.minimum(TIMES, 2 - TIMES)
+    )
 
 
 def _creep() -> Any:
@@ -36,33 +40,46 @@ def _viscous() -> Any:
 RADIUS, GAMMA = 0.01, 0.05
 SOLID = em.Foundation(1.0, [3.0], [0.5])
 BALL = em.Paraboloid(1.0)
-TWICE = np.interp(TIMES, [0, 0.5, 1.0, 1.1, 1.4, 2.0], [0, 0.01, 0.004, 0.006, 0.012, 0.012])  # shrinks, grows again
-PULSES = np.interp(TIMES, [0, 0.5, 1.0, 1.25, 2.0], [0, 3e-3, 0, 0, 3e-3])  # a load that goes to zero and returns
+# shrinks, grows again
+TWICE = np.interp(
+    TIMES, [0, 0.5, 1.0, 1.1, 1.4, 2.0], [0, 0.01, 0.004, 0.006, 0.012, 0.012]
+)
+# a load that goes to zero and returns
+PULSES = np.interp(TIMES, [0, 0.5, 1.0, 1.25, 2.0], [0, 3e-3, 0, 0, 3e-3])
 ELASTIC = em.Foundation(1e6, [], [])
 PULL = -0.002356194490192345
 
 
 def _jkr_load() -> Any:
     load = [0.0, PULL, 0.0, 1.0]
-    return em.indent(ELASTIC, em.Paraboloid(RADIUS), time=np.arange(4.0), load=load, adhesion=GAMMA)
+    return em.indent(
+        ELASTIC, em.Paraboloid(RADIUS), time=np.arange(4.0), load=load, adhesion=GAMMA
+    )
 
 
 def _jkr_depth() -> Any:
     depth = [0.0, -2.261484826944946e-06, -4.7040780046055166e-06, -4.8e-06]
-    return em.indent(ELASTIC, em.Paraboloid(RADIUS), time=np.arange(4.0), depth=depth, adhesion=GAMMA)
+    return em.indent(
+        ELASTIC, em.Paraboloid(RADIUS), time=np.arange(4.0), depth=depth, adhesion=GAMMA
+    )
 
 
 def _kendall() -> Any:
     depth = np.array([0.0, -1e-5, -1.772453850905516e-05, -1.8e-5])
-    return em.indent(ELASTIC, em.FlatPunch(1e-3), time=np.arange(4.0), depth=depth, adhesion=GAMMA)
+    return em.indent(
+        ELASTIC, em.FlatPunch(1e-3), time=np.arange(4.0), depth=depth, adhesion=GAMMA
+    )
 
 
 def _pull_off() -> Any:
-    # Rested at a radius of three times that of the break, then pulled within 1e-9 of the relaxation time.
+    # Rested at a radius of three times that of the break, then pulled within 1e-9 of
+    # the relaxation time.
     rubber = em.Foundation(1e6, [19e6], [1.0])
     load = [1.1628390004525788, 0.0, -0.04, -0.0471238898038469]
     time = np.array([0.0, 3e-10, 6e-10, 1e-9])
-    return em.indent(rubber, em.Paraboloid(RADIUS), time=time, load=load, adhesion=GAMMA)
+    return em.indent(
+        rubber, em.Paraboloid(RADIUS), time=time, load=load, adhesion=GAMMA
+    )
 
 
 PROBLEMS = [
@@ -71,10 +88,21 @@ PROBLEMS = [
         _triangle,
         {
             "force": {
-                1: 0.0005794989781560522, 2: 0.0014512858598840772, 3: 0.0025931973387766775, 4: 0.00337335122148522,
-                5: 0.0022812690663025583, 6: 0.001043828585770497, 7: 0.0002573474388334263, 9: 0.0,
+                1: 0.0005794989781560522,
+                2: 0.0014512858598840772,
+                3: 0.0025931973387766775,
+                4: 0.00337335122148522,
+                5: 0.0022812690663025583,
+                6: 0.001043828585770497,
+                7: 0.0002573474388334263,
+                9: 0.0,
             },
-            "contact_radius": {5: 0.09399199927902938, 6: 0.07955805525392792, 7: 0.05350519706527801, 9: 0.0},
+            "contact_radius": {
+                5: 0.09399199927902938,
+                6: 0.07955805525392792,
+                7: 0.05350519706527801,
+                9: 0.0,
+            },
             "work": {8: 8.858856666520433e-06, 9: 8.858856666520433e-06},
             "dissipated": {9: 8.858856666520433e-06},
         },
@@ -85,23 +113,38 @@ PROBLEMS = [
         _creep,
         {
             "contact_radius": {
-                0: 0.19740230337485712, 1: 0.2539288759867057, 2: 0.3248960717071863, 3: 0.3877476073763103,
+                0: 0.19740230337485712,
+                1: 0.2539288759867057,
+                2: 0.3248960717071863,
+                3: 0.3877476073763103,
             },
-            "depth": {0: 0.019483834688849563, 1: 0.03223993702993588, 2: 0.05277872870538058, 3: 0.07517410351302664},
+            "depth": {
+                0: 0.019483834688849563,
+                1: 0.03223993702993588,
+                2: 0.05277872870538058,
+                3: 0.07517410351302664,
+            },
         },
         1e-13,
     ),
     Problem(
         "viscous half-space under a constant load",
         _viscous,
-        {"depth": {0: 0.0, 3: 0.014115540433215428}, "contact_radius": {3: 0.026566464229565278}},
+        {
+            "depth": {0: 0.0, 3: 0.014115540433215428},
+            "contact_radius": {3: 0.026566464229565278},
+        },
         1e-12,
     ),
     Problem(
         "JKR under a load",
         _jkr_load,
         {
-            "contact_radius": {0: 0.00041347012014067967, 1: 0.00026046985393390226, 2: 0.00041347012014067967},
+            "contact_radius": {
+                0: 0.00041347012014067967,
+                1: 0.00026046985393390226,
+                2: 0.00041347012014067967,
+            },
             "depth": {0: 5.698584674971604e-06, 1: -2.261484826944946e-06},
         },
         1e-9,
@@ -111,15 +154,27 @@ PROBLEMS = [
         _jkr_depth,
         {
             "force": {1: PULL, 2: -0.0013089969389957472, 3: 0.0},
-            "contact_radius": {1: 0.00026046985393390226, 2: 0.0001252208449714013, 3: 0.0},
+            "contact_radius": {
+                1: 0.00026046985393390226,
+                2: 0.0001252208449714013,
+                3: 0.0,
+            },
         },
         1e-9,
     ),
-    Problem("Kendall: flat punch", _kendall, {"force": {2: -0.03544907701811032, 3: 0.0}}, 1e-12),
+    Problem(
+        "Kendall: flat punch",
+        _kendall,
+        {"force": {2: -0.03544907701811032, 3: 0.0}},
+        1e-12,
+    ),
     Problem(
         "fast pull after a long rest: JKR with gamma E_0/E_inf",
         _pull_off,
-        {"contact_radius": {0: 0.002121071880330259, 3: 0.0007070239601100864}, "force": {3: -0.0471238898038469}},
+        {
+            "contact_radius": {0: 0.002121071880330259, 3: 0.0007070239601100864},
+            "force": {3: -0.0471238898038469},
+        },
         1e-12,
     ),
-]  # fmt: skip
+]

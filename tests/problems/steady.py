@@ -1,4 +1,6 @@
-"""Steady sliding and rolling with closed-form answers: (name, call, expected fields, relative tolerance)."""
+"""Steady sliding and rolling with closed-form answers: (name, call, expected fields,
+relative tolerance).
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -25,14 +27,20 @@ def _solid() -> em.Foundation:
 
 def _idler(**options: Any) -> Any:
     belt = em.Foundation(7e6 / 0.008, [250e6 / 0.008], [1875 / 250e6])
-    return em.rolling(belt, em.Cylinder(0.159 / 2, 1.0), velocity=5.2, load=2000.0, **options)
+    return em.rolling(
+        belt, em.Cylinder(0.159 / 2, 1.0), velocity=5.2, load=2000.0, **options
+    )
 
 
 PROBLEMS = [
     Problem(
         "Kelvin-Voigt paraboloid at a depth",
         lambda **k: em.friction(
-            _kelvin_voigt(), em.Paraboloid(1.0), velocity=0.5, depth=4e-4, **{"model": em.Line(), **k}
+            _kelvin_voigt(),
+            em.Paraboloid(1.0),
+            velocity=0.5,
+            depth=4e-4,
+            **{"model": em.Line(), **k},
         ),
         {
             "normal_force": 1.2120226591665965e-05,
@@ -46,7 +54,11 @@ PROBLEMS = [
     Problem(
         "Kelvin-Voigt paraboloid at a load",
         lambda **k: em.friction(
-            _kelvin_voigt(), em.Paraboloid(1.0), velocity=1.0, load=1e-4, **{"model": em.Line(), **k}
+            _kelvin_voigt(),
+            em.Paraboloid(1.0),
+            velocity=1.0,
+            load=1e-4,
+            **{"model": em.Line(), **k},
         ),
         {
             "mu": 0.026914531367677307,
@@ -59,14 +71,24 @@ PROBLEMS = [
     Problem(
         "Kelvin-Voigt cone at a load",
         lambda **k: em.friction(
-            _kelvin_voigt(), em.Cone(np.tan(0.2)), velocity=1.0, load=1e-3, **{"model": em.Line(), **k}
+            _kelvin_voigt(),
+            em.Cone(np.tan(0.2)),
+            velocity=1.0,
+            load=1e-3,
+            **{"model": em.Line(), **k},
         ),
         {"mu": 0.19964190035938026, "depth": 0.01726668487430574},
         1e-9,
     ),
     Problem(
         "standard solid paraboloid at a load",
-        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1.0, load=10.0, **{"model": em.Line(), **k}),
+        lambda **k: em.friction(
+            _solid(),
+            em.Paraboloid(0.01),
+            velocity=1.0,
+            load=10.0,
+            **{"model": em.Line(), **k},
+        ),
         {
             "mu": 0.10866233408272157,
             "depth": 0.000491282325759344,
@@ -95,20 +117,32 @@ PROBLEMS = [
     Problem(
         "standard solid, direction-averaged",
         lambda **k: em.friction(
-            _solid(), em.Paraboloid(0.01), velocity=1.0, load=10.0, **{"model": em.Averaged(corrected=False), **k}
+            _solid(),
+            em.Paraboloid(0.01),
+            velocity=1.0,
+            load=10.0,
+            **{"model": em.Averaged(corrected=False), **k},
         ),
         {"mu": 0.07304661009876835},
         1e-6,
     ),
     Problem(
         "low speed, half-space estimate: mu = v sum(E_k tau_k)/(E_inf R)",
-        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1e-3, load=10.0, **k),
+        lambda **k: em.friction(
+            _solid(), em.Paraboloid(0.01), velocity=1e-3, load=10.0, **k
+        ),
         {"mu": 0.0003},
         0.005,
     ),
     Problem(
         "low speed, bare line: twice the half-space",
-        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1e-3, load=10.0, **{"model": em.Line(), **k}),
+        lambda **k: em.friction(
+            _solid(),
+            em.Paraboloid(0.01),
+            velocity=1e-3,
+            load=10.0,
+            **{"model": em.Line(), **k},
+        ),
         {"mu": 0.0006},
         0.005,
     ),

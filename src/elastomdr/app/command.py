@@ -16,7 +16,10 @@ from ..errors import InputError
 
 def run(options: argparse.Namespace) -> int:
     """Serves until it is interrupted; returns the exit status."""
-    with socket.socket() as door, tempfile.TemporaryDirectory(prefix="elastomdr-app-") as place:
+    with (
+        socket.socket() as door,
+        tempfile.TemporaryDirectory(prefix="elastomdr-app-") as place,
+    ):
         _listen(door, options.port)
         os.environ["NICEGUI_STORAGE_PATH"] = str(Path(place) / "storage")
         tempfile.tempdir = place  # what is received is kept nowhere else
@@ -39,13 +42,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def serve(token: str, place: Path) -> Any:
-    """The server of the page, whose addresses all begin with the token. Raises `InputError` without NiceGUI."""
+    """The server of the page, whose addresses all begin with the token. Raises
+    `InputError` without NiceGUI.
+    """
     try:
         import uvicorn
         from fastapi import FastAPI
         from nicegui import ui
     except ImportError as error:
-        raise InputError(f"elastomdr app needs NiceGUI: pip install 'elastomdr[app]' ({error}).") from error
+        raise InputError(
+            f"elastomdr app needs NiceGUI: pip install 'elastomdr[app]' ({error})."
+        ) from error
     from .page import page
     from .security import Guard
     from .session import Sessions
@@ -53,10 +60,20 @@ def serve(token: str, place: Path) -> Any:
     sessions = Sessions(place)
     outer = FastAPI(openapi_url=None)
     ui.run_with(
-        outer, root=lambda: page(sessions) and None, title="elastomdr", mount_path=f"/{token}", tailwind=False,
-        reconnect_timeout=60.0, show_welcome_message=False,
-    )  # fmt: skip
-    config = uvicorn.Config(Guard(outer, token), log_level="error", timeout_graceful_shutdown=1, lifespan="on")
+        outer,
+        root=lambda: page(sessions) and None,
+        title="elastomdr",
+        mount_path=f"/{token}",
+        tailwind=False,
+        reconnect_timeout=60.0,
+        show_welcome_message=False,
+    )
+    config = uvicorn.Config(
+        Guard(outer, token),
+        log_level="error",
+        timeout_graceful_shutdown=1,
+        lifespan="on",
+    )
     return uvicorn.Server(config)
 
 
@@ -66,4 +83,6 @@ def _listen(door: socket.socket, port: int) -> None:
         door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         door.bind(("127.0.0.1", port))
     except (OSError, OverflowError) as error:
-        raise InputError(f"--port must be a free port, 0 to 65535, got {port}: {error}.") from error
+        raise InputError(
+            f"--port must be a free port, 0 to 65535, got {port}: {error}."
+        ) from error

@@ -21,19 +21,50 @@ from .form import Form
 from .sample import SAMPLE
 from .scene import CancelledError, Done, compute, without_empty
 from .session import COMPUTING, DRAWING, Session
-from .stage import BUTTON, Notes, Picture, Words, drop, mark_of_age, material_names, worked
+from .stage import (
+    BUTTON,
+    Notes,
+    Picture,
+    Words,
+    drop,
+    mark_of_age,
+    material_names,
+    worked,
+)
 from .tread import COMPUTED, compute_on_road
 
-_FRICTION = ("temperature", "[contact] pressure", "[contact] velocity", "measured", "heat", "adhesion")
-_ROLLING = ("temperature", "layer", "[contact] load", "[contact] velocity", "[contact] slip", "[layer] thickness",
-            "[layer] bonded", "[structure] stiffness")  # fmt: skip
+_FRICTION = (
+    "temperature",
+    "[contact] pressure",
+    "[contact] velocity",
+    "measured",
+    "heat",
+    "adhesion",
+)
+_ROLLING = (
+    "temperature",
+    "layer",
+    "[contact] load",
+    "[contact] velocity",
+    "[contact] slip",
+    "[layer] thickness",
+    "[layer] bonded",
+    "[structure] stiffness",
+)
 _TABLES = {
-    **{kind.mark if kind.mark != "indenter" else "rolling": kind for kind in KINDS["rolling"]},
+    **{
+        kind.mark if kind.mark != "indenter" else "rolling": kind
+        for kind in KINDS["rolling"]
+    },
     "compare": SurfaceComparison,
     "traction": WheelTraction,
 }
-_LABELS = {"rolling": "Rolling resistance", "heat_build_up": "Temperature of a wheel", "conveyor": "Power of a belt conveyor",
-           "traction": "Slip curve of a tyre (.tir)"}  # fmt: skip
+_LABELS = {
+    "rolling": "Rolling resistance",
+    "heat_build_up": "Temperature of a wheel",
+    "conveyor": "Power of a belt conveyor",
+    "traction": "Slip curve of a tyre (.tir)",
+}
 _ABOUT = {
     "traction": f'Friction "{COMPUTED}" is that of this rubber on the road of the friction screen, with its heat and '
     "adhesion, where the wheel needs it. A number or the name of a table does as well."
@@ -53,23 +84,56 @@ class Screen(NamedTuple):
 
 
 FRICTION = Screen(
-    "friction", "friction", "The rubber of the first screen on the road of the second.", "Compute friction",
-    tuple(key for key in SurfaceFriction.__struct_fields__ if key not in ("surface", "title", "other", "layer")),
+    "friction",
+    "friction",
+    "The rubber of the first screen on the road of the second.",
+    "Compute friction",
+    tuple(
+        key
+        for key in SurfaceFriction.__struct_fields__
+        if key not in ("surface", "title", "other", "layer")
+    ),
     _FRICTION,
-)  # fmt: skip
+)
 COMPARE = Screen(
-    "compare", "compare", "Several rubbers under the conditions of the friction screen.", "Compare rubbers",
-    ("material", "temperature", "compare"), (*_FRICTION, "[compare] velocity", "[compare] temperature"),
-)  # fmt: skip
-ROLLING = Screen("rolling", "rolling", "A cover under a roll, or a wheel with a tyre.", "Compute", (), _ROLLING)
-_SURE = {True: "significant", False: "not significant", None: "not known whether significant"}
+    "compare",
+    "compare",
+    "Several rubbers under the conditions of the friction screen.",
+    "Compare rubbers",
+    ("material", "temperature", "compare"),
+    (*_FRICTION, "[compare] velocity", "[compare] temperature"),
+)
+ROLLING = Screen(
+    "rolling",
+    "rolling",
+    "A cover under a roll, or a wheel with a tyre.",
+    "Compute",
+    (),
+    _ROLLING,
+)
+_SURE = {
+    True: "significant",
+    False: "not significant",
+    None: "not known whether significant",
+}
 
 
 class ComputedStage:
     """A screen with a form, a button and what has been computed."""
 
-    def __init__(self, session: Session, screen: Screen, changed: Callable[[], None], elsewhere: Callable[[str], bool]):
-        self._session, self._screen, self._changed, self._elsewhere = session, screen, changed, elsewhere
+    def __init__(
+        self,
+        session: Session,
+        screen: Screen,
+        changed: Callable[[], None],
+        elsewhere: Callable[[str], bool],
+    ):
+        self._session, self._screen, self._changed, self._elsewhere = (
+            session,
+            screen,
+            changed,
+            elsewhere,
+        )
         self._key, self._run = screen.key, 0
         if screen.key == "rolling":
             self._key = session.rolling
@@ -78,14 +142,25 @@ class ComputedStage:
                 ui.label(screen.lead).classes("lead")
                 if screen.key == "friction":
                     sample = "Use sample measurement", self._sample
-                    drop(session, "Measured friction, drawn over the curve", self._dropped, sample)
+                    drop(
+                        session,
+                        "Measured friction, drawn over the curve",
+                        self._dropped,
+                        sample,
+                    )
                 if screen.key == "rolling":
-                    ui.select(_LABELS, value=self._key, label="what").classes("field").on_value_change(self._other_kind)
+                    ui.select(_LABELS, value=self._key, label="what").classes(
+                        "field"
+                    ).on_value_change(self._other_kind)
                 self._place = ui.element("div")
                 self._draw_form()
                 with ui.element("div").classes("buttons"):
-                    self._button = ui.button(screen.button, on_click=self.compute).props(BUTTON)
-                    self._stop = ui.button("Stop", on_click=self._stopped).props(f"{BUTTON} outline")
+                    self._button = ui.button(
+                        screen.button, on_click=self.compute
+                    ).props(BUTTON)
+                    self._stop = ui.button("Stop", on_click=self._stopped).props(
+                        f"{BUTTON} outline"
+                    )
                     self._stop.visible = False
             with ui.element("div").classes("right"):
                 self._busy = ui.linear_progress(show_value=False).props("indeterminate")
@@ -101,37 +176,60 @@ class ComputedStage:
         own = self._session.scenes[self._key]
         if self._key != "compare":
             return own
-        common = {k: v for k, v in self._session.scenes["friction"].items() if k not in ("measured", "temperature")}
+        common = {
+            k: v
+            for k, v in self._session.scenes["friction"].items()
+            if k not in ("measured", "temperature")
+        }
         return {**common, **own}
 
     def refresh(self) -> None:
-        """Offers materials and files that have come meanwhile, and shows what others have changed."""
+        """Offers materials and files that have come meanwhile, and shows what others
+        have changed.
+        """
         self._draw_form()
         self.look()
 
     def look(self) -> None:
-        """Says so where a result is shown that is not of what is filled in, here or on other screens."""
+        """Says so where a result is shown that is not of what is filled in, here or on
+        other screens.
+        """
         self._old.visible = self._picture.shown and self._done() is None
 
     def _draw_form(self) -> None:
         table = _TABLES.get(self._key, SurfaceFriction)
         screen, session = self._screen, self._session
         rubbers = lambda: material_names(session)  # noqa: E731
-        files = lambda: [name for name in session.folder.names() if not name.endswith(".toml")]  # noqa: E731
-        choices: Mapping[str, Any] = {"material": rubbers, "other": rubbers, "measured": files,
-                                      "[indenter] file": files}  # fmt: skip
+        files = lambda: [
+            name for name in session.folder.names() if not name.endswith(".toml")
+        ]
+        choices: Mapping[str, Any] = {
+            "material": rubbers,
+            "other": rubbers,
+            "measured": files,
+            "[indenter] file": files,
+        }
         self._place.clear()
         with self._place:
             if self._key not in session.scenes:
-                session.scenes[self._key] = _example(self._key, session.scenes["friction"]["material"])
+                session.scenes[self._key] = _example(
+                    self._key, session.scenes["friction"]["material"]
+                )
             if self._key in _ABOUT:
                 ui.label(_ABOUT[self._key]).classes("about")
             own = session.scenes[self._key]
-            only = screen.only or tuple(key for key in table.__struct_fields__ if key != "title")
+            only = screen.only or tuple(
+                key for key in table.__struct_fields__ if key != "title"
+            )
             self.form = Form(
-                table, own, only=only, first=screen.first, choices=choices, entered=self.compute,
+                table,
+                own,
+                only=only,
+                first=screen.first,
+                choices=choices,
+                entered=self.compute,
                 changed=lambda name: self.look(),
-            )  # fmt: skip
+            )
 
     async def _other_kind(self, event: Any) -> None:
         self._stopped()
@@ -142,20 +240,26 @@ class ComputedStage:
         await self._show_again()
 
     async def _sample(self) -> None:
-        name = self._session.folder.keep("friction.csv", SAMPLE.joinpath("friction.csv").read_bytes())
+        name = self._session.folder.keep(
+            "friction.csv", SAMPLE.joinpath("friction.csv").read_bytes()
+        )
         await self._dropped([name])
 
     async def _dropped(self, names: list[str]) -> None:
         own = self._session.scenes[self._key]
         own["measured"] = names[0]
-        own["temperature"] = await worked(DRAWING, _with_measured, own, self._session.folder.path / names[0])
+        own["temperature"] = await worked(
+            DRAWING, _with_measured, own, self._session.folder.path / names[0]
+        )
         self._draw_form()
         await self.compute()
 
     def _done(self) -> Done | None:
         """What has been computed of what is filled in."""
         done = self._session.done.get(self._screen.key)
-        same = done is not None and without_empty(done.asked) == without_empty(self.content())
+        same = done is not None and without_empty(done.asked) == without_empty(
+            self.content()
+        )
         return done if same else None
 
     async def _show_again(self) -> None:
@@ -203,7 +307,9 @@ class ComputedStage:
             self._changed()
             await self._show(done)
         except InputError as error:
-            if run == self._run and not (str(error).startswith("[surface]") and self._elsewhere(str(error))):
+            if run == self._run and not (
+                str(error).startswith("[surface]") and self._elsewhere(str(error))
+            ):
                 self.form.show_error(str(error))
         except CancelledError:
             return
@@ -211,13 +317,17 @@ class ComputedStage:
             if run == self._run:
                 self._release()
 
-    def _computed(self, content: dict[str, Any], progress: Callable[[int, int], None]) -> Done:
+    def _computed(
+        self, content: dict[str, Any], progress: Callable[[int, int], None]
+    ) -> Done:
         folder = self._session.folder
         if self._key != "traction":
             return compute(self._screen.verb, content, folder, progress)
         if content.get("friction") != COMPUTED:
             return compute("traction", content, folder)
-        return compute_on_road(content, copy.deepcopy(self._session.scenes["friction"]), folder, progress)
+        return compute_on_road(
+            content, copy.deepcopy(self._session.scenes["friction"]), folder, progress
+        )
 
     async def _show(self, done: Done) -> None:
         run = self._run
@@ -232,20 +342,42 @@ class ComputedStage:
         self.look()
 
     def _rank(self, ranking: Any) -> None:
-        """The rubbers, the one with most friction first, with what is significant of the order."""
+        """The rubbers, the one with most friction first, with what is significant of
+        the order.
+        """
         self._table.clear()
         rows = []
         for place in ranking.places:
-            spread = "not known" if np.isnan(place.uncertainty) else f"± {place.uncertainty:.2g}"
-            ahead = "" if np.isnan(place.ahead) else f"{place.ahead:.2g}, {_SURE[place.significant]}"
-            rows.append({"rubber": place.material, "friction": f"{place.mu:.3f}", "uncertainty": spread, "lead": ahead})
+            spread = (
+                "not known"
+                if np.isnan(place.uncertainty)
+                else f"± {place.uncertainty:.2g}"
+            )
+            ahead = (
+                ""
+                if np.isnan(place.ahead)
+                else f"{place.ahead:.2g}, {_SURE[place.significant]}"
+            )
+            rows.append(
+                {
+                    "rubber": place.material,
+                    "friction": f"{place.mu:.3f}",
+                    "uncertainty": spread,
+                    "lead": ahead,
+                }
+            )
         with self._table.classes("scroll"):
-            columns = [{"name": name, "label": name, "field": name, "align": "left"} for name in rows[0]]
+            columns = [
+                {"name": name, "label": name, "field": name, "align": "left"}
+                for name in rows[0]
+            ]
             ui.table(rows=rows, columns=columns)
 
 
 def _with_measured(content: dict[str, Any], path: Path) -> Any:
-    """The temperatures of a scene and, where they are few, those of measured points which have no curve."""
+    """The temperatures of a scene and, where they are few, those of measured points
+    which have no curve.
+    """
     given = content.get("temperature")
     texts = given if isinstance(given, list) else [given]
     try:
@@ -257,15 +389,24 @@ def _with_measured(content: dict[str, Any], path: Path) -> Any:
         return given  # computing says what is wrong
     if kelvin is None:
         return given
-    missing = [each for each in grouped(kelvin) if all(abs(each - one) > SAME_TEMPERATURE for one in computed)]
+    missing = [
+        each
+        for each in grouped(kelvin)
+        if all(abs(each - one) > SAME_TEMPERATURE for one in computed)
+    ]
     if not missing or len(computed) + len(missing) > _MOST_CURVES:
         return given
-    every = {**dict(zip(computed, texts, strict=True)), **{each: f"{each - 273.15:.4g} degC" for each in missing}}
+    every = {
+        **dict(zip(computed, texts, strict=True)),
+        **{each: f"{each - 273.15:.4g} degC" for each in missing},
+    }
     return [every[each] for each in sorted(every)]
 
 
 def _example(key: str, rubber: Any) -> dict[str, Any]:
-    """What the forms of the seldom kinds of rolling show at first; `rubber` is that of the friction screen."""
+    """What the forms of the seldom kinds of rolling show at first; `rubber` is that of
+    the friction screen.
+    """
     rubber = rubber[0] if isinstance(rubber, list) else rubber
     fitted = rubber.endswith(".toml")  # on this page
     material = rubber if fitted or key == "traction" else "tread-passenger-synthetic"
@@ -298,5 +439,10 @@ def _example(key: str, rubber: Any) -> dict[str, Any]:
         "indenter": {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"},
         "layer": {"thickness": "6 mm"},
         "contact": {"velocity": velocity},
-        "conveyor": {"spacing": "1.2 m", "belt": "28 kg/m", "goods": "120 kg/m", "return_spacing": "3 m"},
+        "conveyor": {
+            "spacing": "1.2 m",
+            "belt": "28 kg/m",
+            "goods": "120 kg/m",
+            "return_spacing": "3 m",
+        },
     }

@@ -1,4 +1,6 @@
-"""What has been computed, to take away: the scene that reproduces it, its tables and its figure."""
+"""What has been computed, to take away: the scene that reproduces it, its tables and
+its figure.
+"""
 
 from functools import partial
 from typing import Any
@@ -26,7 +28,10 @@ class ExportStage:
         self._place.clear()
         with self._place:
             if not self._session.done:
-                ui.label("Nothing has been computed yet: compute friction, a comparison or rolling first.")
+                ui.label(
+                    "Nothing has been computed yet: compute friction, a "
+                    "comparison or rolling first."
+                )
             for stem, done in self._session.done.items():
                 self._card(stem, done)
 
@@ -35,16 +40,27 @@ class ExportStage:
         text = toml(done.verb, done.content, stem, notes)
         beside = files_of(done.content)
         with ui.element("section").classes("card"):
-            ui.label(stem.capitalize()).classes("lead").props("role=heading aria-level=2")
+            ui.label(stem.capitalize()).classes("lead").props(
+                "role=heading aria-level=2"
+            )
             ui.label(f"elastomdr {done.verb} {stem}.toml --out out").classes("command")
             if beside:
-                ui.label(f"It reads, beside it: {', '.join(beside)}. The zip archive has them.")
+                ui.label(
+                    f"It reads, beside it: {', '.join(beside)}. The zip archive "
+                    "has "
+                    "them."
+                )
             with ui.element("div").classes("buttons"):
                 scene = text.encode()
-                ui.button("Scene (TOML)", on_click=lambda: ui.download.content(scene, f"{stem}.toml")).props(BUTTON)
+                ui.button(
+                    "Scene (TOML)",
+                    on_click=lambda: ui.download.content(scene, f"{stem}.toml"),
+                ).props(BUTTON)
                 tyre = {"Tyre (.tir)": "tir"} if done.verb == "traction" else {}
                 for label, ending in (_KINDS | tyre).items():
-                    ui.button(label, on_click=partial(self._give, stem, done, ending)).props(f"{BUTTON} outline")
+                    ui.button(
+                        label, on_click=partial(self._give, stem, done, ending)
+                    ).props(f"{BUTTON} outline")
             ui.label(text).classes("words").props("tabindex=0")
 
     def _notes(self, done: Done) -> tuple[str, ...]:

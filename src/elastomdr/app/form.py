@@ -1,4 +1,6 @@
-"""A form made from the tables of scene files: each key is a field with its meaning, its default and an example."""
+"""A form made from the tables of scene files: each key is a field with its meaning, its
+default and an example.
+"""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -14,14 +16,16 @@ Choices = Mapping[str, Callable[[], Mapping[str, str] | Sequence[str]]]
 
 
 class Form:
-    """Fields for the keys of a table; what is typed goes into `content`, which is what a scene file holds.
+    """Fields for the keys of a table; what is typed goes into `content`, which is what
+    a scene file holds.
 
     Args:
         table: the type of the table.
         content: what the fields show and change.
         only: the keys of the table that are shown, in this order; by default all.
         first: keys of inner tables that are not put away under "more".
-        choices: by the name of a field, such as "material" or "[surface] file", what there is to choose from.
+        choices: by the name of a field, such as "material" or "[surface] file", what
+            there is to choose from.
         changed: called after each change with the name of the field.
         entered: called when Enter is pressed in a field.
     """
@@ -37,7 +41,12 @@ class Form:
         changed: Callable[[str], Any] | None = None,
         entered: Callable[[], Any] | None = None,
     ):
-        self.table, self.content, self.only, self.first = table, content, only, set(first)
+        self.table, self.content, self.only, self.first = (
+            table,
+            content,
+            only,
+            set(first),
+        )
         self.choices, self.changed, self.entered = dict(choices or {}), changed, entered
         self.widgets: dict[str, Any] = {}
         self._folded: dict[str, Any] = {}  # field to the expansion that hides it
@@ -53,14 +62,20 @@ class Form:
         self._place.clear()
         keys = keys_of(self.table)
         with self._place:
-            self._keys({key: keys[key] for key in self.only or keys if key in keys}, (), self.content)
+            self._keys(
+                {key: keys[key] for key in self.only or keys if key in keys},
+                (),
+                self.content,
+            )
 
     def set(self, name: str, value: Any) -> None:
         """Gives a field a value as if it had been typed."""
         self.widgets[name].value = value if isinstance(value, bool) else to_text(value)
 
     def refresh_choices(self) -> None:
-        """Looks anew for what there is to choose from, such as files that have been dropped."""
+        """Looks anew for what there is to choose from, such as files that have been
+        dropped.
+        """
         self._silent = True
         for name, choices in self.choices.items():
             if (widget := self.widgets.get(name)) is not None:
@@ -79,7 +94,9 @@ class Form:
             _mark(widget, None)
 
     def show_error(self, message: str) -> str:
-        """Puts a message beside the field that it names; returns the field's name, empty where there is none here."""
+        """Puts a message beside the field that it names; returns the field's name,
+        empty where there is none here.
+        """
         self.clear_errors()
         name = self._field(message)
         if not hasattr(self.widgets.get(name), "error"):
@@ -97,38 +114,76 @@ class Form:
         for name in sorted(self.widgets, key=len, reverse=True):
             if re.match(rf"{re.escape(name)}(?!\w)", message):
                 return name
-        words, last = re.findall(r"\w+", message), {name.split()[-1]: name for name in reversed(self.widgets)}
+        words, last = (
+            re.findall(r"\w+", message),
+            {name.split()[-1]: name for name in reversed(self.widgets)},
+        )
         table = re.match(r"\[(\w+)\]", message)
-        within = {key: name for key, name in last.items() if table is None or name.startswith(table[0])}
+        within = {
+            key: name
+            for key, name in last.items()
+            if table is None or name.startswith(table[0])
+        }
         if table is None:  # the argument of a call
             return last.get(words[0], "") if words else ""
-        return next((found[word] for found in (within, last) for word in words if word in found), "")
+        return next(
+            (
+                found[word]
+                for found in (within, last)
+                for word in words
+                if word in found
+            ),
+            "",
+        )
 
-    def _keys(self, fields: Mapping[str, Any], path: tuple[str, ...], content: dict[str, Any]) -> None:
+    def _keys(
+        self, fields: Mapping[str, Any], path: tuple[str, ...], content: dict[str, Any]
+    ) -> None:
         """The fields of one table; those that are seldom needed are folded away."""
-        shown = [key for key, field in fields.items() if self._is_first(key, field, path, content)]
+        shown = [
+            key
+            for key, field in fields.items()
+            if self._is_first(key, field, path, content)
+        ]
         with ui.element("div").classes("fields"):
             for key in shown:
                 self._key(key, fields[key], path, content)
-        rest = [key for key in fields if key not in shown and not self._is_nothing(fields[key])]
+        rest = [
+            key
+            for key in fields
+            if key not in shown and not self._is_nothing(fields[key])
+        ]
         if not rest:
             return
         before = set(self.widgets)
-        with ui.expansion("More").classes("more").props("dense") as fold, ui.element("div").classes("fields"):
+        with (
+            ui.expansion("More").classes("more").props("dense") as fold,
+            ui.element("div").classes("fields"),
+        ):
             for key in rest:
                 self._key(key, fields[key], path, content)
         for name in self.widgets.keys() - before:
             self._folded.setdefault(name, fold)
 
-    def _is_first(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> Any:
+    def _is_first(
+        self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]
+    ) -> Any:
         name = _name((*path, key))
-        return not self._is_nothing(field) and (field.required or content.get(key) or name in self.first)
+        return not self._is_nothing(field) and (
+            field.required or content.get(key) or name in self.first
+        )
 
     def _is_nothing(self, field: Any) -> bool:
-        """A key that scenes of this kind must leave out, or a list of tables, for which there are no forms."""
-        return not leaf(field.type).kinds or (is_list(field.type) and bool(tables_of(field.type)))
+        """A key that scenes of this kind must leave out, or a list of tables, for which
+        there are no forms.
+        """
+        return not leaf(field.type).kinds or (
+            is_list(field.type) and bool(tables_of(field.type))
+        )
 
-    def _key(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
+    def _key(
+        self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]
+    ) -> None:
         tables = list(tables_of(field.type))
         if not tables:
             return self._leaf(key, field, path, content)
@@ -136,14 +191,25 @@ class Form:
             return self._union(key, field, tables, path, content)
         self._table(key, field, tables[0], path, content)
 
-    def _table(self, key: str, field: Any, table: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
+    def _table(
+        self,
+        key: str,
+        field: Any,
+        table: Any,
+        path: tuple[str, ...],
+        content: dict[str, Any],
+    ) -> None:
         """A table within the table; one that may be left out has a box to tick."""
         with ui.element("fieldset").classes("group"):
             optional = field.default is None
             title = _meaning(field.type) or key
             if not optional:
                 _legend(f"{key}: {title}")
-            box = ui.checkbox(f"{key}: {title}", value=key in content) if optional else None
+            box = (
+                ui.checkbox(f"{key}: {title}", value=key in content)
+                if optional
+                else None
+            )
             place = ui.element("div")
 
             def draw() -> None:
@@ -167,12 +233,19 @@ class Form:
             draw()
 
     def _union(
-        self, key: str, field: Any, tables: Sequence[Any], path: tuple[str, ...], content: dict[str, Any]
+        self,
+        key: str,
+        field: Any,
+        tables: Sequence[Any],
+        path: tuple[str, ...],
+        content: dict[str, Any],
     ) -> None:
         """A table of several kinds, of which one is chosen."""
         configs = [table.__struct_config__ for table in tables]
         tag = configs[0].tag_field
-        by_word = {config.tag: table for config, table in zip(configs, tables, strict=True)}
+        by_word = {
+            config.tag: table for config, table in zip(configs, tables, strict=True)
+        }
         inner = content.setdefault(key, {})
         inner.setdefault(tag, next(iter(by_word)))
         name = _name((*path, key, tag))
@@ -193,7 +266,11 @@ class Form:
             def chosen() -> None:
                 if select.value == inner.get(tag):
                     return
-                kept = {k: v for k, v in inner.items() if k in keys_of(by_word[select.value])}
+                kept = {
+                    k: v
+                    for k, v in inner.items()
+                    if k in keys_of(by_word[select.value])
+                }
                 inner.clear()
                 inner.update({tag: select.value, **kept})
                 self._forget((*path, key), keep=name)
@@ -203,24 +280,38 @@ class Form:
             select.on_value_change(chosen)
             draw()
 
-    def _leaf(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
+    def _leaf(
+        self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]
+    ) -> None:
         accepts, name = leaf(field.type), _name((*path, key))
         label = key.replace("_", " ") + (" *" if field.required else "")
         value = content.get(key)
         meaning = _meaning(field.type)
         if name in self.choices:
             options = _as_options(self.choices[name]())
-            several = accepts.several and (isinstance(value, list) or name in self.first)
+            several = accepts.several and (
+                isinstance(value, list) or name in self.first
+            )
             for each in value if isinstance(value, list) else [value]:
                 if each:
                     options.setdefault(each, each)
             value = ([] if several else None) if value is None else value
-            widget: Any = ui.select(options, value=value, label=label, multiple=several, clearable=not field.required)
+            widget: Any = ui.select(
+                options,
+                value=value,
+                label=label,
+                multiple=several,
+                clearable=not field.required,
+            )
             widget.props("use-chips" if several else "")
         elif accepts.flag:
             if accepts.optional:
                 options = {"": "default", "true": "yes", "false": "no"}
-                widget = ui.select(options, value={None: "", True: "true", False: "false"}[value], label=label)
+                widget = ui.select(
+                    options,
+                    value={None: "", True: "true", False: "false"}[value],
+                    label=label,
+                )
             else:
                 shown = field.default if value is None else value
                 widget = ui.checkbox(f"{key.replace('_', ' ')}: {meaning}", value=shown)
@@ -231,13 +322,17 @@ class Form:
             }
             widget = ui.select(options, value=value or "", label=label)
         else:
-            widget = ui.input(label=label, value=to_text(value), placeholder=_example(accepts))
+            widget = ui.input(
+                label=label, value=to_text(value), placeholder=_example(accepts)
+            )
             if self.entered is not None:
                 widget.on("keydown.enter", self.entered)
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
             widget.props["hint"] = (
-                meaning if field.default in (None, msgspec.NODEFAULT) else _with_default(meaning, field)
+                meaning
+                if field.default in (None, msgspec.NODEFAULT)
+                else _with_default(meaning, field)
             )
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
@@ -261,7 +356,11 @@ class Form:
     def _value(self, widget: Any, accepts: Leaf, name: str) -> Any:
         value = widget.value
         if accepts.flag:
-            return {"": None, "true": True, "false": False}[value] if accepts.optional else value
+            return (
+                {"": None, "true": True, "false": False}[value]
+                if accepts.optional
+                else value
+            )
         if name in self.choices or accepts.words:
             return value or None
         return from_text(accepts, value)
@@ -269,7 +368,9 @@ class Form:
     def _forget(self, path: tuple[str, ...], keep: str = "") -> None:
         """Drops the fields of a table that is drawn anew."""
         mark = f"[{'.'.join(path)}] "
-        for name in [name for name in self.widgets if name.startswith(mark) and name != keep]:
+        for name in [
+            name for name in self.widgets if name.startswith(mark) and name != keep
+        ]:
             del self.widgets[name]
 
     def _tell(self, name: str) -> None:
@@ -283,7 +384,10 @@ def _name(path: tuple[str, ...]) -> str:
 
 
 def _meaning(kind: Any) -> str:
-    return next((note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)), "")
+    return next(
+        (note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)),
+        "",
+    )
 
 
 def _with_default(meaning: str, field: Any) -> str:

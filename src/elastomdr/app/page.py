@@ -17,7 +17,9 @@ _STYLE = Path(__file__).parent / "style.css"
 def page(sessions: Sessions) -> "Page":
     """Builds the page of the session that its address names, or of a new one."""
     request = ui.context.client.request
-    session = sessions.get(request.query_params.get("session") if request is not None else None)
+    session = sessions.get(
+        request.query_params.get("session") if request is not None else None
+    )
     session.shown_by(ui.context.client)
     ui.add_css(_STYLE.read_text(encoding="utf-8"))
     ui.colors(primary="#1f5a94")
@@ -32,20 +34,32 @@ class Page:
         self._session = session
         with ui.element("header").classes("head"):
             ui.label("elastomdr").classes("brand").props("role=heading aria-level=1")
-            with ui.tabs().props("dense no-caps align=left outside-arrows mobile-arrows").classes("tabs") as self._tabs:
+            with (
+                ui.tabs()
+                .props("dense no-caps align=left outside-arrows mobile-arrows")
+                .classes("tabs") as self._tabs
+            ):
                 for stage in _STAGES:
                     ui.tab(stage)
-        with ui.tab_panels(self._tabs, value=_STAGES[0], animated=False, keep_alive=True).classes("panels"):
+        with ui.tab_panels(
+            self._tabs, value=_STAGES[0], animated=False, keep_alive=True
+        ).classes("panels"):
             with ui.tab_panel("Rubber"):
                 self.rubber = RubberStage(session, self._new_rubber)
             with ui.tab_panel("Road"):
                 self.road = RoadStage(session)
             with ui.tab_panel("Friction"):
-                self.friction = ComputedStage(session, FRICTION, self._computed, self._on_road)
+                self.friction = ComputedStage(
+                    session, FRICTION, self._computed, self._on_road
+                )
             with ui.tab_panel("Compare"):
-                self.compare = ComputedStage(session, COMPARE, self._computed, self._on_road)
+                self.compare = ComputedStage(
+                    session, COMPARE, self._computed, self._on_road
+                )
             with ui.tab_panel("Rolling"):
-                self.rolling = ComputedStage(session, ROLLING, self._computed, self._on_road)
+                self.rolling = ComputedStage(
+                    session, ROLLING, self._computed, self._on_road
+                )
             with ui.tab_panel("Export"):
                 self.export = ExportStage(session)
         self._tabs.on_value_change(self._look)
@@ -60,7 +74,10 @@ class Page:
         for key in scenes.keys() - {"compare"}:
             scenes[key]["material"] = name
         compared = scenes["compare"]["material"]
-        scenes["compare"]["material"] = [name, *(other for other in compared if other != name)]
+        scenes["compare"]["material"] = [
+            name,
+            *(other for other in compared if other != name),
+        ]
         for stage in (self.friction, self.compare, self.rolling):
             stage.refresh()
 

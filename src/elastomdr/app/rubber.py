@@ -1,4 +1,6 @@
-"""From a DMA file to a material: what was read as what, master curve, shifts, spectrum, residuals."""
+"""From a DMA file to a material: what was read as what, master curve, shifts, spectrum,
+residuals.
+"""
 
 import copy
 import re
@@ -28,53 +30,127 @@ _ADVICE = re.compile(  # for Python, then for the command line
     rf"(?:(?<=as )|(?<=: )|(?<=give )|(?<=or )|(?<=compare ))\w+=(?:(?!\. )[^()]|\([^()]*\))*? \((--{_INNER})\)"
     rf"|\bem\.\w+\([^()]*\) \((--{_INNER})\)"
 )
-_OPTION = re.compile(rf" \({_INNER}?--[a-z-]+(?![a-z,-]){_INNER}\)")  # as the command line takes it
+# as the command line takes it
+_OPTION = re.compile(rf" \({_INNER}?--[a-z-]+(?![a-z,-]){_INNER}\)")
 _FIRST = ("data", "reference", "name", "poisson")
 
 
 class Fit(Table):
-    """How measured isotherms are read and made into a material: the options of elastomdr fit."""
+    """How measured isotherms are read and made into a material: the options of
+    elastomdr fit.
+    """
 
-    data: Annotated[list[str], "the files that were dropped; several files of one material are joined"]
-    reference: Annotated[Temperature | None, "reference temperature, by default the isotherm nearest 20 degC"] = None
-    name: Annotated[Text | None, "name of the material, by default that of the data"] = None
-    poisson: Annotated[float | None, "Poisson's ratio, by default 0.5"] = None
-    kind: Annotated[Literal["shear", "tensile"] | None, "what the moduli are, where the file does not say"] = None
-    temperature: Annotated[
-        Several[Temperature] | None, "of all points, or one for each isotherm, where the file does not say"
+    data: Annotated[
+        list[str],
+        "the files that were dropped; several files of one material are joined",
+    ]
+    reference: Annotated[
+        Temperature | None,
+        "reference temperature, by default the isotherm nearest 20 degC",
     ] = None
-    frequency_unit: Annotated[Text | None, "Hz or rad/s, where the file does not say"] = None
-    modulus_unit: Annotated[Text | None, "Pa, kPa, MPa or GPa, where the file does not say"] = None
-    temperature_unit: Annotated[Text | None, "degC or K, where the file does not say"] = None
-    time_unit: Annotated[Text | None, "s, ms, min or h, where the file does not say"] = None
-    column: Annotated[Several[Text] | None, 'columns by quantity, such as "storage=4, loss=5"'] = None
-    area: Annotated[Text | None, "section of the specimen, such as 100 mm2, where the file has stiffness"] = None
-    length: Annotated[Text | None, "length of the specimen, such as 20 mm, where the file has stiffness"] = None
+    name: Annotated[
+        Text | None, "name of the material, by default that of the data"
+    ] = None
+    poisson: Annotated[float | None, "Poisson's ratio, by default 0.5"] = None
+    kind: Annotated[
+        Literal["shear", "tensile"] | None,
+        "what the moduli are, where the file does not say",
+    ] = None
+    temperature: Annotated[
+        Several[Temperature] | None,
+        "of all points, or one for each isotherm, where the file does not say",
+    ] = None
+    frequency_unit: Annotated[
+        Text | None, "Hz or rad/s, where the file does not say"
+    ] = None
+    modulus_unit: Annotated[
+        Text | None, "Pa, kPa, MPa or GPa, where the file does not say"
+    ] = None
+    temperature_unit: Annotated[
+        Text | None, "degC or K, where the file does not say"
+    ] = None
+    time_unit: Annotated[
+        Text | None, "s, ms, min or h, where the file does not say"
+    ] = None
+    column: Annotated[
+        Several[Text] | None, 'columns by quantity, such as "storage=4, loss=5"'
+    ] = None
+    area: Annotated[
+        Text | None,
+        "section of the specimen, such as 100 mm2, where the file has stiffness",
+    ] = None
+    length: Annotated[
+        Text | None,
+        "length of the specimen, such as 20 mm, where the file has stiffness",
+    ] = None
     ramp: Annotated[
-        Text | None, "duration of the ramp before relaxation, such as 1 s, where times count from its start"
+        Text | None,
+        (
+            "duration of the ramp before relaxation, such as 1 s, where times count "
+            "from its start"
+        ),
     ] = None
     strain: Annotated[
-        Text | None, "amplitude to use, such as 0.1 %, where several were measured; by default the smallest"
+        Text | None,
+        (
+            "amplitude to use, such as 0.1 %, where several were measured; by default "
+            "the smallest"
+        ),
     ] = None
-    storage_only: Annotated[bool, "whether there is no loss modulus in the file"] = False
+    storage_only: Annotated[bool, "whether there is no loss modulus in the file"] = (
+        False
+    )
     shift: Annotated[
-        Text | None, 'a known shift law, such as WLF(8.86, 101.6, 20degC), a dropped file of factors, or "universal"'
+        Text | None,
+        (
+            "a known shift law, such as WLF(8.86, 101.6, 20degC), a dropped file of "
+            'factors, or "universal"'
+        ),
     ] = None
-    law: Annotated[Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None, "shift law"] = None
-    vertical: Annotated[bool | None, "with or without vertical shifts; by default the data decide"] = None
-    terms: Annotated[int | None, "number of relaxation times, by default the data decide"] = None
+    law: Annotated[
+        Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None, "shift law"
+    ] = None
+    vertical: Annotated[
+        bool | None, "with or without vertical shifts; by default the data decide"
+    ] = None
+    terms: Annotated[
+        int | None, "number of relaxation times, by default the data decide"
+    ] = None
 
     def command(self) -> str:
         """The command that does the same."""
         words = ["elastomdr", "fit", *self.data]
-        words += [f"--reference={self.reference - 273.15:.6g}degC"] if self.reference is not None else []
+        words += (
+            [f"--reference={self.reference - 273.15:.6g}degC"]
+            if self.reference is not None
+            else []
+        )
         if self.temperature is not None:
-            words.append("--temperature=" + ",".join(f"{kelvin - 273.15:.6g}degC" for kelvin in self.temperature))
-        for key in ("name", "kind", *SIZES, "strain", "shift", "poisson", "law", "terms", *_UNITS):
+            words.append(
+                "--temperature="
+                + ",".join(f"{kelvin - 273.15:.6g}degC" for kelvin in self.temperature)
+            )
+        for key in (
+            "name",
+            "kind",
+            *SIZES,
+            "strain",
+            "shift",
+            "poisson",
+            "law",
+            "terms",
+            *_UNITS,
+        ):
             if (value := getattr(self, key)) is not None:
                 words.append(f"--{key.replace('_', '-')}={value}")
-        words += [f"--column={text}" for text in self.column or ()] + ["--storage-only"] * self.storage_only
-        words += [] if self.vertical is None else ["--vertical" if self.vertical else "--no-vertical"]
+        words += [f"--column={text}" for text in self.column or ()] + [
+            "--storage-only"
+        ] * self.storage_only
+        words += (
+            []
+            if self.vertical is None
+            else ["--vertical" if self.vertical else "--no-vertical"]
+        )
         return shlex.join(words)
 
 
@@ -100,13 +176,29 @@ class RubberStage:
         session.rubber.setdefault("data", [])
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
-                ui.label("Drop measured isotherms (DMA): text, spreadsheet or an instrument's export.").classes("lead")
-                drop(session, "DMA files", self._dropped, ("Use sample DMA", self._sample), multiple=True)
+                ui.label(
+                    "Drop measured isotherms (DMA): text, spreadsheet or an "
+                    "instrument's export."
+                ).classes("lead")
+                drop(
+                    session,
+                    "DMA files",
+                    self._dropped,
+                    ("Use sample DMA", self._sample),
+                    multiple=True,
+                )
                 choices = {"data": self._files}
                 self.form = Form(
-                    Fit, session.rubber, first=_FIRST, choices=choices, entered=self.fit, changed=self._compare
+                    Fit,
+                    session.rubber,
+                    first=_FIRST,
+                    choices=choices,
+                    entered=self.fit,
+                    changed=self._compare,
                 )
-                self._button = ui.button("Fit material", on_click=self.fit).props(BUTTON)
+                self._button = ui.button("Fit material", on_click=self.fit).props(
+                    BUTTON
+                )
             with ui.element("div").classes("right"):
                 self._busy = ui.linear_progress(show_value=False).props("indeterminate")
                 self._busy.visible = False
@@ -125,12 +217,20 @@ class RubberStage:
             self._show(last[0])
 
     def _files(self) -> list[str]:
-        return [name for name in self._session.folder.names() if not name.endswith(".toml")]
+        return [
+            name for name in self._session.folder.names() if not name.endswith(".toml")
+        ]
 
     async def _sample(self) -> None:
-        name = self._session.folder.keep("dma.csv", SAMPLE.joinpath("dma.csv").read_bytes())
+        name = self._session.folder.keep(
+            "dma.csv", SAMPLE.joinpath("dma.csv").read_bytes()
+        )
         self._session.rubber |= {"reference": "20 degC", "poisson": 0.5}
-        self._session.scenes["friction"]["temperature"] = ["0 degC", "20 degC", "60 degC"]
+        self._session.scenes["friction"]["temperature"] = [
+            "0 degC",
+            "20 degC",
+            "60 degC",
+        ]
         await self._dropped([name])
 
     async def _dropped(self, names: list[str]) -> None:
@@ -151,14 +251,18 @@ class RubberStage:
         await self.fit()
 
     async def fit(self) -> None:
-        """Reads the files and fits a material, or says beside a field what is wrong with it."""
+        """Reads the files and fits a material, or says beside a field what is wrong
+        with it.
+        """
         self._session.touch()
         self.form.clear_errors()
         self._clear()
         self._busy.visible = True
         self._button.disable()
         try:
-            fitted = await worked(COMPUTING, calculate, copy.deepcopy(self._session.rubber), self._session)
+            fitted = await worked(
+                COMPUTING, calculate, copy.deepcopy(self._session.rubber), self._session
+            )
             fitted.figures = await worked(DRAWING, figures, fitted.fit)
         except InputError as error:
             self.form.show_error(_for_form(str(error)))
@@ -196,20 +300,39 @@ class RubberStage:
 
 def calculate(content: dict[str, Any], session: Session) -> Fitted:
     """Fits a material and keeps its file. Raises `InputError`."""
-    asked: Fit = decode(Fit, {key: value for key, value in content.items() if value is not None})
+    asked: Fit = decode(
+        Fit, {key: value for key, value in content.items() if value is not None}
+    )
     if not asked.data:
         raise InputError("data: drop a file, or use the sample.")
     session.folder.check(asked.data)
     if asked.name is not None and not re.fullmatch(r"[\w.-]+", asked.name):
-        raise InputError(f"name must be letters, digits, dots and dashes, got {asked.name!r}.")
+        raise InputError(
+            f"name must be letters, digits, dots and dashes, got {asked.name!r}."
+        )
     columns = dict(_column(text) for text in asked.column or ())
-    options = {key: value for key in ("kind", *_UNITS) if (value := getattr(asked, key)) is not None}
+    options = {
+        key: value
+        for key in ("kind", *_UNITS)
+        if (value := getattr(asked, key)) is not None
+    }
     if asked.temperature is not None:
-        options["temperature"] = list(asked.temperature) if len(asked.temperature) > 1 else asked.temperature[0]
-    options |= {key: size_of(key, getattr(asked, key), unit) for key, unit in SIZES.items()}
-    more = {key: value for key in ("vertical", "terms", "law", "poisson") if (value := getattr(asked, key)) is not None}
+        options["temperature"] = (
+            list(asked.temperature)
+            if len(asked.temperature) > 1
+            else asked.temperature[0]
+        )
+    options |= {
+        key: size_of(key, getattr(asked, key), unit) for key, unit in SIZES.items()
+    }
+    more = {
+        key: value
+        for key in ("vertical", "terms", "law", "poisson")
+        if (value := getattr(asked, key)) is not None
+    }
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
+        # all of them are in the summary
+        warnings.simplefilter("ignore", em.fit.FitWarning)
         paths = [session.folder.path / name for name in asked.data]
         try:
             dma = em.read_dma(
@@ -222,7 +345,13 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
             raise InputError(f"data: {error.strerror or error}") from error
         if asked.strain is not None:
             dma = dma.at_strain(strain_of(asked.strain))
-        found = em.fit.material(dma, asked.reference, name=asked.name or "", shift=_law(asked.shift, session), **more)
+        found = em.fit.material(
+            dma,
+            asked.reference,
+            name=asked.name or "",
+            shift=_law(asked.shift, session),
+            **more,
+        )
         name = f"{found.material.name}.toml"
         em.save_material(found.material, session.folder.path / name, info=found.info())
     rows = (f"row left out: {row}" for row in dma.bad_rows)
@@ -232,7 +361,10 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
 
 def figures(fit: Any) -> dict[str, bytes]:
     """Master curve, shifts and spectrum of a fit as SVG images."""
-    found = {"master": image(draw_prony(fit.prony)), "spectrum": image(draw_spectrum(fit.prony))}
+    found = {
+        "master": image(draw_prony(fit.prony)),
+        "spectrum": image(draw_spectrum(fit.prony)),
+    }
     if fit.master.temperature.size > 1:
         found["shifts"] = image(draw_shifts(fit.master))
     return found
@@ -247,28 +379,54 @@ def _law(text: str | None, session: Session) -> Any:
 
 
 def in_fields(message: str) -> str:
-    """A message whose advice, for Python and for the command line, is said in what the fields are called and take."""
+    """A message whose advice, for Python and for the command line, is said in what the
+    fields are called and take.
+    """
     message = re.sub(r"[\w.]+\(\.\.\.\), (?=--)", "", message)
-    message = re.sub(_OPTION, "", re.sub(_ADVICE, lambda found: _spoken(found[1] or found[2]), message))
+    message = re.sub(
+        _OPTION,
+        "",
+        re.sub(_ADVICE, lambda found: _spoken(found[1] or found[2]), message),
+    )
     return re.sub(r"--([a-z]+)", r"\1", message)
 
 
 def _spoken(options: str) -> str:
     """Options of a command as fields with what to type into them."""
     text = re.sub(r"'([^']*)'", r"\1", options)
-    text = re.sub(r"(?<!or) --(column )?", lambda more: ", " if more[1] else ", --", text)
+    text = re.sub(
+        r"(?<!or) --(column )?", lambda more: ", " if more[1] else ", --", text
+    )
     text = re.sub(r"--no-([a-z]+)", r"\1: no", text)
     return re.sub(r"--([a-z-]+)", lambda option: option[1].replace("-", " "), text)
 
 
 def _for_form(message: str) -> str:
-    """A reader names the file first, and options of the command line; here it is the field that is named."""
+    """A reader names the file first, and options of the command line; here it is the
+    field that is named.
+    """
     message = message.removeprefix("--")
     said = in_fields(message)
-    for key in (*_UNITS, "kind", "temperature", "column", "reference", "poisson", "terms", "law", "shift", "name",
-                "strain", *SIZES):  # fmt: skip
+    for key in (
+        *_UNITS,
+        "kind",
+        "temperature",
+        "column",
+        "reference",
+        "poisson",
+        "terms",
+        "law",
+        "shift",
+        "name",
+        "strain",
+        *SIZES,
+    ):
         if re.match(rf"{key}s?\b", message):
-            return f"{key}{said[len(key) :].removeprefix('s')}" if key == "column" else said
+            return (
+                f"{key}{said[len(key) :].removeprefix('s')}"
+                if key == "column"
+                else said
+            )
     asked = re.search(r"--([a-z-]+)", message)  # what is missing
     key = asked[1].replace("-", "_") if asked else ""
     if key in Fit.__struct_fields__:
@@ -279,5 +437,9 @@ def _for_form(message: str) -> str:
 def _column(text: str) -> tuple[str, Any]:
     role, equals, title = text.partition("=")
     if not equals or not role.strip() or not title.strip():
-        raise InputError(f"column must be a quantity and a title or number, such as storage=4, got {text!r}.")
+        raise InputError(
+            "column must be a quantity and a title or number, such as storage=4, "
+            "got "
+            f"{text!r}."
+        )
     return role.strip(), int(title) if title.strip().isdigit() else title.strip()

@@ -1,4 +1,6 @@
-"""Computing a scene, and the files that come of it: the TOML that reproduces it, its tables and its figure."""
+"""Computing a scene, and the files that come of it: the TOML that reproduces it, its
+tables and its figure.
+"""
 
 import io
 import json
@@ -59,12 +61,19 @@ class Done:
         return _written(self.curve.to_excel, "table.xlsx")
 
     def tir(self) -> bytes:
-        """The Magic Formula of a slip curve as a property file. Raises `InputError` where it has none."""
+        """The Magic Formula of a slip curve as a property file. Raises `InputError`
+        where it has none.
+        """
         wheel = decoded(self.verb, self.content).indenter  # type: ignore[attr-defined]
-        return _written(partial(self.result.to_tir, radius=wheel.radius, width=wheel.length), "tyre.tir")
+        return _written(
+            partial(self.result.to_tir, radius=wheel.radius, width=wheel.length),
+            "tyre.tir",
+        )
 
 
-def toml(verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] = ()) -> str:
+def toml(
+    verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] = ()
+) -> str:
     """The scene file; its first lines say how it is run."""
     head = [
         f"# elastomdr {verb} {stem}.toml",
@@ -72,10 +81,18 @@ def toml(verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] =
         f"# written by elastomdr {__version__}",
     ]
     filled = without_empty(content)
-    lines = [f"{key} = {_as_toml(value)}" for key, value in filled.items() if not isinstance(value, dict)]
+    lines = [
+        f"{key} = {_as_toml(value)}"
+        for key, value in filled.items()
+        if not isinstance(value, dict)
+    ]
     for name, table in filled.items():
         if isinstance(table, dict):
-            lines += ["", f"[{name}]", *(f"{key} = {_as_toml(value)}" for key, value in table.items())]
+            lines += [
+                "",
+                f"[{name}]",
+                *(f"{key} = {_as_toml(value)}" for key, value in table.items()),
+            ]
     return "\n".join([*head, "", *lines, ""])
 
 
@@ -97,37 +114,62 @@ def files_of(content: dict[str, Any]) -> list[str]:
     found, rubber = [], content.get("material", [])
     names = [*(rubber if isinstance(rubber, list) else [rubber]), content.get("other")]
     found += [name for name in names if isinstance(name, str) and _is_file(name)]
-    for table in (content, *(part for part in content.values() if isinstance(part, dict))):
+    for table in (
+        content,
+        *(part for part in content.values() if isinstance(part, dict)),
+    ):
         found += [table[key] for key in _FILES if isinstance(table.get(key), str)]
     return list(dict.fromkeys(found))
 
 
 def compute(
-    verb: str, content: dict[str, Any], folder: Folder, progress: Callable[[int, int], None] | None = None
+    verb: str,
+    content: dict[str, Any],
+    folder: Folder,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Done:
-    """Computes a scene as the command line does. Raises `InputError` that begins with the key at fault."""
-    content = json.loads(json.dumps(without_empty(content)))  # what is typed meanwhile does not matter
+    """Computes a scene as the command line does. Raises `InputError` that begins with
+    the key at fault.
+    """
+    # what is typed meanwhile does not matter
+    content = json.loads(json.dumps(without_empty(content)))
     scene = decoded(verb, content)
     folder.check(files_of(content))
-    ours = (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning, em.fit.FitWarning)
+    ours = (
+        em.ConvergenceWarning,
+        em.ExtrapolationWarning,
+        em.ModelWarning,
+        em.fit.FitWarning,
+    )
     with warnings.catch_warnings(record=True) as caught:
         for kind in ours:
             warnings.simplefilter("always", kind)
         arguments = scene.arguments(folder.path)
         drawn = how_drawn(scene, arguments, folder.path)
-        more = {"progress": progress} if scene.called() == "friction" and scene.mark == "surface" else {}
+        more = (
+            {"progress": progress}
+            if scene.called() == "friction" and scene.mark == "surface"
+            else {}
+        )
         try:
             result = getattr(em, scene.called())(**arguments, **more)
         except InputError as error:
             if "within the friction law" in str(error):
-                raise InputError(f'friction: {error} "computed" has it computed where the wheel needs it.') from error
+                raise InputError(
+                    f'friction: {error} "computed" has it computed where the wheel '
+                    "needs it."
+                ) from error
             raise
         if verb == "compare":
             if not result.materials:
                 raise InputError("material must be two or more to be compared.")
             with named("[compare]"):
                 result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
-    texts = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, ours)))
+    texts = tuple(
+        dict.fromkeys(
+            str(each.message) for each in caught if issubclass(each.category, ours)
+        )
+    )
     return Done(verb, content, result, texts, drawn, content)
 
 
@@ -153,7 +195,11 @@ def _is_file(name: str) -> bool:
 def _as_toml(value: Any) -> str:
     """A value in one line."""
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_as_toml(one)}" for key, one in value.items()) + " }"
+        return (
+            "{ "
+            + ", ".join(f"{key} = {_as_toml(one)}" for key, one in value.items())
+            + " }"
+        )
     if isinstance(value, list):
         return f"[{', '.join(map(_as_toml, value))}]"
     return tomli_w.dumps({"x": value}).removeprefix("x = ").rstrip("\n")

@@ -1,4 +1,6 @@
-"""Who may speak to the page, how much may be sent, and the folder that files stay in."""
+"""Who may speak to the page, how much may be sent, and the folder that files stay
+in.
+"""
 
 import hmac
 import os
@@ -16,25 +18,48 @@ MOST_IN_ALL = 200_000_000  # of the files of one session
 MOST_SECONDS = 60.0  # for sending a file
 _EXTRA = 100_000  # what a form adds to its file
 _LONGEST = 100  # characters of a file's name
-HEADERS = {"Referrer-Policy": "no-referrer", "X-Frame-Options": "DENY", "X-Content-Type-Options": "nosniff"}
+HEADERS = {
+    "Referrer-Policy": "no-referrer",
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+}
 
 
 class Guard:
-    """An ASGI application before the page's own: lets through what has the token as the first part of its address.
+    """An ASGI application before the page's own: lets through what has the token as the
+    first part of its address.
 
-    The address of every request, of every file and of the WebSocket begins with the token. A request that names another
-    host than this machine is refused (a foreign page that resolves its own name to 127.0.0.1), and so is one that a
-    browser makes for a page of another origin, and a body that is too large or takes too long.
+    The address of every request, of every file and of the WebSocket begins with the
+    token. A request that names another host than this machine is refused (a foreign
+    page that resolves its own name to 127.0.0.1), and so is one that a browser makes
+    for a page of another origin, and a body that is too large or takes too long.
     """
 
-    def __init__(self, app: Any, token: str, *, bytes_: int = MOST_BYTES + _EXTRA, seconds: float = MOST_SECONDS):
-        self.app, self._token, self._bytes, self._seconds = app, token.encode(), bytes_, seconds
+    def __init__(
+        self,
+        app: Any,
+        token: str,
+        *,
+        bytes_: int = MOST_BYTES + _EXTRA,
+        seconds: float = MOST_SECONDS,
+    ):
+        self.app, self._token, self._bytes, self._seconds = (
+            app,
+            token.encode(),
+            bytes_,
+            seconds,
+        )
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] == "lifespan":
             return await self.app(scope, receive, send)
         if not self._known(scope):
-            return await _refuse(scope, send, 403, "elastomdr app: open the address that the terminal shows.")
+            return await _refuse(
+                scope,
+                send,
+                403,
+                "elastomdr app: open the address that the terminal shows.",
+            )
         if scope["type"] == "websocket":
             return await self.app(scope, receive, send)
         length = _header(scope, b"content-length")
@@ -45,9 +70,12 @@ class Guard:
     def _known(self, scope: Any) -> bool:
         first = scope["path"].split("/")[1:2]
         host = _header(scope, b"host").lower()
-        good = bool(first) and hmac.compare_digest(first[0].encode("utf-8", "replace"), self._token)
+        good = bool(first) and hmac.compare_digest(
+            first[0].encode("utf-8", "replace"), self._token
+        )
         here = host.rsplit(b":", 1)[0] in (b"127.0.0.1", b"localhost")
-        # A browser names the origin with each WebSocket, with each POST and with what another page asks for.
+        # A browser names the origin with each WebSocket, with each POST and with what
+        # another page asks for.
         origin = _header(scope, b"origin").lower()
         return good and here and origin in (b"", b"http://" + host)
 
@@ -60,11 +88,16 @@ class Guard:
         async def within() -> Any:
             nonlocal got, refused
             if answered or scope["method"] in ("GET", "HEAD"):
-                return await receive()  # nothing but the end of the connection is awaited
+                # nothing but the end of the connection is awaited
+                return await receive()
             try:
-                message = await asyncio.wait_for(receive(), max(end - time.monotonic(), 0.001))
+                message = await asyncio.wait_for(
+                    receive(), max(end - time.monotonic(), 0.001)
+                )
             except TimeoutError:
-                refused = _TooMuchError(408, f"A file must be sent within {self._seconds:g} s.")
+                refused = _TooMuchError(
+                    408, f"A file must be sent within {self._seconds:g} s."
+                )
                 raise refused from None
             got += len(message.get("body", b""))
             if got > self._bytes:
@@ -78,7 +111,10 @@ class Guard:
                 return  # the application's own answer to what stopped it
             answered = True
             if message["type"] == "http.response.start":
-                own = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
+                own = [
+                    (name.lower().encode(), value.encode())
+                    for name, value in HEADERS.items()
+                ]
                 message = {**message, "headers": [*message.get("headers", []), *own]}
             await send(message)
 
@@ -99,14 +135,25 @@ class Folder:
         self.path, self._most = path, most
 
     def names(self, *endings: str) -> list[str]:
-        """The names of the files, of these endings where any are given, newest first."""
-        found = [file for file in self.path.iterdir() if file.is_file() and (file.suffix in endings or not endings)]
-        return [file.name for file in sorted(found, key=lambda file: -file.stat().st_mtime_ns)]
+        """The names of the files, of these endings where any are given, newest
+        first.
+        """
+        found = [
+            file
+            for file in self.path.iterdir()
+            if file.is_file() and (file.suffix in endings or not endings)
+        ]
+        return [
+            file.name
+            for file in sorted(found, key=lambda file: -file.stat().st_mtime_ns)
+        ]
 
     def keep(self, name: str, content: bytes, *, anew: bool = False) -> str:
-        """Writes a file; returns the name that it has here. Raises `InputError` for one that is too large or empty.
+        """Writes a file; returns the name that it has here. Raises `InputError` for one
+        that is too large or empty.
 
-        Another file of the same name stays, as a scene may read it, and the new one is numbered; `anew` replaces it.
+        Another file of the same name stays, as a scene may read it, and the new one is
+        numbered; `anew` replaces it.
         """
         if not content:
             raise InputError(f"{name!r} is empty (0 bytes): export or copy it again.")
@@ -115,11 +162,23 @@ class Folder:
         here = safe(name)
         if not anew:
             stem, dot, ending = here.rpartition(".")
-            names = (here, *(f"{stem}-{k}{dot}{ending}" if dot else f"{here}-{k}" for k in range(2, 1000)))
+            names = (
+                here,
+                *(
+                    f"{stem}-{k}{dot}{ending}" if dot else f"{here}-{k}"
+                    for k in range(2, 1000)
+                ),
+            )
             here = next(each for each in names if self._free(each, content))
-        there = sum(file.stat().st_size for file in self.path.iterdir() if file.name != here)
+        there = sum(
+            file.stat().st_size for file in self.path.iterdir() if file.name != here
+        )
         if there + len(content) > self._most:
-            raise InputError(f"the files of this page must be {self._most / 1e6:g} MB or less in all.")
+            raise InputError(
+                f"the files of this page must be {self._most / 1e6:g} MB or less "
+                "in "
+                "all."
+            )
         unfinished = self.path / f".{here}.part"
         unfinished.write_bytes(content)
         os.replace(unfinished, self.path / here)
@@ -128,13 +187,17 @@ class Folder:
     def _free(self, name: str, content: bytes) -> bool:
         """Whether there is no other file of this name."""
         path = self.path / name
-        return not path.exists() or (path.stat().st_size == len(content) and path.read_bytes() == content)
+        return not path.exists() or (
+            path.stat().st_size == len(content) and path.read_bytes() == content
+        )
 
     def check(self, names: Iterable[Any]) -> None:
         """Raises `InputError` for a name that is no file of this folder."""
         for name in names:
             if not isinstance(name, str) or name not in self.names():
-                raise InputError(f"file must be one that was dropped here, got {name!r}.")
+                raise InputError(
+                    f"file must be one that was dropped here, got {name!r}."
+                )
 
     def remove(self) -> None:
         """Removes the folder with all files."""
@@ -142,11 +205,17 @@ class Folder:
 
 
 def safe(name: str) -> str:
-    """A file's name without folders and without what a shell or another system would trip over."""
+    """A file's name without folders and without what a shell or another system would
+    trip over.
+    """
     last = re.split(r"[/\\]", name)[-1]
     text = re.sub(r"[^\w.() -]+", "-", last).strip(" .-")
     stem, dot, ending = text.rpartition(".")
-    short = f"{stem[: _LONGEST - len(ending[:20])]}{dot}{ending[:20]}" if dot else text[:_LONGEST]
+    short = (
+        f"{stem[: _LONGEST - len(ending[:20])]}{dot}{ending[:20]}"
+        if dot
+        else text[:_LONGEST]
+    )
     return short or "file"
 
 
@@ -161,12 +230,17 @@ def _too_large() -> str:
 
 
 def _header(scope: Any, name: bytes) -> bytes:
-    return next((value for key, value in scope.get("headers", ()) if key.lower() == name), b"")
+    return next(
+        (value for key, value in scope.get("headers", ()) if key.lower() == name), b""
+    )
 
 
 async def _refuse(scope: Any, send: Any, status: int, text: str) -> None:
     if scope["type"] == "websocket":
         return await send({"type": "websocket.close", "code": 1008})
-    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"connection", b"close")]
+    headers = [
+        (b"content-type", b"text/plain; charset=utf-8"),
+        (b"connection", b"close"),
+    ]
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": text.encode()})

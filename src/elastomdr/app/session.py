@@ -1,4 +1,6 @@
-"""What one page in the browser holds: its folder, the scenes as far as they are filled in, what has been computed."""
+"""What one page in the browser holds: its folder, the scenes as far as they are filled
+in, what has been computed.
+"""
 
 import secrets
 import time
@@ -11,7 +13,8 @@ from .scene import Done
 from .security import Folder
 
 _MOST = 20  # sessions that are kept although no page shows them
-# One thread computes, so that what is warned of belongs to what is computed; another one draws meanwhile.
+# One thread computes, so that what is warned of belongs to what is computed; another
+# one draws meanwhile.
 COMPUTING = ThreadPoolExecutor(1, "compute")
 DRAWING = ThreadPoolExecutor(1, "draw")
 
@@ -22,27 +25,36 @@ class Session:
 
     name: str
     folder: Folder
-    scenes: dict[str, dict[str, Any]] = field(default_factory=dict)  # by stage, as a scene file holds them
+    # by stage, as a scene file holds them
+    scenes: dict[str, dict[str, Any]] = field(default_factory=dict)
     done: dict[str, Done] = field(default_factory=dict)  # by stage
     rubber: dict[str, Any] = field(default_factory=dict)  # what is asked of a fit
-    fits: dict[str, Any] = field(default_factory=dict)  # by the name of the material's file
-    notes: dict[str, str] = field(default_factory=dict)  # material's file to the command that makes it
+    # by the name of the material's file
+    fits: dict[str, Any] = field(default_factory=dict)
+    # material's file to the command that makes it
+    notes: dict[str, str] = field(default_factory=dict)
     rolling: str = "rolling"  # which kind of rolling is filled in
     pages: set[str] = field(default_factory=set)  # clients of NiceGUI that show it
     used: float = 0.0
 
     def touch(self) -> None:
-        """Notes that it is in use; of too many sessions those go that were left alone longest."""
+        """Notes that it is in use; of too many sessions those go that were left alone
+        longest.
+        """
         self.used = time.monotonic()
 
     def shown_by(self, client: Any) -> None:
-        """Stays as long as NiceGUI keeps this client: until a minute after its connection has ended."""
+        """Stays as long as NiceGUI keeps this client: until a minute after its
+        connection has ended.
+        """
         self.pages.add(client.id)
         client.on_delete(lambda: self.pages.discard(client.id))
 
 
 class Sessions:
-    """The sessions of a server, each with a folder of its own inside one that goes when the server ends."""
+    """The sessions of a server, each with a folder of its own inside one that goes when
+    the server ends.
+    """
 
     def __init__(self, place: Path):
         self._place = place
@@ -53,24 +65,45 @@ class Sessions:
         session = self._known.get(name or "")
         if session is None:
             name = secrets.token_hex(8)
-            session = self._known[name] = Session(name, Folder(self._place / name), scenes=_start())
+            session = self._known[name] = Session(
+                name, Folder(self._place / name), scenes=_start()
+            )
             self._remove_the_oldest(session)
         session.touch()
         return session
 
     def _remove_the_oldest(self, new: Session) -> None:
-        """Removes sessions that no page shows, so that not too many of them are kept."""
-        left = [each for each in self._known.values() if not each.pages and each is not new]
+        """Removes sessions that no page shows, so that not too many of them are
+        kept.
+        """
+        left = [
+            each for each in self._known.values() if not each.pages and each is not new
+        ]
         left.sort(key=lambda each: each.used, reverse=True)
         for old in left[_MOST:]:
             self._known.pop(old.name).folder.remove()
 
 
 def _start() -> dict[str, dict[str, Any]]:
-    """What the forms show at first: materials of the library, a self-affine road, a belt cover on a roll."""
-    contact = {"pressure": "0.3 MPa", "velocity": {"from": "1e-4 m/s", "to": "10 m/s", "points": 24}}
-    road = {"shape": "self_affine", "hurst": 0.8, "rms_slope": 0.7, "longest": "5 mm", "shortest": "50 um"}
-    friction = {"material": "epdm-70", "temperature": ["0 degC", "20 degC", "40 degC"], "surface": road}
+    """What the forms show at first: materials of the library, a self-affine road, a
+    belt cover on a roll.
+    """
+    contact = {
+        "pressure": "0.3 MPa",
+        "velocity": {"from": "1e-4 m/s", "to": "10 m/s", "points": 24},
+    }
+    road = {
+        "shape": "self_affine",
+        "hurst": 0.8,
+        "rms_slope": 0.7,
+        "longest": "5 mm",
+        "shortest": "50 um",
+    }
+    friction = {
+        "material": "epdm-70",
+        "temperature": ["0 degC", "20 degC", "40 degC"],
+        "surface": road,
+    }
     roll = {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"}
     return {
         "friction": {**friction, "contact": contact},

@@ -1,4 +1,6 @@
-"""What the screens share: dropping files, figures, messages, work outside of the event loop."""
+"""What the screens share: dropping files, figures, messages, work outside of the event
+loop.
+"""
 
 import asyncio
 import base64
@@ -24,8 +26,13 @@ async def worked(pool: Executor, call: Callable[..., T], *arguments: Any) -> T:
 
 
 def material_names(session: Session) -> dict[str, str]:
-    """What a rubber may be: the fitted and dropped ones of this page, then the library."""
-    own = {name: f"{name.removesuffix('.toml')} (this page)" for name in session.folder.names(".toml")}
+    """What a rubber may be: the fitted and dropped ones of this page, then the
+    library.
+    """
+    own = {
+        name: f"{name.removesuffix('.toml')} (this page)"
+        for name in session.folder.names(".toml")
+    }
     return own | {name: name for name in em.materials()}
 
 
@@ -39,7 +46,8 @@ def drop(
 ) -> None:
     """A place to drop files on, and a button for a sample.
 
-    `taken` is called with the names that the files have in the session's folder. What cannot be taken is said above.
+    `taken` is called with the names that the files have in the session's folder. What
+    cannot be taken is said above.
     """
     failed = ui.label().classes("alert").props("role=alert")
     failed.visible = False
@@ -58,7 +66,9 @@ def drop(
             refuse(f"The file could not be kept: {error.strerror or error}.")
 
     async def kept(files: Sequence[Any]) -> None:
-        await taken([session.folder.keep(file.name, await file.read()) for file in files])
+        await taken(
+            [session.folder.keep(file.name, await file.read()) for file in files]
+        )
 
     async def arrived(event: events.MultiUploadEventArguments) -> None:
         await take(kept(event.files))
@@ -76,13 +86,21 @@ def drop(
         on_rejected=lambda: refuse(f"A file must be {MOST_BYTES / 1e6:g} MB or less."),
     )
     upload.classes("drop").props(f'flat bordered aria-label="{label}"')
-    upload.on("failed", lambda: refuse("The file did not arrive: too large, or too slow."), args=[])
+    upload.on(
+        "failed",
+        lambda: refuse("The file did not arrive: too large, or too slow."),
+        args=[],
+    )
     ui.button(sample[0], on_click=sampled).props(f"{BUTTON} outline")
 
 
 def mark_of_age() -> ui.label:
-    """A line, hidden at first, which says that what is shown is not of what is filled in."""
-    mark = ui.label("What is shown was computed before the last change.").classes("note")
+    """A line, hidden at first, which says that what is shown is not of what is filled
+    in.
+    """
+    mark = ui.label("What is shown was computed before the last change.").classes(
+        "note"
+    )
     mark.visible = False
     return mark
 
@@ -104,7 +122,9 @@ class Picture:
         """Shows an SVG image, or nothing."""
         self._image.visible = svg is not None
         if svg is not None:
-            self._image.props["src"] = f"data:image/svg+xml;base64,{base64.b64encode(svg).decode()}"
+            self._image.props["src"] = (
+                f"data:image/svg+xml;base64,{base64.b64encode(svg).decode()}"
+            )
 
 
 class Notes:

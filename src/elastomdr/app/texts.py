@@ -22,7 +22,12 @@ class Leaf(NamedTuple):
     @property
     def words(self) -> tuple[str, ...]:
         """The words that it accepts, where they are listed."""
-        return tuple(word for kind in self.kinds if get_origin(kind) is Literal for word in get_args(kind))
+        return tuple(
+            word
+            for kind in self.kinds
+            if get_origin(kind) is Literal
+            for word in get_args(kind)
+        )
 
     @property
     def flag(self) -> bool:
@@ -47,7 +52,14 @@ class Leaf(NamedTuple):
     @property
     def quantity(self) -> type[Quantity] | None:
         """What it measures, None for a number or a text."""
-        return next((k for k in self._innermost() if isinstance(k, type) and issubclass(k, Quantity)), None)
+        return next(
+            (
+                k
+                for k in self._innermost()
+                if isinstance(k, type) and issubclass(k, Quantity)
+            ),
+            None,
+        )
 
     @property
     def accepted(self) -> str:
@@ -56,14 +68,19 @@ class Leaf(NamedTuple):
 
     def _innermost(self) -> tuple[Any, ...]:
         return tuple(
-            inner for kind in self.kinds for inner in (_parts(get_args(kind)[0]) if get_args(kind) else [kind])
+            inner
+            for kind in self.kinds
+            for inner in (_parts(get_args(kind)[0]) if get_args(kind) else [kind])
         )
 
 
 def leaf(kind: Any) -> Leaf:
     """What the type of a key accepts."""
     parts = _parts(kind)
-    return Leaf(tuple(part for part in parts if part is not type(None)), type(None) in parts or None in parts)
+    return Leaf(
+        tuple(part for part in parts if part is not type(None)),
+        type(None) in parts or None in parts,
+    )
 
 
 def to_text(value: Any) -> str:
@@ -78,7 +95,8 @@ def to_text(value: Any) -> str:
 def from_text(accepts: Leaf, text: str | None) -> Any:
     """The value of a scene file that a text stands for; None where the key is left out.
 
-    What is no value of the kind is returned as it is, so that the scene's own message says what is accepted.
+    What is no value of the kind is returned as it is, so that the scene's own message
+    says what is accepted.
     """
     text = (text or "").strip()
     if not text:
@@ -86,10 +104,22 @@ def from_text(accepts: Leaf, text: str | None) -> Any:
     if accepts.spread and (match := _SPAN.fullmatch(text)) is not None:
         first, last = _with_unit([match[1], match[2]])
         return {"from": first, "to": last, "points": int(match[3])}
-    parts = [part.strip() for part in re.split(r";|,\s+", text) if part.strip()] if accepts.several else [text]
+    parts = (
+        [part.strip() for part in re.split(r";|,\s+", text) if part.strip()]
+        if accepts.several
+        else [text]
+    )
     numeric = accepts.numeric and accepts.quantity is None
-    values = [_number(part) for part in parts] if numeric else _with_unit(parts) if accepts.quantity else parts
-    one = len(values) == 1 and not all(get_origin(kind) is list for kind in accepts.kinds)
+    values = (
+        [_number(part) for part in parts]
+        if numeric
+        else _with_unit(parts)
+        if accepts.quantity
+        else parts
+    )
+    one = len(values) == 1 and not all(
+        get_origin(kind) is list for kind in accepts.kinds
+    )
     return values[0] if one else values
 
 
@@ -113,4 +143,7 @@ def _with_unit(parts: list[str]) -> list[str]:
     match = _UNIT.fullmatch(parts[-1].strip())
     if match is None:
         return parts
-    return [f"{part} {match[3]}" if _NUMBER.fullmatch(part.strip()) else part for part in parts]
+    return [
+        f"{part} {match[3]}" if _NUMBER.fullmatch(part.strip()) else part
+        for part in parts
+    ]

@@ -1,4 +1,6 @@
-"""The friction that a slip curve takes: of the tread's own rubber on the road, where the wheel needs it."""
+"""The friction that a slip curve takes: of the tread's own rubber on the road, where
+the wheel needs it.
+"""
 
 import math
 from collections.abc import Callable
@@ -23,13 +25,17 @@ _IN_PLACE_OF_A_PRESSURE = ("pressure", "load", "depth")
 
 
 def compute_on_road(
-    wheel: dict[str, Any], road: dict[str, Any], folder: Folder, progress: Callable[[int, int], None]
+    wheel: dict[str, Any],
+    road: dict[str, Any],
+    folder: Folder,
+    progress: Callable[[int, int], None],
 ) -> Done:
     """Computes a slip curve whose friction is "computed".
 
     Args:
         wheel: the scene of the slip curve.
-        road: the scene of the friction screen, of which rubber, temperature, pressure and velocity are replaced.
+        road: the scene of the friction screen, of which rubber, temperature, pressure
+            and velocity are replaced.
         folder: where the table of friction is kept.
         progress: called with the parts done and all of them; may raise to stop.
 
@@ -37,35 +43,55 @@ def compute_on_road(
         The slip curve, as of a scene that names the table.
 
     Raises:
-        InputError: beginning with "[surface]" for the road, else with the key of the slip curve.
+        InputError: beginning with "[surface]" for the road, else with the key of the
+            slip curve.
     """
     scene = _scene_of_friction(wheel, road, folder)
     try:
         table = compute("friction", scene, folder, progress)
     except InputError as error:
         said = str(error)
-        raise InputError(said if said.startswith(("[surface]", "material")) else f"friction: {said}") from error
+        raise InputError(
+            said if said.startswith(("[surface]", "material")) else f"friction: {said}"
+        ) from error
     folder.keep(TABLE, table.csv(), anew=True)
     done = compute("traction", wheel | {"friction": TABLE}, folder)
     done.asked = wheel
-    done.warnings = (*(f"Friction of the tread: {text}" for text in table.warnings), *done.warnings)
+    done.warnings = (
+        *(f"Friction of the tread: {text}" for text in table.warnings),
+        *done.warnings,
+    )
     pressures, span = scene["contact"]["pressure"], scene["contact"]["velocity"]
     done.more = (
-        f"friction of the tread computed on the road of the friction screen, at {pressures[0]} to {pressures[-1]}, "
-        f"{span['from']} to {span['to']}"
+        "friction of the tread computed on the road of the friction screen, at "
+        f"{pressures[0]} to {pressures[-1]}, {span['from']} to {span['to']}"
     )
     return done
 
 
-def _scene_of_friction(wheel: dict[str, Any], road: dict[str, Any], folder: Folder) -> dict[str, Any]:
-    """The friction screen's scene with the rubber of the wheel, at its temperatures, pressures and velocities."""
+def _scene_of_friction(
+    wheel: dict[str, Any], road: dict[str, Any], folder: Folder
+) -> dict[str, Any]:
+    """The friction screen's scene with the rubber of the wheel, at its temperatures,
+    pressures and velocities.
+    """
     pressure, velocity = _needed(wheel, folder)
     low, high = pressure.min() / _MARGIN, pressure.max() * _MARGIN
     slow, fast = velocity.min() / _MARGIN, velocity.max() * _MARGIN
-    contact = {key: value for key, value in road["contact"].items() if key not in _IN_PLACE_OF_A_PRESSURE}
-    contact["pressure"] = [f"{each / 1e6:.5g} MPa" for each in np.geomspace(low, high, _PRESSURES)]
+    contact = {
+        key: value
+        for key, value in road["contact"].items()
+        if key not in _IN_PLACE_OF_A_PRESSURE
+    }
+    contact["pressure"] = [
+        f"{each / 1e6:.5g} MPa" for each in np.geomspace(low, high, _PRESSURES)
+    ]
     points = 2 + math.ceil(_PER_DECADE * math.log10(fast / slow))
-    contact["velocity"] = {"from": f"{slow:.5g} m/s", "to": f"{fast:.5g} m/s", "points": points}
+    contact["velocity"] = {
+        "from": f"{slow:.5g} m/s",
+        "to": f"{fast:.5g} m/s",
+        "points": points,
+    }
     taken = {key: road[key] for key in _OF_THE_ROAD if key in road}
     taken |= {key: wheel[key] for key in ("material", "temperature") if key in wheel}
     return taken | {"contact": contact}
@@ -80,7 +106,10 @@ def _needed(wheel: dict[str, Any], folder: Folder) -> tuple[np.ndarray, np.ndarr
     way = "slip" if "slip" in arguments else "creepage"
     sliding = np.abs(np.asarray(arguments[way]) * arguments["velocity"])
     if not (sliding > 0).all():
-        raise InputError(f"[contact] {way} must not be zero where friction is computed: nothing slides.")
+        raise InputError(
+            f"[contact] {way} must not be zero where friction is computed: nothing "
+            "slides."
+        )
     # The normal contact does not depend on slip: any one serves.
     once = em.traction(**arguments | {way: 0.5})
     width = once.contact.leading + once.contact.trailing

@@ -1,12 +1,13 @@
 """What the indentation of its covers costs a belt conveyor, all idlers counted.
 
-Per length of belt, with sets of idlers a distance l apart, rolls that carry the shares s_i of the load on a set, and
-the resistance F of one roll from `em.rolling`:
+Per length of belt, with sets of idlers a distance l apart, rolls that carry the shares
+s_i of the load on a set, and the resistance F of one roll from `em.rolling`:
 
     w = (1/l_c) sum F_c(s_i (m_b + m_g) g l_c) + (1/l_r) sum F_r(s_j m_b g l_r),       P/L = v w
 
-m_b belt and m_g goods per length; c the carry side, on the lower cover, r the return side, on the upper one. F grows
-with about the power 1.3 of the load on a roll, so that the roll with most of the load costs more than its share.
+m_b belt and m_g goods per length; c the carry side, on the lower cover, r the return
+side, on the upper one. F grows with about the power 1.3 of the load on a roll, so that
+the roll with most of the load costs more than its share.
 """
 
 from __future__ import annotations
@@ -50,13 +51,16 @@ class Idlers(Tree):
     """Equal sets of idlers along one side of a conveyor, and the cover that they dent.
 
     Args:
-        cover: `em.layer(rubber, thickness)`; or `em.springs(...)`, or a `Foundation` per area.
+        cover: `em.layer(rubber, thickness)`; or `em.springs(...)`, or a `Foundation`
+            per area.
         roll: an `em.Cylinder`; all rolls of a set are alike.
         spacing: distance from set to set [m].
-        shares: shares of the load on a set, one for each roll, together 1; by default a single roll.
+        shares: shares of the load on a set, one for each roll, together 1; by default a
+            single roll.
 
     Raises:
-        InputError: for shares that do not add up to 1, and values that are not positive.
+        InputError: for shares that do not add up to 1, and values that are not
+            positive.
     """
 
     cover: Foundation | Layer
@@ -64,18 +68,40 @@ class Idlers(Tree):
     spacing: Float[Array, ""]  # l [m]
     shares: Float[Array, " rolls"]  # s_i
 
-    def __init__(self, cover: Foundation | Layer, roll: Cylinder, *, spacing: Number, shares: ArrayLike = (1.0,)):
-        if not isinstance(cover, (Foundation, Layer)) or getattr(cover, "per_area", None) is False:
-            raise InputError(f"cover must be a layer, em.layer(rubber, thickness), got {cover!r}.")
+    def __init__(
+        self,
+        cover: Foundation | Layer,
+        roll: Cylinder,
+        *,
+        spacing: Number,
+        shares: ArrayLike = (1.0,),
+    ):
+        if (
+            not isinstance(cover, (Foundation, Layer))
+            or getattr(cover, "per_area", None) is False
+        ):
+            raise InputError(
+                f"cover must be a layer, em.layer(rubber, thickness), got {cover!r}."
+            )
         if not isinstance(roll, Cylinder):
-            raise InputError(f"roll must be an em.Cylinder(radius, length), got {roll!r}.")
+            raise InputError(
+                f"roll must be an em.Cylinder(radius, length), got {roll!r}."
+            )
         fill(self, cover=cover, roll=roll)
-        fill(self, spacing=scalar("spacing", spacing), shares=as_float64("shares", shares))
+        fill(
+            self,
+            spacing=scalar("spacing", spacing),
+            shares=as_float64("shares", shares),
+        )
         positive("spacing", self.spacing)
         if self.shares.ndim != 1 or not self.shares.size:
-            raise InputError(f"shares must be a list with one share for each roll, got {shares!r}.")
+            raise InputError(
+                f"shares must be a list with one share for each roll, got {shares!r}."
+            )
         positive("shares", self.shares)
-        require("sum of the shares", self.shares.sum(), "1", lambda x: abs(x - 1) < _WHOLE)
+        require(
+            "sum of the shares", self.shares.sum(), "1", lambda x: abs(x - 1) < _WHOLE
+        )
 
 
 @numpy_unless_traced
@@ -91,7 +117,8 @@ def conveyor(
     model: ModelLike | None = None,
     rtol: float = 1e-6,
 ) -> Conveyor:
-    """Indentation rolling resistance and power of a whole belt conveyor, per length of belt.
+    """Indentation rolling resistance and power of a whole belt conveyor, per length of
+    belt.
 
         w = (1/l_c) sum F_c(s_i (m_b + m_g) g l_c) + (1/l_r) sum F_r(s_j m_b g l_r),       P/L = v w
 
@@ -107,20 +134,24 @@ def conveyor(
         rtol: as for `rolling`, of each roll.
 
     Returns:
-        An `em.Conveyor` of the broadcast shape. A point of which one roll failed is NaN with `converged=False`.
+        An `em.Conveyor` of the broadcast shape. A point of which one roll failed is NaN
+        with `converged=False`.
 
     Raises:
         InputError: as `rolling`, and for negative masses.
 
-    Exact, in plane strain, for covers given as `em.layer`, and idlers far enough apart for the cover to recover between
-    them; within a roll the load is taken as even. Bearings, flexure of belt and goods, and lifting are left out.
-    Differentiable as `rolling` is.
+    Exact, in plane strain, for covers given as `em.layer`, and idlers far enough apart
+    for the cover to recover between them; within a roll the load is taken as even.
+    Bearings, flexure of belt and goods, and lifting are left out. Differentiable as
+    `rolling` is.
 
     Source: `docs/belt.md`.
     """
     for name, side in (("carry", carry), ("back", back)):
         if not isinstance(side, Idlers):
-            raise InputError(f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}.")
+            raise InputError(
+                f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
+            )
     given = {"velocity": velocity, "belt": belt, "goods": goods, "gravity": gravity}
     if temperature is not None:
         given["temperature"] = temperature
@@ -129,7 +160,9 @@ def conveyor(
         (not_negative if name == "goods" else positive)(name, value)
     shape = broadcast_shape(**arrays)
     whole = {name: xp.broadcast_to(value, shape) for name, value in arrays.items()}
-    v, mass, load, g = (whole[name] for name in ("velocity", "belt", "goods", "gravity"))
+    v, mass, load, g = (
+        whole[name] for name in ("velocity", "belt", "goods", "gravity")
+    )
     sides = [
         _side(side, on, v, whole.get("temperature"), model, rtol)
         for side, on in ((carry, (mass + load) * g), (back, mass * g))
@@ -142,16 +175,44 @@ def conveyor(
     for name, side in (("carry side", carry), ("return side", back)):
         rolls = "1 roll" if side.shares.size == 1 else f"{side.shares.size} rolls"
         cover = side.cover.name or "cover given directly"
-        inputs.append((name, f"{cover}; {describe(side.roll)}; {rolls} every {brief(side.spacing, 'm')}"))
-    said = [f"{name}: {side.said}" for name, side in zip(("carry", "return"), sides, strict=True) if side.said]
+        inputs.append(
+            (
+                name,
+                (
+                    f"{cover}; {describe(side.roll)}; {rolls} every "
+                    f"{brief(side.spacing, 'm')}"
+                ),
+            )
+        )
+    said = [
+        f"{name}: {side.said}"
+        for name, side in zip(("carry", "return"), sides, strict=True)
+        if side.said
+    ]
     units = {"belt": "kg/m", "goods": "kg/m", "velocity": "m/s", "temperature": "K"}
-    inputs += [(name, brief(arrays[name], unit)) for name, unit in units.items() if name in arrays]
+    inputs += [
+        (name, brief(arrays[name], unit))
+        for name, unit in units.items()
+        if name in arrays
+    ]
     inputs += [("extrapolated", "; ".join(said))] if said else []
     return Conveyor(
-        velocity=v, belt=mass, goods=load, temperature=whole.get("temperature"), carry=loaded, back=empty,
-        resistance=loaded + empty, power=(loaded + empty) * v, coefficient=(loaded + empty) / weight, error=error,
-        converged=good, extrapolated=_either(sides), model=sides[0].model, plan=sides[0].plan, inputs=tuple(inputs),
-    )  # fmt: skip
+        velocity=v,
+        belt=mass,
+        goods=load,
+        temperature=whole.get("temperature"),
+        carry=loaded,
+        back=empty,
+        resistance=loaded + empty,
+        power=(loaded + empty) * v,
+        coefficient=(loaded + empty) / weight,
+        error=error,
+        converged=good,
+        extrapolated=_either(sides),
+        model=sides[0].model,
+        plan=sides[0].plan,
+        inputs=tuple(inputs),
+    )
 
 
 class _Side(Tree):
@@ -160,31 +221,52 @@ class _Side(Tree):
     resistance: Any  # [N/m]
     error: Any  # estimated error of it [N/m]
     converged: Any
-    extrapolated: Any  # of any of its rolls; None where the range of its cover is not known
+    # of any of its rolls; None where the range of its cover is not known
+    extrapolated: Any
     said: Any = static()  # what lies beyond the range, in words
     model: str = static()
     plan: Any = static()
 
 
 def _either(sides: list[_Side]) -> Any:
-    """Where one of the sides lies beyond the range of its cover, of those whose range is known."""
+    """Where one of the sides lies beyond the range of its cover, of those whose range
+    is known.
+    """
     known = [side.extrapolated for side in sides if side.extrapolated is not None]
     return np.logical_or.reduce(known) if known else None
 
 
-def _side(side: Idlers, weight: Any, velocity: Any, kelvin: Any, model: Any, rtol: float) -> _Side:
-    """Resistance of all rolls of a side under a weight per length of belt [N/m]; equal rolls are computed once."""
+def _side(
+    side: Idlers, weight: Any, velocity: Any, kelvin: Any, model: Any, rtol: float
+) -> _Side:
+    """Resistance of all rolls of a side under a weight per length of belt [N/m]; equal
+    rolls are computed once.
+    """
     shares, count = side.shares, np.ones(side.shares.size)
     if not is_traced(shares):
         shares, count = np.unique(shares, return_counts=True)
     found = rolling(
-        side.cover, side.roll, velocity=velocity[..., None], load=weight[..., None] * side.spacing * shares,
-        temperature=None if kelvin is None else kelvin[..., None], model=model, rtol=rtol,
-    )  # fmt: skip
+        side.cover,
+        side.roll,
+        velocity=velocity[..., None],
+        load=weight[..., None] * side.spacing * shares,
+        temperature=None if kelvin is None else kelvin[..., None],
+        model=model,
+        rtol=rtol,
+    )
     total, error = (
-        xp.sum(xp.asarray(x) * count, axis=-1) for x in (found.resistance, found.error * found.normal_force)
+        xp.sum(xp.asarray(x) * count, axis=-1)
+        for x in (found.resistance, found.error * found.normal_force)
     )
     good = xp.all(xp.asarray(found.converged), axis=-1)
     beyond = None if found.extrapolated is None else np.any(found.extrapolated, axis=-1)
     said = dict(found.inputs).get("extrapolated")
-    return _Side(total / side.spacing, error / side.spacing, good, beyond, said, found.model, found.plan)
+    return _Side(
+        total / side.spacing,
+        error / side.spacing,
+        good,
+        beyond,
+        said,
+        found.model,
+        found.plan,
+    )

@@ -18,7 +18,8 @@ _ALIKE = 1e-9  # relative, of two velocities
 
 @record
 class Conveyor(Result):
-    """Resistance and power per length of belt; a point of which one roll failed is NaN with `converged=False`.
+    """Resistance and power per length of belt; a point of which one roll failed is NaN
+    with `converged=False`.
 
     `power` in W/m is also that in kW per kilometre.
     """
@@ -26,29 +27,55 @@ class Conveyor(Result):
     velocity: Array = quantity("velocity", "m/s", "belt speed v", axis="belt speed")
     belt: Array = quantity("mass of the belt", "kg/m", "per length")
     goods: Array = quantity("mass of the goods", "kg/m", "per length")
-    temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
     carry: Array = quantity("resistance of the carry side", "N/m", "per length of belt")
     back: Array = quantity("resistance of the return side", "N/m", "per length of belt")
     resistance: Array = quantity("resistance", "N/m", "both sides together")
-    power: Array = quantity("power", "W/m", "v times the resistance", axis="power per length of belt", shown="kW/km")
-    coefficient: Array = quantity("resistance over weight", "-", "of goods and of both strands of the belt")
+    power: Array = quantity(
+        "power",
+        "W/m",
+        "v times the resistance",
+        axis="power per length of belt",
+        shown="kW/km",
+    )
+    coefficient: Array = quantity(
+        "resistance over weight", "-", "of goods and of both strands of the belt"
+    )
     error: Array = quantity("estimated error of the coefficient", "-")
 
     title: ClassVar[str] = "Indentation rolling resistance of a belt conveyor"
     shows: ClassVar[str] = "power"
     error_of: ClassVar[str] = "the coefficient"
-    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "temperature", "belt", "goods")
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "velocity",
+        "temperature",
+        "belt",
+        "goods",
+    )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Least and largest power per kilometre, and where."""
         power = np.ravel(self.power)
         if np.isfinite(power).any():
-            for i in dict.fromkeys((int(np.nanargmin(power)), int(np.nanargmax(power)))):
+            for i in dict.fromkeys(
+                (int(np.nanargmin(power)), int(np.nanargmax(power)))
+            ):
                 place = f"{in_words('velocity', float(np.ravel(self.velocity)[i]))}, "
                 place += f"{significant(float(np.ravel(self.goods)[i]))} kg/m of goods"
                 if self.temperature is not None:
-                    place += f", {in_words('temperature', float(np.ravel(self.temperature)[i]))}"
-                share = significant(100 * float(np.ravel(self.carry)[i] / np.ravel(self.resistance)[i]), 3)
+                    place += (
+                        ", "
+                        f"{in_words('temperature', float(np.ravel(self.temperature)[i]))}"
+                    )
+                share = significant(
+                    100 * float(np.ravel(self.carry)[i] / np.ravel(self.resistance)[i]),
+                    3,
+                )
                 over = significant(float(np.ravel(self.coefficient)[i]))
-                text = f"{significant(float(power[i]))} kW per km of belt, {share} % of it on the carry side"
+                text = (
+                    f"{significant(float(power[i]))} kW per km of belt, {share} % of "
+                    "it on the carry side"
+                )
                 yield f"at {place}", f"{text}; resistance over weight {over}"

@@ -1,1 +1,3 @@
-"""What every call shares: its arguments, lists of materials, the choice of a model, extrapolation."""
+"""What every call shares: its arguments, lists of materials, the choice of a model,
+extrapolation.
+"""

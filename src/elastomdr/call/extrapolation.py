@@ -1,4 +1,6 @@
-"""Which points of a steady scene use a material beyond the range of its data, and how that is said."""
+"""Which points of a steady scene use a material beyond the range of its data, and how
+that is said.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,14 @@ from ..surface.spectrum import AbstractSpectrum
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
-_OUTSIDE = 0.1  # share of a rough surface's mean square slope that may be excited beyond the range
+# share of a rough surface's mean square slope that may be excited beyond the range
+_OUTSIDE = 0.1
 
 
 class Beyond(NamedTuple):
-    """Which points lie beyond the range, None where that is not known; and a line for the inputs where some do."""
+    """Which points lie beyond the range, None where that is not known; and a line for
+    the inputs where some do.
+    """
 
     points: Bool[np.ndarray, "..."] | None
     said: tuple[tuple[str, str], ...]
@@ -30,20 +35,29 @@ NOT_KNOWN = Beyond(None, ())
 
 
 def told(points: np.ndarray, what: str, illustrative: bool, stacklevel: int) -> Beyond:
-    """Says what lies beyond, with a warning from so many frames up, unless the range is an assumption only."""
+    """Says what lies beyond, with a warning from so many frames up, unless the range is
+    an assumption only.
+    """
     if not points.any():
         return Beyond(points, ())
-    said = f"{int(points.sum())} of {points.size} points lie beyond the range of the material: {what}"
+    said = (
+        f"{int(points.sum())} of {points.size} points lie beyond the range of the "
+        f"material: {what}"
+    )
     if not illustrative:
         warnings.warn(f"{said}.", ExtrapolationWarning, stacklevel=stacklevel + 1)
     return Beyond(points, (("extrapolated", said),))
 
 
-def steady_beyond(known: Range | None, reduced: Any, size: Any, temperature: Any, *, stacklevel: int) -> Beyond:
-    """Passages at the velocities `reduced` = v a_T [m/s] of contacts of half the length `size` [m].
+def steady_beyond(
+    known: Range | None, reduced: Any, size: Any, temperature: Any, *, stacklevel: int
+) -> Beyond:
+    """Passages at the velocities `reduced` = v a_T [m/s] of contacts of half the length
+    `size` [m].
 
-    A parabola's passage dissipates most at the frequency 2 v a_T/a, and nine tenths between a quarter and twice of it.
-    A quarter is the reciprocal of the time that it lasts, and must be within the range too.
+    A parabola's passage dissipates most at the frequency 2 v a_T/a, and nine tenths
+    between a quarter and twice of it. A quarter is the reciprocal of the time that it
+    lasts, and must be within the range too.
     """
     if known is None or is_traced(reduced, size, temperature):
         return NOT_KNOWN
@@ -53,8 +67,12 @@ def steady_beyond(known: Range | None, reduced: Any, size: Any, temperature: Any
     return told(points, what, known.illustrative, stacklevel + 1)
 
 
-def held_beyond(known: Range | None, time: Any, temperature: Any, factor: Any, *, stacklevel: int) -> Beyond:
-    """What is put on at once and held for a `time` [s], or without one for ever, at points of one shape."""
+def held_beyond(
+    known: Range | None, time: Any, temperature: Any, factor: Any, *, stacklevel: int
+) -> Beyond:
+    """What is put on at once and held for a `time` [s], or without one for ever, at
+    points of one shape.
+    """
     if known is None or is_traced(time, temperature, factor):
         return NOT_KNOWN
     with np.errstate(divide="ignore"):
@@ -71,7 +89,9 @@ def held_beyond(known: Range | None, time: Any, temperature: Any, factor: Any, *
 def excited_outside(
     known: Range | None, surface: RoughLine | AbstractSpectrum, reduced: np.ndarray
 ) -> Float[np.ndarray, "..."] | None:
-    """Share of the mean square slope that is excited, at q v a_T, beyond the frequencies of the data."""
+    """Share of the mean square slope that is excited, at q v a_T, beyond the
+    frequencies of the data.
+    """
     if known is None or known.omega is None:
         return None
     if not known.omega:
@@ -79,19 +99,31 @@ def excited_outside(
     low, high = (frequency / reduced for frequency in known.omega)
     if isinstance(surface, RoughLine):
         q = 2 * np.pi * np.fft.rfftfreq(surface.count, float(surface.spacing))
-        power = np.append(0.0, np.cumsum(np.square(q * np.abs(np.fft.rfft(np.asarray(surface.height))))))
+        power = np.append(
+            0.0,
+            np.cumsum(np.square(q * np.abs(np.fft.rfft(np.asarray(surface.height))))),
+        )
         if power[-1] == 0:  # a flat line excites nothing
             return np.zeros(np.shape(reduced))
-        inside = (power[np.searchsorted(q, high, "right")] - power[np.searchsorted(q, low)]) / power[-1]
+        inside = (
+            power[np.searchsorted(q, high, "right")] - power[np.searchsorted(q, low)]
+        ) / power[-1]
     else:
         inside = surface.moment(3, low, high) / surface.moment(3)
     return np.clip(1 - inside, 0.0, 1.0)
 
 
 def rough_beyond(
-    known: Range | None, outside: np.ndarray | None, temperature: Any, shape: tuple[int, ...], *, stacklevel: int
+    known: Range | None,
+    outside: np.ndarray | None,
+    temperature: Any,
+    shape: tuple[int, ...],
+    *,
+    stacklevel: int,
 ) -> Beyond:
-    """Points where more than a tenth of the slope is excited `outside`, or at a temperature that was not measured."""
+    """Points where more than a tenth of the slope is excited `outside`, or at a
+    temperature that was not measured.
+    """
     if known is None:
         return NOT_KNOWN
     only, rate = known._replace(omega=None), np.zeros(shape)

@@ -1,4 +1,6 @@
-"""Which model a body or a surface is computed with: that of the caller, checked, or the default of the shape."""
+"""Which model a body or a surface is computed with: that of the caller, checked, or the
+default of the shape.
+"""
 
 import warnings
 from typing import Any, TypeGuard
@@ -9,7 +11,8 @@ from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 
 CELLS = 64  # along each side of the grid of a smooth body, by default
-_OF_SURFACES = "equivalent_length", "seeds", "samples", "periods"  # options of em.Line that smooth bodies do not have
+# options of em.Line that smooth bodies do not have
+_OF_SURFACES = "equivalent_length", "seeds", "samples", "periods"
 
 
 def is_rough(shape: Any) -> TypeGuard[RoughLine | AbstractSpectrum]:
@@ -20,11 +23,16 @@ def is_rough(shape: Any) -> TypeGuard[RoughLine | AbstractSpectrum]:
 def only_rough(heat: Any) -> None:
     """Refuses for an indenter what belongs to a rough surface. Raises `InputError`."""
     if heat is not None:
-        raise InputError("heat belongs to a rough surface; an indenter's friction is at the temperature given.")
+        raise InputError(
+            "heat belongs to a rough surface; an indenter's friction is at the "
+            "temperature given."
+        )
 
 
 def of_smooth(model: Any, quantity: str, label: str) -> Averaged | Line | HalfSpace:
-    """The model of a smooth body, which may be `em.HalfSpace` for its friction. Raises `InputError`."""
+    """The model of a smooth body, which may be `em.HalfSpace` for its friction. Raises
+    `InputError`.
+    """
     model = as_model(model)
     if model is None:
         return Averaged()
@@ -34,50 +42,77 @@ def of_smooth(model: Any, quantity: str, label: str) -> Averaged | Line | HalfSp
         return model
     if not isinstance(model, HalfSpace):
         raise InputError(
-            f"model must be em.Averaged(), em.Line() or em.HalfSpace() for a {label}, got {model!r}, which is for a "
+            f"model must be em.Averaged(), em.Line() or em.HalfSpace() for a {label}, "
+            f"got {model!r}, which is for a "
             "surface under a pressure."
         )
     if quantity != "friction":
-        raise InputError(f"model must be em.Averaged() or em.Line() for {quantity}, got {model!r}: it gives friction.")
+        raise InputError(
+            f"model must be em.Averaged() or em.Line() for {quantity}, got "
+            f"{model!r}: "
+            "it gives friction."
+        )
     if model.seeds != 1 or model.periods is not None:
         raise InputError(
-            f"model must be em.HalfSpace(cells=...) for a {label}, got {model!r}: seeds and periods are for a surface."
+            f"model must be em.HalfSpace(cells=...) for a {label}, got {model!r}: "
+            "seeds and periods are for a surface."
         )
     if model.cells is not None and model.cells % 2:
-        raise InputError(f"cells must be an even whole number for a {label}, got {model.cells}.")
+        raise InputError(
+            f"cells must be an even whole number for a {label}, got {model.cells}."
+        )
     return model
 
 
 def of_rough(model: Any, surface: Any, pressure: Any) -> Model:
-    """The model of a rough line, or of a surface, under a pressure or not. Raises `InputError`."""
+    """The model of a rough line, or of a surface, under a pressure or not. Raises
+    `InputError`.
+    """
     model = as_model(model)
     if model is None:
-        return Line() if pressure is None or isinstance(surface, RoughLine) else Multiscale()
+        return (
+            Line()
+            if pressure is None or isinstance(surface, RoughLine)
+            else Multiscale()
+        )
     if isinstance(model, Line):
         return model
     if isinstance(model, Averaged):
         raise InputError(
-            f"model must not be {model!r} on a rough line or surface: use em.Line(average=True) for the line averaged "
+            f"model must not be {model!r} on a rough line or surface: use "
+            "em.Line(average=True) for the line averaged "
             "over directions, or em.Multiscale() for a surface under a pressure."
         )
     if isinstance(surface, RoughLine):
-        raise InputError(f"model must be em.Line() for an em.RoughLine, got {model!r}, which is for a surface.")
+        raise InputError(
+            f"model must be em.Line() for an em.RoughLine, got {model!r}, which is "
+            "for a surface."
+        )
     if pressure is None:
-        raise InputError(f"model must be em.Line() for a surface without a pressure, got {model!r}.")
+        raise InputError(
+            f"model must be em.Line() for a surface without a pressure, got {model!r}."
+        )
     return model
 
 
 def hint_at_line(model: Any, surface: Any, **given: Any) -> None:
-    """Warns where a load or depth makes the line the model of a surface that could be computed under a pressure.
+    """Warns where a load or depth makes the line the model of a surface that could be
+    computed under a pressure.
 
     `given` are pressure, load and depth.
     """
-    if model is not None or isinstance(surface, RoughLine) or given["pressure"] is not None:
+    if (
+        model is not None
+        or isinstance(surface, RoughLine)
+        or given["pressure"] is not None
+    ):
         return
     name = next((name for name, value in given.items() if value is not None), None)
     if name is None:
         return
-    unit = "a force per length of line [N/m]" if name == "load" else "the depth of a line"
+    unit = (
+        "a force per length of line [N/m]" if name == "load" else "the depth of a line"
+    )
     warnings.warn(
         f"{name} on a surface is {unit}, and is computed with em.Line(), whose friction may be fifty times too low: "
         "give pressure= [Pa], the load over the nominal area, for em.Multiscale(), or model=em.Line() where the line "
@@ -100,12 +135,18 @@ def of_line(model: Any, call: str) -> Line:
 def _bare(model: Line, label: str) -> Line:
     if model.average:
         raise InputError(
-            f"model must be em.Averaged(corrected=False) for the line averaged over directions of a {label}, got "
+            "model must be em.Averaged(corrected=False) for the line averaged over "
+            f"directions of a {label}, got "
             "em.Line(average=True), which is for rough lines and surfaces."
         )
     default = Line()
     for name in _OF_SURFACES:
         value = getattr(model, name)
-        if value is not None and (not isinstance(value, int) or value != getattr(default, name)):
-            raise InputError(f"{name} of em.Line belongs to a rough line or surface, not to a {label}; got {value!r}.")
+        if value is not None and (
+            not isinstance(value, int) or value != getattr(default, name)
+        ):
+            raise InputError(
+                f"{name} of em.Line belongs to a rough line or surface, not to a "
+                f"{label}; got {value!r}."
+            )
     return model

@@ -1,4 +1,6 @@
-"""The arguments of a steady call, checked and broadcast once: for bodies, rough lines, surfaces and the references."""
+"""The arguments of a steady call, checked and broadcast once: for bodies, rough lines,
+surfaces and the references.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from ..errors import InputError
 from ..material.vertical import thermal_factors
 from ..results.words import brief
 
-_FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
+# velocities times a_T beyond which a shift law means nothing, and numbers overflow
+_FASTEST = 1e60
 _UNITS = {"depth": "m", "pressure": "Pa"}
 
 
@@ -26,12 +29,18 @@ class Scene(NamedTuple):
     value: Any  # load, depth or pressure as given
     kelvin: Any  # as given [K], or None
     reduced: Any  # v a_T [m/s], of the broadcast shape
-    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
+    # b_T, of the broadcast shape: forces over b_T are those of the material at its
+    # reference
+    vertical: Any
     traced: bool
 
     def full(self, array: Any) -> Any:
         """`array` in the broadcast shape; None stays None."""
-        return None if array is None else (xp if is_traced(array) else np).zeros(self.shape) + array
+        return (
+            None
+            if array is None
+            else (xp if is_traced(array) else np).zeros(self.shape) + array
+        )
 
     def at_reference(self) -> Any:
         """Load or pressure over b_T, or the depth, at each point, flat."""
@@ -43,11 +52,18 @@ class Scene(NamedTuple):
         rows = [("material", self.foundation.name or "given directly"), *body]
         rows.append((self.name, brief(self.value, _UNITS.get(self.name, load))))
         rows.append(("velocity", brief(self.velocity, "m/s")))
-        return rows if self.kelvin is None else [*rows, ("temperature", brief(self.kelvin, "K"))]
+        return (
+            rows
+            if self.kelvin is None
+            else [*rows, ("temperature", brief(self.kelvin, "K"))]
+        )
 
 
-def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any, **given: Any) -> Scene:
-    """Checks and broadcasts; `given` are load, depth and pressure, of which one is not None. Raises `InputError`.
+def steady_scene(
+    foundation: Any, body: Any, *, velocity: Any, temperature: Any, **given: Any
+) -> Scene:
+    """Checks and broadcasts; `given` are load, depth and pressure, of which one is not
+    None. Raises `InputError`.
 
     The points are traced if `foundation` or `body`, on which they are solved, are.
     """
@@ -56,17 +72,27 @@ def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any,
     positive("velocity", velocity)
     positive(name, value)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
-    shape = broadcast_shape(**{"velocity": velocity, name: value, "temperature": kelvin})
-    factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+    shape = broadcast_shape(
+        **{"velocity": velocity, name: value, "temperature": kelvin}
+    )
+    factor, vertical = (
+        (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+    )
     if kelvin is not None and not is_traced(velocity, factor):
         _check_shift(kelvin, velocity, factor)
     traced = is_traced(foundation, body, velocity, value, kelvin)
     scene = Scene(foundation, name, shape, velocity, value, kelvin, None, None, traced)
-    return scene._replace(reduced=scene.full(velocity * factor), vertical=scene.full(vertical))
+    return scene._replace(
+        reduced=scene.full(velocity * factor), vertical=scene.full(vertical)
+    )
 
 
-def rough_scene(foundation: Any, surface: Any, *, rtol: Any, temperature: Any, **given: Any) -> Scene:
-    """The scene of a rough line or surface, which has conditions of its own. Raises `InputError`."""
+def rough_scene(
+    foundation: Any, surface: Any, *, rtol: Any, temperature: Any, **given: Any
+) -> Scene:
+    """The scene of a rough line or surface, which has conditions of its own. Raises
+    `InputError`.
+    """
     check_carries(foundation)
     check_rtol(rtol)
     return steady_scene(foundation, surface, temperature=temperature, **given)
@@ -76,19 +102,26 @@ def check_rtol(rtol: Any) -> None:
     """Raises `InputError` unless it is a number that a steady scene can keep."""
     if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
         rtol = rtol.item()
-    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-1:
+    if (
+        isinstance(rtol, bool)
+        or not isinstance(rtol, (int, float))
+        or not 1e-10 <= rtol <= 1e-1
+    ):
         raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
 
 
 def check_carries(foundation: Any) -> None:
     """Raises `InputError` for what carries no rough surface: a layer, a liquid."""
     if foundation.per_area:
-        raise InputError("material must be a half-space under a rough surface, got a layer.")
+        raise InputError(
+            "material must be a half-space under a rough surface, got a layer."
+        )
     at_rest = foundation.complex_modulus(np.zeros(()))
     if not is_traced(at_rest) and not float(np.real(at_rest)) > 0:
         raise InputError(
-            "material must have an equilibrium modulus under a rough surface, got 0: a liquid carries no steady load "
-            "on a surface without end, since every element sinks until the mean force is gone."
+            "material must have an equilibrium modulus under a rough surface, got 0: "
+            "a liquid carries no steady load on a surface without end, since every "
+            "element sinks until the mean force is gone."
         )
 
 
@@ -98,7 +131,8 @@ def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
         bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
     if bad.any():
         raise InputError(
-            f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} and {_FASTEST:g} m/s, got "
-            f"{float(kelvin[bad].flat[0]):g} K with v a_T = {float(reduced[bad].flat[0]):.3g} m/s: too far from where "
+            f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} "
+            f"and {_FASTEST:g} m/s, got {float(kelvin[bad].flat[0]):g} K with v a_T = "
+            f"{float(reduced[bad].flat[0]):.3g} m/s: too far from where "
             "the shift law was measured."
         )

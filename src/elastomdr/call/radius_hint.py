@@ -12,7 +12,11 @@ _LARGEST = 2.0  # radius of a ball above which a hint is given [m]
 
 def hint_at_metres(shape: Any) -> None:
     """Warns of a ball of more than two metres in radius."""
-    if not isinstance(shape, (Sphere, Paraboloid)) or is_traced(shape) or not shape.radius > _LARGEST:
+    if (
+        not isinstance(shape, (Sphere, Paraboloid))
+        or is_traced(shape)
+        or not shape.radius > _LARGEST
+    ):
         return
     radius = float(shape.radius)
     warnings.warn(

@@ -1,4 +1,6 @@
-"""The types of arguments that are objects of this package, for editors and type checkers only."""
+"""The types of arguments that are objects of this package, for editors and type
+checkers only.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ if TYPE_CHECKING:
 
 # A file or the library may hold either.
 Solid: TypeAlias = "Prony | TabulatedModulus"
-Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation | Layer"
+Material: TypeAlias = (
+    "Prony | TabulatedModulus | Foundation | TabulatedFoundation | Layer"
+)
 # One, or several along the first axis of the result.
 Materials: TypeAlias = "Material | Sequence[Material]"
 
@@ -25,5 +29,7 @@ Materials: TypeAlias = "Material | Sequence[Material]"
 Indenter: TypeAlias = "AbstractShape"
 Surface: TypeAlias = "RoughLine | AbstractSpectrum"
 
-ModelName: TypeAlias = Literal["averaged", "line", "multiscale", "persson", "half-space"]
+ModelName: TypeAlias = Literal[
+    "averaged", "line", "multiscale", "persson", "half-space"
+]
 ModelLike: TypeAlias = "Model | ModelName"

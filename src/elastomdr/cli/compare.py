@@ -1,4 +1,6 @@
-"""`elastomdr compare`: the materials of a scene of friction ranked, as a table and a figure."""
+"""`elastomdr compare`: the materials of a scene of friction ranked, as a table and a
+figure.
+"""
 
 import argparse
 from collections.abc import Callable
@@ -30,16 +32,22 @@ def run(options: argparse.Namespace) -> int:
             scene = read_scene("compare", path)
             assert isinstance(scene, SurfaceComparison | BodyComparison)
             if len(scene.material) < 2:
-                raise InputError("material must be a list of two or more to be compared.")
+                raise InputError(
+                    "material must be a list of two or more to be compared."
+                )
             arguments = scene.arguments(path.parent)
             with models_by_name():
                 curve = _computed(scene, arguments, parts)
             with named("[compare]"):
                 ranking = curve.ranking(**scene.compare.place())
-        notes = f"# scene: {path.name}\n" + (f"# title: {' '.join(scene.title.split())}\n" if scene.title else "")
+        notes = f"# scene: {path.name}\n" + (
+            f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
+        )
         files: dict[str, Callable[[Path], None]] = {
             f"{path.stem}-compare.csv": lambda to: _write_table(ranking, to, notes),
-            f"{path.stem}-compare.png": lambda to: _write_figure(ranking.plot(title=scene.title), to),
+            f"{path.stem}-compare.png": lambda to: _write_figure(
+                ranking.plot(title=scene.title), to
+            ),
         }
         write_all(folder, files)
         Parts(parts).remove()

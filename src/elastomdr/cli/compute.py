@@ -1,4 +1,6 @@
-"""`elastomdr friction`, `rolling`, `indent`, `impact`, `slide`, `traction`: a scene to a table, a figure and more."""
+"""`elastomdr friction`, `rolling`, `indent`, `impact`, `slide`, `traction`: a scene to
+a table, a figure and more.
+"""
 
 import argparse
 import contextlib
@@ -21,11 +23,16 @@ from .scene import Scene, models_by_name
 from .schema import named, path_from
 
 _DPI = 200
-_DAMAGED = "the cache of compiled code is damaged, so everything was compiled anew: remove elastomdr's cache folder."
+_DAMAGED = (
+    "the cache of compiled code is damaged, so everything was compiled anew: remove "
+    "elastomdr's cache folder."
+)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Computes, writes and prints; returns the exit status. Nothing is written before everything is computed."""
+    """Computes, writes and prints; returns the exit status. Nothing is written before
+    everything is computed.
+    """
     path, folder = Path(options.scene), output_folder(options.out)
     with warned_of_at_the_end():
         with named(f"{path.name or path}:"):
@@ -35,16 +42,21 @@ def run(options: argparse.Namespace) -> int:
             stem = f"{path.stem}-{scene.called()}"
             with models_by_name():
                 result = _computed(scene, arguments, folder / f".{stem}.parts")
-        notes = f"# scene: {path.name}\n" + (f"# title: {' '.join(scene.title.split())}\n" if scene.title else "")
+        notes = f"# scene: {path.name}\n" + (
+            f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
+        )
         files: dict[str, Callable[[Path], None]] = {
             f"{stem}.csv": lambda to: _write_table(result, to, notes),
             f"{stem}.png": lambda to: _write_figure(result.plot(**shown), to),
         }
-        files |= {f"{stem}{end}": write for end, write in scene.further_files(result).items()}
+        files |= {
+            f"{stem}{end}": write for end, write in scene.further_files(result).items()
+        }
         if (contact := _contact(arguments, result)) is not None:
             files[f"{stem}-contact.png"] = lambda to: _write_figure(contact.plot(), to)
         write_all(folder, files)
-        Parts(folder / f".{stem}.parts").remove()  # not before: what was computed outlives a full disk
+        # not before: what was computed outlives a full disk
+        Parts(folder / f".{stem}.parts").remove()
         if scene.title:
             print(scene.title)
         print(result.summary())
@@ -55,11 +67,20 @@ def run(options: argparse.Namespace) -> int:
 
 
 def output_folder(out: str) -> Path:
-    """The folder to write into. Refuses, before anything is computed, what can be seen to be none."""
+    """The folder to write into. Refuses, before anything is computed, what can be seen
+    to be none.
+    """
     folder = Path(out)
     try:
-        there = next((f for f in (folder, *folder.absolute().parents) if f.exists()), None)
-        usable = there is not None and there.is_dir() and os.access(there, os.W_OK) and "\0" not in out
+        there = next(
+            (f for f in (folder, *folder.absolute().parents) if f.exists()), None
+        )
+        usable = (
+            there is not None
+            and there.is_dir()
+            and os.access(there, os.W_OK)
+            and "\0" not in out
+        )
     except (OSError, ValueError):
         usable = False
     if not usable:
@@ -68,11 +89,17 @@ def output_folder(out: str) -> Path:
 
 
 def write_all(folder: Path, files: dict[str, Callable[[Path], None]]) -> None:
-    """Writes files by name, each by its function; all of them appear when they are complete, or none."""
+    """Writes files by name, each by its function; all of them appear when they are
+    complete, or none.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if blocked := [name for name in files if (folder / name).is_dir()]:
-            raise InputError(f"{folder / blocked[0]} is a folder, and must be a file that can be written.")
+            raise InputError(
+                f"{folder / blocked[0]} is a folder, and must be a file that can "
+                "be "
+                "written."
+            )
         with tempfile.TemporaryDirectory(prefix=".elastomdr-", dir=folder) as place:
             for name, write in files.items():
                 write(Path(place) / name)
@@ -80,23 +107,35 @@ def write_all(folder: Path, files: dict[str, Callable[[Path], None]]) -> None:
                 (Path(place) / name).replace(folder / name)
     except OSError as error:
         raise InputError(
-            f"--out must be a folder that can be written, got {str(folder)!r}: {error.strerror}."
+            f"--out must be a folder that can be written, got {str(folder)!r}: "
+            f"{error.strerror}."
         ) from error
 
 
 @contextlib.contextmanager
 def warned_of_at_the_end() -> Iterator[None]:
-    """Prints what was warned of, one line each; a damaged cache, of which JAX complains by the file, once."""
+    """Prints what was warned of, one line each; a damaged cache, of which JAX complains
+    by the file, once.
+    """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)  # all of ours are such
         yield
-    texts = [str(each.message).replace("; they are NaN", "; their cells in the table are empty") for each in caught]
-    for text in dict.fromkeys(_DAMAGED if "persistent compilation cache" in text else text for text in texts):
+    texts = [
+        str(each.message).replace(
+            "; they are NaN", "; their cells in the table are empty"
+        )
+        for each in caught
+    ]
+    for text in dict.fromkeys(
+        _DAMAGED if "persistent compilation cache" in text else text for text in texts
+    ):
         print(f"elastomdr: warning: {' '.join(text.split())}", file=sys.stderr)
 
 
 def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
-    """The result; that of a surface is computed in parts, which an interrupted run keeps."""
+    """The result; that of a surface is computed in parts, which an interrupted run
+    keeps.
+    """
     call = getattr(em, scene.called())
     if scene.mark != "surface" or scene.called() != "friction":
         return call(**arguments)
@@ -110,7 +149,9 @@ def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
 
 
 def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """How the result is drawn: its title, measured points on top; what was left out of these is warned of."""
+    """How the result is drawn: its title, measured points on top; what was left out of
+    these is warned of.
+    """
     shown: dict[str, Any] = {"title": scene.title}
     if scene.called() == "slide" and len(set(arguments["position"])) > 1:
         shown["against"] = "position"  # a rest may take most of the time
@@ -120,7 +161,10 @@ def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str
             try:
                 measured = em.read_friction(folder / file)
             except InputError as error:  # a scene has no options for the reader
-                raise InputError(f'{error} In a scene, titles have to say it, such as "velocity [mm/s]".') from error
+                raise InputError(
+                    f'{error} In a scene, titles have to say it, such as "velocity '
+                    '[mm/s]".'
+                ) from error
         for text in measured.report:
             warnings.warn(text, em.ModelWarning, stacklevel=2)
         shown["measured"] = measured.points
@@ -128,7 +172,9 @@ def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str
 
 
 def _contact(arguments: dict[str, Any], curve: Any) -> Any:
-    """Where the line of a surface touches at the largest friction; None where it is no line or does not converge."""
+    """Where the line of a surface touches at the largest friction; None where it is no
+    line or does not converge.
+    """
     import numpy as np
 
     model = arguments.get("model", em.Line() if "pressure" not in arguments else None)
@@ -140,8 +186,15 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
     ):
         return None
     top = np.unravel_index(np.nanargmax(curve.mu), curve.mu.shape)
-    at: dict[str, Any] = {"model": dataclasses.replace(model, average=False), "velocity": curve.velocity[top]}
-    at |= {"load": curve.normal_force[top]} if curve.pressure is None else {"pressure": curve.pressure[top]}
+    at: dict[str, Any] = {
+        "model": dataclasses.replace(model, average=False),
+        "velocity": curve.velocity[top],
+    }
+    at |= (
+        {"load": curve.normal_force[top]}
+        if curve.pressure is None
+        else {"pressure": curve.pressure[top]}
+    )
     if curve.temperature is not None:
         at["temperature"] = curve.temperature[top]
         if curve.temperature_rise is not None:

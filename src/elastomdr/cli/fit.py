@@ -1,4 +1,6 @@
-"""`elastomdr fit DMA ...`: measured isotherms to a material file, cards, tables and figures."""
+"""`elastomdr fit DMA ...`: measured isotherms to a material file, cards, tables and
+figures.
+"""
 
 import argparse
 import re
@@ -13,60 +15,178 @@ from . import DONE, NOT_CONVERGED
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 SIZES = {"area": "area", "length": "length", "ramp": "time"}
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
-_LAWS = {"wlf": "WLF(8.9, 101.6, 20degC)", "vft": "VFT(1000, -100degC, 20degC)",
-         "arrhenius": "Arrhenius(80 kJ/mol, 20degC)"}  # fmt: skip
-_FITTED = ("vertical", "terms", "balance", "temperature_error", "law", "poisson", "citation")
+_LAWS = {
+    "wlf": "WLF(8.9, 101.6, 20degC)",
+    "vft": "VFT(1000, -100degC, 20degC)",
+    "arrhenius": "Arrhenius(80 kJ/mol, 20degC)",
+}
+_FITTED = (
+    "vertical",
+    "terms",
+    "balance",
+    "temperature_error",
+    "law",
+    "poisson",
+    "citation",
+)
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """The options of this command."""
-    command._negative_number_matcher = re.compile(r"-\.?\d")  # "-20degC" is a temperature, not an option
+    # "-20degC" is a temperature, not an option
+    command._negative_number_matcher = re.compile(r"-\.?\d")
     add = command.add_argument
-    add("data", metavar="DMA", nargs="*", help="measured isotherms; several files of one material are joined")
-    add("--shore-a", metavar="H", type=float, help="no file, but the hardness: a library spectrum scaled to it, an "
-        "estimate within a factor of two")  # fmt: skip
-    add("--like", metavar="MATERIAL", default="sbr-gum-like", help="whose spectrum --shore-a scales (default: "
-        "sbr-gum-like)")  # fmt: skip
-    add("--reference", metavar="T", help='reference temperature, such as "20degC" (default: the isotherm nearest it)')
-    add("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
-    add("--name", help="name of the material and of its files (default: that of the data)")
-    add("--kind", choices=("shear", "tensile"), help="what the moduli are, where the file does not say")
+    add(
+        "data",
+        metavar="DMA",
+        nargs="*",
+        help="measured isotherms; several files of one material are joined",
+    )
+    add(
+        "--shore-a",
+        metavar="H",
+        type=float,
+        help=(
+            "no file, but the hardness: a library spectrum scaled to it, an estimate "
+            "within a factor of two"
+        ),
+    )
+    add(
+        "--like",
+        metavar="MATERIAL",
+        default="sbr-gum-like",
+        help="whose spectrum --shore-a scales (default: sbr-gum-like)",
+    )
+    add(
+        "--reference",
+        metavar="T",
+        help=(
+            'reference temperature, such as "20degC" (default: the isotherm nearest it)'
+        ),
+    )
+    add(
+        "--out",
+        metavar="DIR",
+        default=".",
+        help="folder for the files (default: this one)",
+    )
+    add(
+        "--name",
+        help="name of the material and of its files (default: that of the data)",
+    )
+    add(
+        "--kind",
+        choices=("shear", "tensile"),
+        help="what the moduli are, where the file does not say",
+    )
     for quantity, units in (
         ("frequency", "Hz or rad/s"),
         ("modulus", "Pa, kPa, MPa or GPa"),
         ("temperature", "degC or K"),
         ("time", "s, ms, min or h"),
     ):
-        add(f"--{quantity}-unit", metavar="UNIT", help=f"{units}, where the file does not say")
-    add("--temperature", metavar="T", help='temperature of all points, such as "20degC", or one for each isotherm '
-        'without, such as "-20degC,0degC,20degC"')  # fmt: skip
-    add("--strain", metavar="PERCENT", help='the strain amplitude to use, such as "0.1%%", where several were measured '
-        "(default: the smallest)")  # fmt: skip
+        add(
+            f"--{quantity}-unit",
+            metavar="UNIT",
+            help=f"{units}, where the file does not say",
+        )
+    add(
+        "--temperature",
+        metavar="T",
+        help=(
+            'temperature of all points, such as "20degC", or one for each isotherm '
+            'without, such as "-20degC,0degC,20degC"'
+        ),
+    )
+    add(
+        "--strain",
+        metavar="PERCENT",
+        help='the strain amplitude to use, such as "0.1%%", where several were measured '
+        "(default: the smallest)",
+    )
     for option, example, words in (
         ("area", "100 mm2", "section of the specimen, for a file of dynamic stiffness"),
         ("length", "20 mm", "its length, in shear its height"),
-        ("ramp", "1 s", "duration of the ramp before relaxation; times count from its start"),
+        (
+            "ramp",
+            "1 s",
+            "duration of the ramp before relaxation; times count from its start",
+        ),
     ):
-        add(f"--{option}", metavar=option[0].upper(), help=f'{words}, such as "{example}"')
-    add("--storage-only", action="store_true", help="there is no loss modulus: it is taken from the spectrum")
-    add("--column", metavar="ROLE=TITLE", action="append", default=[],
-        help="a column's title or number, such as storage=4")  # fmt: skip
-    add("--shift", metavar="LAW", help=f"a shift law that is known: {', '.join(map(repr, _LAWS.values()))}, a file of "
-        "shift factors, or universal (default: the data decide)")  # fmt: skip
-    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: the "
-        "data decide)")  # fmt: skip
-    add("--terms", type=int, help="number of relaxation times (default: the data decide)")
-    add("--balance", type=float, metavar="FACTOR", help="how many times more exactly the storage modulus is met than "
-        "the loss modulus (default: by their scatter, alike where they contradict each other)")  # fmt: skip
-    add("--temperature-error", type=float, metavar="K", help="standard error of the temperature of an isotherm "
-        "(default: by the scatter of the shift factors, about 0.3)")  # fmt: skip
-    add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")
-    add("--poisson", type=float, help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)")
-    add("--citation", default="", help="where the data come from, for the material file")
+        add(
+            f"--{option}",
+            metavar=option[0].upper(),
+            help=f'{words}, such as "{example}"',
+        )
+    add(
+        "--storage-only",
+        action="store_true",
+        help="there is no loss modulus: it is taken from the spectrum",
+    )
+    add(
+        "--column",
+        metavar="ROLE=TITLE",
+        action="append",
+        default=[],
+        help="a column's title or number, such as storage=4",
+    )
+    add(
+        "--shift",
+        metavar="LAW",
+        help=(
+            f"a shift law that is known: {', '.join(map(repr, _LAWS.values()))}, a "
+            "file "
+            "of shift factors, or universal (default: the data decide)"
+        ),
+    )
+    add(
+        "--vertical",
+        action=argparse.BooleanOptionalAction,
+        help="with or without vertical shifts (default: the data decide)",
+    )
+    add(
+        "--terms",
+        type=int,
+        help="number of relaxation times (default: the data decide)",
+    )
+    add(
+        "--balance",
+        type=float,
+        metavar="FACTOR",
+        help=(
+            "how many times more exactly the storage modulus is met than the loss "
+            "modulus (default: by their scatter, alike where they contradict each "
+            "other)"
+        ),
+    )
+    add(
+        "--temperature-error",
+        type=float,
+        metavar="K",
+        help=(
+            "standard error of the temperature of an isotherm (default: by the "
+            "scatter of the shift factors, about 0.3)"
+        ),
+    )
+    add(
+        "--law",
+        default="auto",
+        help="auto, WLF, Arrhenius, VFT, table or none (default: auto)",
+    )
+    add(
+        "--poisson",
+        type=float,
+        help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)",
+    )
+    add(
+        "--citation", default="", help="where the data come from, for the material file"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Writes everything that a fit gives; returns the exit status. Nothing is written before all is computed."""
+    """Writes everything that a fit gives; returns the exit status. Nothing is written
+    before all is computed.
+    """
     import elastomdr as em
 
     from .compute import output_folder
@@ -75,34 +195,61 @@ def run(options: argparse.Namespace) -> int:
     reference = _kelvin("--reference", options.reference)
     temperature = _kelvin("--temperature", options.temperature)
     if options.name is not None and not re.fullmatch(r"[\w.-]+", options.name):
-        raise InputError(f"--name must be letters, digits, dots and dashes, got {options.name!r}.")
+        raise InputError(
+            f"--name must be letters, digits, dots and dashes, got {options.name!r}."
+        )
     if isinstance(reference, list):
-        raise InputError(f"--reference must be a single temperature, got {options.reference!r}.")
+        raise InputError(
+            f"--reference must be a single temperature, got {options.reference!r}."
+        )
     if (options.shore_a is None) == (not options.data):
-        raise InputError("DMA must be given, one file or more, or --shore-a instead of them.")
+        raise InputError(
+            "DMA must be given, one file or more, or --shore-a instead of them."
+        )
     if options.shore_a is not None:
         return _from_hardness(options, folder)
     columns = dict(map(_column, options.column))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
+        # all of them are in the summary
+        warnings.simplefilter("ignore", em.fit.FitWarning)
         read = {key: getattr(options, key) for key in _READ}
-        read |= {key: size_of(key, getattr(options, key), unit) for key, unit in SIZES.items()}
+        read |= {
+            key: size_of(key, getattr(options, key), unit)
+            for key, unit in SIZES.items()
+        }
         read["storage_only"] = options.storage_only
-        dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
+        dma = em.read_dma(
+            options.data, temperature=temperature, columns=columns, **read
+        )
         if options.strain is not None:
             dma = dma.at_strain(strain_of(options.strain))
-        fitted = {key: getattr(options, key) for key in _FITTED} | {"shift": law_of(options.shift)}
+        fitted = {key: getattr(options, key) for key in _FITTED} | {
+            "shift": law_of(options.shift)
+        }
         found = em.fit.material(dma, reference, name=options.name or "", **fitted)
         folder.mkdir(parents=True, exist_ok=True)
         paths = found.save(folder)
     print(found.summary())
-    print(f"wrote {len(paths)} files: {', '.join(path.name for path in paths)} in {folder}")
+    print(
+        f"wrote {len(paths)} files: {', '.join(path.name for path in paths)} in "
+        f"{folder}"
+    )
     path = (folder / f"{found.material.name}.toml").as_posix()
     print(f'in a scene file here: material = "{path}"')
-    print(f"friction on a measured profile: elastomdr init road.toml --material {path} --profile PROFILE.csv")
+    print(
+        "friction on a measured profile: elastomdr init road.toml --material "
+        f"{path} "
+        "--profile PROFILE.csv"
+    )
     if found.master.converged and found.prony.converged:
         return DONE
-    print("elastomdr: warning: the fit did not converge; look at its figures before using it.", file=sys.stderr)
+    print(
+        (
+            "elastomdr: warning: the fit did not converge; look at its figures before "
+            "using it."
+        ),
+        file=sys.stderr,
+    )
     return NOT_CONVERGED
 
 
@@ -110,25 +257,35 @@ def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
     """Writes a material that is known by its hardness only."""
     from ..fit.hardness import from_hardness, save_hardness
 
-    material = from_hardness(options.shore_a, like=options.like, name=options.name or "")
+    material = from_hardness(
+        options.shore_a, like=options.like, name=options.name or ""
+    )
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{material.name}.toml"
     save_hardness(material, options.shore_a, options.like, path)
     print(f"{'material':<16}{material.name}: {material.citation}")
-    print(f"{'estimated':<16}moduli within a factor of two, loss tangent of {options.like}")
+    print(
+        f"{'estimated':<16}moduli within a factor of two, loss tangent of "
+        f"{options.like}"
+    )
     print(f'wrote {path.name}; in a scene file here: material = "{path.as_posix()}"')
     return DONE
 
 
 def _kelvin(name: str, text: str | None) -> Any:
-    """A temperature, or a list of them, in kelvin; numbers without a unit are in degC, as instruments write them."""
+    """A temperature, or a list of them, in kelvin; numbers without a unit are in degC,
+    as instruments write them.
+    """
     if text is None:
         return None
     from .schema import named
     from .units import Temperature
 
     with named(name):
-        parts = [f"{part} degC" if _NUMBER.fullmatch(part.strip()) else part for part in text.split(",")]
+        parts = [
+            f"{part} degC" if _NUMBER.fullmatch(part.strip()) else part
+            for part in text.split(",")
+        ]
         found = [float(Temperature.read(part)) for part in parts]
     return found if len(found) > 1 else found[0]
 
@@ -145,9 +302,16 @@ def law_of(text: str | None) -> Any:
     name, parts = match[1].lower(), [part.strip() for part in match[2].split(",")]
     units = {"wlf": ("", "K"), "vft": ("K", "degC"), "arrhenius": ("J/mol",)}[name]
     if len(parts) != len(units) + 1:
-        raise InputError(f'--shift must be a law such as "{_LAWS[name]}", got {text!r}.')
-    constants = [_constant(part, unit, _LAWS[name]) for part, unit in zip(parts, units, strict=False)]
-    return {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}[name](*constants, _kelvin("--shift", parts[-1]))
+        raise InputError(
+            f'--shift must be a law such as "{_LAWS[name]}", got {text!r}.'
+        )
+    constants = [
+        _constant(part, unit, _LAWS[name])
+        for part, unit in zip(parts, units, strict=False)
+    ]
+    return {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}[name](
+        *constants, _kelvin("--shift", parts[-1])
+    )
 
 
 def _constant(text: str, unit: str, example: str) -> float:
@@ -156,7 +320,10 @@ def _constant(text: str, unit: str, example: str) -> float:
     match = re.fullmatch(rf"({_NUMBER.pattern})\s*(k?J/mol|K)?", text, re.IGNORECASE)
     known = {"": ("",), "K": ("", "k"), "J/mol": ("j/mol", "kj/mol")}[unit]
     if match is None or (found := (match[4] or "").lower()) not in known:
-        raise InputError(f'--shift must be a law such as "{example}", got {text!r} for {unit or "a number"}.')
+        raise InputError(
+            f'--shift must be a law such as "{example}", got {text!r} for '
+            f"{unit or 'a number'}."
+        )
     return float(match[1]) * (1000 if found == "kj/mol" else 1)
 
 
@@ -169,7 +336,10 @@ def size_of(key: str, text: str | None, kind: str) -> float | None:
     match = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*(\S.*)", text, re.IGNORECASE)
     si = to_si(match[4], kind) if match else None
     if match is None or si is None:
-        raise InputError(f"--{key} must be a number with a unit of {kind} ({usual(kind)}), got {text!r}.")
+        raise InputError(
+            f"--{key} must be a number with a unit of {kind} ({usual(kind)}), got "
+            f"{text!r}."
+        )
     return float(match[1]) * si[0]
 
 
@@ -177,12 +347,17 @@ def strain_of(text: str) -> float:
     """A strain amplitude [-], given as it is or in per cent."""
     match = re.fullmatch(r"\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
     if match is None or match[1].count(".") > 1:
-        raise InputError(f'--strain must be an amplitude such as "0.1%" or 0.001, got {text!r}.')
+        raise InputError(
+            f'--strain must be an amplitude such as "0.1%" or 0.001, got {text!r}.'
+        )
     return float(match[1]) / (100 if match[2] else 1)
 
 
 def _column(text: str) -> tuple[str, Any]:
     role, equals, title = text.partition("=")
     if not equals or not role or not title:
-        raise InputError(f"--column must be a role and a title or number, such as storage=4, got {text!r}.")
+        raise InputError(
+            "--column must be a role and a title or number, such as storage=4, got "
+            f"{text!r}."
+        )
     return role.strip(), int(title) if title.strip().isdigit() else title

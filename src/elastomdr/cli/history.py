@@ -1,4 +1,6 @@
-"""Scenes of `elastomdr indent` and `elastomdr impact`: an indenter under a history of depth or load, or let go."""
+"""Scenes of `elastomdr indent` and `elastomdr impact`: an indenter under a history of
+depth or load, or let go.
+"""
 
 import abc
 from pathlib import Path
@@ -23,7 +25,7 @@ from .units import (
     SurfaceEnergy,
     Temperature,
     Velocity,
-)  # fmt: skip
+)
 
 _RISE = 41  # instants of a rise
 Cycles = Annotated[int, msgspec.Meta(ge=1, le=1000)]
@@ -32,8 +34,12 @@ Cycles = Annotated[int, msgspec.Meta(ge=1, le=1000)]
 class Program(Table, tag_field="program"):
     """A history with a name."""
 
-    load: Annotated[Several[Force] | None, "normal force, or several, each a history of its own"] = None
-    depth: Annotated[Several[Length] | None, "indentation depth, in place of the load"] = None
+    load: Annotated[
+        Several[Force] | None, "normal force, or several, each a history of its own"
+    ] = None
+    depth: Annotated[
+        Several[Length] | None, "indentation depth, in place of the load"
+    ] = None
     points: Annotated[Instants, "instants of the history"] = 200
 
     def __post_init__(self) -> None:
@@ -54,10 +60,14 @@ class Program(Table, tag_field="program"):
 
 
 class Hold(Program, tag="hold"):
-    """A step or a ramp to the value, which is then kept: creep under a load, relaxation under a depth."""
+    """A step or a ramp to the value, which is then kept: creep under a load, relaxation
+    under a depth.
+    """
 
     duration: Annotated[Duration, "how long the value is kept"]
-    rise: Annotated[Pause | None, "how long it takes to get there, at once by default"] = None
+    rise: Annotated[
+        Pause | None, "how long it takes to get there, at once by default"
+    ] = None
     spacing: Annotated[Literal["log", "linear"], "of the instants"] = "log"
 
     def course(self, size: Any) -> tuple[Any, Any]:
@@ -65,10 +75,14 @@ class Hold(Program, tag="hold"):
 
         since = np.linspace(0, self.duration, self.points)
         if self.spacing == "log":
-            since = np.append(0.0, np.geomspace(1e-6 * self.duration, self.duration, self.points - 1))
+            since = np.append(
+                0.0, np.geomspace(1e-6 * self.duration, self.duration, self.points - 1)
+            )
         if not self.rise:
             return since, np.multiply.outer(size, np.ones(self.points))
-        time = np.concatenate([np.linspace(0, self.rise, _RISE)[:-1], self.rise + since])
+        time = np.concatenate(
+            [np.linspace(0, self.rise, _RISE)[:-1], self.rise + since]
+        )
         return time, np.multiply.outer(size, np.minimum(time / self.rise, 1.0))
 
 
@@ -119,33 +133,54 @@ class Sine(Program, tag="sine"):
         with named("amplitude"):
             amplitude = (Force if self.depth is None else Length).read(self.amplitude)
         if self.depth is None and (size < amplitude).any():
-            raise InputError("amplitude must not be larger than load: a load that pulls needs adhesion.")
+            raise InputError(
+                "amplitude must not be larger than load: a load that pulls needs "
+                "adhesion."
+            )
         time = np.linspace(0, self.cycles / self.frequency, self.points)
-        return time, np.add.outer(size, amplitude * np.sin(2 * np.pi * self.frequency * time))
+        return time, np.add.outer(
+            size, amplitude * np.sin(2 * np.pi * self.frequency * time)
+        )
 
 
 class Points(Table):
     """A history by its points, straight between them."""
 
-    time: Annotated[Annotated[list[Instant], msgspec.Meta(min_length=2)], "instants, ascending"]
-    load: Annotated[Annotated[list[Push], msgspec.Meta(min_length=2)] | None, "normal forces at these"] = None
-    depth: Annotated[
-        Annotated[list[Depth], msgspec.Meta(min_length=2)] | None, "indentation depths at these, in place of the loads"
+    time: Annotated[
+        Annotated[list[Instant], msgspec.Meta(min_length=2)], "instants, ascending"
+    ]
+    load: Annotated[
+        Annotated[list[Push], msgspec.Meta(min_length=2)] | None,
+        "normal forces at these",
     ] = None
-    points: Annotated[Instants, "instants of the history; those of `time` are added to them"] = 200
+    depth: Annotated[
+        Annotated[list[Depth], msgspec.Meta(min_length=2)] | None,
+        "indentation depths at these, in place of the loads",
+    ] = None
+    points: Annotated[
+        Instants, "instants of the history; those of `time` are added to them"
+    ] = 200
 
     def __post_init__(self) -> None:
         name = only_one(self, "load", "depth")
-        if any(second <= first for first, second in zip(self.time, self.time[1:], strict=False)):
+        if any(
+            second <= first
+            for first, second in zip(self.time, self.time[1:], strict=False)
+        ):
             raise InputError("time must be ascending, without repeats.")
         if (count := len(getattr(self, name))) != len(self.time):
-            raise InputError(f"time and {name} must be lists of the same length, got {len(self.time)} and {count}.")
+            raise InputError(
+                f"time and {name} must be lists of the same length, got "
+                f"{len(self.time)} and {count}."
+            )
 
     def arguments(self) -> dict[str, Any]:
         """time [s], and load [N] or depth [m]."""
         import numpy as np
 
-        time = np.union1d(self.time, np.linspace(self.time[0], self.time[-1], self.points))
+        time = np.union1d(
+            self.time, np.linspace(self.time[0], self.time[-1], self.points)
+        )
         name = only_one(self, "load", "depth")
         return {"time": time, name: np.interp(time, self.time, getattr(self, name))}
 
@@ -163,7 +198,11 @@ class _Indentation(OfBodies):
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[history]"):
             history = self.history.arguments()
-        return on_axes({"shape": body(self.indenter, folder)} | self.common(folder)) | given(self, "adhesion") | history
+        return (
+            on_axes({"shape": body(self.indenter, folder)} | self.common(folder))
+            | given(self, "adhesion")
+            | history
+        )
 
 
 class Indentation(_Indentation):
@@ -179,7 +218,10 @@ class IndentationByPoints(_Indentation):
 
     @classmethod
     def fits(cls, content: dict[str, Any]) -> bool:
-        return isinstance(content.get("history"), dict) and "program" not in content["history"]
+        return (
+            isinstance(content.get("history"), dict)
+            and "program" not in content["history"]
+        )
 
 
 class Thrown(Table):

@@ -30,7 +30,9 @@ def kinds() -> list[str]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Writes the scene, which must not be there before, and says how to compute it; returns the exit status."""
+    """Writes the scene, which must not be there before, and says how to compute it;
+    returns the exit status.
+    """
     kind, name = options.kind, options.scene
     if kind is None and name in kinds():  # elastomdr init road
         kind, name = name, None
@@ -38,31 +40,57 @@ def run(options: argparse.Namespace) -> int:
     kind = kind or ("road" if measured else "slider")
     path = Path(name or f"{kind}.toml")
     if path.suffix != ".toml":
-        raise InputError(f"NAME.toml must end in .toml, or be one of {', '.join(kinds())}, got {str(path)!r}.")
-    text = (_TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8").replace(" FILE\n", f" {path.name}\n", 1)
-    if options.material or measured:  # the title is that of the example's rubber and road
+        raise InputError(
+            f"NAME.toml must end in .toml, or be one of {', '.join(kinds())}, got "
+            f"{str(path)!r}."
+        )
+    text = (
+        (_TEMPLATES / f"{kind}.toml")
+        .read_text(encoding="utf-8")
+        .replace(" FILE\n", f" {path.name}\n", 1)
+    )
+    # the title is that of the example's rubber and road
+    if options.material or measured:
         text = re.sub(r"(?m)^title = .*\n", "", text, count=1)
     if options.material:
-        text = re.sub(r"(?m)^material = .*$", f"material = {_quoted(options.material, path)}", text, count=1)
+        text = re.sub(
+            r"(?m)^material = .*$",
+            f"material = {_quoted(options.material, path)}",
+            text,
+            count=1,
+        )
     if measured:
         if kind != "road":
-            raise InputError(f"--profile and --spectrum belong to --kind road, got --kind {kind}.")
+            raise InputError(
+                f"--profile and --spectrum belong to --kind road, got --kind {kind}."
+            )
         surface = _SPECTRUM if options.spectrum else _PROFILE
-        text = re.sub(r"(?s)\[surface\].*?\n\n", lambda _: surface.format(_quoted(measured, path)), text, count=1)
+        text = re.sub(
+            r"(?s)\[surface\].*?\n\n",
+            lambda _: surface.format(_quoted(measured, path)),
+            text,
+            count=1,
+        )
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError as error:
-        raise InputError(f"{path} is there already: give another name, elastomdr init NAME.toml.") from error
+        raise InputError(
+            f"{path} is there already: give another name, elastomdr init NAME.toml."
+        ) from error
     except (OSError, ValueError) as error:
-        raise InputError(f"{path} cannot be written: {getattr(error, 'strerror', None) or error}.") from error
+        raise InputError(
+            f"{path} cannot be written: {getattr(error, 'strerror', None) or error}."
+        ) from error
     verb = text.split("elastomdr ", 1)[1].split()[0]
     print(f"wrote {path}\nelastomdr {verb} {path}")
     return DONE
 
 
 def _quoted(file: str, scene: Path) -> str:
-    """A file as a scene names it: relative to the scene's folder. A name of the library stays as it is."""
+    """A file as a scene names it: relative to the scene's folder. A name of the library
+    stays as it is.
+    """
     if Path(file).exists():
         file = Path(os.path.relpath(file, scene.parent)).as_posix()
     return '"' + file.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,4 +1,6 @@
-"""The keys of scene files from their schema: for the help of the commands and for the documentation."""
+"""The keys of scene files from their schema: for the help of the commands and for the
+documentation.
+"""
 
 import inspect
 import textwrap
@@ -49,14 +51,24 @@ def as_text(verb: str) -> str:
             seen.add(section)
             lines += [f"  {section.title}  {section.about}"] if section.title else []
             for key in section.keys:
-                words = f"{key.meaning} ({'; '.join(part for part in (key.accepted, key.default) if part)})"
-                lines += textwrap.wrap(words, 116, initial_indent=f"    {key.name:<20}", subsequent_indent=24 * " ")
+                words = (
+                    f"{key.meaning} "
+                    f"({'; '.join(part for part in (key.accepted, key.default) if part)})"
+                )
+                lines += textwrap.wrap(
+                    words,
+                    116,
+                    initial_indent=f"    {key.name:<20}",
+                    subsequent_indent=24 * " ",
+                )
             lines.append("")
     return "\n".join(lines)
 
 
 def as_markdown() -> str:
-    """The keys of all scenes, a table for each section; one that several kinds share stands at its first place."""
+    """The keys of all scenes, a table for each section; one that several kinds share
+    stands at its first place.
+    """
     lines, seen = [], set()
     for verb, kinds in KINDS.items():
         lines += [f"## elastomdr {verb}", ""]
@@ -66,25 +78,61 @@ def as_markdown() -> str:
                 if section in seen:
                     continue
                 seen.add(section)
-                lines += [f"`{section.title}` {section.about}", ""] if section.title else []
-                lines += ["| key | accepted | default | meaning |", "|---|---|---|---|"] if section.keys else []
-                lines += [f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |" for key in section.keys]
+                lines += (
+                    [f"`{section.title}` {section.about}", ""] if section.title else []
+                )
+                lines += (
+                    ["| key | accepted | default | meaning |", "|---|---|---|---|"]
+                    if section.keys
+                    else []
+                )
+                lines += [
+                    f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |"
+                    for key in section.keys
+                ]
                 lines.append("")
-    lines += ["## elastomdr sweep", "", "Beside the keys of friction, rolling or impact:", ""]
+    lines += [
+        "## elastomdr sweep",
+        "",
+        "Beside the keys of friction, rolling or impact:",
+        "",
+    ]
     section = _section("[sweep]", Sweep)
-    lines += [f"`{section.title}` {section.about}", "", "| key | accepted | default | meaning |", "|---|---|---|---|"]
-    lines += [f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |" for key in section.keys]
+    lines += [
+        f"`{section.title}` {section.about}",
+        "",
+        "| key | accepted | default | meaning |",
+        "|---|---|---|---|",
+    ]
+    lines += [
+        f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |"
+        for key in section.keys
+    ]
     return "\n".join([*lines, ""])
 
 
 def _section(written: str, table: Any) -> Section:
     config = table.__struct_config__
-    title = f'{written} {config.tag_field} = "{config.tag}"' if config.tag_field else written
+    title = (
+        f'{written} {config.tag_field} = "{config.tag}"'
+        if config.tag_field
+        else written
+    )
     found = []
     for name, field in keys_of(table).items():
-        default = "required" if field.required else "" if field.default is None else _shown(field.default)
+        default = (
+            "required"
+            if field.required
+            else ""
+            if field.default is None
+            else _shown(field.default)
+        )
         inner = tables_of(field.type)
-        words = f"{'tables' if is_list(field.type) else 'table'} below" if inner else accepted(field.type)
+        words = (
+            f"{'tables' if is_list(field.type) else 'table'} below"
+            if inner
+            else accepted(field.type)
+        )
         found.append(Key(name, words, default, _meaning(field.type)))
     return Section(title, _about(table), tuple(found))
 
@@ -95,7 +143,10 @@ def _about(table: Any) -> str:
 
 
 def _meaning(kind: Any) -> str:
-    return next((note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)), "")
+    return next(
+        (note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)),
+        "",
+    )
 
 
 def _shown(value: Any) -> str:

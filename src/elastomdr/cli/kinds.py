@@ -36,7 +36,9 @@ KINDS: dict[str, tuple[type[Scene], ...]] = {
 
 
 def read_scene(verb: str, path: Path) -> Scene:
-    """A scene of the command `verb` from its file. Raises `InputError` for whatever is wrong."""
+    """A scene of the command `verb` from its file. Raises `InputError` for whatever is
+    wrong.
+    """
     return decoded(verb, read_content(path))
 
 
@@ -45,16 +47,22 @@ def read_content(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(read_text(path, _MOST_BYTES))
     except OSError as error:
-        raise InputError(f"the scene cannot be read: {error.strerror or error}.") from error
+        raise InputError(
+            f"the scene cannot be read: {error.strerror or error}."
+        ) from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise InputError(f"the scene must be UTF-8 text, which line {line} is not: save it as UTF-8.") from error
+        raise InputError(
+            f"the scene must be UTF-8 text, which line {line} is not: save it as UTF-8."
+        ) from error
     except (ValueError, RecursionError) as error:  # not TOML, no valid path
         raise InputError(f"the scene is not valid TOML: {error}.") from error
 
 
 def decoded(verb: str, content: dict[str, Any]) -> Scene:
-    """A scene of the command `verb` from what its file holds. Raises `InputError` for whatever is wrong."""
+    """A scene of the command `verb` from what its file holds. Raises `InputError` for
+    whatever is wrong.
+    """
     kind = next((kind for kind in KINDS[verb] if kind.fits(content)), KINDS[verb][-1])
     for key in content:
         if key not in keys_of(kind):
@@ -66,10 +74,22 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
     """Raises `InputError` for a key that other kinds of scenes have."""
     name = f"[{key}]" if table else key
     if any(key in keys_of(other) for other in KINDS[verb]):
-        raise InputError(f"{name} does not belong to a scene of this kind: {kind.__doc__}")
-    homes = [home for home, kinds in KINDS.items() if any(key in keys_of(other) for other in kinds)]
+        raise InputError(
+            f"{name} does not belong to a scene of this kind: {kind.__doc__}"
+        )
+    homes = [
+        home
+        for home, kinds in KINDS.items()
+        if any(key in keys_of(other) for other in kinds)
+    ]
     if homes:
-        raise InputError(f"{name} belongs to elastomdr {', '.join(homes)}, not to elastomdr {verb}.")
-    elsewhere = {other for kinds in KINDS.values() for one in kinds for other in keys_of(one)}
+        raise InputError(
+            f"{name} belongs to elastomdr {', '.join(homes)}, not to elastomdr {verb}."
+        )
+    elsewhere = {
+        other for kinds in KINDS.values() for one in kinds for other in keys_of(one)
+    }
     if not closest(key, keys_of(kind)) and (hint := closest(key, sorted(elsewhere))):
-        raise InputError(f"{name} is not known.{hint} That key belongs to scenes of another kind.")
+        raise InputError(
+            f"{name} is not known.{hint} That key belongs to scenes of another kind."
+        )

@@ -1,4 +1,6 @@
-"""`elastomdr materials [NAME]`: the library, or the numbers and sources of one material."""
+"""`elastomdr materials [NAME]`: the library, or the numbers and sources of one
+material.
+"""
 
 import argparse
 import shutil
@@ -11,7 +13,14 @@ from ..material.format import is_tabulated, read_document
 from ..material.library import locate, material_info, materials
 from . import DONE
 
-_SHIFT_UNITS = {"c1": "", "c2": " K", "energy": " J/mol", "b": " K", "t0": " K", "reference": " K"}
+_SHIFT_UNITS = {
+    "c1": "",
+    "c2": " K",
+    "energy": " J/mol",
+    "b": " K",
+    "t0": " K",
+    "reference": " K",
+}
 _RANGE_UNITS = {"omega": "rad/s", "time": "s", "temperature": "K"}
 
 
@@ -23,7 +32,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _library() -> Iterator[str]:
     names = materials()
-    width, columns = max(map(len, names), default=0) + 1, max(60, shutil.get_terminal_size((120, 24)).columns)
+    width, columns = (
+        max(map(len, names), default=0) + 1,
+        max(60, shutil.get_terminal_size((120, 24)).columns),
+    )
     for name in names:
         try:
             info = material_info(name)
@@ -31,8 +43,14 @@ def _library() -> Iterator[str]:
             about = info.get("description", "") + (f" [{grade}]" if grade else "")
         except InputError as error:  # somebody's broken file must not hide the others
             about = f"({error})"
-        yield f"{name:<{width}} {textwrap.shorten(about, columns - width - 1, placeholder=' ...')}"
-    yield "\nelastomdr materials NAME shows the numbers, ranges and sources of one of them."
+        yield (
+            f"{name:<{width}} "
+            f"{textwrap.shorten(about, columns - width - 1, placeholder=' ...')}"
+        )
+    yield (
+        "\nelastomdr materials NAME shows the numbers, ranges and sources of one of "
+        "them."
+    )
 
 
 def _one(name: str) -> Iterator[str]:
@@ -42,11 +60,24 @@ def _one(name: str) -> Iterator[str]:
     yield from textwrap.wrap(info.get("description", ""), 100)
     yield ""
     for row, text in _rows(info, document):
-        yield textwrap.fill(text, 100, initial_indent=f"{row:<19}", subsequent_indent=" " * 19, break_on_hyphens=False)
+        yield textwrap.fill(
+            text,
+            100,
+            initial_indent=f"{row:<19}",
+            subsequent_indent=" " * 19,
+            break_on_hyphens=False,
+        )
     symbol = "G" if info["kind"] == "shear" else "E"
-    titles: dict[str, str] = {"times": "relaxation time [s]", "moduli": f"{symbol} [Pa]"}
+    titles: dict[str, str] = {
+        "times": "relaxation time [s]",
+        "moduli": f"{symbol} [Pa]",
+    }
     if is_tabulated(document):
-        titles = {"omega": "omega [rad/s]", "storage": f"{symbol} storage [Pa]", "loss": f"{symbol} loss [Pa]"}
+        titles = {
+            "omega": "omega [rad/s]",
+            "storage": f"{symbol} storage [Pa]",
+            "loss": f"{symbol} loss [Pa]",
+        }
     if document[next(iter(titles))]:
         yield "\n" + "".join(f"{title:>21}" for title in titles.values())
         for row in zip(*(document[key] for key in titles), strict=True):
@@ -54,30 +85,53 @@ def _one(name: str) -> Iterator[str]:
 
 
 def _rows(info: dict[str, Any], document: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    yield "moduli", f"{info['kind']}{', a table for surfaces in steady sliding' * is_tabulated(document)}"
+    yield (
+        "moduli",
+        f"{info['kind']}{', a table for surfaces in steady sliding' * is_tabulated(document)}",
+    )
     if is_tabulated(document):
         ends = f"{info['lowest_omega']:.4g} to {info['highest_omega']:.4g} rad/s"
-        moduli = f"{_pascal(document['storage'][0])} to {_pascal(document['storage'][-1])}"
+        moduli = (
+            f"{_pascal(document['storage'][0])} to {_pascal(document['storage'][-1])}"
+        )
         yield "table", f"{info['points']} points, {ends}, storage {moduli}"
     else:
-        yield "relaxed", _pascal(info["equilibrium"]) + " (a liquid)" * (info["equilibrium"] == 0)
+        yield (
+            "relaxed",
+            _pascal(info["equilibrium"]) + " (a liquid)" * (info["equilibrium"] == 0),
+        )
         yield "glassy", _pascal(info["glassy"])
     if info.get("viscosity"):
         yield "dashpot", f"{info['viscosity']:.6g} Pa s, in parallel"
     if "bulk" in info:
         yield "bulk modulus", _pascal(info["bulk"])
     else:
-        yield "Poisson", f"{info['poisson']:g}{' (incompressible)' * (info['poisson'] == 0.5)}"
+        yield (
+            "Poisson",
+            f"{info['poisson']:g}{' (incompressible)' * (info['poisson'] == 0.5)}",
+        )
     if "reference_temperature" in info:
         yield "reference", _kelvin(info["reference_temperature"])
-    yield "shift law", _shift(info["shift"]) if "shift" in info else "none: temperature cannot be given"
+    yield (
+        "shift law",
+        _shift(info["shift"])
+        if "shift" in info
+        else "none: temperature cannot be given",
+    )
     if "vertical" in info:
         yield "vertical shift", _vertical(info["vertical"])
     for key, pair in info.get("range", {}).items():
-        words = f"{pair[0]:.4g} to {pair[1]:.4g} {_RANGE_UNITS[key]}" if pair else "nowhere known well enough"
+        words = (
+            f"{pair[0]:.4g} to {pair[1]:.4g} {_RANGE_UNITS[key]}"
+            if pair
+            else "nowhere known well enough"
+        )
         yield f"valid {key}", words
     if misfit := document.get("misfit"):
-        worst = ", ".join(f"{key} {100 * max(misfit[f'{key}_residual']):.2g} %" for key in ("storage", "loss"))
+        worst = ", ".join(
+            f"{key} {100 * max(misfit[f'{key}_residual']):.2g} %"
+            for key in ("storage", "loss")
+        )
         yield "misfit to data", f"at worst, in bands of a quarter decade: {worst}, rms"
     for group, source in info.get("source", {}).items():
         yield f"source, {group}", _source(source)
@@ -88,8 +142,15 @@ def _shift(shift: dict[str, Any]) -> str:
     if shift["law"] == "table":
         temperature, factor = shift["temperature"], shift["log10_a"]
         ends = f"{_kelvin(temperature[0])} to {_kelvin(temperature[-1])}"
-        return f"table, {len(temperature)} temperatures from {ends}, log10 a_T {factor[0]:.4g} to {factor[-1]:.4g}"
-    numbers = (f"{key} = {value:.6g}{_SHIFT_UNITS[key]}" for key, value in shift.items() if key != "law")
+        return (
+            f"table, {len(temperature)} temperatures from {ends}, log10 a_T "
+            f"{factor[0]:.4g} to {factor[-1]:.4g}"
+        )
+    numbers = (
+        f"{key} = {value:.6g}{_SHIFT_UNITS[key]}"
+        for key, value in shift.items()
+        if key != "law"
+    )
     return f"{shift['law']}: " + ", ".join(numbers)
 
 
@@ -98,18 +159,33 @@ def _vertical(vertical: dict[str, Any]) -> str:
         return f"b_T = T/{vertical['reference']:.6g} K, elasticity of entropy"
     temperature, factor = vertical["temperature"], vertical["factor"]
     ends = f"{_kelvin(temperature[0])} to {_kelvin(temperature[-1])}"
-    return f"table, {len(temperature)} temperatures from {ends}, b_T {factor[0]:.4g} to {factor[-1]:.4g}"
+    return (
+        f"table, {len(temperature)} temperatures from {ends}, b_T {factor[0]:.4g} to "
+        f"{factor[-1]:.4g}"
+    )
 
 
 def _source(source: dict[str, Any]) -> str:
     parts = [f"[{source['grade']}]"] if "grade" in source else []
-    parts += [" ".join(source[key].split()).rstrip(".") + "." for key in ("citation", "note") if source.get(key)]
+    parts += [
+        " ".join(source[key].split()).rstrip(".") + "."
+        for key in ("citation", "note")
+        if source.get(key)
+    ]
     sizes = [key for key in ("storage_residual", "loss_residual") if key in source]
-    return " ".join([*parts, *(f"{key.replace('_', ' ')} {100 * source[key]:.2g} %." for key in sizes)])
+    return " ".join(
+        [
+            *parts,
+            *(f"{key.replace('_', ' ')} {100 * source[key]:.2g} %." for key in sizes),
+        ]
+    )
 
 
 def _pascal(value: float) -> str:
-    unit, size = next(((u, s) for u, s in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)) if value >= s), ("Pa", 1.0))
+    unit, size = next(
+        ((u, s) for u, s in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)) if value >= s),
+        ("Pa", 1.0),
+    )
     return f"{value / size:.5g} {unit}"
 
 

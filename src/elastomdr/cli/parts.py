@@ -1,4 +1,6 @@
-"""What a long sweep says while it runs, and what it keeps so that an interrupted one can be taken up again."""
+"""What a long sweep says while it runs, and what it keeps so that an interrupted one
+can be taken up again.
+"""
 
 import sys
 import time
@@ -10,7 +12,9 @@ _WIDTH = 30
 
 
 class Parts:
-    """Finished batches of a sweep, one file each, in a folder that is removed when the sweep is complete."""
+    """Finished batches of a sweep, one file each, in a folder that is removed when the
+    sweep is complete.
+    """
 
     def __init__(self, folder: Path):
         self._folder = folder
@@ -25,7 +29,9 @@ class Parts:
             return None
 
     def put(self, key: str, arrays: Any) -> None:
-        """Keeps arrays; a folder that cannot be written costs the possibility to resume, not the sweep."""
+        """Keeps arrays; a folder that cannot be written costs the possibility to
+        resume, not the sweep.
+        """
         import numpy as np
 
         try:
@@ -37,10 +43,15 @@ class Parts:
             return
 
     def said(self) -> str:
-        """Where finished batches are, for whom it interrupts; an empty text where there are none."""
+        """Where finished batches are, for whom it interrupts; an empty text where there
+        are none.
+        """
         if not any(self._folder.glob("*.npy")):
             return ""
-        return f"; what is finished is kept in {self._folder}, and the same command goes on from there"
+        return (
+            f"; what is finished is kept in {self._folder}, and the same command goes "
+            "on from there"
+        )
 
     def remove(self) -> None:
         """Removes what was kept."""
@@ -51,7 +62,9 @@ class Parts:
 
 
 class Bar:
-    """A progress bar on the standard error, where that is a terminal and the work takes more than two seconds."""
+    """A progress bar on the standard error, where that is a terminal and the work takes
+    more than two seconds.
+    """
 
     def __init__(self) -> None:
         self._start, self._shown = time.monotonic(), False
@@ -61,9 +74,16 @@ class Bar:
             return
         self._shown = True
         full = _WIDTH * done // total
-        print(f"\r[{'#' * full}{'.' * (_WIDTH - full)}] {done} of {total}", end="", file=sys.stderr, flush=True)
+        print(
+            f"\r[{'#' * full}{'.' * (_WIDTH - full)}] {done} of {total}",
+            end="",
+            file=sys.stderr,
+            flush=True,
+        )
 
     def end(self) -> None:
         """Clears the line."""
         if self._shown:
-            print("\r" + " " * (_WIDTH + 30) + "\r", end="", file=sys.stderr, flush=True)
+            print(
+                "\r" + " " * (_WIDTH + 30) + "\r", end="", file=sys.stderr, flush=True
+            )

@@ -1,4 +1,6 @@
-"""`elastomdr plan SCENE.toml`: what would be computed, skipped and condensed, and why."""
+"""`elastomdr plan SCENE.toml`: what would be computed, skipped and condensed, and
+why.
+"""
 
 import argparse
 from pathlib import Path
@@ -18,7 +20,10 @@ def run(options: argparse.Namespace) -> int:
     with warned_of_at_the_end(), named(f"{path.name or path}:"):
         scene = read_scene(options.quantity, path)
         if scene.called() != options.quantity:
-            raise em.InputError(f"[{scene.mark}] belongs to elastomdr {options.quantity}, not to elastomdr plan.")
+            raise em.InputError(
+                f"[{scene.mark}] belongs to elastomdr {options.quantity}, not to "
+                "elastomdr plan."
+            )
         folder = None if options.out is None else output_folder(options.out)
         with models_by_name():
             text = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"

@@ -1,12 +1,24 @@
-"""Tables of scene files as types: what makes them from TOML, and errors that name the key, the value and what is
-accepted."""
+"""Tables of scene files as types: what makes them from TOML, and errors that name the
+key, the value and what is accepted.
+"""
 
 import abc
 import contextlib
 import re
 import types
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Generic,
+    Literal,
+    TypeVar,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+)
 
 import msgspec
 
@@ -28,15 +40,28 @@ Instants = Annotated[int, msgspec.Meta(ge=2, le=10_000)]  # of a history
 class _TableType(msgspec.StructMeta, abc.ABCMeta):
     """Frozen structs with keyword fields that refuse unknown keys."""
 
-    def __new__(mcls, name: str, bases: tuple[type, ...], namespace: dict[str, Any], **options: Any) -> Any:
-        defaults: dict[str, Any] = {"kw_only": True, "frozen": True, "forbid_unknown_fields": True}
+    def __new__(
+        mcls,
+        name: str,
+        bases: tuple[type, ...],
+        namespace: dict[str, Any],
+        **options: Any,
+    ) -> Any:
+        defaults: dict[str, Any] = {
+            "kw_only": True,
+            "frozen": True,
+            "forbid_unknown_fields": True,
+        }
         return super().__new__(mcls, name, bases, namespace, **(defaults | options))
 
 
 class Table(msgspec.Struct, metaclass=_TableType):
-    """A table of a scene file: its fields are the keys, each annotated with its meaning."""
+    """A table of a scene file: its fields are the keys, each annotated with its
+    meaning.
+    """
 
-    of_others: ClassVar[dict[str, str]] = {}  # keys looked for here that belong elsewhere, and what to do about them
+    # keys looked for here that belong elsewhere, and what to do about them
+    of_others: ClassVar[dict[str, str]] = {}
 
 
 class Several(tuple, Generic[T]):
@@ -60,7 +85,9 @@ class Span(Table, Generic[T], rename={"first": "from", "last": "to"}):
 
 
 def decode(kind: Any, content: Any) -> Any:
-    """A value of the type `kind` from what TOML holds. Raises `InputError` that begins with the key."""
+    """A value of the type `kind` from what TOML holds. Raises `InputError` that begins
+    with the key.
+    """
     try:
         return msgspec.convert(content, kind, dec_hook=_custom)
     except msgspec.ValidationError as error:
@@ -69,7 +96,9 @@ def decode(kind: Any, content: Any) -> Any:
 
 @contextlib.contextmanager
 def named(name: str) -> Iterator[None]:
-    """Puts a file, a table or a key before the message of an `InputError`, unless it begins with it."""
+    """Puts a file, a table or a key before the message of an `InputError`, unless it
+    begins with it.
+    """
     try:
         yield
     except InputError as error:
@@ -79,19 +108,28 @@ def named(name: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def path_from(key: str) -> Iterator[None]:
-    """Puts the key that holds a path in the place of the word "path" at the beginning of an `InputError`."""
+    """Puts the key that holds a path in the place of the word "path" at the beginning
+    of an `InputError`.
+    """
     try:
         yield
     except InputError as error:
         said = str(error)
-        raise InputError(f"{key}{said[4:]}" if said.startswith("path") else f"{key}: {said}") from error
+        raise InputError(
+            f"{key}{said[4:]}" if said.startswith("path") else f"{key}: {said}"
+        ) from error
 
 
 def only_one(table: Any, *keys: str) -> str:
-    """The one of the keys that the table has. Raises `InputError` for none and for more."""
+    """The one of the keys that the table has. Raises `InputError` for none and for
+    more.
+    """
     found = list(given(table, *keys))
     if len(found) != 1:
-        raise InputError(f"must have one of {', '.join(keys)}, got {' and '.join(found) or 'none of them'}.")
+        raise InputError(
+            f"must have one of {', '.join(keys)}, got "
+            f"{' and '.join(found) or 'none of them'}."
+        )
     return found[0]
 
 
@@ -104,7 +142,12 @@ def accepted(kind: Any) -> str:
     """What values a type accepts, in words."""
     origin, inner = get_origin(kind), get_args(kind)
     if origin is Annotated:
-        limits = {k: v for m in inner[1:] for k in ("gt", "ge", "le") if (v := getattr(m, k, None)) is not None}
+        limits = {
+            k: v
+            for m in inner[1:]
+            for k in ("gt", "ge", "le")
+            if (v := getattr(m, k, None)) is not None
+        }
         if limits.keys() == {"ge", "le"}:
             return f"{accepted(inner[0])} from {limits['ge']} to {limits['le']}"
         return "a positive number" if limits else accepted(inner[0])
@@ -124,15 +167,26 @@ def accepted(kind: Any) -> str:
         if origin is list and _is_table(inner[0]):
             return "a list of tables, each with two brackets around its name"
         if origin is list:
-            return {float: "a list of numbers", int: "a list of whole numbers"}.get(inner[0], f"a list, each {one}")
-        return f"{one}, a list of them, or {{ from, to, points }}" if origin is Sweep else f"{one}, or a list of them"
+            return {float: "a list of numbers", int: "a list of whole numbers"}.get(
+                inner[0], f"a list, each {one}"
+            )
+        return (
+            f"{one}, a list of them, or {{ from, to, points }}"
+            if origin is Sweep
+            else f"{one}, or a list of them"
+        )
     if _is_table(kind):
         return f"a table with the keys {', '.join(keys_of(kind))}"
     if isinstance(kind, type) and issubclass(kind, Quantity):
         return f'{kind.what} with its unit, such as "{kind.example}"'
     if kind in (None, type(None)):
         return "left out"
-    return {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}[kind]
+    return {
+        bool: "true or false",
+        int: "a whole number",
+        float: "a number",
+        str: "a text",
+    }[kind]
 
 
 def keys_of(kind: Any) -> dict[str, Any]:
@@ -145,12 +199,18 @@ def tables_of(kind: Any) -> tuple[Any, ...]:
     if _is_table(kind):
         return (kind,)
     inner = get_args(kind)
-    return tuple(table for part in inner for table in tables_of(part)) if get_origin(kind) is not Literal else ()
+    return (
+        tuple(table for part in inner for table in tables_of(part))
+        if get_origin(kind) is not Literal
+        else ()
+    )
 
 
 def is_list(kind: Any) -> bool:
     """Whether a type is a list of TOML's."""
-    return get_origin(get_args(kind)[0] if get_origin(kind) is Annotated else kind) is list
+    return (
+        get_origin(get_args(kind)[0] if get_origin(kind) is Annotated else kind) is list
+    )
 
 
 def _options(kind: Any) -> tuple[Any, ...]:
@@ -187,26 +247,51 @@ def _custom(kind: Any, value: Any) -> Any:
 
 def _spread(span: Span) -> list[float]:
     if not 0 < span.first < span.last:
-        raise InputError(f"must go from a smaller to a larger value above zero, got {span.first:g} to {span.last:g}.")
+        raise InputError(
+            "must go from a smaller to a larger value above zero, got "
+            f"{span.first:g} to {span.last:g}."
+        )
     import numpy as np
 
     return np.geomspace(span.first, span.last, span.points).tolist()
 
 
 def _explained(kind: Any, content: Any, error: msgspec.ValidationError) -> str:
-    """The message of msgspec's error: the key, what is wrong with its value, what is accepted."""
+    """The message of msgspec's error: the key, what is wrong with its value, what is
+    accepted.
+    """
     said, path = _PATH.fullmatch(str(error)).groups()  # type: ignore[union-attr]
-    steps = [int(i) if i else key for key, i in re.findall(r"\.(\w+)|\[(\d+)\]", path or "")]
+    steps = [
+        int(i) if i else key for key, i in re.findall(r"\.(\w+)|\[(\d+)\]", path or "")
+    ]
     for step in steps:
         kind, content = _inside(kind, content, step)
     if error.__cause__ is not None:  # our own words
         name = _name(steps, bool(tables_of(kind)))
         return f"{name}{'' if said[0] in '[:' and not name.endswith(']') else ' '}{said}".strip()
     if (match := re.search(r"unknown field `(.*)`", said, re.DOTALL)) is not None:
-        valid = list(dict.fromkeys(key for table in _chosen(kind, content) for key in _all_keys(table)))
-        other = next((t.of_others[match[1]] for t in _chosen(kind, content) if match[1] in t.of_others), "")
-        hint = f" {other}" if other else closest(match[1], valid) or f" Valid keys are {', '.join(valid)}."
-        return f"{_name(steps, table=True)} has a key that is not known: {match[1]!r}.{hint}".strip()
+        valid = list(
+            dict.fromkeys(
+                key for table in _chosen(kind, content) for key in _all_keys(table)
+            )
+        )
+        other = next(
+            (
+                t.of_others[match[1]]
+                for t in _chosen(kind, content)
+                if match[1] in t.of_others
+            ),
+            "",
+        )
+        hint = (
+            f" {other}"
+            if other
+            else closest(match[1], valid) or f" Valid keys are {', '.join(valid)}."
+        )
+        return (
+            f"{_name(steps, table=True)} has a key that is not known: "
+            f"{match[1]!r}.{hint}"
+        ).strip()
     if (match := re.search(r"missing required field `(.*)`", said)) is not None:
         within, _ = _inside(kind, content, match[1])
         name = _name([*steps, match[1]])
@@ -214,14 +299,21 @@ def _explained(kind: Any, content: Any, error: msgspec.ValidationError) -> str:
             name = f"[[{name}]]" if is_list(within) else f"[{name}]"
         return f"{name} is missing: it must be {accepted(within)}."
     hint = closest(content, _options(kind)) if isinstance(content, str) else ""
-    return f"{_name(steps, bool(tables_of(kind)))} must be {accepted(kind)}, got {shown(content)}.{hint}"
+    return (
+        f"{_name(steps, bool(tables_of(kind)))} must be {accepted(kind)}, got "
+        f"{shown(content)}.{hint}"
+    )
 
 
 def _chosen(kind: Any, content: Any) -> tuple[Any, ...]:
     """The table of a union whose tag the content has, or all of them."""
     tables = tables_of(kind)
     config = (get_origin(tables[0]) or tables[0]).__struct_config__
-    tagged = [t for t in tables if config.tag_field and t.__struct_config__.tag == content.get(config.tag_field)]
+    tagged = [
+        t
+        for t in tables
+        if config.tag_field and t.__struct_config__.tag == content.get(config.tag_field)
+    ]
     return tuple(tagged) or tables
 
 
@@ -238,11 +330,15 @@ def _inside(kind: Any, content: Any, step: str | int) -> tuple[Any, Any]:
     for table in _chosen(kind, content):
         if step in (keys := keys_of(table)):
             return keys[step].type, content.get(step)
-    return Literal[tuple(table.__struct_config__.tag for table in tables_of(kind))], content.get(step)
+    return Literal[
+        tuple(table.__struct_config__.tag for table in tables_of(kind))
+    ], content.get(step)
 
 
 def _name(steps: list[Any], table: bool = False) -> str:
-    """The place as messages call it, such as "[contact] load", "[stage 2] way" or "[history] time[1]"."""
+    """The place as messages call it, such as "[contact] load", "[stage 2] way" or
+    "[history] time[1]".
+    """
     if not steps:
         return ""
     if isinstance(steps[-1], int) and not table:

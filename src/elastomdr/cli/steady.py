@@ -1,4 +1,6 @@
-"""Scenes of `elastomdr friction`, `rolling` and `plan`: steady sliding and rolling, its heat, a whole belt."""
+"""Scenes of `elastomdr friction`, `rolling` and `plan`: steady sliding and rolling, its
+heat, a whole belt.
+"""
 
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -24,7 +26,7 @@ from .units import (
     Pressure,
     Temperature,
     Velocity,
-)  # fmt: skip
+)
 
 
 class BodyContact(Contact):
@@ -32,10 +34,15 @@ class BodyContact(Contact):
 
     one_of: ClassVar[tuple[str, ...]] = ("load", "depth")
     load: Annotated[Several[Force] | None, "normal force"] = None
-    depth: Annotated[Several[Length] | None, "indentation depth, in place of the load"] = None
+    depth: Annotated[
+        Several[Length] | None, "indentation depth, in place of the load"
+    ] = None
 
     of_others: ClassVar[dict[str, str]] = {
-        "pressure": "A body is pressed on with a load or a depth; a nominal pressure is that of a [surface]."
+        "pressure": (
+            "A body is pressed on with a load or a depth; a nominal pressure is that "
+            "of a [surface]."
+        )
     }
 
 
@@ -44,11 +51,16 @@ class SurfaceContact(Contact):
 
     one_of: ClassVar[tuple[str, ...]] = ("pressure", "load", "depth")
     pressure: Annotated[Several[Pressure] | None, "nominal pressure"] = None
-    load: Annotated[Several[LineLoad] | None, "force per length of a line, in place of the pressure"] = None
-    depth: Annotated[Several[Length] | None, "depth of the highest point of a line, in place of it"] = None
-    strain_share: Annotated[float | None, "strain at a scale over the rms slope up to it, of a rubber that softens"] = (
-        None
-    )
+    load: Annotated[
+        Several[LineLoad] | None, "force per length of a line, in place of the pressure"
+    ] = None
+    depth: Annotated[
+        Several[Length] | None, "depth of the highest point of a line, in place of it"
+    ] = None
+    strain_share: Annotated[
+        float | None,
+        "strain at a scale over the rms slope up to it, of a rubber that softens",
+    ] = None
 
     def arguments(self) -> dict[str, Any]:
         """As of every contact, and what goes with a softening."""
@@ -56,21 +68,32 @@ class SurfaceContact(Contact):
 
 
 class OfDraws(OfBodies):
-    """A scene whose result may have a band of the uncertainty of its material and road."""
+    """A scene whose result may have a band of the uncertainty of its material and
+    road.
+    """
 
     uncertainty: Annotated[
-        Draws | None, "number of draws for the band, 2 or more: of the [misfit] in the material's file, and of the road"
+        Draws | None,
+        (
+            "number of draws for the band, 2 or more: of the [misfit] in the "
+            "material's file, and of the road"
+        ),
     ] = None
 
     def rubbers(self, folder: Path) -> list[Any]:
-        """The materials, or draws of the one. Raises `InputError` where nothing is known of its uncertainty."""
+        """The materials, or draws of the one. Raises `InputError` where nothing is
+        known of its uncertainty.
+        """
         found = super().rubbers(folder)
         if self.uncertainty is None:
             return found
         if len(found) > 1 or self.other is not None:
             raise InputError("uncertainty belongs to a single material, without other.")
         if not isinstance(found[0], em.Prony):
-            raise InputError("uncertainty must be left out with a material that is a table of moduli: it has no draws.")
+            raise InputError(
+                "uncertainty must be left out with a material that is a table of "
+                "moduli: it has no draws."
+            )
         with named("uncertainty:"):
             return found[0].draws(self.uncertainty)
 
@@ -83,7 +106,11 @@ class Rolling(OfDraws):
     contact: Annotated[BodyContact, "how it is pressed on and moved"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
-        return on_axes({"shape": body(self.indenter, folder)} | self.common(folder) | self.contact.arguments())
+        return on_axes(
+            {"shape": body(self.indenter, folder)}
+            | self.common(folder)
+            | self.contact.arguments()
+        )
 
 
 class BodyFriction(Rolling):
@@ -91,10 +118,14 @@ class BodyFriction(Rolling):
 
     call: ClassVar[str] = "friction"
     adhesion: Annotated[Adhesion | None, "adhesive shear of the contact"] = None
-    measured: Annotated[Text | None, "measured friction, a table beside the scene, drawn over the curve"] = None
+    measured: Annotated[
+        Text | None, "measured friction, a table beside the scene, drawn over the curve"
+    ] = None
 
     def arguments(self, folder: Path) -> dict[str, Any]:
-        return super().arguments(folder) | ({} if self.adhesion is None else {"adhesion": self.adhesion.make()})
+        return super().arguments(folder) | (
+            {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
+        )
 
 
 class SurfaceFriction(OfDraws):
@@ -105,23 +136,38 @@ class SurfaceFriction(OfDraws):
     surface: Annotated[AnySurface, "the rough surface"]
     contact: Annotated[SurfaceContact, "how it is pressed on and moved"]
     heat: Annotated[Heat | None, "flash temperature"] = None
-    adhesion: Annotated[Adhesion | None, "adhesive shear on the area of real contact"] = None
-    measured: Annotated[Text | None, "measured friction, a table beside the scene, drawn over the curve"] = None
+    adhesion: Annotated[
+        Adhesion | None, "adhesive shear on the area of real contact"
+    ] = None
+    measured: Annotated[
+        Text | None, "measured friction, a table beside the scene, drawn over the curve"
+    ] = None
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[surface]"):
             surface = self.surface.drawn(folder, self.uncertainty)
         heat = {} if self.heat is None else {"heat": self.heat.make()}
         shear = {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
-        return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat | shear)
+        return on_axes(
+            {"shape": surface}
+            | self.common(folder)
+            | self.contact.arguments()
+            | heat
+            | shear
+        )
 
 
 class Compare(Table):
     """Where the materials are ranked."""
 
-    velocity: Annotated[Velocity | None, "sliding velocity; by default the middle, on a logarithmic scale"] = None
+    velocity: Annotated[
+        Velocity | None,
+        "sliding velocity; by default the middle, on a logarithmic scale",
+    ] = None
     temperature: Annotated[Temperature | None, "by default the middle"] = None
-    pressure: Annotated[Pressure | None, "nominal; by default the middle, on a logarithmic scale"] = None
+    pressure: Annotated[
+        Pressure | None, "nominal; by default the middle, on a logarithmic scale"
+    ] = None
 
     def place(self) -> dict[str, Any]:
         """The place, in SI units."""
@@ -152,14 +198,22 @@ class HeatBuildUp(Table):
 
     ambient: Annotated[Several[Temperature], "temperature of the surroundings"]
     conductance: Annotated[Conductance, "from the body to its surroundings"]
-    capacity: Annotated[HeatCapacity | None, "heat capacity of the body, for the way to the steady state"] = None
+    capacity: Annotated[
+        HeatCapacity | None,
+        "heat capacity of the body, for the way to the steady state",
+    ] = None
     duration: Annotated[Duration | None, "how long the body rolls"] = None
     points: Annotated[Instants, "instants of that time"] = 121
-    hottest: Annotated[Temperature | None, "highest temperature looked at, by default the material's"] = None
+    hottest: Annotated[
+        Temperature | None, "highest temperature looked at, by default the material's"
+    ] = None
 
     def __post_init__(self) -> None:
         if (self.capacity is None) != (self.duration is None):
-            raise InputError("capacity and duration belong together: give both for the history, or neither.")
+            raise InputError(
+                "capacity and duration belong together: give both for the "
+                "history, or neither."
+            )
 
 
 class WarmingScene(OfBodies):
@@ -175,10 +229,18 @@ class WarmingScene(OfBodies):
     def arguments(self, folder: Path) -> dict[str, Any]:
         import numpy as np
 
-        found = {"shape": body(self.indenter, folder)} | self.common(folder) | self.contact.arguments()
-        found |= given(self.heat_build_up, "ambient", "conductance", "capacity", "hottest")
+        found = (
+            {"shape": body(self.indenter, folder)}
+            | self.common(folder)
+            | self.contact.arguments()
+        )
+        found |= given(
+            self.heat_build_up, "ambient", "conductance", "capacity", "hottest"
+        )
         if self.heat_build_up.duration is not None:
-            found["time"] = np.linspace(0, self.heat_build_up.duration, self.heat_build_up.points)
+            found["time"] = np.linspace(
+                0, self.heat_build_up.duration, self.heat_build_up.points
+            )
         return on_axes(found)
 
 
@@ -189,7 +251,9 @@ class ConveyorContact(Table):
 
 
 class Conveyor(Table):
-    """A belt conveyor: roll and cover of the scene on the carry side, one roll in a set on the return side."""
+    """A belt conveyor: roll and cover of the scene on the carry side, one roll in a set
+    on the return side.
+    """
 
     spacing: Annotated[Length, "distance of the sets of idlers on the carry side"]
     shares: Annotated[
@@ -199,8 +263,12 @@ class Conveyor(Table):
     belt: Annotated[LineMass, "mass of the belt per length"]
     goods: Annotated[Several[LoadedMass], "mass of the goods per length"]
     return_spacing: Annotated[Length, "distance of the rolls on the return side"]
-    return_length: Annotated[Length | None, "length of such a roll; by default that of all rolls of a set"] = None
-    return_thickness: Annotated[Length | None, "of the cover that it dents; by default that of the layer"] = None
+    return_length: Annotated[
+        Length | None, "length of such a roll; by default that of all rolls of a set"
+    ] = None
+    return_thickness: Annotated[
+        Length | None, "of the cover that it dents; by default that of the layer"
+    ] = None
 
 
 class ConveyorScene(Scene):
@@ -217,13 +285,24 @@ class ConveyorScene(Scene):
         belt, roll, layer = self.conveyor, self.indenter, self.layer
         material = load(folder, "material", self.material[0])
         with named("[layer]"):
-            carried, back = layer.on_base(material), layer.on_base(material, belt.return_thickness)
+            carried, back = (
+                layer.on_base(material),
+                layer.on_base(material, belt.return_thickness),
+            )
         shares = belt.shares or [1.0]
         length = belt.return_length or len(shares) * roll.length
         with named("[conveyor]"):
             sides = {
-                "carry": em.Idlers(carried, body(roll, folder), spacing=belt.spacing, shares=shares),
-                "back": em.Idlers(back, em.Cylinder(roll.radius, length), spacing=belt.return_spacing),
+                "carry": em.Idlers(
+                    carried, body(roll, folder), spacing=belt.spacing, shares=shares
+                ),
+                "back": em.Idlers(
+                    back, em.Cylinder(roll.radius, length), spacing=belt.return_spacing
+                ),
             }
-        found = given(self, "temperature") | self.numerics.chosen() | given(belt, "belt", "goods")
+        found = (
+            given(self, "temperature")
+            | self.numerics.chosen()
+            | given(belt, "belt", "goods")
+        )
         return sides | on_axes(found | {"velocity": self.contact.velocity})

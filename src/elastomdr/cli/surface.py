@@ -8,7 +8,17 @@ from typing import Annotated, Any, Literal
 import elastomdr as em
 
 from ..errors import InputError
-from .schema import Count, Positive, Several, Table, Text, given, named, only_one, path_from
+from .schema import (
+    Count,
+    Positive,
+    Several,
+    Table,
+    Text,
+    given,
+    named,
+    only_one,
+    path_from,
+)
 from .units import (
     Conductivity,
     Length,
@@ -26,12 +36,23 @@ _OF_LINE = ("equivalent_length", "seed", "periods", "samples")
 class Surface(Table, tag_field="shape"):
     """A rough surface."""
 
-    equivalent_length: Annotated[Text | None, "elastomdr slide: as in [contact] of friction"] = None
+    equivalent_length: Annotated[
+        Text | None, "elastomdr slide: as in [contact] of friction"
+    ] = None
     seed: Annotated[Count | None, "elastomdr slide: which line of the surface"] = None
-    periods: Annotated[Count | None, "elastomdr slide: length of the line in longest waves"] = None
-    samples: Annotated[Count | None, "elastomdr slide: samples of the line, 64 or more"] = None
-    level_error: Annotated[Positive | None, "relative standard deviation of C, with uncertainty"] = None
-    cutoff_error: Annotated[Positive | None, "relative standard deviation of the upper cutoff, with uncertainty"] = None
+    periods: Annotated[
+        Count | None, "elastomdr slide: length of the line in longest waves"
+    ] = None
+    samples: Annotated[
+        Count | None, "elastomdr slide: samples of the line, 64 or more"
+    ] = None
+    level_error: Annotated[
+        Positive | None, "relative standard deviation of C, with uncertainty"
+    ] = None
+    cutoff_error: Annotated[
+        Positive | None,
+        "relative standard deviation of the upper cutoff, with uncertainty",
+    ] = None
 
     @abc.abstractmethod
     def make(self, folder: Path) -> Any:
@@ -41,7 +62,11 @@ class Surface(Table, tag_field="shape"):
         """The surface, where no line of it is asked for."""
         for key in _OF_LINE:
             if getattr(self, key) is not None:
-                raise InputError(f"{key} belongs to elastomdr slide; here it stands in [contact], beside the model.")
+                raise InputError(
+                    f"{key} belongs to elastomdr slide; here it stands in "
+                    "[contact], "
+                    "beside the model."
+                )
         return self.make(folder)
 
     def drawn(self, folder: Path, count: int | None) -> Any:
@@ -52,11 +77,16 @@ class Surface(Table, tag_field="shape"):
         if not errors:
             return surface
         if count is None:
-            raise InputError("level_error and cutoff_error belong to uncertainty, the number of draws.")
+            raise InputError(
+                "level_error and cutoff_error belong to uncertainty, the number of "
+                "draws."
+            )
         return surface.draws(count, seed=1, **errors)
 
     def line(self, folder: Path) -> tuple[Any, float]:
-        """One line of the surface, and the length that turns a pressure into its load [m]."""
+        """One line of the surface, and the length that turns a pressure into its load
+        [m].
+        """
         if self.samples is not None and self.samples < 64:
             raise InputError(f"samples must be 64 or more, got {self.samples}.")
         surface = self.make(folder)
@@ -65,7 +95,11 @@ class Surface(Table, tag_field="shape"):
             length = equivalent_length(self.equivalent_length)
         if isinstance(length, str):
             length = surface.full_contact_length
-        options = {key: value for key in _OF_LINE[1:] if (value := getattr(self, key)) is not None}
+        options = {
+            key: value
+            for key in _OF_LINE[1:]
+            if (value := getattr(self, key)) is not None
+        }
         return surface.line(**options), float(length)
 
 
@@ -73,14 +107,21 @@ class SelfAffine(Surface, tag="self_affine"):
     """A self-affine surface between two wavelengths."""
 
     hurst: Annotated[float, "Hurst exponent"]
-    rms_slope: Annotated[Positive | None, "rms slope of the surface; that of a cut is smaller by the root of 2"] = None
+    rms_slope: Annotated[
+        Positive | None,
+        "rms slope of the surface; that of a cut is smaller by the root of 2",
+    ] = None
     rms_height: Annotated[Length | None, "rms height, in place of the slope"] = None
     longest: Annotated[Length | None, "longest wavelength, or q_low"] = None
     shortest: Annotated[Length | None, "shortest wavelength, or q_high"] = None
-    rolloff: Annotated[Length | None, "wavelength above which the spectrum is flat, or q_rolloff"] = None
+    rolloff: Annotated[
+        Length | None, "wavelength above which the spectrum is flat, or q_rolloff"
+    ] = None
     q_low: Annotated[WaveNumber | None, "smallest wave number"] = None
     q_high: Annotated[WaveNumber | None, "largest wave number"] = None
-    q_rolloff: Annotated[WaveNumber | None, "wave number below which the spectrum is flat"] = None
+    q_rolloff: Annotated[
+        WaveNumber | None, "wave number below which the spectrum is flat"
+    ] = None
 
     def __post_init__(self) -> None:
         only_one(self, "rms_slope", "rms_height")
@@ -90,8 +131,14 @@ class SelfAffine(Surface, tag="self_affine"):
             raise InputError("must have one of rolloff, q_rolloff, got both.")
 
     def make(self, folder: Path) -> Any:
-        waves = {"q_low": self.longest, "q_high": self.shortest, "q_rolloff": self.rolloff}
-        numbers = {key: 2 * math.pi / wave for key, wave in waves.items() if wave is not None}
+        waves = {
+            "q_low": self.longest,
+            "q_high": self.shortest,
+            "q_rolloff": self.rolloff,
+        }
+        numbers = {
+            key: 2 * math.pi / wave for key, wave in waves.items() if wave is not None
+        }
         keys = ("rms_slope", "rms_height", "q_low", "q_high", "q_rolloff")
         return em.SelfAffine(self.hurst, **numbers, **given(self, *keys))
 
@@ -105,41 +152,64 @@ class Spectrum(Surface, tag="spectrum"):
     ]
     q: Annotated[list[float] | None, "wave numbers [rad/m]"] = None
     c: Annotated[list[float] | None, "power spectrum C at these, in SI units"] = None
-    file: Annotated[Text | None, "a table of wave numbers and C, in place of q and c"] = None
-    wave_number: Annotated[Literal["2 pi/lambda", "1/lambda"] | None, "what the wave numbers count"] = None
-    q_unit: Annotated[Text | None, "unit of the first column, where its title has none"] = None
-    c_unit: Annotated[Text | None, "unit of the second column, where its title has none"] = None
+    file: Annotated[
+        Text | None, "a table of wave numbers and C, in place of q and c"
+    ] = None
+    wave_number: Annotated[
+        Literal["2 pi/lambda", "1/lambda"] | None, "what the wave numbers count"
+    ] = None
+    q_unit: Annotated[
+        Text | None, "unit of the first column, where its title has none"
+    ] = None
+    c_unit: Annotated[
+        Text | None, "unit of the second column, where its title has none"
+    ] = None
     columns: Annotated[list[int] | None, "which two of several columns, from 1"] = None
     longest: Annotated[Length | None, "the table is cut at this wavelength"] = None
     shortest: Annotated[Length | None, "the table is cut at this wavelength"] = None
 
     def __post_init__(self) -> None:
         only_one(self, "q", "file")
-        options = given(self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest")
+        options = given(
+            self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest"
+        )
         if self.q is not None and (options or self.c is None):
-            raise InputError(f"must have c beside q, and nothing that goes with a file, got {', '.join(options)}.")
+            raise InputError(
+                "must have c beside q, and nothing that goes with a file, got "
+                f"{', '.join(options)}."
+            )
 
     def make(self, folder: Path) -> Any:
         if self.q is not None and self.c is not None:
             return em.Spectrum(self.q, self.c, convention=self.convention)
-        options = given(self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest")
+        options = given(
+            self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest"
+        )
         with path_from("file"):
-            return em.read_spectrum(folder / str(self.file), convention=self.convention, **options)
+            return em.read_spectrum(
+                folder / str(self.file), convention=self.convention, **options
+            )
 
 
 class Measured(Surface, tag="file"):
     """A measured profile or map."""
 
     file: Annotated[Text, "the heights, in a table or a format of SurfaceTopography"]
-    pixel_size: Annotated[Several[Length] | None, "step, or one for each direction"] = None
-    shortest: Annotated[Length | None, "resolution of the instrument: shorter waves are left out"] = None
+    pixel_size: Annotated[Several[Length] | None, "step, or one for each direction"] = (
+        None
+    )
+    shortest: Annotated[
+        Length | None, "resolution of the instrument: shorter waves are left out"
+    ] = None
     unit: Annotated[Text | None, "unit of the heights, where the file has none"] = None
     detrend: Annotated[bool, "whether the mean plane is taken off"] = True
 
     def make(self, folder: Path) -> Any:
         options = given(self, "shortest", "unit")
         if self.pixel_size is not None:
-            options["pixel_size"] = self.pixel_size if len(self.pixel_size) > 1 else self.pixel_size[0]
+            options["pixel_size"] = (
+                self.pixel_size if len(self.pixel_size) > 1 else self.pixel_size[0]
+            )
         with path_from("file"):
             return em.read_surface(folder / self.file, detrend=self.detrend, **options)
 
@@ -159,32 +229,55 @@ class Heat(Table):
 
     conductivity: Annotated[Conductivity, "thermal conductivity of the rubber"]
     heat_capacity: Annotated[VolumeCapacity, "heat capacity of the rubber per volume"]
-    road: Annotated[Road | None, "the counterface that takes its share of the heat; without it, none flows there"] = (
-        None
-    )
+    road: Annotated[
+        Road | None,
+        (
+            "the counterface that takes its share of the heat; without it, none flows "
+            "there"
+        ),
+    ] = None
 
     def make(self) -> Any:
         """The conduction."""
-        road = None if self.road is None else (self.road.conductivity, self.road.heat_capacity)
+        road = (
+            None
+            if self.road is None
+            else (self.road.conductivity, self.road.heat_capacity)
+        )
         return em.Heat(self.conductivity, self.heat_capacity, road=road)
 
 
 class Adhesion(Table):
-    """Adhesive shear on the area of real contact, in dry friction: stress exp(-width log10(v a_T/velocity)^2)."""
+    """Adhesive shear on the area of real contact, in dry friction: stress exp(-width
+    log10(v a_T/velocity)^2).
+    """
 
     stress: Annotated[Pressure, "largest shear stress"]
-    velocity: Annotated[Velocity, "sliding velocity of the largest stress, at the reference temperature"]
+    velocity: Annotated[
+        Velocity, "sliding velocity of the largest stress, at the reference temperature"
+    ]
     width: Annotated[float, "width of the bell over log10 v, 0 or more"]
-    energy: Annotated[MolarEnergy | None, "activation energy of its a_T (Arrhenius); without it none"] = None
-    reference: Annotated[Temperature | None, "reference temperature, with energy"] = None
+    energy: Annotated[
+        MolarEnergy | None, "activation energy of its a_T (Arrhenius); without it none"
+    ] = None
+    reference: Annotated[Temperature | None, "reference temperature, with energy"] = (
+        None
+    )
 
     def __post_init__(self) -> None:
         if (self.energy is None) != (self.reference is None):
-            raise InputError("energy and reference belong together: give both, or neither for an athermal stress.")
+            raise InputError(
+                "energy and reference belong together: give both, or neither for "
+                "an athermal stress."
+            )
 
     def make(self) -> Any:
         """The law."""
-        shift = None if self.energy is None or self.reference is None else em.Arrhenius(self.energy, self.reference)
+        shift = (
+            None
+            if self.energy is None or self.reference is None
+            else em.Arrhenius(self.energy, self.reference)
+        )
         with named("[adhesion]"):
             return em.AdhesiveShear(self.stress, self.velocity, self.width, shift=shift)
 

@@ -1,4 +1,6 @@
-"""`elastomdr sweep`: a scene at every combination of the values of its lists, into a store."""
+"""`elastomdr sweep`: a scene at every combination of the values of its lists, into a
+store.
+"""
 
 import argparse
 import copy
@@ -17,15 +19,24 @@ from .kinds import decoded, read_content
 from .schema import Table, decode, named
 
 _TABLE_ROWS = 1_000_000
-_ARRAYS = ("mass", "pressure", "load", "depth", "temperature", "velocity")  # slowest first
+# slowest first
+_ARRAYS = ("mass", "pressure", "load", "depth", "temperature", "velocity")
 
 
 class Sweep(Table):
-    """What is varied besides the lists that the scene has: materials, temperatures, pressures, velocities."""
+    """What is varied besides the lists that the scene has: materials, temperatures,
+    pressures, velocities.
+    """
 
-    call: Annotated[Literal["friction", "rolling", "impact"], "what is computed"] = "friction"
+    call: Annotated[Literal["friction", "rolling", "impact"], "what is computed"] = (
+        "friction"
+    )
     vary: Annotated[
-        dict[str, list[Any]], 'keys of the scene with a list of values each, such as "surface.shortest" = ["1 mm"]'
+        dict[str, list[Any]],
+        (
+            'keys of the scene with a list of values each, such as "surface.shortest" '
+            '= ["1 mm"]'
+        ),
     ] = {}  # noqa: RUF012
 
 
@@ -37,27 +48,42 @@ class _Sweeping(Table):
 
 @dataclass(frozen=True)
 class Varied:
-    """A verb whose arguments other than arrays are looked up by what varies in a scene."""
+    """A verb whose arguments other than arrays are looked up by what varies in a
+    scene.
+    """
 
     verb: str
     names: tuple[str, ...]  # of the axes that are looked up
     values: tuple[tuple[Any, ...], ...]  # along each of them
-    arguments: tuple[dict[str, Any], ...]  # one for each combination, the last axis fastest
+    # one for each combination, the last axis fastest
+    arguments: tuple[dict[str, Any], ...]
 
     @property
     def __name__(self) -> str:
         return self.verb
 
-    def __call__(self, material: Any = None, draw: int | None = None, **given: Any) -> Any:
+    def __call__(
+        self, material: Any = None, draw: int | None = None, **given: Any
+    ) -> Any:
         import numpy as np
 
         from ..material.draws import Draws
 
         given |= {} if material is None else {"material": material}
-        place = [values.index(given.pop(name)) for name, values in zip(self.names, self.values, strict=True)]
-        found = self.arguments[int(np.ravel_multi_index(place, [len(v) for v in self.values])) if place else 0]
+        place = [
+            values.index(given.pop(name))
+            for name, values in zip(self.names, self.values, strict=True)
+        ]
+        found = self.arguments[
+            int(np.ravel_multi_index(place, [len(v) for v in self.values]))
+            if place
+            else 0
+        ]
         if draw is not None:
-            found = {key: value[draw - 1] if isinstance(value, Draws) else value for key, value in found.items()}
+            found = {
+                key: value[draw - 1] if isinstance(value, Draws) else value
+                for key, value in found.items()
+            }
         return getattr(em, self.verb)(**found, **given)
 
 
@@ -78,13 +104,19 @@ def run(options: argparse.Namespace) -> int:
         if name in ("mu", "coefficient", "restitution"):
             print(f"{name}: {float(values.min()):.4g} to {float(values.max()):.4g}")
     if options.table:
-        _write_table(found, Path(options.table), list(_header(found, _inputs(call, content, path))))
+        _write_table(
+            found,
+            Path(options.table),
+            list(_header(found, _inputs(call, content, path))),
+        )
     print(f"wrote {options.out}" + (f" and {options.table}" if options.table else ""))
     return DONE if good == found.converged.size else NOT_CONVERGED
 
 
 def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, Any]]:
-    """The call of a sweep and its axes, from the content of a scene file. Raises `InputError`."""
+    """The call of a sweep and its axes, from the content of a scene file. Raises
+    `InputError`.
+    """
     import numpy as np
 
     from ..material.draws import Draws
@@ -93,7 +125,10 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
     scene = {key: value for key, value in content.items() if key != "sweep"}
     for key, values in asked.vary.items():
         if not values:
-            raise InputError(f"[sweep.vary] {key} must be a list of one value or more, got an empty list.")
+            raise InputError(
+                f"[sweep.vary] {key} must be a list of one value or more, got an "
+                "empty list."
+            )
     listed = scene.get("material")
     materials = listed if isinstance(listed, list) else []
     several = len(materials) > 1
@@ -108,27 +143,48 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
         for key, value in zip(names, combination, strict=True):
             _put(one, key, list(value) if isinstance(value, tuple) else value)
         found = decoded(asked.call, one).arguments(folder)
-        here = {name: np.ravel(found.pop(name)) for name in _ARRAYS if np.size(found.get(name, 0)) > 1}
-        if arguments and {k: v.tolist() for k, v in here.items()} != {k: v.tolist() for k, v in arrays.items()}:
-            raise InputError("[sweep.vary] must hold keys with one value each: lists of numbers stand in the scene.")
+        here = {
+            name: np.ravel(found.pop(name))
+            for name in _ARRAYS
+            if np.size(found.get(name, 0)) > 1
+        }
+        if arguments and {k: v.tolist() for k, v in here.items()} != {
+            k: v.tolist() for k, v in arrays.items()
+        }:
+            raise InputError(
+                "[sweep.vary] must hold keys with one value each: lists of numbers "
+                "stand in the scene."
+            )
         arguments.append(found)
         arrays = here
-    counts = {len(value) for found in arguments for value in found.values() if isinstance(value, Draws)}
+    counts = {
+        len(value)
+        for found in arguments
+        for value in found.values()
+        if isinstance(value, Draws)
+    }
     drawn = {"draw": list(range(1, min(counts) + 1))} if counts else {}
     axes = dict(zip(names, map(list, values), strict=True)) | drawn | arrays
     if not axes:
-        raise InputError("[sweep] is missing, and nothing in the scene is a list: there is nothing to sweep over.")
+        raise InputError(
+            "[sweep] is missing, and nothing in the scene is a list: there is "
+            "nothing to sweep over."
+        )
     return Varied(asked.call, names, values, tuple(arguments)), axes
 
 
 def _put(scene: dict[str, Any], key: str, value: Any) -> None:
-    """Sets a key such as "surface.shortest". Raises `InputError` where the scene has no such table."""
+    """Sets a key such as "surface.shortest". Raises `InputError` where the scene has no
+    such table.
+    """
     *tables, last = key.split(".")
     place: Any = scene
     for table in tables:
         place = place.get(table) if isinstance(place, dict) else None
     if not isinstance(place, dict):
-        raise InputError(f"[sweep.vary] has a key in a table that the scene does not have: {key!r}.")
+        raise InputError(
+            f"[sweep.vary] has a key in a table that the scene does not have: {key!r}."
+        )
     place[last] = value
 
 
@@ -137,7 +193,9 @@ def _hashable(value: Any) -> Any:
 
 
 def _client(address: str | None) -> Any:
-    """A client of the cluster at an address. Raises `InputError` where there is none."""
+    """A client of the cluster at an address. Raises `InputError` where there is
+    none.
+    """
     import contextlib
     import logging
 
@@ -150,31 +208,48 @@ def _client(address: str | None) -> Any:
         return Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise InputError(
-            f"--scheduler must be the address of a running Dask scheduler, got {address!r}: {error}"
+            "--scheduler must be the address of a running Dask scheduler, got "
+            f"{address!r}: {error}"
         ) from error
     except ImportError as error:
-        raise InputError("--scheduler needs distributed: pip install elastomdr[sweep]") from error
+        raise InputError(
+            "--scheduler needs distributed: pip install elastomdr[sweep]"
+        ) from error
 
 
 def _write_table(found: Any, path: Path, header: list[str]) -> None:
-    """All points as rows, titled as in the tables of curves, so that `em.load_friction` reads a map of friction.
+    """All points as rows, titled as in the tables of curves, so that `em.load_friction`
+    reads a map of friction.
 
-    The header stands above, or in a sheet of its own. Raises `InputError` for a sheet too long.
+    The header stands above, or in a sheet of its own. Raises `InputError` for a sheet
+    too long.
     """
     from ..files import csv_text, write_files
 
     points = found.drop_vars("state")
     if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
-        raise InputError(f"--table: a sheet of Excel has {_TABLE_ROWS} rows, got {points.converged.size}: use .csv.")
+        raise InputError(
+            f"--table: a sheet of Excel has {_TABLE_ROWS} rows, got "
+            f"{points.converged.size}: use .csv."
+        )
     frame = points.to_dataframe().reset_index()
     about = {name: points[name].attrs for name in frame.columns}
     titles = [
-        f"{a.get('long_name', name)} [{a['units']}]" if a.get("units") else a.get("long_name", name)
+        f"{a.get('long_name', name)} [{a['units']}]"
+        if a.get("units")
+        else a.get("long_name", name)
         for name, a in about.items()
     ]
     if path.suffix == ".csv":
         write_files(
-            {path: csv_text(header, dict(zip(titles, (frame[c].to_numpy() for c in frame), strict=True))).encode()}
+            {
+                path: csv_text(
+                    header,
+                    dict(
+                        zip(titles, (frame[c].to_numpy() for c in frame), strict=True)
+                    ),
+                ).encode()
+            }
         )
         return
     import io
@@ -185,18 +260,29 @@ def _write_table(found: Any, path: Path, header: list[str]) -> None:
 
     with pandas.ExcelWriter(buffer, engine="openpyxl") as book:
         frame.to_excel(book, sheet_name="result", index=False)
-        pandas.DataFrame(header, columns=["inputs"]).to_excel(book, sheet_name="inputs", index=False)
+        pandas.DataFrame(header, columns=["inputs"]).to_excel(
+            book, sheet_name="inputs", index=False
+        )
     write_files({path: buffer.getvalue()})
 
 
-def _inputs(call: Varied, content: dict[str, Any], path: Path) -> Iterator[tuple[str, str]]:
-    """What went in: scene and title, and each material and body that was computed, once."""
+def _inputs(
+    call: Varied, content: dict[str, Any], path: Path
+) -> Iterator[tuple[str, str]]:
+    """What went in: scene and title, and each material and body that was computed,
+    once.
+    """
     yield "scene", path.name
     if title := content.get("title"):
         yield "title", " ".join(str(title).split())
-    materials = [getattr(given.get("material"), "name", "") or "given directly" for given in call.arguments]
+    materials = [
+        getattr(given.get("material"), "name", "") or "given directly"
+        for given in call.arguments
+    ]
     yield "material", ", ".join(dict.fromkeys(materials))
-    bodies = {_in_words(given["shape"]): None for given in call.arguments if "shape" in given}
+    bodies = {
+        _in_words(given["shape"]): None for given in call.arguments if "shape" in given
+    }
     if bodies:
         yield "surface" if "surface" in content else "indenter", "; ".join(bodies)
 
@@ -215,4 +301,6 @@ def _header(found: Any, inputs: Iterable[tuple[str, str]]) -> Iterator[str]:
     yield f"elastomdr {em.__version__}: sweep"
     yield "units: SI, in brackets in the column titles"
     yield from (f"{name}: {text}" for name, text in inputs)
-    yield from (f"{name}: {value}" for name, value in found.attrs.items() if name != "sweep")
+    yield from (
+        f"{name}: {value}" for name, value in found.attrs.items() if name != "sweep"
+    )

@@ -1,4 +1,6 @@
-"""Quantities with their units, such as "5 mm" or "20 degC", as types of the scene file's schema; SI numbers inside."""
+"""Quantities with their units, such as "5 mm" or "20 degC", as types of the scene
+file's schema; SI numbers inside.
+"""
 
 import math
 import re
@@ -9,21 +11,52 @@ from ..errors import InputError, closest
 from ..units.registry import harmless
 
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL
+)
 
-# The usual units of each SI unit, converted exactly and without loading pint, which knows all others.
+# The usual units of each SI unit, converted exactly and without loading pint, which
+# knows all others.
 USUAL = {
-    "m": {"m": "1", "mm": "1e-3", "um": "1e-6", "µm": "1e-6", "nm": "1e-9", "cm": "1e-2", "km": "1e3"},
+    "m": {
+        "m": "1",
+        "mm": "1e-3",
+        "um": "1e-6",
+        "µm": "1e-6",
+        "nm": "1e-9",
+        "cm": "1e-2",
+        "km": "1e3",
+    },
     "N": {"N": "1", "mN": "1e-3", "uN": "1e-6", "kN": "1e3", "MN": "1e6"},
-    "m/s": {"m/s": "1", "mm/s": "1e-3", "um/s": "1e-6", "nm/s": "1e-9", "cm/s": "1e-2", "km/h": "1/3.6"},
+    "m/s": {
+        "m/s": "1",
+        "mm/s": "1e-3",
+        "um/s": "1e-6",
+        "nm/s": "1e-9",
+        "cm/s": "1e-2",
+        "km/h": "1/3.6",
+    },
     "K": {"K": "1", "degC": "1"},
-    "s": {"s": "1", "ms": "1e-3", "us": "1e-6", "min": "60", "h": "3600", "day": "86400"},
+    "s": {
+        "s": "1",
+        "ms": "1e-3",
+        "us": "1e-6",
+        "min": "60",
+        "h": "3600",
+        "day": "86400",
+    },
     "N/m": {"N/m": "1", "N/mm": "1e3", "kN/m": "1e3"},
     "Pa": {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9", "bar": "1e5"},
     "Hz": {"Hz": "1", "kHz": "1e3", "mHz": "1e-3"},
     "J/m^2": {"J/m^2": "1", "mJ/m^2": "1e-3", "N/m": "1", "mN/m": "1e-3"},
     "W/(m*K)": {"W/(m*K)": "1", "W/(m K)": "1", "W/m/K": "1", "mW/m/K": "1e-3"},
-    "J/(m^3*K)": {"J/(m^3*K)": "1", "J/(m^3 K)": "1", "J/m^3/K": "1", "MJ/(m^3 K)": "1e6", "MJ/m^3/K": "1e6"},
+    "J/(m^3*K)": {
+        "J/(m^3*K)": "1",
+        "J/(m^3 K)": "1",
+        "J/m^3/K": "1",
+        "MJ/(m^3 K)": "1e6",
+        "MJ/m^3/K": "1e6",
+    },
     "kg": {"kg": "1", "g": "1e-3", "t": "1e3"},
     "N*s/m": {"N*s/m": "1", "N*s/mm": "1e3", "kN*s/m": "1e3"},
     "W/K": {"W/K": "1", "kW/K": "1e3", "mW/K": "1e-3"},
@@ -34,8 +67,16 @@ USUAL = {
     "1/m": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6", "rad/m": "1"},
 }
 _ZERO = {"degC": Decimal("273.15")}  # where a unit's scale begins
-_COMMA = re.compile(r"\s*([+-]?[\d.]*),(\d+)\s*([^\d\s,].*?)\s*", re.DOTALL)  # a decimal comma, and a unit
-_DEGREES = {"c": "degC", "celsius": "degC", "deg": "degC", "°": "degC", "f": "degF", "fahrenheit": "degF"}
+# a decimal comma, and a unit
+_COMMA = re.compile(r"\s*([+-]?[\d.]*),(\d+)\s*([^\d\s,].*?)\s*", re.DOTALL)
+_DEGREES = {
+    "c": "degC",
+    "celsius": "degC",
+    "deg": "degC",
+    "°": "degC",
+    "f": "degF",
+    "fahrenheit": "degF",
+}
 
 
 class Quantity(float):
@@ -54,30 +95,51 @@ class Quantity(float):
     def read(cls, text: Any) -> Self:
         """The quantity that a text stands for.
 
-        Number and unit are read apart from each other, so that "-35 degC" is a temperature and not a difference of two.
-        Raises `InputError`, which says what is accepted, for a bare number, an unknown unit, a unit of another
-        quantity, or a value that is not finite or of the wrong sign.
+        Number and unit are read apart from each other, so that "-35 degC" is a
+        temperature and not a difference of two. Raises `InputError`, which says what is
+        accepted, for a bare number, an unknown unit, a unit of another quantity, or a
+        value that is not finite or of the wrong sign.
         """
         if not isinstance(text, str):
-            hint = cls._with_unit(text) if isinstance(text, int | float) and not isinstance(text, bool) else ""
+            hint = (
+                cls._with_unit(text)
+                if isinstance(text, int | float) and not isinstance(text, bool)
+                else ""
+            )
             raise InputError(
-                f'must be {cls.what} with its unit, as a text such as "{cls.example}", got {shown(text)}.{hint}'
+                f"must be {cls.what} with its unit, as a text such as "
+                f'"{cls.example}", got {shown(text)}.{hint}'
             )
         if (comma := _COMMA.fullmatch(text)) is not None:
             meant = f"{comma[1].replace('.', '')}.{comma[2]} {comma[3]}"
-            raise InputError(f'must have a decimal point, not a comma, got "{text}": write "{meant}".')
+            raise InputError(
+                f'must have a decimal point, not a comma, got "{text}": write '
+                f'"{meant}".'
+            )
         match = _NUMBER.fullmatch(text)
         if match is None or not match[2]:
-            lacking = "." if match is None else f" without one.{cls._with_unit(match[1])}"
-            raise InputError(f'must be {cls.what} with its unit, such as "{cls.example}", got {shown(text)}{lacking}')
+            lacking = (
+                "." if match is None else f" without one.{cls._with_unit(match[1])}"
+            )
+            raise InputError(
+                f'must be {cls.what} with its unit, such as "{cls.example}", got '
+                f"{shown(text)}{lacking}"
+            )
         if cls.unit == "K" and (degrees := _DEGREES.get(match[2].lower())) is not None:
-            raise InputError(f'must be {cls.what}, got "{text}": write "{match[1]} {degrees}".')
+            raise InputError(
+                f'must be {cls.what}, got "{text}": write "{match[1]} {degrees}".'
+            )
         value = cls.convert(match[1], match[2])
         refused = {"": False, "zero or positive": value < 0}.get(cls.sign, value <= 0)
         if not math.isfinite(value) or refused:
-            raise InputError(f'must be {cls.sign or "of either sign"} and finite, got "{text}".')
+            raise InputError(
+                f'must be {cls.sign or "of either sign"} and finite, got "{text}".'
+            )
         if value and not 1 / _LARGEST < abs(value) < _LARGEST:
-            raise InputError(f'must be between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}, got "{text}".')
+            raise InputError(
+                f"must be between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}, got "
+                f'"{text}".'
+            )
         return cls(value)
 
     @classmethod
@@ -87,47 +149,134 @@ class Quantity(float):
 
     @classmethod
     def convert(cls, number: str, unit: str) -> float:
-        """The SI value of a number given in `unit`. Raises `InputError` for a unit that is none of this quantity."""
+        """The SI value of a number given in `unit`. Raises `InputError` for a unit that
+        is none of this quantity.
+        """
         factor = USUAL.get(cls.unit, {}).get(unit)
         if factor is None:
             return _by_pint(float(number), unit, cls)
         if not math.isfinite(float(number)):
             return math.inf
         times, _, over = factor.partition("/")
-        exact = Decimal(number if float(number) else 0) * Decimal(times) / Decimal(over or 1)
+        exact = (
+            Decimal(number if float(number) else 0)
+            * Decimal(times)
+            / Decimal(over or 1)
+        )
         return float(exact + _ZERO.get(unit, 0))
 
 
-# fmt: off
 class Length(Quantity, what="a length", unit="m", example="5 mm"): ...
+
+
 class Depth(Length, example="0.1 mm", sign=""): ...
+
+
 class Force(Quantity, what="a force", unit="N", example="10 N"): ...
+
+
 class Push(Force, sign=""): ...
+
+
 class LineLoad(Quantity, what="a force per length", unit="N/m", example="1 N/mm"): ...
+
+
 class LinePush(LineLoad, sign=""): ...
+
+
 class Pressure(Quantity, what="a pressure", unit="Pa", example="0.3 MPa"): ...
+
+
 class PushPressure(Pressure, sign=""): ...
+
+
 class Velocity(Quantity, what="a velocity", unit="m/s", example="0.1 m/s"): ...
+
+
 class Speed(Velocity, sign=""): ...
-class Temperature(Quantity, what="a temperature", unit="K", example="20 degC", sign="above absolute zero"): ...
+
+
+class Temperature(
+    Quantity,
+    what="a temperature",
+    unit="K",
+    example="20 degC",
+    sign="above absolute zero",
+): ...
+
+
 class Duration(Quantity, what="a time", unit="s", example="10 s"): ...
+
+
 class Pause(Duration, sign="zero or positive"): ...
+
+
 class Instant(Duration, sign=""): ...
+
+
 class Frequency(Quantity, what="a frequency", unit="Hz", example="10 Hz"): ...
+
+
 class WaveNumber(Quantity, what="a wave number", unit="1/m", example="1e3 1/m"): ...
-class SurfaceEnergy(Quantity, what="an energy per area", unit="J/m^2", example="50 mJ/m^2"): ...
+
+
+class SurfaceEnergy(
+    Quantity, what="an energy per area", unit="J/m^2", example="50 mJ/m^2"
+): ...
+
+
 class Mass(Quantity, what="a mass", unit="kg", example="5 kg"): ...
+
+
 class LineMass(Quantity, what="a mass per length", unit="kg/m", example="28 kg/m"): ...
+
+
 class LoadedMass(LineMass, example="120 kg/m", sign="zero or positive"): ...
-class Stiffness(Quantity, what="a stiffness", unit="N/m", example="5 kN/m", sign="zero or positive"): ...
-class AreaStiffness(Quantity, what="a stiffness per area", unit="Pa/m", example="80 MPa/m"): ...
-class Damping(Quantity, what="a damping", unit="N*s/m", example="20 N*s/m", sign="zero or positive"): ...
-class Conductivity(Quantity, what="a thermal conductivity", unit="W/(m*K)", example="0.2 W/(m*K)"): ...
-class VolumeCapacity(Quantity, what="a heat capacity per volume", unit="J/(m^3*K)", example="2e6 J/(m^3*K)"): ...
-class Conductance(Quantity, what="a thermal conductance", unit="W/K", example="1.2 W/K"): ...
+
+
+class Stiffness(
+    Quantity, what="a stiffness", unit="N/m", example="5 kN/m", sign="zero or positive"
+): ...
+
+
+class AreaStiffness(
+    Quantity, what="a stiffness per area", unit="Pa/m", example="80 MPa/m"
+): ...
+
+
+class Damping(
+    Quantity,
+    what="a damping",
+    unit="N*s/m",
+    example="20 N*s/m",
+    sign="zero or positive",
+): ...
+
+
+class Conductivity(
+    Quantity, what="a thermal conductivity", unit="W/(m*K)", example="0.2 W/(m*K)"
+): ...
+
+
+class VolumeCapacity(
+    Quantity,
+    what="a heat capacity per volume",
+    unit="J/(m^3*K)",
+    example="2e6 J/(m^3*K)",
+): ...
+
+
+class Conductance(
+    Quantity, what="a thermal conductance", unit="W/K", example="1.2 W/K"
+): ...
+
+
 class HeatCapacity(Quantity, what="a heat capacity", unit="J/K", example="1 kJ/K"): ...
-class MolarEnergy(Quantity, what="an energy per mole", unit="J/mol", example="80 kJ/mol"): ...
-# fmt: on
+
+
+class MolarEnergy(
+    Quantity, what="an energy per mole", unit="J/mol", example="80 kJ/mol"
+): ...
 
 
 def shown(value: Any) -> str:
@@ -144,13 +293,22 @@ def _by_pint(number: float, unit: str, kind: type[Quantity]) -> float:
         if not harmless(unit):
             raise ValueError("no unit has such powers")
         parsed = registry.parse_units(unit)
-    except Exception as error:  # pint lets its tokenizer's errors through, of many types
+    # pint lets its tokenizer's errors through, of many types
+    except Exception as error:
         known = f" Usual units are {', '.join(usual)}." if usual else ""
         hint = closest(unit, usual) or known
-        raise InputError(f'has a unit that is not known, "{unit}"; write it as in "{kind.example}".{hint}') from error
+        raise InputError(
+            f'has a unit that is not known, "{unit}"; write it as in '
+            f'"{kind.example}".{hint}'
+        ) from error
     wanted = registry.parse_units(kind.unit)
-    if not _alike(parsed.dimensionality, wanted.dimensionality) or str(parsed).startswith("delta_"):
-        raise InputError(f'must be {kind.what}, such as "{kind.example}", got the unit "{unit}" ({parsed}).')
+    if not _alike(parsed.dimensionality, wanted.dimensionality) or str(
+        parsed
+    ).startswith("delta_"):
+        raise InputError(
+            f'must be {kind.what}, such as "{kind.example}", got the unit "{unit}" '
+            f"({parsed})."
+        )
     try:
         return float(registry.Quantity(number, parsed).to(wanted).magnitude)
     except (OverflowError, ArithmeticError):
@@ -159,7 +317,10 @@ def _by_pint(number: float, unit: str, kind: type[Quantity]) -> float:
 
 def _alike(first: Any, second: Any) -> bool:
     try:
-        return all(math.isclose(first.get(d, 0), second.get(d, 0), abs_tol=1e-9) for d in {*first, *second})
+        return all(
+            math.isclose(first.get(d, 0), second.get(d, 0), abs_tol=1e-9)
+            for d in {*first, *second}
+        )
     except OverflowError:  # an exponent of hundreds of digits
         return False
 

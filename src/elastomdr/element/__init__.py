@@ -1,1 +1,3 @@
-"""What one element does: Radok's operators, its law, relaxation moments, the contact step."""
+"""What one element does: Radok's operators, its law, relaxation moments, the contact
+step.
+"""

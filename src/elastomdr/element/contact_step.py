@@ -1,14 +1,16 @@
 """The exact contact step: independent viscoelastic elements under a rigid body.
 
-One element of displacement u carries the force density q = E_inf u + eta u' + sum_k f_k, f_k' = E_k u' - f_k/tau_k,
-under Signorini's conditions q >= 0, u >= w(t), q (u - w) = 0, with w(t) the place of the rigid surface (Popov & Hess
-2015, ch. 7). Over a step h the displacement is taken as linear; all else is then exact, for every h:
+One element of displacement u carries the force density q = E_inf u + eta u' + sum_k
+f_k, f_k' = E_k u' - f_k/tau_k, under Signorini's conditions q >= 0, u >= w(t), q (u -
+w) = 0, with w(t) the place of the rigid surface (Popov & Hess 2015, ch. 7). Over a step
+h the displacement is taken as linear; all else is then exact, for every h:
 
     f_k+ = e_k f_k + E_k phi_k (u+ - u),    e_k = exp(-h/tau_k),    phi_k = (1 - e_k) tau_k/h,
 
-the force at the end is linear in u+, so that u+ = max(u_free, w+) decides about contact, u_free being the displacement
-that needs no force, and int q dt, int q du are closed forms. Kelvin elements (`Foundation.kelvin`: no branch, a
-dashpot) and Maxwell elements (`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases.
+the force at the end is linear in u+, so that u+ = max(u_free, w+) decides about
+contact, u_free being the displacement that needs no force, and int q dt, int q du are
+closed forms. Kelvin elements (`Foundation.kelvin`: no branch, a dashpot) and Maxwell
+elements (`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases.
 """
 
 from __future__ import annotations
@@ -28,21 +30,29 @@ _WRITTEN_OUT = 32  # branches up to which sums over them are
 
 
 class Elements(NamedTuple):
-    """State of n elements with k branches each; the integrals count from `rest`. Layers: Pa in place of Pa m."""
+    """State of n elements with k branches each; the integrals count from `rest`.
+    Layers: Pa in place of Pa m.
+    """
 
     u: Float[Array, " n"]  # displacement, positive into the material [m]
     f: Float[Array, "k n"]  # force densities f_k of the branches [Pa m]
-    q: Float[Array, " n"]  # contact force density, zero out of contact; with a dashpot see `contact_step` [Pa m]
+    # contact force density, zero out of contact; with a dashpot see `contact_step` [Pa
+    # m]
+    q: Float[Array, " n"]
     velocity: Float[Array, " n"]  # mean of u' over the last step [m/s]
     impulse: Float[Array, " n"]  # int q dt [Pa m s]
     work: Float[Array, " n"]  # int q du [Pa m^2]
-    inelastic: Float[Array, " n"]  # int (q - E_inf u) du: keeps its digits where little is lost [Pa m^2]
+    # int (q - E_inf u) du: keeps its digits where little is lost [Pa m^2]
+    inelastic: Float[Array, " n"]
     stored: Float[Array, " n"]  # energy in the branches, sum f_k^2/(2 E_k) [Pa m^2]
-    away: Float[Array, " n"]  # time since the element was last in contact, or since the start [s]
+    # time since the element was last in contact, or since the start [s]
+    away: Float[Array, " n"]
 
 
 class Coefficients(NamedTuple):
-    """What a step of given length needs of the law: arrays (n,) or (1,), those of the branches (k, n) or (k, 1)."""
+    """What a step of given length needs of the law: arrays (n,) or (1,), those of the
+    branches (k, n) or (k, 1).
+    """
 
     h: Array  # step [s]
     equilibrium: Array  # E_inf
@@ -59,7 +69,9 @@ class Coefficients(NamedTuple):
 
 
 class Fading(NamedTuple):
-    """What is left of the branch forces in a step in which u stays where it is, summed over the branches, (n,)."""
+    """What is left of the branch forces in a step in which u stays where it is, summed
+    over the branches, (n,).
+    """
 
     seen: Array  # in the force on which Signorini's conditions are put
     mean: Array  # over the step
@@ -82,34 +94,48 @@ def rest(law: AbstractRelaxation, n: int) -> Elements:
     return Elements(zero, xp.zeros((law.moduli.shape[0], n)), *[zero] * 7)
 
 
-def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end: Array, h: Any) -> Elements:
-    """The state after a step h [s] in which the rigid surface moves from `w_start` to `w_end` [m, shape (n,)].
+def contact_step(
+    law: AbstractRelaxation, state: Elements, w_start: Array, w_end: Array, h: Any
+) -> Elements:
+    """The state after a step h [s] in which the rigid surface moves from `w_start` to
+    `w_end` [m, shape (n,)].
 
-    Signorini's conditions hold at the end to rounding, with q+ = S (u+ - u_free), whatever the step, and `work` never
-    falls behind the energy stored, E_inf u^2/2 + sum f_k^2/(2 E_k). Second order in h. `h` is a scalar or (n,); the
-    law's times may be (k, n) and its other numbers (n,), one law per element.
+    Signorini's conditions hold at the end to rounding, with q+ = S (u+ - u_free),
+    whatever the step, and `work` never falls behind the energy stored, E_inf u^2/2 +
+    sum f_k^2/(2 E_k). Second order in h. `h` is a scalar or (n,); the law's times may
+    be (k, n) and its other numbers (n,), one law per element.
 
-    Without a dashpot q+ is the force at the end, E_inf u+ + sum f_k+. A dashpot knows eta u' only as a mean over the
-    step; beside end values of the rest it would recover from contact at first order only. So with a dashpot q is the
-    mean over the part of the step that the dashpot remembers, weight exp(-(h - t) K/eta), K = E_inf + sum E_k phi_k:
-    a Kelvin element recovers exactly, u+ = u exp(-E h/eta), and a long step sees its end alone.
+    Without a dashpot q+ is the force at the end, E_inf u+ + sum f_k+. A dashpot knows
+    eta u' only as a mean over the step; beside end values of the rest it would recover
+    from contact at first order only. So with a dashpot q is the mean over the part of
+    the step that the dashpot remembers, weight exp(-(h - t) K/eta), K = E_inf + sum E_k
+    phi_k: a Kelvin element recovers exactly, u+ = u exp(-E h/eta), and a long step sees
+    its end alone.
     """
     return advance(coefficients(law, h), state, w_start, w_end)
 
 
-def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Coefficients:
+def coefficients(
+    law: AbstractRelaxation, h: Any, *, viscous: bool = True
+) -> Coefficients:
     """Coefficients of `contact_step`, to full relative accuracy whatever h/tau_k.
 
-    `viscous=False` is for a law whose viscosity is known to be zero: equal sums over branches are then computed once.
+    `viscous=False` is for a law whose viscosity is known to be zero: equal sums over
+    branches are then computed once.
     """
     h = xp.atleast_1d(xp.asarray(h))
     moduli, times = _by_element(law.moduli), _by_element(law.times)
-    equilibrium, viscosity = xp.atleast_1d(xp.asarray(law.equilibrium)), xp.atleast_1d(xp.asarray(law.viscosity))
+    equilibrium, viscosity = (
+        xp.atleast_1d(xp.asarray(law.equilibrium)),
+        xp.atleast_1d(xp.asarray(law.viscosity)),
+    )
     y = h[None] / times
     rate, decay, mean, half = viscosity / h, xp.exp(-y), phi1(y), phi2(y)
     gain = moduli * mean
     static = equilibrium + xp.sum(gain, axis=0)
-    seen, stiffness = _signorini(static, viscosity, y, decay, h) if viscous else (decay, static)
+    seen, stiffness = (
+        _signorini(static, viscosity, y, decay, h) if viscous else (decay, static)
+    )
     return Coefficients(
         h=h,
         equilibrium=equilibrium,
@@ -126,10 +152,19 @@ def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Co
     )
 
 
-def coefficients_of_steps(law: AbstractRelaxation, h: Float[Array, " steps"], *, viscous: bool = True) -> Coefficients:
-    """`coefficients` of all steps of a march at once, with the steps along the first axis of each field."""
+def coefficients_of_steps(
+    law: AbstractRelaxation, h: Float[Array, " steps"], *, viscous: bool = True
+) -> Coefficients:
+    """`coefficients` of all steps of a march at once, with the steps along the first
+    axis of each field.
+    """
     c = coefficients(law, h, viscous=viscous)
-    return mapped(lambda x: xp.moveaxis(xp.broadcast_to(x, (*x.shape[:-1], h.size)), -1, 0)[..., None], c)
+    return mapped(
+        lambda x: xp.moveaxis(xp.broadcast_to(x, (*x.shape[:-1], h.size)), -1, 0)[
+            ..., None
+        ],
+        c,
+    )
 
 
 def fade(c: Coefficients, f: Float[Array, "k n"]) -> Fading:
@@ -146,7 +181,9 @@ def advance(
     fading: Fading | None = None,
     keep: Callable[..., Any] = lambda function, *args: function(*args),
 ) -> Elements:
-    """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep` as in `transient.slide_march.kept`."""
+    """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep`
+    as in `transient.slide_march.kept`.
+    """
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading
     pushed, recovery, contact, change, q = pressed(c, u, fading.seen, w_end - u, keep)
@@ -155,11 +192,15 @@ def advance(
     f_end = c.decay * f + c.gain * change
     stored = keep(lambda f: over_branches(c.energy * f**2), f_end)
     work, impulse, kept = _integrals(c, state, fading, change, pushed, free)
-    # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
-    # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
+    # A surface that comes from a distance strikes within the step. To a dashpot that is
+    # a shorter, faster motion: with contact from theta h on, the mean of u'^2 grows by
+    # theta (1 - theta) (jump of u')^2.
     struck = xp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
-    # Where the work is an estimate (contact lost within the step, free recovery), it must not gain energy.
-    inelastic = state.inelastic + xp.maximum(work, stored - state.stored) + c.blow * struck
+    # Where the work is an estimate (contact lost within the step, free recovery), it
+    # must not gain energy.
+    inelastic = (
+        state.inelastic + xp.maximum(work, stored - state.stored) + c.blow * struck
+    )
     return Elements(
         u=end,
         f=f_end,
@@ -174,7 +215,9 @@ def advance(
 
 
 def released(c: Coefficients, u: Array, seen: Array) -> Array:
-    """u_free [m]: the displacement at the end of the step that needs no force; `seen` as in `Fading`."""
+    """u_free [m]: the displacement at the end of the step that needs no force; `seen`
+    as in `Fading`.
+    """
     return u - (c.equilibrium * u + seen) / c.stiffness
 
 
@@ -185,7 +228,9 @@ def pressed(
     pushed: Array,
     keep: Callable[..., Any] = lambda function, *args: function(*args),
 ) -> Pressed:
-    """Signorini's conditions at the end of a step in which the surface would push the elements by `pushed`."""
+    """Signorini's conditions at the end of a step in which the surface would push the
+    elements by `pushed`.
+    """
     held = c.equilibrium * u + seen  # force if u stays where it is
     recovery = -held / c.stiffness
     contact = pushed > recovery
@@ -195,10 +240,11 @@ def pressed(
 
 
 def lag(c: Coefficients) -> Array:
-    """How far before the end of a step its force belongs, as a part of the step: 0 without a dashpot, else up to 1/2.
+    """How far before the end of a step its force belongs, as a part of the step: 0
+    without a dashpot, else up to 1/2.
 
-    With a dashpot the force is a mean over the step with the weight exp(-(h - t) K/eta) (`contact_step`), whose centre
-    is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta.
+    With a dashpot the force is a mean over the step with the weight exp(-(h - t) K/eta)
+    (`contact_step`), whose centre is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta.
     """
     rate, static = c.rate[0], (c.end - c.rate)[0]
     z = static / xp.where(rate > 0, rate, 1.0)
@@ -209,15 +255,23 @@ def lag(c: Coefficients) -> Array:
 
 
 def _integrals(
-    c: Coefficients, state: Elements, fading: Fading, change: Array, pushed: Array, free: Array
+    c: Coefficients,
+    state: Elements,
+    fading: Fading,
+    change: Array,
+    pushed: Array,
+    free: Array,
 ) -> tuple[Array, ...]:
-    """int (q - E_inf u) du and int q dt over a step, and the fraction of the step that the element was in contact."""
+    """int (q - E_inf u) du and int q dt over a step, and the fraction of the step that
+    the element was in contact.
+    """
     u, faded = state.u, fading.mean
     drag, spring = faded + c.drag * change, c.equilibrium * (u + 0.5 * change)
 
-    # The straight path is exact where the element follows the surface, or is pushed down by it. Where following the
-    # surface to the end would take tension, contact has ended when the force, linear in time, passed zero. A dashpot
-    # feels the surface bend, not only its mean slope; twice the slope or its reverse is taken for a kink.
+    # The straight path is exact where the element follows the surface, or is pushed
+    # down by it. Where following the surface to the end would take tension, contact has
+    # ended when the force, linear in time, passed zero. A dashpot feels the surface
+    # bend, not only its mean slope; twice the slope or its reverse is taken for a kink.
     bend = pushed - state.velocity * c.h
     bend = xp.where(xp.abs(bend) < xp.abs(pushed), bend, 0.0)
     mean = c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed
@@ -225,26 +279,37 @@ def _integrals(
     last = c.equilibrium * u + end + c.end * pushed + 0.5 * c.rate * bend
     first = xp.maximum(2 * mean - last, 0.0)
     lost = ~free & (last < 0)
-    kept = xp.where(lost, first / xp.where(lost, first - last, 1.0), xp.where(free, 0.0, 1.0))
+    kept = xp.where(
+        lost, first / xp.where(lost, first - last, 1.0), xp.where(free, 0.0, 1.0)
+    )
     area = 0.5 * first * kept
 
     work = xp.where(lost, area * pushed, (drag + spring) * change)
     impulse = xp.where(lost, area, drag + spring) * c.h
-    # An element that recovers freely feels no force, though on the straight path between two instants it would.
-    return xp.where(free, 0.0, work) - spring * change, xp.where(free, 0.0, impulse), kept
+    # An element that recovers freely feels no force, though on the straight path
+    # between two instants it would.
+    return (
+        xp.where(free, 0.0, work) - spring * change,
+        xp.where(free, 0.0, impulse),
+        kept,
+    )
 
 
-def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array) -> tuple[Array, Array]:
+def _signorini(
+    static: Array, viscosity: Array, y: Array, decay: Array, h: Array
+) -> tuple[Array, Array]:
     """`seen` and S of the force that Signorini's conditions are put on.
 
     With z = h K/eta the mean of exp(-t/tau_k) under the weight exp(-(h - t) K/eta) is
-    seen_k = z (exp(-y_k) - exp(-z)) / ((z - y_k) (1 - exp(-z))), and S = K/(1 - exp(-z)). Without a dashpot z is
-    infinite and both are values at the end of the step; without stiffness z is zero and they are plain means.
+    seen_k = z (exp(-y_k) - exp(-z)) / ((z - y_k) (1 - exp(-z))), and S = K/(1 -
+    exp(-z)). Without a dashpot z is infinite and both are values at the end of the
+    step; without stiffness z is zero and they are plain means.
     """
     present = viscosity > 0
     z = h * static / xp.where(present, viscosity, 1.0)
     stiffness = xp.where(present, viscosity / h / phi1(z), static)
-    # 1/z without a dashpot: zero, but what is seen has a derivative by the viscosity there too.
+    # 1/z without a dashpot: zero, but what is seen has a derivative by the viscosity
+    # there too.
     inverse = xp.where(present, 0.0, viscosity) / xp.where(static > 0, h * static, 1.0)
     z, inverse, present = z[None], inverse[None], present[None]
     seen = xp.exp(-xp.minimum(y, z)) * phi1(xp.abs(z - y)) / phi1(z)
@@ -252,7 +317,9 @@ def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array
 
 
 def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:
-    """Sum over the branches; written out, since compiled reductions over the slow axis take several times as long."""
+    """Sum over the branches; written out, since compiled reductions over the slow axis
+    take several times as long.
+    """
     if on_numpy() or not 0 < parts.shape[0] <= _WRITTEN_OUT:
         return xp.sum(parts, axis=0)
     total = parts[0]

@@ -1,4 +1,6 @@
-"""The exact contact step as a solver of `diffrax`; nothing else of the package loads that."""
+"""The exact contact step as a solver of `diffrax`; nothing else of the package loads
+that.
+"""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -14,9 +16,11 @@ from .contact_step import Elements, advance, coefficients
 
 
 class RigidSurface(diffrax.AbstractTerm):
-    """Where the rigid surface is, `position(t)` [m, shape (n,)]: the term that `ContactStep` solves.
+    """Where the rigid surface is, `position(t)` [m, shape (n,)]: the term that
+    `ContactStep` solves.
 
-    It is no vector field: `vf` is the position, `contr` the positions at both ends of a step.
+    It is no vector field: `vf` is the position, `contr` the positions at both ends of a
+    step.
     """
 
     position: Callable[[Any], Array]
@@ -28,28 +32,38 @@ class RigidSurface(diffrax.AbstractTerm):
         return self.position(t0), self.position(t1)
 
     def prod(self, vf: Array, control: tuple[Array, Array]) -> Elements:
-        raise InputError("solver must be ContactStep for a RigidSurface: that is a constraint, not a vector field.")
+        raise InputError(
+            "solver must be ContactStep for a RigidSurface: that is a constraint, "
+            "not a vector field."
+        )
 
 
 class ContactStep(diffrax.AbstractSolver):
-    """Marches elements under a rigid surface: second order, stable for every step, no events.
+    """Marches elements under a rigid surface: second order, stable for every step, no
+    events.
 
         diffeqsolve(RigidSurface(w), ContactStep(), t0, t1, dt0, y0=rest(law, n), args=law)
 
-    `samples` contact steps of equal length make one step of the solver, since `diffeqsolve` costs microseconds a step;
-    they share their coefficients, and output between the solver's steps is interpolated linearly. Differentiable, in
-    reverse mode with one stored state per step of the solver; `adjoint=diffrax.DirectAdjoint()` allows both modes.
+    `samples` contact steps of equal length make one step of the solver, since
+    `diffeqsolve` costs microseconds a step; they share their coefficients, and output
+    between the solver's steps is interpolated linearly. Differentiable, in reverse mode
+    with one stored state per step of the solver; `adjoint=diffrax.DirectAdjoint()`
+    allows both modes.
     """
 
     samples: int = 1
     term_structure: ClassVar = RigidSurface
-    interpolation_cls: ClassVar[Callable[..., diffrax.LocalLinearInterpolation]] = diffrax.LocalLinearInterpolation
+    interpolation_cls: ClassVar[Callable[..., diffrax.LocalLinearInterpolation]] = (
+        diffrax.LocalLinearInterpolation
+    )
 
     # `Any` below: terms, instants and jumps are typed by diffrax.AbstractSolver.
     def order(self, terms: Any) -> int:
         return 2
 
-    def init(self, terms: Any, t0: Any, t1: Any, y0: Elements, args: AbstractRelaxation) -> None:
+    def init(
+        self, terms: Any, t0: Any, t1: Any, y0: Elements, args: AbstractRelaxation
+    ) -> None:
         return None
 
     def step(
@@ -69,10 +83,14 @@ class ContactStep(diffrax.AbstractSolver):
         def block(law: AbstractRelaxation, start: Elements, surface: Array) -> Elements:
             c = coefficients(law, (t1 - t0) / self.samples)
             ends = (surface[:-1], surface[1:])
-            return jax.lax.scan(lambda state, w: (advance(c, state, *w), None), start, ends)[0]
+            return jax.lax.scan(
+                lambda state, w: (advance(c, state, *w), None), start, ends
+            )[0]
 
         y1 = block(args, y0, surface)
         return y1, None, {"y0": y0, "y1": y1}, None, diffrax.RESULTS.successful
 
-    def func(self, terms: Any, t0: Any, y0: Elements, args: AbstractRelaxation) -> Array:
+    def func(
+        self, terms: Any, t0: Any, y0: Elements, args: AbstractRelaxation
+    ) -> Array:
         return terms.vf(t0, y0, args)

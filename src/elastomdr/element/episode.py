@@ -1,16 +1,20 @@
-"""One element under a rigid surface that moves at a constant rate for a while: contact gained, lost and free recovery,
-each at its own instant, with no time step.
+"""One element under a rigid surface that moves at a constant rate for a while: contact
+gained, lost and free recovery, each at its own instant, with no time step.
 
-Between two instants the surface is at w0 + v t. What can happen, and in which order, follows from the signs of a
-viscoelastic element (derived here; a parallel dashpot changes nothing in it):
+Between two instants the surface is at w0 + v t. What can happen, and in which order,
+follows from the signs of a viscoelastic element (derived here; a parallel dashpot
+changes nothing in it):
 
-- Free recovery is a sum of decaying exponentials with positive weights, since an element is only ever pushed. So the
-  gap to the surface is convex in time: the surface is met at the first root of the gap, or not at all, and Newton's
-  method from the left finds either without overshooting.
-- In contact u follows the surface and q is a closed form. Once q would be negative it stays so: contact ends at its one
-  change of sign. An element let go cannot meet the same straight path again.
+- Free recovery is a sum of decaying exponentials with positive weights, since an
+  element is only ever pushed. So the gap to the surface is convex in time: the surface
+  is met at the first root of the gap, or not at all, and Newton's method from the left
+  finds either without overshooting.
+- In contact u follows the surface and q is a closed form. Once q would be negative it
+  stays so: contact ends at its one change of sign. An element let go cannot meet the
+  same straight path again.
 
-So each element is free for a time, in contact for a time, free for the rest; any of the three may be empty.
+So each element is free for a time, in contact for a time, free for the rest; any of the
+three may be empty.
 """
 
 from __future__ import annotations
@@ -33,7 +37,9 @@ _BLUR = 1e-12  # of a force: below it its sign may be one of rounding
 
 
 class Touching(NamedTuple):
-    """State of n elements: `f` where in contact, `m` where free (the other is not looked at)."""
+    """State of n elements: `f` where in contact, `m` where free (the other is not
+    looked at).
+    """
 
     contact: Bool[Array, " n"]
     u: Float[Array, " n"]  # displacement [m]
@@ -44,11 +50,15 @@ class Touching(NamedTuple):
 
 
 def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> Touching:
-    """Elements at rest until a surface at w is pressed on them at once: glassy where w > 0, untouched elsewhere."""
+    """Elements at rest until a surface at w is pressed on them at once: glassy where w
+    > 0, untouched elsewhere.
+    """
     u = xp.maximum(w, 0.0)
     glassy = law.equilibrium + xp.sum(law.moduli)
     m = xp.zeros((modes.rate.size, w.size))
-    return Touching(w > 0, u, law.moduli[:, None] * u, m, 0.5 * glassy * u**2, xp.zeros_like(u))
+    return Touching(
+        w > 0, u, law.moduli[:, None] * u, m, 0.5 * glassy * u**2, xp.zeros_like(u)
+    )
 
 
 def force(law: Relaxation, state: Touching, v: Any) -> Float[Array, " n"]:
@@ -58,21 +68,36 @@ def force(law: Relaxation, state: Touching, v: Any) -> Float[Array, " n"]:
 
 
 def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Array]:
-    """Elastic energy of the elements in contact, and of those that are free, each zero for the others."""
-    strength = xp.where(law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0)
+    """Elastic energy of the elements in contact, and of those that are free, each zero
+    for the others.
+    """
+    strength = xp.where(
+        law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0
+    )
     held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
     left = (0.5 * modes.norm * modes.rate) @ state.m**2
     return xp.where(state.contact, held, 0.0), xp.where(state.contact, 0.0, left)
 
 
-def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"], v: Any, h: Any) -> Touching:
-    """The state after a time h in which the surface moves from w to w + v h. Exact; differentiable in both modes."""
+def follow(
+    law: Relaxation,
+    modes: Modes,
+    state: Touching,
+    w: Float[Array, " n"],
+    v: Any,
+    h: Any,
+) -> Touching:
+    """The state after a time h in which the surface moves from w to w + v h. Exact;
+    differentiable in both modes.
+    """
     # Free, until it meets the surface.
     fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h = fixed((modes, state, w, v, h))
     met, wait = _meeting(fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h)
     gap, closing = _gap(modes, state, w, v, wait)
     closing = fixed(xp.where(closing < 0, closing, -xp.inf))
-    wait = xp.where(met & ~state.contact, wait - gap / closing, xp.where(state.contact, 0.0, h))
+    wait = xp.where(
+        met & ~state.contact, wait - gap / closing, xp.where(state.contact, 0.0, h)
+    )
     touched = state.contact | met
     decayed = xp.exp(-modes.rate[:, None] * wait) * state.m
     u = xp.where(touched, w + v * wait, xp.sum(decayed, axis=0))
@@ -84,22 +109,32 @@ def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"]
     lost, stay = _parting(fixed_law, fixed_u, fixed_f, fixed_v, fixed_rest, touched)
     pull, falling = _pull(law, u, f, v, stay)
     falling = fixed(xp.where(falling < 0, falling, -xp.inf))
-    stay = xp.where(lost & (stay > 0), xp.clip(stay - pull / falling, 0.0, rest), xp.where(lost, 0.0, rest))
+    stay = xp.where(
+        lost & (stay > 0),
+        xp.clip(stay - pull / falling, 0.0, rest),
+        xp.where(lost, 0.0, rest),
+    )
     y = stay / law.times[:, None]
     first, second = phi1(y), phi2(y)
     decay = 1 - y * first
     f_end = decay * f + law.moduli[:, None] * v * stay * first
     u_end = xp.where(touched, u + v * stay, u)
     spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
-    spent = spent + v * stay * xp.sum(first * f + law.moduli[:, None] * v * stay * second, axis=0)
-    warmed = law.viscosity * v**2 * stay + xp.sum(_branch_loss(law, f, v * stay, y, first, second), axis=0)
+    spent = spent + v * stay * xp.sum(
+        first * f + law.moduli[:, None] * v * stay * second, axis=0
+    )
+    warmed = law.viscosity * v**2 * stay + xp.sum(
+        _branch_loss(law, f, v * stay, y, first, second), axis=0
+    )
 
     # Free again.
     let_go = to_modes(law, modes, u_end, f_end)
     m = xp.where(touched, let_go, decayed)
     m = xp.where(lost, xp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
     recovered = xp.where(state.contact, 0.0, _recovery_loss(modes, state.m, wait))
-    recovered = recovered + xp.where(lost, _recovery_loss(modes, let_go, rest - stay), 0.0)
+    recovered = recovered + xp.where(
+        lost, _recovery_loss(modes, let_go, rest - stay), 0.0
+    )
     contact = touched & ~lost
     return Touching(
         contact=contact,
@@ -111,9 +146,12 @@ def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"]
     )
 
 
-def _branch_loss(law: Relaxation, f: Array, moved: Array, y: Array, first: Array, second: Array) -> Array:
-    """int f_k^2/(E_k tau_k) dt of each branch while the element moves by `moved` at a constant rate; y = h/tau_k, phi_1
-    and phi_2 of it."""
+def _branch_loss(
+    law: Relaxation, f: Array, moved: Array, y: Array, first: Array, second: Array
+) -> Array:
+    """int f_k^2/(E_k tau_k) dt of each branch while the element moves by `moved` at a
+    constant rate; y = h/tau_k, phi_1 and phi_2 of it.
+    """
     moduli = law.moduli[:, None]
     compliance = xp.where(moduli > 0, 1 / xp.where(moduli > 0, moduli, 1.0), 0.0)
     faded = y * first  # 1 - exp(-y)
@@ -122,15 +160,21 @@ def _branch_loss(law: Relaxation, f: Array, moved: Array, y: Array, first: Array
 
 
 def _recovery_loss(modes: Modes, m: Array, t: Array) -> Array:
-    """What free modes turn into heat in a time t: norm_j int m_j'^2 dt, the modes being orthogonal in dissipation."""
+    """What free modes turn into heat in a time t: norm_j int m_j'^2 dt, the modes being
+    orthogonal in dissipation.
+    """
     rate = modes.rate[:, None]
     return (0.5 * modes.norm * modes.rate) @ (m**2 * -xp.expm1(-2 * rate * t))
 
 
-def _gap(modes: Modes, state: Touching, w: Array, v: Any, t: Array) -> tuple[Array, Array]:
+def _gap(
+    modes: Modes, state: Touching, w: Array, v: Any, t: Array
+) -> tuple[Array, Array]:
     """Gap between a free element and the surface at time t, and its rate."""
     now = xp.exp(-modes.rate[:, None] * t) * state.m
-    return xp.sum(now, axis=0) - (w + v * t), -xp.sum(modes.rate[:, None] * now, axis=0) - v
+    return xp.sum(now, axis=0) - (w + v * t), -xp.sum(
+        modes.rate[:, None] * now, axis=0
+    ) - v
 
 
 def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array, Array]:
@@ -139,11 +183,17 @@ def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array,
     first = phi1(y)
     f = (1 - y * first) * f + law.moduli[:, None] * v * t * first
     q = law.equilibrium * (u + v * t) + law.viscosity * v + xp.sum(f, axis=0)
-    return q, law.equilibrium * v + xp.sum(law.moduli[:, None] * v - f / law.times[:, None], axis=0)
+    return q, law.equilibrium * v + xp.sum(
+        law.moduli[:, None] * v - f / law.times[:, None], axis=0
+    )
 
 
-def _meeting(modes: Modes, state: Touching, w: Array, v: Any, h: Any) -> tuple[Array, Array]:
-    """Whether and when a free element meets the surface: Newton's method from the left on a convex gap."""
+def _meeting(
+    modes: Modes, state: Touching, w: Array, v: Any, h: Any
+) -> tuple[Array, Array]:
+    """Whether and when a free element meets the surface: Newton's method from the left
+    on a convex gap.
+    """
     size = _ROUNDING * (xp.abs(w) + xp.abs(v) * h + xp.sum(xp.abs(state.m), axis=0))
 
     def advance(carry: tuple) -> tuple:
@@ -161,25 +211,44 @@ def _meeting(modes: Modes, state: Touching, w: Array, v: Any, h: Any) -> tuple[A
     return met, t
 
 
-def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array) -> tuple[Array, Array]:
-    """Whether and when an element in contact would be pulled: Newton's method within a bracket, from where a straight
-    line between its ends is zero."""
+def _parting(
+    law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
+) -> tuple[Array, Array]:
+    """Whether and when an element in contact would be pulled: Newton's method within a
+    bracket, from where a straight line between its ends is zero.
+    """
     end, _ = _pull(law, u, f, v, rest)
     lost = touched & (end < 0)
-    # At once where a dashpot is pulled: then q does not pass zero, and there is no root to search for.
+    # At once where a dashpot is pulled: then q does not pass zero, and there is no root
+    # to search for.
     begin, change = _pull(law, u, f, v, xp.zeros_like(rest))
-    size = law.equilibrium * xp.abs(u) + law.viscosity * xp.abs(v) + xp.sum(xp.abs(f), axis=0)
+    size = (
+        law.equilibrium * xp.abs(u)
+        + law.viscosity * xp.abs(v)
+        + xp.sum(xp.abs(f), axis=0)
+    )
     at_once = lost & (begin <= 0) & ((change <= 0) | (begin < -_BLUR * size))
 
     def advance(carry: tuple) -> tuple:
         t, low, high, ended, count = carry
         q, rate = _pull(law, u, f, v, t)
-        rising = (rate > 0) & (q > -_BLUR * size)  # an element that has just met the surface begins at zero
-        low, high = xp.where((q > 0) | rising, t, low), xp.where((q > 0) | rising, high, t)
+        # an element that has just met the surface begins at zero
+        rising = (rate > 0) & (q > -_BLUR * size)
+        low, high = (
+            xp.where((q > 0) | rising, t, low),
+            xp.where((q > 0) | rising, high, t),
+        )
         following = t - q / xp.where(rate < 0, rate, -1.0)
-        inside = (following > low) & (following < high) & (rate < 0) & (count % _NEWTON < _NEWTON - 1)
+        inside = (
+            (following > low)
+            & (following < high)
+            & (rate < 0)
+            & (count % _NEWTON < _NEWTON - 1)
+        )
         following = xp.where(inside, following, 0.5 * (low + high))
-        close = (xp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
+        close = (xp.abs(following - t) <= 4 * _ROUNDING * rest) | (
+            high <= low * (1 + 4 * _ROUNDING)
+        )
         done = ended | close | ((xp.abs(q) <= 2 * _ROUNDING * size) & ~rising)
         return xp.where(done, t, following), low, high, done, count + 1
 

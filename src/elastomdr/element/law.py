@@ -1,4 +1,6 @@
-"""The foundation: what each element of the line does, and how a half-space or a thin layer becomes one."""
+"""The foundation: what each element of the line does, and how a half-space or a thin
+layer becomes one.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +9,32 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
-from ..checks import Array, as_float64, in_si, is_traced, numpy_unless_traced, positive, scalar
+from ..checks import (
+    Array,
+    as_float64,
+    in_si,
+    is_traced,
+    numpy_unless_traced,
+    positive,
+    scalar,
+)
 from ..errors import InputError, ModelWarning
 from ..material.prony import Prony
-from ..material.relaxation import AbstractRelaxation, Relaxation, checked, scaled, series
+from ..material.relaxation import (
+    AbstractRelaxation,
+    Relaxation,
+    checked,
+    scaled,
+    series,
+)
 from ..material.shift import AbstractShift
 from ..material.softening import Softening, as_softening, same_softening
-from ..material.tabulated import AbstractTable, TabulatedModulus, described, needs_series
+from ..material.tabulated import (
+    AbstractTable,
+    TabulatedModulus,
+    described,
+    needs_series,
+)
 from ..material.validity import Range, RangeLike, as_range, shared
 from ..material.vertical import AbstractVertical, check_vertical, same_thermal
 from ..trees import Tree, fill, replaced, static
@@ -34,11 +55,13 @@ class Slab(Tree):
 
 
 class Foundation(AbstractRelaxation):
-    """Independent elements, each with E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta delta(t).
+    """Independent elements, each with E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta
+    delta(t).
 
-    For a half-space the numbers are E* [Pa]: an element of width dx carries E* u dx. For a layer they are stiffness per
-    area [Pa/m]. `per_area` says which; None, as when the numbers are given directly, leaves it to the shape: a cylinder
-    takes them per area, every other shape as E*. Raises `InputError` as `Prony` does.
+    For a half-space the numbers are E* [Pa]: an element of width dx carries E* u dx.
+    For a layer they are stiffness per area [Pa/m]. `per_area` says which; None, as when
+    the numbers are given directly, leaves it to the shape: a cylinder takes them per
+    area, every other shape as E*. Raises `InputError` as `Prony` does.
     """
 
     equilibrium: Float[Array, ""]  # E_inf [Pa, or Pa/m]
@@ -48,7 +71,9 @@ class Foundation(AbstractRelaxation):
     shift: AbstractShift | None
     vertical: AbstractVertical | None  # b_T, which multiplies all stiffness
     softening: Softening | None  # factors on the moduli by strain; None: linear
-    thickness: Array | None  # of a layer, a scalar [m]: what its strain is a part of; None: not known, or no layer
+    # of a layer, a scalar [m]: what its strain is a part of; None: not known, or no
+    # layer
+    thickness: Array | None
     per_area: bool | None = static()
     name: str = static()
     range: Range | None = static()  # where the numbers hold; None: not known
@@ -71,9 +96,20 @@ class Foundation(AbstractRelaxation):
     ):
         law = checked(equilibrium, moduli, times, viscosity)
         check_vertical(vertical)
-        fill(self, **vars(law), shift=shift, vertical=vertical, softening=as_softening(softening), per_area=per_area)
+        fill(
+            self,
+            **vars(law),
+            shift=shift,
+            vertical=vertical,
+            softening=as_softening(softening),
+            per_area=per_area,
+        )
         fill(self, name=name, range=as_range(range))
-        fill(self, thickness=None if thickness is None else scalar("thickness", thickness), slab=None)
+        fill(
+            self,
+            thickness=None if thickness is None else scalar("thickness", thickness),
+            slab=None,
+        )
 
     @classmethod
     @in_si
@@ -85,19 +121,40 @@ class Foundation(AbstractRelaxation):
     @in_si
     def maxwell(cls, stiffness: Number, time: Number) -> "Foundation":
         """Maxwell elements: a spring and a dashpot in series."""
-        return cls(0.0, as_float64("stiffness", stiffness)[None], as_float64("time", time)[None])
+        return cls(
+            0.0,
+            as_float64("stiffness", stiffness)[None],
+            as_float64("time", time)[None],
+        )
 
     def __repr__(self) -> str:
-        unit = "Pa/m" if self.per_area else "Pa" if self.per_area is not None else "Pa or Pa/m"
+        unit = (
+            "Pa/m"
+            if self.per_area
+            else "Pa"
+            if self.per_area is not None
+            else "Pa or Pa/m"
+        )
         label = f"{self.name!r}, " if self.name else ""
         if is_traced(self) or np.ndim(self.equilibrium) or np.ndim(self.moduli) != 1:
-            return f"Foundation({label}{np.shape(self.moduli)[-1]} branches, traced or a batch)"
+            return (
+                f"Foundation({label}{np.shape(self.moduli)[-1]} branches, traced or a "
+                "batch)"
+            )
         glassy = float(self.equilibrium + np.sum(self.moduli))
-        span = f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s" if self.moduli.size else ""
-        dashpot = f", viscosity {float(self.viscosity):.4g} {unit} s" if float(self.viscosity) else ""
+        span = (
+            f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s"
+            if self.moduli.size
+            else ""
+        )
+        dashpot = (
+            f", viscosity {float(self.viscosity):.4g} {unit} s"
+            if float(self.viscosity)
+            else ""
+        )
         return (
-            f"Foundation({label}{float(self.equilibrium):.4g} {unit} relaxed, {glassy:.4g} {unit} glassy, "
-            f"{self.moduli.size} branches{span}{dashpot})"
+            f"Foundation({label}{float(self.equilibrium):.4g} {unit} relaxed, "
+            f"{glassy:.4g} {unit} glassy, {self.moduli.size} branches{span}{dashpot})"
         )
 
     def law(self) -> Relaxation:
@@ -105,7 +162,8 @@ class Foundation(AbstractRelaxation):
 
 
 class TabulatedFoundation(AbstractTable):
-    """A half-space by a table of E*(omega), for steady models of surfaces; `em.half_space(tabulated)` makes it.
+    """A half-space by a table of E*(omega), for steady models of surfaces;
+    `em.half_space(tabulated)` makes it.
 
     It answers what such models ask of a `Foundation`: `complex_modulus`, `shift`, `vertical`, `softening`,
     `range`, `name` and     `per_area`.
@@ -127,39 +185,61 @@ class TabulatedFoundation(AbstractTable):
 
 
 @overload
-def half_space(material: Prony, other: Prony | None = None, *, tangential: bool = False) -> Foundation: ...
+def half_space(
+    material: Prony, other: Prony | None = None, *, tangential: bool = False
+) -> Foundation: ...
 @overload
-def half_space(material: TabulatedModulus, other: None = None, *, tangential: bool = False) -> TabulatedFoundation: ...
+def half_space(
+    material: TabulatedModulus, other: None = None, *, tangential: bool = False
+) -> TabulatedFoundation: ...
 @numpy_unless_traced
 def half_space(
-    material: Prony | TabulatedModulus, other: Prony | None = None, *, tangential: bool = False
+    material: Prony | TabulatedModulus,
+    other: Prony | None = None,
+    *,
+    tangential: bool = False,
 ) -> Foundation | TabulatedFoundation:
-    """The foundation of a half-space by Radok's equations, exact; with `other`, of two half-spaces in contact.
+    """The foundation of a half-space by Radok's equations, exact; with `other`, of two
+    half-spaces in contact.
 
-    Two bodies carry the same pressure: their creep functions add, so that two viscoelastic ones give n_1 + n_2
-    branches (twice that for constant bulk moduli). `tangential` gives G* in place of E*. A `TabulatedModulus` gives the
-    table of E* = 2G/(1 - nu) = E/(1 - nu^2), for steady models of surfaces; no second body is taken with it. Source:
-    Radok 1957; Popov & Hess 2015, ch. 7. Two bodies keep a softening that both have; any other is left out, with a
-    `ModelWarning`. Raises `InputError` for two materials with different shift laws, unless they
-    are already at their temperature (`material.at(T)`).
+    Two bodies carry the same pressure: their creep functions add, so that two
+    viscoelastic ones give n_1 + n_2 branches (twice that for constant bulk moduli).
+    `tangential` gives G* in place of E*. A `TabulatedModulus` gives the table of E* =
+    2G/(1 - nu) = E/(1 - nu^2), for steady models of surfaces; no second body is taken
+    with it. Source: Radok 1957; Popov & Hess 2015, ch. 7. Two bodies keep a softening
+    that both have; any other is left out, with a `ModelWarning`. Raises `InputError`
+    for two materials with different shift laws, unless they are already at their
+    temperature (`material.at(T)`).
     """
     if other is None and isinstance(material, TabulatedModulus):
         return _half_space_of_table(material, tangential)
     operator = tangential_operator if tangential else normal_operator
-    law, name, known = operator(_material("material", material)), material.name, material.range
+    law, name, known = (
+        operator(_material("material", material)),
+        material.name,
+        material.range,
+    )
     if other is not None:
         law = series(law, operator(_material("other", other)))
         if not same_thermal(material, other):
             raise InputError(
-                "other must have the same shift law as material, and the same vertical one, got "
-                f"{other.shift}, {other.vertical} and {material.shift}, {material.vertical}; bring both to their "
+                "other must have the same shift law as material, and the same "
+                "vertical one, got "
+                f"{other.shift}, {other.vertical} and {material.shift}, "
+                f"{material.vertical}; bring both to their "
                 "temperature first, with material.at(T)."
             )
-        name, known = f"{material.name or 'material'} on {other.name or 'material'}", shared(known, other.range)
+        name, known = (
+            f"{material.name or 'material'} on {other.name or 'material'}",
+            shared(known, other.range),
+        )
         if not same_softening(material.softening, other.softening):
             material = replaced(material, softening=None)
             warnings.warn(
-                f"{name}: two bodies of which one softens with strain, or each in its own way, are taken as linear.",
+                (
+                    f"{name}: two bodies of which one softens with strain, or each in "
+                    "its own way, are taken as linear."
+                ),
                 ModelWarning,
                 stacklevel=3,
             )
@@ -168,76 +248,125 @@ def half_space(
 
 @numpy_unless_traced
 def springs(
-    material: Prony | TabulatedModulus, thickness: Number, *, bonded: bool = True, tangential: bool = False
+    material: Prony | TabulatedModulus,
+    thickness: Number,
+    *,
+    bonded: bool = True,
+    tangential: bool = False,
 ) -> Foundation:
-    """Independent springs in place of a layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
+    """Independent springs in place of a layer on a rigid base, stiffness per area
+    [Pa/m]; `thickness` in m.
 
-    The textbook's; `em.layer` is the layer itself. Springs hold where the contact is much wider than the layer is
-    thick: the `model_error` of `em.friction` and `em.rolling` says how far they are from it under a cylinder.
-    `tangential` gives the stiffness of simple shear, G(t) over the thickness, as of the tread in the brush model of a
-    tyre. Raises `InputError` for a bonded incompressible layer, which does not act as a row of springs, and for one
-    that is sheared without being bonded.
+    The textbook's; `em.layer` is the layer itself. Springs hold where the contact is
+    much wider than the layer is thick: the `model_error` of `em.friction` and
+    `em.rolling` says how far they are from it under a cylinder. `tangential` gives the
+    stiffness of simple shear, G(t) over the thickness, as of the tread in the brush
+    model of a tyre. Raises `InputError` for a bonded incompressible layer, which does
+    not act as a row of springs, and for one that is sheared without being bonded.
     Source: Johnson 1985, section 5.8.
     """
     thickness = scalar("thickness", thickness)
     positive("thickness", thickness)
     if tangential and not bonded:
-        raise InputError("bonded must be True with tangential: a layer that slips on its base is not sheared.")
+        raise InputError(
+            "bonded must be True with tangential: a layer that slips on its base "
+            "is not sheared."
+        )
     own = _material("material", material)
-    law = scaled(own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness)
+    law = scaled(
+        own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness
+    )
     slab = None if tangential else Slab(own, thickness, bool(bonded))
     found = _foundation(law, material, True, material.name, material.range)
     return replaced(found, thickness=thickness, slab=slab)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
-    """What steady models of surfaces compute with: a foundation as it is, or the half-space of a bare material.
+    """What steady models of surfaces compute with: a foundation as it is, or the
+    half-space of a bare material.
 
-    They need the complex modulus only, so that a table of it will do. Raises `InputError` for anything else.
+    They need the complex modulus only, so that a table of it will do. Raises
+    `InputError` for anything else.
     """
     if isinstance(material, TabulatedFoundation):
         return material
-    return half_space(material) if isinstance(material, TabulatedModulus) else as_foundation(material)
+    return (
+        half_space(material)
+        if isinstance(material, TabulatedModulus)
+        else as_foundation(material)
+    )
 
 
 def as_foundation(material: Any) -> Foundation:
-    """A foundation as it is, or the half-space of a bare material; raises `InputError` for a table of moduli."""
+    """A foundation as it is, or the half-space of a bare material; raises `InputError`
+    for a table of moduli.
+    """
     needs_series("material", material, "smooth bodies, lines and histories in time")
     if isinstance(material, Foundation):
         return material
     if isinstance(material, Prony):
         return half_space(material)
-    if type(material).__name__ == "Layer":  # solved by its own means where a verb knows it
+    # solved by its own means where a verb knows it
+    if type(material).__name__ == "Layer":
         raise InputError(
-            "material must be a half-space or independent springs here, got an em.layer, which this call does not "
-            "take: use em.springs(material, thickness) for a contact much wider than the layer is thick, em.half_space "
-            "for one much narrower."
+            "material must be a half-space or independent springs here, got an "
+            "em.layer, which this call does not take: use em.springs(material, "
+            "thickness) for a contact much wider than the layer is thick, "
+            "em.half_space for one much narrower."
         )
     raise InputError(
-        f"material must be a material (em.Prony, em.load_material(...)) or an em.Foundation, got {material!r}."
+        "material must be a material (em.Prony, em.load_material(...)) or an "
+        f"em.Foundation, got {material!r}."
     )
 
 
-def _foundation(law: Relaxation, material: Any, per_area: bool, name: str, known: Range | None) -> Foundation:
+def _foundation(
+    law: Relaxation, material: Any, per_area: bool, name: str, known: Range | None
+) -> Foundation:
     if not is_traced(law):
-        law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
-    foundation = object.__new__(Foundation)  # its numbers were checked when the material was made
-    fill(foundation, **vars(law), shift=material.shift, vertical=material.vertical, softening=material.softening)
-    fill(foundation, thickness=None, slab=None, per_area=per_area, name=name, range=known)
+        law = Relaxation(
+            *(
+                np.asarray(x)
+                for x in (law.equilibrium, law.moduli, law.times, law.viscosity)
+            )
+        )
+    # its numbers were checked when the material was made
+    foundation = object.__new__(Foundation)
+    fill(
+        foundation,
+        **vars(law),
+        shift=material.shift,
+        vertical=material.vertical,
+        softening=material.softening,
+    )
+    fill(
+        foundation, thickness=None, slab=None, per_area=per_area, name=name, range=known
+    )
     return foundation
 
 
-def _half_space_of_table(material: TabulatedModulus, tangential: bool) -> TabulatedFoundation:
+def _half_space_of_table(
+    material: TabulatedModulus, tangential: bool
+) -> TabulatedFoundation:
     nu, shear = material.poisson, material.shear()
     factor = 4 / (2 - nu) if tangential else 2 / (1 - nu)
     return TabulatedFoundation(
-        shear.omega, shear.storage_table * factor, shear.loss_table * factor, shear.shift, shear.vertical,
-        shear.softening, shear.name, shear.range,
-    )  # fmt: skip
+        shear.omega,
+        shear.storage_table * factor,
+        shear.loss_table * factor,
+        shear.shift,
+        shear.vertical,
+        shear.softening,
+        shear.name,
+        shear.range,
+    )
 
 
 def _material(name: str, material: Any) -> Prony:
     needs_series(name, material, "a layer or two bodies in contact")
     if not isinstance(material, Prony):
-        raise InputError(f"{name} must be an em.Prony, or one made by em.load_material(...), got {material!r}.")
+        raise InputError(
+            f"{name} must be an em.Prony, or one made by em.load_material(...), "
+            f"got {material!r}."
+        )
     return material

@@ -1,16 +1,20 @@
-"""Rubber of finite thickness on a rigid base: neither a half-space nor independent springs.
+"""Rubber of finite thickness on a rigid base: neither a half-space nor independent
+springs.
 
-A frictionless load p on the surface of a layer of thickness h displaces it, wave by wave, by
+A frictionless load p on the surface of a layer of thickness h displaces it, wave by
+wave, by
 
     u(k) = (2/k) C(k, omega) p(k),      C = W(kh)/E*(omega),
 
-with E* = E/(1 - nu^2) the modulus of the half-space. W tends to one for short waves, which see a half-space, and for
-long ones to that of a thin layer: kh (1 - 2 nu)/(2 (1 - nu)^2) where it is bonded, (2/3) (kh)^3 where it is
-incompressible as well, kh/2 on a base on which it slips. `layer_kernel` is W, `layer_deficit` 1 - W; both hold for
-plane waves and for those of Hankel's transform.
+with E* = E/(1 - nu^2) the modulus of the half-space. W tends to one for short waves,
+which see a half-space, and for long ones to that of a thin layer: kh (1 - 2 nu)/(2 (1 -
+nu)^2) where it is bonded, (2/3) (kh)^3 where it is incompressible as well, kh/2 on a
+base on which it slips. `layer_kernel` is W, `layer_deficit` 1 - W; both hold for plane
+waves and for those of Hankel's transform.
 
-The kernel takes `squeeze` = 1 - 2 nu in place of nu: zero where incompressible, and complex, 3G/(3K + G), where the
-bulk modulus K is constant. Source: Johnson, Contact Mechanics (1985), section 5.8; derived again in `docs/theory.md`.
+The kernel takes `squeeze` = 1 - 2 nu in place of nu: zero where incompressible, and
+complex, 3G/(3K + G), where the bulk modulus K is constant. Source: Johnson, Contact
+Mechanics (1985), section 5.8; derived again in `docs/theory.md`.
 """
 
 from __future__ import annotations
@@ -20,7 +24,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import xp
-from ..checks import Array, as_float64, in_si, numpy_unless_traced, positive, scalar, written
+from ..checks import (
+    Array,
+    as_float64,
+    in_si,
+    numpy_unless_traced,
+    positive,
+    scalar,
+    written,
+)
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
@@ -36,18 +48,22 @@ if TYPE_CHECKING:
     from ..material.softening import Softening
     from ..material.vertical import AbstractVertical
 
-_SERIES = 0.5  # below this kh the numerator of the bonded layer, which cancels as its third power, is a series
+# below this kh the numerator of the bonded layer, which cancels as its third power, is
+# a series
+_SERIES = 0.5
 
 
 class Layer(Tree):
     """A layer of rubber on a rigid base, with a frictionless top; `em.layer` makes it.
 
-    How solvers use it: `layer.covers` are the layers on both sides of the contact, one, or two with `other`; their
-    compliances add. Of one of them `cover.kernel(z)` is W at z = kh where the Poisson's ratio is constant, and
-    `cover.kernel(z, omega)` that of any material; `cover.compliance(z, omega)` is W/E* [1/Pa], and
-    `cover.deficit(z, omega)` the part (1 - W)/E* by which a half-space is more compliant. `cover.normal()` is E*(t) of
-    the half-space as a relaxation function, `cover.constant` says whether W is the same at all frequencies. `name`,
-    `shift` and `range` are those of the material.
+    How solvers use it: `layer.covers` are the layers on both sides of the contact, one,
+    or two with `other`; their compliances add. Of one of them `cover.kernel(z)` is W at
+    z = kh where the Poisson's ratio is constant, and `cover.kernel(z, omega)` that of
+    any material; `cover.compliance(z, omega)` is W/E* [1/Pa], and `cover.deficit(z,
+    omega)` the part (1 - W)/E* by which a half-space is more compliant.
+    `cover.normal()` is E*(t) of the half-space as a relaxation function,
+    `cover.constant` says whether W is the same at all frequencies. `name`, `shift` and
+    `range` are those of the material.
     """
 
     material: Prony | TabulatedModulus
@@ -64,22 +80,36 @@ class Layer(Tree):
         other: "Layer | None" = None,
     ):
         if not isinstance(material, (Prony, TabulatedModulus)):
-            raise InputError(f"material must be an em.Prony, or one made by em.load_material(...), got {material!r}.")
+            raise InputError(
+                "material must be an em.Prony, or one made by "
+                "em.load_material(...), "
+                f"got {material!r}."
+            )
         if not isinstance(bonded, (bool, np.bool_)):
             raise InputError(f"bonded must be True or False, got {bonded!r}.")
         if other is not None and not isinstance(other, Layer):
             raise InputError(f"other must be an em.layer(...), got {other!r}.")
         if other is not None and other.other is not None:
-            raise InputError("other must be a single layer, got one that has another of its own.")
+            raise InputError(
+                "other must be a single layer, got one that has another of its own."
+            )
         thickness = scalar("thickness", thickness)
         positive("thickness", thickness)
         if other is not None and not same_thermal(material, other):
             raise InputError(
-                "other must have the same shift law as material, and the same vertical one, got "
-                f"{other.shift}, {other.vertical} and {material.shift}, {material.vertical}; bring both to their "
+                "other must have the same shift law as material, and the same "
+                "vertical one, got "
+                f"{other.shift}, {other.vertical} and {material.shift}, "
+                f"{material.vertical}; bring both to their "
                 "temperature first, with material.at(T)."
             )
-        fill(self, material=material, thickness=thickness, bonded=bool(bonded), other=other)
+        fill(
+            self,
+            material=material,
+            thickness=thickness,
+            bonded=bool(bonded),
+            other=other,
+        )
 
     def __repr__(self) -> str:
         return written(self)
@@ -92,7 +122,11 @@ class Layer(Tree):
     @property
     def name(self) -> str:
         names = [cover.material.name for cover in self.covers]
-        return names[0] if len(names) == 1 else " on ".join(name or "material" for name in names)
+        return (
+            names[0]
+            if len(names) == 1
+            else " on ".join(name or "material" for name in names)
+        )
 
     @property
     def shift(self) -> AbstractShift | None:
@@ -106,29 +140,50 @@ class Layer(Tree):
 
     @property
     def softening(self) -> Softening | None:
-        """The softening of the first material that has one; layers are linear, and their results say so."""
-        return next((each for cover in self.covers if (each := cover.material.softening) is not None), None)
+        """The softening of the first material that has one; layers are linear, and
+        their results say so.
+        """
+        return next(
+            (
+                each
+                for cover in self.covers
+                if (each := cover.material.softening) is not None
+            ),
+            None,
+        )
 
     @property
     def range(self) -> Range | None:
         """Where the numbers of the material hold."""
-        return self.material.range if self.other is None else shared(self.material.range, self.other.material.range)
+        return (
+            self.material.range
+            if self.other is None
+            else shared(self.material.range, self.other.material.range)
+        )
 
     @property
     def constant(self) -> bool:
-        """Whether the kernel is the same at every frequency: a constant Poisson's ratio."""
+        """Whether the kernel is the same at every frequency: a constant Poisson's
+        ratio.
+        """
         return getattr(self.material, "bulk", None) is None
 
     @numpy_unless_traced
     def normal(self) -> Relaxation:
-        """E*(t) of the half-space of this material, a Prony series [Pa]; not for a table of moduli."""
+        """E*(t) of the half-space of this material, a Prony series [Pa]; not for a
+        table of moduli.
+        """
         if isinstance(self.material, TabulatedModulus):
-            raise InputError("material must be an em.Prony here, got a table of moduli.")
+            raise InputError(
+                "material must be an em.Prony here, got a table of moduli."
+            )
         return normal_operator(self.material)
 
     @numpy_unless_traced
     def modulus(self, omega: ArrayLike) -> ComplexArray:
-        """E*(omega) of the half-space of this material [Pa], at omega >= 0 [rad/s], any shape."""
+        """E*(omega) of the half-space of this material [Pa], at omega >= 0 [rad/s], any
+        shape.
+        """
         if self.constant:
             poisson: Any = self.material.poisson
             return self.material.shear().complex_modulus(omega) * (2 / (1 - poisson))
@@ -136,19 +191,25 @@ class Layer(Tree):
 
     @numpy_unless_traced
     def squeeze(self, omega: ArrayLike | None = None) -> Array:
-        """1 - 2 nu: a number, or with a constant bulk modulus 3G/(3K + G) at omega [rad/s], complex."""
+        """1 - 2 nu: a number, or with a constant bulk modulus 3G/(3K + G) at omega
+        [rad/s], complex.
+        """
         if self.constant:
             poisson: Any = self.material.poisson
             return 1 - 2 * poisson
         if omega is None:
-            raise InputError("omega must be given for a material with a constant bulk modulus.")
+            raise InputError(
+                "omega must be given for a material with a constant bulk modulus."
+            )
         material: Any = self.material
         shear, bulk = material.shear().complex_modulus(omega), material.bulk
         return 3 * shear / (3 * bulk + shear)
 
     @numpy_unless_traced
     def kernel(self, z: ArrayLike, omega: ArrayLike | None = None) -> Array:
-        """W at z = kh, any shape; `omega` [rad/s], broadcast with it, where the bulk modulus is constant."""
+        """W at z = kh, any shape; `omega` [rad/s], broadcast with it, where the bulk
+        modulus is constant.
+        """
         return layer_kernel(as_float64("z", z), self.squeeze(omega), self.bonded)
 
     @numpy_unless_traced
@@ -158,36 +219,49 @@ class Layer(Tree):
 
     @numpy_unless_traced
     def deficit(self, z: ArrayLike, omega: ArrayLike) -> Array:
-        """(1 - W(kh))/E*(omega) [1/Pa]: by how much a half-space is more compliant than this layer."""
-        return layer_deficit(as_float64("z", z), self.squeeze(omega), self.bonded) / self.modulus(omega)
+        """(1 - W(kh))/E*(omega) [1/Pa]: by how much a half-space is more compliant than
+        this layer.
+        """
+        return layer_deficit(
+            as_float64("z", z), self.squeeze(omega), self.bonded
+        ) / self.modulus(omega)
 
 
 @in_si
 def layer(
-    material: Prony | TabulatedModulus, thickness: Number, *, bonded: bool = True, other: Layer | None = None
+    material: Prony | TabulatedModulus,
+    thickness: Number,
+    *,
+    bonded: bool = True,
+    other: Layer | None = None,
 ) -> Layer:
     """Rubber of finite thickness on a rigid base, to be indented, rolled or slid on.
 
     Args:
-        material: `Prony`, of any Poisson's ratio including 0.5 or with a constant bulk modulus; `TabulatedModulus` for
-            what needs no history in time.
+        material: `Prony`, of any Poisson's ratio including 0.5 or with a constant bulk
+            modulus; `TabulatedModulus` for what needs no history in time.
         thickness: [m], any, thin or thick against the contact.
         bonded: whether it sticks to its base, or slips on it without friction.
-        other: a layer on the other body, for two covers in contact, as a belt on a lagged roller.
+        other: a layer on the other body, for two covers in contact, as a belt on a
+            lagged roller.
 
     Returns:
         A `Layer`, for the argument `material` of the verbs.
 
     Raises:
-        InputError: for a thickness that is not positive, for anything but a material, for different shift laws.
+        InputError: for a thickness that is not positive, for anything but a material,
+            for different shift laws.
 
-    Exact, for small strains and a frictionless surface. The base is rigid. Source: `elastomdr.element.layer`.
+    Exact, for small strains and a frictionless surface. The base is rigid. Source:
+    `elastomdr.element.layer`.
     """
     return Layer(material, thickness, bonded=bonded, other=other)
 
 
 def layer_kernel(z: Array, squeeze: Any, bonded: bool) -> Array:
-    """W at z = kh > 0; `squeeze` = 1 - 2 nu, real or complex. Accurate to rounding for all z, at nu = 1/2 as well."""
+    """W at z = kh > 0; `squeeze` = 1 - 2 nu, real or complex. Accurate to rounding for
+    all z, at nu = 1/2 as well.
+    """
     e, zero = xp.exp(-2 * z), xp.zeros_like(z)
     if not bonded:
         return xp.expm1(-2 * z) ** 2 / (-xp.expm1(-4 * z) + 4 * z * e)
@@ -200,7 +274,8 @@ def layer_kernel(z: Array, squeeze: Any, bonded: bool) -> Array:
         term = term * y / (2 * n * (2 * n + 1))
         total = total + term
     excess = xp.where(small, 2 * z * e * total, -xp.expm1(-4 * z) / 2 - 2 * z * e)
-    # the numerator 2 kappa sinh 2z - 4z = 2 kappa (sinh 2z - 2z) + 8z squeeze, times exp(-2z)
+    # the numerator 2 kappa sinh 2z - 4z = 2 kappa (sinh 2z - 2z) + 8z squeeze, times
+    # exp(-2z)
     return (2 * kappa * excess + 8 * z * e * squeeze) / _bonded_denominator(z, e, kappa)
 
 
@@ -210,7 +285,11 @@ def layer_deficit(z: Array, squeeze: Any, bonded: bool) -> Array:
     if not bonded:
         return 2 * e * (2 * z - xp.expm1(-2 * z)) / (-xp.expm1(-4 * z) + 4 * z * e)
     kappa = 1 + 2 * squeeze
-    return e * (2 * kappa * e + 1 + kappa**2 + 4 * z**2 + 4 * z) / _bonded_denominator(z, e, kappa)
+    return (
+        e
+        * (2 * kappa * e + 1 + kappa**2 + 4 * z**2 + 4 * z)
+        / _bonded_denominator(z, e, kappa)
+    )
 
 
 def _bonded_denominator(z: Array, e: Array, kappa: Any) -> Array:

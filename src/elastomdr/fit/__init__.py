@@ -1,4 +1,6 @@
-"""From the laboratory to a material: master curves, Prony series, measured friction, calibration."""
+"""From the laboratory to a material: master curves, Prony series, measured friction,
+calibration.
+"""
 
 import importlib
 from typing import Any
@@ -24,7 +26,13 @@ __all__ = sorted(_MODULE_OF)
 
 def __getattr__(name: str) -> Any:
     if name not in _MODULE_OF:
-        raise AttributeError(f"module 'elastomdr.fit' has no attribute {name!r}.{closest(name, __all__)}", name=name)
+        raise AttributeError(
+            (
+                "module 'elastomdr.fit' has no attribute "
+                f"{name!r}.{closest(name, __all__)}"
+            ),
+            name=name,
+        )
     value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
     globals()[name] = value
     return value

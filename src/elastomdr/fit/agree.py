@@ -1,8 +1,9 @@
-"""Whether relaxation agrees with the storage and loss modulus that were measured beside it.
+"""Whether relaxation agrees with the storage and loss modulus that were measured beside
+it.
 
-Both follow from one spectrum. That of the dynamic moduli alone foretells the relaxation modulus at times t with 1/t
-within their frequencies, and the ratio of what was measured to that is 1 in the median, unless a unit, a kind of
-modulus or the sample differs.
+Both follow from one spectrum. That of the dynamic moduli alone foretells the relaxation
+modulus at times t with 1/t within their frequencies, and the ratio of what was measured
+to that is 1 in the median, unless a unit, a kind of modulus or the sample differs.
 """
 
 import numpy as np
@@ -17,11 +18,12 @@ _FACTOR = 1.25  # between both, above which they contradict each other
 
 
 def relaxation_excess(joint: Joint) -> float | None:
-    """By which factor relaxation is above what storage and loss modulus make of it; None where they agree, or where
-    nothing is to be compared.
+    """By which factor relaxation is above what storage and loss modulus make of it;
+    None where they agree, or where nothing is to be compared.
 
-    Isotherms are compared each by itself, so that no shift enters; where none has both, they are after the shift along
-    the frequency: a vertical shift may have made up for the factor.
+    Isotherms are compared each by itself, so that no shift enters; where none has both,
+    they are after the shift along the frequency: a vertical shift may have made up for
+    the factor.
     """
     points, shifts = joint.shifts.points, joint.shifts
     slow = points.channel == RELAXATION
@@ -29,9 +31,14 @@ def relaxation_excess(joint: Joint) -> float | None:
         return None
     log10_a = shifts.horizontal(shifts.posterior.mean)[0]
     reduced = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
-    for number, rate in ((points.isotherm, points.log_rate), (np.zeros_like(points.isotherm), reduced)):
+    for number, rate in (
+        (points.isotherm, points.log_rate),
+        (np.zeros_like(points.isotherm), reduced),
+    ):
         each = [number == i for i in np.unique(number)]
-        found = [_excess(rate[at], points.log_value[at], points.channel[at]) for at in each]
+        found = [
+            _excess(rate[at], points.log_value[at], points.channel[at]) for at in each
+        ]
         excess = np.concatenate(found)
         if excess.size:
             ratio = float(np.exp(np.median(excess)))
@@ -39,8 +46,12 @@ def relaxation_excess(joint: Joint) -> float | None:
     return None
 
 
-def _excess(log_rate: np.ndarray, log_value: np.ndarray, channel: np.ndarray) -> np.ndarray:
-    """ln of relaxation over what the closest spectrum of both dynamic moduli makes of it, at each time within reach."""
+def _excess(
+    log_rate: np.ndarray, log_value: np.ndarray, channel: np.ndarray
+) -> np.ndarray:
+    """ln of relaxation over what the closest spectrum of both dynamic moduli makes of
+    it, at each time within reach.
+    """
     dynamic = channel != RELAXATION
     if dynamic.sum() < _FEWEST:
         return np.zeros(0)
@@ -49,4 +60,8 @@ def _excess(log_rate: np.ndarray, log_value: np.ndarray, channel: np.ndarray) ->
     if not slow.any():
         return np.zeros(0)
     found = closest(log_rate[dynamic], log_value[dynamic], channel[dynamic] == STORAGE)
-    return np.zeros(0) if found is None else log_value[slow] - found.log_relaxation(log_rate[slow])
+    return (
+        np.zeros(0)
+        if found is None
+        else log_value[slow] - found.log_relaxation(log_rate[slow])
+    )

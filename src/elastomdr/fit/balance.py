@@ -1,8 +1,10 @@
-"""How much storage modulus, loss modulus and relaxation count against each other in a Prony series.
+"""How much storage modulus, loss modulus and relaxation count against each other in a
+Prony series.
 
-Each counts by its scatter. A passive material's moduli determine each other (Kramers and Kronig), so that data may
-contradict themselves: then no weights meet both, and relative deviations of both count alike, which is what foretells
-points that were left out best (`benchmarks/fit_balance.py`). What other weights would give is in `trade_off`.
+Each counts by its scatter. A passive material's moduli determine each other (Kramers
+and Kronig), so that data may contradict themselves: then no weights meet both, and
+relative deviations of both count alike, which is what foretells points that were left
+out best (`benchmarks/fit_balance.py`). What other weights would give is in `trade_off`.
 """
 
 from typing import NamedTuple
@@ -12,23 +14,39 @@ import numpy as np
 from .passive import closest
 from .spectrum import LOSS, STORAGE, Points
 
-_RATIO = 3.0  # largest ratio between the weights of two kinds of modulus: a series has to meet all of them
-_CONTRADICTION = 0.1  # misfit of a smooth spectrum above which storage and loss modulus contradict each other, if
+# largest ratio between the weights of two kinds of modulus: a series has to meet all of
+# them
+_RATIO = 3.0
+# misfit of a smooth spectrum above which storage and loss modulus contradict each
+# other, if
+_CONTRADICTION = 0.1
 _SYSTEMATIC = 2.0  # it is so many times the scatter between neighbouring points
-_CLOSEST = 1.2  # misfit of a series over that of the closest passive material up to which none comes closer
+# misfit of a series over that of the closest passive material up to which none comes
+# closer
+_CLOSEST = 1.2
 _BALANCES = (0.1, 1.0, 5.0, 20.0)  # of which the trade-off is shown
-_LEAST_NOISE = 0.002  # relative standard deviation below which residuals are not trusted to be noise
+# relative standard deviation below which residuals are not trusted to be noise
+_LEAST_NOISE = 0.002
 
 
-def weigh(noise: np.ndarray, points: Points, balance: float | None) -> tuple[np.ndarray, bool]:
-    """Standard deviations that the kinds of modulus are weighed with, and whether the moduli contradict each other.
+def weigh(
+    noise: np.ndarray, points: Points, balance: float | None
+) -> tuple[np.ndarray, bool]:
+    """Standard deviations that the kinds of modulus are weighed with, and whether the
+    moduli contradict each other.
 
-    They are the scatter between neighbouring points, where that is less than the misfit of a smooth spectrum, within
-    limits. Where the misfit is large and not scatter, storage and loss modulus may contradict each other.
+    They are the scatter between neighbouring points, where that is less than the misfit
+    of a smooth spectrum, within limits. Where the misfit is large and not scatter,
+    storage and loss modulus may contradict each other.
     """
     present, scatter = np.unique(points.channel), _scatter(points)
-    both, worst = LOSS in present and STORAGE in present, present[noise[present].argmax()]
-    systematic = bool(both and noise[worst] > max(_CONTRADICTION, _SYSTEMATIC * scatter[worst]))
+    both, worst = (
+        LOSS in present and STORAGE in present,
+        present[noise[present].argmax()],
+    )
+    systematic = bool(
+        both and noise[worst] > max(_CONTRADICTION, _SYSTEMATIC * scatter[worst])
+    )
     if systematic and balance is None:
         balance = 1.0
     if both and balance is not None:
@@ -41,7 +59,9 @@ def weigh(noise: np.ndarray, points: Points, balance: float | None) -> tuple[np.
 
 
 class Met(NamedTuple):
-    """How closely a passive material can meet both moduli: rms relative deviations, with `balance` as the weight."""
+    """How closely a passive material can meet both moduli: rms relative deviations,
+    with `balance` as the weight.
+    """
 
     balance: float
     storage: float
@@ -53,11 +73,18 @@ class Met(NamedTuple):
 
 
 def trade_off(points: Points) -> tuple[Met, ...]:
-    """Of all passive materials those closest to storage and loss modulus, by the weight of the storage modulus."""
+    """Of all passive materials those closest to storage and loss modulus, by the weight
+    of the storage modulus.
+    """
     at = points.channel <= LOSS
     found = []
     for balance in _BALANCES:
-        near = closest(points.log_rate[at], points.log_value[at], points.channel[at] == STORAGE, balance)
+        near = closest(
+            points.log_rate[at],
+            points.log_value[at],
+            points.channel[at] == STORAGE,
+            balance,
+        )
         if near is not None:
             found.append(Met(balance, near.storage, near.loss))
     return tuple(found)
@@ -70,15 +97,21 @@ def verdict(met: tuple[Met, ...], storage: float, loss: float) -> str:
         return ""
     closest = f"{100 * alike.storage:.2g} and {100 * alike.loss:.2g} %"
     if np.hypot(storage, loss) > _CLOSEST * alike.whole:
-        return f"; the closest passive material meets storage and loss modulus to {closest}, more terms may help."
+        return (
+            "; the closest passive material meets storage and loss modulus to "
+            f"{closest}, more terms may help."
+        )
     return (
-        f": storage and loss modulus contradict each other, no passive material comes closer to both than {closest}; "
+        ": storage and loss modulus contradict each other, no passive material comes "
+        f"closer to both than {closest}; "
         "balance=... favours one of them."
     )
 
 
 def _scatter(points: Points) -> np.ndarray:
-    """Standard deviation of ln(value) about the line between its neighbours in frequency, by channel, or NaN."""
+    """Standard deviation of ln(value) about the line between its neighbours in
+    frequency, by channel, or NaN.
+    """
     found = np.full(3, np.nan)
     for channel in np.unique(points.channel):
         at = np.flatnonzero(points.channel == channel)
@@ -87,6 +120,8 @@ def _scatter(points: Points) -> np.ndarray:
             continue
         x, y = points.log_rate[at], points.log_value[at]
         part = (x[1:-1] - x[:-2]) / np.maximum(x[2:] - x[:-2], 1e-12)
-        off = (y[1:-1] - (1 - part) * y[:-2] - part * y[2:]) / np.sqrt(1 + part**2 + (1 - part) ** 2)
+        off = (y[1:-1] - (1 - part) * y[:-2] - part * y[2:]) / np.sqrt(
+            1 + part**2 + (1 - part) ** 2
+        )
         found[channel] = 1.4826 * np.median(np.abs(off))  # an outlier is not scatter
     return found

@@ -1,4 +1,6 @@
-"""Curves with 95 % intervals: storage and loss modulus over frequency, relaxation over time."""
+"""Curves with 95 % intervals: storage and loss modulus over frequency, relaxation over
+time.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ if TYPE_CHECKING:
 
 
 class Band(NamedTuple):
-    """Storage and loss modulus at the reference temperature with their 95 % intervals; every array as `omega`."""
+    """Storage and loss modulus at the reference temperature with their 95 % intervals;
+    every array as `omega`.
+    """
 
     omega: Float[np.ndarray, "..."]  # angular frequency [rad/s]
     storage: Float[np.ndarray, "..."]  # [Pa]
@@ -28,17 +32,21 @@ class Band(NamedTuple):
     loss: Float[np.ndarray, "..."]  # [Pa]
     loss_low: Float[np.ndarray, "..."]
     loss_high: Float[np.ndarray, "..."]
-    inside: Bool[np.ndarray, "..."]  # False where omega lies outside the measured (reduced) frequencies
+    # False where omega lies outside the measured (reduced) frequencies
+    inside: Bool[np.ndarray, "..."]
 
 
 class RelaxationBand(NamedTuple):
-    """Relaxation modulus at the reference temperature with its 95 % interval; every array as `time`."""
+    """Relaxation modulus at the reference temperature with its 95 % interval; every
+    array as `time`.
+    """
 
     time: Float[np.ndarray, "..."]  # [s]
     relaxation: Float[np.ndarray, "..."]  # [Pa]
     relaxation_low: Float[np.ndarray, "..."]
     relaxation_high: Float[np.ndarray, "..."]
-    inside: Bool[np.ndarray, "..."]  # False where 1/t lies outside the measured (reduced) frequencies
+    # False where 1/t lies outside the measured (reduced) frequencies
+    inside: Bool[np.ndarray, "..."]
 
 
 def dynamic_band(
@@ -48,13 +56,22 @@ def dynamic_band(
     omega: Any,
     series: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None,
 ) -> Band:
-    """The smooth curve of a joint fit, or a `series` through it, whose interval grows by its distance to the curve."""
+    """The smooth curve of a joint fit, or a `series` through it, whose interval grows
+    by its distance to the curve.
+    """
     omega = as_float64("omega", omega)
     positive("omega", omega)
     flat = np.atleast_1d(omega).ravel()
     own = None if series is None else np.concatenate(series(flat))
-    values = _interval(joint, state, np.tile(np.log(flat), 2), np.repeat([STORAGE, LOSS], flat.size), own)
-    parts = [half for value in values for half in np.split(value, 2)]  # storage, loss, then both limits of either
+    values = _interval(
+        joint,
+        state,
+        np.tile(np.log(flat), 2),
+        np.repeat([STORAGE, LOSS], flat.size),
+        own,
+    )
+    # storage, loss, then both limits of either
+    parts = [half for value in values for half in np.split(value, 2)]
     inside = _check_outside(flat, window, "frequencies")
     ordered = (*parts[0::2], *parts[1::2], inside)
     return Band(omega, *(part.reshape(omega.shape) for part in ordered))
@@ -74,25 +91,39 @@ def relaxation_band(
     own = None if series is None else series(flat)
     values = _interval(joint, state, -np.log(flat), np.full(flat.size, RELAXATION), own)
     inside = _check_outside(1 / flat, window, "times")
-    return RelaxationBand(time, *(part.reshape(time.shape) for part in (*values, inside)))
+    return RelaxationBand(
+        time, *(part.reshape(time.shape) for part in (*values, inside))
+    )
 
 
 def _interval(
-    joint: Joint, state: AtReference, log_rate: np.ndarray, channel: np.ndarray, own: np.ndarray | None
+    joint: Joint,
+    state: AtReference,
+    log_rate: np.ndarray,
+    channel: np.ndarray,
+    own: np.ndarray | None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     smooth, std = curve(joint, state, log_rate, channel)
     value = smooth if own is None else np.log(own)
     std = np.sqrt(std**2 + (value - smooth) ** 2)
-    return np.exp(value), np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
+    return (
+        np.exp(value),
+        np.exp(value - TWO_SIGMA * std),
+        np.exp(value + TWO_SIGMA * std),
+    )
 
 
-def _check_outside(rate: np.ndarray, window: tuple[float, float], what: str) -> np.ndarray:
-    """Whether rates [rad/s] lie inside the measured window; those outside are counted in one `FitWarning`."""
+def _check_outside(
+    rate: np.ndarray, window: tuple[float, float], what: str
+) -> np.ndarray:
+    """Whether rates [rad/s] lie inside the measured window; those outside are counted
+    in one `FitWarning`.
+    """
     inside = (rate >= window[0] * (1 - 1e-9)) & (rate <= window[1] * (1 + 1e-9))
     if not inside.all():
         warnings.warn(
-            f"{int((~inside).sum())} of {inside.size} {what} are extrapolated: they lie outside the measured "
-            f"{window[0]:.3g} to {window[1]:.3g} rad/s.",
+            f"{int((~inside).sum())} of {inside.size} {what} are extrapolated: they "
+            f"lie outside the measured {window[0]:.3g} to {window[1]:.3g} rad/s.",
             FitWarning,
             stacklevel=4,
         )

@@ -1,7 +1,9 @@
-"""Chosen parameters of a material, or of a rough surface, adjusted to measured friction or rolling resistance.
+"""Chosen parameters of a material, or of a rough surface, adjusted to measured friction
+or rolling resistance.
 
-Least squares with Gaussian priors; Jacobians through the contact solution (under an indenter) or by central
-differences (on a rough surface, whose friction is found by a search over batches and levels of sampling).
+Least squares with Gaussian priors; Jacobians through the contact solution (under an
+indenter) or by central differences (on a rough surface, whose friction is found by a
+search over batches and levels of sampling).
 """
 
 from __future__ import annotations
@@ -21,7 +23,13 @@ from scipy.special import stdtrit
 from ..call.model_choice import hint_at_line, is_rough, of_rough
 from ..checks import as_float64, in_si, positive, require
 from ..compiled_code import keep_compiled_code
-from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError, ModelWarning, closest
+from ..errors import (
+    ConvergenceWarning,
+    ExtrapolationWarning,
+    InputError,
+    ModelWarning,
+    closest,
+)
 from ..material.prony import Prony
 from ..material.tabulated import needs_series
 from ..models import Line
@@ -38,19 +46,27 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Motion
     from ..call.types import Indenter, Surface
 
-_WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given
-_UNLEARNED = 0.7  # posterior over prior standard deviation above which the data determine little
-_STEPS = 0.05, 0.0125  # of a parameter, in differences: across the ripples of few random lines, then within one
-_EXACTLY, _ROUGHLY = 1e-8, 1e-3  # change of parameters and of the sum of squares at which the search ends
+# standard deviation of the prior of a parameter, about its start, where none is given
+_WIDTH = 1.0
+# posterior over prior standard deviation above which the data determine little
+_UNLEARNED = 0.7
+# of a parameter, in differences: across the ripples of few random lines, then within
+# one
+_STEPS = 0.05, 0.0125
+# change of parameters and of the sum of squares at which the search ends
+_EXACTLY, _ROUGHLY = 1e-8, 1e-3
 _LEAST = 0.2  # part of a parameter in the least known direction from which it is named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(AbstractFindings):
-    """A calibrated material and shape, the parameters that make them, and how well they are known."""
+    """A calibrated material and shape, the parameters that make them, and how well they
+    are known.
+    """
 
     material: Prony
-    shape: Indenter | Surface  # the indenter or surface, with the parameters that act on it
+    # the indenter or surface, with the parameters that act on it
+    shape: Indenter | Surface
     parameters: dict[str, float]
     std: dict[
         str, float
@@ -59,9 +75,11 @@ class Calibration(AbstractFindings):
     prior: dict[str, float]  # standard deviation of each parameter without the data
     covariance: Float[np.ndarray, "p p"]  # in the order of `parameters`
     measured: Float[np.ndarray, "..."]
-    computed: Float[np.ndarray, "..."]  # by the calibrated material; NaN where the contact did not converge
+    # by the calibrated material; NaN where the contact did not converge
+    computed: Float[np.ndarray, "..."]
     residuals: Float[np.ndarray, "..."]  # measured minus computed
-    used: Bool[np.ndarray, "..."]  # False where the contact did not converge: such a point counts for nothing
+    # False where the contact did not converge: such a point counts for nothing
+    used: Bool[np.ndarray, "..."]
     error: float  # standard deviation of the measurement, given or estimated
     evaluations: int
     warnings: tuple[str, ...]
@@ -69,26 +87,56 @@ class Calibration(AbstractFindings):
 
     @property
     def weakest(self) -> tuple[dict[str, float], float]:
-        """The direction that the data determine least, and its standard deviation with the data over that without.
+        """The direction that the data determine least, and its standard deviation with
+        the data over that without.
 
-        Parameters are in units of their priors; the direction has length 1. Along it the parameters may be exchanged
-        for each other with the least effect on what is computed: only another kind of measurement can decide it.
+        Parameters are in units of their priors; the direction has length 1. Along it
+        the parameters may be exchanged for each other with the least effect on what is
+        computed: only another kind of measurement can decide it.
         """
         width = np.array(list(self.prior.values()))
         spread, directions = np.linalg.eigh(self.covariance / np.outer(width, width))
-        most = directions[:, -1] * np.sign(directions[np.abs(directions[:, -1]).argmax(), -1])
-        return dict(zip(self.prior, most.tolist(), strict=True)), float(np.sqrt(spread[-1]))
+        most = directions[:, -1] * np.sign(
+            directions[np.abs(directions[:, -1]).argmax(), -1]
+        )
+        return dict(zip(self.prior, most.tolist(), strict=True)), float(
+            np.sqrt(spread[-1])
+        )
 
     def findings(self) -> Iterator[tuple[str, str]]:
-        """What a person needs to judge the calibration, as pairs of a name and a text."""
+        """What a person needs to judge the calibration, as pairs of a name and a
+        text.
+        """
         for name, value in self.parameters.items():
-            yield name, f"{value:.4g} +- {TWO_SIGMA * self.std[name]:.2g}   {MEANINGS.get(name, 'your own')}"
+            yield (
+                name,
+                (
+                    f"{value:.4g} +- {TWO_SIGMA * self.std[name]:.2g}   "
+                    f"{MEANINGS.get(name, 'your own')}"
+                ),
+            )
         if len(self.parameters) > 1:
             direction, left = self.weakest
-            named = [f"{part:+.2f} {name}" for name, part in direction.items() if abs(part) > _LEAST]
-            yield "least known", f"{' '.join(named)} (in prior widths), to {left:.0%} of what was assumed"
+            named = [
+                f"{part:+.2f} {name}"
+                for name, part in direction.items()
+                if abs(part) > _LEAST
+            ]
+            yield (
+                "least known",
+                (
+                    f"{' '.join(named)} (in prior widths), to {left:.0%} of what was "
+                    "assumed"
+                ),
+            )
         rms = float(np.sqrt(np.mean(self.residuals[self.used] ** 2)))
-        yield "residuals", f"{rms:.3g} rms, error of a measurement {self.error:.3g}, {self.evaluations} evaluations"
+        yield (
+            "residuals",
+            (
+                f"{rms:.3g} rms, error of a measurement {self.error:.3g}, "
+                f"{self.evaluations} evaluations"
+            ),
+        )
         for text in self.warnings:
             yield "warning", text
 
@@ -107,35 +155,43 @@ def calibrate(
     change: Change | None = None,
     **scene: Any,  # of either verb
 ) -> Calibration:
-    """The parameters with which computed friction, or rolling resistance, comes closest to measurements.
+    """The parameters with which computed friction, or rolling resistance, comes closest
+    to measurements.
 
-    Each parameter has a Gaussian prior about its start. One that ends as uncertain as it began is not determined by the
-    data, and a warning says so; `weakest` names what the data determine least.
+    Each parameter has a Gaussian prior about its start. One that ends as uncertain as
+    it began is not determined by the data, and a warning says so; `weakest` names what
+    the data determine least.
 
     Args:
         material: the material to begin with, a `Prony`.
         shape: the indenter or surface to begin with.
         velocity: sliding velocities [m/s].
         measured: measured coefficients, of the shape that the scene has.
-        parameters: names from `elastomdr.fit.parameters.MEANINGS`, or a dict of names and starting values (0 where none
-            is given; the cutoff starts at the shortest relaxation time).
+        parameters: names from `elastomdr.fit.parameters.MEANINGS`, or a dict of names
+            and starting values (0 where none is given; the cutoff starts at the
+            shortest relaxation time).
         quantity: "friction", or "rolling" for the resistance.
-        error: standard deviation of a measurement, one number or one per point; by default estimated from the
-            residuals.
+        error: standard deviation of a measurement, one number or one per point; by
+            default estimated from the residuals.
         widths: standard deviations of the priors by parameter, 1 where none is given.
-        change: `change(material, shape, values)` returns the material and the shape that parameters of your own make.
-        scene: other arguments of `em.friction`: load, pressure, temperature, model, rtol.
+        change: `change(material, shape, values)` returns the material and the shape
+            that parameters of your own make.
+        scene: other arguments of `em.friction`: load, pressure, temperature, model,
+            rtol.
 
     Returns:
-        A `Calibration` with the material, the shape and the uncertainty of each parameter.
+        A `Calibration` with the material, the shape and the uncertainty of each
+        parameter.
 
     Raises:
-        InputError: for unknown names, measurements that do not match, and a start where the contact has no answer.
+        InputError: for unknown names, measurements that do not match, and a start where
+            the contact has no answer.
 
-    Jacobians are exact under an indenter, where a first call mostly compiles and calls with other measurements of the
-    same scene use its program. On rough surfaces they are central differences; the samples of `em.Line`, which must be
-    the same for all cutoffs, are then by default enough for a cutoff one standard deviation of the prior above its
-    start.
+    Jacobians are exact under an indenter, where a first call mostly compiles and calls
+    with other measurements of the same scene use its program. On rough surfaces they
+    are central differences; the samples of `em.Line`, which must be the same for all
+    cutoffs, are then by default enough for a cutoff one standard deviation of the prior
+    above its start.
     """
     needs_series("material", material, "a calibration")
     if not isinstance(material, Prony):
@@ -150,50 +206,89 @@ def calibrate(
     data = np.asarray(as_float64("measured", measured))
     require("measured", data, "finite", np.isfinite)
     if data.size < len(names):
-        raise InputError(f"measured must have as many points as there are parameters, {len(names)}, got {data.size}.")
-    given = None if error is None else np.broadcast_to(as_float64("error", error), data.shape)
+        raise InputError(
+            "measured must have as many points as there are parameters, "
+            f"{len(names)}, got {data.size}."
+        )
+    given = (
+        None
+        if error is None
+        else np.broadcast_to(as_float64("error", error), data.shape)
+    )
     if given is not None:
         positive("error", given)
     scene = dict(scene, velocity=velocity)
     if isinstance(shape, AbstractSpectrum):
-        finer = 10.0 ** min(spread[names.index("q_high")], 1.0) if "q_high" in names else 1.0
+        finer = (
+            10.0 ** min(spread[names.index("q_high")], 1.0)
+            if "q_high" in names
+            else 1.0
+        )
         pressed = {name: scene.get(name) for name in ("pressure", "load", "depth")}
         hint_at_line(scene.get("model"), shape, **pressed)
         model = of_rough(scene.get("model"), shape, scene.get("pressure"))
         if isinstance(model, Line) and model.samples is None:
-            model = dataclasses.replace(model, samples=line_count(shape, model.periods, PER_WAVE * finer))
-        if isinstance(model, Line) and scene.get("pressure") is not None and (text := missed(shape, model)) is not None:
+            model = dataclasses.replace(
+                model, samples=line_count(shape, model.periods, PER_WAVE * finer)
+            )
+        if (
+            isinstance(model, Line)
+            and scene.get("pressure") is not None
+            and (text := missed(shape, model)) is not None
+        ):
             warnings.warn(text, ModelWarning, stacklevel=2)
         scene["model"] = model
     compute = _computer(material, shape, quantity, names, change, scene)
     rough = is_rough(shape)
     keep_compiled_code()
     with jax.enable_x64(True):
-        constants = (quantity, names, material, shape, scene) if change is None else None
-        value, *jacobians = _by_differences(compute, names) if rough else with_jacobian(compute, constants)
+        constants = (
+            (quantity, names, material, shape, scene) if change is None else None
+        )
+        value, *jacobians = (
+            _by_differences(compute, names)
+            if rough
+            else with_jacobian(compute, constants)
+        )
         begin = np.array([start[name] for name in names])
         first = np.asarray(value(begin))
         if first.shape != data.shape:
-            raise InputError(f"measured must have the shape of what is computed, {first.shape}, got {data.shape}.")
+            raise InputError(
+                f"measured must have the shape of what is computed, {first.shape}, "
+                f"got {data.shape}."
+            )
         used = np.isfinite(first)
         if used.sum() < len(names):
             raise InputError(
-                f"parameters must start where the contact has an answer, got NaN at {int((~used).sum())} points."
+                "parameters must start where the contact has an answer, got NaN "
+                f"at {int((~used).sum())} points."
             )
-        sigma = given if given is not None else np.full(data.shape, 0.05 * max(float(np.abs(data).max()), 1e-12))
+        sigma = (
+            given
+            if given is not None
+            else np.full(data.shape, 0.05 * max(float(np.abs(data).max()), 1e-12))
+        )
         answer, calls, point = None, 0, begin
         for _ in range(1 if given is not None else 3):
             for jacobian in jacobians:
                 close = _ROUGHLY if rough else _EXACTLY
-                answer = _search(value, jacobian, begin, point, spread, data, used, sigma, close)
+                answer = _search(
+                    value, jacobian, begin, point, spread, data, used, sigma, close
+                )
                 point, calls = answer.x, calls + int(answer.nfev)
             used = used & np.isfinite(np.asarray(value(point)))
             if given is None:
                 left = (data - np.asarray(value(point)))[used]
-                sigma = np.full(data.shape, max(np.sqrt((left**2).sum() / max(left.size - len(names), 1)), 1e-9))
+                sigma = np.full(
+                    data.shape,
+                    max(
+                        np.sqrt((left**2).sum() / max(left.size - len(names), 1)), 1e-9
+                    ),
+                )
         assert answer is not None
         computed = np.asarray(value(answer.x))
-        # An error that is estimated from few points is itself uncertain: Student's t in place of 1.96.
+        # An error that is estimated from few points is itself uncertain: Student's t in
+        # place of 1.96.
         freedom = max(int(used.sum()) - len(names), 1)
         wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if given is None else 1.0
         matrix = np.asarray(jacobians[0](point))[used] / (wider * sigma[used][:, None])
@@ -201,7 +296,9 @@ def calibrate(
         values = dict(zip(names, answer.x.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(covariance))
-    concrete = jax.tree.map(lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, changed)
+    concrete = jax.tree.map(
+        lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, changed
+    )
     return Calibration(
         material=concrete,
         shape=shape,
@@ -221,13 +318,22 @@ def calibrate(
 
 
 def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
-    if isinstance(parameters, str) or not isinstance(parameters, (Sequence, Mapping)) or not parameters:
-        raise InputError(f"parameters must be names, or a dict of names and starts, got {parameters!r}.")
+    if (
+        isinstance(parameters, str)
+        or not isinstance(parameters, (Sequence, Mapping))
+        or not parameters
+    ):
+        raise InputError(
+            "parameters must be names, or a dict of names and starts, got "
+            f"{parameters!r}."
+        )
     start: dict[str, float] = {}
     for name in parameters:
         if name not in MEANINGS and not own:
             hint = closest(str(name), MEANINGS)
-            raise InputError(f"parameters must be among {', '.join(MEANINGS)}, got {name!r}.{hint}")
+            raise InputError(
+                f"parameters must be among {', '.join(MEANINGS)}, got {name!r}.{hint}"
+            )
         value = parameters[name] if isinstance(parameters, Mapping) else 0.0
         if name == "cutoff" and not isinstance(parameters, Mapping):
             value = float(np.log10(material.times[0])) if material.times.size else 0.0
@@ -235,7 +341,14 @@ def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
     return start
 
 
-def _computer(material: Prony, shape: Any, quantity: str, names: list[str], change: Any, scene: dict[str, Any]) -> Any:
+def _computer(
+    material: Prony,
+    shape: Any,
+    quantity: str,
+    names: list[str],
+    change: Any,
+    scene: dict[str, Any],
+) -> Any:
     if quantity == "friction":
         from ..verbs.friction import friction as call
     else:
@@ -252,7 +365,9 @@ def _computer(material: Prony, shape: Any, quantity: str, names: list[str], chan
 
 
 def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
-    """A function's value, and its Jacobian by central differences, wide and narrow; NaN where it did not converge."""
+    """A function's value, and its Jacobian by central differences, wide and narrow; NaN
+    where it did not converge.
+    """
     last: dict[bytes, np.ndarray] = {}
 
     def value(p: np.ndarray) -> np.ndarray:
@@ -271,7 +386,9 @@ def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
         if names[i] == "offset":
             return np.ones_like(value(p))
         if names[i] == "gain":
-            return np.log(10.0) * (value(p) - (p[names.index("offset")] if "offset" in names else 0.0))
+            return np.log(10.0) * (
+                value(p) - (p[names.index("offset")] if "offset" in names else 0.0)
+            )
         h = step * np.eye(p.size)[i]
         return (value(p + h) - value(p - h)) / (2 * step)
 
@@ -282,34 +399,58 @@ def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
 
 
 def _search(
-    value: Any, jacobian: Any, begin: Any, point: Any, spread: Any, data: Any, used: Any, sigma: Any, close: float
+    value: Any,
+    jacobian: Any,
+    begin: Any,
+    point: Any,
+    spread: Any,
+    data: Any,
+    used: Any,
+    sigma: Any,
+    close: float,
 ) -> Any:
-    """Least squares from `point`, with the prior as further residuals; a point that fails repels the search."""
+    """Least squares from `point`, with the prior as further residuals; a point that
+    fails repels the search.
+    """
 
     def residuals(p: np.ndarray) -> np.ndarray:
         left = (data - np.asarray(value(p)))[used] / sigma[used]
-        return np.concatenate([np.where(np.isfinite(left), left, 1e3), (begin - p) / spread])
+        return np.concatenate(
+            [np.where(np.isfinite(left), left, 1e3), (begin - p) / spread]
+        )
 
     def derivative(p: np.ndarray) -> np.ndarray:
         matrix = -np.asarray(jacobian(p))[used] / sigma[used][:, None]
-        return np.concatenate([np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)])
+        return np.concatenate(
+            [np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)]
+        )
 
-    return least_squares(residuals, point, jac=derivative, xtol=close, ftol=close, max_nfev=60)  # pyright: ignore[reportArgumentType]
+    return least_squares(
+        residuals, point, jac=derivative, xtol=close, ftol=close, max_nfev=60
+    )  # pyright: ignore[reportArgumentType]
 
 
-def _judge(names: list[str], std: Any, spread: Any, covariance: Any, used: Any, success: bool) -> Iterator[str]:
+def _judge(
+    names: list[str], std: Any, spread: Any, covariance: Any, used: Any, success: bool
+) -> Iterator[str]:
     if not success:
         yield "The search did not converge."
     if not used.all():
-        yield f"{int((~used).sum())} of {used.size} points have no computed answer and count for nothing."
+        yield (
+            f"{int((~used).sum())} of {used.size} points have no computed answer and "
+            "count for nothing."
+        )
     for i, name in enumerate(names):
         if std[i] > _UNLEARNED * spread[i]:
             yield (
-                f"{name} is hardly determined by the data: its uncertainty, {std[i]:.2g}, is that of the prior, "
-                f"{spread[i]:.2g}."
+                f"{name} is hardly determined by the data: its uncertainty, "
+                f"{std[i]:.2g}, is that of the prior, {spread[i]:.2g}."
             )
     matrix = covariance / np.outer(std, std)
     for i in range(len(names)):
         for j in range(i):
             if abs(matrix[i, j]) > 0.98:
-                yield f"{names[j]} and {names[i]} cannot be separated (correlation {matrix[i, j]:.3f})."
+                yield (
+                    f"{names[j]} and {names[i]} cannot be separated (correlation "
+                    f"{matrix[i, j]:.3f})."
+                )

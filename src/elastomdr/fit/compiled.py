@@ -1,7 +1,9 @@
-"""A function of parameters and its Jacobian as one compiled program, kept for other measurements of the same scene.
+"""A function of parameters and its Jacobian as one compiled program, kept for other
+measurements of the same scene.
 
-Compiling takes some fifty times longer than computing. What a program has as constants (material, shape, velocities,
-temperatures ...) are its key: where any of it differs, another one is compiled.
+Compiling takes some fifty times longer than computing. What a program has as constants
+(material, shape, velocities, temperatures ...) are its key: where any of it differs,
+another one is compiled.
 """
 
 from collections.abc import Callable
@@ -19,7 +21,8 @@ _PROGRAMS: dict[Any, Any] = {}  # the least recently used one first
 def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, Any]:
     """The value and the Jacobian of `compute` as functions of parameters, a vector.
 
-    `constants` is a pytree of all that `compute` depends on; None where that is not known: nothing is kept then.
+    `constants` is a pytree of all that `compute` depends on; None where that is not
+    known: nothing is kept then.
     """
     both = _program(compute, None if constants is None else _key(constants))
     last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
@@ -47,7 +50,9 @@ def _program(compute: Callable[[Any], Any], key: Any) -> Any:
 
 
 def _key(constants: Any) -> Any:
-    """What is the same for the same constants; None where anything but numbers, texts and models is in them."""
+    """What is the same for the same constants; None where anything but numbers, texts
+    and models is in them.
+    """
     leaves, structure = jax.tree.flatten(constants)
     parts = []
     for leaf in leaves:

@@ -1,8 +1,11 @@
-"""Materials drawn from a fit: spectrum and laws of shifts together, as the intervals of the fit report them.
+"""Materials drawn from a fit: spectrum and laws of shifts together, as the intervals of
+the fit report them.
 
-The unknowns of the joint fit, the errors of the thermometers and the doubts (`fit/joint.py`) are drawn together. They
-move the common curve, to which the moduli of the series follow in least squares, and the shift factors, to which the
-constants of the law follow as they did in their fit. The distance between series and curve is one more direction.
+The unknowns of the joint fit, the errors of the thermometers and the doubts
+(`fit/joint.py`) are drawn together. They move the common curve, to which the moduli of
+the series follow in least squares, and the shift factors, to which the constants of the
+law follow as they did in their fit. The distance between series and curve is one more
+direction.
 """
 
 from __future__ import annotations
@@ -25,7 +28,8 @@ if TYPE_CHECKING:
     from .pipeline import MaterialFit
 
 _PER_DECADE = 6
-_NEAR = 0.5  # from the reference temperature up to which an isotherm is not in a table beside it [K]
+# from the reference temperature up to which an isotherm is not in a table beside it [K]
+_NEAR = 0.5
 
 
 def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
@@ -34,21 +38,38 @@ def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
     joint, state = fit.master.joint, fit.master.state
     low, high = np.log(fit.prony.window)
     at = np.linspace(low, high, max(int(_PER_DECADE * (high - low) / LN10), 8))
-    curve = sensitivity(joint, state, np.tile(at, 2), np.repeat([STORAGE, LOSS], at.size))
+    curve = sensitivity(
+        joint, state, np.tile(at, 2), np.repeat([STORAGE, LOSS], at.size)
+    )
     of_a, of_others, of_b = moved(joint, state)
     rng = np.random.default_rng(seed)
-    unknowns = rng.standard_normal((n, of_a.shape[1])) @ root_of(joint.shifts.posterior.covariance).T
+    unknowns = (
+        rng.standard_normal((n, of_a.shape[1]))
+        @ root_of(joint.shifts.posterior.covariance).T
+    )
     others = rng.standard_normal((n, of_others.shape[1]))
     off = np.log(np.concatenate(fit.prony.moduli_at(np.exp(at)))) - curve.log_value
-    spectrum = unknowns @ curve.by_unknowns.T + others @ curve.by_others.T + np.outer(rng.standard_normal(n), off)
+    spectrum = (
+        unknowns @ curve.by_unknowns.T
+        + others @ curve.by_others.T
+        + np.outer(rng.standard_normal(n), off)
+    )
     log10_a, ln_b = unknowns @ of_a.T + others @ of_others.T, unknowns @ of_b.T
     changes = spectrum @ by_moduli(fit.material, np.exp(at)).T
     shift = _shifts(fit, log10_a, rng)
     each = [
-        changed(fit.material, change, i + 1, shift=shift(i), vertical=_vertical(fit, ln_b[i]))
+        changed(
+            fit.material,
+            change,
+            i + 1,
+            shift=shift(i),
+            vertical=_vertical(fit, ln_b[i]),
+        )
         for i, change in enumerate(changes)
     ]
-    words = "spectrum" + ("" if fit.material.shift is None or fit.master.given else " and shift factors")
+    words = "spectrum" + (
+        "" if fit.material.shift is None or fit.master.given else " and shift factors"
+    )
     return Draws(each, fit.material.name, f"{words}, as the fit leaves them open")
 
 
@@ -61,7 +82,9 @@ def _shifts(fit: MaterialFit, log10_a: np.ndarray, rng: np.random.Generator) -> 
         return lambda i: ShiftTable(own.temperature, _along(fit, own, log10_a[i]))
     reference, temperature = master.reference, master.temperature
     form = forms(reference, float(min(temperature.min(), reference)))[fit.law]
-    start, spread, law_own = fit_form(form, temperature, master.log10_a, master.covariance)
+    start, spread, law_own = fit_form(
+        form, temperature, master.log10_a, master.covariance
+    )
     precision = np.linalg.inv(master.covariance + law_own**2 * np.eye(temperature.size))
     gain = spread @ derivatives(form, start, temperature).T @ precision
     off = log10_a + law_own * rng.standard_normal(log10_a.shape)
@@ -70,21 +93,29 @@ def _shifts(fit: MaterialFit, log10_a: np.ndarray, rng: np.random.Generator) -> 
 
 
 def _along(fit: MaterialFit, own: Any, change: np.ndarray) -> np.ndarray:
-    """The shift factors of a table with their changes, zero at the reference temperature, falling."""
+    """The shift factors of a table with their changes, zero at the reference
+    temperature, falling.
+    """
     at = np.asarray(own.temperature)
     away = np.abs(fit.master.temperature - fit.master.reference) > _NEAR
     x = np.append(fit.master.temperature[away], fit.master.reference)
     order = np.argsort(x)
-    moved = np.asarray(own.log10_a_table) + np.interp(at, x[order], np.append(change[away], 0.0)[order])
+    moved = np.asarray(own.log10_a_table) + np.interp(
+        at, x[order], np.append(change[away], 0.0)[order]
+    )
     return np.minimum.accumulate(moved)
 
 
 def _vertical(fit: MaterialFit, change: np.ndarray) -> Any:
-    """The vertical shifts with their changes; those of entropy elasticity have no constant that could differ."""
+    """The vertical shifts with their changes; those of entropy elasticity have no
+    constant that could differ.
+    """
     own = fit.material.vertical
     if not isinstance(own, VerticalTable):
         return own
     # A modulus at T is that of the common curve over exp(ln b).
     return replaced(
-        own, factor=np.asarray(own.factor) * np.exp(-np.interp(own.temperature, fit.master.temperature, change))
+        own,
+        factor=np.asarray(own.factor)
+        * np.exp(-np.interp(own.temperature, fit.master.temperature, change)),
     )

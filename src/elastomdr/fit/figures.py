@@ -1,4 +1,6 @@
-"""Figures of a fit: master curve and band, shift factors, Cole-Cole, van Gurp-Palmen; matplotlib only when drawn."""
+"""Figures of a fit: master curve and band, shift factors, Cole-Cole, van Gurp-Palmen;
+matplotlib only when drawn.
+"""
 
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -27,7 +29,8 @@ if TYPE_CHECKING:
     from .shear_law import AdhesionFit
 
 _BLUE, _RED, _BAND = PALETTE[0], PALETTE[4], "#e08214"
-_NO_VERTICAL = 1e-4  # standard deviation of log10 b_T below which a fit had no vertical shifts to find
+# standard deviation of log10 b_T below which a fit had no vertical shifts to find
+_NO_VERTICAL = 1e-4
 _SHOWN = 12  # temperatures that a legend names
 _SAME = 0.5  # distance from the reference up to which an isotherm is called that [K]
 
@@ -44,7 +47,9 @@ def figures(fit: "MaterialFit") -> dict[str, bytes]:
 
 
 def draw_master(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
-    """Shifted data, one colour per isotherm, with the smooth curve and its 95 % band."""
+    """Shifted data, one colour per isotherm, with the smooth curve and its 95 %
+    band.
+    """
     ax = _axes(ax, style)
     _logarithmic(ax)
     _data(ax, master)
@@ -60,83 +65,189 @@ def draw_master(master: "MasterCurve", ax: Any = None, style: str | None = None)
 
 
 def draw_prony(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
-    """Data and series over frequency (or time), with the 95 % band; the series beyond the data is dashed."""
+    """Data and series over frequency (or time), with the 95 % band; the series beyond
+    the data is dashed.
+    """
     ax = _axes(ax, style)
     _logarithmic(ax)
     if fit.master is not None:
         _data(ax, fit.master)
     elif fit.omega.size:
-        ax.plot(fit.omega, fit.storage, "o", color=_BLUE, markersize=_dot(ax), label="storage modulus")
-        ax.plot(fit.omega, fit.loss, "s", color=_RED, markersize=_dot(ax), markerfacecolor="none", label="loss modulus")
+        ax.plot(
+            fit.omega,
+            fit.storage,
+            "o",
+            color=_BLUE,
+            markersize=_dot(ax),
+            label="storage modulus",
+        )
+        ax.plot(
+            fit.omega,
+            fit.loss,
+            "s",
+            color=_RED,
+            markersize=_dot(ax),
+            markerfacecolor="none",
+            label="loss modulus",
+        )
     else:
-        ax.plot(fit.time, fit.relaxation, "o", color=_BLUE, markersize=_dot(ax), label="relaxation modulus")
+        ax.plot(
+            fit.time,
+            fit.relaxation,
+            "o",
+            color=_BLUE,
+            markersize=_dot(ax),
+            label="relaxation modulus",
+        )
     low, high = fit.window
     if fit.omega.size:
         wide = np.geomspace(low / 10, high * 10, 400)
-        for values, label in zip(fit.moduli_at(wide), ("beyond the data", None), strict=True):
-            ax.plot(wide, values, "--", color=FAINT, linewidth=0.9, zorder=2, label=label)
+        for values, label in zip(
+            fit.moduli_at(wide), ("beyond the data", None), strict=True
+        ):
+            ax.plot(
+                wide, values, "--", color=FAINT, linewidth=0.9, zorder=2, label=label
+            )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            _band(ax, fit.band(np.geomspace(low, high, 300)), f"Prony series, {fit.terms} terms")
+            _band(
+                ax,
+                fit.band(np.geomspace(low, high, 300)),
+                f"Prony series, {fit.terms} terms",
+            )
     else:
         wide = np.geomspace(1 / high / 10, 10 / low, 400)
-        ax.plot(wide, fit.relaxation_at(wide), "--", color=FAINT, linewidth=0.9, zorder=2, label="beyond the data")
+        ax.plot(
+            wide,
+            fit.relaxation_at(wide),
+            "--",
+            color=FAINT,
+            linewidth=0.9,
+            zorder=2,
+            label="beyond the data",
+        )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             band = fit.relaxation_band(np.geomspace(1 / high, 1 / low, 300))
         _relaxation_band(ax, band, f"Prony series, {fit.terms} terms")
     _label_moduli(ax, fit.kind, bool(fit.omega.size))
-    named = (("storage", fit.storage_residual), ("loss", fit.loss_residual), ("relaxation", fit.relaxation_residual))
-    residuals = ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size))
-    place = f" at {fit.master.reference - 273.15:.4g} °C" if fit.master is not None else ""
-    _title(ax, f"{fit.material.name or 'Prony series'}{place}", f"rms relative residuals: {residuals}")
+    named = (
+        ("storage", fit.storage_residual),
+        ("loss", fit.loss_residual),
+        ("relaxation", fit.relaxation_residual),
+    )
+    residuals = ", ".join(
+        f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)
+    )
+    place = (
+        f" at {fit.master.reference - 273.15:.4g} °C" if fit.master is not None else ""
+    )
+    _title(
+        ax,
+        f"{fit.material.name or 'Prony series'}{place}",
+        f"rms relative residuals: {residuals}",
+    )
     return ax
 
 
 def draw_spectrum(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
-    """Moduli of the series over their relaxation times with 95 % intervals, and below them the relative residuals."""
+    """Moduli of the series over their relaxation times with 95 % intervals, and below
+    them the relative residuals.
+    """
     alone = ax is None
     ax = _axes(ax, style, {"nrows": 2, "height_ratios": (3, 2)} if alone else None)
     words = ax._elastomdr.style.words
     ax.set(xscale="log", yscale="log")
-    times, moduli, spread = (np.asarray(x) for x in (fit.material.times, fit.material.moduli, 1.96 * fit.moduli_std))
-    ax.errorbar(times, moduli, np.vstack([np.minimum(spread, 0.99 * moduli), spread]), fmt="o", color=_BLUE,
-                ecolor=FAINT, capsize=0.7 * _dot(ax), markersize=_dot(ax))  # fmt: skip
+    times, moduli, spread = (
+        np.asarray(x)
+        for x in (fit.material.times, fit.material.moduli, 1.96 * fit.moduli_std)
+    )
+    ax.errorbar(
+        times,
+        moduli,
+        np.vstack([np.minimum(spread, 0.99 * moduli), spread]),
+        fmt="o",
+        color=_BLUE,
+        ecolor=FAINT,
+        capsize=0.7 * _dot(ax),
+        markersize=_dot(ax),
+    )
     ax.set(xlabel="Relaxation time [s]", ylabel="Modulus [Pa]")
     frame(ax)
     if alone:
         lower = ax._elastomdr.panels[1]
         dynamic = bool(fit.omega.size)
-        for (name, values), colour in zip(fit.residuals.items(), (_BLUE, _RED, _BAND), strict=False):
+        for (name, values), colour in zip(
+            fit.residuals.items(), (_BLUE, _RED, _BAND), strict=False
+        ):
             if np.size(values):
                 x = fit.time if name == "relaxation" else fit.omega
-                lower.semilogx(x, 100 * np.asarray(values), "o", color=colour, markersize=0.7 * _dot(ax), label=name)
+                lower.semilogx(
+                    x,
+                    100 * np.asarray(values),
+                    "o",
+                    color=colour,
+                    markersize=0.7 * _dot(ax),
+                    label=name,
+                )
         lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
         lower.set(
-            xlabel=r"Reduced angular frequency $\omega\,a_T$ [rad/s]" if dynamic else r"Reduced time $t/a_T$ [s]",
+            xlabel=r"Reduced angular frequency $\omega\,a_T$ [rad/s]"
+            if dynamic
+            else r"Reduced time $t/a_T$ [s]",
             ylabel="Residual [%]",
         )
         frame(lower)
         if words:
-            lower.legend(frameon=False, fontsize=_size(ax), loc="upper left", bbox_to_anchor=(1.0, 1.0))
+            lower.legend(
+                frameon=False,
+                fontsize=_size(ax),
+                loc="upper left",
+                bbox_to_anchor=(1.0, 1.0),
+            )
             ax.figure.subplots_adjust(hspace=0.42)
         else:
-            lower.legend(frameon=False, fontsize=_size(ax), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2,
-                         borderaxespad=0.1)  # fmt: skip
-    _title(ax, f"Relaxation spectrum of {fit.material.name or 'the series'}", f"{fit.terms} terms, 95 % intervals")
+            lower.legend(
+                frameon=False,
+                fontsize=_size(ax),
+                loc="lower left",
+                bbox_to_anchor=(0.0, 1.0),
+                ncols=2,
+                borderaxespad=0.1,
+            )
+    _title(
+        ax,
+        f"Relaxation spectrum of {fit.material.name or 'the series'}",
+        f"{fit.terms} terms, 95 % intervals",
+    )
     return ax
 
 
 def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
-    """Horizontal shift factors with 95 % intervals and the laws through them; vertical ones below, where there are."""
+    """Horizontal shift factors with 95 % intervals and the laws through them; vertical
+    ones below, where there are.
+    """
     vertical = ax is None and master.log10_b_std.max() >= _NO_VERTICAL
-    ax = _axes(ax, style, {"nrows": 2, "sharex": True, "height_ratios": (3, 1)} if vertical else None)
+    ax = _axes(
+        ax,
+        style,
+        {"nrows": 2, "sharex": True, "height_ratios": (3, 1)} if vertical else None,
+    )
     lower = ax._elastomdr.panels[1] if vertical else None
     celsius = master.temperature - 273.15
     ax.errorbar(
-        celsius, master.log10_a, 1.96 * master.log10_a_std, fmt="none", ecolor=FAINT, capsize=0.7 * _dot(ax), zorder=2
+        celsius,
+        master.log10_a,
+        1.96 * master.log10_a_std,
+        fmt="none",
+        ecolor=FAINT,
+        capsize=0.7 * _dot(ax),
+        zorder=2,
     )
-    for poor, face, label in ((False, _BLUE, "shifted, 95 % interval"), (True, "white", "not separable from b_T")):
+    for poor, face, label in (
+        (False, _BLUE, "shifted, 95 % interval"),
+        (True, "white", "not separable from b_T"),
+    ):
         at = master.ambiguous == poor
         if at.any():
             ax.plot(
@@ -153,13 +264,28 @@ def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None)
         if name in master.laws:
             fit = master.laws[name]
             label = f"{name}, rms {fit.rms:.2g} decades"
-            ax.plot(fine, np.asarray(fit.law._log10_a(fine + 273.15)), style, color=_RED, label=label, zorder=1)
+            ax.plot(
+                fine,
+                np.asarray(fit.law._log10_a(fine + 273.15)),
+                style,
+                color=_RED,
+                label=label,
+                zorder=1,
+            )
     ax.axvline(master.reference - 273.15, color="#cccccc", linewidth=0.8, zorder=0)
     ax.set_ylabel(r"Shift factor $\log_{10}\,a_T$ [-]")
     ax.legend(frameon=False, fontsize=_size(ax))
     if lower is not None:
-        lower.errorbar(celsius, master.log10_b, 1.96 * master.log10_b_std, fmt="o", color=_BLUE, ecolor=FAINT,
-                       capsize=0.7 * _dot(ax), markersize=_dot(ax))  # fmt: skip
+        lower.errorbar(
+            celsius,
+            master.log10_b,
+            1.96 * master.log10_b_std,
+            fmt="o",
+            color=_BLUE,
+            ecolor=FAINT,
+            capsize=0.7 * _dot(ax),
+            markersize=_dot(ax),
+        )
         lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
         lower.set_ylabel(r"$\log_{10}\,b_T$ [-]")
     (ax if lower is None else lower).set_xlabel("Temperature [°C]")
@@ -170,10 +296,14 @@ def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None)
 
 
 def draw_cole_cole(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
-    """Loss against storage modulus: shifts of frequency drop out, what remains off the line is misfit."""
+    """Loss against storage modulus: shifts of frequency drop out, what remains off the
+    line is misfit.
+    """
     ax = _axes(ax, style)
     master = fit.master
-    storage, loss = (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
+    storage, loss = (
+        (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
+    )
     lifted = master is not None and bool(np.abs(master.log10_b).max() > 1e-3)
     colours = _BLUE if master is None else _colours(master, master.isotherm)
     line = fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400))
@@ -182,21 +312,33 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None, style: str | None = None) ->
     ax.scatter(storage, loss, c=colours, s=_dot(ax) ** 2, zorder=3)
     ax.plot(*line, color=INK, linewidth=1.2, zorder=4)
     letter = "G" if fit.kind == "shear" else "E"
-    ax.set(xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
+    ax.set(
+        xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]"
+    )
     frame(ax)
     _legend(ax, master)
-    _title(ax, "Cole-Cole", "line: Prony series" + ("; vertical shifts applied" if lifted else ""))
+    _title(
+        ax,
+        "Cole-Cole",
+        "line: Prony series" + ("; vertical shifts applied" if lifted else ""),
+    )
     return ax
 
 
-def draw_van_gurp_palmen(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
-    """Phase angle against modulus as measured, unshifted: one curve means thermorheologically simple."""
+def draw_van_gurp_palmen(
+    master: "MasterCurve", ax: Any = None, style: str | None = None
+) -> Any:
+    """Phase angle against modulus as measured, unshifted: one curve means
+    thermorheologically simple.
+    """
     ax = _axes(ax, style)
     modulus = np.hypot(master.dma.storage, master.dma.loss)
     angle = np.degrees(np.arctan2(master.dma.loss, master.dma.storage))
     ax.set(xscale="log")
     _widen(ax, modulus)
-    ax.scatter(modulus, angle, c=_colours(master, master.isotherm), s=_dot(ax) ** 2, zorder=3)
+    ax.scatter(
+        modulus, angle, c=_colours(master, master.isotherm), s=_dot(ax) ** 2, zorder=3
+    )
     letter = "G" if master.kind == "shear" else "E"
     ax.set(xlabel=f"Modulus |{letter}*| [Pa]", ylabel="Phase angle [°]")
     frame(ax)
@@ -205,8 +347,12 @@ def draw_van_gurp_palmen(master: "MasterCurve", ax: Any = None, style: str | Non
     return ax
 
 
-def draw_friction_master(master: "FrictionMaster", ax: Any = None, style: str | None = None) -> Any:
-    """Measured friction over reduced velocity, one colour per temperature, with the smooth curve and its band."""
+def draw_friction_master(
+    master: "FrictionMaster", ax: Any = None, style: str | None = None
+) -> Any:
+    """Measured friction over reduced velocity, one colour per temperature, with the
+    smooth curve and its band.
+    """
     ax = _axes(ax, style)
     levels = master.temperature
     colours = _scale(levels.size)
@@ -227,7 +373,13 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None, style: str | 
     ax.set(xlabel=r"Reduced velocity $v\,a_T$ [m/s]", ylabel="Friction coefficient [-]")
     frame(ax)
     outside = _legend_outside(ax, *ax.get_legend_handles_labels())
-    ax.legend([line], ["smooth curve, 95 % band"], frameon=False, fontsize=_size(ax), loc="best")
+    ax.legend(
+        [line],
+        ["smooth curve, 95 % band"],
+        frameon=False,
+        fontsize=_size(ax),
+        loc="best",
+    )
     ax.add_artist(outside)
     outside.set_clip_on(False)  # else no room is left for it
     _title(ax, f"Measured friction shifted to {master.reference - 273.15:.4g} °C", "")
@@ -235,37 +387,65 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None, style: str | 
 
 
 def draw_adhesion(fit: "AdhesionFit", ax: Any = None, style: str | None = None) -> Any:
-    """Measured friction over velocity, one colour per temperature, with the fitted sum and hysteresis alone."""
+    """Measured friction over velocity, one colour per temperature, with the fitted sum
+    and hysteresis alone.
+    """
     ax = _axes(ax, style)
-    kelvin = np.zeros(fit.velocity.size) if fit.temperature is None else np.round(fit.temperature, 1)
+    kelvin = (
+        np.zeros(fit.velocity.size)
+        if fit.temperature is None
+        else np.round(fit.temperature, 1)
+    )
     levels = np.unique(kelvin)
     for level, colour in zip(levels, _scale(levels.size), strict=True):
         at = np.flatnonzero(kelvin == level)
         at = at[np.argsort(fit.velocity[at], kind="stable")]
         v, used = fit.velocity[at], fit.used[at]
         name = "measured" if fit.temperature is None else _celsius(float(level))
-        ax.semilogx(v[used], fit.measured[at][used], "o", color=colour, markersize=_dot(ax), label=name)
-        ax.semilogx(v, (fit.hysteresis + fit.adhesion)[at], "-", color=colour, linewidth=1.3)
+        ax.semilogx(
+            v[used],
+            fit.measured[at][used],
+            "o",
+            color=colour,
+            markersize=_dot(ax),
+            label=name,
+        )
+        ax.semilogx(
+            v, (fit.hysteresis + fit.adhesion)[at], "-", color=colour, linewidth=1.3
+        )
         ax.semilogx(v, fit.hysteresis[at], "-.", color=colour, linewidth=0.9)
     ax.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]")
     ax.set_ylim(0.0, None)
     frame(ax)
     outside = _legend_outside(ax, *ax.get_legend_handles_labels())
     keys = [ax.plot([], [], look, color=INK, linewidth=1.1)[0] for look in ("-", "-.")]
-    ax.legend(keys, ["fitted sum", "hysteresis"], frameon=False, fontsize=_size(ax), loc="best")
+    ax.legend(
+        keys,
+        ["fitted sum", "hysteresis"],
+        frameon=False,
+        fontsize=_size(ax),
+        loc="best",
+    )
     ax.add_artist(outside)
     outside.set_clip_on(False)
     low, high = (x / 1e6 for x in fit.interval["stress"])
     _title(
         ax,
         "Hysteresis and adhesive shear",
-        f"stress {fit.parameters['stress'] / 1e6:.3g} MPa ({low:.3g} to {high:.3g}, 95 %)",
+        (
+            f"stress {fit.parameters['stress'] / 1e6:.3g} MPa ({low:.3g} to "
+            f"{high:.3g}, 95 %)"
+        ),
     )
     return ax
 
 
-def draw_softening(fit: "SofteningFit", ax: Any = None, style: str | None = None) -> Any:
-    """Factors on both moduli over the strain amplitude, and the measured points about their own sweeps."""
+def draw_softening(
+    fit: "SofteningFit", ax: Any = None, style: str | None = None
+) -> Any:
+    """Factors on both moduli over the strain amplitude, and the measured points about
+    their own sweeps.
+    """
     ax = _axes(ax, style)
     found = fit.found
     strain = np.geomspace(found.strain.min() / 3, found.strain.max(), 200)
@@ -273,13 +453,28 @@ def draw_softening(fit: "SofteningFit", ax: Any = None, style: str | None = None
         (found.storage, fit.factors(strain)[0], _BLUE, "o", "storage"),
         (found.loss, fit.factors(strain)[1], _RED, "s", "loss"),
     ):
-        ax.semilogx(100 * strain, factor, color=colour, linewidth=1.3, label=f"{name} modulus")
-        ax.semilogx(100 * found.strain, values, mark, color=colour, markersize=_dot(ax), markerfacecolor="none")
-    ax.set(xlabel="Strain amplitude [%]", ylabel="Factor on the modulus of small strain [-]")
+        ax.semilogx(
+            100 * strain, factor, color=colour, linewidth=1.3, label=f"{name} modulus"
+        )
+        ax.semilogx(
+            100 * found.strain,
+            values,
+            mark,
+            color=colour,
+            markersize=_dot(ax),
+            markerfacecolor="none",
+        )
+    ax.set(
+        xlabel="Strain amplitude [%]",
+        ylabel="Factor on the modulus of small strain [-]",
+    )
     ax.set_ylim(0.0, None)
     frame(ax)
     ax.legend(frameon=False, fontsize=_size(ax), loc="best")
-    sweeps = f"{found.omega.size} sweep{'s' * (found.omega.size > 1)}, {found.strain.size} points"
+    sweeps = (
+        f"{found.omega.size} sweep{'s' * (found.omega.size > 1)}, {found.strain.size} "
+        "points"
+    )
     _title(ax, "Softening with strain", sweeps)
     return ax
 
@@ -287,38 +482,93 @@ def draw_softening(fit: "SofteningFit", ax: Any = None, style: str | None = None
 def _data(ax: Any, master: "MasterCurve") -> None:
     if master.omega.size:
         colours = _colours(master, master.isotherm)
-        ax.scatter(master.omega, master.storage, c=colours, s=_dot(ax) ** 2, marker="o", zorder=3)
         ax.scatter(
-            master.omega, master.loss, s=_dot(ax) ** 2, marker="s", facecolors="none", edgecolors=colours, zorder=3
+            master.omega,
+            master.storage,
+            c=colours,
+            s=_dot(ax) ** 2,
+            marker="o",
+            zorder=3,
+        )
+        ax.scatter(
+            master.omega,
+            master.loss,
+            s=_dot(ax) ** 2,
+            marker="s",
+            facecolors="none",
+            edgecolors=colours,
+            zorder=3,
         )
         ax.plot([], [], "o", color=FAINT, markersize=_dot(ax), label="storage modulus")
-        ax.plot([], [], "s", color=FAINT, markersize=_dot(ax), markerfacecolor="none", label="loss modulus")
+        ax.plot(
+            [],
+            [],
+            "s",
+            color=FAINT,
+            markersize=_dot(ax),
+            markerfacecolor="none",
+            label="loss modulus",
+        )
     else:
-        ax.scatter(master.time, master.relaxation, c=_colours(master, master.time_isotherm), s=_dot(ax) ** 2, zorder=3)
-        ax.plot([], [], "o", color=FAINT, markersize=_dot(ax), label="relaxation modulus")
+        ax.scatter(
+            master.time,
+            master.relaxation,
+            c=_colours(master, master.time_isotherm),
+            s=_dot(ax) ** 2,
+            zorder=3,
+        )
+        ax.plot(
+            [], [], "o", color=FAINT, markersize=_dot(ax), label="relaxation modulus"
+        )
     _legend(ax, master)
 
 
 def _band(ax: Any, band: Any, label: str) -> None:
     ax.plot(band.omega, band.storage, color=INK, linewidth=1.2, label=label, zorder=4)
     ax.plot(band.omega, band.loss, color=INK, linewidth=1.2, zorder=4)
-    for low, high in ((band.storage_low, band.storage_high), (band.loss_low, band.loss_high)):
+    for low, high in (
+        (band.storage_low, band.storage_high),
+        (band.loss_low, band.loss_high),
+    ):
         once = "95 % interval" if low is band.loss_low else None
-        ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label=once)
+        ax.fill_between(
+            band.omega,
+            low,
+            high,
+            color=_BAND,
+            alpha=0.35,
+            linewidth=0,
+            zorder=1,
+            label=once,
+        )
 
 
 def _relaxation_band(ax: Any, band: Any, label: str) -> None:
     ax.plot(band.time, band.relaxation, color=INK, linewidth=1.2, label=label, zorder=4)
     limits = band.relaxation_low, band.relaxation_high
-    ax.fill_between(band.time, *limits, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label="95 % interval")
+    ax.fill_between(
+        band.time,
+        *limits,
+        color=_BAND,
+        alpha=0.35,
+        linewidth=0,
+        zorder=1,
+        label="95 % interval",
+    )
 
 
 def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
     letter = "G" if kind == "shear" else "E"
     if dynamic:
-        ax.set(xlabel=r"Reduced angular frequency $\omega\,a_T$ [rad/s]", ylabel=f"Moduli {letter}', {letter}'' [Pa]")
+        ax.set(
+            xlabel=r"Reduced angular frequency $\omega\,a_T$ [rad/s]",
+            ylabel=f"Moduli {letter}', {letter}'' [Pa]",
+        )
     else:
-        ax.set(xlabel=r"Reduced time $t/a_T$ [s]", ylabel=f"Relaxation modulus {letter} [Pa]")
+        ax.set(
+            xlabel=r"Reduced time $t/a_T$ [s]",
+            ylabel=f"Relaxation modulus {letter} [Pa]",
+        )
     frame(ax)
     handles, labels = ax.get_legend_handles_labels()
     if labels:
@@ -330,16 +580,21 @@ def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
 
 
 def _legend(ax: Any, master: "MasterCurve | None") -> None:
-    """Temperatures outside the axes, some twelve of them, and the isotherm of the reference among these."""
+    """Temperatures outside the axes, some twelve of them, and the isotherm of the
+    reference among these.
+    """
     if master is None:
         return
     count = master.temperature.size
     shown = np.linspace(0, count - 1, min(count, _SHOWN)).round().astype(int)
     reference = int(np.abs(master.temperature - master.reference).argmin())
     if reference not in shown:
-        shown[np.abs(shown[1:-1] - reference).argmin() + 1] = reference  # in the place of its neighbour
+        # in the place of its neighbour
+        shown[np.abs(shown[1:-1] - reference).argmin() + 1] = reference
     colours = _scale(count)
-    handles = [ax.plot([], [], "o", color=colours[i], markersize=_dot(ax))[0] for i in shown]
+    handles = [
+        ax.plot([], [], "o", color=colours[i], markersize=_dot(ax))[0] for i in shown
+    ]
     labels = [_celsius(float(master.temperature[i])) for i in shown]
     if abs(master.temperature[reference] - master.reference) < _SAME:
         labels[list(shown).index(reference)] += ", ref."
@@ -347,13 +602,23 @@ def _legend(ax: Any, master: "MasterCurve | None") -> None:
 
 
 def _legend_outside(ax: Any, handles: list[Any], labels: list[str]) -> Any:
-    """Beside the axes; below them where they are some of several; in a paper, above them."""
+    """Beside the axes; below them where they are some of several; in a paper, above
+    them.
+    """
     canvas = ax._elastomdr
-    rows = {"ncols": 4, "columnspacing": 0.8, "handlelength": 1, "handletextpad": 0.4, "borderaxespad": 0.1}
+    rows = {
+        "ncols": 4,
+        "columnspacing": 0.8,
+        "handlelength": 1,
+        "handletextpad": 0.4,
+        "borderaxespad": 0.1,
+    }
     if not canvas.style.words:
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), **rows}
         if canvas.own:
-            ax.figure.set_size_inches(canvas.style.wide, canvas.style.size[1] + 0.14 * -(-len(labels) // 4))
+            ax.figure.set_size_inches(
+                canvas.style.wide, canvas.style.size[1] + 0.14 * -(-len(labels) // 4)
+            )
     elif crowded(ax, canvas):
         place = below(ax, canvas.style) | rows
     else:
@@ -372,16 +637,21 @@ def _colours(master: "MasterCurve", number: np.ndarray) -> np.ndarray:
 def _scale(count: int) -> np.ndarray:
     import matplotlib
 
-    return np.asarray(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(count, 2))))[:count]
+    return np.asarray(
+        matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(count, 2)))
+    )[:count]
 
 
 def _axes(ax: Any, style: str | None, panels: Any = None) -> Any:
-    """The axes that were given, or new ones, with room for the temperatures beside them."""
+    """The axes that were given, or new ones, with room for the temperatures beside
+    them.
+    """
     ax, canvas = begin(Ask(ax, style), panels)
     if canvas.own and canvas.style.words:
         figure = ax.figure
         figure.set_size_inches(7.4, 4.6)
-        figure.set_layout_engine(None)  # with fixed margins: looking for the best ones takes longer than the fit
+        # with fixed margins: looking for the best ones takes longer than the fit
+        figure.set_layout_engine(None)
         figure.subplots_adjust(left=0.155, right=0.84, bottom=0.12, top=0.86)
     return ax
 
@@ -397,16 +667,26 @@ def _size(ax: Any) -> float:
 
 
 def _logarithmic(ax: Any) -> None:
-    """Makes both axes logarithmic before anything is drawn: changed later, limits are those of the data so far."""
+    """Makes both axes logarithmic before anything is drawn: changed later, limits are
+    those of the data so far.
+    """
     ax.set(xscale="log", yscale="log")
 
 
 def _widen(ax: Any, *coordinates: np.ndarray) -> None:
-    """Limits for x (and y) that are one value but for rounding, of which matplotlib makes no logarithmic axis."""
+    """Limits for x (and y) that are one value but for rounding, of which matplotlib
+    makes no logarithmic axis.
+    """
     for values, limit in zip(coordinates, (ax.set_xlim, ax.set_ylim), strict=False):
         if values.max() < 1.001 * values.min():
             limit(0.5 * values.min(), 2.0 * values.max())
 
 
 def _title(ax: Any, title: str, small: str) -> None:
-    write_title(ax, ax._elastomdr, title, False, (small if len(small) <= 90 else f"{small[:87]}...", "", ""))
+    write_title(
+        ax,
+        ax._elastomdr,
+        title,
+        False,
+        (small if len(small) <= 90 else f"{small[:87]}...", "", ""),
+    )

@@ -10,7 +10,8 @@ from ..notebook_tables import html_table
 from .laws import LawFit
 
 PLUS_MINUS = "+- is half a 95 % interval: 1.96 standard deviations"
-TWO_SIGMA = 1.96  # a 95 % interval is the value plus and minus this many standard deviations
+# a 95 % interval is the value plus and minus this many standard deviations
+TWO_SIGMA = 1.96
 
 
 class AbstractFindings(abc.ABC):
@@ -23,7 +24,9 @@ class AbstractFindings(abc.ABC):
         """What a person needs to judge the result, as pairs of a name and a text."""
 
     def summary(self) -> str:
-        """All findings in a few lines; intervals are 95 %, and the first line says so."""
+        """All findings in a few lines; intervals are 95 %, and the first line says
+        so.
+        """
         lines = [f"{name:<16}{text}" for name, text in self.findings()]
         return "\n".join([f"{'intervals':<16}{self.intervals}", *lines])
 
@@ -31,7 +34,9 @@ class AbstractFindings(abc.ABC):
         return f"{type(self).__name__}\n{self.summary()}"
 
     def _repr_html_(self) -> str:
-        return html_table(type(self).__name__, [("intervals", self.intervals), *self.findings()])
+        return html_table(
+            type(self).__name__, [("intervals", self.intervals), *self.findings()]
+        )
 
 
 def of_shifts(
@@ -44,6 +49,9 @@ def of_shifts(
     """A line per temperature, with `more` text behind it, and one per shift law."""
     more = [""] * temperature.size if more is None else more
     for kelvin, x, size, text in zip(temperature, log10_a, std, more, strict=True):
-        yield f"{kelvin - 273.15:8.2f} degC", f"log10 a_T {x:8.3f} +- {TWO_SIGMA * size:.3f}{text}"
+        yield (
+            f"{kelvin - 273.15:8.2f} degC",
+            f"log10 a_T {x:8.3f} +- {TWO_SIGMA * size:.3f}{text}",
+        )
     for name, fit in laws.items():
         yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"

@@ -1,4 +1,6 @@
-"""Master curves of measured friction: mu(v, T) over v a_T (K. A. Grosch, Proc. R. Soc. Lond. A 274 (1963) 21-39)."""
+"""Master curves of measured friction: mu(v, T) over v a_T (K. A. Grosch, Proc. R. Soc.
+Lond. A 274 (1963) 21-39).
+"""
 
 from __future__ import annotations
 
@@ -30,9 +32,14 @@ if TYPE_CHECKING:
 _KNOTS = 2.5  # per decade of velocity
 _MARGIN = 2.0  # decades of the curve beyond the data, on either side
 _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second difference
-_FLAT = 6.0  # change of friction over all velocities, in standard deviations of the scatter, below which none is seen
-_LEAST = 0.05  # part of the largest friction below which an error in proportion shrinks no further
-_POOR = 0.3  # relative standard deviation of a shift between neighbours above which it is worth a warning
+# change of friction over all velocities, in standard deviations of the scatter, below
+# which none is seen
+_FLAT = 6.0
+# part of the largest friction below which an error in proportion shrinks no further
+_LEAST = 0.05
+# relative standard deviation of a shift between neighbours above which it is worth a
+# warning
+_POOR = 0.3
 
 
 class _Spline(NamedTuple):
@@ -52,10 +59,13 @@ class _Spline(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionMaster(AbstractFindings):
-    """Measured friction shifted to one temperature: mu(v; T) = mu(v a_T; T_ref), with no vertical shift."""
+    """Measured friction shifted to one temperature: mu(v; T) = mu(v a_T; T_ref), with
+    no vertical shift.
+    """
 
     reference: float  # T_ref [K]
-    temperature: Float[np.ndarray, " n"]  # mean temperature of each curve, ascending [K]
+    # mean temperature of each curve, ascending [K]
+    temperature: Float[np.ndarray, " n"]
     log10_a: Float[np.ndarray, " n"]  # 0 at the reference temperature [decades]
     log10_a_std: Float[np.ndarray, " n"]
     covariance: Float[np.ndarray, "n n"]  # of log10_a
@@ -72,16 +82,21 @@ class FrictionMaster(AbstractFindings):
 
     @property
     def wlf(self) -> WLF | None:
-        """The WLF law (`em.WLF`) about the reference temperature; None where it could not be fitted."""
+        """The WLF law (`em.WLF`) about the reference temperature; None where it could
+        not be fitted.
+        """
         return self.laws["WLF"].law if "WLF" in self.laws else None
 
     @property
     def arrhenius(self) -> Arrhenius | None:
-        """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None where it could not be fitted."""
+        """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None
+        where it could not be fitted.
+        """
         return self.laws["Arrhenius"].law if "Arrhenius" in self.laws else None
 
     def curve(self, velocity: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Friction coefficient with its 95 % interval (value, low, high) at reduced velocities [m/s] of any shape.
+        """Friction coefficient with its 95 % interval (value, low, high) at reduced
+        velocities [m/s] of any shape.
 
         NaN beyond the measured reduced velocities.
         """
@@ -91,15 +106,22 @@ class FrictionMaster(AbstractFindings):
         basis, _ = self._spline.basis(np.log(flat) + LN10 * self._anchor)
         count = self._spline.size
         value = basis @ self._posterior.mean[:count]
-        std = np.sqrt(np.einsum("ij,jk,ik->i", basis, self._posterior.covariance[:count, :count], basis))
-        inside = (flat >= self.velocity.min() * (1 - 1e-9)) & (flat <= self.velocity.max() * (1 + 1e-9))
+        std = np.sqrt(
+            np.einsum(
+                "ij,jk,ik->i", basis, self._posterior.covariance[:count, :count], basis
+            )
+        )
+        inside = (flat >= self.velocity.min() * (1 - 1e-9)) & (
+            flat <= self.velocity.max() * (1 + 1e-9)
+        )
         value = np.where(inside, value, np.nan)
         parts = (value, value - TWO_SIGMA * std, value + TWO_SIGMA * std)
         return tuple(part.reshape(velocity.shape) for part in parts)  # type: ignore[return-value]
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
-        """Draws the shifted friction with its curve on `ax`, or on a new figure, in a style of
-        `Result.plot`; returns matplotlib Axes."""
+        """Draws the shifted friction with its curve on `ax`, or on a new figure, in a
+        style of `Result.plot`; returns matplotlib Axes.
+        """
         from .figures import draw_friction_master
 
         return draw_friction_master(self, ax, style)
@@ -110,10 +132,23 @@ class FrictionMaster(AbstractFindings):
         v = np.geomspace(self.velocity.min(), self.velocity.max(), 400)
         value, _, high = self.curve(v)
         top = int(value.argmax())
-        yield "largest", f"mu = {value[top]:.3g} +- {high[top] - value[top]:.1g} at v a_T = {v[top]:.3g} m/s"
+        yield (
+            "largest",
+            (
+                f"mu = {value[top]:.3g} +- {high[top] - value[top]:.1g} at v a_T = "
+                f"{v[top]:.3g} m/s"
+            ),
+        )
         low, high = self.error.min(), self.error.max()
-        yield "scatter", f"{low:.2g} in mu" if high < 1.01 * low else f"{low:.2g} to {high:.2g} in mu"
-        yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws)
+        yield (
+            "scatter",
+            f"{low:.2g} in mu"
+            if high < 1.01 * low
+            else f"{low:.2g} to {high:.2g} in mu",
+        )
+        yield from of_shifts(
+            self.temperature, self.log10_a, self.log10_a_std, self.laws
+        )
         for text in self.warnings:
             yield "warning", text
 
@@ -129,40 +164,55 @@ def friction_master(
     error: ArrayLike | Literal["relative"] | None = None,
     tolerance: float = 1.5,
 ) -> FrictionMaster:
-    """Shifts measured friction mu(v, T) along log v to one smooth curve at one reference temperature.
+    """Shifts measured friction mu(v, T) along log v to one smooth curve at one
+    reference temperature.
 
     Args:
-        velocity: sliding velocities [m/s], one entry per measured point; arguments broadcast.
+        velocity: sliding velocities [m/s], one entry per measured point; arguments
+            broadcast.
         temperature: temperatures [K].
         mu: measured friction coefficients.
-        reference: reference temperature [K]; by default the measured temperature nearest to 20 degC.
-        error: standard deviation of a measured mu, one number or one per point. By default it is estimated, of one size
-            for all points, or in proportion to the friction with "relative".
+        reference: reference temperature [K]; by default the measured temperature
+            nearest to 20 degC.
+        error: standard deviation of a measured mu, one number or one per point. By
+            default it is estimated, of one size for all points, or in proportion to the
+            friction with "relative".
         tolerance: temperatures with no gap above it [K] are one curve.
 
     Returns:
         A `FrictionMaster` with shifts, their uncertainties and the curve.
 
     Raises:
-        InputError: for fewer than two temperatures or eight points, and for a reference outside the measured
-            temperatures.
+        InputError: for fewer than two temperatures or eight points, and for a reference
+            outside the measured temperatures.
 
     Source: Grosch 1963.
     """
-    arrays = {name: as_float64(name, value) for name, value in
-              (("velocity", velocity), ("temperature", temperature), ("mu", mu))}  # fmt: skip
+    arrays = {
+        name: as_float64(name, value)
+        for name, value in (
+            ("velocity", velocity),
+            ("temperature", temperature),
+            ("mu", mu),
+        )
+    }
     try:
-        v, t, friction = (array.ravel() for array in np.broadcast_arrays(*arrays.values()))
+        v, t, friction = (
+            array.ravel() for array in np.broadcast_arrays(*arrays.values())
+        )
     except ValueError as problem:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise InputError(f"velocity, temperature and mu must match in shape, got {shapes}.") from problem
+        raise InputError(
+            f"velocity, temperature and mu must match in shape, got {shapes}."
+        ) from problem
     positive("velocity", v)
     in_kelvin("temperature", t)
     require("mu", friction, "finite", np.isfinite)
     number, kelvin = group(t, float(scalar("tolerance", tolerance)))
     if kelvin.size < 2 or friction.size < 8:
         raise InputError(
-            f"temperature must have two values at least, and mu eight points, got {kelvin.size} and {friction.size}."
+            "temperature must have two values at least, and mu eight points, got "
+            f"{kelvin.size} and {friction.size}."
         )
     if reference is None:
         reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
@@ -170,7 +220,8 @@ def friction_master(
     in_kelvin("reference", reference)
     if not kelvin[0] - tolerance <= reference <= kelvin[-1] + tolerance:
         raise InputError(
-            f"reference must be within the measured temperatures, {kelvin[0]:g} to {kelvin[-1]:g} K, got {reference:g}."
+            f"reference must be within the measured temperatures, {kelvin[0]:g} "
+            f"to {kelvin[-1]:g} K, got {reference:g}."
         )
     zero = np.zeros(friction.size)
     points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
@@ -180,12 +231,14 @@ def friction_master(
     size = np.ones(friction.size)
     if known:
         size = _broadcast(
-            np.asarray(as_float64("error", error)), np.broadcast_shapes(*(a.shape for a in arrays.values()))
+            np.asarray(as_float64("error", error)),
+            np.broadcast_shapes(*(a.shape for a in arrays.values())),
         )
         positive("error", size)
     posterior, spline, anchor = _infer(points, kelvin, size, known)
     if error is not None and not known:
-        for _ in range(2):  # in proportion to the curve, which is less noisy than the points
+        # in proportion to the curve, which is less noisy than the points
+        for _ in range(2):
             curve = np.abs(points.log_value - posterior.residuals)
             size = np.maximum(curve, _LEAST * curve.max())
             posterior, spline, anchor = _infer(points, kelvin, size, known)
@@ -196,11 +249,18 @@ def _broadcast(error: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     try:
         return np.broadcast_to(error, shape).ravel()
     except ValueError as problem:
-        raise InputError(f"error must match the measured points in shape, {shape}, got {error.shape}.") from problem
+        raise InputError(
+            f"error must match the measured points in shape, {shape}, got "
+            f"{error.shape}."
+        ) from problem
 
 
-def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) -> tuple[Posterior, _Spline, int]:
-    """Spline and slopes; the noise of each point is `size`, times a factor to be found where that is not `known`."""
+def _infer(
+    points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool
+) -> tuple[Posterior, _Spline, int]:
+    """Spline and slopes; the noise of each point is `size`, times a factor to be found
+    where that is not `known`.
+    """
     scale = max(float(np.ptp(points.log_value)), 1e-9)
     guess = guess_shifts(points._replace(log_value=points.log_value / scale), kelvin)
     anchor = kelvin.size // 2
@@ -209,7 +269,11 @@ def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) ->
     low, high = reduced.min() - _MARGIN * LN10, reduced.max() + _MARGIN * LN10
     inner = np.linspace(low, high, int((high - low) / LN10 * _KNOTS) + 2)
     step = inner[1] - inner[0]
-    spline = _Spline(np.concatenate([low - step * np.arange(3, 0, -1), inner, high + step * np.arange(1, 4)]))
+    spline = _Spline(
+        np.concatenate(
+            [low - step * np.arange(3, 0, -1), inner, high + step * np.arange(1, 4)]
+        )
+    )
     count = spline.size
     n = count + kelvin.size - 1
 
@@ -217,15 +281,23 @@ def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) ->
         log10_a, by_slope = from_slopes(p[count:], kelvin, anchor)
         basis, slope = spline.basis(points.log_rate + LN10 * log10_a[points.isotherm])
         sideways = LN10 * (slope @ p[:count])[:, None]
-        return basis @ p[
-            :count
-        ] / size, lambda: np.concatenate([basis, sideways * by_slope[points.isotherm]], axis=1) / size[:, None]
+        return (
+            basis @ p[:count] / size,
+            lambda: (
+                np.concatenate([basis, sideways * by_slope[points.isotherm]], axis=1)
+                / size[:, None]
+            ),
+        )
 
     every = np.eye(n)
     start = np.zeros(n)
     basis, _ = spline.basis(reduced)
     second = np.diff(every[:count], 2, axis=0)
-    ridge = basis.T @ basis + 1e-2 * second[:, :count].T @ second[:, :count] + 1e-8 * np.eye(count)
+    ridge = (
+        basis.T @ basis
+        + 1e-2 * second[:, :count].T @ second[:, :count]
+        + 1e-8 * np.eye(count)
+    )
     start[:count] = np.linalg.solve(ridge, basis.T @ points.log_value)
     start[count:] = first_slopes(guess, kelvin)
     priors = [
@@ -239,7 +311,14 @@ def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) ->
 
     def found(temper: float) -> Posterior:
         return infer(
-            model, points.log_value / size, points.channel, start, priors, noise, noise_limits=limits, temper=temper
+            model,
+            points.log_value / size,
+            points.channel,
+            start,
+            priors,
+            noise,
+            noise_limits=limits,
+            temper=temper,
         )
 
     posterior = found(1.0)
@@ -263,7 +342,9 @@ def _assemble(
     basis, _ = spline.basis(points.log_rate + LN10 * x[points.isotherm])
     error = posterior.noise[0] * size
     flat = bool(np.ptp(basis @ posterior.mean[:count]) < _FLAT * np.median(error))
-    if flat:  # noise alone makes curves fit each other; the shifts are then those expected beforehand
+    # noise alone makes curves fit each other; the shifts are then those expected
+    # beforehand
+    if flat:
         spread = spread + np.outer(x, x)
     place = locate(kelvin, x, spread, reference)
     change = np.eye(kelvin.size) - place.weights
@@ -272,14 +353,24 @@ def _assemble(
     step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))
     celsius = kelvin - 273.15
     texts = [
-        f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known to +- {TWO_SIGMA * step[i]:.2g} "
-        "decades only: the friction hardly changes there, or the curves do not overlap."
+        f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known "
+        f"to +- {TWO_SIGMA * step[i]:.2g} "
+        "decades only: the friction hardly changes there, or the curves do not "
+        "overlap."
         for i in np.flatnonzero(step > _POOR * np.abs(np.diff(x)))
     ]
     if flat:
-        texts = ["The friction is too flat against its scatter to see any shift: log10 a_T is what is usual of rubber."]
+        texts = [
+            (
+                "The friction is too flat against its scatter to see any shift: log10 "
+                "a_T is what is usual of rubber."
+            )
+        ]
     if not posterior.converged:
-        texts.insert(0, "The fit did not converge: look at the figure before using anything of it.")
+        texts.insert(
+            0,
+            "The fit did not converge: look at the figure before using anything of it.",
+        )
     return FrictionMaster(
         reference=reference,
         temperature=kelvin,

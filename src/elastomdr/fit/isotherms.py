@@ -12,7 +12,9 @@ from .spectrum import LOSS, RELAXATION, STORAGE, Points
 
 _HOTTEST = 1500.0  # above which no DMA is run [K]
 _ALIKE = 1.3  # neighbours per independent point below which they count as independent
-_BIN = 4.0  # widest range of temperatures that still counts as one isotherm, where they run without a gap [K]
+# widest range of temperatures that still counts as one isotherm, where they run without
+# a gap [K]
+_BIN = 4.0
 
 
 class Isotherms(NamedTuple):
@@ -23,29 +25,40 @@ class Isotherms(NamedTuple):
     deviation: np.ndarray  # of each point's temperature from that mean [K]
 
 
-def isotherms(dma: Dma, tolerance: float, law: AbstractShift | None = None) -> Isotherms:
-    """Groups the points of `dma` into isotherms: temperatures with no gap above `tolerance` [K] are one.
+def isotherms(
+    dma: Dma, tolerance: float, law: AbstractShift | None = None
+) -> Isotherms:
+    """Groups the points of `dma` into isotherms: temperatures with no gap above
+    `tolerance` [K] are one.
 
-    Temperatures that run through without gaps, as in a ramp, are cut into bins. With a shift `law` one frequency is
-    enough. Raises `InputError` where a temperature
-    is not known or there are too few points.
+    Temperatures that run through without gaps, as in a ramp, are cut into bins. With a
+    shift `law` one frequency is enough. Raises `InputError` where a temperature is not
+    known or there are too few points.
     """
     every = np.concatenate([dma.temperature, dma.time_temperature])
     if not np.isfinite(every).all():
         rates = np.concatenate([dma.omega, 1 / dma.time])
-        raise InputError(f"temperature is not in the data: {untold(rates[~np.isfinite(every)])}")
+        raise InputError(
+            f"temperature is not in the data: {untold(rates[~np.isfinite(every)])}"
+        )
     if every.max() > _HOTTEST:
         raise InputError(
-            f"temperature must be at most {_HOTTEST:g} K, got {every.max():.4g} K: check its column and unit."
+            f"temperature must be at most {_HOTTEST:g} K, got {every.max():.4g} "
+            "K: check its column and unit."
         )
     if dma.omega.size and in_strain_sweep(dma).all():
         raise InputError(
-            f"dma must have sweeps of frequency, got a sweep of strain, {strains(dma.strain)}: it has no master curve; "
+            "dma must have sweeps of frequency, got a sweep of strain, "
+            f"{strains(dma.strain)}: it has no master curve; "
             "em.fit.softening(dma) makes its em.Softening."
         )
     if every.size < 5:
         lost = len(dma.bad_rows)
-        why = f"; {lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}" if lost else ""
+        why = (
+            f"; {lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}"
+            if lost
+            else ""
+        )
         raise InputError(f"dma must have five points at least, got {every.size}{why}.")
     rates = np.concatenate([dma.omega, 1 / dma.time])
     if law is not None:
@@ -53,16 +66,22 @@ def isotherms(dma: Dma, tolerance: float, law: AbstractShift | None = None) -> I
         rates = rates * a / a.min()
     if rates.max() < 1.5 * rates.min():
         raise InputError(
-            f"dma must span a range of frequencies (or times), got {rates.min():.4g} to {rates.max():.4g} rad/s only: "
-            "a sweep of temperature at one frequency needs a shift law, as shift=em.WLF(8.86, 101.6, 293.15) "
-            "(--shift 'WLF(8.86, 101.6, 20degC)'), a file of factors, or 'universal' (--shift universal)."
+            f"dma must span a range of frequencies (or times), got {rates.min():.4g} "
+            f"to {rates.max():.4g} rad/s only: "
+            "a sweep of temperature at one frequency needs a shift law, as "
+            "shift=em.WLF(8.86, 101.6, 293.15) (--shift 'WLF(8.86, 101.6, 20degC)'), "
+            "a file of factors, or 'universal' (--shift universal)."
         )
     number, mean = group(every, tolerance)
     n = dma.omega.size
     frequency, time = number[:n], number[n:]
     rate = np.log(dma.omega)
     offset = every - mean[number]
-    extra = np.zeros(every.size) if law is None else log10_a(law, every) - log10_a(law, mean)[number]
+    extra = (
+        np.zeros(every.size)
+        if law is None
+        else log10_a(law, every) - log10_a(law, mean)[number]
+    )
     points = Points(
         np.repeat([STORAGE, LOSS, RELAXATION], [n, n, dma.time.size]),
         np.concatenate([rate, rate, -np.log(dma.time)]),
@@ -74,7 +93,9 @@ def isotherms(dma: Dma, tolerance: float, law: AbstractShift | None = None) -> I
 
 
 def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Number of the isotherm of each temperature, and the mean temperature of each isotherm, ascending [K]."""
+    """Number of the isotherm of each temperature, and the mean temperature of each
+    isotherm, ascending [K].
+    """
     order = np.argsort(temperature, kind="stable")
     ascending = temperature[order]
     starts = np.flatnonzero(np.diff(ascending, prepend=-np.inf) > tolerance)
@@ -82,11 +103,17 @@ def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.nda
     for start, stop in zip(starts, [*starts[1:], temperature.size], strict=True):
         span = ascending[stop - 1] - ascending[start]
         bins = max(1, int(np.ceil(span / max(_BIN, 2 * tolerance))))
-        inside = np.minimum(((ascending[start:stop] - ascending[start]) / max(span, 1e-9) * bins).astype(int), bins - 1)
+        inside = np.minimum(
+            (
+                (ascending[start:stop] - ascending[start]) / max(span, 1e-9) * bins
+            ).astype(int),
+            bins - 1,
+        )
         _, inside = np.unique(inside, return_inverse=True)
         number[order[start:stop]] = count + inside
         count += int(inside.max()) + 1
-    mean = np.array([temperature[number == i].mean() for i in range(count)]).round(9)  # equal ones give their value
+    # equal ones give their value
+    mean = np.array([temperature[number == i].mean() for i in range(count)]).round(9)
     return number, mean
 
 
@@ -102,8 +129,8 @@ def curves(points: Points) -> list[np.ndarray]:
 
 
 def own_noise(points: Points) -> np.ndarray:
-    """Standard deviation of ln(modulus) about a smooth curve through each isotherm alone, per channel; NaN if
-    unknown.
+    """Standard deviation of ln(modulus) about a smooth curve through each isotherm
+    alone, per channel; NaN if unknown.
     """
     squares, freedom = np.zeros(3), np.zeros(3)
     for at in curves(points):
@@ -113,7 +140,9 @@ def own_noise(points: Points) -> np.ndarray:
             continue
         u = points.log_rate[at]
         u = (u - u.mean()) / max(float(np.ptp(u)), 1e-9)
-        fit = np.polynomial.polynomial.polyval(u, np.polynomial.polynomial.polyfit(u, points.log_value[at], degree))
+        fit = np.polynomial.polynomial.polyval(
+            u, np.polynomial.polynomial.polyfit(u, points.log_value[at], degree)
+        )
         size = np.abs(points.log_value[at] - fit)
         size = np.minimum(size, 4 * np.median(size) + 1e-12)  # an outlier is not noise
         squares[points.channel[at[0]]] += (size**2).sum()
@@ -123,10 +152,11 @@ def own_noise(points: Points) -> np.ndarray:
 
 
 def alike(points: Points, residuals: np.ndarray) -> float:
-    """How many neighbours along an isotherm carry the information of one point, since their residuals are alike.
+    """How many neighbours along an isotherm carry the information of one point, since
+    their residuals are alike.
 
-    (1 + rho)/(1 - rho) with rho the correlation of neighbours, 0 for noise, towards 1 for a misfit of the model; 1
-    where they are hardly alike.
+    (1 + rho)/(1 - rho) with rho the correlation of neighbours, 0 for noise, towards 1
+    for a misfit of the model; 1 where they are hardly alike.
     """
     rho = min(0.9, max(0.0, _correlation(points, residuals)))
     count = (1 + rho) / (1 - rho)
@@ -134,6 +164,13 @@ def alike(points: Points, residuals: np.ndarray) -> float:
 
 
 def _correlation(points: Points, residuals: np.ndarray) -> float:
-    pairs = [(residuals[at][1:] @ residuals[at][:-1], residuals[at] @ residuals[at]) for at in curves(points)]
-    values = [both / max(one, 1e-300) for (both, one), at in zip(pairs, curves(points), strict=True) if at.size >= 5]
+    pairs = [
+        (residuals[at][1:] @ residuals[at][:-1], residuals[at] @ residuals[at])
+        for at in curves(points)
+    ]
+    values = [
+        both / max(one, 1e-300)
+        for (both, one), at in zip(pairs, curves(points), strict=True)
+        if at.size >= 5
+    ]
     return float(np.mean(values)) if values else 0.0

@@ -17,10 +17,13 @@ if TYPE_CHECKING:
 
 _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
-_FAR = 0.3  # half a 95 % interval of an extrapolated shift above which it is no longer of much use [decades]
+# half a 95 % interval of an extrapolated shift above which it is no longer of much use
+# [decades]
+_FAR = 0.3
 _NAMED = 6  # outliers that a warning names one by one
 _POOR = 0.1  # relative residual of a series worth a warning
-_CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
+# what the choice of shift model may move before it is worth saying [decades]
+_CHOICE = 0.1
 
 
 def judge(master: "MasterCurve") -> tuple[str, ...]:
@@ -29,21 +32,31 @@ def judge(master: "MasterCurve") -> tuple[str, ...]:
     # The scatter of measurements that disagree is no isotherm's.
     whole = [*_disagree(master), *repeats] or _simple(master)
     return (
-        *_failed(master), *whole, *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)
-    )  # fmt: skip
+        *_failed(master),
+        *whole,
+        *_ambiguous(master),
+        *_choice(master),
+        *_gaps(master),
+        *_details(master),
+    )
 
 
 def _failed(master: "MasterCurve") -> Iterator[str]:
     if not master.converged:
-        yield "The joint fit did not converge: look at the figure before using anything of it."
+        yield (
+            "The joint fit did not converge: look at the figure before using anything "
+            "of it."
+        )
 
 
 def _disagree(master: "MasterCurve") -> Iterator[str]:
     if ratio := relaxation_excess(master.joint):
         yield (
-            f"Relaxation and dynamic moduli contradict each other: the relaxation modulus is {ratio:.2g} times what "
-            "storage and loss modulus make of it (median where both were measured). Check unit, kind and sample of "
-            "both measurements; what is fitted to both is a compromise between them."
+            "Relaxation and dynamic moduli contradict each other: the relaxation "
+            f"modulus is {ratio:.2g} times what "
+            "storage and loss modulus make of it (median where both were measured). "
+            "Check unit, kind and sample of both measurements; what is fitted to both "
+            "is a compromise between them."
         )
 
 
@@ -51,9 +64,10 @@ def _simple(master: "MasterCurve") -> Iterator[str]:
     misfit, worst = master.joint.misfit, max(master.noise.values())
     if misfit > _NOT_SIMPLE and worst > _WORTH_SAYING and master.temperature.size > 1:
         yield (
-            f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} times as much about one common "
-            f"curve as "
-            f"each about a smooth curve of its own ({100 * worst:.2g} % in the worst modulus). No shift makes them one."
+            f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} "
+            "times as much about one common curve as each about a smooth curve of "
+            f"its own ({100 * worst:.2g} % in the worst modulus). No shift makes them "
+            "one."
         )
 
 
@@ -61,10 +75,11 @@ def _ambiguous(master: "MasterCurve") -> Iterator[str]:
     celsius = master.temperature[master.ambiguous] - 273.15
     if celsius.size:
         yield (
-            f"Horizontal and vertical shift cannot be separated at {describe_list(celsius, 'degC')}: the "
-            f"isotherms are "
-            "too flat or too much alike there. Their log10 a_T rests on the prior for the vertical shift; see the "
-            "intervals, and compare vertical=False (--no-vertical)."
+            "Horizontal and vertical shift cannot be separated at "
+            f"{describe_list(celsius, 'degC')}: the isotherms are "
+            "too flat or too much alike there. Their log10 a_T rests on the prior for "
+            "the vertical shift; see the intervals, and compare vertical=False "
+            "(--no-vertical)."
         )
 
 
@@ -76,8 +91,10 @@ def _choice(master: "MasterCurve") -> Iterator[str]:
     if moved.max() > _CHOICE:
         celsius = master.temperature[moved.argmax()] - 273.15
         yield (
-            "These data leave open whether there are vertical shifts, which moves log10 a_T by about "
-            f"{moved.max():.2g} decades (at {celsius:.4g} degC); the intervals contain that."
+            "These data leave open whether there are vertical shifts, which moves "
+            "log10 a_T by about "
+            f"{moved.max():.2g} decades (at {celsius:.4g} degC); the intervals "
+            "contain that."
         )
 
 
@@ -92,11 +109,13 @@ def _gaps(master: "MasterCurve") -> Iterator[str]:
         cold, warm = rates[number == i], rates[number == i + 1]
         if cold.size and warm.size and cold.min() > warm.max():
             lonely.append(
-                f"{celsius[i]:.4g} and {celsius[i + 1]:.4g} degC ({np.log10(cold.min() / warm.max()):.1f} decades)"
+                f"{celsius[i]:.4g} and {celsius[i + 1]:.4g} degC "
+                f"({np.log10(cold.min() / warm.max()):.1f} decades)"
             )
     if lonely:
         yield (
-            f"Isotherms do not overlap: {', '.join(lonely)}. The shift across the gap rests on the assumption of a "
+            f"Isotherms do not overlap: {', '.join(lonely)}. The shift across the gap "
+            "rests on the assumption of a "
             "smooth spectrum."
         )
 
@@ -108,29 +127,50 @@ def _details(master: "MasterCurve") -> Iterator[str]:
     elif not temperature.min() - 1.5 <= reference <= temperature.max() + 1.5:
         half = master.state.place.half
         yield (
-            f"The reference temperature, {reference - 273.15:.4g} degC, lies outside the data "
-            f"({temperature.min() - 273.15:.4g} to {temperature.max() - 273.15:.4g} degC): it is reached by "
-            f"extrapolating the shift law, which knows that step to +- {half:.2g} decades (95 %). Every log10 a_T and "
-            f"the band contain that{'; give a reference within the data' if half > _FAR else ''}."
+            f"The reference temperature, {reference - 273.15:.4g} degC, lies outside "
+            f"the data ({temperature.min() - 273.15:.4g} to "
+            f"{temperature.max() - 273.15:.4g} degC): it is reached by extrapolating "
+            f"the shift law, which knows that step to +- {half:.2g} decades (95 %). "
+            "Every log10 a_T and the band contain "
+            f"that{'; give a reference within the data' if half > _FAR else ''}."
         )
     if temperature.size == 2:
-        yield "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT cannot."
+        yield (
+            "There are two temperatures only: Arrhenius' law can be fitted, WLF and "
+            "VFT cannot."
+        )
     if copies := master.dma.copies:
-        yield f"{copies} of {master.dma.size + copies} points repeat others in all their numbers, and are left out."
-    points, outliers = master.joint.shifts.points, np.flatnonzero(master.joint.shifts.posterior.weights < 1)
+        yield (
+            f"{copies} of {master.dma.size + copies} points repeat others in all "
+            "their numbers, and are left out."
+        )
+    points, outliers = (
+        master.joint.shifts.points,
+        np.flatnonzero(master.joint.shifts.posterior.weights < 1),
+    )
     if outliers.size:
         names = []
         for i in outliers[:_NAMED]:
-            channel, celsius, rate = points.channel[i], temperature[points.isotherm[i]] - 273.15, points.log_rate[i]
-            when = f"{np.exp(-rate):.3g} s" if channel == RELAXATION else f"{np.exp(rate):.3g} rad/s"
+            channel, celsius, rate = (
+                points.channel[i],
+                temperature[points.isotherm[i]] - 273.15,
+                points.log_rate[i],
+            )
+            when = (
+                f"{np.exp(-rate):.3g} s"
+                if channel == RELAXATION
+                else f"{np.exp(rate):.3g} rad/s"
+            )
             names.append(f"{CHANNELS[channel]} at {celsius:.4g} degC and {when}")
         yield (
-            f"{outliers.size} of {points.log_rate.size} values are outliers (beyond 3 standard deviations) and count "
-            f"for less: {'; '.join(names)}{' ...' if outliers.size > _NAMED else ''}."
+            f"{outliers.size} of {points.log_rate.size} values are outliers (beyond 3 "
+            "standard deviations) and count for less: "
+            f"{'; '.join(names)}{' ...' if outliers.size > _NAMED else ''}."
         )
     if "WLF" in master.laws and not master.laws["WLF"].holds:
         yield (
-            f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} decades rms, more than they are "
+            f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} "
+            "decades rms, more than they are "
             "uncertain by: use the table of shift factors instead."
         )
 
@@ -145,23 +185,28 @@ def judge_series(
 ) -> Iterator[str]:
     """Warnings on what a series does not meet; single outliers are not held against it.
 
-    `contradiction` says what the closest passive material shows of storage and loss modulus, `excess` is that of
-    relaxation and both.
+    `contradiction` says what the closest passive material shows of storage and loss
+    modulus, `excess` is that of relaxation and both.
     """
     if not converged:
-        yield "The refinement of the times did not converge: look at the figure before using the series."
+        yield (
+            "The refinement of the times did not converge: look at the figure before "
+            "using the series."
+        )
     for channel, key in enumerate(("storage", "loss", "relaxation")):
         at = points.channel == channel
         if not at.any():
             continue
-        size = float(np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum()))
+        size = float(
+            np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum())
+        )
         if size <= _POOR:
             continue
         met = f"The {key} modulus is met to {100 * size:.2g} % rms only"
         if excess is not None:
             yield (
-                f"{met}: relaxation and dynamic moduli contradict each other, by a factor of "
-                f"{max(excess, 1 / excess):.2g}."
+                f"{met}: relaxation and dynamic moduli contradict each other, by a "
+                f"factor of {max(excess, 1 / excess):.2g}."
             )
         elif contradiction:
             yield f"{met}{contradiction}"
@@ -171,25 +216,36 @@ def judge_series(
             yield f"{met}, by which the data scatter."
 
 
-def judge_level(level: float, end: SlowEnd, interval: tuple[float, float]) -> Iterator[str]:
+def judge_level(
+    level: float, end: SlowEnd, interval: tuple[float, float]
+) -> Iterator[str]:
     """Whether the data say where the equilibrium modulus is, or only where they end."""
     if level and end.open:
         yield (
-            f"The {end.kind} modulus still falls at the slow end of the data ({end.rate:.3g} rad/s): where they end "
-            f"sets the equilibrium modulus, {level:.4g} Pa; they allow {interval[0]:.3g} to {interval[1]:.3g} Pa."
+            f"The {end.kind} modulus still falls at the slow end of the data "
+            f"({end.rate:.3g} rad/s): where they end sets the equilibrium modulus, "
+            f"{level:.4g} Pa; they allow {interval[0]:.3g} to {interval[1]:.3g} Pa."
         )
 
 
 def judge_range(limits: tuple[float, ...], dynamic: np.ndarray) -> Iterator[str]:
-    """Whether there is a range of frequencies at all, and one of all `dynamic` data [rad/s]."""
-    if limits and dynamic.size and (dynamic.min() < 0.99 * limits[0] or dynamic.max() > 1.01 * limits[1]):
+    """Whether there is a range of frequencies at all, and one of all `dynamic` data
+    [rad/s].
+    """
+    if (
+        limits
+        and dynamic.size
+        and (dynamic.min() < 0.99 * limits[0] or dynamic.max() > 1.01 * limits[1])
+    ):
         yield (
-            f"The data leave a gap in which the loss modulus is not known to 6 %: the range of the material is the "
-            f"widest part beside it, {limits[0]:.3g} to {limits[1]:.3g} rad/s of {dynamic.min():.3g} to "
-            f"{dynamic.max():.3g}. Measure between them, or closer isotherms."
+            "The data leave a gap in which the loss modulus is not known to 6 %: the "
+            f"range of the material is the widest part beside it, {limits[0]:.3g} to "
+            f"{limits[1]:.3g} rad/s of {dynamic.min():.3g} to {dynamic.max():.3g}. "
+            "Measure between them, or closer isotherms."
         )
     if not limits:
         yield (
-            "Relaxation with so little fall, or so much noise, determines the loss modulus at no frequency: the range "
-            "of the material is empty, and all friction from it is flagged as extrapolated. Measure dynamic moduli."
+            "Relaxation with so little fall, or so much noise, determines the loss "
+            "modulus at no frequency: the range of the material is empty, and all "
+            "friction from it is flagged as extrapolated. Measure dynamic moduli."
         )

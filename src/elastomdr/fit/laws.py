@@ -17,17 +17,24 @@ _LN10 = float(np.log(10.0))
 _LEAST = 0.003  # standard deviation by which any such law may be off [decades]
 POLE = 1.0  # least distance of a law's pole below the data [K]
 _AT_BOUND = 0.01  # distance of a logarithm from its limit at which it is held by it
-MISSES = 0.1  # error of its own above which a law is not that of the shift factors [decades]
+# error of its own above which a law is not that of the shift factors [decades]
+MISSES = 0.1
 
 
 class LawFit(NamedTuple):
-    """A shift law, how far each measured shift factor is from it, and how well its constants are known."""
+    """A shift law, how far each measured shift factor is from it, and how well its
+    constants are known.
+    """
 
     law: Any  # em.WLF, em.Arrhenius or em.VFT
     residuals: Float[np.ndarray, " n"]  # log10 a_T measured minus law [decades]
     std: dict[str, float]  # standard deviation of each constant, in its unit
-    bound: bool  # whether a constant is at the end of what the search allows, so that its uncertainty means nothing
-    own: float  # how far the law is off beyond what the shift factors are known to, a standard deviation [decades]
+    # whether a constant is at the end of what the search allows, so that its
+    # uncertainty means nothing
+    bound: bool
+    # how far the law is off beyond what the shift factors are known to, a standard
+    # deviation [decades]
+    own: float
 
     @property
     def rms(self) -> float:
@@ -42,10 +49,18 @@ class LawFit(NamedTuple):
     @property
     def determined(self) -> bool:
         """Whether the data know every constant better than by its own size."""
-        return all(1.96 * std < float(getattr(self.law, key)) for key, std in self.std.items()) and not self.bound
+        return (
+            all(
+                1.96 * std < float(getattr(self.law, key))
+                for key, std in self.std.items()
+            )
+            and not self.bound
+        )
 
     def constants(self) -> str:
-        """The constants with their units and 95 % intervals, in one line, or that the data do not determine them."""
+        """The constants with their units and 95 % intervals, in one line, or that the
+        data do not determine them.
+        """
         units = {"c1": "", "c2": " K", "energy": " J/mol", "b": " K", "t0": " K"}
         if not self.determined:
             return f"{' and '.join(self.std)} not determined by these data"
@@ -64,22 +79,31 @@ class LawFit(NamedTuple):
 
 
 def fit_laws(
-    temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray, reference: float
+    temperature: np.ndarray,
+    log10_a: np.ndarray,
+    covariance: np.ndarray,
+    reference: float,
 ) -> dict[str, LawFit]:
-    """The laws that pass through 0 at `reference` [K] and come closest to shift factors with this covariance.
+    """The laws that pass through 0 at `reference` [K] and come closest to shift factors
+    with this covariance.
 
-    A law may be off by more than the measurement: a part of its own is added to the covariance until the misfit is
-    what it should be. "Arrhenius" needs two temperatures, "WLF" and "VFT" three; laws that cannot be fitted are left
-    out.
+    A law may be off by more than the measurement: a part of its own is added to the
+    covariance until the misfit is what it should be. "Arrhenius" needs two
+    temperatures, "WLF" and "VFT" three; laws that cannot be fitted are left out.
     """
     fits: dict[str, LawFit] = {}
     known = forms(reference, min(temperature.min(), reference))
     if temperature.size < 2 or (np.abs(temperature - reference) > 1e-6).sum() < 1:
         return fits
-    for name in ("Arrhenius", "WLF", "VFT") if temperature.size >= 3 else ("Arrhenius",):
+    for name in (
+        ("Arrhenius", "WLF", "VFT") if temperature.size >= 3 else ("Arrhenius",)
+    ):
         p, spread, own = fit_form(known[name], temperature, log10_a, covariance)
         law, by_p = known[name].constants(p)
-        std = {key: float(abs(slope) * np.sqrt(spread[k, k])) for k, (key, slope) in enumerate(by_p.items())}
+        std = {
+            key: float(abs(slope) * np.sqrt(spread[k, k]))
+            for k, (key, slope) in enumerate(by_p.items())
+        }
         residuals = log10_a - known[name].value(p, temperature)
         fits[name] = LawFit(law, residuals, std, _at_bound(known[name], p), own)
     return fits
@@ -91,7 +115,8 @@ class Form(NamedTuple):
     value: Callable[[np.ndarray, Any], Any]  # parameters, temperature [K] -> log10 a_T
     start: list[float]
     limits: list[tuple[float, float]]
-    constants: Callable[[np.ndarray], tuple[Any, dict[str, float]]]  # the law, d(constant)/d(its parameter) by name
+    # the law, d(constant)/d(its parameter) by name
+    constants: Callable[[np.ndarray], tuple[Any, dict[str, float]]]
 
 
 def forms(reference: float, lowest: float) -> dict[str, Form]:
@@ -115,14 +140,19 @@ def forms(reference: float, lowest: float) -> dict[str, Form]:
 
     def vft_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
         b, part = float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1])))
-        return VFT(b, (lowest - POLE) * part, reference), {"b": b, "t0": (lowest - POLE) * part * (1 - part)}
+        return VFT(b, (lowest - POLE) * part, reference), {
+            "b": b,
+            "t0": (lowest - POLE) * part * (1 - part),
+        }
 
     def arrhenius_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
         energy = float(np.exp(p[0]))
         return Arrhenius(energy, reference), {"energy": energy}
 
     return {
-        "Arrhenius": Form(arrhenius, [float(np.log(1e5))], [(5.0, 16.0)], arrhenius_constants),
+        "Arrhenius": Form(
+            arrhenius, [float(np.log(1e5))], [(5.0, 16.0)], arrhenius_constants
+        ),
         "WLF": Form(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], wlf_constants),
         "VFT": Form(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], vft_constants),
     }
@@ -136,7 +166,8 @@ def _at_bound(form: Form, p: np.ndarray) -> bool:
 def fit_form(
     form: Form, temperature: np.ndarray, value: np.ndarray, covariance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Generalised least squares, with the law's own error grown until chi squared matches the freedom left.
+    """Generalised least squares, with the law's own error grown until chi squared
+    matches the freedom left.
 
     Returns the parameters, their covariance, and that error [decades].
     """
@@ -144,7 +175,9 @@ def fit_form(
     bounds = np.array(form.limits).T
     spread = np.eye(p.size)
     for _ in range(8):
-        white = np.linalg.inv(np.linalg.cholesky(covariance + own**2 * np.eye(value.size)))
+        white = np.linalg.inv(
+            np.linalg.cholesky(covariance + own**2 * np.eye(value.size))
+        )
         answer = least_squares(
             lambda p, white=white: white @ (value - form.value(p, temperature)),
             p,
@@ -162,6 +195,17 @@ def fit_form(
 
 
 def derivatives(form: Form, p: np.ndarray, temperature: np.ndarray) -> np.ndarray:
-    """The derivatives of a law with respect to its parameters, from a step along the imaginary axis: exact."""
+    """The derivatives of a law with respect to its parameters, from a step along the
+    imaginary axis: exact.
+    """
     step = 1e-30
-    return np.stack([form.value(p + 1j * step * row, temperature).imag for row in np.eye(p.size)], axis=1) / step
+    return (
+        np.stack(
+            [
+                form.value(p + 1j * step * row, temperature).imag
+                for row in np.eye(p.size)
+            ],
+            axis=1,
+        )
+        / step
+    )

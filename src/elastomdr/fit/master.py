@@ -1,4 +1,6 @@
-"""Time-temperature superposition: isotherms become one master curve, with the uncertainty of every shift."""
+"""Time-temperature superposition: isotherms become one master curve, with the
+uncertainty of every shift.
+"""
 
 from __future__ import annotations
 
@@ -41,23 +43,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MasterCurve(AbstractFindings):
-    """Isotherms shifted to one reference temperature: b_T M(omega; T) = M(omega a_T; T_ref).
+    """Isotherms shifted to one reference temperature: b_T M(omega; T) = M(omega a_T;
+    T_ref).
 
-    There is one entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`,
-    and one per measured point in `omega` and the fields after it. A standard deviation covers noise, the freedom of the
-    vertical shift, the choice whether there is any, and the error of the isotherms' temperatures. `warnings` says in
-    words what cannot be relied on.
+    There is one entry per isotherm in `temperature`, `log10_a`, `log10_b`, their
+    standard deviations and `ambiguous`, and one per measured point in `omega` and the
+    fields after it. A standard deviation covers noise, the freedom of the vertical
+    shift, the choice whether there is any, and the error of the isotherms'
+    temperatures. `warnings` says in words what cannot be relied on.
     """
 
     reference: float  # T_ref [K]
     kind: Kind
-    temperature: Float[np.ndarray, " n"]  # mean temperature of each isotherm, ascending [K]
-    log10_a: Float[np.ndarray, " n"]  # horizontal shift, 0 at the reference temperature [decades]
+    # mean temperature of each isotherm, ascending [K]
+    temperature: Float[np.ndarray, " n"]
+    # horizontal shift, 0 at the reference temperature [decades]
+    log10_a: Float[np.ndarray, " n"]
     log10_a_std: Float[np.ndarray, " n"]
     log10_b: Float[np.ndarray, " n"]  # vertical shift, 0 at the reference temperature
     log10_b_std: Float[np.ndarray, " n"]
     covariance: Float[np.ndarray, "n n"]  # of log10_a
-    ambiguous: Bool[np.ndarray, " n"]  # where horizontal and vertical shift cannot be separated
+    # where horizontal and vertical shift cannot be separated
+    ambiguous: Bool[np.ndarray, " n"]
     laws: dict[str, LawFit]  # "WLF", "Arrhenius", "VFT": those that could be fitted
     omega: Float[np.ndarray, " m"]  # reduced angular frequency omega a_T [rad/s]
     storage: Float[np.ndarray, " m"]  # b_T times storage modulus [Pa]
@@ -66,7 +73,8 @@ class MasterCurve(AbstractFindings):
     time: Float[np.ndarray, " k"]  # reduced time t/a_T [s]
     relaxation: Float[np.ndarray, " k"]  # b_T times relaxation modulus [Pa]
     time_isotherm: Int[np.ndarray, " k"]
-    noise: dict[str, float]  # relative standard deviation of the data about the curve, per kind of modulus
+    # relative standard deviation of the data about the curve, per kind of modulus
+    noise: dict[str, float]
     warnings: tuple[str, ...]
     converged: bool
     source: str
@@ -77,17 +85,23 @@ class MasterCurve(AbstractFindings):
 
     @property
     def wlf(self) -> WLF | None:
-        """The WLF law (`em.WLF`) about the reference temperature; None where it could not be fitted."""
+        """The WLF law (`em.WLF`) about the reference temperature; None where it could
+        not be fitted.
+        """
         return self._law("WLF")
 
     @property
     def arrhenius(self) -> Arrhenius | None:
-        """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None where it could not be fitted."""
+        """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None
+        where it could not be fitted.
+        """
         return self._law("Arrhenius")
 
     @property
     def vft(self) -> VFT | None:
-        """The VFT law (`em.VFT`) about the reference temperature; None where it could not be fitted."""
+        """The VFT law (`em.VFT`) about the reference temperature; None where it could
+        not be fitted.
+        """
         return self._law("VFT")
 
     def _law(self, name: str) -> Any:
@@ -96,46 +110,72 @@ class MasterCurve(AbstractFindings):
     @property
     def log10_a_interval(self) -> Float[np.ndarray, "n 2"]:
         """95 % interval of log10 a_T, low and high."""
-        return self.log10_a[:, None] + np.outer(self.log10_a_std, [-TWO_SIGMA, TWO_SIGMA])
+        return self.log10_a[:, None] + np.outer(
+            self.log10_a_std, [-TWO_SIGMA, TWO_SIGMA]
+        )
 
     @property
     def log10_b_interval(self) -> Float[np.ndarray, "n 2"]:
         """95 % interval of log10 b_T, low and high."""
-        return self.log10_b[:, None] + np.outer(self.log10_b_std, [-TWO_SIGMA, TWO_SIGMA])
+        return self.log10_b[:, None] + np.outer(
+            self.log10_b_std, [-TWO_SIGMA, TWO_SIGMA]
+        )
 
     @property
     def window(self) -> tuple[float, float]:
-        """Lowest and highest reduced angular frequency of the data; for relaxation, 1/t [rad/s]."""
+        """Lowest and highest reduced angular frequency of the data; for relaxation, 1/t
+        [rad/s].
+        """
         rates = np.concatenate([self.omega, 1 / self.time])
         return float(rates.min()), float(rates.max())
 
     @property
     def measured_at(self) -> tuple[float, float]:
-        """Lowest and highest temperature of the data, at least 1 K apart, rounded as a material has them [K]."""
+        """Lowest and highest temperature of the data, at least 1 K apart, rounded as a
+        material has them [K].
+        """
         ends = self.temperature.min(), self.temperature.max()
         cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in ends)
         return (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5)
 
     def tabulated(
-        self, *, per_decade: int = 8, law: LawName = "auto", poisson: Number = 0.5, name: str = "", citation: str = ""
+        self,
+        *,
+        per_decade: int = 8,
+        law: LawName = "auto",
+        poisson: Number = 0.5,
+        name: str = "",
+        citation: str = "",
     ) -> TabulatedModulus:
-        """The shifted data as a material for steady models of surfaces, averaged in bands of log omega.
+        """The shifted data as a material for steady models of surfaces, averaged in
+        bands of log omega.
 
         Args:
-            per_decade: bands per decade of frequency, from 1 to 100. A band without data is left out.
-            law: the shift law, as for `em.fit.material`: "auto", "WLF", "Arrhenius", "VFT", "table" or "none".
+            per_decade: bands per decade of frequency, from 1 to 100. A band without
+                data is left out.
+            law: the shift law, as for `em.fit.material`: "auto", "WLF", "Arrhenius",
+                "VFT", "table" or "none".
             poisson: Poisson's ratio of the material, constant.
             name: what tables and figures call it.
             citation: where the data come from.
 
         Returns:
-            A table of moduli of the kind of the data. Its `interpolation_error` is that of the cubics between the
-            bands; how far the data scatter about it is its misfit (`elastomdr.material.validity.misfit`).
+            A table of moduli of the kind of the data. Its `interpolation_error` is that
+            of the cubics between the bands; how far the data scatter about it is its
+            misfit (`elastomdr.material.validity.misfit`).
 
         Raises `InputError` for relaxation data, or fewer than three bands with data.
         """
         check_law(law)
-        return tabulate(self, per_decade, shift_law(self, law)[1], vertical_law(self), poisson, name, citation)
+        return tabulate(
+            self,
+            per_decade,
+            shift_law(self, law)[1],
+            vertical_law(self),
+            poisson,
+            name,
+            citation,
+        )
 
     def at_reference(self, temperature: float) -> "MasterCurve":
         """The same master curve about another reference temperature [K]."""
@@ -147,33 +187,50 @@ class MasterCurve(AbstractFindings):
     def without_vertical(self) -> "MasterCurve":
         """The same isotherms shifted along the frequency only.
 
-        As `master_curve(..., vertical=False)` does, but the uncertainty contains what vertical shifts would change, and
-        `ambiguous` says still where they cannot be separated.
+        As `master_curve(..., vertical=False)` does, but the uncertainty contains what
+        vertical shifts would change, and `ambiguous` says still where they cannot be
+        separated.
         """
-        return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous, self.given)
+        return _assemble(
+            self.dma,
+            without_vertical(self.joint),
+            self.reference,
+            self.ambiguous,
+            self.given,
+        )
 
     @one_thread()
     def with_entropy(self) -> "MasterCurve | None":
-        """The same isotherms with b_T = T_ref/T, as of entropy elasticity; None where the data ask for other shifts."""
+        """The same isotherms with b_T = T_ref/T, as of entropy elasticity; None where
+        the data ask for other shifts.
+        """
         joint = entropic(self.joint)
-        return None if joint is None else _assemble(self.dma, joint, self.reference, self.ambiguous, self.given)
+        return (
+            None
+            if joint is None
+            else _assemble(self.dma, joint, self.reference, self.ambiguous, self.given)
+        )
 
     def band(self, omega: ArrayLike) -> Band:
-        """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
+        """The smooth curve through the data with its 95 % intervals, at angular
+        frequencies [rad/s], any shape.
 
-        The intervals contain the uncertainty of the shifts. Outside `window` the curve is an extrapolation: `inside`
-        says so point by point, and a `FitWarning` counts them. Raises `InputError` for frequencies that are not
-        positive.
+        The intervals contain the uncertainty of the shifts. Outside `window` the curve
+        is an extrapolation: `inside` says so point by point, and a `FitWarning` counts
+        them. Raises `InputError` for frequencies that are not positive.
         """
         return dynamic_band(self.joint, self.state, self.window, omega)
 
     def relaxation_band(self, time: ArrayLike) -> RelaxationBand:
-        """The smooth relaxation modulus with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
+        """The smooth relaxation modulus with its 95 % interval, at times [s] of any
+        shape; otherwise as `band`.
+        """
         return relaxation_band(self.joint, self.state, self.window, time)
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
-        """Draws the shifted data with curve and band on `ax`, or on a new figure, in a style of
-        `Result.plot`; returns matplotlib Axes."""
+        """Draws the shifted data with curve and band on `ax`, or on a new figure, in a
+        style of `Result.plot`; returns matplotlib Axes.
+        """
         from .figures import draw_master
 
         return draw_master(self, ax, style)
@@ -184,23 +241,47 @@ class MasterCurve(AbstractFindings):
         yield "strain", strains(self.dma.strain) or "amplitude not known"
         yield "reference", f"{significant(self.reference - 273.15, 5)} degC"
         low, high = self.window
-        yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
-        yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
+        yield (
+            "reduced window",
+            f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades",
+        )
+        yield (
+            "scatter",
+            ", ".join(
+                f"{name} {100 * size:.2g} %" for name, size in self.noise.items()
+            ),
+        )
         if self.temperature.size > 1:
-            yield "thermometer", f"isotherms to +- {TWO_SIGMA * self.state.thermometer:.2g} K (95 %), in all intervals"
+            yield (
+                "thermometer",
+                (
+                    f"isotherms to +- {TWO_SIGMA * self.state.thermometer:.2g} K (95 "
+                    "%), "
+                    "in all intervals"
+                ),
+            )
         vertical = [
-            f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not separable)' * bool(mark)}"
-            for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
+            (
+                f"   log10 b_T {y:7.4f} +- "
+                f"{TWO_SIGMA * std:.4f}{'  (not separable)' * bool(mark)}"
+            )
+            for y, std, mark in zip(
+                self.log10_b, self.log10_b_std, self.ambiguous, strict=True
+            )
         ]
         if self.given:
             yield "shift factors", self.given
         if not self.given or (np.abs(self.log10_b) > 1e-4).any():
-            yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
+            yield from of_shifts(
+                self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical
+            )
         for text in self.warnings:
             yield "warning", text
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the shifted data, one row per point, with the shifts in header lines that start with "# "."""
+        """Writes the shifted data, one row per point, with the shifts in header lines
+        that start with "# ".
+        """
         from ..files import write_files
         from .tables import master_csv
 
@@ -220,34 +301,39 @@ def master_curve(
 ) -> MasterCurve:
     """Shifts all isotherms jointly to one reference temperature.
 
-    Storage and loss modulus (and relaxation, where there is any) of every isotherm share one non-negative smooth
-    spectrum, and horizontal shifts fall with temperature.
+    Storage and loss modulus (and relaxation, where there is any) of every isotherm
+    share one non-negative smooth spectrum, and horizontal shifts fall with temperature.
 
     Args:
         dma: the measurement, with temperatures.
-        reference: reference temperature [K]; by default the measured temperature nearest to 20 degC. Outside the data
-            it is reached by a shift law, whose uncertainty enters.
-        vertical: vertical shifts between none and those of entropy elasticity, with a free part as wide as the data
-            need; False for none.
-        shift: a law that the shifts follow as it is, with which temperature sweeps at one frequency have a master curve
-            as well: `em.WLF`, ..., factors shifted by hand (`em.read_shifts`), or "universal", WLF's law with
-            universal constants about the T_g at which storage and loss modulus suit each other best. By default the
-            data decide.
+        reference: reference temperature [K]; by default the measured temperature
+            nearest to 20 degC. Outside the data it is reached by a shift law, whose
+            uncertainty enters.
+        vertical: vertical shifts between none and those of entropy elasticity, with a
+            free part as wide as the data need; False for none.
+        shift: a law that the shifts follow as it is, with which temperature sweeps at
+            one frequency have a master curve as well: `em.WLF`, ..., factors shifted by
+            hand (`em.read_shifts`), or "universal", WLF's law with universal constants
+            about the T_g at which storage and loss modulus suit each other best. By
+            default the data decide.
         tolerance: temperatures with no gap above it [K] are one isotherm.
-        temperature_error: standard error of the temperature of an isotherm [K], part of every interval; by default
-            what the scatter of the shift factors about a law says, and 0.3 K where it says nothing.
+        temperature_error: standard error of the temperature of an isotherm [K], part of
+            every interval; by default what the scatter of the shift factors about a law
+            says, and 0.3 K where it says nothing.
 
     Returns:
         A `MasterCurve` with shifts, laws, uncertainties and warnings.
 
     Raises:
-        InputError: for anything but a `Dma` with temperatures, or a reference that is no temperature or further outside
-            than the law can carry the data.
+        InputError: for anything but a `Dma` with temperatures, or a reference that is
+            no temperature or further outside than the law can carry the data.
 
     Source: `docs/fitting.md`.
     """
     if not isinstance(dma, Dma):
-        raise InputError(f"dma must be a Dma, as em.read_dma returns it, got {type(dma).__name__}.")
+        raise InputError(
+            f"dma must be a Dma, as em.read_dma returns it, got {type(dma).__name__}."
+        )
     if not isinstance(vertical, (bool, np.bool_)):
         raise InputError(f"vertical must be True or False, got {vertical!r}.")
     tolerance = float(scalar("tolerance", tolerance))
@@ -257,10 +343,12 @@ def master_curve(
         not_negative("temperature_error", temperature_error)
     if reference is not None:
         reference = float(scalar("reference", reference))
-        in_kelvin("reference", reference, 70.0)  # liquid nitrogen is colder than any reference
+        # liquid nitrogen is colder than any reference
+        in_kelvin("reference", reference, 70.0)
     dma, left = of_one_strain(dma)
     if shift is not None and not isinstance(shift, AbstractShift):
-        isotherms(dma, tolerance, Arrhenius(1e5, 293.15))  # whether there are temperatures at all
+        # whether there are temperatures at all
+        isotherms(dma, tolerance, Arrhenius(1e5, 293.15))
     law, origin = given_law(shift, dma)
     dma = as_relaxation(dma, tolerance, law)
     sorted_dma = isotherms(dma, tolerance, law)
@@ -268,7 +356,9 @@ def master_curve(
     if (once := without_copies(dma)) is not dma:
         dma, sorted_dma = once, isotherms(once, tolerance, law)
     if reference is None:
-        reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
+        reference = float(
+            sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))]
+        )
     dma = replace(dma, warnings=(*dma.warnings, *left))
     given = f"{words(law)}, {origin}" if law is not None else ""
     joint = fit_jointly(sorted_dma, bool(vertical), law, temperature_error)
@@ -276,7 +366,11 @@ def master_curve(
 
 
 def _assemble(
-    dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | None = None, given: str = ""
+    dma: Dma,
+    joint: Joint,
+    reference: float,
+    ambiguous: np.ndarray | None = None,
+    given: str = "",
 ) -> MasterCurve:
     shifts, state = joint.shifts, about(joint, reference)
     points = shifts.points

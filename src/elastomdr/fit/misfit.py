@@ -12,21 +12,30 @@ from ..trees import replaced
 
 
 def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
-    """Relative deviations at each measured point, prediction over data minus one, by the name of the modulus.
+    """Relative deviations at each measured point, prediction over data minus one, by
+    the name of the modulus.
 
     `material` is of the kind of the data, and has a shift law.
     """
-    times, moduli, level = np.asarray(material.times), np.asarray(material.moduli), float(material.equilibrium)
+    times, moduli, level = (
+        np.asarray(material.times),
+        np.asarray(material.moduli),
+        float(material.equilibrium),
+    )
     parts = {}
     if dma.omega.size:
         b = _lift(material.vertical, dma.temperature)
         x = (dma.omega * _factor(material.shift, dma.temperature))[:, None] * times
-        parts["storage modulus"] = b * (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
+        parts["storage modulus"] = (
+            b * (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
+        )
         parts["loss modulus"] = b * (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
     if dma.time.size:
         x = (dma.time / _factor(material.shift, dma.time_temperature))[:, None] / times
         b = _lift(material.vertical, dma.time_temperature)
-        parts["relaxation modulus"] = b * (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
+        parts["relaxation modulus"] = (
+            b * (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
+        )
     return parts
 
 
@@ -34,16 +43,23 @@ def misfit(material: Prony, dma: Dma) -> dict[str, float]:
     """Root mean squares of `deviations`; none without a shift law."""
     if material.shift is None:
         return {}
-    return {name: float(np.sqrt(np.mean(part**2))) for name, part in deviations(material, dma).items()}
+    return {
+        name: float(np.sqrt(np.mean(part**2)))
+        for name, part in deviations(material, dma).items()
+    }
 
 
 def with_misfit(material: Prony, dma: Dma) -> Prony:
-    """The material with its deviations from the data as measured, at reduced frequencies, as its record of misfit."""
+    """The material with its deviations from the data as measured, at reduced
+    frequencies, as its record of misfit.
+    """
     if material.shift is None or material.range is None or not dma.omega.size:
         return material
     parts = deviations(material, dma)
     rows = misfit_bands(
-        dma.omega * _factor(material.shift, dma.temperature), parts["storage modulus"], parts["loss modulus"]
+        dma.omega * _factor(material.shift, dma.temperature),
+        parts["storage modulus"],
+        parts["loss modulus"],
     )
     return replaced(material, range=material.range._replace(misfit=rows))
 

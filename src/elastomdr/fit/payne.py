@@ -1,6 +1,8 @@
-"""`em.fit.softening`: the factors on storage and loss modulus by strain amplitude, from strain sweeps.
+"""`em.fit.softening`: the factors on storage and loss modulus by strain amplitude, from
+strain sweeps.
 
-Kraus' form of the Payne effect, shared by all sweeps, each about its own moduli of small strain:
+Kraus' form of the Payne effect, shared by all sweeps, each about its own moduli of
+small strain:
 
     G'/G'_0 = 1 - r x^2m/(1 + x^2m),    G''/G''_0 = 1 + 2 h x^m/(1 + x^2m),    x = strain/strain_c.
 
@@ -32,22 +34,30 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike, Style
 
-NAMES = {"drop": "-", "strain": "-", "exponent": "-", "rise": "-"}  # r, strain_c, m, h, by their units
+# r, strain_c, m, h, by their units
+NAMES = {"drop": "-", "strain": "-", "exponent": "-", "rise": "-"}
 _WARMS = 2.0  # of one sweep [K]
 _ALIKE = 0.05  # of the logarithm of one frequency
 _LARGEST = 5.0  # strain from which a number is taken for per cent
-_LOW, _HIGH = np.array([1e-3, np.log(1e-6), 0.1, 0.0]), np.array([1.0, np.log(10.0), 2.0, 8.0])
+_LOW, _HIGH = (
+    np.array([1e-3, np.log(1e-6), 0.1, 0.0]),
+    np.array([1.0, np.log(10.0), 2.0, 8.0]),
+)
 _ROUNDS = 4  # of the size of errors
 _NODES = 41  # of the table that stands for Kraus' form, down to _FIRST of its strain
 _FIRST = 1e-4
 _PER_DECADE = 4  # points of a table of measured factors
-_LEVEL = 0.1  # slope of ln storage over ln strain at the end of a sweep from which it still falls
-_APART = 2.5  # rms of one sweep over the median of all from which it does not follow the same factors
+# slope of ln storage over ln strain at the end of a sweep from which it still falls
+_LEVEL = 0.1
+# rms of one sweep over the median of all from which it does not follow the same factors
+_APART = 2.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweeps(AbstractFindings):
-    """What strain sweeps say of the factors: Kraus' constants with intervals, and each point about its own sweep."""
+    """What strain sweeps say of the factors: Kraus' constants with intervals, and each
+    point about its own sweep.
+    """
 
     parameters: dict[str, float]  # drop r, strain_c, exponent m, rise h
     interval: dict[str, tuple[float, float]]  # 95 %
@@ -57,7 +67,8 @@ class Sweeps(AbstractFindings):
     number: Int[np.ndarray, " n"]  # which sweep
     temperature: Float[np.ndarray, " s"]  # of each sweep [K]; NaN where not known
     omega: Float[np.ndarray, " s"]  # [rad/s]; NaN where not known
-    small: Float[np.ndarray, "s 2"]  # storage and loss modulus of small strain of each sweep [Pa]
+    # storage and loss modulus of small strain of each sweep [Pa]
+    small: Float[np.ndarray, "s 2"]
     error: tuple[float, float]  # standard deviation of one ln storage, one ln loss
     warnings: tuple[str, ...]
 
@@ -68,7 +79,13 @@ class Sweeps(AbstractFindings):
         for name, value in self.parameters.items():
             low, high = self.interval[name]
             yield name, f"{value:.4g}   ({low:.3g} to {high:.3g})"
-        yield "measured", f"{self.strain.size} points of {self.omega.size} sweeps, strain {self._spanned()}"
+        yield (
+            "measured",
+            (
+                f"{self.strain.size} points of {self.omega.size} sweeps, strain "
+                f"{self._spanned()}"
+            ),
+        )
         yield "scatter", f"{self.error[0]:.2%} of storage, {self.error[1]:.2%} of loss"
         for text in self.warnings:
             yield "warning", text
@@ -78,11 +95,15 @@ class Sweeps(AbstractFindings):
 
 
 class SofteningFit(Softening):
-    """An `em.Softening` with the sweeps that it was fitted to: `found` has constants, intervals and points."""
+    """An `em.Softening` with the sweeps that it was fitted to: `found` has constants,
+    intervals and points.
+    """
 
     found: Sweeps = static()
 
-    def __init__(self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike, found: Sweeps):
+    def __init__(
+        self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike, found: Sweeps
+    ):
         super().__init__(strain, storage, loss)
         fill(self, found=found)
 
@@ -106,14 +127,17 @@ class SofteningFit(Softening):
         return self.found.summary()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the measured factors as comma-separated text, the findings in header lines."""
+        """Writes the measured factors as comma-separated text, the findings in header
+        lines.
+        """
         from .tables import softening_csv
 
         write_files({Path(path): softening_csv(self.found).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
-        """Draws the factors over strain with the measured points, in a style of `Result.plot`; returns matplotlib
-        Axes."""
+        """Draws the factors over strain with the measured points, in a style of
+        `Result.plot`; returns matplotlib Axes.
+        """
         from .figures import draw_softening
 
         return draw_softening(self, ax, style)
@@ -134,36 +158,47 @@ class _Data(NamedTuple):
         return self.omega.size
 
     def model(self, p: np.ndarray) -> np.ndarray:
-        """ln storage and ln loss at r, ln strain_c, m, h and then ln G'_0, ln G''_0 of each sweep."""
+        """ln storage and ln loss at r, ln strain_c, m, h and then ln G'_0, ln G''_0 of
+        each sweep.
+        """
         return _factors(self.log_strain, p[:4]) + p[4:].reshape(-1, 2)[self.number]
 
 
 def _factors(log_strain: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Logarithms of Kraus' factors (points, 2)."""
     x = np.exp(np.clip(p[2] * (log_strain - p[1]), -300, 300))
-    return np.stack([np.log1p(-p[0] / (1 + x**-2.0)), np.log1p(2 * p[3] / (x + 1 / x))], -1)
+    return np.stack(
+        [np.log1p(-p[0] / (1 + x**-2.0)), np.log1p(2 * p[3] / (x + 1 / x))], -1
+    )
 
 
 @in_si
 def softening(
-    strain_sweep: Dma | Mapping[str, ArrayLike], *, form: Literal["kraus", "table"] = "kraus"
+    strain_sweep: Dma | Mapping[str, ArrayLike],
+    *,
+    form: Literal["kraus", "table"] = "kraus",
 ) -> SofteningFit:
-    """The softening of a filled rubber with strain (Payne effect) from one strain sweep or several.
+    """The softening of a filled rubber with strain (Payne effect) from one strain sweep
+    or several.
 
-    Sweeps at several temperatures and frequencies share the factors; each has moduli of small strain of its own.
+    Sweeps at several temperatures and frequencies share the factors; each has moduli of
+    small strain of its own.
 
     Args:
-        strain_sweep: a `Dma` whose points have strain amplitudes, or a mapping with "strain" [1], "storage" and "loss"
-            [Pa], and "temperature" [K] and "omega" [rad/s] where they differ, lists of one length.
-        form: "kraus" for the factors of Kraus' form, or "table" for the measured ones, four to a decade of strain, the
-            storage modulus kept falling.
+        strain_sweep: a `Dma` whose points have strain amplitudes, or a mapping with
+            "strain" [1], "storage" and "loss" [Pa], and "temperature" [K] and "omega"
+            [rad/s] where they differ, lists of one length.
+        form: "kraus" for the factors of Kraus' form, or "table" for the measured ones,
+            four to a decade of strain, the storage modulus kept falling.
 
     Returns:
-        An `em.Softening` for `softening=` of a material, over the measured strains, with `parameters`, their 95 %
-        `interval`, `warnings`, `summary()`, `plot()` and `to_csv(path)`.
+        An `em.Softening` for `softening=` of a material, over the measured strains,
+        with `parameters`, their 95 % `interval`, `warnings`, `summary()`, `plot()` and
+        `to_csv(path)`.
 
     Raises:
-        InputError: for data without strain amplitudes, strains in per cent, and sweeps of fewer than four points.
+        InputError: for data without strain amplitudes, strains in per cent, and sweeps
+            of fewer than four points.
 
     Source: G. Kraus, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75.
     """
@@ -176,18 +211,28 @@ def softening(
 
     half = float(stdtrit(freedom, 0.975)) * spread
     low, high = np.maximum(p[:4] - half[:4], _LOW), np.minimum(p[:4] + half[:4], _HIGH)
-    ends = [(np.exp(a), np.exp(b)) if i == 1 else (a, b) for i, (a, b) in enumerate(zip(low, high, strict=True))]
+    ends = [
+        (np.exp(a), np.exp(b)) if i == 1 else (a, b)
+        for i, (a, b) in enumerate(zip(low, high, strict=True))
+    ]
     value = [np.exp(x) if i == 1 else x for i, x in enumerate(p[:4])]
     factors = np.exp(data.values - p[4:].reshape(-1, 2)[data.number])
     order = np.argsort(data.log_strain, kind="stable")
     found = Sweeps(
         parameters={name: float(x) for name, x in zip(NAMES, value, strict=True)},
-        interval={name: (float(a), float(b)) for name, (a, b) in zip(NAMES, ends, strict=True)},
-        strain=np.exp(data.log_strain[order]), storage=factors[order, 0], loss=factors[order, 1],
-        number=data.number[order], temperature=data.temperature, omega=data.omega,
-        small=np.exp(p[4:].reshape(-1, 2)), error=(float(sigma[0]), float(sigma[1])),
+        interval={
+            name: (float(a), float(b)) for name, (a, b) in zip(NAMES, ends, strict=True)
+        },
+        strain=np.exp(data.log_strain[order]),
+        storage=factors[order, 0],
+        loss=factors[order, 1],
+        number=data.number[order],
+        temperature=data.temperature,
+        omega=data.omega,
+        small=np.exp(p[4:].reshape(-1, 2)),
+        error=(float(sigma[0]), float(sigma[1])),
         warnings=tuple([*told, *_judge(data, p, spread, sigma)]),
-    )  # fmt: skip
+    )
     strain, table = _table(found) if form == "table" else _of_kraus(data, p[:4])
     return SofteningFit(strain, np.minimum(table[:, 0], 1.0), table[:, 1], found)
 
@@ -198,20 +243,31 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
     if isinstance(sweep, Dma):
         amplitude = getattr(sweep, "strain", None)
         if amplitude is None or not np.isfinite(amplitude).any():
-            raise InputError("strain_sweep must have the strain amplitude of its points, got a Dma without any.")
+            raise InputError(
+                "strain_sweep must have the strain amplitude of its points, got a "
+                "Dma without any."
+            )
         names = ("storage", "loss", "temperature", "omega")
         values = {"strain": amplitude} | {name: getattr(sweep, name) for name in names}
-        values = {name: np.asarray(x, dtype=float)[np.isfinite(amplitude)] for name, x in values.items()}
+        values = {
+            name: np.asarray(x, dtype=float)[np.isfinite(amplitude)]
+            for name, x in values.items()
+        }
     elif isinstance(sweep, Mapping) and {"strain", "storage", "loss"} <= set(sweep):
         names = ("strain", "storage", "loss")
-        values = dict(zip(names, lists(names, tuple(sweep[name] for name in names)), strict=True))
+        values = dict(
+            zip(names, lists(names, tuple(sweep[name] for name in names)), strict=True)
+        )
         for name in ("temperature", "omega"):
             given = np.nan if sweep.get(name) is None else sweep[name]
             try:
-                values[name] = np.broadcast_to(as_float64(name, given), values["strain"].shape)
+                values[name] = np.broadcast_to(
+                    as_float64(name, given), values["strain"].shape
+                )
             except ValueError as problem:
                 raise InputError(
-                    f"{name} must be one number or as many as strain, {values['strain'].size}, got {np.shape(given)}."
+                    f"{name} must be one number or as many as strain, "
+                    f"{values['strain'].size}, got {np.shape(given)}."
                 ) from problem
     else:
         raise InputError(
@@ -222,10 +278,13 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
         positive(name, values[name])
     if values["strain"].max() > _LARGEST:
         raise InputError(
-            f"strain must be an amplitude without unit, {_LARGEST:g} at most (0.1 for 10 %), got "
-            f"{values['strain'].max():g}; divide per cent by 100."
+            f"strain must be an amplitude without unit, {_LARGEST:g} at most (0.1 for "
+            f"10 %), got {values['strain'].max():g}; divide per cent by 100."
         )
-    kelvin, log_omega = (np.nan_to_num(x, nan=1.0) for x in (values["temperature"], np.log(values["omega"])))
+    kelvin, log_omega = (
+        np.nan_to_num(x, nan=1.0)
+        for x in (values["temperature"], np.log(values["omega"]))
+    )
     pair = np.stack([group(kelvin, _WARMS)[0], group(log_omega, _ALIKE)[0]])
     _, number = np.unique(pair, axis=1, return_inverse=True)
     number = number.ravel()
@@ -233,12 +292,17 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
     whole = [i for i in range(number.max() + 1) if _is_sweep(log_strain[number == i])]
     if not whole:
         raise InputError(
-            "strain_sweep must have four points or more over a factor of 3 in strain at one temperature and frequency, "
+            "strain_sweep must have four points or more over a factor of 3 in strain "
+            "at one temperature and frequency, "
             f"got {number.size} points at {number.max() + 1} of them."
         )
     kept = np.isin(number, whole)
     if not kept.all():
-        told.append(f"{int((~kept).sum())} points are in no sweep of four or more, and left out.")
+        told.append(
+            f"{int((~kept).sum())} points are in no sweep of four or more, and "
+            "left "
+            "out."
+        )
     number = np.searchsorted(whole, number[kept])
     of_sweep = [
         np.array([np.mean(values[name][kept][number == i]) for i in range(len(whole))])
@@ -253,7 +317,9 @@ def _is_sweep(log_strain: np.ndarray) -> bool:
 
 
 def _fitted(data: _Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """r, ln strain_c, m, h and the moduli of small strain; their standard deviations; errors of ln storage and loss."""
+    """r, ln strain_c, m, h and the moduli of small strain; their standard deviations;
+    errors of ln storage and loss.
+    """
     from scipy.optimize import least_squares
 
     own = np.array([data.values[data.number == i].max(0) for i in range(data.sweeps)])
@@ -263,22 +329,42 @@ def _fitted(data: _Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     sigma, best = np.full(2, 0.02), None
     middle, end = np.median(data.log_strain), data.log_strain.max()
     for start in ((0.5, middle, 0.5, 0.5), (0.7, end, 0.5, 1.0), (0.3, end, 0.8, 0.2)):
-        found = _solve(least_squares, data, sigma, np.concatenate([start, own.ravel()]), low, high)
+        found = _solve(
+            least_squares, data, sigma, np.concatenate([start, own.ravel()]), low, high
+        )
         best = found if best is None or found.cost < best.cost else best
     assert best is not None
     for _ in range(_ROUNDS):
         off = data.model(best.x) - data.values
-        sigma = np.maximum(np.sqrt((off**2).sum(0) / max(data.values.shape[0] - 0.5 * best.x.size, 1.0)), 1e-9)
+        sigma = np.maximum(
+            np.sqrt(
+                (off**2).sum(0) / max(data.values.shape[0] - 0.5 * best.x.size, 1.0)
+            ),
+            1e-9,
+        )
         best = _solve(least_squares, data, sigma, best.x, low, high)
     spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(best.jac.T @ best.jac)), 0.0))
     return best.x, spread, sigma
 
 
-def _solve(solver: Any, data: _Data, sigma: np.ndarray, start: np.ndarray, low: np.ndarray, high: np.ndarray) -> Any:
+def _solve(
+    solver: Any,
+    data: _Data,
+    sigma: np.ndarray,
+    start: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+) -> Any:
     return solver(
-        lambda p: ((data.model(p) - data.values) / sigma).ravel(), np.clip(start, low + 1e-6, high - 1e-6),
-        jac="3-point", bounds=(low, high), x_scale="jac", xtol=1e-12, ftol=1e-12, max_nfev=300,
-    )  # fmt: skip
+        lambda p: ((data.model(p) - data.values) / sigma).ravel(),
+        np.clip(start, low + 1e-6, high - 1e-6),
+        jac="3-point",
+        bounds=(low, high),
+        x_scale="jac",
+        xtol=1e-12,
+        ftol=1e-12,
+        max_nfev=300,
+    )
 
 
 def _of_kraus(data: _Data, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -289,7 +375,9 @@ def _of_kraus(data: _Data, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _table(found: Sweeps) -> tuple[np.ndarray, np.ndarray]:
-    """Means of the measured factors in even steps of log strain, those of storage falling."""
+    """Means of the measured factors in even steps of log strain, those of storage
+    falling.
+    """
     x = np.log(found.strain)
     steps = max(2, int(np.ceil(np.ptp(x) / np.log(10.0) * _PER_DECADE)))
     which = np.minimum((steps * (x - x[0]) / np.ptp(x)).astype(int), steps - 1)
@@ -299,7 +387,8 @@ def _table(found: Sweeps) -> tuple[np.ndarray, np.ndarray]:
         if at.any()
     ]
     nodes, storage, loss = np.array(rows).T
-    for i in range(1, storage.size):  # neighbours that rise become their mean, until none does
+    # neighbours that rise become their mean, until none does
+    for i in range(1, storage.size):
         j = i
         while j > 0 and storage[j] > storage[j - 1]:
             first = int(np.flatnonzero(np.isclose(storage, storage[j - 1]))[0])
@@ -308,29 +397,46 @@ def _table(found: Sweeps) -> tuple[np.ndarray, np.ndarray]:
     return np.exp(nodes), np.stack([storage, loss], -1)
 
 
-def _judge(data: _Data, p: np.ndarray, spread: np.ndarray, sigma: np.ndarray) -> Iterator[str]:
+def _judge(
+    data: _Data, p: np.ndarray, spread: np.ndarray, sigma: np.ndarray
+) -> Iterator[str]:
     last = float(data.log_strain.max())
     at = _factors(np.array([last, last - 0.01]), p[:4])[:, 0]
     if (at[1] - at[0]) / 0.01 > _LEVEL:
         yield (
-            f"The storage modulus still falls at the largest strain, {100 * np.exp(last):.3g} %: where it levels off "
+            "The storage modulus still falls at the largest strain, "
+            f"{100 * np.exp(last):.3g} %: where it levels off "
             "is an extrapolation. The factors end there, and are held beyond."
         )
     if np.exp(_factors(np.array([data.log_strain.min()]), p[:4])[0, 0]) < 0.97:
         yield (
-            f"At the smallest strain, {100 * np.exp(data.log_strain.min()):.3g} %, the rubber has softened already: "
+            f"At the smallest strain, {100 * np.exp(data.log_strain.min()):.3g} %, "
+            "the rubber has softened already: "
             "the moduli of small strain are an extrapolation."
         )
-    if np.any((p[:4] - _LOW < 1e-6) & (np.arange(4) != 3)) or np.any(_HIGH - p[:4] < 1e-6):
-        yield "A constant of Kraus' form is at the end of what is looked at: take the table (form='table')."
+    if np.any((p[:4] - _LOW < 1e-6) & (np.arange(4) != 3)) or np.any(
+        _HIGH - p[:4] < 1e-6
+    ):
+        yield (
+            "A constant of Kraus' form is at the end of what is looked at: take the "
+            "table (form='table')."
+        )
     if spread[0] > 0.25:
         yield f"The drop of the storage modulus is known to +- {2 * spread[0]:.2g} only."
     off = data.model(p) - data.values
-    rms = np.array([np.sqrt(np.mean(off[data.number == i] ** 2, axis=0)) for i in range(data.sweeps)])
+    rms = np.array(
+        [
+            np.sqrt(np.mean(off[data.number == i] ** 2, axis=0))
+            for i in range(data.sweeps)
+        ]
+    )
     usual = np.median(rms, axis=0)
     for i in range(data.sweeps if data.sweeps > 1 else 0):
         if (rms[i] > _APART * usual).any():
             kelvin, omega = data.temperature[i], data.omega[i]
             where = "" if np.isnan(kelvin) else f" at {kelvin - 273.15:.3g} degC"
             where += "" if np.isnan(omega) else f" and {omega / (2 * np.pi):.3g} Hz"
-            yield f"The sweep{where} does not follow the factors of the others: they depend on it."
+            yield (
+                f"The sweep{where} does not follow the factors of the others: they "
+                "depend on it."
+            )

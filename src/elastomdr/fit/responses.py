@@ -1,14 +1,18 @@
-"""Other responses than relaxation as relaxation: creep compliance, stress after a ramp, a storage modulus alone.
+"""Other responses than relaxation as relaxation: creep compliance, stress after a ramp,
+a storage modulus alone.
 
 What was measured, M(t), is a functional of the relaxation modulus G(t):
 
     creep            M = 1/J(t)                                  with int_0^t G(t - s) dJ(s) = 1
-    ramp of r        M = (1/r) int_(t-r)^t G(s) ds               t from the start of the ramp, ln s at its mean
+    ramp of r
+    M = (1/r) int_(t-r)^t G(s) ds
+    t from the start of the ramp, ln s at its mean
     storage modulus  M = G'(omega)                               with t = 1/omega
 
-G/M depends on the shape of the spectrum only, and little on that. It is taken from the smooth spectrum through G, found
-from the ratio before, until it settles. After a ramp G is not sought at t but at the mean of ln s over the ramp, where
-the ratio is nearly 1 for any spectrum: just behind the ramp, that is well before t.
+G/M depends on the shape of the spectrum only, and little on that. It is taken from the
+smooth spectrum through G, found from the ratio before, until it settles. After a ramp G
+is not sought at t but at the mean of ln s over the ramp, where the ratio is nearly 1
+for any spectrum: just behind the ramp, that is well before t.
 """
 
 from dataclasses import replace
@@ -29,13 +33,21 @@ _STEEPEST = 0.9  # slope d(ln M)/d(ln t) that the first ratio is made for
 
 
 def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
-    """The same measurement with its response turned into relaxation; itself where it is relaxation."""
+    """The same measurement with its response turned into relaxation; itself where it is
+    relaxation.
+    """
     if (dma.response == "relaxation" and not dma.ramp) or not dma.time.size:
         return dma
     ratio, time = _first(dma, tolerance), _middle(dma.time, dma.ramp)
     near = None
     for _ in range(_ROUNDS):
-        found = replace(dma, time=time, relaxation=dma.relaxation * ratio, response="relaxation", ramp=0.0)
+        found = replace(
+            dma,
+            time=time,
+            relaxation=dma.relaxation * ratio,
+            response="relaxation",
+            ramp=0.0,
+        )
         data = isotherms(found, tolerance, law)
         near = rough_shifts(data, law, near)
         before, ratio = ratio, _ratio(dma, time, data, near)
@@ -81,9 +93,15 @@ def _ratio(dma: Dma, time: np.ndarray, data: Isotherms, shifts: Shifts) -> np.nd
     p = shifts.posterior.mean
     times = np.exp(shifts.log_times + p[shifts.places])
     order = np.argsort(times)
-    series = Prony(float(np.exp(p[shifts.equilibrium])), np.exp(p[shifts.spectrum])[order], times[order])
+    series = Prony(
+        float(np.exp(p[shifts.equilibrium])),
+        np.exp(p[shifts.spectrum])[order],
+        times[order],
+    )
     timed = slice(2 * dma.omega.size, None)
-    shift = shifts.horizontal(p)[0][data.points.isotherm[timed]] + data.points.offset[timed]
+    shift = (
+        shifts.horizontal(p)[0][data.points.isotherm[timed]] + data.points.offset[timed]
+    )
     factor = np.exp(-LN10 * shift)
     reduced = dma.time * factor
     wanted = np.asarray(series.relaxation(time * factor))

@@ -1,4 +1,6 @@
-"""Prony series from dynamic moduli, relaxation, or both: what `em.fit.prony` does and returns."""
+"""Prony series from dynamic moduli, relaxation, or both: what `em.fit.prony` does and
+returns.
+"""
 
 from __future__ import annotations
 
@@ -39,30 +41,37 @@ if TYPE_CHECKING:
     from ..material.vertical import AbstractVertical
 
 _INCOMPRESSIBLE = (
-    "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
-    "where it is known, as poisson=0.4 (--poisson 0.4)."
+    "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and "
+    "of contact with it, so give it where it is known, as poisson=0.4 (--poisson 0.4)."
 )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PronyFit(AbstractFindings):
-    """A Prony series through data, its distance from them, and the uncertainty of each number.
+    """A Prony series through data, its distance from them, and the uncertainty of each
+    number.
 
-    Residuals are relative, prediction over data minus one. Standard deviations follow from the scatter of the data
-    about the series, and from how much neighbouring residuals resemble each other. `kind` says whether moduli are of
-    shear or tension.
+    Residuals are relative, prediction over data minus one. Standard deviations follow
+    from the scatter of the data about the series, and from how much neighbouring
+    residuals resemble each other. `kind` says whether moduli are of shear or tension.
     """
 
     material: Prony
-    storage_residual: float  # root mean square of the relative residuals; NaN where there are no such data
+    # root mean square of the relative residuals; NaN where there are no such data
+    storage_residual: float
     loss_residual: float
     relaxation_residual: float
-    residuals: dict[str, Float[np.ndarray, " m"]]  # relative, per point, for "storage", "loss", "relaxation"
-    equilibrium_std: float  # [Pa]; 0 for a liquid. Where the interval is wider, that of an interval that holds it
-    equilibrium_interval: tuple[float, float]  # 95 %, with what may relax more slowly than the data reach [Pa]
+    # relative, per point, for "storage", "loss", "relaxation"
+    residuals: dict[str, Float[np.ndarray, " m"]]
+    # [Pa]; 0 for a liquid. Where the interval is wider, that of an interval that holds
+    # it
+    equilibrium_std: float
+    # 95 %, with what may relax more slowly than the data reach [Pa]
+    equilibrium_interval: tuple[float, float]
     moduli_std: Float[np.ndarray, " n"]  # [Pa]
     times_std: Float[np.ndarray, " n"]  # [s]
-    covariance: Float[np.ndarray, "p p"]  # of ln moduli, ln times and, for a solid, ln equilibrium
+    # of ln moduli, ln times and, for a solid, ln equilibrium
+    covariance: Float[np.ndarray, "p p"]
     omega: Float[np.ndarray, " m"]  # data, as fitted [rad/s]
     storage: Float[np.ndarray, " m"]  # [Pa]
     loss: Float[np.ndarray, " m"]  # [Pa]
@@ -71,8 +80,11 @@ class PronyFit(AbstractFindings):
     kind: Kind
     warnings: tuple[str, ...]
     converged: bool
-    asked: int | None  # number of terms asked for; None: the data chose. Terms without a modulus are left out
-    trade_off: tuple[Met, ...]  # where both moduli contradict each other: how closely passive materials meet them
+    # number of terms asked for; None: the data chose. Terms without a modulus are left
+    # out
+    asked: int | None
+    # where both moduli contradict each other: how closely passive materials meet them
+    trade_off: tuple[Met, ...]
     joint: Joint  # the smooth spectrum whose intervals `band` uses
     master: MasterCurve | None
 
@@ -83,30 +95,44 @@ class PronyFit(AbstractFindings):
 
     @property
     def window(self) -> tuple[float, float]:
-        """Lowest and highest angular frequency of the data; for relaxation, 1/t [rad/s]."""
+        """Lowest and highest angular frequency of the data; for relaxation, 1/t
+        [rad/s].
+        """
         rates = np.concatenate([self.omega, 1 / self.time])
         return float(rates.min()), float(rates.max())
 
     def moduli_at(self, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Storage and loss modulus [Pa] of the series, in the data's own kind, at omega [rad/s] of any shape."""
-        return np.asarray(self.material.storage(omega)), np.asarray(self.material.loss(omega))
+        """Storage and loss modulus [Pa] of the series, in the data's own kind, at omega
+        [rad/s] of any shape.
+        """
+        return np.asarray(self.material.storage(omega)), np.asarray(
+            self.material.loss(omega)
+        )
 
     def relaxation_at(self, time: ArrayLike) -> np.ndarray:
-        """Relaxation modulus [Pa] of the series, in the data's own kind, at times [s] of any shape."""
+        """Relaxation modulus [Pa] of the series, in the data's own kind, at times [s]
+        of any shape.
+        """
         return np.asarray(self.material.relaxation(time))
 
     def band(self, omega: ArrayLike) -> Band:
-        """Storage and loss modulus of the series with 95 % intervals, at angular frequencies [rad/s], any shape.
+        """Storage and loss modulus of the series with 95 % intervals, at angular
+        frequencies [rad/s], any shape.
 
-        The intervals are those of a smooth spectrum through the same data (with the uncertainty of the shifts, where
-        the data are a master curve), widened by the distance between that and the series. Frequencies outside `window`
-        are extrapolated: `inside` marks them, and a `FitWarning` counts them.
+        The intervals are those of a smooth spectrum through the same data (with the
+        uncertainty of the shifts, where the data are a master curve), widened by the
+        distance between that and the series. Frequencies outside `window` are
+        extrapolated: `inside` marks them, and a `FitWarning` counts them.
         """
         return dynamic_band(self.joint, self._state, self.window, omega, self.moduli_at)
 
     def relaxation_band(self, time: ArrayLike) -> RelaxationBand:
-        """Relaxation modulus of the series with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
-        return relaxation_band(self.joint, self._state, self.window, time, self.relaxation_at)
+        """Relaxation modulus of the series with its 95 % interval, at times [s] of any
+        shape; otherwise as `band`.
+        """
+        return relaxation_band(
+            self.joint, self._state, self.window, time, self.relaxation_at
+        )
 
     @property
     def _left_out(self) -> str:
@@ -116,26 +142,41 @@ class PronyFit(AbstractFindings):
 
     @property
     def loss_known(self) -> str:
-        """How well relaxation determines the loss modulus within the material's range; "" where it was measured."""
-        limits = None if self.loss.size or self.material.range is None else self.material.range.omega
+        """How well relaxation determines the loss modulus within the material's range;
+        "" where it was measured.
+        """
+        limits = (
+            None
+            if self.loss.size or self.material.range is None
+            else self.material.range.omega
+        )
         if limits is None:
             return ""
-        return known_to(self.joint, self._state, self.window, limits, lambda w: self.moduli_at(w)[1])
+        return known_to(
+            self.joint, self._state, self.window, limits, lambda w: self.moduli_at(w)[1]
+        )
 
     @property
     def _state(self) -> AtReference:
-        return self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
+        return (
+            self.master.state
+            if self.master is not None
+            else about(self.joint, self.joint.shifts.temperature[0])
+        )
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the series, one row per term, with residuals and warnings in header lines that start with "# "."""
+        """Writes the series, one row per term, with residuals and warnings in header
+        lines that start with "# ".
+        """
         from ..files import write_files
         from .tables import prony_csv
 
         write_files({Path(path): prony_csv(self).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
-        """Draws data, series and band against frequency on `ax`, or on a new figure, in a style of
-        `Result.plot`; returns matplotlib Axes."""
+        """Draws data, series and band against frequency on `ax`, or on a new figure, in
+        a style of `Result.plot`; returns matplotlib Axes.
+        """
         from .figures import draw_prony
 
         return draw_prony(self, ax, style)
@@ -143,22 +184,57 @@ class PronyFit(AbstractFindings):
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the series, as pairs of a name and a text."""
         decades = np.log10(self.window[1] / self.window[0])
-        yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli){self._left_out}"
+        yield (
+            "terms",
+            (
+                f"{self.terms} over {decades:.1f} decades ({self.kind} "
+                f"moduli){self._left_out}"
+            ),
+        )
         sizes = (self.storage_residual, self.loss_residual, self.relaxation_residual)
         named = zip(("storage", "loss", "relaxation"), sizes, strict=True)
-        yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
+        yield (
+            "residuals",
+            ", ".join(
+                f"{name} {100 * size:.2g} %"
+                for name, size in named
+                if np.isfinite(size)
+            )
+            + " rms",
+        )
         if self.trade_off:
-            rows = (f"{100 * m.storage:.2g}, {100 * m.loss:.2g} % (balance {m.balance:g})" for m in self.trade_off)
-            yield "trade-off", "storage and loss of the closest passive materials: " + "; ".join(rows)
+            rows = (
+                f"{100 * m.storage:.2g}, {100 * m.loss:.2g} % (balance {m.balance:g})"
+                for m in self.trade_off
+            )
+            yield (
+                "trade-off",
+                "storage and loss of the closest passive materials: " + "; ".join(rows),
+            )
         if known := self.loss_known:
             yield "loss modulus", known
         level = float(self.material.equilibrium)
         slowest = float(self.material.times.max())
-        none = "0: a liquid" if slowest * self.window[0] < 1 else "0: none is seen; the series flows beyond the data"
+        none = (
+            "0: a liquid"
+            if slowest * self.window[0] < 1
+            else "0: none is seen; the series flows beyond the data"
+        )
         low, high = self.equilibrium_interval
-        yield "equilibrium", f"{level:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %" if level else none
-        for modulus, std, time in zip(self.material.moduli, self.moduli_std, self.material.times, strict=True):
-            yield "term", f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- {TWO_SIGMA * std:.2g} Pa"
+        yield (
+            "equilibrium",
+            f"{level:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %" if level else none,
+        )
+        for modulus, std, time in zip(
+            self.material.moduli, self.moduli_std, self.material.times, strict=True
+        ):
+            yield (
+                "term",
+                (
+                    f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- "
+                    f"{TWO_SIGMA * std:.2g} Pa"
+                ),
+            )
         for text in self.warnings:
             yield "warning", text
 
@@ -182,23 +258,29 @@ def prony(
     name: str = "",
     citation: str = "",
 ) -> PronyFit:
-    """The Prony series that comes closest, relatively, to storage and loss moduli, to relaxation, or to both.
+    """The Prony series that comes closest, relatively, to storage and loss moduli, to
+    relaxation, or to both.
 
-    Moduli are not negative, so that the series is passive; times are refined, and may lie outside the data.
+    Moduli are not negative, so that the series is passive; times are refined, and may
+    lie outside the data.
 
     Args:
-        omega: angular frequencies [rad/s], shape (n,); or a `MasterCurve`, which brings all data.
+        omega: angular frequencies [rad/s], shape (n,); or a `MasterCurve`, which brings
+            all data.
         storage: storage moduli [Pa], shape (n,).
         loss: loss moduli [Pa], shape (n,).
         time: times of relaxation data [s], shape (m,).
         relaxation: relaxation moduli [Pa], shape (m,).
-        terms: number of terms; by default chosen by the Akaike information criterion, at most one and a half per
-            decade.
-        equilibrium: whether there is an equilibrium modulus; by default chosen likewise.
-        balance: how many times more exactly the storage modulus is to be met than the loss modulus; by default this
-            follows their scatter, and is 1 where no passive material meets both: `trade_off` has what others give.
+        terms: number of terms; by default chosen by the Akaike information criterion,
+            at most one and a half per decade.
+        equilibrium: whether there is an equilibrium modulus; by default chosen
+            likewise.
+        balance: how many times more exactly the storage modulus is to be met than the
+            loss modulus; by default this follows their scatter, and is 1 where no
+            passive material meets both: `trade_off` has what others give.
         kind: "shear" or "tensile"; by default what the master curve says, or shear.
-        poisson: Poisson's ratio of the material; by default 0.5, with a warning for tensile moduli.
+        poisson: Poisson's ratio of the material; by default 0.5, with a warning for
+            tensile moduli.
         shift: shift law of the material.
         vertical: its law of vertical shifts.
         name: name of the material.
@@ -208,7 +290,8 @@ def prony(
         A `PronyFit`, whose `material` is the series.
 
     Raises:
-        InputError: for lists that do not match, values that are not positive, and too few points.
+        InputError: for lists that do not match, values that are not positive, and too
+            few points.
 
     Source: `docs/fitting.md`.
     """
@@ -224,7 +307,10 @@ def prony(
     time, relaxation = lists(("time", "relaxation"), (time, relaxation))
     n = omega.size
     if 2 * n + time.size < 3:
-        raise InputError(f"omega, storage and loss (or time and relaxation) must have two points at least, got {n}.")
+        raise InputError(
+            "omega, storage and loss (or time and relaxation) must have two points "
+            f"at least, got {n}."
+        )
     points = Points(
         np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
         np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
@@ -233,26 +319,46 @@ def prony(
         np.zeros(2 * n + time.size),
     )
     if np.ptp(points.log_rate) < np.log(1.5):
-        raise InputError(f"omega must span a range of frequencies, got {omega.size} points within a factor of 1.5.")
+        raise InputError(
+            f"omega must span a range of frequencies, got {omega.size} points "
+            "within "
+            "a factor of 1.5."
+        )
     check_terms(terms, points.log_rate)
     if equilibrium not in (None, True, False):
-        raise InputError(f"equilibrium must be True, False or None (the data decide), got {equilibrium!r}.")
+        raise InputError(
+            "equilibrium must be True, False or None (the data decide), got "
+            f"{equilibrium!r}."
+        )
     if balance is not None:
         balance = float(scalar("balance", balance))
         positive("balance", balance)
     joint = master.joint if master is not None else _smooth(points)
     noise, systematic = weigh(joint.shifts.posterior.noise, points, balance)
     data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
-    state = master.state if master is not None else about(joint, joint.shifts.temperature[0])
+    state = (
+        master.state
+        if master is not None
+        else about(joint, joint.shifts.temperature[0])
+    )
     found = choose_terms(with_loss(data, joint, state), terms, equilibrium)
     off = found.posterior.residuals[: points.channel.size]
     residuals = np.expm1(-off)
     parts = {
         key: residuals[points.channel == which]
-        for key, which in (("storage", STORAGE), ("loss", LOSS), ("relaxation", RELAXATION))
+        for key, which in (
+            ("storage", STORAGE),
+            ("loss", LOSS),
+            ("relaxation", RELAXATION),
+        )
     }
-    rms = {key: float(np.sqrt(np.mean(part**2))) if part.size else float("nan") for key, part in parts.items()}
-    chi = float((data.weights * (off / noise[points.channel]) ** 2).sum() / data.weights.sum())
+    rms = {
+        key: float(np.sqrt(np.mean(part**2))) if part.size else float("nan")
+        for key, part in parts.items()
+    }
+    chi = float(
+        (data.weights * (off / noise[points.channel]) ** 2).sum() / data.weights.sum()
+    )
     met = trade_off(points) if systematic else ()
     covariance = found.posterior.covariance * max(1.0, chi)  # misfit is not noise
     std = np.sqrt(np.diag(covariance))
@@ -260,19 +366,41 @@ def prony(
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
     limits = known_range(
-        points, joint, state, lambda w: (moduli / (w[:, None] * times + 1 / (w[:, None] * times))).sum(1)
+        points,
+        joint,
+        state,
+        lambda w: (moduli / (w[:, None] * times + 1 / (w[:, None] * times))).sum(1),
     )
     measured_at = None if master is None else master.measured_at
     material = Prony(
-        level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
-        vertical=vertical, name=name, citation=citation,
-        range=Range(limits, measured_at, misfit=misfit_bands(omega, parts["storage"], parts["loss"])),
-    )  # fmt: skip
+        level,
+        numbers[:count],
+        numbers[count:],
+        kind=kind,
+        poisson=0.5 if poisson is None else poisson,
+        shift=shift,
+        vertical=vertical,
+        name=name,
+        citation=citation,
+        range=Range(
+            limits,
+            measured_at,
+            misfit=misfit_bands(omega, parts["storage"], parts["loss"]),
+        ),
+    )
     end = slow_end(points, noise)
-    at = np.array([np.log(end.rate)]), np.array([STORAGE if end.kind == "storage" else RELAXATION])
-    lifted = float(curve(joint, state, *at)[1][0])  # vertical shifts move all of the series, and its level
+    at = (
+        np.array([np.log(end.rate)]),
+        np.array([STORAGE if end.kind == "storage" else RELAXATION]),
+    )
+    # vertical shifts move all of the series, and its level
+    lifted = float(curve(joint, state, *at)[1][0])
     half = TWO_SIGMA * level * float(np.hypot(std[-1], lifted)) if level else 0.0
-    interval = (max(min(level - half, end.low), 0.0), max(level + half, end.end)) if level else (0.0, 0.0)
+    interval = (
+        (max(min(level - half, end.low), 0.0), max(level + half, end.end))
+        if level
+        else (0.0, 0.0)
+    )
     return PronyFit(
         material=material,
         storage_residual=rms["storage"],
@@ -316,5 +444,7 @@ def _smooth(points: Points) -> Joint:
     shifts = join(points, np.array([293.15]), np.zeros(1), "none")
     count = alike(points, shifts.posterior.residuals)
     if count > 1:
-        shifts = join(points, np.array([293.15]), np.zeros(1), "none", count, near=shifts)
+        shifts = join(
+            points, np.array([293.15]), np.zeros(1), "none", count, near=shifts
+        )
     return Joint(shifts, (), count, 1.0, shifts, 1.0)

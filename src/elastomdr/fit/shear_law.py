@@ -1,9 +1,12 @@
-"""`em.fit.adhesion`: the adhesive shear that measured friction leaves to hysteresis, with profile intervals.
+"""`em.fit.adhesion`: the adhesive shear that measured friction leaves to hysteresis,
+with profile intervals.
 
-Measured friction is hysteresis + tau(v, T) s, with s the real contact area over the normal force, both computed. The
-logarithm of tau is a parabola in log v + log a_T, so that stress, velocity and width are its height, place and bend;
-the bend and the place are known badly where the velocities see one flank only, and intervals must not be symmetric.
-Each parameter is therefore moved, all others found anew, until the sum of squares has grown by Student's t^2.
+Measured friction is hysteresis + tau(v, T) s, with s the real contact area over the
+normal force, both computed. The logarithm of tau is a parabola in log v + log a_T, so
+that stress, velocity and width are its height, place and bend; the bend and the place
+are known badly where the velocities see one flank only, and intervals must not be
+symmetric. Each parameter is therefore moved, all others found anew, until the sum of
+squares has grown by Student's t^2.
 """
 
 from __future__ import annotations
@@ -33,34 +36,60 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike, Style
 
-UNITS = {"stress": "Pa", "velocity": "m/s", "width": "-", "energy": "J/mol", "q_high": "rad/m"}
+UNITS = {
+    "stress": "Pa",
+    "velocity": "m/s",
+    "width": "-",
+    "energy": "J/mol",
+    "q_high": "rad/m",
+}
 _SAME = 1.0  # of temperatures that are one [K]
 _LN10 = float(np.log(10.0))
-_LIMITS = {"stress": (np.log(1e2), np.log(1e12)), "width": (0.0, 20.0), "energy": (0.0, 5.0)}
-_FAR = 8.0  # decades beyond the measured velocities, as far as a summit of the stress is looked for
-_WIDTHS, _ENERGIES, _PLACES, _CUTOFFS = (0.02, 0.08, 0.3, 1.0), (0.3, 0.6, 0.9, 1.3, 2.0), 9, 7  # tried to begin with
+_LIMITS = {
+    "stress": (np.log(1e2), np.log(1e12)),
+    "width": (0.0, 20.0),
+    "energy": (0.0, 5.0),
+}
+# decades beyond the measured velocities, as far as a summit of the stress is looked for
+_FAR = 8.0
+# tried to begin with
+_WIDTHS, _ENERGIES, _PLACES, _CUTOFFS = (
+    (0.02, 0.08, 0.3, 1.0),
+    (0.3, 0.6, 0.9, 1.3, 2.0),
+    9,
+    7,
+)
 _STARTS = 3  # of these, the best, from which the search sets out
-_MISFIT = 1.5  # rms of residuals over a given error from which the law is said not to describe the data
+# rms of residuals over a given error from which the law is said not to describe the
+# data
+_MISFIT = 1.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AdhesionFit(AbstractFindings):
-    """A shear law fitted to measured friction, its parameters with 95 % intervals, and both parts at each point."""
+    """A shear law fitted to measured friction, its parameters with 95 % intervals, and
+    both parts at each point.
+    """
 
     law: AdhesiveShear  # for em.friction(adhesion=)
     q_high: float | None  # cutoff of the surface, where it was free [rad/m]
-    parameters: dict[str, float]  # stress [Pa], velocity [m/s], width, energy [J/mol], q_high [rad/m]
-    interval: dict[str, tuple[float, float]]  # 95 %; infinite, or 0, where the data do not bound a parameter
+    # stress [Pa], velocity [m/s], width, energy [J/mol], q_high [rad/m]
+    parameters: dict[str, float]
+    # 95 %; infinite, or 0, where the data do not bound a parameter
+    interval: dict[str, tuple[float, float]]
     velocity: Float[np.ndarray, " n"]  # [m/s]
     temperature: Float[np.ndarray, " n"] | None  # [K]
     measured: Float[np.ndarray, " n"]
     hysteresis: Float[np.ndarray, " n"]  # computed, held
     adhesion: Float[np.ndarray, " n"]  # fitted
     residuals: Float[np.ndarray, " n"]  # measured minus both
-    used: Bool[np.ndarray, " n"]  # False where the contact did not converge: such a point counts for nothing
-    error: Float[np.ndarray, " n"]  # standard deviation of each point, given or estimated
+    # False where the contact did not converge: such a point counts for nothing
+    used: Bool[np.ndarray, " n"]
+    # standard deviation of each point, given or estimated
+    error: Float[np.ndarray, " n"]
     reference: float | None  # temperature of `velocity` of the law [K]
-    level: tuple[float, float] | None  # stress where hysteresis is off by the bound of its model [Pa]
+    # stress where hysteresis is off by the bound of its model [Pa]
+    level: tuple[float, float] | None
     warnings: tuple[str, ...]
     converged: bool
 
@@ -70,29 +99,52 @@ class AdhesionFit(AbstractFindings):
         """What a person needs to judge the fit, as pairs of a name and a text."""
         for name, value in self.parameters.items():
             low, high = self.interval[name]
-            yield name, f"{value:.4g} {UNITS[name]}   ({low:.3g} to {high:.3g})".replace(" -   ", "   ")
+            yield (
+                name,
+                f"{value:.4g} {UNITS[name]}   ({low:.3g} to {high:.3g})".replace(
+                    " -   ", "   "
+                ),
+            )
         if self.reference is not None:
             yield "reference", f"{self.reference - 273.15:.5g} degC, of velocity"
         part = self.adhesion[self.used] / (self.adhesion + self.hysteresis)[self.used]
         yield "adhesion", f"{part.min():.0%} to {part.max():.0%} of the friction"
         rms = float(np.sqrt(np.mean(self.residuals[self.used] ** 2)))
-        yield "residuals", f"{rms:.3g} rms of {int(self.used.sum())} points, error of a point {self.error.mean():.3g}"
+        yield (
+            "residuals",
+            (
+                f"{rms:.3g} rms of {int(self.used.sum())} points, error of a point "
+                f"{self.error.mean():.3g}"
+            ),
+        )
         if self.level is not None:
             low, high = self.level
-            yield "model", f"stress {low:.4g} to {high:.4g} Pa where hysteresis is off by its model error"
-        yield "area", "what the real contact area is off goes into the stress one to one"
+            yield (
+                "model",
+                (
+                    f"stress {low:.4g} to {high:.4g} Pa where hysteresis is off by its "
+                    "model error"
+                ),
+            )
+        yield (
+            "area",
+            "what the real contact area is off goes into the stress one to one",
+        )
         for text in self.warnings:
             yield "warning", text
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the points with both parts as comma-separated text, the findings in header lines."""
+        """Writes the points with both parts as comma-separated text, the findings in
+        header lines.
+        """
         from .tables import adhesion_csv
 
         write_files({Path(path): adhesion_csv(self).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
-        """Draws measured friction with the fitted sum and hysteresis alone, in a style of `Result.plot`; returns
-        matplotlib Axes."""
+        """Draws measured friction with the fitted sum and hysteresis alone, in a style
+        of `Result.plot`; returns matplotlib Axes.
+        """
         from .figures import draw_adhesion
 
         return draw_adhesion(self, ax, style)
@@ -104,21 +156,31 @@ class _Points(NamedTuple):
     log_v: np.ndarray  # log10 of the velocity
     warm: np.ndarray | None  # (1/T - 1/T_ref) 1e5/(R ln 10): decades per 100 kJ/mol
     mu: np.ndarray
-    parts: Callable[[Any], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]  # of ln q: h, s, and their slopes
+    # of ln q: h, s, and their slopes
+    parts: Callable[[Any], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]
     cutoff: tuple[float, float] | None  # ends of ln q
 
     @property
     def names(self) -> list[str]:
         names = ["stress", "velocity", "width"]
-        return names + ["energy"] * (self.warm is not None) + ["q_high"] * (self.cutoff is not None)
+        return (
+            names
+            + ["energy"] * (self.warm is not None)
+            + ["q_high"] * (self.cutoff is not None)
+        )
 
     @property
     def limits(self) -> np.ndarray:
-        own = {"velocity": (self.log_v.min() - _FAR, self.log_v.max() + _FAR), "q_high": self.cutoff}
+        own = {
+            "velocity": (self.log_v.min() - _FAR, self.log_v.max() + _FAR),
+            "q_high": self.cutoff,
+        }
         return np.array([(_LIMITS | own)[name] for name in self.names], dtype=float)
 
     def model(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """mu and its derivatives (points, parameters) at ln stress, log10 velocity, width, energy/1e5, ln q_high."""
+        """mu and its derivatives (points, parameters) at ln stress, log10 velocity,
+        width, energy/1e5, ln q_high.
+        """
         x = self.log_v - p[1]
         if self.warm is not None:
             x = x + p[3] * self.warm
@@ -139,35 +201,50 @@ def adhesion(
     error: ArrayLike | Literal["relative"] | None = None,
     reference: float | None = None,
 ) -> AdhesionFit:
-    """The adhesive shear (`em.AdhesiveShear`) with which computed hysteresis comes closest to measured friction.
+    """The adhesive shear (`em.AdhesiveShear`) with which computed hysteresis comes
+    closest to measured friction.
 
-    Stress, velocity and width are fitted, and where the temperatures differ the energy of an Arrhenius law for its
-    shift. Hysteresis and real contact area are held as computed, or move with the cutoff of the surface.
+    Stress, velocity and width are fitted, and where the temperatures differ the energy
+    of an Arrhenius law for its shift. Hysteresis and real contact area are held as
+    computed, or move with the cutoff of the surface.
 
     Args:
-        curve: friction computed without adhesion, with its real contact area: best at the measured points themselves,
-            `em.friction(rubber, road, velocity=data.velocity, temperature=data.temperature, pressure=p)`; on a grid of
-            velocities, temperatures and pressures it is interpolated. With the cutoff free, several of them by cutoff,
-            `{q: em.friction(rubber, road.ended(q), ...) for q in ...}`, four or more.
-        measured: measured friction, as `em.read_friction` returns it, or coefficients of the shape of `curve.mu`.
-        error: standard deviation of a measured mu, one number or one per point; by default that of the data's file. If
-            there is none it is estimated, of one size for all points, or in proportion to the friction with "relative".
-        reference: temperature at which the law has its `velocity` [K]; by default the measured one nearest to 20 degC.
+        curve: friction computed without adhesion, with its real contact area: best at
+            the measured points themselves, `em.friction(rubber, road,
+            velocity=data.velocity, temperature=data.temperature, pressure=p)`; on a
+            grid of velocities, temperatures and pressures it is interpolated. With the
+            cutoff free, several of them by cutoff, `{q: em.friction(rubber,
+            road.ended(q), ...) for q in ...}`, four or more.
+        measured: measured friction, as `em.read_friction` returns it, or coefficients
+            of the shape of `curve.mu`.
+        error: standard deviation of a measured mu, one number or one per point; by
+            default that of the data's file. If there is none it is estimated, of one
+            size for all points, or in proportion to the friction with "relative".
+        reference: temperature at which the law has its `velocity` [K]; by default the
+            measured one nearest to 20 degC.
 
     Returns:
-        An `AdhesionFit`: `law` for `em.friction(adhesion=)`, `parameters` and their 95 % `interval`, and in `warnings`
+        An `AdhesionFit`: `law` for `em.friction(adhesion=)`, `parameters` and their 95
+            % `interval`, and in `warnings`
         what the data cannot decide.
 
     Raises:
-        InputError: for a curve without area of contact, points that do not match, and fewer points than parameters.
+        InputError: for a curve without area of contact, points that do not match, and
+            fewer points than parameters.
 
-    The intervals contain the scatter of the data, not what the model of hysteresis and area is off.
+    The intervals contain the scatter of the data, not what the model of hysteresis and
+    area is off.
     """
     curves = curve if isinstance(curve, Mapping) else {0.0: curve}
     first = next(iter(curves.values()), None)
-    if not all(isinstance(each, FrictionCurve) for each in curves.values()) or 1 < len(curves) < 4 or first is None:
+    if (
+        not all(isinstance(each, FrictionCurve) for each in curves.values())
+        or 1 < len(curves) < 4
+        or first is None
+    ):
         raise InputError(
-            "curve must be an em.FrictionCurve, or four or more of them by their cutoff, {q_high: curve}, got a "
+            "curve must be an em.FrictionCurve, or four or more of them by their "
+            "cutoff, {q_high: curve}, got a "
             f"{type(curve).__name__}{f' of {len(curves)}' if isinstance(curve, Mapping) else ''}."
         )
     data = _measured(measured, first)
@@ -178,7 +255,11 @@ def adhesion(
         used &= np.isfinite(h) & np.isfinite(s)
     if kelvin is not None and reference is None:
         reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
-    reference = None if kelvin is None or reference is None else float(plain("reference", reference))
+    reference = (
+        None
+        if kelvin is None or reference is None
+        else float(plain("reference", reference))
+    )
     warm = None
     if kelvin is not None and reference is not None and np.ptp(kelvin[used]) > _SAME:
         warm = (1 / kelvin - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
@@ -186,19 +267,22 @@ def adhesion(
     points = _chosen(every, used)
     if points.mu.size <= len(points.names):
         raise InputError(
-            f"measured must have more points than the {len(points.names)} parameters, {', '.join(points.names)}, got "
-            f"{points.mu.size} with an answer."
+            f"measured must have more points than the {len(points.names)} parameters, "
+            f"{', '.join(points.names)}, got {points.mu.size} with an answer."
         )
     known, size = _sizes(error, data, used)
     p, success = _search(points, size)
     for _ in range(2 if isinstance(error, str) else 0):
-        size = np.maximum(points.model(p)[0], 0.05 * points.mu.max())  # in proportion to the sum, not to its scatter
+        # in proportion to the sum, not to its scatter
+        size = np.maximum(points.model(p)[0], 0.05 * points.mu.max())
         p, success = _descend(points, size, p)
     chi = _chi(points, p, size)
     freedom = points.mu.size - p.size
     scale = 1.0 if known else np.sqrt(chi / freedom)
     bounds = _intervals(points, size, p, chi, scale, freedom, known)
-    return _packed(every, data, computed, used, p, bounds, size * scale, reference, known, success)
+    return _packed(
+        every, data, computed, used, p, bounds, size * scale, reference, known, success
+    )
 
 
 def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
@@ -209,46 +293,74 @@ def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
     else:
         mu = np.asarray(as_float64("measured", measured))
         if mu.shape != np.shape(curve.mu):
-            raise InputError(f"measured must have the shape of the curve, {np.shape(curve.mu)}, got {mu.shape}.")
-        found = {"velocity": curve.velocity, "temperature": curve.temperature, "pressure": curve.pressure, "mu": mu,
-                 "error": None}  # fmt: skip
+            raise InputError(
+                f"measured must have the shape of the curve, {np.shape(curve.mu)}, "
+                f"got {mu.shape}."
+            )
+        found = {
+            "velocity": curve.velocity,
+            "temperature": curve.temperature,
+            "pressure": curve.pressure,
+            "mu": mu,
+            "error": None,
+        }
     require("measured", found["mu"], "finite", np.isfinite)
-    return {name: None if value is None else np.asarray(value, dtype=float).ravel() for name, value in found.items()}
+    return {
+        name: None if value is None else np.asarray(value, dtype=float).ravel()
+        for name, value in found.items()
+    }
 
 
-def _at_points(curve: FrictionCurve, data: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Hysteresis, area of contact over normal force [1/Pa] and the model error of hysteresis, at the points."""
+def _at_points(
+    curve: FrictionCurve, data: dict[str, Any]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Hysteresis, area of contact over normal force [1/Pa] and the model error of
+    hysteresis, at the points.
+    """
     if curve.area_ratio is not None and curve.pressure is not None:
         share = curve.area_ratio / curve.pressure
     elif curve.contact_area is not None:
         share = curve.contact_area / curve.normal_force
     else:
         raise InputError(
-            "curve must have the real contact area: that of a surface under a pressure by em.Multiscale(), "
+            "curve must have the real contact area: that of a surface under a "
+            "pressure by em.Multiscale(), "
             f"em.Persson() or em.HalfSpace(), got a curve by {curve.model}."
         )
     alone = curve.mu if curve.hysteresis is None else curve.hysteresis
-    off = np.zeros(np.shape(alone)) if curve.model_error is None or curve.adhesion is not None else curve.model_error
+    off = (
+        np.zeros(np.shape(alone))
+        if curve.model_error is None or curve.adhesion is not None
+        else curve.model_error
+    )
     values = [np.asarray(x, dtype=float).ravel() for x in (alone, share, off)]
     if _meets(curve, data):
         return values[0], values[1], values[2]
-    axes = {name: getattr(curve, name) for name in ("velocity", "temperature", "pressure")}
+    axes = {
+        name: getattr(curve, name) for name in ("velocity", "temperature", "pressure")
+    }
     flat = {name: np.asarray(x).ravel() for name, x in axes.items() if x is not None}
     asked = {name: data[name] for name in flat}
     if asked.get("pressure", 0.0) is None and np.ptp(flat["pressure"]) == 0:
         asked["pressure"] = np.full(data["mu"].shape, flat["pressure"][0])
     missing = [name for name, value in asked.items() if value is None]
     if missing or (data["temperature"] is not None and "temperature" not in flat):
-        what = f"no {missing[0]}" if missing else "temperatures that the curve was not computed for"
+        what = (
+            f"no {missing[0]}"
+            if missing
+            else "temperatures that the curve was not computed for"
+        )
         raise InputError(
-            f"curve must be computed at the measured points, which have {what}: give em.friction the velocity, "
+            f"curve must be computed at the measured points, which have {what}: give "
+            "em.friction the velocity, "
             "temperature and pressure of the measurement."
         )
     try:
         h, s, e = (gridded({**flat, "mu": np.abs(x)})(**asked) for x in values)
     except InputError as problem:
         raise InputError(
-            f"curve must be computed at the measured points, or on a grid that holds them: {problem}"
+            "curve must be computed at the measured points, or on a grid that "
+            f"holds them: {problem}"
         ) from problem
     return np.asarray(h), np.asarray(s), np.asarray(e)
 
@@ -257,14 +369,23 @@ def _meets(curve: FrictionCurve, data: dict[str, Any]) -> bool:
     """Whether a curve has been computed at the points themselves."""
     if np.size(curve.mu) != data["mu"].size:
         return False
-    pairs = [(getattr(curve, name), data[name]) for name in ("velocity", "temperature", "pressure")]
+    pairs = [
+        (getattr(curve, name), data[name])
+        for name in ("velocity", "temperature", "pressure")
+    ]
     return all(
-        np.allclose(np.ravel(own), given, rtol=1e-6) for own, given in pairs if own is not None and given is not None
+        np.allclose(np.ravel(own), given, rtol=1e-6)
+        for own, given in pairs
+        if own is not None and given is not None
     )
 
 
-def _between(computed: dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]) -> tuple[Any, Any]:
-    """Hysteresis and area by ln q: those computed, or cubics between those at several cutoffs; and the ends of ln q."""
+def _between(
+    computed: dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]],
+) -> tuple[Any, Any]:
+    """Hysteresis and area by ln q: those computed, or cubics between those at several
+    cutoffs; and the ends of ln q.
+    """
     if len(computed) == 1:
         ((h, s, _),) = computed.values()
         zero = np.zeros_like(h)
@@ -276,10 +397,15 @@ def _between(computed: dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]) -
     with np.errstate(divide="ignore"):
         log_h, log_s = (np.log(np.stack([computed[k][i] for k in q])) for i in (0, 1))
     whole = np.isfinite(log_h).all(0) & np.isfinite(log_s).all(0)
-    of_h, of_s = (CubicSpline(np.log(q), np.where(whole, x, 0.0)) for x in (log_h, log_s))
+    of_h, of_s = (
+        CubicSpline(np.log(q), np.where(whole, x, 0.0)) for x in (log_h, log_s)
+    )
 
     def parts(at: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        h, s = np.where(whole, np.exp(of_h(at)), np.nan), np.where(whole, np.exp(of_s(at)), np.nan)
+        h, s = (
+            np.where(whole, np.exp(of_h(at)), np.nan),
+            np.where(whole, np.exp(of_s(at)), np.nan),
+        )
         return h, s, h * of_h(at, 1), s * of_s(at, 1)
 
     return parts, (float(np.log(q[0])), float(np.log(q[-1])))
@@ -290,23 +416,36 @@ def _chosen(every: _Points, used: np.ndarray) -> _Points:
         return tuple(x[used] for x in every.parts(at))
 
     warm = None if every.warm is None else every.warm[used]
-    return every._replace(log_v=every.log_v[used], warm=warm, mu=every.mu[used], parts=parts)
+    return every._replace(
+        log_v=every.log_v[used], warm=warm, mu=every.mu[used], parts=parts
+    )
 
 
-def _sizes(error: Any, data: dict[str, Any], used: np.ndarray) -> tuple[bool, np.ndarray]:
-    """Whether the error of each point is known, and what it is, or in proportion to what."""
+def _sizes(
+    error: Any, data: dict[str, Any], used: np.ndarray
+) -> tuple[bool, np.ndarray]:
+    """Whether the error of each point is known, and what it is, or in proportion to
+    what.
+    """
     if isinstance(error, str):
         if error != "relative":
-            raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
-        return False, np.maximum(np.abs(data["mu"]), 0.05 * np.abs(data["mu"]).max())[used]
+            raise InputError(
+                f"error must be numbers, 'relative' or None, got {error!r}."
+            )
+        return False, np.maximum(np.abs(data["mu"]), 0.05 * np.abs(data["mu"]).max())[
+            used
+        ]
     given = data["error"] if error is None else np.asarray(as_float64("error", error))
     if given is None:
         return False, np.ones(int(used.sum()))
     try:
-        given = np.broadcast_to(given.ravel() if given.size == data["mu"].size else given, data["mu"].shape)
+        given = np.broadcast_to(
+            given.ravel() if given.size == data["mu"].size else given, data["mu"].shape
+        )
     except ValueError as problem:
         raise InputError(
-            f"error must match the measured points in shape, {data['mu'].shape}, got {given.shape}."
+            f"error must match the measured points in shape, {data['mu'].shape}, "
+            f"got {given.shape}."
         ) from problem
     positive("error", given)
     return True, given[used]
@@ -317,7 +456,9 @@ def _chi(points: _Points, p: np.ndarray, size: np.ndarray) -> float:
 
 
 def _search(points: _Points, size: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Least squares from the best of many starts, in which the stress follows from all else."""
+    """Least squares from the best of many starts, in which the stress follows from all
+    else.
+    """
     low, high = points.log_v.min() - 2.0, points.log_v.max() + 2.0
     axes = [np.linspace(low, high, _PLACES), np.array(_WIDTHS)]
     axes += [] if points.warm is None else [np.array(_ENERGIES)]
@@ -339,7 +480,9 @@ def _search(points: _Points, size: np.ndarray) -> tuple[np.ndarray, bool]:
     return min(found, key=lambda one: one[0])[1:]
 
 
-def _descend(points: _Points, size: np.ndarray, p: np.ndarray, held: int | None = None) -> tuple[np.ndarray, bool]:
+def _descend(
+    points: _Points, size: np.ndarray, p: np.ndarray, held: int | None = None
+) -> tuple[np.ndarray, bool]:
     """Least squares from `p`, the parameter of number `held` as it is."""
     from scipy.optimize import least_squares
 
@@ -355,34 +498,65 @@ def _descend(points: _Points, size: np.ndarray, p: np.ndarray, held: int | None 
         lambda x: (points.model(whole(x))[0] - points.mu) / size,
         np.clip(p[free], low + 1e-9, high - 1e-9),
         jac=lambda x: points.model(whole(x))[1][:, free] / size[:, None],  # pyright: ignore[reportArgumentType]
-        bounds=(low, high), x_scale="jac", xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=400,
-    )  # fmt: skip
+        bounds=(low, high),
+        x_scale="jac",
+        xtol=1e-10,
+        ftol=1e-12,
+        gtol=1e-12,
+        max_nfev=400,
+    )
     return whole(answer.x), bool(answer.success)
 
 
 def _intervals(
-    points: _Points, size: np.ndarray, p: np.ndarray, chi: float, scale: float, freedom: int, known: bool
+    points: _Points,
+    size: np.ndarray,
+    p: np.ndarray,
+    chi: float,
+    scale: float,
+    freedom: int,
+    known: bool,
 ) -> list[tuple[float, float]]:
-    """Where the sum of squares, all other parameters found anew, has grown by the square of 1.96 or Student's t."""
+    """Where the sum of squares, all other parameters found anew, has grown by the
+    square of 1.96 or Student's t.
+    """
     from scipy.special import ndtri, stdtrit
 
-    allowed = chi + (scale * float(ndtri(0.975) if known else stdtrit(freedom, 0.975))) ** 2
+    allowed = (
+        chi + (scale * float(ndtri(0.975) if known else stdtrit(freedom, 0.975))) ** 2
+    )
     matrix = points.model(p)[1] / size[:, None]
-    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(matrix.T @ matrix)), 0.0)) * scale
+    spread = (
+        np.sqrt(np.maximum(np.diag(np.linalg.pinv(matrix.T @ matrix)), 0.0)) * scale
+    )
     return [
-        (_end(points, size, p, i, -1, allowed, spread[i]), _end(points, size, p, i, 1, allowed, spread[i]))
+        (
+            _end(points, size, p, i, -1, allowed, spread[i]),
+            _end(points, size, p, i, 1, allowed, spread[i]),
+        )
         for i in range(p.size)
     ]
 
 
-def _end(points: _Points, size: np.ndarray, p: np.ndarray, i: int, side: int, allowed: float, spread: float) -> float:
-    """One end of the interval of parameter i; the end of what is looked at where it is not bounded before."""
+def _end(
+    points: _Points,
+    size: np.ndarray,
+    p: np.ndarray,
+    i: int,
+    side: int,
+    allowed: float,
+    spread: float,
+) -> float:
+    """One end of the interval of parameter i; the end of what is looked at where it is
+    not bounded before.
+    """
     from scipy.optimize import brentq
 
     limit = float(points.limits[i][(side + 1) // 2])
     last = {"x": float(p[i]), "p": p}
 
-    @functools.cache  # it depends on where the last search ended: once found, a sign stays
+    # it depends on where the last search ended: once found, a sign stays
+    @functools.cache
     def over(x: float) -> float:
         start = last["p"].copy()
         start[i] = x
@@ -403,13 +577,25 @@ def _end(points: _Points, size: np.ndarray, p: np.ndarray, i: int, side: int, al
 
 
 def _packed(
-    every: _Points, data: dict[str, Any], computed: dict[float, Any], used: np.ndarray, p: np.ndarray, bounds: Any,
-    size: np.ndarray, reference: float | None, known: bool, success: bool,
-) -> AdhesionFit:  # fmt: skip
+    every: _Points,
+    data: dict[str, Any],
+    computed: dict[float, Any],
+    used: np.ndarray,
+    p: np.ndarray,
+    bounds: Any,
+    size: np.ndarray,
+    reference: float | None,
+    known: bool,
+    success: bool,
+) -> AdhesionFit:
     names, limits = every.names, every.limits
     scales: dict[str, Callable[[float], float]] = {
-        "stress": np.exp, "velocity": lambda x: 10.0**x, "width": float, "energy": lambda x: 1e5 * x, "q_high": np.exp,
-    }  # fmt: skip
+        "stress": np.exp,
+        "velocity": lambda x: 10.0**x,
+        "width": float,
+        "energy": lambda x: 1e5 * x,
+        "q_high": np.exp,
+    }
     values = {name: float(scales[name](x)) for name, x in zip(names, p, strict=True)}
     interval, open_ends = {}, {}
     for name, ends, (low, high) in zip(names, bounds, limits, strict=True):
@@ -420,7 +606,10 @@ def _packed(
             down, up = (0.0 if edge[0] else down), (float("inf") if edge[1] else up)
         interval[name] = (down, up)
     if any(open_ends["velocity"]):  # the further the summit, the higher it is
-        interval["stress"], open_ends["stress"] = (interval["stress"][0], float("inf")), (False, True)
+        interval["stress"], open_ends["stress"] = (
+            (interval["stress"][0], float("inf")),
+            (False, True),
+        )
     shift = None
     if values.get("energy", 0.0) > 0 and reference is not None:
         shift = Arrhenius(values["energy"], reference)
@@ -429,60 +618,130 @@ def _packed(
     error = np.full(every.mu.shape, np.nan)
     error[used] = size
     return AdhesionFit(
-        law=AdhesiveShear(values["stress"], values["velocity"], values["width"], shift=shift),
-        q_high=values.get("q_high"), parameters=values, interval=interval, velocity=data["velocity"],
-        temperature=data["temperature"], measured=every.mu, hysteresis=h, adhesion=mu - h, residuals=every.mu - mu,
-        used=used, error=np.where(used, error, np.nanmean(error)), reference=reference,
-        level=_level(every, computed, used, p, size), converged=success,
-        warnings=tuple(_judge(every, data, used, values, interval, open_ends, mu, h, size, known, success)),
-    )  # fmt: skip
+        law=AdhesiveShear(
+            values["stress"], values["velocity"], values["width"], shift=shift
+        ),
+        q_high=values.get("q_high"),
+        parameters=values,
+        interval=interval,
+        velocity=data["velocity"],
+        temperature=data["temperature"],
+        measured=every.mu,
+        hysteresis=h,
+        adhesion=mu - h,
+        residuals=every.mu - mu,
+        used=used,
+        error=np.where(used, error, np.nanmean(error)),
+        reference=reference,
+        level=_level(every, computed, used, p, size),
+        converged=success,
+        warnings=tuple(
+            _judge(
+                every,
+                data,
+                used,
+                values,
+                interval,
+                open_ends,
+                mu,
+                h,
+                size,
+                known,
+                success,
+            )
+        ),
+    )
 
 
 def _level(
-    every: _Points, computed: dict[float, Any], used: np.ndarray, p: np.ndarray, size: np.ndarray
+    every: _Points,
+    computed: dict[float, Any],
+    used: np.ndarray,
+    p: np.ndarray,
+    size: np.ndarray,
 ) -> tuple[float, float] | None:
-    """The stress, all else held, where hysteresis is lower and higher by the bound of its model."""
+    """The stress, all else held, where hysteresis is lower and higher by the bound of
+    its model.
+    """
     off = next(iter(computed.values()))[2]
     h = every.parts(p[-1] if every.cutoff is not None else None)[0]
-    if len(computed) > 1 or not (np.isfinite(off[used]).all() and (off[used] > 0).any()):
+    if len(computed) > 1 or not (
+        np.isfinite(off[used]).all() and (off[used] > 0).any()
+    ):
         return None
     shape = ((every.model(p)[0] - h)[used]) / size
     if not shape @ shape > 0:
         return None
-    up, down = (float(shape @ ((every.mu - h + side * off)[used] / size) / (shape @ shape)) for side in (1, -1))
+    up, down = (
+        float(shape @ ((every.mu - h + side * off)[used] / size) / (shape @ shape))
+        for side in (1, -1)
+    )
     return float(np.exp(p[0]) * max(down, 0.0)), float(np.exp(p[0]) * up)
 
 
 def _judge(
-    every: _Points, data: dict[str, Any], used: np.ndarray, values: Any, interval: Any, open_ends: Any,
-    mu: np.ndarray, h: np.ndarray, size: np.ndarray, known: bool, success: bool,
-) -> Iterator[str]:  # fmt: skip
+    every: _Points,
+    data: dict[str, Any],
+    used: np.ndarray,
+    values: Any,
+    interval: Any,
+    open_ends: Any,
+    mu: np.ndarray,
+    h: np.ndarray,
+    size: np.ndarray,
+    known: bool,
+    success: bool,
+) -> Iterator[str]:
     if not success and not any(open_ends["velocity"]):
         yield "The search did not converge."
     if not used.all():
-        yield f"{int((~used).sum())} of {used.size} points have no computed hysteresis or area and count for nothing."
+        yield (
+            f"{int((~used).sum())} of {used.size} points have no computed hysteresis "
+            "or area and count for nothing."
+        )
     spanned = float(np.ptp(every.log_v[used]))
-    undecided = [name for name in ("stress", "velocity", "energy") if any(open_ends.get(name, ()))]
+    undecided = [
+        name
+        for name in ("stress", "velocity", "energy")
+        if any(open_ends.get(name, ()))
+    ]
     if undecided:
         yield (
-            f"{' and '.join(undecided)} cannot be decided: over {spanned:.2g} decades of velocity the data show no "
-            "summit of the stress. Measure at lower or higher velocities, or at more temperatures."
+            f"{' and '.join(undecided)} cannot be decided: over {spanned:.2g} decades "
+            "of velocity the data show no "
+            "summit of the stress. Measure at lower or higher velocities, or at more "
+            "temperatures."
         )
     if interval["width"][0] == 0.0:
         yield (
-            "width cannot be told from 0: over the measured velocities the stress is constant, or rises or falls as a "
-            "power, within the scatter."
+            "width cannot be told from 0: over the measured velocities the stress is "
+            "constant, or rises or falls as a power, within the scatter."
         )
     if open_ends["width"][1]:
-        yield "width is not bounded above: the stress falls off within the distance of two velocities."
+        yield (
+            "width is not bounded above: the stress falls off within the distance of "
+            "two velocities."
+        )
     if "q_high" in open_ends and any(open_ends["q_high"]):
         low, high = (float(np.exp(x)) for x in every.cutoff or (0.0, 0.0))
-        yield f"q_high reaches the end of the cutoffs that were computed, {low:.3g} to {high:.3g} rad/m: compute more."
+        yield (
+            f"q_high reaches the end of the cutoffs that were computed, {low:.3g} to "
+            f"{high:.3g} rad/m: compute more."
+        )
     more = int((h > every.mu)[used].sum())
     if more:
-        yield f"At {more} of {int(used.sum())} points computed hysteresis alone is above the measured friction."
+        yield (
+            f"At {more} of {int(used.sum())} points computed hysteresis alone is "
+            "above the measured friction."
+        )
     rms = float(np.sqrt(np.mean(((every.mu - mu)[used] / size) ** 2)))
     if known and rms > _MISFIT:
-        yield f"Residuals are {rms:.2g} times the error given: hysteresis and this law do not describe the data."
+        yield (
+            f"Residuals are {rms:.2g} times the error given: hysteresis and this law "
+            "do not describe the data."
+        )
     if data["temperature"] is None or every.warm is None:
-        yield "Measured at one temperature: how the adhesion shifts with temperature is not known."
+        yield (
+            "Measured at one temperature: how the adhesion shifts with temperature is "
+            "not known."
+        )

@@ -1,13 +1,16 @@
-"""Shift factors of isotherms, found jointly with the smooth spectrum that all of them share.
+"""Shift factors of isotherms, found jointly with the smooth spectrum that all of them
+share.
 
 An isotherm i is predicted from the spectrum at the anchor isotherm's temperature T_a by
 
     b_i M(omega; T_i) = M_a(omega a_i),     ln b_i = s ln(T_a/T_i) + delta_i,
 
-M any of storage, loss and relaxation modulus. s = 1 is the elasticity of entropy of a rubber or melt, s = 0 no vertical
-shift; its prior covers both, and the free part delta_i is as wide as the data ask for. Shift factors fall as the
-temperature rises: the unknowns are logarithms of the slopes -d(log10 a_T)/dT between neighbours, which are expected to
-change slowly, how slowly the data decide. All isotherms are fitted at once: their order does not matter.
+M any of storage, loss and relaxation modulus. s = 1 is the elasticity of entropy of a
+rubber or melt, s = 0 no vertical shift; its prior covers both, and the free part
+delta_i is as wide as the data ask for. Shift factors fall as the temperature rises: the
+unknowns are logarithms of the slopes -d(log10 a_T)/dT between neighbours, which are
+expected to change slowly, how slowly the data decide. All isotherms are fitted at once:
+their order does not matter.
 """
 
 from collections.abc import Callable
@@ -21,7 +24,8 @@ from .spectrum import LOSS, PER_DECADE, Points, Prediction, nodes, predict
 
 LN10 = float(np.log(10.0))
 _ENTROPY = (0.5, 0.75)  # mean and width of s
-Lift = Literal["none", "entropic", "free"]  # vertical shifts: none, those of entropy elasticity, or what data ask for
+# vertical shifts: none, those of entropy elasticity, or what data ask for
+Lift = Literal["none", "entropic", "free"]
 _FREE = (0.003, 0.3)  # limits of the standard deviation of delta_i
 _FIXED = 1e-5  # width of a prior that fixes an unknown
 _SLOPE = np.log(0.06)  # usual -d(log10 a_T)/dT of rubbers and melts [1/K]
@@ -31,18 +35,26 @@ _BIN = 0.5  # decades of time from which a first slope of relaxation is taken,
 _LEAST_FALL = 1e-3  # and the least one, -d(ln G)/d(ln t)
 _BEND = -0.012  # usual d(ln slope)/dT: that of WLF laws 150 K above their pole [1/K]
 _CHANGE = (0.1, 0.4)  # limits of the standard deviation of ln(slope ratio) over 10 K
-_CURVATURE = (0.04, 3.0)  # limits of the standard deviation of the second difference of ln H_k
-_PLACE = (0.6, 1.5)  # by how much of their spacing times may be off the grid: a sharp line may lie between two
+# limits of the standard deviation of the second difference of ln H_k
+_CURVATURE = (0.04, 3.0)
+# by how much of their spacing times may be off the grid: a sharp line may lie between
+# two
+_PLACE = (0.6, 1.5)
 _ROUGH = (0.5, 0.2)  # gain of a step, and change of widths, at which a first fit stops
-# Relaxation above a plateau may tell so little of its spectrum that noise decides how smooth it seems: what is usual of
-# second differences, and how many of them that counts for.
+# Relaxation above a plateau may tell so little of its spectrum that noise decides how
+# smooth it seems: what is usual of second differences, and how many of them that counts
+# for.
 _USUAL_CURVATURE = (0.5, 4.0)
 _USUAL_CHANGE = (0.2, 2.0)
-_LOOSEN = 1.5  # wider than most probable: one width for all times smooths away what is sharper than the average
+# wider than most probable: one width for all times smooths away what is sharper than
+# the average
+_LOOSEN = 1.5
 
 
 class Shifts(NamedTuple):
-    """The joint posterior of spectrum and shifts; `layout` says where in the unknowns each of them is."""
+    """The joint posterior of spectrum and shifts; `layout` says where in the unknowns
+    each of them is.
+    """
 
     posterior: Posterior
     log_times: np.ndarray  # ln tau_k at the anchor's temperature
@@ -68,10 +80,14 @@ class Shifts(NamedTuple):
         start = self.log_times.size + 1
         return slice(start, start + self.size - 1)
 
-    def predict(self, p: np.ndarray, channel: np.ndarray, log_rate: np.ndarray) -> Prediction:
+    def predict(
+        self, p: np.ndarray, channel: np.ndarray, log_rate: np.ndarray
+    ) -> Prediction:
         """What the spectrum predicts at the anchor's temperature."""
         log_times = self.log_times + p[self.places]
-        return predict(channel, log_rate, log_times, p[self.spectrum], np.exp(p[self.equilibrium]))
+        return predict(
+            channel, log_rate, log_times, p[self.spectrum], np.exp(p[self.equilibrium])
+        )
 
     def horizontal(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """log10 a_i, and its derivatives with respect to all unknowns."""
@@ -95,8 +111,12 @@ class Shifts(NamedTuple):
         return matrix
 
 
-def from_slopes(log_slopes: np.ndarray, temperature: np.ndarray, anchor: int) -> tuple[np.ndarray, np.ndarray]:
-    """log10 a_i about an isotherm, and its derivatives, from ln of -d(log10 a_T)/dT between neighbours."""
+def from_slopes(
+    log_slopes: np.ndarray, temperature: np.ndarray, anchor: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """log10 a_i about an isotherm, and its derivatives, from ln of -d(log10 a_T)/dT
+    between neighbours.
+    """
     by_slope = np.zeros((temperature.size, temperature.size - 1))
     steps = np.exp(log_slopes) * np.diff(temperature)
     for i in range(anchor):
@@ -106,14 +126,23 @@ def from_slopes(log_slopes: np.ndarray, temperature: np.ndarray, anchor: int) ->
     return by_slope.sum(axis=1), by_slope
 
 
-def slope_priors(slopes: np.ndarray, temperature: np.ndarray, usual: tuple[float, float] = (0.0, 0.0)) -> list[Prior]:
-    """What is expected of ln slopes: their size, and that they change slowly; `slopes` picks them from the unknowns."""
+def slope_priors(
+    slopes: np.ndarray, temperature: np.ndarray, usual: tuple[float, float] = (0.0, 0.0)
+) -> list[Prior]:
+    """What is expected of ln slopes: their size, and that they change slowly; `slopes`
+    picks them from the unknowns.
+    """
     gap = np.sqrt(np.diff(0.5 * (temperature[1:] + temperature[:-1])) / 10.0)
     change = np.diff(slopes, axis=0) / gap[:, None]
-    return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * gap, usual=usual)]
+    return [
+        Prior(slopes, 1.5, None, _SLOPE),
+        Prior(change, 0.2, _CHANGE, 10.0 * _BEND * gap, usual=usual),
+    ]
 
 
-def first_slopes(guess: np.ndarray, temperature: np.ndarray, least: float = _LEAST) -> np.ndarray:
+def first_slopes(
+    guess: np.ndarray, temperature: np.ndarray, least: float = _LEAST
+) -> np.ndarray:
     """ln slopes to begin with, from a guess of log10 a_i."""
     return np.log(np.maximum(-np.diff(guess) / np.diff(temperature), least))
 
@@ -133,11 +162,13 @@ def join(
     roughly: bool = False,
     fixed: bool = False,
 ) -> Shifts:
-    """The most probable shifts and spectrum of isotherms at ascending temperatures [K]; `temper` as for `infer`.
+    """The most probable shifts and spectrum of isotherms at ascending temperatures [K];
+    `temper` as for `infer`.
 
-    `near` is a fit of nearly the same points: the search begins at its answer, noise and roughness, but not at the
-    widths that it gave to the shifts, which would hold them where it had them. `roughly` stops early: such a fit is
-    there to begin another one. `fixed` keeps the shifts of the first guess.
+    `near` is a fit of nearly the same points: the search begins at its answer, noise
+    and roughness, but not at the widths that it gave to the shifts, which would hold
+    them where it had them. `roughly` stops early: such a fit is there to begin another
+    one. `fixed` keeps the shifts of the first guess.
     """
     anchor = _anchor(points, first_guess)
     guess = first_guess - first_guess[anchor]
@@ -148,7 +179,9 @@ def join(
     start = np.zeros(n)
     start[shifts.spectrum] = _first_spectrum(points, reduced, log_times)
     lowest = (
-        points.log_value[points.channel != LOSS].min() if (points.channel != LOSS).any() else points.log_value.min()
+        points.log_value[points.channel != LOSS].min()
+        if (points.channel != LOSS).any()
+        else points.log_value.min()
     )
     start[shifts.equilibrium] = lowest - 1.0
     start[shifts.slopes] = first_slopes(guess, temperature, _FLAT if fixed else _LEAST)
@@ -156,18 +189,27 @@ def join(
     if near is not None:
         _begin(start, shifts, near)
         noise, roughness = near.posterior.noise, near.posterior.widths[0]
-    lifted, vertical_part = lift[points.isotherm], slice(shifts.slopes.stop, shifts.places.start)
+    lifted, vertical_part = (
+        lift[points.isotherm],
+        slice(shifts.slopes.stop, shifts.places.start),
+    )
 
-    def model(p: np.ndarray, wary: bool = False) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
+    def model(
+        p: np.ndarray, wary: bool = False
+    ) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
         log10_a, by_slope = from_slopes(p[shifts.slopes], temperature, anchor)
         rate = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
         answer = shifts.predict(p, points.channel, rate)
 
         def jacobian() -> np.ndarray:
             found = np.empty((points.channel.size, n))
-            found[:, shifts.spectrum] = answer.by_neighbours if wary else answer.by_spectrum
+            found[:, shifts.spectrum] = (
+                answer.by_neighbours if wary else answer.by_spectrum
+            )
             found[:, shifts.equilibrium] = answer.by_equilibrium
-            found[:, shifts.slopes] = LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
+            found[:, shifts.slopes] = (
+                LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
+            )
             found[:, vertical_part] = -lifted[:, vertical_part]
             found[:, shifts.places] = answer.by_place
             return found
@@ -179,7 +221,14 @@ def join(
         points.log_value,
         points.channel,
         start,
-        _priors(shifts, start, vertical, roughness, early(points, reduced, log_times, n), fixed),
+        _priors(
+            shifts,
+            start,
+            vertical,
+            roughness,
+            early(points, reduced, log_times, n),
+            fixed,
+        ),
         noise,
         temper=temper,
         wary=lambda p: model(p, wary=True)[1](),
@@ -190,19 +239,30 @@ def join(
 
 
 def _priors(
-    shifts: Shifts, start: np.ndarray, vertical: Lift, roughness: float, fast: list[Prior], fixed: bool
+    shifts: Shifts,
+    start: np.ndarray,
+    vertical: Lift,
+    roughness: float,
+    fast: list[Prior],
+    fixed: bool,
 ) -> list[Prior]:
-    """The first of them is that of the spectrum's smoothness, `roughness` its width to begin with."""
+    """The first of them is that of the spectrum's smoothness, `roughness` its width to
+    begin with.
+    """
     n, k = start.size, shifts.log_times.size
     every = np.eye(n)
     second = np.zeros((k - 2, n))
     second[:, :k] = np.diff(np.eye(k), 2, axis=0)
-    hidden = sum(prior.rows.shape[0] for prior in fast)  # the first times, of which little is seen
+    # the first times, of which little is seen
+    hidden = sum(prior.rows.shape[0] for prior in fast)
     second = second[max(hidden - 1, 0) :]
     slopes, entropy = every[shifts.slopes], shifts.slopes.stop
     blind = not (shifts.points.channel == LOSS).any()
-    curvature, change = (_USUAL_CURVATURE, _USUAL_CHANGE) if blind else ((0.0, 0.0), (0.0, 0.0))
-    # Relaxation shows lines worse than a loss modulus does: how far off the grid they are has to be learnt from all.
+    curvature, change = (
+        (_USUAL_CURVATURE, _USUAL_CHANGE) if blind else ((0.0, 0.0), (0.0, 0.0))
+    )
+    # Relaxation shows lines worse than a loss modulus does: how far off the grid they
+    # are has to be learnt from all.
     near, far = (LN10 / PER_DECADE * part for part in _PLACE)
     free, is_free = every[entropy + 1 : shifts.places.start], vertical == "free"
     mean, width = _ENTROPY if is_free else (float(vertical == "entropic"), _FIXED)
@@ -210,7 +270,11 @@ def _priors(
         Prior(second, roughness, _CURVATURE, 0.0, _LOOSEN, curvature),
         Prior(every[shifts.spectrum], 12.0, None, start[shifts.spectrum].mean()),
         Prior(every[[shifts.equilibrium]], 3.0, None, start[shifts.equilibrium]),
-        *([_held(slopes, start[shifts.slopes])] if fixed else slope_priors(slopes, shifts.temperature, change)),
+        *(
+            [_held(slopes, start[shifts.slopes])]
+            if fixed
+            else slope_priors(slopes, shifts.temperature, change)
+        ),
         Prior(every[[entropy]], width, None, mean),
         Prior(every[shifts.places], near, (near, far) if blind else None),
         Prior(free, 0.01 if is_free else _FIXED, _FREE if is_free else None),
@@ -219,14 +283,21 @@ def _priors(
 
 
 def _begin(start: np.ndarray, shifts: Shifts, near: Shifts) -> None:
-    """Fills in what another fit found; its spectrum is moved where times or anchor are others."""
+    """Fills in what another fit found; its spectrum is moved where times or anchor are
+    others.
+    """
     p = near.posterior.mean
-    if near.anchor == shifts.anchor and np.array_equal(near.log_times, shifts.log_times):
+    if near.anchor == shifts.anchor and np.array_equal(
+        near.log_times, shifts.log_times
+    ):
         start[:] = p
         return
     moved = near.log_times + LN10 * near.horizontal(p)[0][shifts.anchor]
     start[shifts.spectrum] = np.interp(shifts.log_times, moved, p[near.spectrum])
-    start[shifts.slopes], start[shifts.equilibrium] = p[near.slopes], p[near.equilibrium]
+    start[shifts.slopes], start[shifts.equilibrium] = (
+        p[near.slopes],
+        p[near.equilibrium],
+    )
 
 
 def _anchor(points: Points, guess: np.ndarray) -> int:
@@ -237,35 +308,54 @@ def _anchor(points: Points, guess: np.ndarray) -> int:
     return int(np.argmin(np.abs(np.array(centres) - middle)))
 
 
-def _first_spectrum(points: Points, reduced: np.ndarray, log_times: np.ndarray) -> np.ndarray:
-    """ln H_k from the loss modulus, H = (2/pi) G'' per unit of ln tau, or from relaxation, H = -dG/d(ln t).
+def _first_spectrum(
+    points: Points, reduced: np.ndarray, log_times: np.ndarray
+) -> np.ndarray:
+    """ln H_k from the loss modulus, H = (2/pi) G'' per unit of ln tau, or from
+    relaxation, H = -dG/d(ln t).
 
-    Relaxation that has come to an end must begin without slow times: beside an equilibrium modulus that is too low they
-    would stay, and bend the slow edge.
+    Relaxation that has come to an end must begin without slow times: beside an
+    equilibrium modulus that is too low they would stay, and bend the slow edge.
     """
     width = np.log(LN10 / PER_DECADE)
     at = points.channel == LOSS
     if at.any():
         order = np.argsort(-reduced[at])
-        return np.interp(log_times, -reduced[at][order], points.log_value[at][order]) + np.log(2 / np.pi) + width
+        return (
+            np.interp(log_times, -reduced[at][order], points.log_value[at][order])
+            + np.log(2 / np.pi)
+            + width
+        )
     bins = np.floor((reduced.max() - reduced) / (_BIN * LN10)).astype(int)
     log_time, level = (np.bincount(bins, of) for of in (-reduced, points.log_value))
     count = np.bincount(bins)
-    log_time, level = log_time[count > 0] / count[count > 0], level[count > 0] / count[count > 0]
+    log_time, level = (
+        log_time[count > 0] / count[count > 0],
+        level[count > 0] / count[count > 0],
+    )
     fall = -np.gradient(level, log_time) if level.size > 1 else np.array([_LEAST_FALL])
-    return np.interp(log_times, log_time, level + np.log(np.maximum(fall, _LEAST_FALL))) + width
+    return (
+        np.interp(log_times, log_time, level + np.log(np.maximum(fall, _LEAST_FALL)))
+        + width
+    )
 
 
 def guess_shifts(points: Points, temperature: np.ndarray) -> np.ndarray:
-    """log10 a_i to begin with, from neighbours in temperature: the shift that makes both one smooth curve."""
+    """log10 a_i to begin with, from neighbours in temperature: the shift that makes
+    both one smooth curve.
+    """
     guess = np.zeros(temperature.size)
     for i in range(temperature.size - 2, -1, -1):
-        guess[i] = guess[i + 1] + _pair(points, i, i + 1, temperature[i + 1] - temperature[i])
+        guess[i] = guess[i + 1] + _pair(
+            points, i, i + 1, temperature[i + 1] - temperature[i]
+        )
     return guess
 
 
 def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
-    """log10(a_cold/a_warm) by least squares of polynomials in ln omega, one per channel, over a grid of shifts."""
+    """log10(a_cold/a_warm) by least squares of polynomials in ln omega, one per
+    channel, over a grid of shifts.
+    """
     grid = np.arange(-0.5, max(4.0, 0.6 * gap), 0.05)
     at = (points.isotherm == cold) | (points.isotherm == warm)
     rate, value, channel = points.log_rate[at], points.log_value[at], points.channel[at]
@@ -278,7 +368,9 @@ def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
     design[..., 0] = is_cold  # a vertical offset, held small below
     for k, which in enumerate(kinds):
         at = channel == which
-        design[:, at, 1 + 6 * k : 7 + 6 * k] = np.vander(u[:, at].ravel(), 6, increasing=True).reshape(len(u), -1, 6)
+        design[:, at, 1 + 6 * k : 7 + 6 * k] = np.vander(
+            u[:, at].ravel(), 6, increasing=True
+        ).reshape(len(u), -1, 6)
     ridge = np.array([1e2] + [1e-8, 1e-8, 1e-8, 1e-6, 1e-4, 1e-2] * kinds.size)
     normal = design.swapaxes(1, 2) @ design + np.diag(ridge)
     right = value @ design
@@ -286,5 +378,7 @@ def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
     error = ((design @ solution[..., None])[..., 0] - value) ** 2
     misfit = error.sum(axis=1) + (ridge * solution**2).sum(axis=1)
     usual = 0.06 * gap  # decades per kelvin, where the data say nothing
-    penalty = value.size * np.log(misfit / value.size + 1e-6) + ((grid - usual) / 2.0) ** 2
+    penalty = (
+        value.size * np.log(misfit / value.size + 1e-6) + ((grid - usual) / 2.0) ** 2
+    )
     return float(grid[np.argmin(penalty)])

@@ -1,8 +1,10 @@
-"""A smooth relaxation spectrum on log-spaced times, and what it predicts: storage and loss modulus, relaxation.
+"""A smooth relaxation spectrum on log-spaced times, and what it predicts: storage and
+loss modulus, relaxation.
 
-G(t) = G_eq + sum_k H_k exp(-t/tau_k) with H_k > 0, four tau_k per decade: fine enough for the sum to stand for a
-continuous spectrum (the ripples are of 1e-7), and each may move a little, so that it can stand for a sharp line. The
-unknowns are logarithms, so that every answer is passive.
+G(t) = G_eq + sum_k H_k exp(-t/tau_k) with H_k > 0, four tau_k per decade: fine enough
+for the sum to stand for a continuous spectrum (the ripples are of 1e-7), and each may
+move a little, so that it can stand for a sharp line. The unknowns are logarithms, so
+that every answer is passive.
 """
 
 from collections.abc import Iterator
@@ -17,24 +19,30 @@ STORAGE, LOSS, RELAXATION = 0, 1, 2  # what a measured value is
 CHANNELS = ("storage modulus", "loss modulus", "relaxation modulus")
 PER_DECADE = 4
 _MARGIN = 2.0  # decades of relaxation times beyond the data, on either side
-_REACH = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9.0  # weights of a neighbourhood, nearly a decade wide
+# weights of a neighbourhood, nearly a decade wide
+_REACH = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9.0
 _LARGEST = 700.0  # of an exponent: exp(700) is still a float64
-_FAR = 1e150  # largest 1/(omega tau), and inverse of the smallest: their squares are still float64
+# largest 1/(omega tau), and inverse of the smallest: their squares are still float64
+_FAR = 1e150
 
 
 class Points(NamedTuple):
     """Measured values, one row each, whatever they are of."""
 
     channel: np.ndarray  # STORAGE, LOSS or RELAXATION
-    log_rate: np.ndarray  # ln(omega), or ln(1/t) for relaxation, omega in rad/s and t in s
+    # ln(omega), or ln(1/t) for relaxation, omega in rad/s and t in s
+    log_rate: np.ndarray
     log_value: np.ndarray  # ln(modulus), modulus in Pa
     isotherm: np.ndarray  # number of the isotherm it belongs to
-    offset: np.ndarray  # log10 a_T expected of the point's own temperature within its isotherm
+    # log10 a_T expected of the point's own temperature within its isotherm
+    offset: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """ln of the predicted values; derivatives, computed on demand, by ln H_k, ln G_eq, ln(omega) and ln tau_k."""
+    """ln of the predicted values; derivatives, computed on demand, by ln H_k, ln G_eq,
+    ln(omega) and ln tau_k.
+    """
 
     log_value: np.ndarray  # (points,)
     heights: np.ndarray  # (times,): H_k
@@ -46,7 +54,9 @@ class Prediction:
 
     @cached_property
     def bends(self) -> np.ndarray:
-        """(points, times): the derivative of a unit branch's contribution with respect to ln(omega), over the value."""
+        """(points, times): the derivative of a unit branch's contribution with respect
+        to ln(omega), over the value.
+        """
         found = np.empty(self.x.shape)
         for which, at in _runs(self.channel):
             _bend(which, self.x[at], self.kernels[at], found[at])
@@ -62,13 +72,16 @@ class Prediction:
 
     @property
     def by_neighbours(self) -> np.ndarray:
-        """(points, times), by ln H_k too, but as if H_k were the mean of its neighbourhood.
+        """(points, times), by ln H_k too, but as if H_k were the mean of its
+        neighbourhood.
 
-        A branch that the most probable spectrum leaves empty, beside a full one, may well be there, which the
-        derivative by its logarithm does not see.
+        A branch that the most probable spectrum leaves empty, beside a full one, may
+        well be there, which the derivative by its logarithm does not see.
         """
         wide = np.pad(self.heights, _REACH.size // 2, mode="edge")
-        return self.kernels / self.value[:, None] * np.convolve(wide, _REACH, mode="valid")
+        return (
+            self.kernels / self.value[:, None] * np.convolve(wide, _REACH, mode="valid")
+        )
 
     @property
     def by_place(self) -> np.ndarray:
@@ -82,7 +95,9 @@ class Prediction:
 
 
 def nodes(log_rate: np.ndarray) -> np.ndarray:
-    """ln of relaxation times that cover data at these ln(omega), with a margin on either side."""
+    """ln of relaxation times that cover data at these ln(omega), with a margin on
+    either side.
+    """
     ln10 = np.log(10.0)
     low, high = -log_rate.max() - _MARGIN * ln10, -log_rate.min() + _MARGIN * ln10
     count = int(np.ceil((high - low) / ln10 * PER_DECADE)) + 1
@@ -91,9 +106,15 @@ def nodes(log_rate: np.ndarray) -> np.ndarray:
 
 
 def predict(
-    channel: np.ndarray, log_rate: np.ndarray, log_times: np.ndarray, log_spectrum: np.ndarray, equilibrium: float
+    channel: np.ndarray,
+    log_rate: np.ndarray,
+    log_times: np.ndarray,
+    log_spectrum: np.ndarray,
+    equilibrium: float,
 ) -> Prediction:
-    """What a spectrum predicts for points of any channel, at ln(omega) or ln(1/t) of shape (points,)."""
+    """What a spectrum predicts for points of any channel, at ln(omega) or ln(1/t) of
+    shape (points,).
+    """
     heights = np.exp(np.clip(log_spectrum, -_LARGEST, _LARGEST))
     with np.errstate(over="ignore"):
         x = np.outer(np.exp(-log_rate), np.exp(-log_times))  # 1/(omega tau), or t/tau
@@ -108,7 +129,11 @@ def predict(
 
 def _runs(channel: np.ndarray) -> Iterator[tuple[int, slice]]:
     """Neighbouring points of one channel, as slices: views, which are not copied."""
-    ends = [0, *(np.flatnonzero(channel[1:] != channel[:-1]) + 1).tolist(), channel.size]
+    ends = [
+        0,
+        *(np.flatnonzero(channel[1:] != channel[:-1]) + 1).tolist(),
+        channel.size,
+    ]
     for start, stop in pairwise(ends if channel.size else []):
         yield int(channel[start]), slice(start, stop)
 

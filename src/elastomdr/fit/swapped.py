@@ -1,8 +1,10 @@
-"""Whether storage and loss modulus look exchanged: which of both a passive material can have.
+"""Whether storage and loss modulus look exchanged: which of both a passive material can
+have.
 
-The storage modulus of a passive material rises with frequency, and by how much, its loss modulus says. How close the
-closest such material (`fit.passive`) comes to an isotherm as named, and how close with both exchanged, decides. Nothing
-tells a power law omega^(1/2) in both from itself exchanged.
+The storage modulus of a passive material rises with frequency, and by how much, its
+loss modulus says. How close the closest such material (`fit.passive`) comes to an
+isotherm as named, and how close with both exchanged, decides. Nothing tells a power law
+omega^(1/2) in both from itself exchanged.
 """
 
 import re
@@ -16,37 +18,55 @@ from .given_law import log10_a
 from .isotherms import group
 from .passive import closest
 
-_MISFIT = 0.1  # rms relative misfit as named above which moduli are suspect, if exchanged they meet it
+# rms relative misfit as named above which moduli are suspect, if exchanged they meet it
+_MISFIT = 0.1
 _CLOSER = 3.0  # and are so many times closer
 _TOLERANCE = 1.5  # between temperatures of one isotherm [K], as for master curves
-_LEAST_RANGE = 2.0  # ratio of the highest to the lowest frequency of an isotherm that says anything
+# ratio of the highest to the lowest frequency of an isotherm that says anything
+_LEAST_RANGE = 2.0
 _LARGEST = 1e100  # modulus [Pa], and temperature [K]; what is beyond is damaged
 _FEWEST = 5  # points that say anything
 _MOST = 100  # points of an isotherm that are looked at
 
 
 def refuse_swapped(dma: Dma, law: AbstractShift | None = None) -> None:
-    """Raises `InputError` where no passive material has the moduli as named, and one has them exchanged: the isotherms,
-    or the master curve along a `law`.
+    """Raises `InputError` where no passive material has the moduli as named, and one
+    has them exchanged: the isotherms, or the master curve along a `law`.
     """
     swapped = look_swapped(dma.temperature, dma.omega, dma.storage, dma.loss)
     if law is not None and not swapped and dma.omega.size:
         reduced = dma.omega * 10 ** log10_a(law, dma.temperature)
         swapped = look_swapped(np.zeros(reduced.size), reduced, dma.storage, dma.loss)
     if swapped:
-        said = f" (read were {'; '.join(text.split(';')[0] for text in dma.columns)})" if dma.columns else ""
-        places = [re.search(rf"\b{name} from (\d+)", said) for name in ("loss", "storage")]
-        new, old = (place[1] for place in places if place) if all(places) else ("N", "M")
-        what = "" if all(places) else ", N the column read as loss, M the one read as storage"
+        said = (
+            f" (read were {'; '.join(text.split(';')[0] for text in dma.columns)})"
+            if dma.columns
+            else ""
+        )
+        places = [
+            re.search(rf"\b{name} from (\d+)", said) for name in ("loss", "storage")
+        ]
+        new, old = (
+            (place[1] for place in places if place) if all(places) else ("N", "M")
+        )
+        what = (
+            ""
+            if all(places)
+            else ", N the column read as loss, M the one read as storage"
+        )
         raise InputError(
-            f"storage and loss modulus of {dma.source!r} look exchanged: no passive material has them as they are "
-            f"named, and one has them the other way round{said}. Exchange them: "
-            f"columns={{'storage': {new}, 'loss': {old}}} (--column storage={new} --column loss={old}){what}."
+            f"storage and loss modulus of {dma.source!r} look exchanged: no passive "
+            "material has them as they are named, and one has them the other way "
+            f"round{said}. Exchange them: columns={{'storage': {new}, 'loss': {old}}} "
+            f"(--column storage={new} --column loss={old}){what}."
         )
 
 
-def look_swapped(temperature: np.ndarray, omega: np.ndarray, storage: np.ndarray, loss: np.ndarray) -> bool:
-    """Whether isotherms suit no passive material as named, and one with storage and loss modulus exchanged.
+def look_swapped(
+    temperature: np.ndarray, omega: np.ndarray, storage: np.ndarray, loss: np.ndarray
+) -> bool:
+    """Whether isotherms suit no passive material as named, and one with storage and
+    loss modulus exchanged.
 
     Arrays of one shape in SI units. The median isotherm decides.
     """
@@ -70,7 +90,11 @@ def look_swapped(temperature: np.ndarray, omega: np.ndarray, storage: np.ndarray
 
 
 def _misfit(omega: np.ndarray, storage: np.ndarray, loss: np.ndarray) -> float:
-    """Rms relative distance of the closest passive material; NaN where none is found."""
+    """Rms relative distance of the closest passive material; NaN where none is
+    found.
+    """
     is_storage = np.arange(2 * omega.size) < omega.size
-    found = closest(np.tile(np.log(omega), 2), np.log(np.concatenate([storage, loss])), is_storage)
+    found = closest(
+        np.tile(np.log(omega), 2), np.log(np.concatenate([storage, loss])), is_storage
+    )
     return np.nan if found is None else found.misfit

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 
 def master_csv(master: "MasterCurve") -> str:
-    """Shifted data, one row per point, as comma-separated text with the shifts in header lines."""
+    """Shifted data, one row per point, as comma-separated text with the shifts in
+    header lines.
+    """
     symbol = "G" if master.kind == "shear" else "E"
     columns: Mapping[str, Any]
     if master.omega.size:
@@ -49,20 +51,34 @@ def shifts_csv(master: "MasterCurve") -> str:
         "standard deviation of log10 b_T [-]": master.log10_b_std,
         "separable": ~master.ambiguous,
     }
-    return _csv("shift factors", [("reference", f"{master.reference:.10g} K"), ("source", master.source)], columns)
+    return _csv(
+        "shift factors",
+        [("reference", f"{master.reference:.10g} K"), ("source", master.source)],
+        columns,
+    )
 
 
 def prony_csv(fit: "PronyFit") -> str:
-    """The series with standard deviations, one row per term; the equilibrium modulus has an infinite time."""
+    """The series with standard deviations, one row per term; the equilibrium modulus
+    has an infinite time.
+    """
     symbol = "G" if fit.kind == "shear" else "E"
     material = fit.material
     columns = {
         "relaxation time [s]": [*np.asarray(material.times).tolist(), np.inf],
         "standard deviation of it [s]": [*fit.times_std.tolist(), 0.0],
-        f"modulus {symbol} [Pa]": [*np.asarray(material.moduli).tolist(), float(material.equilibrium)],
-        "standard deviation of modulus [Pa]": [*fit.moduli_std.tolist(), fit.equilibrium_std],
+        f"modulus {symbol} [Pa]": [
+            *np.asarray(material.moduli).tolist(),
+            float(material.equilibrium),
+        ],
+        "standard deviation of modulus [Pa]": [
+            *fit.moduli_std.tolist(),
+            fit.equilibrium_std,
+        ],
     }
-    return _csv("Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns)
+    return _csv(
+        "Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns
+    )
 
 
 def adhesion_csv(fit: "AdhesionFit") -> str:
@@ -94,7 +110,10 @@ def softening_csv(found: "Sweeps") -> str:
 
 
 def _csv(
-    what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any], intervals: str = PLUS_MINUS
+    what: str,
+    findings: Iterable[tuple[str, str]],
+    columns: Mapping[str, Any],
+    intervals: str = PLUS_MINUS,
 ) -> str:
     header = [
         f"elastomdr {__version__}: {what}",

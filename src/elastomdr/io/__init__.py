@@ -1,1 +1,3 @@
-"""Files of others into SI numbers: a register of formats for moduli, and readers of friction, spectra and surfaces."""
+"""Files of others into SI numbers: a register of formats for moduli, and readers of
+friction, spectra and surfaces.
+"""

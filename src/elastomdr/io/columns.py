@@ -1,4 +1,6 @@
-"""What a column holds and in which unit: quantities with titles, units and limits, and what a user says instead."""
+"""What a column holds and in which unit: quantities with titles, units and limits, and
+what a user says instead.
+"""
 
 import functools
 import re
@@ -15,8 +17,11 @@ from .tables import MOST_COLUMNS, Head, Table, clean, listed, main_table, splits
 
 LOGS = {"log10": 10.0, "ln": np.e}
 _DECADIC = r"log[\s_]?10|log[\s_]?\(10\)|log₁₀|lg"
-_LOG = re.compile(rf"({_DECADIC}|ln(?![a-z]{{2}})|log(?![a-z]{{2}}))[\s_]*(.+)", re.IGNORECASE)
-_DAYTIME = 600.0  # of the first time as hh:mm:ss, above which it may be one of the day [s]
+_LOG = re.compile(
+    rf"({_DECADIC}|ln(?![a-z]{{2}})|log(?![a-z]{{2}}))[\s_]*(.+)", re.IGNORECASE
+)
+# of the first time as hh:mm:ss, above which it may be one of the day [s]
+_DAYTIME = 600.0
 _ONE_SIGN = 0.9  # share of negative numbers from which the sign is a convention
 _CONTRADICTS = 0.1  # of ln(tan delta), from which it contradicts the moduli beside it
 _NAMED = 6  # columns passed over, or rows left out, that are named
@@ -24,18 +29,24 @@ _NAMED = 6  # columns passed over, or rows left out, that are named
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a column may hold: `titles` are regular expressions, the preferred ones first."""
+    """What a column may hold: `titles` are regular expressions, the preferred ones
+    first.
+    """
 
     role: str
     kind: str  # of unit, a key of `units.KINDS`
     titles: tuple[str, ...]
-    valid: str = "positive"  # or "not negative", "between 0 and 90 deg"; "": of no row, NaN where not positive
+    # or "not negative", "between 0 and 90 deg"; "": of no row, NaN where not positive
+    valid: str = "positive"
     option: str = ""  # the argument by which a user gives the unit
-    limits: tuple[float, float] | None = None  # of the largest number, and of all temperatures [SI]
+    # of the largest number, and of all temperatures [SI]
+    limits: tuple[float, float] | None = None
     signed: bool = False  # whether some instruments write it with the opposite sign
 
     def rank(self, name: str) -> int | None:
-        """Which of the titles a name is, the first being the preferred one; None where it is none."""
+        """Which of the titles a name is, the first being the preferred one; None where
+        it is none.
+        """
         for spelled in dict.fromkeys((name, name.replace("_", " "))):
             for i, pattern in enumerate(self.titles):
                 if re.fullmatch(pattern, spelled, re.IGNORECASE):
@@ -63,7 +74,11 @@ class Column(NamedTuple):
 
     def of(self, table: Table, unit: str) -> np.ndarray:
         """The numbers of the column in SI."""
-        kinds = [self.quantity.kind, *["frequency"] * (self.quantity.kind == "angular frequency")]  # of a user's Hz
+        # of a user's Hz
+        kinds = [
+            self.quantity.kind,
+            *["frequency"] * (self.quantity.kind == "angular frequency"),
+        ]
         factor, offset = next(si for kind in kinds if (si := to_si(unit, kind)))
         numbers = self.sign * table.column(self.place)
         with np.errstate(over="ignore"):
@@ -72,7 +87,9 @@ class Column(NamedTuple):
 
 
 def logarithm(text: str) -> tuple[str, str]:
-    """Which logarithm a title says ("log10", "ln", or "log" without a base), and the title without it."""
+    """Which logarithm a title says ("log10", "ln", or "log" without a base), and the
+    title without it.
+    """
     match = _LOG.fullmatch(text.strip())
     if match is None:
         return "", text
@@ -81,7 +98,10 @@ def logarithm(text: str) -> tuple[str, str]:
         depth = np.cumsum([(mark == "(") - (mark == ")") for mark in rest])
         end = int(np.argmax(depth == 0))
         if end:
-            inside, behind = re.sub(r"/\s*\(", " (", rest[1:end]), rest[end + 1 :].strip()
+            inside, behind = (
+                re.sub(r"/\s*\(", " (", rest[1:end]),
+                rest[end + 1 :].strip(),
+            )
             rest = f"{inside} {behind}" if behind.strip("[]()- 1") else inside
     return log if log in ("ln", "log") else "log10", rest.lstrip("_ ")
 
@@ -97,7 +117,11 @@ def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
     if below:
         ways = [
             (text, below),
-            *((name, below) for name, unit in splits(text) if text.endswith(("]", ")")) or is_unit(unit)),
+            *(
+                (name, below)
+                for name, unit in splits(text)
+                if text.endswith(("]", ")")) or is_unit(unit)
+            ),
         ]
     for name, unit in ways:
         of_unit, inner = logarithm(unit)
@@ -105,69 +129,118 @@ def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
             rank = _rank(quantity, name.strip())
             if rank is None or (log and quantity.kind in ("temperature", "angle")):
                 continue
-            found = Column(head.place, quantity, head.title.strip(), unit, rank, _letter(quantity, name), log)
+            found = Column(
+                head.place,
+                quantity,
+                head.title.strip(),
+                unit,
+                rank,
+                _letter(quantity, name),
+                log,
+            )
             if not unit or to_si(unit, quantity.kind):
                 return found
             if of_unit and to_si(inner, quantity.kind):
-                return found._replace(unit=inner, log=of_unit if log in ("", of_unit) else log)
-            if not (log and unit == "-") and refused is None and (below or re.search(r"[\[(]", text)):
+                return found._replace(
+                    unit=inner, log=of_unit if log in ("", of_unit) else log
+                )
+            if (
+                not (log and unit == "-")
+                and refused is None
+                and (below or re.search(r"[\[(]", text))
+            ):
                 refused = found._replace(known=False)
     return refused
 
 
 def named(
-    name: str, columns: Mapping[str, Any] | None, table: Table, quantities: tuple[Quantity, ...]
+    name: str,
+    columns: Mapping[str, Any] | None,
+    table: Table,
+    quantities: tuple[Quantity, ...],
 ) -> tuple[dict[str, Column], dict[str, float]]:
-    """The columns, and the numbers for all rows [SI], that a user names for roles; those not in the table are left out.
+    """The columns, and the numbers for all rows [SI], that a user names for roles;
+    those not in the table are left out.
 
-    A column is named by its title or its number from 1, with "[unit]" behind it where the file's unit is missing or
-    wrong, in "log10(...)" or "ln(...)" where it holds logarithms: "storage": 3, "3 [MPa]", "log10(3) [Pa]". A number
-    with a unit holds for all rows: "frequency": "10 Hz".
+    A column is named by its title or its number from 1, with "[unit]" behind it where
+    the file's unit is missing or wrong, in "log10(...)" or "ln(...)" where it holds
+    logarithms: "storage": 3, "3 [MPa]", "log10(3) [Pa]". A number with a unit holds for
+    all rows: "frequency": "10 Hz".
     """
     roles = {quantity.role: quantity for quantity in reversed(quantities)}
     found, constants = {}, {}
     for role, wanted in (columns or {}).items():
         if role not in roles:
-            raise InputError(f"columns must name {', '.join(roles)}, got {role!r}.{closest(str(role), list(roles))}")
+            raise InputError(
+                f"columns must name {', '.join(roles)}, got "
+                f"{role!r}.{closest(str(role), list(roles))}"
+            )
         if isinstance(wanted, bool) or not isinstance(wanted, (int, str)):
-            raise InputError(f"columns must hold titles or numbers of columns, got {wanted!r} for {role}.")
+            raise InputError(
+                f"columns must hold titles or numbers of columns, got {wanted!r} "
+                f"for {role}."
+            )
         place, unit, log = _place(str(wanted).strip(), table.heads)
-        constant = re.fullmatch(r"([+-]?\d[\d.]*(?:[eE][+-]?\d+)?)\s*([^\d\s\[].*)", str(wanted).strip())
+        constant = re.fullmatch(
+            r"([+-]?\d[\d.]*(?:[eE][+-]?\d+)?)\s*([^\d\s\[].*)", str(wanted).strip()
+        )
         if place is None and constant and (si := to_si(constant[2], roles[role].kind)):
             constants[role] = float(constant[1]) * si[0] + si[1]
         if place is None:
             continue
         head = next(head for head in table.heads if head.place == place)
         title = understand(head, quantities)
-        column = title if title and (title.role == role or title.quantity.kind == roles[role].kind) else None
+        column = (
+            title
+            if title and (title.role == role or title.quantity.kind == roles[role].kind)
+            else None
+        )
         if column is None:
-            said = next((u for n, u in splits(clean(head.title)) if to_si(u, roles[role].kind)), "")
+            said = next(
+                (u for n, u in splits(clean(head.title)) if to_si(u, roles[role].kind)),
+                "",
+            )
             inside = re.search(r"[\[(]([^\[\]()]+)[\])]\s*$", head.title)
             said = head.below.strip("[]() ") or said or (inside[1] if inside else "")
-            column = Column(place, roles[role], head.title, said, 0, log=logarithm(head.title)[0])
-            column = column._replace(known=not said or to_si(said, roles[role].kind) is not None)
+            column = Column(
+                place, roles[role], head.title, said, 0, log=logarithm(head.title)[0]
+            )
+            column = column._replace(
+                known=not said or to_si(said, roles[role].kind) is not None
+            )
         elif "relaxation" in (role, column.role) and role != column.role and not unit:
             raise InputError(
-                f"{name}: column {place + 1} {head.title!r}, named for {role}, is a {column.role} modulus by its "
-                "title: moduli over frequency and relaxation over time are not the same."
+                f"{name}: column {place + 1} {head.title!r}, named for {role}, is a "
+                f"{column.role} modulus by its "
+                "title: moduli over frequency and relaxation over time are not the "
+                "same."
             )
-        column = column._replace(quantity=roles[role] if role != column.role else column.quantity)
+        column = column._replace(
+            quantity=roles[role] if role != column.role else column.quantity
+        )
         if unit and not to_si(unit, roles[role].kind):
             raise InputError(
-                f"columns: {unit!r} for {role} is no unit of {roles[role].kind}: {usual(roles[role].kind)}."
+                f"columns: {unit!r} for {role} is no unit of {roles[role].kind}: "
+                f"{usual(roles[role].kind)}."
             )
         column = column._replace(unit=unit, known=True, users=True) if unit else column
         found[role] = column._replace(log=log) if log else column
     return found, constants
 
 
-def choose(name: str, columns: Sequence[Column], table: Table, units: Mapping[str, str]) -> dict[str, Column]:
-    """One column for each role: the preferred title, of these the first with fewest holes.
+def choose(
+    name: str, columns: Sequence[Column], table: Table, units: Mapping[str, str]
+) -> dict[str, Column]:
+    """One column for each role: the preferred title, of these the first with fewest
+    holes.
 
     Raises `InputError` where two that are equally good differ.
     """
     chosen: dict[str, Column] = {}
-    holes = {column.place: int(np.isnan(table.column(column.place)).sum()) for column in columns}
+    holes = {
+        column.place: int(np.isnan(table.column(column.place)).sum())
+        for column in columns
+    }
 
     def order(column: Column) -> tuple[bool, bool, int, bool, int]:
         many = holes[column.place] > len(table.rows) / 10
@@ -175,14 +248,23 @@ def choose(name: str, columns: Sequence[Column], table: Table, units: Mapping[st
 
     for column in sorted(columns, key=order):
         first = chosen.setdefault(column.role, column)
-        if first is column or order(column)[:3] != order(first)[:3] or not column.quantity.valid:
+        if (
+            first is column
+            or order(column)[:3] != order(first)[:3]
+            or not column.quantity.valid
+        ):
             continue
         one, other = (_si(each, table, units) for each in (first, column))
-        if one is not None and other is not None and _differ(one, other, column.quantity.kind):
+        if (
+            one is not None
+            and other is not None
+            and _differ(one, other, column.quantity.kind)
+        ):
             raise InputError(
-                f"{name}: columns {first.place + 1} {first.title!r} and {column.place + 1} {column.title!r} both hold "
-                f"{column.role} and differ; name one, as columns={{{column.role!r}: N}} (--column {column.role}=N), N "
-                f"being {first.place + 1} or {column.place + 1}."
+                f"{name}: columns {first.place + 1} {first.title!r} and "
+                f"{column.place + 1} {column.title!r} both hold {column.role} and "
+                f"differ; name one, as columns={{{column.role!r}: N}} (--column "
+                f"{column.role}=N), N being {first.place + 1} or {column.place + 1}."
             )
     return {role: _by_the_clock(name, column, table) for role, column in chosen.items()}
 
@@ -198,17 +280,22 @@ def _by_the_clock(name: str, column: Column, table: Table) -> Column:
     times = times[np.isfinite(times)]
     if times.min() > _DAYTIME and times.min() > np.ptp(times):
         raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r} begins at {times[0] / 3600:.4g} h and lasts "
-            f"{np.ptp(times):.4g} s: a time of day? Times must count from the step of strain or stress: write "
+            f"{name}: column {column.place + 1} {column.title!r} begins at "
+            f"{times[0] / 3600:.4g} h and lasts {np.ptp(times):.4g} s: a time of day? "
+            "Times must count from the step of strain or stress: write "
             "seconds since then in its place."
         )
     return column._replace(unit="s", known=True)
 
 
-def with_sign(name: str, table: Table, chosen: Mapping[str, Column]) -> tuple[dict[str, Column], tuple[str, ...]]:
-    """The columns, those turned whose numbers are negative nearly everywhere, and what was turned in words.
+def with_sign(
+    name: str, table: Table, chosen: Mapping[str, Column]
+) -> tuple[dict[str, Column], tuple[str, ...]]:
+    """The columns, those turned whose numbers are negative nearly everywhere, and what
+    was turned in words.
 
-    A loss is positive; with exp(-i omega t) in place of exp(i omega t) all of it is negative.
+    A loss is positive; with exp(-i omega t) in place of exp(i omega t) all of it is
+    negative.
     """
     turned, said = dict(chosen), []
     for role, column in chosen.items():
@@ -220,7 +307,8 @@ def with_sign(name: str, table: Table, chosen: Mapping[str, Column]) -> tuple[di
         if numbers.size and negative >= _ONE_SIGN * numbers.size:
             turned[role] = column._replace(sign=-1.0)
             said.append(
-                f"{name}: {column.title} is negative in {negative} of {numbers.size} rows, as with exp(-i omega t): "
+                f"{name}: {column.title} is negative in {negative} of {numbers.size} "
+                "rows, as with exp(-i omega t): "
                 "its sign is turned."
             )
     return turned, tuple(said)
@@ -229,10 +317,11 @@ def with_sign(name: str, table: Table, chosen: Mapping[str, Column]) -> tuple[di
 def measured(
     name: str, table: Table, chosen: Mapping[str, Column], units: Mapping[str, str]
 ) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
-    """The numbers of the good rows by role [SI], which rows these are, and what is wrong with each of the others.
+    """The numbers of the good rows by role [SI], which rows these are, and what is
+    wrong with each of the others.
 
-    `units` are those that the user gives, by kind. Raises `InputError` for a unit that nobody gives, and for numbers
-    outside the limits of their quantity.
+    `units` are those that the user gives, by kind. Raises `InputError` for a unit that
+    nobody gives, and for numbers outside the limits of their quantity.
     """
     given = {role: unit_of(name, column, units) for role, column in chosen.items()}
     values = {role: column.of(table, given[role]) for role, column in chosen.items()}
@@ -241,14 +330,21 @@ def measured(
     if table.width:
         for i, row in enumerate(table.rows):
             few = len(row.cells) < table.width
-            if few or any(np.isfinite(number(cell)) for cell in row.cells[table.width :]):
-                good[i], wrong[i] = False, f"it has {len(row.cells)} cells in place of {table.width}"
+            if few or any(
+                np.isfinite(number(cell)) for cell in row.cells[table.width :]
+            ):
+                good[i], wrong[i] = (
+                    False,
+                    f"it has {len(row.cells)} cells in place of {table.width}",
+                )
     for role, column in chosen.items():
         x = values[role]
         if not column.quantity.valid:
             values[role] = np.where(x > 0, x, np.nan)
             continue
-        valid = {"positive": x > 0, "not negative": x >= 0}.get(column.quantity.valid, (x > 0) & (x < np.pi / 2))
+        valid = {"positive": x > 0, "not negative": x >= 0}.get(
+            column.quantity.valid, (x > 0) & (x < np.pi / 2)
+        )
         for i in np.flatnonzero(good & ~(np.isfinite(x) & valid)):
             cells = table.rows[i].cells
             said = cells[column.place] if column.place < len(cells) else ""
@@ -265,8 +361,19 @@ def measured(
         for role, column in chosen.items():
             if not column.quantity.valid and not np.isfinite(kept[role]).any():
                 continue
-            alike = [one for one in chosen.values() if one.quantity.kind == column.quantity.kind]
-            alike = [column, *(one for one in alike if one is not column and given[one.role] == given[role])]
+            alike = [
+                one
+                for one in chosen.values()
+                if one.quantity.kind == column.quantity.kind
+            ]
+            alike = [
+                column,
+                *(
+                    one
+                    for one in alike
+                    if one is not column and given[one.role] == given[role]
+                ),
+            ]
             _within(name, column, kept[role], given[role], alike)
     return kept, good, bad
 
@@ -279,12 +386,16 @@ def read_columns(
     units: Mapping[str, str],
     log: str = "",
 ) -> tuple[str, dict[str, Column], dict[str, np.ndarray], list[str], int]:
-    """The one table of a file by its columns: name of the file, columns and good numbers by role, bad rows, all rows.
+    """The one table of a file by its columns: name of the file, columns and good
+    numbers by role, bad rows, all rows.
 
     A logarithm without a base is `log`, where that is given.
     """
     if columns is not None and not isinstance(columns, Mapping):
-        raise InputError(f"columns must be a dict such as {{{required[0]!r}: 'Title 2'}}, got {columns!r}.")
+        raise InputError(
+            f"columns must be a dict such as {{{required[0]!r}: 'Title 2'}}, got "
+            f"{columns!r}."
+        )
     sheet = read_sheet(path)
     table = main_table(sheet)
     if table is None:
@@ -294,31 +405,51 @@ def read_columns(
     for role, wanted in (columns or {}).items():
         if role not in {*user, *constants}:
             raise InputError(
-                f"columns: {sheet.name!r} has no column {wanted!r} for {role}; it has {listed(table.heads)}."
+                f"columns: {sheet.name!r} has no column {wanted!r} for {role}; it "
+                f"has {listed(table.heads)}."
             )
     places = {column.place for column in user.values()}
     read = [column for head in table.heads if (column := understand(head, quantities))]
-    read = [one for one in read if one.role not in (*user, *constants) and one.place not in places]
+    read = [
+        one
+        for one in read
+        if one.role not in (*user, *constants) and one.place not in places
+    ]
     read = [one._replace(log=log) if one.log == "log" and log else one for one in read]
     chosen = choose(sheet.name, [*read, *user.values()], table, units)
     for role in required:
         if role not in {*chosen, *constants}:
-            known = [f"{one.place + 1} {one.title!r} as {one.role}" for one in chosen.values()]
-            raise InputError(missing(sheet.name, known, f"there is no column of {role}", [table]))
+            known = [
+                f"{one.place + 1} {one.title!r} as {one.role}"
+                for one in chosen.values()
+            ]
+            raise InputError(
+                missing(sheet.name, known, f"there is no column of {role}", [table])
+            )
     values, good, bad = measured(sheet.name, table, chosen, units)
-    values |= {role: np.full(int(good.sum()), number) for role, number in constants.items()}
+    values |= {
+        role: np.full(int(good.sum()), number) for role, number in constants.items()
+    }
     return sheet.name, chosen, values, bad, good.size
 
 
 def refuse_contradiction(
-    name: str, table: Table, chosen: Mapping[str, Column], columns: Sequence[Column], units: Mapping[str, str]
+    name: str,
+    table: Table,
+    chosen: Mapping[str, Column],
+    columns: Sequence[Column],
+    units: Mapping[str, str],
 ) -> None:
-    """Raises `InputError` where a column of tan delta is not the loss over the storage modulus beside it."""
+    """Raises `InputError` where a column of tan delta is not the loss over the storage
+    modulus beside it.
+    """
     tangent = next((one for one in columns if one.role == "tangent"), None)
     if tangent is None or not {"storage", "loss"} <= chosen.keys():
         return
     loss, storage = chosen["loss"], chosen["storage"]
-    viscous, elastic, ratio = (_si(one, table, units) for one in (loss, storage, tangent))
+    viscous, elastic, ratio = (
+        _si(one, table, units) for one in (loss, storage, tangent)
+    )
     if viscous is None or elastic is None or ratio is None:
         return
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -329,11 +460,15 @@ def refuse_contradiction(
     if in_percent or abs(np.log(factor)) < _CONTRADICTS:
         return
     numbers = [(one.role, one.place + 1) for one in (loss, tangent)]
-    ways = [f"columns={{{role!r}: {place}}} (--column {role}={place})" for role, place in numbers]
+    ways = [
+        f"columns={{{role!r}: {place}}} (--column {role}={place})"
+        for role, place in numbers
+    ]
     raise InputError(
-        f"{name}: column {tangent.place + 1} {tangent.title!r} is {factor:.3g} times the ratio of columns "
-        f"{loss.place + 1} {loss.title!r} and {storage.place + 1} {storage.title!r} (median of the rows): name the "
-        f"one that is right, as {ways[0]} or {ways[1]}."
+        f"{name}: column {tangent.place + 1} {tangent.title!r} is {factor:.3g} times "
+        f"the ratio of columns {loss.place + 1} {loss.title!r} and "
+        f"{storage.place + 1} {storage.title!r} (median of the rows): name the one "
+        f"that is right, as {ways[0]} or {ways[1]}."
     )
 
 
@@ -342,50 +477,71 @@ def refuse_wide(name: str, tables: Sequence[Table]) -> None:
     widest = max((len(table.heads) for table in tables), default=0)
     if widest > MOST_COLUMNS:
         raise InputError(
-            f"{name}: a table must have {MOST_COLUMNS:,} columns at most, got {widest:,}: leave out what is not "
+            f"{name}: a table must have {MOST_COLUMNS:,} columns at most, got "
+            f"{widest:,}: leave out what is not "
             "needed, or exchange rows and columns."
         )
 
 
 def unit_of(name: str, column: Column, units: Mapping[str, str]) -> str:
-    """The unit of a column: its own, or else the user's. Raises `InputError` where there is none."""
+    """The unit of a column: its own, or else the user's. Raises `InputError` where
+    there is none.
+    """
     quantity = column.quantity
     ways = (
-        f"columns={{{column.role!r}: '{column.place + 1} [UNIT]'}} (--column '{column.role}={column.place + 1} [UNIT]')"
+        f"columns={{{column.role!r}: '{column.place + 1} [UNIT]'}} (--column "
+        f"'{column.role}={column.place + 1} [UNIT]')"
     )
     if column.log == "log":
         raise InputError(
-            f"{name}: {column.title!r} is a logarithm without a base; name it, as columns={{{column.role!r}: "
-            f"'log10({column.place + 1}) [UNIT]'}} (--column '{column.role}=log10({column.place + 1}) [UNIT]'), or "
+            f"{name}: {column.title!r} is a logarithm without a base; name it, as "
+            f"columns={{{column.role!r}: 'log10({column.place + 1}) [UNIT]'}} "
+            f"(--column '{column.role}=log10({column.place + 1}) [UNIT]'), or "
             "with ln in place of log10."
         )
     if not column.known:
-        other = is_unit(column.unit) and "frequency" not in quantity.kind  # such as 1/MPa of a compliance
+        # such as 1/MPa of a compliance
+        other = is_unit(column.unit) and "frequency" not in quantity.kind
         raise InputError(
-            f"{name}: the unit of column {column.place + 1} {column.title!r} is {column.unit!r}, which is none of "
-            f"{quantity.kind} ({usual(quantity.kind)} ...), as {column.role} needs"
+            f"{name}: the unit of column {column.place + 1} {column.title!r} is "
+            f"{column.unit!r}, which is none of {quantity.kind} "
+            f"({usual(quantity.kind)} ...), as {column.role} needs"
             + ("." if other else f"; if it is meant as one, give it as {ways}.")
         )
     kind = "frequency" if quantity.kind == "angular frequency" else quantity.kind
     unit = column.unit or units.get(kind) or ("-" if kind == "ratio" else "")
     if not unit:
-        option = f"{quantity.option} (--{quantity.option.replace('_', '-')}) or " if quantity.option else ""
+        option = (
+            f"{quantity.option} (--{quantity.option.replace('_', '-')}) or "
+            if quantity.option
+            else ""
+        )
         raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r} has no unit; give it, as {option}{ways}, one of "
-            f"{usual(kind)} ..."
+            f"{name}: column {column.place + 1} {column.title!r} has no unit; give "
+            f"it, as {option}{ways}, one of {usual(kind)} ..."
         )
     return unit
 
 
 def taken(table: Table, chosen: Mapping[str, Column], units: Mapping[str, str]) -> str:
-    """In words, which columns are read as what, in which unit, and which are passed over."""
+    """In words, which columns are read as what, in which unit, and which are passed
+    over.
+    """
     text = ", ".join(
         f"{role} from {column.place + 1} {column.title!r}"
-        + (f" in {unit}" if (unit := units.get(role, "")) and unit not in column.title else "")
+        + (
+            f" in {unit}"
+            if (unit := units.get(role, "")) and unit not in column.title
+            else ""
+        )
         for role, column in chosen.items()
     )
     places = {column.place for column in chosen.values()}
-    rest = [f"{head.place + 1} {head.title!r}" for head in table.heads if head.title and head.place not in places]
+    rest = [
+        f"{head.place + 1} {head.title!r}"
+        for head in table.heads
+        if head.title and head.place not in places
+    ]
     more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""
     return text + f"; passed over: {', '.join(rest[:_NAMED])}{more}" * bool(rest)
 
@@ -394,40 +550,67 @@ def left_out(name: str, bad: Sequence[str], where: str) -> tuple[str, ...]:
     """A warning on rows that are no measurement; `where` all of them are named."""
     if not bad:
         return ()
-    more = f" and {len(bad) - _NAMED} more, all of them in {where}" * (len(bad) > _NAMED)
-    return (f"{name}: {len(bad)} row{'s' * (len(bad) > 1)} left out: {'; '.join(bad[:_NAMED])}{more}.",)
+    more = f" and {len(bad) - _NAMED} more, all of them in {where}" * (
+        len(bad) > _NAMED
+    )
+    return (
+        (
+            f"{name}: {len(bad)} row{'s' * (len(bad) > 1)} left out: "
+            f"{'; '.join(bad[:_NAMED])}{more}."
+        ),
+    )
 
 
-def _within(name: str, column: Column, values: np.ndarray, unit: str, alike: Sequence[Column]) -> None:
-    """Raises `InputError` for numbers outside the limits of their quantity; `alike` are the columns in this unit."""
+def _within(
+    name: str, column: Column, values: np.ndarray, unit: str, alike: Sequence[Column]
+) -> None:
+    """Raises `InputError` for numbers outside the limits of their quantity; `alike` are
+    the columns in this unit.
+    """
     if column.quantity.limits is None or column.users:
         return
-    if column.role == "tangent" and column.unit:  # that of a melt may be any: a unit that is written is believed
+    # that of a melt may be any: a unit that is written is believed
+    if column.role == "tangent" and column.unit:
         return
     low, high = column.quantity.limits
     values = values[np.isfinite(values)]
-    least = float(values.min()) if column.quantity.kind == "temperature" else float(values.max())
+    least = (
+        float(values.min())
+        if column.quantity.kind == "temperature"
+        else float(values.max())
+    )
     if values.max() > high and column.quantity.kind == "ratio":
-        ways = [f"columns={{{column.role!r}: '{column.place + 1} [{unit}]'}}" for unit in "%-"]
-        shell = [f"(--column '{column.role}={column.place + 1} [{unit}]')" for unit in "%-"]
+        ways = [
+            f"columns={{{column.role!r}: '{column.place + 1} [{unit}]'}}"
+            for unit in "%-"
+        ]
+        shell = [
+            f"(--column '{column.role}={column.place + 1} [{unit}]')" for unit in "%-"
+        ]
         raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r} has no unit and goes from {values.min():.4g} to "
-            f"{values.max():.4g}: give it, as {ways[0]} {shell[0]} if it is in per cent, as {ways[1]} {shell[1]} "
+            f"{name}: column {column.place + 1} {column.title!r} has no unit and goes "
+            f"from {values.min():.4g} to {values.max():.4g}: give it, as {ways[0]} "
+            f"{shell[0]} if it is in per cent, as {ways[1]} {shell[1]} "
             "if it is not."
         )
     if least < low or values.max() > high:
         si = KINDS[column.quantity.kind][0]
         python = ", ".join(f"{one.role!r}: '{one.place + 1} [UNIT]'" for one in alike)
-        shell = " ".join(f"--column '{one.role}={one.place + 1} [UNIT]'" for one in alike)
+        shell = " ".join(
+            f"--column '{one.role}={one.place + 1} [UNIT]'" for one in alike
+        )
         raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r}, read in {unit}, goes from {values.min():.4g} to "
-            f"{values.max():.4g} {si}, which is not between {low:g} and {high:g}; give the right unit, as "
+            f"{name}: column {column.place + 1} {column.title!r}, read in {unit}, "
+            f"goes from {values.min():.4g} to {values.max():.4g} {si}, which is not "
+            f"between {low:g} and {high:g}; give the right unit, as "
             f"columns={{{python}}} ({shell}), even if it is {unit}."
         )
 
 
 def _place(wanted: str, heads: Sequence[Head]) -> tuple[int | None, str, str]:
-    """Where a column stands that a user names, with the unit and the logarithm that the user adds."""
+    """Where a column stands that a user names, with the unit and the logarithm that the
+    user adds.
+    """
     for head in heads:
         if head.title.strip() == wanted and wanted:
             return head.place, "", ""
@@ -436,37 +619,58 @@ def _place(wanted: str, heads: Sequence[Head]) -> tuple[int | None, str, str]:
         wanted, unit = match[1], match[2]
     if match := re.fullmatch(r"(log10|ln)\((.+)\)", wanted):
         log, wanted = match[1], match[2].strip()
-    by_title = next((head.place for head in heads if head.title.strip() == wanted), None)
+    by_title = next(
+        (head.place for head in heads if head.title.strip() == wanted), None
+    )
     if by_title is None and re.fullmatch(r"\d+", wanted):
-        by_title = next((head.place for head in heads if head.place == int(wanted) - 1), None)
+        by_title = next(
+            (head.place for head in heads if head.place == int(wanted) - 1), None
+        )
     return by_title, unit, log
 
 
 def _si(column: Column, table: Table, units: Mapping[str, str]) -> np.ndarray | None:
     """The numbers of a column in SI, None where its unit is not known."""
-    kind = "frequency" if column.quantity.kind == "angular frequency" else column.quantity.kind
+    kind = (
+        "frequency"
+        if column.quantity.kind == "angular frequency"
+        else column.quantity.kind
+    )
     unit = column.unit or units.get(kind) or ("-" if kind == "ratio" else "")
-    return column.of(table, unit) if unit and column.known and column.log != "log" else None
+    return (
+        column.of(table, unit)
+        if unit and column.known and column.log != "log"
+        else None
+    )
 
 
 def _differ(one: np.ndarray, other: np.ndarray, kind: str) -> bool:
-    """Whether two columns contradict each other: by 3 K, by 2 % in frequency or time, by 5 % else, in the median."""
+    """Whether two columns contradict each other: by 3 K, by 2 % in frequency or time,
+    by 5 % else, in the median.
+    """
     known = np.isfinite(one) & np.isfinite(other) & (one > 0) & (other > 0)
     if not known.any():
         return False
     if kind == "temperature":
         return bool(np.median(np.abs(one - other)[known]) > 3)
     apart = np.median(np.abs(np.log(one[known] / other[known])))
-    return bool(apart > (0.02 if kind in ("frequency", "angular frequency", "time") else 0.05))
+    return bool(
+        apart > (0.02 if kind in ("frequency", "angular frequency", "time") else 0.05)
+    )
 
 
 def _rank(quantity: Quantity, name: str) -> int | None:
-    """The rank of a name, also of one that is said twice, in words and as a symbol: "Storage modulus (E')"."""
+    """The rank of a name, also of one that is said twice, in words and as a symbol:
+    "Storage modulus (E')".
+    """
     found = quantity.rank(name)
     if found is not None or len(name) > 80:
         return found
     for gap in re.finditer(r"[\s(,:-]+", name):
-        ranks = [quantity.rank(part) for part in (name[: gap.start()].strip(), name[gap.end() :].strip(" )"))]
+        ranks = [
+            quantity.rank(part)
+            for part in (name[: gap.start()].strip(), name[gap.end() :].strip(" )"))
+        ]
         if None not in ranks:
             return min(rank for rank in ranks if rank is not None)
     return None
@@ -486,21 +690,31 @@ def _letter(quantity: Quantity, name: str) -> str:
         return "E"
     behind = r"[_'*12(]|pp?\b|[ ]?(?:abs|stor|loss|relax|(?:d|double[_ -]?)?prime)|-(?:stor|loss)|\*?\)"
     match = re.search(rf"(?<![a-z])([ge])(?={behind})", name, re.IGNORECASE)
-    match = match or re.match(r"\|?([GE])(?=[tT]?\b)", name) or re.search(r"modulus ([GE])$", name, re.IGNORECASE)
+    match = (
+        match
+        or re.match(r"\|?([GE])(?=[tT]?\b)", name)
+        or re.search(r"modulus ([GE])$", name, re.IGNORECASE)
+    )
     return match[1].upper() if match else ""
 
 
-def missing(name: str, found: Sequence[str], needed: str, tables: Sequence[Table]) -> str:
+def missing(
+    name: str, found: Sequence[str], needed: str, tables: Sequence[Table]
+) -> str:
     """What is missing in a file, in words, and how to name it."""
     table = max(tables, key=lambda one: len(one.rows), default=None)
     if table is None:
         return f"{name}: there is no row of numbers in the file."
     if table.width and not any(head.title for head in table.heads):
         needed += (
-            f" (no line above the numbers can be cut at blanks into {table.width} titles: separate them by commas)"
+            f" (no line above the numbers can be cut at blanks into {table.width} "
+            "titles: separate them by commas)"
         )
     return (
-        f"{name}: {needed}; recognised {'is ' + ', '.join(found) if found else 'is none'} of the columns "
-        f"{listed(table.heads)}. Name the others by title or number, as columns={{'ROLE': N}} (--column ROLE=N), with "
-        "'N [UNIT]' where the title has no unit; a number for all rows is given as '10 Hz'."
+        f"{name}: {needed}; recognised "
+        f"{'is ' + ', '.join(found) if found else 'is none'} of the columns "
+        f"{listed(table.heads)}. Name the others by title or number, as "
+        f"columns={{'ROLE': N}} (--column ROLE=N), with "
+        "'N [UNIT]' where the title has no unit; a number for all rows is given as "
+        "'10 Hz'."
     )

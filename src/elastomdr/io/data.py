@@ -1,4 +1,6 @@
-"""Measured dynamic moduli and relaxation, in SI units, and what is known of where they come from."""
+"""Measured dynamic moduli and relaxation, in SI units, and what is known of where they
+come from.
+"""
 
 from __future__ import annotations
 
@@ -21,42 +23,57 @@ COLDEST = 100.0  # temperature below which a number is one of degrees [K]
 SAME_STRAIN = float(np.log(1.15))  # of ln(strain amplitude), within which two are one
 _SAME_RATE = 0.01  # of ln(omega), likewise,
 _SAME_PLACE = 2.0  # and of temperature [K]: a sweep of strain warms its sample
-_SWEEP = 4  # different strains at one temperature and frequency that make a sweep of them
+# different strains at one temperature and frequency that make a sweep of them
+_SWEEP = 4
 _OF_OMEGA = ("temperature", "omega", "storage", "loss", "strain")
 _NONE = np.zeros(0)
-_NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
+# frequencies that are not met twice, relative to all, below which they are those of
+# several sweeps
+_NEW = 0.75
 
 
 class FitWarning(UserWarning):
-    """Issued where measured data were read or used in a way that their owner should know of."""
+    """Issued where measured data were read or used in a way that their owner should
+    know of.
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class Dma:
-    """Dynamic mechanical analysis: storage and loss modulus against angular frequency, relaxation against time.
+    """Dynamic mechanical analysis: storage and loss modulus against angular frequency,
+    relaxation against time.
 
-    Either part may be empty. `warnings` says what was assumed or left out when the data were read, `bad_rows` names
-    each row left out, `units` what each column was in before it was converted to SI.
+    Either part may be empty. `warnings` says what was assumed or left out when the data
+    were read, `bad_rows` names each row left out, `units` what each column was in
+    before it was converted to SI.
     """
 
-    temperature: Float[np.ndarray, " n"]  # T of each point; NaN where it is not known [K]
+    # T of each point; NaN where it is not known [K]
+    temperature: Float[np.ndarray, " n"]
     omega: Float[np.ndarray, " n"]  # angular frequency omega [rad/s]
     storage: Float[np.ndarray, " n"]  # storage modulus [Pa]
     loss: Float[np.ndarray, " n"]  # loss modulus [Pa]
     kind: Kind  # what the moduli are
-    time: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)  # t after a strain step [s]
-    relaxation: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)  # relaxation modulus [Pa]
-    time_temperature: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)  # T of those points [K]
+    # t after a strain step [s]
+    time: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)
+    # relaxation modulus [Pa]
+    relaxation: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)
+    # T of those points [K]
+    time_temperature: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)
     units: dict[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     bad_rows: tuple[str, ...] = ()
-    shifted: bool = False  # whether the frequencies are reduced ones: a master curve somebody else made
+    # whether the frequencies are reduced ones: a master curve somebody else made
+    shifted: bool = False
     source: str = ""
     copies: int = 0  # points that were left out because they repeat others
     columns: tuple[str, ...] = ()  # which columns of the file were taken as what
-    response: Response = "relaxation"  # "creep": `relaxation` is 1/J(t); "storage": G'(omega) alone, at t = 1/omega
-    ramp: float = 0.0  # duration of the ramp of strain, from whose start `time` counts [s]; 0: a step
-    strain: Float[np.ndarray, " n"] = field(default_factory=lambda: _NONE)  # its amplitude [-]; NaN: not known
+    # "creep": `relaxation` is 1/J(t); "storage": G'(omega) alone, at t = 1/omega
+    response: Response = "relaxation"
+    # duration of the ramp of strain, from whose start `time` counts [s]; 0: a step
+    ramp: float = 0.0
+    # its amplitude [-]; NaN: not known
+    strain: Float[np.ndarray, " n"] = field(default_factory=lambda: _NONE)
 
     def __post_init__(self) -> None:
         _kind(self.kind)
@@ -78,19 +95,31 @@ class Dma:
         return f"Dma({self.summary()})"
 
     def summary(self) -> str:
-        """How many points of what, over which frequencies, times and temperatures, in one line."""
+        """How many points of what, over which frequencies, times and temperatures, in
+        one line.
+        """
         parts = []
         if self.omega.size:
             low, high = self.omega.min(), self.omega.max()
-            parts.append(f"{self.omega.size} points of storage and loss modulus, {low:.3g} to {high:.3g} rad/s")
+            parts.append(
+                f"{self.omega.size} points of storage and loss modulus, {low:.3g} "
+                f"to {high:.3g} rad/s"
+            )
         if self.time.size:
             low, high, unit = self.time.min(), self.time.max(), "s"
             if self.response == "storage":
                 low, high, unit = 1 / high, 1 / low, "rad/s"
-            parts.append(f"{self.time.size} points of {self.described}, {low:.3g} to {high:.3g} {unit}")
+            parts.append(
+                f"{self.time.size} points of {self.described}, {low:.3g} to "
+                f"{high:.3g} {unit}"
+            )
         temperature = np.concatenate([self.temperature, self.time_temperature])
         known = temperature[np.isfinite(temperature)] - 273.15
-        parts.append(f"{known.min():.1f} to {known.max():.1f} degC" if known.size else "temperature not known")
+        parts.append(
+            f"{known.min():.1f} to {known.max():.1f} degC"
+            if known.size
+            else "temperature not known"
+        )
         if words := strains(self.strain):
             parts.append(f"strain amplitude {words}")
         return f"{self.kind}, " + ", ".join(parts)
@@ -103,12 +132,23 @@ class Dma:
         return f"{words} after a ramp of {self.ramp:g} s" if self.ramp else words
 
     def where(self, points: Bool[np.ndarray, " n"]) -> "Dma":
-        """The same measurement with some of its points in frequency only; those in time stay."""
-        return replace(self, **{name: getattr(self, name)[points] for name in _OF_OMEGA})
+        """The same measurement with some of its points in frequency only; those in time
+        stay.
+        """
+        return replace(
+            self, **{name: getattr(self, name)[points] for name in _OF_OMEGA}
+        )
 
     def strain_sweeps(self) -> "Dma":
-        """The points of its amplitude sweeps: only the strain varies there. Empty where there are none."""
-        return replace(self.where(in_strain_sweep(self)), time=_NONE, relaxation=_NONE, time_temperature=_NONE)
+        """The points of its amplitude sweeps: only the strain varies there. Empty where
+        there are none.
+        """
+        return replace(
+            self.where(in_strain_sweep(self)),
+            time=_NONE,
+            relaxation=_NONE,
+            time_temperature=_NONE,
+        )
 
     def at_strain(self, strain: float) -> "Dma":
         """The frequency sweeps at one strain amplitude [-], within 15 % of it.
@@ -117,10 +157,16 @@ class Dma:
         """
         strain = float(scalar("strain", strain))
         positive("strain", strain)
-        near = np.abs(np.log(np.where(self.strain > 0, self.strain, np.nan) / strain)) < SAME_STRAIN
+        near = (
+            np.abs(np.log(np.where(self.strain > 0, self.strain, np.nan) / strain))
+            < SAME_STRAIN
+        )
         if not near.any():
             said = strains(self.strain) or "not known"
-            raise InputError(f"strain must be one of those measured ({said}), got {100 * strain:.3g} %.")
+            raise InputError(
+                f"strain must be one of those measured ({said}), got "
+                f"{100 * strain:.3g} %."
+            )
         return self.where(near)
 
     def at(self, temperature: float) -> "Dma":
@@ -142,44 +188,81 @@ def dma(
     kind: Kind,
     source: str = "arrays",
 ) -> Dma:
-    """Dynamic moduli from arrays in SI units: omega [rad/s], storage and loss [Pa], temperature [K], one per point.
+    """Dynamic moduli from arrays in SI units: omega [rad/s], storage and loss [Pa],
+    temperature [K], one per point.
 
-    `temperature` may be one number for all points. `kind` is "shear" or "tensile". Raises `InputError` for arrays that
-    do not match, and for values that are not positive and finite.
+    `temperature` may be one number for all points. `kind` is "shear" or "tensile".
+    Raises `InputError` for arrays that do not match, and for values that are not
+    positive and finite.
     """
-    omega, g1, g2 = (_positive(n, v) for n, v in (("omega", omega), ("storage", storage), ("loss", loss)))
+    omega, g1, g2 = (
+        _positive(n, v)
+        for n, v in (("omega", omega), ("storage", storage), ("loss", loss))
+    )
     _same("storage", g1, "omega", omega)
     _same("loss", g2, "omega", omega)
-    return Dma(_temperatures(temperature, omega), omega, g1, g2, _kind(kind), source=source)
+    return Dma(
+        _temperatures(temperature, omega), omega, g1, g2, _kind(kind), source=source
+    )
 
 
 @in_si
 def relaxation(
-    time: ArrayLike, modulus: ArrayLike, temperature: ArrayLike, *, kind: Kind, source: str = "arrays"
+    time: ArrayLike,
+    modulus: ArrayLike,
+    temperature: ArrayLike,
+    *,
+    kind: Kind,
+    source: str = "arrays",
 ) -> Dma:
-    """Relaxation moduli from arrays in SI units: time [s], modulus [Pa], temperature [K]; otherwise as `dma`."""
+    """Relaxation moduli from arrays in SI units: time [s], modulus [Pa], temperature
+    [K]; otherwise as `dma`.
+    """
     t, g = _positive("time", time), _positive("modulus", modulus)
     _same("modulus", g, "time", t)
     at = _temperatures(temperature, t)
-    return Dma(_NONE, _NONE, _NONE, _NONE, _kind(kind), time=t, relaxation=g, time_temperature=at, source=source)
+    return Dma(
+        _NONE,
+        _NONE,
+        _NONE,
+        _NONE,
+        _kind(kind),
+        time=t,
+        relaxation=g,
+        time_temperature=at,
+        source=source,
+    )
 
 
 def join(*parts: Dma) -> Dma:
-    """Several measurements of one material as one: runs, files, frequency and time domain together.
+    """Several measurements of one material as one: runs, files, frequency and time
+    domain together.
 
-    Raises `InputError` where shear and tensile moduli meet, or raw data and a master curve.
+    Raises `InputError` where shear and tensile moduli meet, or raw data and a master
+    curve.
     """
     if not parts or not all(isinstance(part, Dma) for part in parts):
-        raise InputError(f"parts must be Dma, as read_dma returns them, got {parts!r:.80}.")
+        raise InputError(
+            f"parts must be Dma, as read_dma returns them, got {parts!r:.80}."
+        )
     if len({part.kind for part in parts}) > 1:
-        raise InputError("parts must be of one kind, got both shear and tensile moduli: convert one of them first.")
+        raise InputError(
+            "parts must be of one kind, got both shear and tensile moduli: convert "
+            "one of them first."
+        )
     if len({part.shifted for part in parts}) > 1:
-        raise InputError("parts must be all raw or all shifted, got isotherms and a master curve.")
+        raise InputError(
+            "parts must be all raw or all shifted, got isotherms and a master curve."
+        )
 
     timed = [part for part in parts if part.time.size] or [parts[0]]
     if len({(part.response, part.ramp) for part in timed}) > 1:
         words = " and ".join(dict.fromkeys(part.described for part in timed))
-        raise InputError(f"parts must be of one response over time, got {words}: fit them one by one.")
+        raise InputError(
+            f"parts must be of one response over time, got {words}: fit them one "
+            "by "
+            "one."
+        )
 
     def chain(name: str) -> np.ndarray:
         return np.concatenate([getattr(part, name) for part in parts])
@@ -193,7 +276,9 @@ def join(*parts: Dma) -> Dma:
         response=timed[0].response,
         ramp=timed[0].ramp,
         units={
-            key: ", ".join(_each((part.units[key],) for part in parts if key in part.units))
+            key: ", ".join(
+                _each((part.units[key],) for part in parts if key in part.units)
+            )
             for key in dict.fromkeys(key for part in parts for key in part.units)
         },
         warnings=_each(part.warnings for part in parts),
@@ -205,12 +290,18 @@ def join(*parts: Dma) -> Dma:
 
 def _bad_rows(part: Dma, several: bool) -> tuple[str, ...]:
     """The rows left out, with their file where there are several."""
-    return tuple(f"{part.source}: {text}" if several and text.startswith("line ") else text for text in part.bad_rows)
+    return tuple(
+        f"{part.source}: {text}" if several and text.startswith("line ") else text
+        for text in part.bad_rows
+    )
 
 
 def _columns(part: Dma, differ: bool) -> tuple[str, ...]:
     """What was taken as what, with its file where several differ."""
-    return tuple(f"{part.source}: {text}" if differ and "," not in part.source else text for text in part.columns)
+    return tuple(
+        f"{part.source}: {text}" if differ and "," not in part.source else text
+        for text in part.columns
+    )
 
 
 def _each(lists: Any) -> tuple[str, ...]:
@@ -226,16 +317,23 @@ def _kind(kind: Any) -> Kind:
 def _positive(name: str, values: Any) -> np.ndarray:
     array = np.atleast_1d(as_float64(name, values))
     if array.ndim != 1 or array.size == 0:
-        raise InputError(f"{name} must be a list of numbers, got an array of shape {array.shape}.")
+        raise InputError(
+            f"{name} must be a list of numbers, got an array of shape {array.shape}."
+        )
     if not (np.isfinite(array) & (array > 0)).all():
         i = int(np.argmin(np.isfinite(array) & (array > 0)))
-        raise InputError(f"{name} must be positive and finite, got {array[i]:g} (entry {i}).")
+        raise InputError(
+            f"{name} must be positive and finite, got {array[i]:g} (entry {i})."
+        )
     return array
 
 
 def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None:
     if values.shape != others.shape:
-        raise InputError(f"{name} must have as many entries as {other}, {others.size}, got {values.size}.")
+        raise InputError(
+            f"{name} must have as many entries as {other}, {others.size}, got "
+            f"{values.size}."
+        )
 
 
 def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
@@ -248,20 +346,33 @@ def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
 
 
 def without_copies(dma: Dma) -> Dma:
-    """The same data, each point once: a point that agrees in all its numbers with another one is no measurement."""
-    dynamic = np.stack([*(getattr(dma, name) for name in _OF_OMEGA[:4]), np.nan_to_num(dma.strain)], axis=1)
+    """The same data, each point once: a point that agrees in all its numbers with
+    another one is no measurement.
+    """
+    dynamic = np.stack(
+        [*(getattr(dma, name) for name in _OF_OMEGA[:4]), np.nan_to_num(dma.strain)],
+        axis=1,
+    )
     timed = np.stack([dma.time_temperature, dma.time, dma.relaxation], axis=1)
-    kept, of_time = (np.sort(np.unique(rows, axis=0, return_index=True)[1]) for rows in (dynamic, timed))
+    kept, of_time = (
+        np.sort(np.unique(rows, axis=0, return_index=True)[1])
+        for rows in (dynamic, timed)
+    )
     copies = dma.size - kept.size - of_time.size
     if not copies:
         return dma
     parts = {name: getattr(dma, name)[kept] for name in _OF_OMEGA}
-    parts |= {name: getattr(dma, name)[of_time] for name in ("time", "relaxation", "time_temperature")}
+    parts |= {
+        name: getattr(dma, name)[of_time]
+        for name in ("time", "relaxation", "time_temperature")
+    }
     return replace(dma, **parts, copies=dma.copies + copies)
 
 
 def strains(strain: np.ndarray) -> str:
-    """The strain amplitudes of a measurement in words, such as "0.1 %" or "0.1 to 5 %"; "" where none is known."""
+    """The strain amplitudes of a measurement in words, such as "0.1 %" or "0.1 to 5 %";
+    "" where none is known.
+    """
     known = 100 * strain[np.isfinite(strain)]
     if not known.size:
         return ""
@@ -271,8 +382,8 @@ def strains(strain: np.ndarray) -> str:
 
 
 def in_strain_sweep(dma: Dma) -> np.ndarray:
-    """Which points are those of a sweep of strain: several strains at their temperature and frequency, and at their
-    temperature and strain no other frequency.
+    """Which points are those of a sweep of strain: several strains at their temperature
+    and frequency, and at their temperature and strain no other frequency.
     """
     found = np.zeros(dma.omega.size, bool)
     known = np.flatnonzero(dma.strain > 0)
@@ -281,18 +392,26 @@ def in_strain_sweep(dma: Dma) -> np.ndarray:
     for i in known:
         here = known[np.abs(kelvin[known] - kelvin[i]) < _SAME_PLACE]
         sweep = here[np.abs(rate[here] - rate[i]) < _SAME_RATE]
-        if sweep.size < _SWEEP or 1 + (np.diff(np.sort(level[sweep])) > 1e-3).sum() < _SWEEP:
+        if (
+            sweep.size < _SWEEP
+            or 1 + (np.diff(np.sort(level[sweep])) > 1e-3).sum() < _SWEEP
+        ):
             continue
-        alone = np.abs(rate[here[np.abs(level[here] - level[i]) < SAME_STRAIN]] - rate[i]) < _SAME_RATE
+        alone = (
+            np.abs(rate[here[np.abs(level[here] - level[i]) < SAME_STRAIN]] - rate[i])
+            < _SAME_RATE
+        )
         found[i] = np.ptp(level[sweep]) > 2 * SAME_STRAIN and alone.all()
     return found
 
 
 def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
-    """What makes one sample of a measurement at several strains, and in words what was left out.
+    """What makes one sample of a measurement at several strains, and in words what was
+    left out.
 
-    Sweeps of strain are left out, and, where a temperature and frequency were measured at several strains, all but the
-    smallest of them. Strains that follow the temperature, as those of a rheometer that holds its torque, stay.
+    Sweeps of strain are left out, and, where a temperature and frequency were measured
+    at several strains, all but the smallest of them. Strains that follow the
+    temperature, as those of a rheometer that holds its torque, stay.
     """
     swept = in_strain_sweep(dma)
     said: list[str] = []
@@ -300,7 +419,8 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
         return dma, ()
     if swept.any():
         said.append(
-            f"A sweep of strain, {int(swept.sum())} points from {strains(dma.strain[swept])}, is left out: "
+            f"A sweep of strain, {int(swept.sum())} points from "
+            f"{strains(dma.strain[swept])}, is left out: "
             "em.fit.softening reads it."
         )
     rest = dma.where(~swept) if said else dma
@@ -308,26 +428,38 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
     if len(levels) > 1:
         others = [strains(rest.strain[at]) for at in levels[1:]]
         said.append(
-            f"Sweeps at several strain amplitudes are not one sample: that at {strains(rest.strain[levels[0]])} is "
-            f"used, that at {' and '.join(others)} left out (dma.at_strain(...), --strain, chooses another)."
+            "Sweeps at several strain amplitudes are not one sample: that at "
+            f"{strains(rest.strain[levels[0]])} is used, that at "
+            f"{' and '.join(others)} left out (dma.at_strain(...), --strain, chooses "
+            "another)."
         )
         rest = rest.where(levels[0])
     return rest, tuple(said)
 
 
 def _levels(dma: Dma) -> list[np.ndarray]:
-    """The points of each strain amplitude, the smallest with a range of frequencies first; [] where no temperature and
-    frequency were measured at two of them.
+    """The points of each strain amplitude, the smallest with a range of frequencies
+    first; [] where no temperature and frequency were measured at two of them.
     """
     known = np.flatnonzero(dma.strain > 0)
     order = known[np.argsort(dma.strain[known], kind="stable")]
     steps = np.diff(np.log(dma.strain[order])) > SAME_STRAIN
     groups = np.split(order, np.flatnonzero(steps) + 1)
     kelvin = np.round(np.nan_to_num(dma.temperature) / _SAME_PLACE)
-    places = [set(zip(kelvin[at], np.round(np.log(dma.omega[at]) / (2 * _SAME_RATE)), strict=True)) for at in groups]
+    places = [
+        set(
+            zip(
+                kelvin[at],
+                np.round(np.log(dma.omega[at]) / (2 * _SAME_RATE)),
+                strict=True,
+            )
+        )
+        for at in groups
+    ]
     if sum(len(one) for one in places) < len(set().union(*places)) + 2:
         return []
-    groups.sort(key=lambda at: not _is_sweep(dma.omega[at]))  # a stable sort: ascending strains
+    # a stable sort: ascending strains
+    groups.sort(key=lambda at: not _is_sweep(dma.omega[at]))
     return [np.isin(np.arange(dma.omega.size), at) for at in groups]
 
 
@@ -335,7 +467,9 @@ def _is_sweep(omega: np.ndarray) -> bool:
     return omega.size >= _SWEEP and bool(omega.max() > 1.5 * omega.min())
 
 
-def describe_list(values: Sequence[float] | np.ndarray, unit: str, most: int = 12) -> str:
+def describe_list(
+    values: Sequence[float] | np.ndarray, unit: str, most: int = 12
+) -> str:
     """Numbers in one line: "-10, 0 and 10 degC"."""
     texts = [f"{value:.4g}" for value in values]
     if len(texts) > most:
@@ -345,36 +479,48 @@ def describe_list(values: Sequence[float] | np.ndarray, unit: str, most: int = 1
 
 
 def lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
-    """Values that go together as lists of one length, all positive, or empty where none is given."""
+    """Values that go together as lists of one length, all positive, or empty where none
+    is given.
+    """
     missing = [name for name, value in zip(names, values, strict=True) if value is None]
     if len(missing) == len(names):
         return [np.zeros(0)] * len(names)
     if missing:
-        raise InputError(f"{' and '.join(missing)} is missing: {', '.join(names)} go together.")
-    arrays = [np.atleast_1d(as_float64(name, value)) for name, value in zip(names, values, strict=True)]
+        raise InputError(
+            f"{' and '.join(missing)} is missing: {', '.join(names)} go together."
+        )
+    arrays = [
+        np.atleast_1d(as_float64(name, value))
+        for name, value in zip(names, values, strict=True)
+    ]
     for name, array in zip(names, arrays, strict=True):
         if array.ndim != 1 or array.shape != arrays[0].shape:
             raise InputError(
-                f"{name} must be a list with as many entries as {names[0]}, got shapes {array.shape}, "
-                f"{arrays[0].shape}."
+                f"{name} must be a list with as many entries as {names[0]}, got "
+                f"shapes {array.shape}, {arrays[0].shape}."
             )
         positive(name, array)
     return arrays
 
 
 def untold(rates: np.ndarray) -> str:
-    """What to do about points, of these frequencies or times, whose temperature is not known."""
+    """What to do about points, of these frequencies or times, whose temperature is not
+    known.
+    """
     if np.unique(np.log(rates).round(3)).size < _NEW * rates.size:
         return (
-            "frequencies (or times) repeat, as in several isotherms; give each its own temperature, in a column, or in "
-            "a line 'T = -20 degC' above its block."
+            "frequencies (or times) repeat, as in several isotherms; give each its "
+            "own temperature, in a column, or in a line 'T = -20 degC' above its "
+            "block."
         )
     return "give temperature, such as temperature=293.15 (--temperature 20degC)."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredFriction:
-    """Points of measured friction in SI units, one entry per row of the table; None where there is no such column."""
+    """Points of measured friction in SI units, one entry per row of the table; None
+    where there is no such column.
+    """
 
     velocity: Float[np.ndarray, " n"]  # [m/s]
     mu: Float[np.ndarray, " n"]
@@ -387,12 +533,31 @@ class MeasuredFriction:
     @property
     def points(self) -> dict[str, np.ndarray]:
         """The points as `curve.plot(measured=...)` takes them."""
-        found = {"velocity": self.velocity, "mu": self.mu, "temperature": self.temperature}
+        found = {
+            "velocity": self.velocity,
+            "mu": self.mu,
+            "temperature": self.temperature,
+        }
         return {name: values for name, values in found.items() if values is not None}
 
     def __repr__(self) -> str:
-        spans = [("velocity", self.velocity, "m/s"), ("temperature", self.temperature, "K"),
-                 ("pressure", self.pressure, "Pa"), ("mu", self.mu, "")]  # fmt: skip
-        parts = [f"{name} {x.min():.4g} to {x.max():.4g} {unit}".rstrip() for name, x, unit in spans if x is not None]
-        return "\n".join([f"MeasuredFriction({self.mu.size} points of {self.source!r}: {', '.join(parts)})",
-                          *self.report])  # fmt: skip
+        spans = [
+            ("velocity", self.velocity, "m/s"),
+            ("temperature", self.temperature, "K"),
+            ("pressure", self.pressure, "Pa"),
+            ("mu", self.mu, ""),
+        ]
+        parts = [
+            f"{name} {x.min():.4g} to {x.max():.4g} {unit}".rstrip()
+            for name, x, unit in spans
+            if x is not None
+        ]
+        return "\n".join(
+            [
+                (
+                    f"MeasuredFriction({self.mu.size} points of {self.source!r}: "
+                    f"{', '.join(parts)})"
+                ),
+                *self.report,
+            ]
+        )

@@ -1,4 +1,6 @@
-"""Heights that a profilometer could not measure, and wrote as numbers: codes, such as -9999, and single spikes."""
+"""Heights that a profilometer could not measure, and wrote as numbers: codes, such as
+-9999, and single spikes.
+"""
 
 import numpy as np
 
@@ -6,17 +8,23 @@ from ..errors import InputError
 
 LEFT_OUT = "left out, and bridged"  # ends what is said of dropouts
 _CODES = (9.999, 9.9999, 9.99999, 3.2768, 3.2767)  # digits of -9999, 99999, -32768, ...
-_USUAL = 0.2  # of the range of all other heights, that such a code is away from them, be it there but once
+# of the range of all other heights, that such a code is away from them, be it there but
+# once
+_USUAL = 0.2
 _MOST_CODES = 0.25  # share of codes above which too little was measured,
 _MOST_SPIKES = 0.02  # and that of spikes
-_FEWEST_LEVELS = 16  # different heights beside a code: with fewer, a far one may be the bottom of a groove
+# different heights beside a code: with fewer, a far one may be the bottom of a groove
+_FEWEST_LEVELS = 16
 _WIDTH = 3  # points of the widest spike
 _COMMON = 0.9  # of all differences over that width, which are below a scale
-_FAR = 12.0  # times that scale, above which a spike is none of the surface: 20 standard deviations of Gaussian heights
+# times that scale, above which a spike is none of the surface: 20 standard deviations
+# of Gaussian heights
+_FAR = 12.0
 
 
 def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Heights of a profile or map with NaN in place of dropouts, and what was left out in words.
+    """Heights of a profile or map with NaN in place of dropouts, and what was left out
+    in words.
 
     Raises `InputError` where more than a quarter are codes, or more than 2 % spikes.
     """
@@ -25,26 +33,34 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
     _take_codes(left, codes)
     largest = _take_spikes(left)
     if largest:
-        _take_codes(left, codes)  # beside a spike that is further away a code is not the furthest
+        # beside a spike that is further away a code is not the furthest
+        _take_codes(left, codes)
     lost, coded = int((np.isfinite(height) & np.isnan(left)).sum()), sum(codes.values())
     words = []
     if codes:
-        values = " and ".join(f"{count} times {value:.6g} m" for value, count in codes.items())
+        values = " and ".join(
+            f"{count} times {value:.6g} m" for value, count in codes.items()
+        )
         if coded > _MOST_CODES * height.size:
             raise InputError(
-                f"heights must be measured at three quarters of the points or more, got {coded} of {height.size} "
-                f"dropouts, {values}: measure again, or cut that part away."
+                "heights must be measured at three quarters of the points or more, "
+                f"got {coded} of {height.size} dropouts, {values}: measure again, or "
+                "cut that part away."
             )
-        words.append(f"{coded} of {height.size} points are dropouts, {values}: {LEFT_OUT}")
+        words.append(
+            f"{coded} of {height.size} points are dropouts, {values}: {LEFT_OUT}"
+        )
     if lost > coded:
         if lost - coded > _MOST_SPIKES * height.size:
             raise InputError(
-                f"heights must be free of spikes at {1 - _MOST_SPIKES:.0%} of the points or more, got {lost - coded} "
-                f"of {height.size}, by up to {largest:.3g} m beyond their neighbours: filter them, or measure again."
+                f"heights must be free of spikes at {1 - _MOST_SPIKES:.0%} of the "
+                f"points or more, got {lost - coded} of {height.size}, by up to "
+                f"{largest:.3g} m beyond their neighbours: filter them, or measure "
+                "again."
             )
         words.append(
-            f"{lost - coded} of {height.size} points are spikes, by up to {largest:.3g} m beyond what their "
-            f"neighbours allow: {LEFT_OUT}"
+            f"{lost - coded} of {height.size} points are spikes, by up to "
+            f"{largest:.3g} m beyond what their neighbours allow: {LEFT_OUT}"
         )
     return left, words
 
@@ -52,8 +68,9 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
 def _take_codes(height: np.ndarray, codes: dict[float, int]) -> None:
     """Puts NaN in place of codes, and how often each was there into `codes`.
 
-    A code is the lowest or the highest value, is there twice or more, bit for bit, and is further from all other
-    heights than these are from each other; those in use may be there once, and a fifth as far.
+    A code is the lowest or the highest value, is there twice or more, bit for bit, and
+    is further from all other heights than these are from each other; those in use may
+    be there once, and a fifth as far.
     """
     while True:
         value, count = _code(height[np.isfinite(height)])
@@ -72,7 +89,10 @@ def _code(height: np.ndarray) -> tuple[float, int]:
         if (count < 2 and not usual) or not rest.size:
             continue
         apart = np.abs(rest - value).min()
-        if apart > np.ptp(rest) * (_USUAL if usual else 1.0) and np.unique(rest).size >= _FEWEST_LEVELS:
+        if (
+            apart > np.ptp(rest) * (_USUAL if usual else 1.0)
+            and np.unique(rest).size >= _FEWEST_LEVELS
+        ):
             return float(value), count
     return 0.0, 0
 
@@ -84,12 +104,16 @@ def _is_usual_code(value: float) -> bool:
 
 
 def _take_spikes(height: np.ndarray) -> float:
-    """Puts NaN in place of spikes; returns how far the largest stood out, 0 where there is none.
+    """Puts NaN in place of spikes; returns how far the largest stood out, 0 where there
+    is none.
 
-    A spike is up to three points wide (in both directions of a map: scratches and edges stay) and stands out from the
-    points on either side by twelve times the difference that nine tenths of all points three apart are below.
+    A spike is up to three points wide (in both directions of a map: scratches and edges
+    stay) and stands out from the points on either side by twelve times the difference
+    that nine tenths of all points three apart are below.
     """
-    outstanding = np.minimum.reduce([_outstanding(height, axis) for axis in range(height.ndim)])
+    outstanding = np.minimum.reduce(
+        [_outstanding(height, axis) for axis in range(height.ndim)]
+    )
     scale = max(_usual_difference(height, axis) for axis in range(height.ndim))
     spikes = outstanding > _FAR * scale
     if not scale or not spikes.any():
@@ -99,7 +123,9 @@ def _take_spikes(height: np.ndarray) -> float:
 
 
 def _outstanding(height: np.ndarray, axis: int) -> np.ndarray:
-    """How far each point is above (or below) what is within three points on either side of it, by the nearer side."""
+    """How far each point is above (or below) what is within three points on either side
+    of it, by the nearer side.
+    """
     sides = [_reach(height, axis, side) for side in (-1, 1)]
     above = np.fmin(*(height - lowest for lowest, _ in sides))
     below = np.fmin(*(highest - height for _, highest in sides))
@@ -107,7 +133,9 @@ def _outstanding(height: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _reach(height: np.ndarray, axis: int, side: int) -> tuple[np.ndarray, np.ndarray]:
-    """The lowest and the highest height within three points on one side; NaN where there is none."""
+    """The lowest and the highest height within three points on one side; NaN where
+    there is none.
+    """
     lowest = highest = np.full(height.shape, np.nan)
     for distance in range(1, _WIDTH + 1):
         neighbour = _shifted(height, axis, side * distance)

@@ -1,4 +1,6 @@
-"""Files into rows of cells: text in several encodings and separators, spreadsheets; numbers with a decimal point."""
+"""Files into rows of cells: text in several encodings and separators, spreadsheets;
+numbers with a decimal point.
+"""
 
 import csv
 import importlib.util
@@ -18,9 +20,12 @@ from ..files import read_bytes
 _PATIENCE = 60  # seconds for a spreadsheet
 _LONGEST_LINE = 2_000_000  # characters
 _MOST_CELLS = 25_000_000  # of a text: a map of 5000 by 5000 points
-_EXPECTED = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022")
+_EXPECTED = set(
+    "°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022"
+)
 _CLOCK = re.compile(r"(\d{1,5}):([0-5]\d):([0-5]\d(?:[.,]\d*)?)")  # hh:mm:ss
-_MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
+# a number, whatever its comma and point mean
+_MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")
 
 
 class Row(NamedTuple):
@@ -40,7 +45,8 @@ class Sheet(NamedTuple):
 
 
 def read_sheet(path: str | os.PathLike[str]) -> Sheet:
-    """The rows of a text file or a spreadsheet, whose sheets follow each other, each below its name.
+    """The rows of a text file or a spreadsheet, whose sheets follow each other, each
+    below its name.
 
     Raises `InputError` for what cannot be read.
     """
@@ -49,33 +55,51 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     try:
         raw = read_bytes(path)
     except (OSError, ValueError) as error:
-        what = "is a folder: give the files in it" if path.is_dir() else getattr(error, "strerror", None) or error
-        raise InputError(f"path must be a file that can be read, got {name!r}: {what}.") from error
+        what = (
+            "is a folder: give the files in it"
+            if path.is_dir()
+            else getattr(error, "strerror", None) or error
+        )
+        raise InputError(
+            f"path must be a file that can be read, got {name!r}: {what}."
+        ) from error
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
         return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
     return cut(name, decode(raw, name))
 
 
 def is_frame(value: Any) -> bool:
-    """Whether a value is a table of pandas or polars, or of a package that is like them."""
+    """Whether a value is a table of pandas or polars, or of a package that is like
+    them.
+    """
     return hasattr(value, "columns") and hasattr(value, "to_numpy")
 
 
 def sheet_of_frame(frame: Any) -> Sheet:
-    """A table in memory as a sheet: its titles, a row for each of their levels, and its cells below.
+    """A table in memory as a sheet: its titles, a row for each of their levels, and its
+    cells below.
 
-    Numbers keep all their digits. Units stand in the titles, as in files, or are those of a column of pint.
+    Numbers keep all their digits. Units stand in the titles, as in files, or are those
+    of a column of pint.
     """
-    if any(name is not None for name in getattr(getattr(frame, "index", None), "names", ())):
+    if any(
+        name is not None for name in getattr(getattr(frame, "index", None), "names", ())
+    ):
         frame = frame.reset_index()  # of pandas: an index with a name is a column
-    levels = [title if isinstance(title, tuple) else (title,) for title in frame.columns]
+    levels = [
+        title if isinstance(title, tuple) else (title,) for title in frame.columns
+    ]
     titles = [list(map(str, level)) for level in zip(*levels, strict=True)]
     for i, kind in enumerate(frame.dtypes):
         if (unit := getattr(kind, "units", None)) is not None:
             titles[-1][i] += f" [{unit:~}]"
     values = frame.to_numpy()
     cells = titles + [[_frame_cell(value) for value in row] for row in values]
-    return Sheet("the table", [*(Row(i, row) for i, row in enumerate(cells, start=1)), Row(0, [])], [])
+    return Sheet(
+        "the table",
+        [*(Row(i, row) for i, row in enumerate(cells, start=1)), Row(0, [])],
+        [],
+    )
 
 
 def _frame_cell(value: Any) -> str:
@@ -87,27 +111,40 @@ def _frame_cell(value: Any) -> str:
 
 def cut(name: str, text: str) -> Sheet:
     """A text as a sheet, cut at the separator that suits most of its lines."""
-    text = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", text).replace("\u2212", "-")  # blanks between thousands
+    # blanks between thousands
+    text = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", text).replace(
+        "\u2212", "-"
+    )
     lines = text.splitlines()
     longest = max(map(len, lines), default=0)
     if longest > _LONGEST_LINE:
         raise InputError(
-            f"path must be a text with lines of {_LONGEST_LINE:,} characters at most, got {longest:,} in {name!r}."
+            f"path must be a text with lines of {_LONGEST_LINE:,} characters at "
+            f"most, got {longest:,} in {name!r}."
         )
     mark = _separator(lines)
     if text.count(mark) > _MOST_CELLS:
-        raise InputError(f"path must be a text of {_MOST_CELLS:,} cells at most, got {text.count(mark):,} in {name!r}.")
+        raise InputError(
+            f"path must be a text of {_MOST_CELLS:,} cells at most, got "
+            f"{text.count(mark):,} in {name!r}."
+        )
     if mark == " ":
         rows = [Row(i, line.split()) for i, line in enumerate(lines, start=1)]
     else:
         rows = [Row(i, _cells(line, mark)) for i, line in enumerate(lines, start=1)]
-    if (mark != "," and "," in text) or '"' in text or re.search(r"\d\.\d{3}\.\d{3}", text):
+    if (
+        (mark != "," and "," in text)
+        or '"' in text
+        or re.search(r"\d\.\d{3}\.\d{3}", text)
+    ):
         rows = with_points(rows, mark)
     return Sheet(name, rows, lines, mark)
 
 
 def decode(raw: bytes, name: str) -> str:
-    """Text from UTF-16, UTF-8, Windows-1252 or cp949, whichever fits; Latin-1 fits always."""
+    """Text from UTF-16, UTF-8, Windows-1252 or cp949, whichever fits; Latin-1 fits
+    always.
+    """
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return raw.decode("utf-16", errors="replace")
     for start, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):  # without a mark
@@ -115,13 +152,20 @@ def decode(raw: bytes, name: str) -> str:
         if half.count(0) > 0.9 * len(half) and b"\0" not in raw[1 - start : 4096 : 2]:
             return raw.decode(encoding, errors="replace")
     if b"\0" in raw[:4096]:
-        raise InputError(f"path must be a text file or a spreadsheet (.xls, .xlsx), got {name!r} with binary data.")
+        raise InputError(
+            "path must be a text file or a spreadsheet (.xls, .xlsx), got "
+            f"{name!r} "
+            "with binary data."
+        )
     for encoding in ("utf-8-sig", "cp1252", "cp949"):
         try:
             text = raw.decode(encoding)
         except UnicodeDecodeError:
             continue
-        if encoding != "cp1252" or {character for character in text if ord(character) > 127} <= _EXPECTED:
+        if (
+            encoding != "cp1252"
+            or {character for character in text if ord(character) > 127} <= _EXPECTED
+        ):
             return text
     return raw.decode("latin-1")
 
@@ -133,30 +177,52 @@ def number(cell: str) -> float:
     except ValueError:
         pass
     try:
-        return float(re.sub("[dD]", "e", cell)) if re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()) else np.nan
+        return (
+            float(re.sub("[dD]", "e", cell))
+            if re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip())
+            else np.nan
+        )
     except ValueError:
         return np.nan
 
 
 def seconds(cell: str) -> float:
-    """The seconds of a time that is written as hh:mm:ss; NaN where a cell holds something else."""
+    """The seconds of a time that is written as hh:mm:ss; NaN where a cell holds
+    something else.
+    """
     match = _CLOCK.fullmatch(cell)
     if match is None:
         return np.nan
-    return 3600.0 * int(match[1]) + 60.0 * int(match[2]) + float(match[3].replace(",", "."))
+    return (
+        3600.0 * int(match[1])
+        + 60.0 * int(match[2])
+        + float(match[3].replace(",", "."))
+    )
 
 
 def with_points(rows: list[Row], separator: str) -> list[Row]:
-    """The same rows with decimal points and nothing between thousands, whatever a sheet uses for either.
+    """The same rows with decimal points and nothing between thousands, whatever a sheet
+    uses for either.
 
-    What cannot be both decides: 0,5 and 1.234,5 have decimal commas. Where all commas could stand before thousands
-    (1,234) they do if the separator is a comma, if other numbers have decimal points, or if one has two commas; points
-    likewise where others have decimal commas, or one number has two points.
+    What cannot be both decides: 0,5 and 1.234,5 have decimal commas. Where all commas
+    could stand before thousands (1,234) they do if the separator is a comma, if other
+    numbers have decimal points, or if one has two commas; points likewise where others
+    have decimal commas, or one number has two points.
     """
-    marked = [cell for row in rows for cell in row.cells if ("," in cell or "." in cell) and _MARKED.fullmatch(cell)]
+    marked = [
+        cell
+        for row in rows
+        for cell in row.cells
+        if ("," in cell or "." in cell) and _MARKED.fullmatch(cell)
+    ]
     comma, point = (any(_is_decimal(cell, mark) for cell in marked) for mark in ",.")
-    grouped = not comma and (point or separator == "," or any(cell.count(",") > 1 for cell in marked))
-    dotted = not point and (comma or any(re.fullmatch(r"[+-]?\d{1,3}(\.\d{3}){2,}", cell) for cell in marked))
+    grouped = not comma and (
+        point or separator == "," or any(cell.count(",") > 1 for cell in marked)
+    )
+    dotted = not point and (
+        comma
+        or any(re.fullmatch(r"[+-]?\d{1,3}(\.\d{3}){2,}", cell) for cell in marked)
+    )
 
     def plain(cell: str) -> str:
         if not ("," in cell or "." in cell) or not _MARKED.fullmatch(cell):
@@ -175,9 +241,13 @@ def with_points(rows: list[Row], separator: str) -> list[Row]:
 
 
 def _is_decimal(cell: str, mark: str) -> bool:
-    """Whether a comma (or point) can only be the decimal one: the last mark, once, not before just three digits."""
+    """Whether a comma (or point) can only be the decimal one: the last mark, once, not
+    before just three digits.
+    """
     other = "." if mark == "," else ","
-    if cell.count(mark) != 1 or (other in cell and cell.rfind(other) > cell.rfind(mark)):
+    if cell.count(mark) != 1 or (
+        other in cell and cell.rfind(other) > cell.rfind(mark)
+    ):
         return False
     before, after = re.split("[eEdD]", cell)[0].lstrip("+-").split(mark)
     return other in before or len(after) != 3 or len(before) > 3 or before in ("", "0")
@@ -192,8 +262,16 @@ def _separator(lines: list[str]) -> str:
         for line in sample:
             cells = line.split() if separator == " " else line.split(separator)
             bare = [cell.strip().strip('"') for cell in cells]
-            known = sum(_MARKED.fullmatch(cell) is not None or _CLOCK.fullmatch(cell) is not None for cell in bare)
-            score += known if known >= 2 and (separator != " " or 2 * known >= len(cells)) else 0
+            known = sum(
+                _MARKED.fullmatch(cell) is not None
+                or _CLOCK.fullmatch(cell) is not None
+                for cell in bare
+            )
+            score += (
+                known
+                if known >= 2 and (separator != " " or 2 * known >= len(cells))
+                else 0
+            )
         if score > 1.05 * most:
             best, most = separator, score
     return best
@@ -202,7 +280,11 @@ def _separator(lines: list[str]) -> str:
 def _cells(line: str, separator: str) -> list[str]:
     """A quote within a cell, as in G", is a character like others."""
     try:
-        cells = next(csv.reader([line], delimiter=separator), []) if '"' in line else line.split(separator)
+        cells = (
+            next(csv.reader([line], delimiter=separator), [])
+            if '"' in line
+            else line.split(separator)
+        )
     except csv.Error:
         cells = line.split(separator)
     return [cell.strip() for cell in cells] if line.strip() else []
@@ -210,17 +292,38 @@ def _cells(line: str, separator: str) -> list[str]:
 
 def _spreadsheet(path: Path, name: str) -> list[Row]:
     if importlib.util.find_spec("python_calamine") is None:
-        raise InputError(f"{name}: reading spreadsheets needs python-calamine: pip install elastomdr[excel]")
-    reader = [sys.executable, str(Path(__file__).with_name("spreadsheet.py")), os.fspath(path)]
+        raise InputError(
+            f"{name}: reading spreadsheets needs python-calamine: pip install "
+            "elastomdr[excel]"
+        )
+    reader = [
+        sys.executable,
+        str(Path(__file__).with_name("spreadsheet.py")),
+        os.fspath(path),
+    ]
     try:
-        read = subprocess.run(reader, capture_output=True, timeout=_PATIENCE, check=False)
+        read = subprocess.run(
+            reader, capture_output=True, timeout=_PATIENCE, check=False
+        )
     except subprocess.TimeoutExpired as error:
-        raise InputError(f"path must be a spreadsheet that can be read in {_PATIENCE} s, got {name!r}.") from error
+        raise InputError(
+            f"path must be a spreadsheet that can be read in {_PATIENCE} s, got "
+            f"{name!r}."
+        ) from error
     if read.returncode != 0:
-        said = read.stdout.decode(errors="replace").strip() if read.returncode == 1 else ""
-        raise InputError(f"path must be a spreadsheet that can be read, got {name!r} ({said or 'it is damaged'}).")
+        said = (
+            read.stdout.decode(errors="replace").strip() if read.returncode == 1 else ""
+        )
+        raise InputError(
+            f"path must be a spreadsheet that can be read, got {name!r} "
+            f"({said or 'it is damaged'})."
+        )
     rows: list[Row] = []
-    for title, sheet in json.loads(read.stdout).items():  # line numbers are those of the sheet
-        rows += [Row(1, [title]), *(Row(i, cells) for i, cells in enumerate(sheet, start=1))]
+    # line numbers are those of the sheet
+    for title, sheet in json.loads(read.stdout).items():
+        rows += [
+            Row(1, [title]),
+            *(Row(i, cells) for i, cells in enumerate(sheet, start=1)),
+        ]
         rows.append(Row(0, []))
     return rows

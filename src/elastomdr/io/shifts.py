@@ -1,4 +1,6 @@
-"""`em.read_shifts`: lists of shift factors, as instruments' programs write them beside a master curve."""
+"""`em.read_shifts`: lists of shift factors, as instruments' programs write them beside
+a master curve.
+"""
 
 import os
 
@@ -11,20 +13,30 @@ from .columns import Quantity, read_columns
 from .dma import checked_units
 
 QUANTITIES = (
-    Quantity("temperature", "temperature", (r"t|temp\.?|temperature|temperatur",), option="temperature_unit",
-             limits=(100.0, 800.0)),
+    Quantity(
+        "temperature",
+        "temperature",
+        (r"t|temp\.?|temperature|temperatur",),
+        option="temperature_unit",
+        limits=(100.0, 800.0),
+    ),
     Quantity("shift", "ratio", (r"a_?t?|shift ?factors?|verschiebungsfaktor(en)?",)),
-)  # fmt: skip
+)
 
 
 @in_si
 def read_shifts(
-    path: str | os.PathLike[str], *, columns: dict[str, str | int] | None = None, temperature_unit: str | None = None
+    path: str | os.PathLike[str],
+    *,
+    columns: dict[str, str | int] | None = None,
+    temperature_unit: str | None = None,
 ) -> ShiftTable:
-    """A shift law from a list of temperatures and shift factors, such as "T [degC],log_aT".
+    """A shift law from a list of temperatures and shift factors, such as "T
+    [degC],log_aT".
 
     Args:
-        path: a text file or a spreadsheet; factors as a_T, or their logarithms as "log10 a_T", "log aT" or "ln aT".
+        path: a text file or a spreadsheet; factors as a_T, or their logarithms as
+            "log10 a_T", "log aT" or "ln aT".
         columns: columns by quantity (temperature, shift), as in `em.read_dma`.
         temperature_unit: unit of the temperatures, where the file has none.
 

@@ -1,7 +1,9 @@
-"""`em.read_spectrum`: a table of wave numbers, spatial frequencies or wavelengths, and of the power spectrum C.
+"""`em.read_spectrum`: a table of wave numbers, spatial frequencies or wavelengths, and
+of the power spectrum C.
 
-q = 2 pi/lambda [rad/m]. What a title leaves open is the user's to say: 1/m may stand for 2 pi/lambda or for 1/lambda,
-and how C is normalised (`convention`) is never in a table.
+q = 2 pi/lambda [rad/m]. What a title leaves open is the user's to say: 1/m may stand
+for 2 pi/lambda or for 1/lambda, and how C is normalised (`convention`) is never in a
+table.
 """
 
 from __future__ import annotations
@@ -26,10 +28,14 @@ if TYPE_CHECKING:
 
 ANGULAR, CYCLES, WAVELENGTH = "2 pi/lambda", "1/lambda", "lambda"
 _LARGEST = 1e100
-# Titles without blanks, brackets and signs of multiplication: what they say that the numbers are. Nothing is concluded
-# from one that says anything else besides.
+# Titles without blanks, brackets and signs of multiplication: what they say that the
+# numbers are. Nothing is concluded from one that says anything else besides.
 _NAME = r"(?:(?:spatial|wave|number|vector|frequency|angular|q|k|f|n)+[=:,]?)?"
-_COUNTED = {ANGULAR: rf"{_NAME}2pix?1?/lambda", CYCLES: rf"(?!.*angular){_NAME}1/lambda", WAVELENGTH: "(?:lambda)+"}
+_COUNTED = {
+    ANGULAR: rf"{_NAME}2pix?1?/lambda",
+    CYCLES: rf"(?!.*angular){_NAME}1/lambda",
+    WAVELENGTH: "(?:lambda)+",
+}
 
 
 @in_si
@@ -44,14 +50,17 @@ def read_spectrum(
     longest: float | None = None,
     shortest: float | None = None,
 ) -> MeasuredSpectrum:
-    """A surface from a table of its power spectrum, with titles such as "q [rad/m], C [m^4]".
+    """A surface from a table of its power spectrum, with titles such as "q [rad/m], C
+    [m^4]".
 
     Args:
-        path: a text file or a spreadsheet with wave numbers (rad/mm), spatial frequencies (cycles/mm, or 1/mm under a
-            title "1/lambda") or wavelengths (mm), and C.
-        convention: how C is normalised, as in `em.Spectrum`, with q = 2 pi/lambda; a density over 1/lambda is
-            "2d/4pi^2", "1d/2pi" or "1d one-sided/2pi".
-        wave_number: "2 pi/lambda" or "1/lambda", what a unit such as 1/mm counts where the title does not say.
+        path: a text file or a spreadsheet with wave numbers (rad/mm), spatial
+            frequencies (cycles/mm, or 1/mm under a title "1/lambda") or wavelengths
+            (mm), and C.
+        convention: how C is normalised, as in `em.Spectrum`, with q = 2 pi/lambda; a
+            density over 1/lambda is "2d/4pi^2", "1d/2pi" or "1d one-sided/2pi".
+        wave_number: "2 pi/lambda" or "1/lambda", what a unit such as 1/mm counts where
+            the title does not say.
         q_unit: unit of the first column where its title has none, or contradicts it.
         c_unit: unit of C where its title has none.
         columns: the two columns by number from 1, where there are more.
@@ -66,15 +75,20 @@ def read_spectrum(
     """
     check_convention(convention)
     if wave_number not in (None, ANGULAR, CYCLES):
-        raise InputError(f"wave_number must be {ANGULAR!r} or {CYCLES!r}, got {wave_number!r}.")
-    cutoffs = [None if wave is None else 2 * np.pi / _wave(key, wave) for key, wave in
-               (("longest", longest), ("shortest", shortest))]  # fmt: skip
+        raise InputError(
+            f"wave_number must be {ANGULAR!r} or {CYCLES!r}, got {wave_number!r}."
+        )
+    cutoffs = [
+        None if wave is None else 2 * np.pi / _wave(key, wave)
+        for key, wave in (("longest", longest), ("shortest", shortest))
+    ]
     sheet = read_sheet(path)
     name = sheet.name
     table = main_table(sheet)
     if table is None:
         raise InputError(
-            f"path must be a table of wave numbers and a spectrum, got {name!r} without a row of two numbers."
+            f"path must be a table of wave numbers and a spectrum, got {name!r} "
+            "without a row of two numbers."
         )
     first, second = _columns(table, columns, name)
     q = _wave_numbers(table, first, wave_number, q_unit, name)
@@ -84,7 +98,8 @@ def read_spectrum(
     si = to_si(unit, wanted)
     if si is None:
         raise InputError(
-            f"path: {name!r} gives C in {unit}, but convention {convention!r} needs {wanted}: m^4 is the spectrum of a "
+            f"path: {name!r} gives C in {unit}, but convention {convention!r} needs "
+            f"{wanted}: m^4 is the spectrum of a "
             "surface (2d), m^3 that of a straight cut (1d)."
         )
     c = table.column(second.place) * si[0]
@@ -96,40 +111,69 @@ def read_spectrum(
     out = [row.line for row, good in zip(table.rows, kept, strict=True) if not good]
     if out:
         shown = ", ".join(map(str, out[:5])) + (", ..." if len(out) > 5 else "")
-        text = f"{len(out)} of {len(table.rows)} rows without a number, or at q = 0, left out (line {shown})"
+        text = (
+            f"{len(out)} of {len(table.rows)} rows without a number, or at q = 0, "
+            f"left out (line {shown})"
+        )
         object.__setattr__(found, "report", (text, *found.report))
     return found
 
 
-def _wave_numbers(table: Table, head: Head, wave_number: str | None, q_unit: str | None, name: str) -> np.ndarray:
+def _wave_numbers(
+    table: Table, head: Head, wave_number: str | None, q_unit: str | None, name: str
+) -> np.ndarray:
     """q [rad/m]; NaN where there is no number, infinite for a wavelength of 0."""
     title, said = _unit(head, "wave number", "length")
     bare = _bare(title)
-    by_title = next((counted for counted, pattern in _COUNTED.items() if re.fullmatch(pattern, bare)), None)
+    by_title = next(
+        (
+            counted
+            for counted, pattern in _COUNTED.items()
+            if re.fullmatch(pattern, bare)
+        ),
+        None,
+    )
     contradiction = _contradiction(bare, by_title, _counts(said)) if said else False
     if contradiction and q_unit is None:
         raise InputError(
-            f"path: {name!r} has the title {head.title!r} with the unit {said!r}, which contradict each other: say "
-            "what the numbers are, as q_unit = 'rad/m', 'cycles/m' or, for wavelengths, 'm'."
+            f"path: {name!r} has the title {head.title!r} with the unit {said!r}, "
+            "which contradict each other: say "
+            "what the numbers are, as q_unit = 'rad/m', 'cycles/m' or, for "
+            "wavelengths, 'm'."
         )
-    unit = _given(name, head, "" if contradiction else said, q_unit, "q_unit", "wave number", "length")
+    unit = _given(
+        name,
+        head,
+        "" if contradiction else said,
+        q_unit,
+        "q_unit",
+        "wave number",
+        "length",
+    )
     counts = _counts(unit)
     if not counts:
         if wave_number and by_title and wave_number != by_title:
-            raise InputError(f"wave_number is {wave_number!r}, but {name!r} says {head.title!r}.")
+            raise InputError(
+                f"wave_number is {wave_number!r}, but {name!r} says {head.title!r}."
+            )
         counts = wave_number or by_title or ""
     elif wave_number not in (None, counts):
-        raise InputError(f"wave_number is {wave_number!r}, but {name!r} gives {unit}, which is {counts}.")
+        raise InputError(
+            f"wave_number is {wave_number!r}, but {name!r} gives {unit}, which is "
+            f"{counts}."
+        )
     if not counts:
         raise InputError(
-            f"path: {name!r} gives wave numbers in {unit}, which may be q = 2 pi/lambda or 1/lambda: say so, as "
-            f"wave_number = {ANGULAR!r} or {CYCLES!r}."
+            f"path: {name!r} gives wave numbers in {unit}, which may be q = 2 "
+            f"pi/lambda or 1/lambda: say so, as wave_number = {ANGULAR!r} or "
+            f"{CYCLES!r}."
         )
     x = table.column(head.place)
     if counts == WAVELENGTH:
         with np.errstate(divide="ignore"):
             return 2 * np.pi / (x * (to_si(unit, "length") or (1.0,))[0])
-    turns = 2 * np.pi if counts == CYCLES and "cycle" not in unit else 1.0  # pint knows what a cycle is
+    # pint knows what a cycle is
+    turns = 2 * np.pi if counts == CYCLES and "cycle" not in unit else 1.0
     return x * (to_si(unit, "wave number") or (1.0,))[0] * turns
 
 
@@ -141,18 +185,37 @@ def _counts(unit: str) -> str:
 
 
 def _contradiction(bare: str, by_title: str | None, counts: str) -> bool:
-    """Whether a title and its unit cannot both be right, such as "1/lambda [rad/m]" or "lambda [1/m]"."""
+    """Whether a title and its unit cannot both be right, such as "1/lambda [rad/m]" or
+    "lambda [1/m]".
+    """
     if counts == WAVELENGTH:
-        return by_title != WAVELENGTH and ("/lambda" in bare or re.fullmatch(_NAME, bare or "-") is not None)
-    return by_title == WAVELENGTH or bool(counts and "lambda" in bare and by_title != counts)
+        return by_title != WAVELENGTH and (
+            "/lambda" in bare or re.fullmatch(_NAME, bare or "-") is not None
+        )
+    return by_title == WAVELENGTH or bool(
+        counts and "lambda" in bare and by_title != counts
+    )
 
 
 def _unit(head: Head, *kinds: str) -> tuple[str, str]:
-    """The title of a column without its unit, and the unit; empty where there is none of these kinds."""
+    """The title of a column without its unit, and the unit; empty where there is none
+    of these kinds.
+    """
     title = clean(head.title)
     below = head.below.strip("[]() ")
-    ways = [(title, below)] if below else [way for way in splits(title) if not way[0].isdigit()]
-    return next(((name, unit) for name, unit in ways if any(to_si(unit, kind) for kind in kinds)), (title, ""))
+    ways = (
+        [(title, below)]
+        if below
+        else [way for way in splits(title) if not way[0].isdigit()]
+    )
+    return next(
+        (
+            (name, unit)
+            for name, unit in ways
+            if any(to_si(unit, kind) for kind in kinds)
+        ),
+        (title, ""),
+    )
 
 
 def _bare(title: str) -> str:
@@ -170,9 +233,13 @@ def _bare(title: str) -> str:
 
 
 def _given(name: str, head: Head, said: str, user: Any, key: str, *kinds: str) -> str:
-    """The unit of a column, from its title or else from the user, who does not overrule it."""
+    """The unit of a column, from its title or else from the user, who does not overrule
+    it.
+    """
     example = {"q_unit": "rad/m", "c_unit": "m^4"}[key]
-    if user is not None and (not isinstance(user, str) or not any(to_si(user, kind) for kind in kinds)):
+    if user is not None and (
+        not isinstance(user, str) or not any(to_si(user, kind) for kind in kinds)
+    ):
         raise InputError(f"{key} must be a unit such as {example}, got {user!r}.")
     if said and user is not None and user != said:
         raise InputError(f"{key} is {user!r}, but {name!r} says {said!r}.")
@@ -188,44 +255,66 @@ def _columns(table: Table, columns: Any, name: str) -> tuple[Head, Head]:
     count = len(table.heads)
     if columns is None and count != 2:
         raise InputError(
-            f"path: {name!r} has {count} columns ({listed(table.heads)}); say which are the wave number and C, as "
+            f"path: {name!r} has {count} columns ({listed(table.heads)}); say which "
+            "are the wave number and C, as "
             "columns = [N, M]."
         )
     columns = [1, 2] if columns is None else columns
-    whole = isinstance(columns, (tuple, list)) and all(type(i) is int and 1 <= i <= count for i in columns)
+    whole = isinstance(columns, (tuple, list)) and all(
+        type(i) is int and 1 <= i <= count for i in columns
+    )
     if not whole or len(columns) != 2:
-        raise InputError(f"columns must be two numbers from 1 to {count}, got {columns!r}.")
+        raise InputError(
+            f"columns must be two numbers from 1 to {count}, got {columns!r}."
+        )
     first, second = (table.heads[i - 1] for i in columns)
     for head in (first, second):
-        if logarithm(clean(head.title))[0] and not re.search("spac|scale|grid|bin", head.title):
+        if logarithm(clean(head.title))[0] and not re.search(
+            "spac|scale|grid|bin", head.title
+        ):
             raise InputError(
-                f"path: {name!r} has logarithms in column {head.place + 1}, {head.title!r}: turn them into numbers "
+                f"path: {name!r} has logarithms in column {head.place + 1}, "
+                f"{head.title!r}: turn them into numbers "
                 "first, or name other columns, as columns = [N, M]."
             )
     return first, second
 
 
-def _rows(table: Table, heads: tuple[Head, Head], q: np.ndarray, c: np.ndarray, name: str) -> np.ndarray:
-    """Which rows hold two numbers. Raises `InputError` for what no spectrum holds, with line and value."""
+def _rows(
+    table: Table, heads: tuple[Head, Head], q: np.ndarray, c: np.ndarray, name: str
+) -> np.ndarray:
+    """Which rows hold two numbers. Raises `InputError` for what no spectrum holds, with
+    line and value.
+    """
     for row in table.rows:
         if len(row.cells) != len(table.heads):
             raise InputError(
-                f"path: {name!r} has {len(row.cells)} cells in line {row.line}, {len(table.heads)} elsewhere."
+                f"path: {name!r} has {len(row.cells)} cells in line {row.line}, "
+                f"{len(table.heads)} elsewhere."
             )
     used = np.isfinite(q) & np.isfinite(c) & (q != 0)
     for head, what, values in zip(heads, ("wave number", "C"), (q, c), strict=True):
         wrong = np.flatnonzero(used & ~(values > 0))
         if wrong.size:
             row = table.rows[wrong[0]]
-            hint = " Logarithms must be turned into numbers first." if wrong.size > used.sum() / 4 else ""
+            hint = (
+                " Logarithms must be turned into numbers first."
+                if wrong.size > used.sum() / 4
+                else ""
+            )
             raise InputError(
-                f"path: {name!r} has {what} {row.cells[head.place]} in line {row.line}, which must be positive "
-                f"({wrong.size} such rows).{hint}"
+                f"path: {name!r} has {what} {row.cells[head.place]} in line "
+                f"{row.line}, which must be positive ({wrong.size} such rows).{hint}"
             )
     if used.sum() < 3:
-        raise InputError(f"path: {name!r} must have three rows of numbers or more, got {int(used.sum())}.")
+        raise InputError(
+            f"path: {name!r} must have three rows of numbers or more, got "
+            f"{int(used.sum())}."
+        )
     if not (np.all(q[used] < _LARGEST) and np.all(c[used] < _LARGEST)):
-        raise InputError(f"path: {name!r} must hold numbers below {_LARGEST:g} in SI units.")
+        raise InputError(
+            f"path: {name!r} must hold numbers below {_LARGEST:g} in SI units."
+        )
     return used
 
 

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
 _LARGEST = 1e100  # [m]
 _TABLES = (".csv", ".tsv", "")  # names of tables
-_TEXT = (*_TABLES, ".txt", ".dat")  # names of tables, or of an instrument's text; other files are an instrument's
+# names of tables, or of an instrument's text; other files are an instrument's
+_TEXT = (*_TABLES, ".txt", ".dat")
 _PATIENCE = 120  # seconds for an instrument's file
 _EVEN = 1e-4  # unevenness of x, relative to its step, that counts as rounding
 _MOST = 4_000_000  # even points along a profile
@@ -50,54 +51,85 @@ def read_surface(
     shortest: float | None = None,
     detrend: bool = True,
 ) -> MeasuredSurface:
-    """The isotropic spectrum of a measured profile or map, or of several scans of the same surface.
+    """The isotropic spectrum of a measured profile or map, or of several scans of the
+    same surface.
 
-    A text file (.csv, .tsv, .txt, .dat) holds a profile in two columns, x and height, or a map in three, x, y and
-    height, with titles such as "x [mm], height [um]". With `pixel_size` it holds heights only: one column for a
-    profile, a matrix for a map. Cells that are empty or no number are holes. Every other file is read by
-    SurfaceTopography (`pip install elastomdr[instruments]`): x3p, sur, plu, opd, al3d, vk4, mnt, ibw, gwy, npy, ...
+    A text file (.csv, .tsv, .txt, .dat) holds a profile in two columns, x and height,
+    or a map in three, x, y and height, with titles such as "x [mm], height [um]". With
+    `pixel_size` it holds heights only: one column for a profile, a matrix for a map.
+    Cells that are empty or no number are holes. Every other file is read by
+    SurfaceTopography (`pip install elastomdr[instruments]`): x3p, sur, plu, opd, al3d,
+    vk4, mnt, ibw, gwy, npy, ...
 
-    Dropouts of the instrument that it wrote as numbers (a code such as -9999, single spikes) are holes too, with a
-    warning; too many are refused.
+    Dropouts of the instrument that it wrote as numbers (a code such as -9999, single
+    spikes) are holes too, with a warning; too many are refused.
 
-    Nothing is scaled: C holds the waves from half the length of the scan down to four steps, or down to where noise or
-    the resolution of the instrument ends the measurement. `report` compares the rms height and the rms slope of the
-    data with those of the spectrum, and says what was mended and cut.
+    Nothing is scaled: C holds the waves from half the length of the scan down to four
+    steps, or down to where noise or the resolution of the instrument ends the
+    measurement. `report` compares the rms height and the rms slope of the data with
+    those of the spectrum, and says what was mended and cut.
 
     Args:
-        path_or_heights: a path; heights [m], shape (n,) for a profile and (n_x, n_y) for a map, where masked entries
-            and NaN are holes; or a list of these, joined into one spectrum.
-        pixel_size: distance of neighbouring points [m], or one for each direction of a map. Needed for arrays and for
-            files without one. For several scans a list with an entry for each, None where the file has it.
+        path_or_heights: a path; heights [m], shape (n,) for a profile and (n_x, n_y)
+            for a map, where masked entries and NaN are holes; or a list of these,
+            joined into one spectrum.
+        pixel_size: distance of neighbouring points [m], or one for each direction of a
+            map. Needed for arrays and for files without one. For several scans a list
+            with an entry for each, None where the file has it.
         unit: unit of the lengths in a file that names none, such as "um".
         shortest: shortest wavelength to keep [m], from two steps on.
         detrend: whether to subtract a straight line or plane.
 
     Returns:
-        A surface for `em.friction`, with `q` [rad/m], `c` [m^4], `relative_error` (standard error of ln C), `report`.
+        A surface for `em.friction`, with `q` [rad/m], `c` [m^4], `relative_error`
+        (standard error of ln C), `report`.
 
     Raises:
-        InputError: where a file cannot be read, or heights and sizes are no scan in metres.
+        InputError: where a file cannot be read, or heights and sizes are no scan in
+            metres.
     """
     if shortest is not None:
         shortest = plain("shortest", shortest)
         positive("shortest", shortest)
     if unit is not None and not (isinstance(unit, str) and to_si(unit, "length")):
-        raise InputError(f"unit must be a unit of length such as {usual('length')}, got {unit!r}.")
-    sources: list[Any] = list(path_or_heights) if isinstance(path_or_heights, (list, tuple)) else []
+        raise InputError(
+            f"unit must be a unit of length such as {usual('length')}, got {unit!r}."
+        )
+    sources: list[Any] = (
+        list(path_or_heights) if isinstance(path_or_heights, (list, tuple)) else []
+    )
     several = any(isinstance(one, (str, os.PathLike, np.ndarray)) for one in sources)
     sources = sources if several else [path_or_heights]
-    sizes = pixel_size if several and isinstance(pixel_size, list) else [pixel_size] * len(sources)
+    sizes = (
+        pixel_size
+        if several and isinstance(pixel_size, list)
+        else [pixel_size] * len(sources)
+    )
     if len(sizes) != len(sources):
-        raise InputError(f"pixel_size must have an entry for each of the {len(sources)} scans, got {len(sizes)}.")
-    scans = [_scan(source, size, unit) for source, size in zip(sources, sizes, strict=True)]
-    paths = [Path(source).name for source in sources if isinstance(source, (str, os.PathLike))]
-    for text in dict.fromkeys(text for scan in scans for text in scan.report if text.endswith(LEFT_OUT)):
-        warnings.warn(f"{', '.join(paths) or 'heights'}: {text}.", FitWarning, stacklevel=3)
+        raise InputError(
+            f"pixel_size must have an entry for each of the {len(sources)} scans, "
+            f"got {len(sizes)}."
+        )
+    scans = [
+        _scan(source, size, unit) for source, size in zip(sources, sizes, strict=True)
+    ]
+    paths = [
+        Path(source).name
+        for source in sources
+        if isinstance(source, (str, os.PathLike))
+    ]
+    for text in dict.fromkeys(
+        text for scan in scans for text in scan.report if text.endswith(LEFT_OUT)
+    ):
+        warnings.warn(
+            f"{', '.join(paths) or 'heights'}: {text}.", FitWarning, stacklevel=3
+        )
     try:
         return surface(scans, shortest, detrend)
     except InputError as error:
-        raise InputError(f"path: {', '.join(map(repr, paths))}: {error}" if paths else str(error)) from error
+        raise InputError(
+            f"path: {', '.join(map(repr, paths))}: {error}" if paths else str(error)
+        ) from error
 
 
 def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
@@ -109,38 +141,65 @@ def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
             return _from_text(path, pixel_size, unit)
         except InputError as error:
             said = str(error)
-            raise InputError(said if said.startswith("path") else f"path: {path.name!r}: {said}") from error
+            raise InputError(
+                said if said.startswith("path") else f"path: {path.name!r}: {said}"
+            ) from error
     if unit is not None:
-        raise InputError(f"unit goes with a file; heights of an array are in metres, got unit={unit!r}.")
+        raise InputError(
+            "unit goes with a file; heights of an array are in metres, got "
+            f"unit={unit!r}."
+        )
     try:
         height = np.ma.filled(np.ma.asarray(source, dtype=np.float64), np.nan)
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"path_or_heights must be a path, heights [m] or a list of these, got {type(source).__name__}."
+            "path_or_heights must be a path, heights [m] or a list of these, got "
+            f"{type(source).__name__}."
         ) from error
     if height.ndim not in (1, 2):
-        raise InputError(f"heights must have the shape (n,) or (n_x, n_y), got {height.shape}.")
+        raise InputError(
+            f"heights must have the shape (n,) or (n_x, n_y), got {height.shape}."
+        )
     return _even(height, pixel_size, "heights")
 
 
-def _even(height: np.ndarray, pixel_size: Any, what: str, report: Sequence[str] = ()) -> Scan:
+def _even(
+    height: np.ndarray, pixel_size: Any, what: str, report: Sequence[str] = ()
+) -> Scan:
     """Heights [m] whose points are `pixel_size` [m] apart."""
     if pixel_size is None:
-        raise InputError(f"pixel_size must be given with {what}: the distance of neighbouring points [m], got None.")
-    sizes = [plain("pixel_size", size) for size in (pixel_size if np.ndim(pixel_size) else [pixel_size])]
+        raise InputError(
+            f"pixel_size must be given with {what}: the distance of neighbouring "
+            "points [m], got None."
+        )
+    sizes = [
+        plain("pixel_size", size)
+        for size in (pixel_size if np.ndim(pixel_size) else [pixel_size])
+    ]
     for size in sizes:
         positive("pixel_size", size)
     if len(sizes) not in (1, height.ndim):
-        raise InputError(f"pixel_size must be one number [m] or one for each direction, got {len(sizes)}.")
+        raise InputError(
+            "pixel_size must be one number [m] or one for each direction, got "
+            f"{len(sizes)}."
+        )
     _below(height, what)
     height, dropouts = without_dropouts(height)
-    return Scan(height, tuple(sizes * height.ndim if len(sizes) == 1 else sizes), (*report, *dropouts))
+    return Scan(
+        height,
+        tuple(sizes * height.ndim if len(sizes) == 1 else sizes),
+        (*report, *dropouts),
+    )
 
 
 def _below(lengths: np.ndarray, what: str) -> None:
     known = np.abs(lengths[np.isfinite(lengths)])
     if known.size and not known.max() < _LARGEST:
-        raise InputError(f"{what} must be lengths below {_LARGEST:g} m, got one of {known.max():g} m.")
+        raise InputError(
+            f"{what} must be lengths below {_LARGEST:g} m, got one of "
+            f"{known.max():g} "
+            "m."
+        )
 
 
 def _from_text(path: Path, pixel_size: Any, unit: str | None) -> Scan:
@@ -153,18 +212,29 @@ def _from_text(path: Path, pixel_size: Any, unit: str | None) -> Scan:
     if table is None or (pixel_size is None and len(table.heads) not in (2, 3)):
         if path.suffix.lower() not in _TABLES and _can_read_instruments():
             return _from_instrument(path, pixel_size, unit)
-        got = f"{len(table.heads)} in {path.name!r}" if table else f"{path.name!r} without a row of two numbers"
+        got = (
+            f"{len(table.heads)} in {path.name!r}"
+            if table
+            else f"{path.name!r} without a row of two numbers"
+        )
         raise InputError(
-            f"path must be a table with two columns (x, height) or three (x, y, height), got {got}; a matrix of "
+            "path must be a table with two columns (x, height) or three (x, y, "
+            f"height), got {got}; a matrix of "
             "heights needs pixel_size."
         )
     for row in table.rows:
         if len(row.cells) != len(table.heads):
             raise InputError(
-                f"path: {path.name!r} has {len(row.cells)} cells in line {row.line}, {len(table.heads)} in line "
-                f"{table.rows[0].line}."
+                f"path: {path.name!r} has {len(row.cells)} cells in line {row.line}, "
+                f"{len(table.heads)} in line {table.rows[0].line}."
             )
-    data = np.stack([table.column(head.place) * _metres(head, unit, path.name) for head in table.heads], axis=1)
+    data = np.stack(
+        [
+            table.column(head.place) * _metres(head, unit, path.name)
+            for head in table.heads
+        ],
+        axis=1,
+    )
     if pixel_size is not None:
         return _even(data[:, 0] if data.shape[1] == 1 else data, pixel_size, "heights")
     _below(data, "columns")
@@ -178,33 +248,61 @@ def _can_read_instruments() -> bool:
 def _from_instrument(path: Path, pixel_size: Any, unit: str | None) -> Scan:
     if not _can_read_instruments():
         raise InputError(
-            f"path must be a table of heights (.csv, .tsv, .txt, .dat), got {path.name!r}; files of instruments are "
-            "read with SurfaceTopography, which is not installed: pip install elastomdr[instruments]."
+            "path must be a table of heights (.csv, .tsv, .txt, .dat), got "
+            f"{path.name!r}; files of instruments are "
+            "read with SurfaceTopography, which is not installed: pip install "
+            "elastomdr[instruments]."
         )
     try:
         read_bytes(path)
         reader = Path(__file__).with_name("instrument.py")
-        done = subprocess.run([sys.executable, reader, path], capture_output=True, timeout=_PATIENCE, check=False)
+        done = subprocess.run(
+            [sys.executable, reader, path],
+            capture_output=True,
+            timeout=_PATIENCE,
+            check=False,
+        )
     except (OSError, ValueError) as error:
-        raise InputError(f"path must be a file that can be read, got {path.name!r}: {error}.") from error
+        raise InputError(
+            f"path must be a file that can be read, got {path.name!r}: {error}."
+        ) from error
     except subprocess.TimeoutExpired as error:
-        raise InputError(f"path: {path.name!r} was not read within {_PATIENCE} s.") from error
+        raise InputError(
+            f"path: {path.name!r} was not read within {_PATIENCE} s."
+        ) from error
     if done.returncode != 0:
-        why = " ".join(done.stdout.decode(errors="replace").split())[:300] or "the reader gave up"
-        raise InputError(f"path must be a file that SurfaceTopography reads, got {path.name!r}: {why}")
+        why = (
+            " ".join(done.stdout.decode(errors="replace").split())[:300]
+            or "the reader gave up"
+        )
+        raise InputError(
+            f"path must be a file that SurfaceTopography reads, got {path.name!r}: "
+            f"{why}"
+        )
     with np.load(io.BytesIO(done.stdout)) as found:
-        x, y, height, sized = found["x"], found["y"], found["height"], bool(found["sized"])
+        x, y, height, sized = (
+            found["x"],
+            found["y"],
+            found["height"],
+            bool(found["sized"]),
+        )
         given = str(found["unit"]) or unit
     if given is None:
         raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
     metres = _length(given, path.name)
     if sized and pixel_size is not None:
-        raise InputError(f"pixel_size must be left out, {path.name!r} has its own, got {pixel_size!r}.")
+        raise InputError(
+            f"pixel_size must be left out, {path.name!r} has its own, got "
+            f"{pixel_size!r}."
+        )
     height = height * metres
     if sized and y.size == 0:
         return _profile(x * metres, height)
     if sized:
-        pixel_size = tuple(float(axis[1] - axis[0]) * metres if axis.size > 1 else 1.0 for axis in (x, y))
+        pixel_size = tuple(
+            float(axis[1] - axis[0]) * metres if axis.size > 1 else 1.0
+            for axis in (x, y)
+        )
     return _even(height, pixel_size, f"{path.name!r}, which has none")
 
 
@@ -215,20 +313,29 @@ def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
     height[order] = measured
     known = np.isfinite(x) & np.isfinite(height)
     if not known.all():
-        report.append(f"{int((~known).sum())} of {known.size} points without a value bridged by straight lines")
+        report.append(
+            f"{int((~known).sum())} of {known.size} points without a value "
+            "bridged by "
+            "straight lines"
+        )
     x, height = x[known], height[known]
     if (np.diff(x) < 0).any():
         report.append("x was not ascending: sorted")
     x, place = np.unique(x, return_inverse=True)
     if x.size < place.size:
-        report.append(f"{place.size - x.size} points at an x that came before: heights averaged")
+        report.append(
+            f"{place.size - x.size} points at an x that came before: heights averaged"
+        )
     height = np.bincount(place, height) / np.bincount(place)
     if x.size < 64:
-        raise InputError(f"a profile must have 64 points or more at different x, got {x.size}.")
+        raise InputError(
+            f"a profile must have 64 points or more at different x, got {x.size}."
+        )
     n = round(float((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
     if n > _MOST:
         raise InputError(
-            f"x of a profile spans {n:.3g} of its median steps, more than {_MOST:.0e}: is one of the values mistyped?"
+            f"x of a profile spans {n:.3g} of its median steps, more than "
+            f"{_MOST:.0e}: is one of the values mistyped?"
         )
     even = np.linspace(x[0], x[-1], n)
     if n != x.size or np.abs(x - even).max() > _EVEN * (even[1] - even[0]):
@@ -242,15 +349,22 @@ def _grid(data: np.ndarray) -> Scan:
     report = []
     placed = np.isfinite(data[:, :2]).all(axis=1)
     if not placed.all():
-        report.append(f"{int((~placed).sum())} of {placed.size} rows without x or y left out")
+        report.append(
+            f"{int((~placed).sum())} of {placed.size} rows without x or y left out"
+        )
     data = data[placed]
     (x, i), (y, j) = (np.unique(data[:, k], return_inverse=True) for k in (0, 1))
     if min(x.size, y.size) < 16 or x.size * y.size > 4 * len(data):
-        raise InputError(f"a map must lie on a grid of 16 by 16 points or more, got {x.size} x and {y.size} y values.")
+        raise InputError(
+            f"a map must lie on a grid of 16 by 16 points or more, got {x.size} x "
+            f"and {y.size} y values."
+        )
     for axis, values in (("x", x), ("y", y)):
         if np.ptp(np.diff(values)) > 1e-3 * np.diff(values).mean():
             raise InputError(f"{axis} of a map must be evenly spaced.")
-    rows = [k for a in (i, -i) for b in (j, -j) for k in (a * y.size + b, b * x.size + a)]
+    rows = [
+        k for a in (i, -i) for b in (j, -j) for k in (a * y.size + b, b * x.size + a)
+    ]
     if not any((np.diff(k) >= 0).all() for k in rows):
         report.append("points did not come row by row: sorted")
     place, known = i * y.size + j, np.isfinite(data[:, 2])
@@ -281,5 +395,8 @@ def _metres(head: Head, unit: str | None, name: str) -> float:
 def _length(unit: str, name: str) -> float:
     si = to_si(unit, "length")
     if si is None:
-        raise InputError(f"path: {name!r} has the unit {unit!r}, which is none of length such as {usual('length')}.")
+        raise InputError(
+            f"path: {name!r} has the unit {unit!r}, which is none of length such "
+            f"as {usual('length')}."
+        )
     return si[0]

@@ -1,4 +1,6 @@
-"""The tables in a sheet: runs of rows of numbers, each with its titles and units; the header parser of all formats."""
+"""The tables in a sheet: runs of rows of numbers, each with its titles and units; the
+header parser of all formats.
+"""
 
 import contextlib
 import math
@@ -13,16 +15,21 @@ import numpy as np
 from ..units.registry import is_unit
 from .sheets import Row, Sheet, number, seconds
 
-_MARK = re.compile(r"\s*(?:#+|%+|//+|;+)\s*")  # begins a line that programs which want numbers pass over
+# begins a line that programs which want numbers pass over
+_MARK = re.compile(r"\s*(?:#+|%+|//+|;+)\s*")
 _BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]")
-_COPY = re.compile(r"(.*\S)\.\d+")  # what pandas makes of a title that it has met before
+# what pandas makes of a title that it has met before
+_COPY = re.compile(r"(.*\S)\.\d+")
 _HOLES = ("nan", "na", "n/a", "null", "none", "-", "--")  # cells without a value
-MOST_COLUMNS = 2000  # of a table with titles; a wider one is a matrix, and its titles are not looked at
+# of a table with titles; a wider one is a matrix, and its titles are not looked at
+MOST_COLUMNS = 2000
 _LONGEST_LINE = 5000  # characters of a line of titles that is cut at blanks
 
 
 class Head(NamedTuple):
-    """The title of a column, and the unit in a row below it (empty where there is no such row)."""
+    """The title of a column, and the unit in a row below it (empty where there is no
+    such row).
+    """
 
     place: int
     title: str
@@ -35,26 +42,44 @@ class Table(NamedTuple):
     heads: list[Head]
     rows: list[Row]
     above: list[Row]  # rows of text above, since the table before
-    width: int = 0  # cells a row must have where it is cut at blanks, so that one that is missing moves the others
+    # cells a row must have where it is cut at blanks, so that one that is missing moves
+    # the others
+    width: int = 0
     fixed: dict[str, float] = {}  # noqa: RUF012  what holds for all rows, by role [SI]
 
     def column(self, place: int) -> np.ndarray:
-        """The numbers of a column, of times as hh:mm:ss their seconds, NaN where there are none."""
+        """The numbers of a column, of times as hh:mm:ss their seconds, NaN where there
+        are none.
+        """
         with contextlib.suppress(ValueError, IndexError):  # fast, where all are numbers
             return np.array([row.cells[place] for row in self.rows]).astype(float)
-        values = np.array([number(row.cells[place]) if place < len(row.cells) else np.nan for row in self.rows])
+        values = np.array(
+            [
+                number(row.cells[place]) if place < len(row.cells) else np.nan
+                for row in self.rows
+            ]
+        )
         return self.clock(place) if np.isnan(values).all() else values
 
     def clock(self, place: int) -> np.ndarray:
-        """The seconds of the times in a column that are written as hh:mm:ss, NaN where there are none."""
-        return np.array([seconds(row.cells[place]) if place < len(row.cells) else np.nan for row in self.rows])
+        """The seconds of the times in a column that are written as hh:mm:ss, NaN where
+        there are none.
+        """
+        return np.array(
+            [
+                seconds(row.cells[place]) if place < len(row.cells) else np.nan
+                for row in self.rows
+            ]
+        )
 
 
 def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
-    """All runs of rows with `fewest` numbers or more, the titles of each from the text above it.
+    """All runs of rows with `fewest` numbers or more, the titles of each from the text
+    above it.
 
-    A row that breaks off (its first cell is a number, or it has one among three cells) belongs to the run. A run
-    without titles of its own has those of the run before it, if that is as wide.
+    A row that breaks off (its first cell is a number, or it has one among three cells)
+    belongs to the run. A run without titles of its own has those of the run before it,
+    if that is as wide.
     """
     found: list[Table] = []
     above: list[Row] = []
@@ -80,15 +105,21 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
 
 
 def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
-    """The table with most rows, and those below it without titles of their own, for files that hold one table."""
+    """The table with most rows, and those below it without titles of their own, for
+    files that hold one table.
+    """
     found = tables(sheet, fewest)
     best = max(found, key=lambda table: len(table.rows), default=None)
     if best is None:
         return None
     rows: list[Row] = []
     for table in (table for table in found if table.heads == best.heads):
-        between = table.above if rows else []  # as wide as the table: a row that holds no numbers
-        rows += [*(row for row in between if len(row.cells) == len(best.heads)), *table.rows]
+        # as wide as the table: a row that holds no numbers
+        between = table.above if rows else []
+        rows += [
+            *(row for row in between if len(row.cells) == len(best.heads)),
+            *table.rows,
+        ]
     return best._replace(rows=rows)
 
 
@@ -97,7 +128,9 @@ _LONGEST_TITLE = 500  # characters of a title: the time to split one grows as th
 
 
 def splits(title: str) -> Iterator[tuple[str, str]]:
-    """Name and unit of a title such as "G' [MPa]", "f (Hz)", "E' / MPa", "f, Hz", "freq_hz", as it may be meant."""
+    """Name and unit of a title such as "G' [MPa]", "f (Hz)", "E' / MPa", "f, Hz",
+    "freq_hz", as it may be meant.
+    """
     if len(title) > _LONGEST_TITLE:
         return
     match = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\[\]()]*)\s*[\])]", title)
@@ -105,7 +138,8 @@ def splits(title: str) -> Iterator[tuple[str, str]]:
         yield match[1], match[2]
     for gap in re.finditer(r"\s*[/,]\s*|\s+in\s+|\s+-\s+|_|\s+", title):
         name, unit = title[: gap.start()], title[gap.end() :].strip()
-        if all(name.count(one) == name.count(other) for one, other in ("()", "[]")):  # not within brackets
+        # not within brackets
+        if all(name.count(one) == name.count(other) for one, other in ("()", "[]")):
             yield name, unit
             yield name, unit.replace("_", "/")
 
@@ -119,8 +153,13 @@ def clean(title: str) -> str:
 
 
 def listed(heads: Sequence[Head]) -> str:
-    """The columns of a table by number and title, for messages; the first of them where there are many."""
-    shown = [f"{head.place + 1}: {_short(head.title) or 'no title'}" for head in heads[:_LISTED]]
+    """The columns of a table by number and title, for messages; the first of them where
+    there are many.
+    """
+    shown = [
+        f"{head.place + 1}: {_short(head.title) or 'no title'}"
+        for head in heads[:_LISTED]
+    ]
     rest = [f"and {len(heads) - _LISTED} more"] if len(heads) > _LISTED else []
     return ", ".join([*shown, *rest])
 
@@ -129,21 +168,36 @@ def _short(title: str) -> str:
     return title if len(title) <= _SHOWN else f"{title[: _SHOWN - 3]}..."
 
 
-def _table(sheet: Sheet, above: list[Row], rows: list[Row], before: Table | None) -> Table:
+def _table(
+    sheet: Sheet, above: list[Row], rows: list[Row], before: Table | None
+) -> Table:
     width = Counter(len(row.cells) for row in islice(rows, 400)).most_common(1)[0][0]
-    titles, units = _header(sheet, above, width, True) if width <= MOST_COLUMNS else ([], [])
+    titles, units = (
+        _header(sheet, above, width, True) if width <= MOST_COLUMNS else ([], [])
+    )
     if not titles and before is not None and len(before.heads) == width:
         heads = before.heads
-    else:  # a remark may have been cut at its commas: narrower than the table is the second choice
+    # a remark may have been cut at its commas: narrower than the table is the second
+    # choice
+    else:
         if not titles and width <= MOST_COLUMNS:
             titles, units = _header(sheet, above, width, False)
-        titles, units = ([*cells, *[""] * (width - len(cells))] for cells in (titles, units))
-        heads = [Head(i, title, units[i] if i < len(units) else "") for i, title in enumerate(titles)]
+        titles, units = (
+            [*cells, *[""] * (width - len(cells))] for cells in (titles, units)
+        )
+        heads = [
+            Head(i, title, units[i] if i < len(units) else "")
+            for i, title in enumerate(titles)
+        ]
     return Table(heads, rows, above, width if sheet.separator == " " else 0)
 
 
-def _header(sheet: Sheet, above: list[Row], width: int, whole: bool) -> tuple[list[str], list[str]]:
-    """The titles right above a table of some width, and the units between both; empty where there are none."""
+def _header(
+    sheet: Sheet, above: list[Row], width: int, whole: bool
+) -> tuple[list[str], list[str]]:
+    """The titles right above a table of some width, and the units between both; empty
+    where there are none.
+    """
     units: list[str] = []
     for row in reversed(above):
         cells = _titles(sheet, row, width)
@@ -152,9 +206,16 @@ def _header(sheet: Sheet, above: list[Row], width: int, whole: bool) -> tuple[li
         known = [cell for cell in cells if cell]
         if not units and _are_units(known):
             units = cells
-        elif len(known) >= min(2, width) and len(cells) >= width * whole and 2 * len(known) >= min(width, len(cells)):
+        elif (
+            len(known) >= min(2, width)
+            and len(cells) >= width * whole
+            and 2 * len(known) >= min(width, len(cells))
+        ):
             copies = [_COPY.fullmatch(cell) for cell in cells]
-            return [m[1] if m and m[1] in cells else c for m, c in zip(copies, cells, strict=True)], units
+            return [
+                m[1] if m and m[1] in cells else c
+                for m, c in zip(copies, cells, strict=True)
+            ], units
     return units, []  # titles that might be units, such as t, T
 
 
@@ -164,35 +225,51 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _titles(sheet: Sheet, row: Row, width: int) -> list[str]:
-    """The cells of a row of titles without its comment mark; none where they cannot be told apart.
+    """The cells of a row of titles without its comment mark; none where they cannot be
+    told apart.
 
-    A row that is cut at blanks is cut in the first way that gives `width` titles. A mark by itself is a title (of
-    numbers of points) where the rows have a cell for it.
+    A row that is cut at blanks is cut in the first way that gives `width` titles. A
+    mark by itself is a title (of numbers of points) where the rows have a cell for it.
     """
     if sheet.separator == " ":
         line = sheet.lines[row.line - 1].strip()
         bare = _MARK.sub("", line, count=1) if _MARK.match(line) else line
-        return next((cut for text in (bare, line) for cut in _cuts(text) if len(cut) == width), [])
+        return next(
+            (cut for text in (bare, line) for cut in _cuts(text) if len(cut) == width),
+            [],
+        )
     match = _MARK.match(row.cells[0]) if row.cells else None
     if match is None:
         return row.cells
     rest = row.cells[0][match.end() :]
-    return [rest or row.cells[0], *row.cells[1:]] if rest or len(row.cells) == width else row.cells[1:]
+    return (
+        [rest or row.cells[0], *row.cells[1:]]
+        if rest or len(row.cells) == width
+        else row.cells[1:]
+    )
 
 
 def _cuts(line: str) -> Iterator[list[str]]:
-    """A line of titles in the ways that it may be meant: at blanks that are not before a bracket, at two blanks, at
-    other separators, behind brackets.
+    """A line of titles in the ways that it may be meant: at blanks that are not before
+    a bracket, at two blanks, at other separators, behind brackets.
     """
     if len(line) > _LONGEST_LINE:
         return
-    joined = re.sub(r"(?<=\S)\s+(?=[\[(])", "\0", _BRACKETS.sub(lambda match: re.sub(r"\s+", "\0", match[0]), line))
+    joined = re.sub(
+        r"(?<=\S)\s+(?=[\[(])",
+        "\0",
+        _BRACKETS.sub(lambda match: re.sub(r"\s+", "\0", match[0]), line),
+    )
     joined = re.sub(r"\s+/\s+", "\0/\0", joined)
     yield [cell.replace("\0", " ") for cell in joined.split()]
     yield [cell.strip() for cell in re.split(r"\s{2,}|\t", line)]
     for mark in ",;|":
         yield [cell.strip() for cell in line.split(mark)]
-    yield [cell.strip() for cell in re.findall(r"[^\[\]()]+(?:\[[^\[\]]*\]|\([^()]*\)|$)", line) if cell.strip()]
+    yield [
+        cell.strip()
+        for cell in re.findall(r"[^\[\]()]+(?:\[[^\[\]]*\]|\([^()]*\)|$)", line)
+        if cell.strip()
+    ]
     yield line.split()
 
 
@@ -206,7 +283,9 @@ def _numbers(cells: Sequence[str], enough: int) -> int:
 
 
 def _belongs(sheet: Sheet, row: Row, rows: list[Row], fewest: int) -> bool:
-    """Whether a row belongs to a table of the `rows` before it, though it may lack numbers."""
+    """Whether a row belongs to a table of the `rows` before it, though it may lack
+    numbers.
+    """
     first = next((cell for cell in row.cells if cell), "#")
     if first.startswith(("#", "%", "//")) or first.endswith(":"):
         return False
@@ -214,25 +293,41 @@ def _belongs(sheet: Sheet, row: Row, rows: list[Row], fewest: int) -> bool:
     if enough or not rows:
         return enough
     cells = [cell for cell in row.cells if cell]
-    wide = len(cells) > 2 or (sheet.separator != "" and len(row.cells) == len(rows[-1].cells) > 2)
+    wide = len(cells) > 2 or (
+        sheet.separator != "" and len(row.cells) == len(rows[-1].cells) > 2
+    )
     holes = all(cell.lower() in _HOLES for cell in cells)
-    return holes or bool(np.isfinite(number(cells[0]))) or (wide and _numbers(cells, 1) == 1)
+    return (
+        holes
+        or bool(np.isfinite(number(cells[0])))
+        or (wide and _numbers(cells, 1) == 1)
+    )
 
 
 def _is_timed(cells: Sequence[str], fewest: int) -> bool:
-    """Whether a row holds nothing but numbers and a time as hh:mm:ss: remarks have words beside it."""
+    """Whether a row holds nothing but numbers and a time as hh:mm:ss: remarks have
+    words beside it.
+    """
     filled = [cell for cell in cells if cell]
     if len(filled) < fewest or not any(":" in cell for cell in filled):
         return False
     values = [number(cell) for cell in filled]
     clocks = [seconds(cell) for cell in filled]
-    return bool(np.isfinite(values).any() and (np.isfinite(values) | np.isfinite(clocks)).all())
+    return bool(
+        np.isfinite(values).any() and (np.isfinite(values) | np.isfinite(clocks)).all()
+    )
 
 
 def _begins(row: Row, first: Row) -> bool:
-    """Whether a row above the first with enough numbers is one of the table too, with holes."""
+    """Whether a row above the first with enough numbers is one of the table too, with
+    holes.
+    """
     return (
         len(row.cells) == len(first.cells)
         and bool(np.isfinite(number(row.cells[0])))
-        and all(cell.lower() in ("", *_HOLES) for cell in row.cells if not np.isfinite(number(cell)))
+        and all(
+            cell.lower() in ("", *_HOLES)
+            for cell in row.cells
+            if not np.isfinite(number(cell))
+        )
     )

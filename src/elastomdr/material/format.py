@@ -1,4 +1,6 @@
-"""The TOML format of a material file: its keys, their types and units, reading and writing; see materials/README.md."""
+"""The TOML format of a material file: its keys, their types and units, reading and
+writing; see materials/README.md.
+"""
 
 import sys
 import tomllib
@@ -41,7 +43,8 @@ _KEYS = {
     "source": _TABLE,
 }
 _SERIES, _TABULATED = ("equilibrium", "moduli", "times"), ("omega", "storage", "loss")
-_NOT_TABULATED = ("bulk", "viscosity", *_SERIES)  # what has no place beside a table of moduli
+# what has no place beside a table of moduli
+_NOT_TABULATED = ("bulk", "viscosity", *_SERIES)
 SHIFT_KEYS = {
     "WLF": {"c1": _NUMBER, "c2": _NUMBER, "reference": _NUMBER},
     "Arrhenius": {"energy": _NUMBER, "reference": _NUMBER},
@@ -54,7 +57,9 @@ VERTICAL_KEYS = {
 }
 _SOFTENING_KEYS: dict[str, str] = dict.fromkeys(("strain", "storage", "loss"), _NUMBERS)
 _RANGE_KEYS = {"omega": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
-_MISFIT_KEYS: dict[str, str] = dict.fromkeys(("omega", "storage_residual", "loss_residual"), _NUMBERS)
+_MISFIT_KEYS: dict[str, str] = dict.fromkeys(
+    ("omega", "storage_residual", "loss_residual"), _NUMBERS
+)
 _GROUPS = ("moduli", "shift", "vertical", "softening", "poisson", "bulk", "range")
 _SOURCE_GROUPS: dict[str, str] = dict.fromkeys(_GROUPS, _TABLE)
 _SOURCE_KEYS = {
@@ -94,55 +99,80 @@ _IN_SOFTENING = {
     "storage": "factors on the storage modulus, 1 at small strain [1]",
     "loss": "factors on the loss modulus, 1 at small strain [1]",
 }
-_HEADER = "# Material of elastomdr, SI units throughout; the format is described in materials/README.md.\n"
+_HEADER = (
+    "# Material of elastomdr, SI units throughout; the format is described in "
+    "materials/README.md.\n"
+)
 
 
 def read_document(path: Path) -> dict[str, Any]:
-    """A material file's content, with known keys and right types only; raises `InputError`, one line with the path."""
+    """A material file's content, with known keys and right types only; raises
+    `InputError`, one line with the path.
+    """
     try:
         document = tomllib.loads(read_text(path))
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}).") from error
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror or error})."
+        ) from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}, line {line}: a material file must be UTF-8 text: save it as UTF-8.") from error
-    except (ValueError, RecursionError) as error:  # tomllib's own error is a ValueError and says line and column
-        raise InputError(f"{path}: not valid TOML: {' '.join(str(error).split())}.") from error
+        raise InputError(
+            f"{path}, line {line}: a material file must be UTF-8 text: save it as "
+            "UTF-8."
+        ) from error
+    # tomllib's own error is a ValueError and says line and column
+    except (ValueError, RecursionError) as error:
+        raise InputError(
+            f"{path}: not valid TOML: {' '.join(str(error).split())}."
+        ) from error
     validate(path, document)
     return document
 
 
 def write_document(document: Mapping[str, Any], path: Path) -> None:
-    """Writes a material file, with the unit of every key in a comment; it appears complete or not at all.
+    """Writes a material file, with the unit of every key in a comment; it appears
+    complete or not at all.
 
-    Raises `InputError` where the content does not fit the format or the file cannot be written.
+    Raises `InputError` where the content does not fit the format or the file cannot be
+    written.
     """
     import tomli_w
 
     validate(path, document)
-    # Texts hold no line breaks once written, so that every line starts with a key, a bracket or a list's entry.
+    # Texts hold no line breaks once written, so that every line starts with a key, a
+    # bracket or a list's entry.
     lines, table = [], ""
     for line in tomli_w.dumps(document).splitlines():
         table = line if line.startswith("[") else table
-        lines.append(f"{line}{_comment(line, _IN_SOFTENING if table == '[softening]' else _COMMENTS)}\n")
+        lines.append(
+            f"{line}{_comment(line, _IN_SOFTENING if table == '[softening]' else _COMMENTS)}\n"
+        )
     text = _HEADER + "".join(lines)
     write_files({path: text.encode()})
 
 
 def is_tabulated(document: Mapping[str, Any]) -> bool:
-    """Whether a material file holds a table of storage and loss moduli, and no Prony series."""
-    return any(key in document for key in _TABULATED) and not any(key in document for key in _SERIES)
+    """Whether a material file holds a table of storage and loss moduli, and no Prony
+    series.
+    """
+    return any(key in document for key in _TABULATED) and not any(
+        key in document for key in _SERIES
+    )
 
 
 def validate(path: Path, document: Mapping[str, Any]) -> None:
-    """Raises `InputError` for unknown or missing keys and wrong types; the numbers' meaning is not looked at."""
+    """Raises `InputError` for unknown or missing keys and wrong types; the numbers'
+    meaning is not looked at.
+    """
     lists = _TABULATED if is_tabulated(document) else _SERIES
     _validate_table(path, "", document, _KEYS, ("kind", *lists))
     foreign = _NOT_TABULATED if lists is _TABULATED else _TABULATED
     for key in foreign:
         if key in document:
             raise InputError(
-                f"{path}: {key} must be left out beside {lists[-1]}: a material is a series (equilibrium, moduli, "
+                f"{path}: {key} must be left out beside {lists[-1]}: a material is a "
+                "series (equilibrium, moduli, "
                 "times) or a table (omega, storage, loss)."
             )
     if "poisson" not in document and "bulk" not in document:
@@ -154,11 +184,20 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
         law = document[where].get("law")
         if not isinstance(law, str) or law not in laws:
             hint = closest(law, laws) if isinstance(law, str) else ""
-            raise InputError(f"{path}: law in [{where}] must be one of {', '.join(laws)}, got {law!r}.{hint}")
-        _validate_table(path, where, document[where], {"law": _TEXT, **laws[law]}, laws[law])
+            raise InputError(
+                f"{path}: law in [{where}] must be one of {', '.join(laws)}, got "
+                f"{law!r}.{hint}"
+            )
+        _validate_table(
+            path, where, document[where], {"law": _TEXT, **laws[law]}, laws[law]
+        )
     if "softening" in document:
-        _validate_table(path, "softening", document["softening"], _SOFTENING_KEYS, _SOFTENING_KEYS)
-        _same_length(path, " in [softening]", document["softening"], tuple(_SOFTENING_KEYS))
+        _validate_table(
+            path, "softening", document["softening"], _SOFTENING_KEYS, _SOFTENING_KEYS
+        )
+        _same_length(
+            path, " in [softening]", document["softening"], tuple(_SOFTENING_KEYS)
+        )
     _validate_table(path, "range", document.get("range", {}), _RANGE_KEYS)
     if "misfit" in document:
         _validate_table(path, "misfit", document["misfit"], _MISFIT_KEYS, _MISFIT_KEYS)
@@ -169,8 +208,8 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
         grade = source.get("grade", GRADES[0])
         if grade not in GRADES:
             raise InputError(
-                f"{path}: grade in [source.{group}] must be one of {', '.join(GRADES)}, got {grade!r}."
-                f"{closest(grade, GRADES)}"
+                f"{path}: grade in [source.{group}] must be one of "
+                f"{', '.join(GRADES)}, got {grade!r}.{closest(grade, GRADES)}"
             )
 
 
@@ -180,10 +219,15 @@ def brief(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _same_length(path: Path, place: str, table: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+def _same_length(
+    path: Path, place: str, table: Mapping[str, Any], keys: tuple[str, ...]
+) -> None:
     counts = [len(table[key]) for key in keys]
     if len(set(counts)) > 1:
-        raise InputError(f"{path}: {_listed(keys)}{place} must have the same length, got {_listed(counts)} entries.")
+        raise InputError(
+            f"{path}: {_listed(keys)}{place} must have the same length, got "
+            f"{_listed(counts)} entries."
+        )
 
 
 def _listed(parts: Iterable[Any]) -> str:
@@ -192,14 +236,23 @@ def _listed(parts: Iterable[Any]) -> str:
 
 
 def _validate_table(
-    path: Path, where: str, table: Mapping[str, Any], keys: Mapping[str, str], required: Iterable[str] = ()
+    path: Path,
+    where: str,
+    table: Mapping[str, Any],
+    keys: Mapping[str, str],
+    required: Iterable[str] = (),
 ) -> None:
     place = f" in [{where}]" if where else ""
     for key, value in table.items():
         if key not in keys:
-            raise InputError(f"{path}: unknown key {key!r}{place}.{closest(key, keys)} Keys are {', '.join(keys)}.")
+            raise InputError(
+                f"{path}: unknown key {key!r}{place}.{closest(key, keys)} Keys are "
+                f"{', '.join(keys)}."
+            )
         if not _is_of_type(value, keys[key]):
-            raise InputError(f"{path}: {key}{place} must be {keys[key]}, got {brief(value)}.")
+            raise InputError(
+                f"{path}: {key}{place} must be {keys[key]}, got {brief(value)}."
+            )
     for key in required:
         if key not in table:
             raise InputError(f"{path}: key {key!r}{place} is missing.")
@@ -207,9 +260,15 @@ def _validate_table(
 
 def _is_of_type(value: Any, accepted: str) -> bool:
     if accepted == _NUMBER:
-        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+        return (
+            isinstance(value, (int, float))
+            and not isinstance(value, bool)
+            and abs(value) <= sys.float_info.max
+        )
     if accepted == _NUMBERS:
-        return isinstance(value, list) and all(_is_of_type(entry, _NUMBER) for entry in value)
+        return isinstance(value, list) and all(
+            _is_of_type(entry, _NUMBER) for entry in value
+        )
     if accepted == _PAIR_OR_NONE and value == []:
         return True
     if accepted in (_PAIR, _PAIR_OR_NONE):

@@ -1,4 +1,5 @@
-"""The material library: TOML files, one per material, with the source and the grade of every group of numbers.
+"""The material library: TOML files, one per material, with the source and the grade of
+every group of numbers.
 
 Listing the names reads no file and loads neither NumPy nor JAX.
 """
@@ -24,15 +25,19 @@ _MISFIT = ("omega", "storage_residual", "loss_residual")
 
 
 def materials() -> list[str]:
-    """Names in the library, sorted: the package's own, those in `ELASTOMDR_MATERIALS`, those of installed packages."""
+    """Names in the library, sorted: the package's own, those in `ELASTOMDR_MATERIALS`,
+    those of installed packages.
+    """
     return sorted(_files())
 
 
 def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedModulus":
-    """The material of a name in the library, or of a TOML file: a `Prony`, or a `TabulatedModulus`.
+    """The material of a name in the library, or of a TOML file: a `Prony`, or a
+    `TabulatedModulus`.
 
-    A text that ends in .toml or holds a slash is a path. Raises `InputError`, one line that names the file, for an
-    unknown name, an unreadable file, unknown or missing keys, and numbers without meaning.
+    A text that ends in .toml or holds a slash is a path. Raises `InputError`, one line
+    that names the file, for an unknown name, an unreadable file, unknown or missing
+    keys, and numbers without meaning.
     """
     path = locate(name_or_path)
     document = read_document(path)
@@ -46,16 +51,26 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     if is_tabulated(document):
         kind, keys = TabulatedModulus, ("omega", "storage", "loss")
     try:
-        numbers = {key: document[key] for key in ("poisson", "bulk", "viscosity") if key in document}
+        numbers = {
+            key: document[key]
+            for key in ("poisson", "bulk", "viscosity")
+            if key in document
+        }
         shift = document.get("shift")
         if shift is not None:
             laws = {"WLF": WLF, "Arrhenius": Arrhenius, "VFT": VFT, "table": ShiftTable}
-            shift = laws[shift["law"]](**{key: value for key, value in shift.items() if key != "law"})
+            shift = laws[shift["law"]](
+                **{key: value for key, value in shift.items() if key != "law"}
+            )
         vertical = document.get("vertical")
         if vertical is not None:
             laws = {"entropic": EntropicVertical, "table": VerticalTable}
-            vertical = laws[vertical["law"]](**{key: value for key, value in vertical.items() if key != "law"})
-        softening = Softening(**document["softening"]) if "softening" in document else None
+            vertical = laws[vertical["law"]](
+                **{key: value for key, value in vertical.items() if key != "law"}
+            )
+        softening = (
+            Softening(**document["softening"]) if "softening" in document else None
+        )
         material = kind(
             *(document[key] for key in keys),
             kind=document["kind"],
@@ -70,19 +85,25 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     reference = document.get("reference_temperature")
-    if shift is not None and reference is not None and not abs(float(shift.reference) - reference) < 1e-4:
+    if (
+        shift is not None
+        and reference is not None
+        and not abs(float(shift.reference) - reference) < 1e-4
+    ):
         raise InputError(
-            f"{path}: reference_temperature must be that of the shift law, where its factor is 1: "
-            f"got {reference:.9g} K and {float(shift.reference):.9g} K."
+            f"{path}: reference_temperature must be that of the shift law, where its "
+            f"factor is 1: got {reference:.9g} K and {float(shift.reference):.9g} K."
         )
     return material
 
 
 def material_info(name_or_path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What the file says about a material, without its lists: description, sources and grades, ranges, the path.
+    """What the file says about a material, without its lists: description, sources and
+    grades, ranges, the path.
 
-    Adds `branches`, `glassy` (equilibrium plus all moduli [Pa]), `shortest_time` and `longest_time` [s]; of a table of
-    moduli `points`, `lowest_omega` and `highest_omega` [rad/s] instead. Loads no JAX. Raises `InputError` like
+    Adds `branches`, `glassy` (equilibrium plus all moduli [Pa]), `shortest_time` and
+    `longest_time` [s]; of a table of moduli `points`, `lowest_omega` and
+    `highest_omega` [rad/s] instead. Loads no JAX. Raises `InputError` like
     `load_material`, but does not judge the numbers.
     """
     path = locate(name_or_path)
@@ -91,7 +112,10 @@ def material_info(name_or_path: str | os.PathLike[str]) -> dict[str, Any]:
     common = {"name": path.stem, "path": str(path)}
     if is_tabulated(document):
         omega, _, _ = (document.pop(key) for key in ("omega", "storage", "loss"))
-        ends = {"lowest_omega": min(omega, default=None), "highest_omega": max(omega, default=None)}
+        ends = {
+            "lowest_omega": min(omega, default=None),
+            "highest_omega": max(omega, default=None),
+        }
         return {**common, **document, "points": len(omega), **ends}
     moduli, times = document.pop("moduli"), document.pop("times")
     return {
@@ -105,26 +129,39 @@ def material_info(name_or_path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def save_material(
-    material: "Prony | TabulatedModulus", path: str | os.PathLike[str], *, info: Mapping[str, Any] | None = None
+    material: "Prony | TabulatedModulus",
+    path: str | os.PathLike[str],
+    *,
+    info: Mapping[str, Any] | None = None,
 ) -> None:
     """Writes a material as a TOML file that `load_material` reads back bit for bit.
 
-    `info` carries what the material does not: `description`, `reference_temperature`, `range` and `source`, as
-    `material_info` returns them (its other entries are passed over); without it, the material's citation becomes the
-    source of the moduli. The file appears complete or not at all. Raises `InputError` for anything but a `Prony` or a
-    `TabulatedModulus` with concrete numbers, and where the file cannot be written.
+    `info` carries what the material does not: `description`, `reference_temperature`,
+    `range` and `source`, as `material_info` returns them (its other entries are passed
+    over); without it, the material's citation becomes the source of the moduli. The
+    file appears complete or not at all. Raises `InputError` for anything but a `Prony`
+    or a `TabulatedModulus` with concrete numbers, and where the file cannot be written.
     """
     from ..checks import is_traced
     from .prony import Prony
     from .tabulated import TabulatedModulus
 
     if not isinstance(material, (Prony, TabulatedModulus)):
-        raise InputError(f"material must be a Prony or a TabulatedModulus, got {brief(material)}.")
+        raise InputError(
+            f"material must be a Prony or a TabulatedModulus, got {brief(material)}."
+        )
     if is_traced(material):
-        raise InputError("material must hold concrete numbers to be saved, got values that JAX traces.")
+        raise InputError(
+            "material must hold concrete numbers to be saved, got values that JAX "
+            "traces."
+        )
     info = info or {}
     reference = info.get("reference_temperature")
-    if reference is None and material.shift is not None and math.isfinite(float(material.shift.reference)):
+    if (
+        reference is None
+        and material.shift is not None
+        and math.isfinite(float(material.shift.reference))
+    ):
         reference = float(material.shift.reference)
     cited = {"moduli": {"citation": material.citation}} if material.citation else {}
     known = material.range
@@ -140,35 +177,61 @@ def save_material(
         "shift": _shift_table(material.shift),
         "vertical": _vertical_table(material.vertical),
         "softening": _softening_table(material.softening),
-        "range": info.get("range", known.table() if known is not None and known.table() else None),
+        "range": info.get(
+            "range", known.table() if known is not None and known.table() else None
+        ),
         "misfit": _misfit_table(known),
         "source": info.get("source", cited or None),
     }
-    write_document({key: value for key, value in document.items() if value is not None}, Path(path))
+    write_document(
+        {key: value for key, value in document.items() if value is not None}, Path(path)
+    )
 
 
 def locate(name_or_path: str | os.PathLike[str]) -> Path:
-    """The file of a name in the library, or the path itself; raises `InputError` where there is none."""
+    """The file of a name in the library, or the path itself; raises `InputError` where
+    there is none.
+    """
     if not isinstance(name_or_path, (str, os.PathLike)):
-        raise InputError(f"material must be a name in the library or a path, got {brief(name_or_path)}.")
+        raise InputError(
+            "material must be a name in the library or a path, got "
+            f"{brief(name_or_path)}."
+        )
     text = os.fspath(name_or_path)
     path = Path(text)
-    if isinstance(name_or_path, os.PathLike) or text.endswith(".toml") or "/" in text or os.sep in text:
+    if (
+        isinstance(name_or_path, os.PathLike)
+        or text.endswith(".toml")
+        or "/" in text
+        or os.sep in text
+    ):
         if not path.exists():
-            near = closest(path.name, (other.name for other in path.parent.glob("*.toml") if _is_material(other)))
+            near = closest(
+                path.name,
+                (
+                    other.name
+                    for other in path.parent.glob("*.toml")
+                    if _is_material(other)
+                ),
+            )
             near = near or closest(path.stem, _files())
-            raise InputError(f"{path}: there is no such file.{near} Looked for in {path.absolute().parent}.")
+            raise InputError(
+                f"{path}: there is no such file.{near} Looked for in "
+                f"{path.absolute().parent}."
+            )
         return path
     files = _files()
     if text not in files:
         raise InputError(
             f"material {text!r} is not in the library.{closest(text, files)} "
-            "Accepted are the names of em.materials() (`elastomdr materials`) and paths that end in .toml. "
+            "Accepted are the names of em.materials() (`elastomdr materials`) and "
+            "paths that end in .toml. "
             f"Looked for in {', '.join(map(str, _folders()))}."
         )
     if len(files[text]) > 1:
         raise InputError(
-            f"material {text!r} is there more than once: {', '.join(map(str, files[text]))}. Give the path instead."
+            f"material {text!r} is there more than once: "
+            f"{', '.join(map(str, files[text]))}. Give the path instead."
         )
     return files[text][0]
 
@@ -183,12 +246,18 @@ def _is_material(path: Path) -> bool:
 
 
 def _folders() -> list[Path]:
-    """Where the files of the library are: the package, the folders of the variable, installed packages."""
-    own = Path(__file__).parent / "data"  # where the wheel has them; a checkout has them at its root
+    """Where the files of the library are: the package, the folders of the variable,
+    installed packages.
+    """
+    # where the wheel has them; a checkout has them at its root
+    own = Path(__file__).parent / "data"
     folders = [own if own.is_dir() else Path(__file__).parents[3] / "materials"]
     for entry in filter(None, os.environ.get(SEARCH_VARIABLE, "").split(os.pathsep)):
         if not Path(entry).is_dir():
-            raise InputError(f"{SEARCH_VARIABLE} must list directories, got {entry!r}, which is none.")
+            raise InputError(
+                f"{SEARCH_VARIABLE} must list directories, got {entry!r}, which is "
+                "none."
+            )
         folders.append(Path(entry))
     for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
         try:
@@ -197,14 +266,17 @@ def _folders() -> list[Path]:
             spec = None
         if spec is None or not spec.submodule_search_locations:
             raise InputError(
-                f"Entry point {point.name!r} of {ENTRY_POINTS} must be a package with TOML files, got {point.value!r}."
+                f"Entry point {point.name!r} of {ENTRY_POINTS} must be a package "
+                f"with TOML files, got {point.value!r}."
             )
         folders += map(Path, spec.submodule_search_locations)
     return list(dict.fromkeys(folder.resolve() for folder in folders))
 
 
 def _files() -> dict[str, list[Path]]:
-    """Every material file, by name. A name that is there twice is an error only for who asks for it."""
+    """Every material file, by name. A name that is there twice is an error only for who
+    asks for it.
+    """
     files: dict[str, list[Path]] = {}
     for folder in _folders():
         for path in folder.glob("*.toml"):
@@ -223,13 +295,21 @@ def _series(material: "Prony") -> dict[str, Any]:
 
 
 def _tabulated(material: "TabulatedModulus") -> dict[str, Any]:
-    lists = {"omega": material.omega, "storage": material.storage_table, "loss": material.loss_table}
+    lists = {
+        "omega": material.omega,
+        "storage": material.storage_table,
+        "loss": material.loss_table,
+    }
     return {key: [float(value) for value in values] for key, values in lists.items()}
 
 
 def _softening_table(softening: Any) -> dict[str, Any] | None:
     keys = ("strain", "storage", "loss")
-    return None if softening is None else {key: [float(value) for value in getattr(softening, key)] for key in keys}
+    return (
+        None
+        if softening is None
+        else {key: [float(value) for value in getattr(softening, key)] for key in keys}
+    )
 
 
 def _misfit_table(known: Any) -> dict[str, list[float]] | None:
@@ -239,22 +319,35 @@ def _misfit_table(known: Any) -> dict[str, list[float]] | None:
 
 
 def _range(document: Mapping[str, Any]) -> Any:
-    """Where the numbers hold, as the file says; what has no meaning there is for `check_material` to find."""
+    """Where the numbers hold, as the file says; what has no meaning there is for
+    `check_material` to find.
+    """
     from .validity import Range, as_range
 
-    pairs = {key: pair for key, pair in document.get("range", {}).items() if not pair or pair[0] > 0}
-    illustrative = document.get("source", {}).get("range", {}).get("grade") == "illustrative"
+    pairs = {
+        key: pair
+        for key, pair in document.get("range", {}).items()
+        if not pair or pair[0] > 0
+    }
+    illustrative = (
+        document.get("source", {}).get("range", {}).get("grade") == "illustrative"
+    )
     known = as_range(pairs, illustrative) if pairs else None
     rows = document.get("misfit")
     misfit = tuple(zip(*(rows[key] for key in _MISFIT), strict=True)) if rows else ()
     if any(not omega > 0 or storage < 0 or loss < 0 for omega, storage, loss in misfit):
-        raise InputError("omega in [misfit] must be positive, and both residuals zero or positive.")
+        raise InputError(
+            "omega in [misfit] must be positive, and both residuals zero or positive."
+        )
     return (known or Range(None, None))._replace(misfit=misfit) if misfit else known
 
 
 def _citation(source: Mapping[str, Mapping[str, Any]]) -> str:
     """The papers behind the moduli, the shift law and the softening, each once."""
-    texts = (source.get(group, {}).get("citation", "") for group in ("moduli", "shift", "softening"))
+    texts = (
+        source.get(group, {}).get("citation", "")
+        for group in ("moduli", "shift", "softening")
+    )
     return "; ".join(dict.fromkeys(filter(None, texts)))
 
 
@@ -265,11 +358,21 @@ def _shift_table(shift: Any) -> dict[str, Any] | None:
         return None
     if isinstance(shift, ShiftTable):
         lists = {"temperature": shift.temperature, "log10_a": shift.log10_a_table}
-        return {"law": "table", **{key: [float(entry) for entry in value] for key, value in lists.items()}}
+        return {
+            "law": "table",
+            **{key: [float(entry) for entry in value] for key, value in lists.items()},
+        }
     for law in (WLF, Arrhenius, VFT):
         if isinstance(shift, law):
-            return {"law": law.__name__, **{key: float(getattr(shift, key)) for key in SHIFT_KEYS[law.__name__]}}
-    raise InputError(f"material.shift must be a WLF, Arrhenius, VFT or ShiftTable to be saved, got {brief(shift)}.")
+            return {
+                "law": law.__name__,
+                **{key: float(getattr(shift, key)) for key in SHIFT_KEYS[law.__name__]},
+            }
+    raise InputError(
+        "material.shift must be a WLF, Arrhenius, VFT or ShiftTable to be saved, "
+        "got "
+        f"{brief(shift)}."
+    )
 
 
 def _vertical_table(vertical: Any) -> dict[str, Any] | None:
@@ -279,9 +382,13 @@ def _vertical_table(vertical: Any) -> dict[str, Any] | None:
         return {"law": "entropic", "reference": float(vertical.reference)}
     if isinstance(vertical, VerticalTable):
         lists = {"temperature": vertical.temperature, "factor": vertical.factor}
-        return {"law": "table", **{key: [float(entry) for entry in value] for key, value in lists.items()}}
+        return {
+            "law": "table",
+            **{key: [float(entry) for entry in value] for key, value in lists.items()},
+        }
     if vertical is not None:
         raise InputError(
-            f"material.vertical must be an EntropicVertical or a VerticalTable to be saved, got {brief(vertical)}."
+            "material.vertical must be an EntropicVertical or a VerticalTable to "
+            f"be saved, got {brief(vertical)}."
         )
     return None

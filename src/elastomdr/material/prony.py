@@ -1,5 +1,5 @@
-"""The viscoelastic solid: a Prony series for shear or tension, a constant Poisson's ratio or bulk modulus, a shift
-law.
+"""The viscoelastic solid: a Prony series for shear or tension, a constant Poisson's
+ratio or bulk modulus, a shift law.
 """
 
 from __future__ import annotations
@@ -64,23 +64,28 @@ class DashpotProperties(Properties, total=False):
 
 
 class Prony(AbstractRelaxation):
-    """Generalised Maxwell solid: M(t) = M_inf + sum_k M_k exp(-t/tau_k) + eta delta(t), M the shear or tensile modulus.
+    """Generalised Maxwell solid: M(t) = M_inf + sum_k M_k exp(-t/tau_k) + eta delta(t),
+    M the shear or tensile modulus.
 
-    Give either a constant Poisson's ratio (default 0.5, incompressible) or a constant bulk modulus. An equilibrium
-    modulus of zero makes it a liquid. All fields and methods speak of the `kind` of modulus that was given; `shear()`
-    and `tensile()` are the same material in the other kind. `range` says where the numbers hold, as a dict like the
-    [range] of a material file: `em.friction` flags what lies beyond. `softening` (`em.Softening`) has the factors
-    on the moduli at larger strains. Raises `InputError` for negative or NaN moduli, times that are not positive, a
-    Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`. Branches may come in any order: they are sorted by
-    their times, and those of one time are added.
+    Give either a constant Poisson's ratio (default 0.5, incompressible) or a constant
+    bulk modulus. An equilibrium modulus of zero makes it a liquid. All fields and
+    methods speak of the `kind` of modulus that was given; `shear()` and `tensile()` are
+    the same material in the other kind. `range` says where the numbers hold, as a dict
+    like the [range] of a material file: `em.friction` flags what lies beyond.
+    `softening` (`em.Softening`) has the factors on the moduli at larger strains. Raises
+    `InputError` for negative or NaN moduli, times that are not positive, a Poisson's
+    ratio outside (-1, 0.5], or both `poisson` and `bulk`. Branches may come in any
+    order: they are sorted by their times, and those of one time are added.
     """
 
     equilibrium: Float[Array, ""]  # M_inf, as given [Pa]
     moduli: Float[Array, " n"]  # M_k, as given [Pa]
     times: Float[Array, " n"]  # relaxation times tau_k, ascending [s]
     viscosity: Float[Array, ""]  # parallel dashpot, as given [Pa s]
-    poisson: Array | None  # constant Poisson's ratio, a scalar; None where `bulk` is given
-    bulk: Array | None  # constant bulk modulus, a scalar [Pa]; None where `poisson` is given
+    # constant Poisson's ratio, a scalar; None where `bulk` is given
+    poisson: Array | None
+    # constant bulk modulus, a scalar [Pa]; None where `poisson` is given
+    bulk: Array | None
     shift: AbstractShift | None
     vertical: AbstractVertical | None  # b_T, which multiplies all moduli
     softening: Softening | None  # factors on the moduli by strain; None: linear
@@ -114,25 +119,42 @@ class Prony(AbstractRelaxation):
                 raise InputError(f"{argument} must be a text, got {text!r}.")
         if poisson is not None and bulk is not None:
             raise InputError(
-                f"poisson and bulk exclude each other (one of them is constant), got poisson={poisson} and bulk={bulk}."
+                "poisson and bulk exclude each other (one of them is constant), "
+                f"got poisson={poisson} and bulk={bulk}."
             )
         if shift is not None and not isinstance(shift, AbstractShift):
-            raise InputError(f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}.")
+            raise InputError(
+                f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
+            )
         check_vertical(vertical)
         if bulk is not None:
             bulk = scalar("bulk", bulk)
             positive("bulk", bulk)
         else:
             poisson = scalar("poisson", 0.5 if poisson is None else poisson)
-            require("poisson", poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
-        fill(self, **vars(law), poisson=poisson, bulk=bulk, shift=shift, vertical=vertical)
+            require(
+                "poisson",
+                poisson,
+                "above -1 and at most 0.5",
+                lambda nu: (nu > -1) & (nu <= 0.5),
+            )
+        fill(
+            self,
+            **vars(law),
+            poisson=poisson,
+            bulk=bulk,
+            shift=shift,
+            vertical=vertical,
+        )
         fill(self, softening=as_softening(softening))
         fill(self, kind=kind, name=name, citation=citation, range=as_range(range))
         if kind == "tensile" and self.bulk is not None:
             if not is_traced(law.viscosity) and law.viscosity > 0:
                 raise InputError(
-                    "viscosity must be 0 for tensile moduli with a constant bulk modulus: "
-                    f"Young's modulus cannot exceed 9 bulk, got {float(law.viscosity):g}."
+                    "viscosity must be 0 for tensile moduli with a constant bulk "
+                    "modulus: "
+                    "Young's modulus cannot exceed 9 bulk, got "
+                    f"{float(law.viscosity):g}."
                 )
             if not is_traced(law, self.bulk) and law.instantaneous >= 9 * self.bulk:
                 raise InputError(
@@ -147,13 +169,15 @@ class Prony(AbstractRelaxation):
     def shear(self) -> "Prony":
         """The same material by its shear modulus G(t).
 
-        Exact: G = E/(2 (1 + nu)) for a constant Poisson's ratio, and 1/(3G) = 1/E - 1/(9K) for a constant bulk modulus,
-        with as many branches.
+        Exact: G = E/(2 (1 + nu)) for a constant Poisson's ratio, and 1/(3G) = 1/E -
+        1/(9K) for a constant bulk modulus, with as many branches.
         """
         return self if self.kind == "shear" else self._in_other_kind()
 
     def tensile(self) -> "Prony":
-        """The same material by its tensile modulus E(t); with a constant bulk modulus a dashpot becomes a branch."""
+        """The same material by its tensile modulus E(t); with a constant bulk modulus a
+        dashpot becomes a branch.
+        """
         return self if self.kind == "tensile" else self._in_other_kind()
 
     @numpy_unless_traced
@@ -166,17 +190,26 @@ class Prony(AbstractRelaxation):
         elif tensile:  # take the bulk part out of the creep function, then invert it
             chain = to_kelvin(given)
             glassy = 3 * (chain.instantaneous - 1 / (9 * bulk))
-            law = to_relaxation(KelvinChain(glassy, 3 * chain.compliances, chain.times, 3 * chain.fluidity))
+            law = to_relaxation(
+                KelvinChain(
+                    glassy, 3 * chain.compliances, chain.times, 3 * chain.fluidity
+                )
+            )
         else:
             law = series(scaled(given, 3.0), spring(9 * bulk))
         return replaced(
-            self, equilibrium=law.equilibrium, moduli=law.moduli, times=law.times, viscosity=law.viscosity,
+            self,
+            equilibrium=law.equilibrium,
+            moduli=law.moduli,
+            times=law.times,
+            viscosity=law.viscosity,
             kind="shear" if tensile else "tensile",
-        )  # fmt: skip
+        )
 
     @numpy_unless_traced
     def at(self, temperature: Number) -> "Prony":
-        """The same material at a temperature [K]: its times multiplied by a_T, its moduli by b_T, the bulk modulus too.
+        """The same material at a temperature [K]: its times multiplied by a_T, its
+        moduli by b_T, the bulk modulus too.
 
         Raises without a shift law.
         """
@@ -186,22 +219,32 @@ class Prony(AbstractRelaxation):
         known = None if self.range is None else self.range.at(temperature, a)
         law = scaled(self.law(), b)
         return replaced(
-            self, equilibrium=law.equilibrium, moduli=law.moduli, times=self.times * a, viscosity=law.viscosity * a,
-            bulk=None if self.bulk is None else self.bulk * b, shift=None, vertical=None, range=known,
-        )  # fmt: skip
+            self,
+            equilibrium=law.equilibrium,
+            moduli=law.moduli,
+            times=self.times * a,
+            viscosity=law.viscosity * a,
+            bulk=None if self.bulk is None else self.bulk * b,
+            shift=None,
+            vertical=None,
+            range=known,
+        )
 
     def draws(self, n: int, seed: int = 0) -> "list[Prony]":
-        """Materials as far from this one as it is from its data, for `em.friction` and `em.sweep`.
+        """Materials as far from this one as it is from its data, for `em.friction` and
+        `em.sweep`.
 
-        Their moduli deviate by the misfit that the range records ([misfit] in a material file), over about a decade of
-        frequency alike. Shift factors are as they are: `em.fit.material(...).draws` knows their uncertainty too.
+        Their moduli deviate by the misfit that the range records ([misfit] in a
+        material file), over about a decade of frequency alike. Shift factors are as
+        they are: `em.fit.material(...).draws` knows their uncertainty too.
 
         Args:
             n: how many, 2 or more.
             seed: of the random numbers.
 
         Raises:
-            InputError: for a material without a record of its misfit, and for numbers that are not whole.
+            InputError: for a material without a record of its misfit, and for numbers
+                that are not whole.
         """
         from .draws import drawn_from_misfit
 
@@ -210,33 +253,64 @@ class Prony(AbstractRelaxation):
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
         if is_traced(self) or np.ndim(self.equilibrium) or np.ndim(self.moduli) != 1:
-            what = "traced" if is_traced(self) else f"a batch of shape {np.shape(self.equilibrium)}"
-            return f"Prony({label}{self.kind}, {np.shape(self.moduli)[-1]} branches, {what})"
-        span = f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s" if self.moduli.size else ""
+            what = (
+                "traced"
+                if is_traced(self)
+                else f"a batch of shape {np.shape(self.equilibrium)}"
+            )
+            return (
+                f"Prony({label}{self.kind}, {np.shape(self.moduli)[-1]} branches, "
+                f"{what})"
+            )
+        span = (
+            f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s"
+            if self.moduli.size
+            else ""
+        )
         glassy = float(self.equilibrium + np.sum(self.moduli))
-        dashpot = f", viscosity {float(self.viscosity):.4g} Pa s" if float(self.viscosity) else ""
+        dashpot = (
+            f", viscosity {float(self.viscosity):.4g} Pa s"
+            if float(self.viscosity)
+            else ""
+        )
         return (
-            f"Prony({label}{self.kind} modulus {float(self.equilibrium):.4g} Pa relaxed, {glassy:.4g} Pa glassy, "
-            f"{self.moduli.size} branches{span}{dashpot})"
+            f"Prony({label}{self.kind} modulus {float(self.equilibrium):.4g} Pa "
+            f"relaxed, {glassy:.4g} Pa glassy, {self.moduli.size} "
+            f"branches{span}{dashpot})"
         )
 
 
 @in_si
-def KelvinVoigt(modulus: Number, viscosity: Number, **properties: Unpack[Properties]) -> Prony:
-    """A spring [Pa] and a dashpot [Pa s] in parallel; keyword arguments as for `Prony`."""
+def KelvinVoigt(
+    modulus: Number, viscosity: Number, **properties: Unpack[Properties]
+) -> Prony:
+    """A spring [Pa] and a dashpot [Pa s] in parallel; keyword arguments as for
+    `Prony`.
+    """
     not_negative("modulus", as_float64("modulus", modulus))
     return Prony(modulus, np.zeros(0), np.zeros(0), viscosity=viscosity, **properties)
 
 
 @in_si
-def Maxwell(modulus: Number, time: Number, **properties: Unpack[DashpotProperties]) -> Prony:
-    """A spring [Pa] and a dashpot in series with relaxation time [s]: a liquid; keyword arguments as for `Prony`."""
+def Maxwell(
+    modulus: Number, time: Number, **properties: Unpack[DashpotProperties]
+) -> Prony:
+    """A spring [Pa] and a dashpot in series with relaxation time [s]: a liquid; keyword
+    arguments as for `Prony`.
+    """
     return Prony(0.0, *_one_branch(modulus, time), **properties)
 
 
 @in_si
-def StandardSolid(equilibrium: Number, modulus: Number, time: Number, **properties: Unpack[DashpotProperties]) -> Prony:
-    """A spring [Pa] beside one Maxwell branch [Pa, s]; keyword arguments as for `Prony`."""
+def StandardSolid(
+    equilibrium: Number,
+    modulus: Number,
+    time: Number,
+    **properties: Unpack[DashpotProperties],
+) -> Prony:
+    """A spring [Pa] beside one Maxwell branch [Pa, s]; keyword arguments as for
+    `Prony`.
+    """
     return Prony(equilibrium, *_one_branch(modulus, time), **properties)
 
 

@@ -1,4 +1,6 @@
-"""The relaxation function shared by materials and foundations: a spring, Maxwell branches and a dashpot in parallel."""
+"""The relaxation function shared by materials and foundations: a spring, Maxwell
+branches and a dashpot in parallel.
+"""
 
 from __future__ import annotations
 
@@ -31,9 +33,11 @@ _APART = 1e-12  # relative distance of equal times that cannot be made one
 
 
 class AbstractRelaxation(Tree):
-    """E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta delta(t), with its creep function and its complex modulus.
+    """E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta delta(t), with its creep function
+    and its complex modulus.
 
-    Subclasses hold the four fields. "Modulus" stands for whatever quantity they carry: G, E*, a layer's stiffness.
+    Subclasses hold the four fields. "Modulus" stands for whatever quantity they carry:
+    G, E*, a layer's stiffness.
     """
 
     equilibrium: Float[Array, ""]  # E_inf, zero for a liquid [Pa]
@@ -53,34 +57,44 @@ class AbstractRelaxation(Tree):
 
     @numpy_unless_traced
     def relaxation(self, t: ArrayLike) -> Array:
-        """Stress after a unit strain step, E(t) [Pa], at times t > 0 [s], any shape. A dashpot adds nothing at t >
-        0.
+        """Stress after a unit strain step, E(t) [Pa], at times t > 0 [s], any shape. A
+        dashpot adds nothing at t > 0.
         """
         law, t = self.law(), as_float64("t", t)
         not_negative("t", t)
-        return law.equilibrium + _sum_branches(law.moduli, xp.exp(-t[..., None] / law.times))
+        return law.equilibrium + _sum_branches(
+            law.moduli, xp.exp(-t[..., None] / law.times)
+        )
 
     @numpy_unless_traced
     def creep_compliance(self, t: ArrayLike) -> Array:
         """Strain after a unit stress step, J(t) [1/Pa], at times t >= 0 [s], any shape.
 
-        A parallel dashpot lets nothing happen at once: J(0) = 0, though `instantaneous`, without it, is finite.
-        Exact: the Kelvin chain with the same law, from the zeros of the relaxation function (`to_kelvin`).
+        A parallel dashpot lets nothing happen at once: J(0) = 0, though
+        `instantaneous`, without it, is finite. Exact: the Kelvin chain with the same
+        law, from the zeros of the relaxation function (`to_kelvin`).
         """
         chain, t = to_kelvin(self.law()), as_float64("t", t)
         not_negative("t", t)
-        retarded = _sum_branches(chain.compliances, -xp.expm1(-t[..., None] / chain.times))
+        retarded = _sum_branches(
+            chain.compliances, -xp.expm1(-t[..., None] / chain.times)
+        )
         return chain.instantaneous + retarded + t * chain.fluidity
 
     @numpy_unless_traced
     def complex_modulus(self, omega: ArrayLike) -> ComplexArray:
-        """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at omega >= 0 [rad/s], any shape."""
+        """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at
+        omega >= 0 [rad/s], any shape.
+        """
         law, omega = self.law(), as_float64("omega", omega)
         not_negative("omega", omega)
         x = omega[..., None] * law.times
         with np.errstate(divide="ignore"):  # at rest nothing is stored or lost: x = 0
             both = x + 1 / x
-        storage, loss = _sum_branches(law.moduli, x / both), _sum_branches(law.moduli, 1 / both)
+        storage, loss = (
+            _sum_branches(law.moduli, x / both),
+            _sum_branches(law.moduli, 1 / both),
+        )
         return law.equilibrium + storage + 1j * (loss + omega * law.viscosity)
 
     def storage(self, omega: ArrayLike) -> Array:
@@ -93,14 +107,20 @@ class AbstractRelaxation(Tree):
 
     @numpy_unless_traced
     def loss_tangent(self, omega: ArrayLike) -> Array:
-        """Loss modulus over storage modulus at omega [rad/s]; infinite where nothing is stored."""
+        """Loss modulus over storage modulus at omega [rad/s]; infinite where nothing is
+        stored.
+        """
         value = self.complex_modulus(omega)
         elastic = value.real > 0
-        return xp.where(elastic, value.imag / xp.where(elastic, value.real, 1.0), xp.inf)
+        return xp.where(
+            elastic, value.imag / xp.where(elastic, value.real, 1.0), xp.inf
+        )
 
 
 class Relaxation(AbstractRelaxation):
-    """A bare relaxation function; `Prony` and `Foundation` say what it is the relaxation function of."""
+    """A bare relaxation function; `Prony` and `Foundation` say what it is the
+    relaxation function of.
+    """
 
     equilibrium: Float[Array, ""]
     moduli: Float[Array, " n"]
@@ -112,7 +132,9 @@ class Relaxation(AbstractRelaxation):
 
 
 class KelvinChain(Tree):
-    """J(t) = J_0 + sum_k J_k (1 - exp(-t/lambda_k)) + phi t: the creep form of the same law."""
+    """J(t) = J_0 + sum_k J_k (1 - exp(-t/lambda_k)) + phi t: the creep form of the same
+    law.
+    """
 
     instantaneous: Float[Array, ""]  # J_0 [1/Pa]
     compliances: Float[Array, " n"]  # J_k [1/Pa]
@@ -121,30 +143,46 @@ class KelvinChain(Tree):
 
 
 def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxation:
-    """A `Relaxation` from a user's numbers, or an `InputError` that names what is wrong with them."""
-    equilibrium, viscosity = as_float64("equilibrium", equilibrium), as_float64("viscosity", viscosity)
+    """A `Relaxation` from a user's numbers, or an `InputError` that names what is wrong
+    with them.
+    """
+    equilibrium, viscosity = (
+        as_float64("equilibrium", equilibrium),
+        as_float64("viscosity", viscosity),
+    )
     moduli, times = as_float64("moduli", moduli), as_float64("times", times)
     for name, value in (("equilibrium", equilibrium), ("viscosity", viscosity)):
         if value.shape != ():
-            raise InputError(f"{name} must be a single number, got an array of shape {value.shape}.")
+            raise InputError(
+                f"{name} must be a single number, got an array of shape {value.shape}."
+            )
         not_negative(name, value)
     alike(0, moduli=moduli, times=times)
     not_negative("moduli", moduli)
     positive("times", times)
     moduli, times = in_order(moduli, times)
-    if not is_traced(equilibrium, moduli, viscosity) and equilibrium + viscosity + moduli.sum() <= 0:
-        raise InputError("equilibrium, moduli and viscosity are all zero: such a material carries no load.")
+    if (
+        not is_traced(equilibrium, moduli, viscosity)
+        and equilibrium + viscosity + moduli.sum() <= 0
+    ):
+        raise InputError(
+            "equilibrium, moduli and viscosity are all zero: such a material "
+            "carries no load."
+        )
     return Relaxation(equilibrium, moduli, times, viscosity)
 
 
 @numpy_unless_traced
 def in_order(moduli: Array, times: Array) -> tuple[Array, Array]:
-    """Branches by ascending time, those of one time as one. Under a transformation of the times, where their number
-    is fixed, those of one time are moved apart by rounding."""
+    """Branches by ascending time, those of one time as one. Under a transformation of
+    the times, where their number is fixed, those of one time are moved apart by
+    rounding.
+    """
     if is_traced(times):
         order = xp.argsort(times)
         times = times[order]
-        before = np.arange(times.shape[0]) - xp.searchsorted(times, times)  # how many of the same time
+        # how many of the same time
+        before = np.arange(times.shape[0]) - xp.searchsorted(times, times)
         return xp.asarray(moduli)[order], times * (1 + _APART * before)
     if (np.diff(times) > 0).all():
         return moduli, times
@@ -155,7 +193,9 @@ def in_order(moduli: Array, times: Array) -> tuple[Array, Array]:
 
 def scaled(law: Relaxation, factor: Any) -> Relaxation:
     """`factor` times the relaxation function."""
-    return Relaxation(law.equilibrium * factor, law.moduli * factor, law.times, law.viscosity * factor)
+    return Relaxation(
+        law.equilibrium * factor, law.moduli * factor, law.times, law.viscosity * factor
+    )
 
 
 @numpy_unless_traced
@@ -174,18 +214,22 @@ def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
 
 @numpy_unless_traced
 def to_kelvin(law: Relaxation) -> KelvinChain:
-    """The Kelvin chain of a relaxation function, exact: its retardation times are the zeros of E(s).
+    """The Kelvin chain of a relaxation function, exact: its retardation times are the
+    zeros of E(s).
 
-    With s = -1/lambda, E(s) = E_inf - sum_k E_k tau_k/(lambda - tau_k) - eta/lambda: the dashpot is a branch whose
-    time is zero. Each retardation time lies just above a relaxation time. Source: Gross, "Mathematical Structure of
-    the Theories of Viscoelasticity" (1953), for the interlacing.
+    With s = -1/lambda, E(s) = E_inf - sum_k E_k tau_k/(lambda - tau_k) - eta/lambda:
+    the dashpot is a branch whose time is zero. Each retardation time lies just above a
+    relaxation time. Source: Gross, "Mathematical Structure of the Theories of
+    Viscoelasticity" (1953), for the interlacing.
     """
     return kelvin_and_gaps(law)[0]
 
 
 @numpy_unless_traced
 def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
-    """The Kelvin chain, and lambda_j - tau_k to full relative accuracy, however close the times lie together."""
+    """The Kelvin chain, and lambda_j - tau_k to full relative accuracy, however close
+    the times lie together.
+    """
     with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
     times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
     weights = moduli * times
@@ -195,12 +239,18 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     equilibrium = xp.asarray(law.equilibrium)
     total_viscosity = xp.asarray(law.viscosity) + xp.sum(moduli * xp.asarray(law.times))
     glassy = equilibrium + xp.sum(moduli)
-    instantaneous = xp.where(xp.asarray(law.viscosity) > 0, 0.0, 1 / xp.where(glassy > 0, glassy, 1.0))
+    instantaneous = xp.where(
+        xp.asarray(law.viscosity) > 0, 0.0, 1 / xp.where(glassy > 0, glassy, 1.0)
+    )
     liquid = equilibrium == 0
-    fluidity = xp.where(liquid, 1 / xp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0)
+    fluidity = xp.where(
+        liquid, 1 / xp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0
+    )
     poles, strengths, present = _without_empty(times, weights)
     if poles.shape[0] == 0:
-        return KelvinChain(instantaneous, strengths, poles, fluidity), xp.zeros((0, moduli.shape[0]))
+        return KelvinChain(instantaneous, strengths, poles, fluidity), xp.zeros(
+            (0, moduli.shape[0])
+        )
     roots, slope, near = _roots(poles, strengths, equilibrium)
     there = xp.isfinite(roots) & present
     compliances = xp.where(there, 1 / (xp.where(there, roots, 1.0) * slope), 0.0)
@@ -214,19 +264,26 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
         gaps[:, kept] = closer
     else:
         gaps = gaps.at[:, kept].set(closer)
-    if not is_traced(there):  # drop what is not there: the flow of a liquid, an empty branch
+    # drop what is not there: the flow of a liquid, an empty branch
+    if not is_traced(there):
         order = order[: int(there.sum())]
-    return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[order]
+    return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[
+        order
+    ]
 
 
 @numpy_unless_traced
 def to_relaxation(chain: KelvinChain) -> Relaxation:
-    """The relaxation function of a Kelvin chain: the inverse of `to_kelvin`, with the roles of poles and zeros changed.
+    """The relaxation function of a Kelvin chain: the inverse of `to_kelvin`, with the
+    roles of poles and zeros changed.
 
     With s = -1/t, J(s) = t [J_0/t + sum_k J_k/(t - lambda_k) - phi].
     """
     compliances, times = xp.asarray(chain.compliances), xp.asarray(chain.times)
-    instantaneous, fluidity = xp.asarray(chain.instantaneous), xp.asarray(chain.fluidity)
+    instantaneous, fluidity = (
+        xp.asarray(chain.instantaneous),
+        xp.asarray(chain.fluidity),
+    )
     poles = xp.concatenate([xp.zeros(1), times])
     weights = xp.concatenate([instantaneous[None], compliances])
     if not is_traced(weights):
@@ -250,7 +307,9 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
 
 @numpy_unless_traced
 def series(first: Relaxation, second: Relaxation) -> Relaxation:
-    """Two bodies that carry the same stress: their creep functions add. Exact, n_1 + n_2 branches at most."""
+    """Two bodies that carry the same stress: their creep functions add. Exact, n_1 +
+    n_2 branches at most.
+    """
     one, two = to_kelvin(first), to_kelvin(second)
     times = xp.concatenate([one.times, two.times])
     order = xp.argsort(times)
@@ -270,7 +329,9 @@ def spring(modulus: Any) -> Relaxation:
 
 
 def _roots(*problem: Array) -> tuple[Array, Array, Array]:
-    """`secular_roots`, of numbers as numbers: under a transformation of something else they would become traced."""
+    """`secular_roots`, of numbers as numbers: under a transformation of something else
+    they would become traced.
+    """
     if is_traced(problem):
         return secular_roots(*problem)
     return numpy_unless_traced(secular_roots)(*map(np.asarray, problem))
@@ -281,7 +342,9 @@ def _sum_branches(weights: Array, terms: Array) -> Array:
 
 
 def _without_empty(times: Array, weights: Array) -> tuple[Array, Array, Array]:
-    """Leaves out branches of zero weight where that can be seen: their interval would hold no root."""
+    """Leaves out branches of zero weight where that can be seen: their interval would
+    hold no root.
+    """
     if is_traced(weights):
         return times, weights, weights > 0
     kept = weights > 0

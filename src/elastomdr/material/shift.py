@@ -1,4 +1,6 @@
-"""Time-temperature superposition: the factor a_T by which all relaxation times grow when the material cools."""
+"""Time-temperature superposition: the factor a_T by which all relaxation times grow
+when the material cools.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,9 @@ _LN10 = float(np.log(10.0))
 
 
 class AbstractShift(Tree):
-    """A shift law; `a(T)` is tau(T)/tau(reference), so that it is 1 at the reference temperature."""
+    """A shift law; `a(T)` is tau(T)/tau(reference), so that it is 1 at the reference
+    temperature.
+    """
 
     if TYPE_CHECKING:  # declared by each law, in an order of its own
         reference: Float[Array, ""]  # [K]
@@ -54,7 +58,9 @@ class AbstractShift(Tree):
 
     @numpy_unless_traced
     def log10_a(self, temperature: ArrayLike) -> Array:
-        """log10 a_T at temperatures [K], any shape. Raises `InputError` outside the law's range."""
+        """log10 a_T at temperatures [K], any shape. Raises `InputError` outside the
+        law's range.
+        """
         temperature = as_float64("temperature", temperature)
         in_kelvin("temperature", temperature)
         self._check(temperature)
@@ -63,12 +69,15 @@ class AbstractShift(Tree):
     @numpy_unless_traced
     def a(self, temperature: ArrayLike) -> Array:
         """Shift factor a_T at temperatures [K], any shape."""
-        with np.errstate(over="ignore"):  # close above the pole: infinite, for the caller to judge
+        # close above the pole: infinite, for the caller to judge
+        with np.errstate(over="ignore"):
             return 10.0 ** self.log10_a(temperature)
 
     @in_float64
     def activation_energy(self, temperature: ArrayLike) -> Array:
-        """Apparent activation energy R d(ln a_T)/d(1/T) [J/mol] at temperatures [K], any shape."""
+        """Apparent activation energy R d(ln a_T)/d(1/T) [J/mol] at temperatures [K],
+        any shape.
+        """
         import jax
 
         self.log10_a(temperature)
@@ -78,14 +87,21 @@ class AbstractShift(Tree):
 
 
 class WLF(AbstractShift):
-    """log10 a_T = -c1 (T - T_ref)/(c2 + T - T_ref), above T_ref - c2 (Williams, Landel & Ferry 1955)."""
+    """log10 a_T = -c1 (T - T_ref)/(c2 + T - T_ref), above T_ref - c2 (Williams, Landel
+    & Ferry 1955).
+    """
 
     c1: Float[Array, ""]
     c2: Float[Array, ""]  # [K]
     reference: Float[Array, ""]  # [K]
 
     def __init__(self, c1: Number, c2: Number, reference: Number):
-        fill(self, c1=scalar("c1", c1), c2=scalar("c2", c2), reference=scalar("reference", reference))
+        fill(
+            self,
+            c1=scalar("c1", c1),
+            c2=scalar("c2", c2),
+            reference=scalar("reference", reference),
+        )
         positive("c1", self.c1)
         positive("c2", self.c2)
         in_kelvin("reference", self.reference)
@@ -110,23 +126,39 @@ class WLF(AbstractShift):
 
 
 class VFT(AbstractShift):
-    """ln a_T = b/(T - t0) - b/(T_ref - t0), above t0 (Vogel 1921, Fulcher 1925, Tammann 1926)."""
+    """ln a_T = b/(T - t0) - b/(T_ref - t0), above t0 (Vogel 1921, Fulcher 1925, Tammann
+    1926).
+    """
 
     b: Float[Array, ""]  # [K]
     t0: Float[Array, ""]  # Vogel temperature [K]
     reference: Float[Array, ""]  # [K]
 
     def __init__(self, b: Number, t0: Number, reference: Number):
-        fill(self, b=scalar("b", b), t0=scalar("t0", t0), reference=scalar("reference", reference))
+        fill(
+            self,
+            b=scalar("b", b),
+            t0=scalar("t0", t0),
+            reference=scalar("reference", reference),
+        )
         positive("b", self.b)
         in_kelvin("reference", self.reference)
         not_negative("t0", self.t0)
         if not is_traced(self.reference):
             reference = float(self.reference)
-            require("t0", self.t0, f"below the reference temperature, {reference:g} K", lambda t: t < reference)
+            require(
+                "t0",
+                self.t0,
+                f"below the reference temperature, {reference:g} K",
+                lambda t: t < reference,
+            )
 
     def _log10_a(self, temperature: Array) -> Array:
-        return self.b * (1 / (temperature - self.t0) - 1 / (self.reference - self.t0)) / _LN10
+        return (
+            self.b
+            * (1 / (temperature - self.t0) - 1 / (self.reference - self.t0))
+            / _LN10
+        )
 
     def _check(self, temperature: Any) -> None:
         _above_pole("VFT", temperature, self.t0)
@@ -144,42 +176,60 @@ class Arrhenius(AbstractShift):
     reference: Float[Array, ""]  # [K]
 
     def __init__(self, energy: Number, reference: Number):
-        fill(self, energy=scalar("energy", energy), reference=scalar("reference", reference))
+        fill(
+            self,
+            energy=scalar("energy", energy),
+            reference=scalar("reference", reference),
+        )
         positive("energy", self.energy)
         in_kelvin("reference", self.reference)
 
     def _log10_a(self, temperature: Array) -> Array:
-        return self.energy / GAS_CONSTANT * (1 / temperature - 1 / self.reference) / _LN10
+        return (
+            self.energy / GAS_CONSTANT * (1 / temperature - 1 / self.reference) / _LN10
+        )
 
     def _check(self, temperature: Any) -> None:
         pass
 
 
 class ShiftTable(AbstractShift):
-    """Measured shift factors, joined by monotone cubics (PCHIP); outside the table there is no answer, only an
-    error.
+    """Measured shift factors, joined by monotone cubics (PCHIP); outside the table
+    there is no answer, only an error.
     """
 
     temperature: Float[Array, " n"]  # ascending [K]
     log10_a_table: Float[Array, " n"]
     slopes: Float[Array, " n"]  # d(log10 a_T)/dT at the table's temperatures [1/K]
-    reference: Float[Array, ""]  # temperature at which log10 a_T = 0 [K]; NaN where the table does not cross zero
+    # temperature at which log10 a_T = 0 [K]; NaN where the table does not cross zero
+    reference: Float[Array, ""]
 
     def __init__(self, temperature: ArrayLike, log10_a: ArrayLike):
-        temperature, log10_a = as_float64("temperature", temperature), as_float64("log10_a", log10_a)
+        temperature, log10_a = (
+            as_float64("temperature", temperature),
+            as_float64("log10_a", log10_a),
+        )
         alike(2, temperature=temperature, log10_a=log10_a)
         in_kelvin("temperature", temperature)
         require("log10_a", log10_a, "finite", np.isfinite)
         ascending("temperature", temperature)
         if not is_traced(log10_a) and (np.diff(log10_a) > 0).any():
-            raise InputError(f"log10_a must fall as the temperature rises, got {log10_a.tolist()}.")
+            raise InputError(
+                f"log10_a must fall as the temperature rises, got {log10_a.tolist()}."
+            )
         from scipy.interpolate import PchipInterpolator
 
         curve = PchipInterpolator(temperature, log10_a)
         crossings = np.asarray(curve.solve(0.0, extrapolate=False))
         slopes = np.asarray(curve.derivative()(temperature))
         reference = np.asarray(crossings[0] if crossings.size else np.nan)
-        fill(self, temperature=temperature, log10_a_table=log10_a, slopes=slopes, reference=reference)
+        fill(
+            self,
+            temperature=temperature,
+            log10_a_table=log10_a,
+            slopes=slopes,
+            reference=reference,
+        )
 
     def _log10_a(self, temperature: Array) -> Array:
         return hermite(self.temperature, self.log10_a_table, self.slopes, temperature)
@@ -189,7 +239,9 @@ class ShiftTable(AbstractShift):
             return
         low, high = float(self.temperature[0]), float(self.temperature[-1])
         accepted = f"within the shift table, {low:g} K to {high:g} K"
-        require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
+        require(
+            "temperature", temperature, accepted, lambda t: (t >= low) & (t <= high)
+        )
 
 
 def hermite(table: Any, values: Any, slopes: Any, at: Array) -> Array:

@@ -1,4 +1,6 @@
-"""Strain softening of filled rubber (Payne effect): factors on the moduli against the amplitude of strain."""
+"""Strain softening of filled rubber (Payne effect): factors on the moduli against the
+amplitude of strain.
+"""
 
 from __future__ import annotations
 
@@ -27,31 +29,39 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, ComplexArray
 
 _LARGEST = 5.0  # strain amplitude above which a number is taken for one in per cent
-_MOST = 10.0  # factor on the loss modulus above which a number is taken for another quantity
+# factor on the loss modulus above which a number is taken for another quantity
+_MOST = 10.0
 
 
 class Softening(Tree):
-    """Factors on storage and loss modulus by the amplitude of strain, as a strain sweep shows them.
+    """Factors on storage and loss modulus by the amplitude of strain, as a strain sweep
+    shows them.
 
-    The material's own moduli are those of small strain; at the amplitude eps they are f(eps) G' and g(eps) G''. With a
-    `complex` modulus M, `softening.of(M, eps)` is f Re M + i g Im M; a model picks eps from its contact, calls that,
-    and flags what `softening.outside(eps)` tells to lie beyond the sweep.
+    The material's own moduli are those of small strain; at the amplitude eps they are
+    f(eps) G' and g(eps) G''. With a `complex` modulus M, `softening.of(M, eps)` is f Re
+    M + i g Im M; a model picks eps from its contact, calls that, and flags what
+    `softening.outside(eps)` tells to lie beyond the sweep.
 
     Args:
         strain: amplitudes of strain, ascending, shape (n,), n >= 2 [1]; 0.1 for 10 %.
-        storage: factors f on the storage modulus, from entry to entry level or falling, above 0 and at most 1.
-        loss: factors g on the loss modulus, above 0 and at most 10. They may exceed 1: where the filler's network
-            breaks up and forms again within a cycle more is lost than at small strain, up to about three times as much.
-            Above 10 a number is taken for another quantity.
+        storage: factors f on the storage modulus, from entry to entry level or falling,
+            above 0 and at most 1.
+        loss: factors g on the loss modulus, above 0 and at most 10. They may exceed 1:
+            where the filler's network breaks up and forms again within a cycle more is
+            lost than at small strain, up to about three times as much. Above 10 a
+            number is taken for another quantity.
 
-    Between the points the factors follow monotone cubics (Fritsch and Carlson 1980) against log strain. Below the first
-    one they go to 1 as the strain itself, 1 - (1 - f_1) eps/eps_1; beyond the last one they are held. They do not
-    depend on frequency and temperature, as is usual: the moduli follow time-temperature superposition, the factors
-    stay. They hold for shear and tensile moduli alike, exactly so with a constant Poisson's ratio. Source: A. R. Payne,
-    J. Appl. Polym. Sci. 6 (1962) 57; G. Kraus, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75.
+    Between the points the factors follow monotone cubics (Fritsch and Carlson 1980)
+    against log strain. Below the first one they go to 1 as the strain itself, 1 - (1 -
+    f_1) eps/eps_1; beyond the last one they are held. They do not depend on frequency
+    and temperature, as is usual: the moduli follow time-temperature superposition, the
+    factors stay. They hold for shear and tensile moduli alike, exactly so with a
+    constant Poisson's ratio. Source: A. R. Payne, J. Appl. Polym. Sci. 6 (1962) 57; G.
+    Kraus, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75.
 
     Raises:
-        InputError: for lists that do not match, a strain that looks like per cent, factors outside what is said above.
+        InputError: for lists that do not match, a strain that looks like per cent,
+            factors outside what is said above.
     """
 
     strain: Float[Array, " n"]
@@ -60,67 +70,86 @@ class Softening(Tree):
 
     def __init__(self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike):
         lists = {"strain": strain, "storage": storage, "loss": loss}
-        strain, storage, loss = arrays = [as_float64(f"softening: {key}", value) for key, value in lists.items()]
+        strain, storage, loss = arrays = [
+            as_float64(f"softening: {key}", value) for key, value in lists.items()
+        ]
         alike(2, **{"softening: strain": strain, "storage": storage, "loss": loss})
         for key, values in zip(lists, arrays, strict=True):
             positive(f"softening: {key}", values)
         ascending("softening: strain", strain)
         if not is_traced(strain) and strain[-1] > _LARGEST:
             raise InputError(
-                f"softening: strain must be an amplitude without unit, {_LARGEST:g} at most (0.1 for 10 %), got "
-                f"{strain[-1]:g}; divide per cent by 100."
+                f"softening: strain must be an amplitude without unit, {_LARGEST:g} "
+                f"at most (0.1 for 10 %), got {strain[-1]:g}; divide per cent by 100."
             )
         if not is_traced(storage):
             if storage.max() > 1:
                 raise InputError(
-                    "softening: storage must be factors on the modulus of small strain, 1 at most, got "
+                    "softening: storage must be factors on the modulus of small "
+                    "strain, 1 at most, got "
                     f"{storage.max():g}."
                 )
             rises = np.diff(storage) > 0
             if rises.any():
                 i = int(np.argmax(rises))
                 raise InputError(
-                    "softening: storage must fall or stay level from entry to entry, got "
-                    f"{storage[i]:g} followed by {storage[i + 1]:g} (entries {i} and {i + 1})."
+                    "softening: storage must fall or stay level from entry to entry, "
+                    "got "
+                    f"{storage[i]:g} followed by {storage[i + 1]:g} (entries {i} and "
+                    f"{i + 1})."
                 )
         if not is_traced(loss) and loss.max() > _MOST:
             raise InputError(
-                f"softening: loss must be factors on the loss modulus of small strain, {_MOST:g} at most, got "
-                f"{loss.max():g}."
+                "softening: loss must be factors on the loss modulus of small "
+                f"strain, {_MOST:g} at most, got {loss.max():g}."
             )
         fill(self, strain=strain, storage=storage, loss=loss)
 
     @numpy_unless_traced
     def factors(self, strain: ArrayLike) -> tuple[Array, Array]:
-        """Factors on storage and loss modulus at amplitudes of strain >= 0 [1], any shape."""
+        """Factors on storage and loss modulus at amplitudes of strain >= 0 [1], any
+        shape.
+        """
         strain = as_float64("strain", strain)
         not_negative("strain", strain)
         return self._at(strain, self.storage), self._at(strain, self.loss)
 
     @numpy_unless_traced
     def of(self, modulus: ArrayLike | complex, strain: ArrayLike) -> ComplexArray:
-        """A complex modulus at amplitudes of strain: its parts times their factors; the two broadcast."""
+        """A complex modulus at amplitudes of strain: its parts times their factors; the
+        two broadcast.
+        """
         storage, loss = self.factors(strain)
         modulus = xp.asarray(modulus)
         return storage * xp.real(modulus) + 1j * loss * xp.imag(modulus)
 
     @numpy_unless_traced
     def outside(self, strain: ArrayLike) -> Array:
-        """Whether amplitudes of strain lie beyond the last one of the sweep, where the factors are held."""
+        """Whether amplitudes of strain lie beyond the last one of the sweep, where the
+        factors are held.
+        """
         return xp.asarray(strain) > self.strain[-1]
 
     def _at(self, strain: Any, factor: Any) -> Any:
         nodes, values = xp.log(xp.asarray(self.strain)), xp.asarray(factor)
         slopes = _slopes(nodes, values)
         x = xp.clip(xp.log(xp.maximum(strain, 1e-300)), nodes[0], nodes[-1])
-        left = xp.clip(xp.searchsorted(nodes, x, side="right") - 1, 0, nodes.shape[0] - 2)
+        left = xp.clip(
+            xp.searchsorted(nodes, x, side="right") - 1, 0, nodes.shape[0] - 2
+        )
         h = nodes[left + 1] - nodes[left]
         s = (x - nodes[left]) / h
         inside = (
-            (1 + 2 * s) * (1 - s) ** 2 * values[left] + s * (1 - s) ** 2 * h * slopes[left]
-            + s**2 * (3 - 2 * s) * values[left + 1] + s**2 * (s - 1) * h * slopes[left + 1]
-        )  # fmt: skip
-        return xp.where(strain < self.strain[0], 1 - (1 - values[0]) * strain / self.strain[0], inside)
+            (1 + 2 * s) * (1 - s) ** 2 * values[left]
+            + s * (1 - s) ** 2 * h * slopes[left]
+            + s**2 * (3 - 2 * s) * values[left + 1]
+            + s**2 * (s - 1) * h * slopes[left + 1]
+        )
+        return xp.where(
+            strain < self.strain[0],
+            1 - (1 - values[0]) * strain / self.strain[0],
+            inside,
+        )
 
     def __repr__(self) -> str:
         return written(self)
@@ -129,26 +158,40 @@ class Softening(Tree):
 def as_softening(softening: Any) -> Softening | None:
     """An `em.Softening` as it is, or None; raises `InputError` for anything else."""
     if softening is not None and not isinstance(softening, Softening):
-        raise InputError(f"softening must be an em.Softening(strain, storage, loss), got {softening!r}.")
+        raise InputError(
+            "softening must be an em.Softening(strain, storage, loss), got "
+            f"{softening!r}."
+        )
     return softening
 
 
 def same_softening(first: Softening | None, second: Softening | None) -> bool:
-    """Whether two are one, by their values; under a transformation of JAX as far as can be seen."""
+    """Whether two are one, by their values; under a transformation of JAX as far as can
+    be seen.
+    """
     if first is None or second is None or is_traced(first, second):
         return first is second
     return same(first, second)
 
 
 def _slopes(x: Any, y: Any) -> Any:
-    """Of monotone cubics: that of the line to the origin at the first point as far as it keeps them monotone, 0 at the
-    last one, where the factor is held, and harmonic means between them (as PCHIP)."""
+    """Of monotone cubics: that of the line to the origin at the first point as far as
+    it keeps them monotone, 0 at the last one, where the factor is held, and harmonic
+    means between them (as PCHIP).
+    """
     h = xp.diff(x)
     secant = xp.diff(y) / h
     before, after = secant[:-1], secant[1:]
     same = before * after > 0
     w1, w2 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
-    inner = xp.where(same, (w1 + w2) / (w1 / xp.where(same, before, 1.0) + w2 / xp.where(same, after, 1.0)), 0.0)
+    inner = xp.where(
+        same,
+        (w1 + w2)
+        / (w1 / xp.where(same, before, 1.0) + w2 / xp.where(same, after, 1.0)),
+        0.0,
+    )
     first, limit = y[0] - 1, 3 * secant[0]
-    first = xp.where(first * limit > 0, xp.sign(limit) * xp.minimum(abs(first), abs(limit)), 0.0)
+    first = xp.where(
+        first * limit > 0, xp.sign(limit) * xp.minimum(abs(first), abs(limit)), 0.0
+    )
     return xp.concatenate([first[None], inner, xp.zeros(1)])

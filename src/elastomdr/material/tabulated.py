@@ -1,16 +1,22 @@
-"""The viscoelastic solid as a table of storage and loss modulus, for steady models that need nothing else.
+"""The viscoelastic solid as a table of storage and loss modulus, for steady models that
+need nothing else.
 
-Between the points both moduli follow cubics in their logarithms against u = ln omega. A cubic has, at each point, the
-slope of the parabola through it and its two neighbours, limited to what a linear viscoelastic solid can have. Each of
-its relaxation times adds x^2/(1 + x^2) to the storage and x/(1 + x^2) to the loss modulus, x = omega tau, so that
+Between the points both moduli follow cubics in their logarithms against u = ln omega. A
+cubic has, at each point, the slope of the parabola through it and its two neighbours,
+limited to what a linear viscoelastic solid can have. Each of its relaxation times adds
+x^2/(1 + x^2) to the storage and x/(1 + x^2) to the loss modulus, x = omega tau, so that
 
-    0 <= d(ln E')/du <= 2,      -1 <= d(ln E'')/du <= 1,      |d^2(ln E')/du^2| <= 1,      |d^2(ln E'')/du^2| <= 1.
+    0 <= d(ln E')/du <= 2,
+    -1 <= d(ln E'')/du <= 1,
+    |d^2(ln E')/du^2| <= 1,
+    |d^2(ln E'')/du^2| <= 1.
 
-(With t = tanh ln x and <> a mean weighted by what each time adds, the slopes are 1 - <t> and -<t>, and the second
-derivatives 2 <y^2> - 2 <y> - <y>^2, y = 1 - t, and 2 <t^2> - 1 - <t>^2.) A slope is therefore within h/2 of the slope
-of the straight line across an interval of width h beside it. Solid and cubic are both within h^2/8 of that line, and
-within h^2/4 of each other. As measured, the moduli of the library's materials come back within 0.04 % at ten points per
-decade, and within 0.7 % by straight lines.
+(With t = tanh ln x and <> a mean weighted by what each time adds, the slopes are 1 -
+<t> and -<t>, and the second derivatives 2 <y^2> - 2 <y> - <y>^2, y = 1 - t, and 2 <t^2>
+- 1 - <t>^2.) A slope is therefore within h/2 of the slope of the straight line across
+an interval of width h beside it. Solid and cubic are both within h^2/8 of that line,
+and within h^2/4 of each other. As measured, the moduli of the library's materials come
+back within 0.04 % at ten points per decade, and within 0.7 % by straight lines.
 """
 
 from __future__ import annotations
@@ -45,18 +51,23 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, ComplexArray, Kind, Number
 
 _STORAGE, _LOSS = (0.0, 2.0), (-1.0, 1.0)  # least and largest slope in logarithms
-_BENDS = 0.5  # times h: how far a slope may be from that of the straight line across a neighbouring interval
+# times h: how far a slope may be from that of the straight line across a neighbouring
+# interval
+_BENDS = 0.5
 _APART = 0.25  # times h^2: how far a solid may be from the cubic, in logarithms
-# The error of these cubics falls as the square of the distance of the points or faster. Measured on the library's
-# materials, it is 0.09 to 0.19 of what leaving out half the points shows where they are evenly spaced, 0.47 at most
-# where they lie at random. Hence the share of that difference which is stated as the error:
+# The error of these cubics falls as the square of the distance of the points or faster.
+# Measured on the library's materials, it is 0.09 to 0.19 of what leaving out half the
+# points shows where they are evenly spaced, 0.47 at most where they lie at random.
+# Hence the share of that difference which is stated as the error:
 LEFT_OUT = 0.5
 
 
 class AbstractTable(Tree):
-    """Storage and loss modulus by their values at some frequencies. "Modulus" stands for what a subclass carries.
+    """Storage and loss modulus by their values at some frequencies. "Modulus" stands
+    for what a subclass carries.
 
-    Beyond the ends of the table both moduli keep their last values, except that nothing is lost at omega = 0.
+    Beyond the ends of the table both moduli keep their last values, except that nothing
+    is lost at omega = 0.
     """
 
     omega: Float[Array, " n"]  # angular frequencies, ascending [rad/s]
@@ -65,7 +76,9 @@ class AbstractTable(Tree):
 
     @numpy_unless_traced
     def complex_modulus(self, omega: ArrayLike) -> ComplexArray:
-        """Storage modulus plus i times loss modulus [Pa], at omega >= 0 [rad/s], any shape."""
+        """Storage modulus plus i times loss modulus [Pa], at omega >= 0 [rad/s], any
+        shape.
+        """
         storage, loss = self._moduli(omega)
         return storage + 1j * loss
 
@@ -84,11 +97,15 @@ class AbstractTable(Tree):
         return loss / storage
 
     def relaxation(self, t: ArrayLike) -> Array:
-        """Not known from a table. Raises `InputError`, which says how a series is fitted to it."""
+        """Not known from a table. Raises `InputError`, which says how a series is
+        fitted to it.
+        """
         raise InputError(_no_history("relaxation", self))
 
     def creep_compliance(self, t: ArrayLike) -> Array:
-        """Not known from a table. Raises `InputError`, which says how a series is fitted to it."""
+        """Not known from a table. Raises `InputError`, which says how a series is
+        fitted to it.
+        """
         raise InputError(_no_history("creep_compliance", self))
 
     @property
@@ -101,33 +118,50 @@ class AbstractTable(Tree):
         omega = as_float64("omega", omega)
         not_negative("omega", omega)
         at = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
-        nodes, storage, loss = map(xp.log, (self.omega, self.storage_table, self.loss_table))
+        nodes, storage, loss = map(
+            xp.log, (self.omega, self.storage_table, self.loss_table)
+        )
         stored = xp.exp(_cubic(nodes, storage, _STORAGE, at))
         lost = xp.where(omega > 0, xp.exp(_cubic(nodes, loss, _LOSS, at)), 0.0)
         return stored, lost
 
     @numpy_unless_traced
-    def interpolation_error(self, low: ArrayLike = 0.0, high: ArrayLike = np.inf) -> tuple[Array, Array]:
-        """An upper estimate of the relative error of interpolation at any place between two frequencies.
+    def interpolation_error(
+        self, low: ArrayLike = 0.0, high: ArrayLike = np.inf
+    ) -> tuple[Array, Array]:
+        """An upper estimate of the relative error of interpolation at any place between
+        two frequencies.
 
-        It is the smaller one of a bound, h^2/4 with h the widest step of ln omega, which holds for values without
-        scatter, and an estimate: every second point is left out, and then the others; each is compared with the curve
-        through those that remain, and half the largest difference counts. An integral over frequencies errs by much
-        less, since the error changes sign from point to point: see `thinned`.
+        It is the smaller one of a bound, h^2/4 with h the widest step of ln omega,
+        which holds for values without scatter, and an estimate: every second point is
+        left out, and then the others; each is compared with the curve through those
+        that remain, and half the largest difference counts. An integral over
+        frequencies errs by much less, since the error changes sign from point to point:
+        see `thinned`.
 
         Args:
             low: lowest angular frequency [rad/s], any shape.
             high: highest angular frequency [rad/s], broadcasts with `low`.
 
         Returns:
-            Of the storage and of the loss modulus, in the shape of `low` and `high`; NaN where the two frequencies are
-            beyond the same end of the table.
+            Of the storage and of the loss modulus, in the shape of `low` and `high`;
+            NaN where the two frequencies are beyond the same end of the table.
         """
-        nodes, storage, loss = map(xp.log, (self.omega, self.storage_table, self.loss_table))
-        omega, low, high = xp.asarray(self.omega), xp.asarray(low)[..., None], xp.asarray(high)[..., None]
-        crossed = (omega[1:] >= low) & (omega[:-1] <= high)  # intervals between neighbours
-        bound = xp.max(xp.where(crossed, _APART * xp.diff(nodes) ** 2, -xp.inf), axis=-1)
-        inside = (omega[2:] >= low) & (omega[:-2] <= high)  # points, by their neighbours
+        nodes, storage, loss = map(
+            xp.log, (self.omega, self.storage_table, self.loss_table)
+        )
+        omega, low, high = (
+            xp.asarray(self.omega),
+            xp.asarray(low)[..., None],
+            xp.asarray(high)[..., None],
+        )
+        # intervals between neighbours
+        crossed = (omega[1:] >= low) & (omega[:-1] <= high)
+        bound = xp.max(
+            xp.where(crossed, _APART * xp.diff(nodes) ** 2, -xp.inf), axis=-1
+        )
+        # points, by their neighbours
+        inside = (omega[2:] >= low) & (omega[:-2] <= high)
 
         def largest(values: Array, slopes: tuple[float, float]) -> Array:
             off = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))
@@ -138,9 +172,11 @@ class AbstractTable(Tree):
         return largest(storage, _STORAGE), largest(loss, _LOSS)
 
     def thinned(self) -> tuple[Self, Self]:
-        """The same material by every second point of its table, and by the others, both with the ends.
+        """The same material by every second point of its table, and by the others, both
+        with the ends.
 
-        What is computed from a table errs by about half the larger change that these two make to it, or less.
+        What is computed from a table errs by about half the larger change that these
+        two make to it, or less.
         """
         count, names = self.omega.shape[0], ("omega", "storage_table", "loss_table")
         first, second = (
@@ -153,8 +189,9 @@ class AbstractTable(Tree):
 class TabulatedModulus(AbstractTable):
     """A viscoelastic solid by measured storage and loss moduli.
 
-    Steady models of surfaces take it as it is (`em.reference.persson`, full contact); what has a history in time or a
-    smooth body needs a Prony series (`em.fit.prony`). Moduli are those of `kind`, in the table and in all methods.
+    Steady models of surfaces take it as it is (`em.reference.persson`, full contact);
+    what has a history in time or a smooth body needs a Prony series (`em.fit.prony`).
+    Moduli are those of `kind`, in the table and in all methods.
 
     Args:
         omega: angular frequencies, ascending, shape (n,), n >= 3 [rad/s].
@@ -164,15 +201,18 @@ class TabulatedModulus(AbstractTable):
         poisson: Poisson's ratio, constant, above -1 and at most 0.5.
         shift: shift law; without it, no temperature can be given.
         vertical: law of vertical shifts b_T, which multiply all moduli.
-        softening: `em.Softening`, factors on the moduli at larger strains; without it the rubber is linear.
+        softening: `em.Softening`, factors on the moduli at larger strains; without it
+            the rubber is linear.
         name: what tables and figures call it.
         citation: where the numbers come from.
-        range: where they hold, as for `em.Prony`; its frequencies are those of the table where it gives none. What lies
-            beyond them is flagged as extrapolated.
+        range: where they hold, as for `em.Prony`; its frequencies are those of the
+            table where it gives none. What lies beyond them is flagged as extrapolated.
 
-    Between the points moduli follow cubics in double logarithms, with an error that `interpolation_error` estimates.
-    Below the first point and above the last both moduli are held, and at omega = 0 nothing is lost. Raises `InputError`
-    for lists that do not match, for values that are not positive, for frequencies that do not ascend.
+    Between the points moduli follow cubics in double logarithms, with an error that
+    `interpolation_error` estimates. Below the first point and above the last both
+    moduli are held, and at omega = 0 nothing is lost. Raises `InputError` for lists
+    that do not match, for values that are not positive, for frequencies that do not
+    ascend.
     """
 
     omega: Float[Array, " n"]
@@ -203,7 +243,8 @@ class TabulatedModulus(AbstractTable):
         range: RangeLike | None = None,
     ):
         omega, storage, loss = (
-            as_float64(key, value) for key, value in (("omega", omega), ("storage", storage), ("loss", loss))
+            as_float64(key, value)
+            for key, value in (("omega", omega), ("storage", storage), ("loss", loss))
         )
         alike(3, omega=omega, storage=storage, loss=loss)
         for key, value in (("omega", omega), ("storage", storage), ("loss", loss)):
@@ -215,36 +256,70 @@ class TabulatedModulus(AbstractTable):
             if not isinstance(text, str):
                 raise InputError(f"{argument} must be a text, got {text!r}.")
         if shift is not None and not isinstance(shift, AbstractShift):
-            raise InputError(f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}.")
+            raise InputError(
+                f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
+            )
         check_vertical(vertical)
         poisson = scalar("poisson", poisson)
-        require("poisson", poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
+        require(
+            "poisson",
+            poisson,
+            "above -1 and at most 0.5",
+            lambda nu: (nu > -1) & (nu <= 0.5),
+        )
         known = as_range(range)
         if (known is None or known.omega is None) and not is_traced(omega):
-            known = (known or Range(None, None))._replace(omega=(float(omega[0]), float(omega[-1])))
-        fill(self, omega=omega, storage_table=storage, loss_table=loss, poisson=poisson, shift=shift, vertical=vertical)
+            known = (known or Range(None, None))._replace(
+                omega=(float(omega[0]), float(omega[-1]))
+            )
+        fill(
+            self,
+            omega=omega,
+            storage_table=storage,
+            loss_table=loss,
+            poisson=poisson,
+            shift=shift,
+            vertical=vertical,
+        )
         fill(self, softening=as_softening(softening))
         fill(self, kind=kind, name=name, citation=citation, range=known)
 
     def shear(self) -> "TabulatedModulus":
         """The same material by its shear modulus, G = E/(2 (1 + nu))."""
-        return self if self.kind == "shear" else self._as("shear", 1 / (2 * (1 + self.poisson)))
+        return (
+            self
+            if self.kind == "shear"
+            else self._as("shear", 1 / (2 * (1 + self.poisson)))
+        )
 
     def tensile(self) -> "TabulatedModulus":
         """The same material by its tensile modulus, E = 2 (1 + nu) G."""
-        return self if self.kind == "tensile" else self._as("tensile", 2 * (1 + self.poisson))
+        return (
+            self
+            if self.kind == "tensile"
+            else self._as("tensile", 2 * (1 + self.poisson))
+        )
 
     @numpy_unless_traced
     def _as(self, kind: Kind, factor: Any) -> "TabulatedModulus":
         return TabulatedModulus(
-            self.omega, self.storage_table * factor, self.loss_table * factor, kind=kind, poisson=self.poisson,
-            shift=self.shift, vertical=self.vertical, softening=self.softening, name=self.name,
-            citation=self.citation, range=self.range,
-        )  # fmt: skip
+            self.omega,
+            self.storage_table * factor,
+            self.loss_table * factor,
+            kind=kind,
+            poisson=self.poisson,
+            shift=self.shift,
+            vertical=self.vertical,
+            softening=self.softening,
+            name=self.name,
+            citation=self.citation,
+            range=self.range,
+        )
 
     @numpy_unless_traced
     def at(self, temperature: Number) -> "TabulatedModulus":
-        """The same material at a temperature [K]: its frequencies divided by a_T, its moduli multiplied by b_T.
+        """The same material at a temperature [K]: its frequencies divided by a_T, its
+        moduli multiplied by b_T.
 
         Raises without a shift law.
         """
@@ -252,9 +327,14 @@ class TabulatedModulus(AbstractTable):
         a, b = thermal_factors(self, temperature)
         known = None if self.range is None else self.range.at(temperature, a)
         return replaced(
-            self, omega=self.omega / a, storage_table=self.storage_table * b, loss_table=self.loss_table * b,
-            shift=None, vertical=None, range=known,
-        )  # fmt: skip
+            self,
+            omega=self.omega / a,
+            storage_table=self.storage_table * b,
+            loss_table=self.loss_table * b,
+            shift=None,
+            vertical=None,
+            range=known,
+        )
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
@@ -265,8 +345,13 @@ def described(table: AbstractTable) -> str:
     """The span of a table in words, for a `repr`."""
     if is_traced(table) or np.ndim(table.omega) != 1:
         return f"{np.shape(table.omega)[-1]} points, traced or a batch"
-    (low, high), (soft, stiff) = (x[[0, -1]] for x in (np.asarray(table.omega), np.asarray(table.storage_table)))
-    return f"{table.omega.size} points, {low:.3g}..{high:.3g} rad/s, storage {soft:.4g}..{stiff:.4g} Pa"
+    (low, high), (soft, stiff) = (
+        x[[0, -1]] for x in (np.asarray(table.omega), np.asarray(table.storage_table))
+    )
+    return (
+        f"{table.omega.size} points, {low:.3g}..{high:.3g} rad/s, storage "
+        f"{soft:.4g}..{stiff:.4g} Pa"
+    )
 
 
 def _no_history(name: str, table: AbstractTable) -> str:
@@ -278,7 +363,9 @@ def _no_history(name: str, table: AbstractTable) -> str:
 
 
 def needs_series(name: str, material: Any, purpose: str) -> None:
-    """Raises `InputError` where a table of moduli is given for what needs a Prony series."""
+    """Raises `InputError` where a table of moduli is given for what needs a Prony
+    series.
+    """
     if isinstance(material, AbstractTable):
         raise InputError(
             f"{name} must be a Prony series for {purpose}, got {material!r}: "
@@ -287,22 +374,33 @@ def needs_series(name: str, material: Any, purpose: str) -> None:
 
 
 def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
-    """Values of the cubics through (x, y), with slopes within two limits, at places between the first and last x."""
+    """Values of the cubics through (x, y), with slopes within two limits, at places
+    between the first and last x.
+    """
     width = xp.diff(x)
     secant = xp.diff(y) / width
     if x.shape[0] == 2:
         slope = xp.concatenate([secant, secant])
     else:
-        inner = (secant[:-1] * width[1:] + secant[1:] * width[:-1]) / (width[:-1] + width[1:])
-        slope = xp.concatenate([2 * secant[:1] - inner[:1], inner, 2 * secant[-1:] - inner[-1:]])
-    # The wider interval limits last: points that lie close together and scatter do not bend the curve in a gap.
+        inner = (secant[:-1] * width[1:] + secant[1:] * width[:-1]) / (
+            width[:-1] + width[1:]
+        )
+        slope = xp.concatenate(
+            [2 * secant[:1] - inner[:1], inner, 2 * secant[-1:] - inner[-1:]]
+        )
+    # The wider interval limits last: points that lie close together and scatter do not
+    # bend the curve in a gap.
     before = np.clip(np.arange(x.shape[0]) - 1, 0, None)
     after = np.clip(np.arange(x.shape[0]), None, x.shape[0] - 2)
     wider = xp.where(width[before] > width[after], before, after)
     narrower = before + after - wider
     for side in (narrower, wider):
         slope = xp.clip(slope, *slopes)
-        slope = xp.clip(slope, secant[side] - _BENDS * width[side], secant[side] + _BENDS * width[side])
+        slope = xp.clip(
+            slope,
+            secant[side] - _BENDS * width[side],
+            secant[side] + _BENDS * width[side],
+        )
     left = xp.clip(xp.searchsorted(x, at, side="right") - 1, 0, x.shape[0] - 2)
     h = width[left]
     s = (at - x[left]) / h
@@ -315,12 +413,16 @@ def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
 
 
 def _kept(count: int, first: int) -> np.ndarray:
-    """Which points remain where every second one from `first` on is left out, and the last is not."""
+    """Which points remain where every second one from `first` on is left out, and the
+    last is not.
+    """
     return np.setdiff1d(np.arange(count), np.arange(first, count - 1, 2))
 
 
 def _left_out(x: Array, y: Array, slopes: tuple[float, float]) -> Array:
-    """At each inner point, its distance from the curve that knows every second point, without it."""
+    """At each inner point, its distance from the curve that knows every second point,
+    without it.
+    """
     count = x.shape[0]
     parts, places = [], []
     for first in (1, 2):

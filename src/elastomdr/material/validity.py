@@ -1,5 +1,5 @@
-"""Where a material's numbers hold, and how closely: the span of the data behind them, what lies beyond it, and the
-misfit to them.
+"""Where a material's numbers hold, and how closely: the span of the data behind them,
+what lies beyond it, and the misfit to them.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 _ROUNDING = 1e-6  # relative, by which a frequency may lie outside and count as inside
 _KELVIN = 0.5  # by how much a temperature may: no data are closer to their own
-# A passage lasts 2a/v, 4 over the frequency 2 v/a where it dissipates most, and all that time the contact relaxes.
-# Fitted to data without noise: friction 4 to 11 % off where only 2 v/a is within them, 1 % where a quarter of it is.
+# A passage lasts 2a/v, 4 over the frequency 2 v/a where it dissipates most, and all
+# that time the contact relaxes. Fitted to data without noise: friction 4 to 11 % off
+# where only 2 v/a is within them, 1 % where a quarter of it is.
 SLOWEST = 0.25
 _KEYS = ("omega", "time", "temperature")
 _BANDS = 4  # per decade, in which the misfit is recorded
@@ -28,69 +29,110 @@ T = TypeVar("T")
 
 
 class Range(NamedTuple):
-    """What a material was measured at; beyond it, its moduli and shift factors are an extrapolation."""
+    """What a material was measured at; beyond it, its moduli and shift factors are an
+    extrapolation.
+    """
 
-    omega: tuple[float, float] | tuple[()] | None  # at the reference temperature [rad/s]; (): nowhere, None: unknown
-    temperature: tuple[float, float] | None  # [K]; None: not known, or not needed since the times do not shift
-    illustrative: bool = False  # assumed, not measured: use beyond it is noted, but is worth no warning
-    beyond: str = ""  # what lies outside already, of a material that was brought to a temperature
-    misfit: tuple[tuple[float, float, float], ...] = ()  # omega [rad/s], rms deviation of storage and loss, per band
+    # at the reference temperature [rad/s]; (): nowhere, None: unknown
+    omega: tuple[float, float] | tuple[()] | None
+    # [K]; None: not known, or not needed since the times do not shift
+    temperature: tuple[float, float] | None
+    # assumed, not measured: use beyond it is noted, but is worth no warning
+    illustrative: bool = False
+    # what lies outside already, of a material that was brought to a temperature
+    beyond: str = ""
+    # omega [rad/s], rms deviation of storage and loss, per band
+    misfit: tuple[tuple[float, float, float], ...] = ()
 
     def at(self, temperature: Any, factor: Any) -> "Range | None":
-        """The range at one temperature [K], where relaxation times are `factor` times longer; None while JAX traces."""
+        """The range at one temperature [K], where relaxation times are `factor` times
+        longer; None while JAX traces.
+        """
         if is_traced(temperature, factor):
             return None
         kelvin, a = float(temperature), float(factor)
         beyond = self.beyond
-        if self.temperature is not None and not _near(np.array(kelvin), self.temperature):
+        if self.temperature is not None and not _near(
+            np.array(kelvin), self.temperature
+        ):
             beyond = f"temperature {kelvin:.6g} K, range {self._words('temperature')}"
         omega = None if self.omega else self.omega
         rows: tuple[tuple[float, float, float], ...] = ()
         if 0 < a < np.inf:
-            rows = tuple((omega / a, storage, loss) for omega, storage, loss in self.misfit)
+            rows = tuple(
+                (omega / a, storage, loss) for omega, storage, loss in self.misfit
+            )
             if self.omega:
                 omega = (self.omega[0] / a, self.omega[1] / a)
         return Range(omega, None, self.illustrative, beyond, rows)
 
-    def outside(self, rate: np.ndarray, temperature: np.ndarray | None) -> Bool[np.ndarray, "..."]:
-        """Which passages lie outside: frequencies 2 v a_T/a [rad/s] and temperatures [K], of one shape."""
+    def outside(
+        self, rate: np.ndarray, temperature: np.ndarray | None
+    ) -> Bool[np.ndarray, "..."]:
+        """Which passages lie outside: frequencies 2 v a_T/a [rad/s] and temperatures
+        [K], of one shape.
+        """
         outside = np.full(np.shape(rate), bool(self.beyond))
         if self.omega == ():
             outside |= True
         elif self.omega:
             low, high = self.omega
-            outside |= (SLOWEST * rate < low * (1 - _ROUNDING)) | (rate > high * (1 + _ROUNDING))
+            outside |= (SLOWEST * rate < low * (1 - _ROUNDING)) | (
+                rate > high * (1 + _ROUNDING)
+            )
         if self.temperature is not None and temperature is not None:
             outside |= ~_near(temperature, self.temperature)
         return outside
 
     def findings(
-        self, rate: np.ndarray, temperature: np.ndarray | None, of: str = "v a_T/(2a) to 2 v a_T/a"
+        self,
+        rate: np.ndarray,
+        temperature: np.ndarray | None,
+        of: str = "v a_T/(2a) to 2 v a_T/a",
     ) -> Iterator[str]:
-        """What of the range is left, and by how far, in words; `of` says what the rates are."""
+        """What of the range is left, and by how far, in words; `of` says what the rates
+        are.
+        """
         if self.beyond:
             yield self.beyond
         known = rate[np.isfinite(rate)]
         if self.omega is not None and known.size and self.outside(known, None).any():
-            low, high = (significant(float(x), 3) for x in (SLOWEST * known.min(), known.max()))
-            words = self._words("omega") if self.omega else "empty: the data determine the loss modulus nowhere"
+            low, high = (
+                significant(float(x), 3) for x in (SLOWEST * known.min(), known.max())
+            )
+            words = (
+                self._words("omega")
+                if self.omega
+                else "empty: the data determine the loss modulus nowhere"
+            )
             yield f"{of} from {low} to {high} rad/s, range {words}"
-        if self.temperature is None or temperature is None or _near(temperature, self.temperature).all():
+        if (
+            self.temperature is None
+            or temperature is None
+            or _near(temperature, self.temperature).all()
+        ):
             return
         low, high = (f"{float(x):.6g}" for x in (temperature.min(), temperature.max()))
         yield f"temperature from {low} to {high} K, range {self._words('temperature')}"
 
     def _words(self, key: str) -> str:
-        low, high = (significant(x, 6 if key == "temperature" else 3) for x in getattr(self, key))
+        low, high = (
+            significant(x, 6 if key == "temperature" else 3) for x in getattr(self, key)
+        )
         return f"{low} to {high} {'K' if key == 'temperature' else 'rad/s'}"
 
     def table(self) -> dict[str, list[float]]:
-        """As the [range] of a material file; an empty list where the moduli are known at no frequency.
+        """As the [range] of a material file; an empty list where the moduli are known
+        at no frequency.
 
         The misfit is no part of it: a file has it in a table of its own.
         """
         pairs = {"omega": self.omega, "temperature": self.temperature}
-        return {key: [float(x) for x in pair] for key, pair in pairs.items() if pair is not None}
+        return {
+            key: [float(x) for x in pair]
+            for key, pair in pairs.items()
+            if pair is not None
+        }
 
 
 # What a caller may give for a range.
@@ -98,15 +140,20 @@ RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[
 
 
 def as_range(value: Any, illustrative: bool = False) -> Range | None:
-    """A `Range` from one, from None, or from a dict such as {"omega": (1e-2, 1e6), "temperature": (263.15, 333)}.
+    """A `Range` from one, from None, or from a dict such as {"omega": (1e-2, 1e6),
+    "temperature": (263.15, 333)}.
 
-    "time" [s] stands for the frequencies 1/t, an empty list of frequencies for none at which the moduli are known.
-    Raises `InputError` for other keys, and for what is no pair of ascending positive numbers.
+    "time" [s] stands for the frequencies 1/t, an empty list of frequencies for none at
+    which the moduli are known. Raises `InputError` for other keys, and for what is no
+    pair of ascending positive numbers.
     """
     if value is None or isinstance(value, Range):
         return value
     if not isinstance(value, Mapping) or not set(value) <= set(_KEYS):
-        raise InputError(f"range must be a dict with some of the keys {', '.join(_KEYS)}, got {value!r:.80}.")
+        raise InputError(
+            f"range must be a dict with some of the keys {', '.join(_KEYS)}, got "
+            f"{value!r:.80}."
+        )
     pairs: dict[str, tuple[float, float]] = {}
     nowhere = isinstance(value.get("omega"), (list, tuple)) and not value["omega"]
     for key, pair in value.items():
@@ -117,18 +164,28 @@ def as_range(value: Any, illustrative: bool = False) -> Range | None:
         except (TypeError, ValueError):
             low = high = float("nan")
         if not 0 < low < high < float("inf"):
-            raise InputError(f"range must have two positive numbers for {key}, the lower first, got {pair!r:.80}.")
+            raise InputError(
+                f"range must have two positive numbers for {key}, the lower first, "
+                f"got {pair!r:.80}."
+            )
         pairs[key] = (low, high)
     if "time" in pairs:
         pairs.setdefault("omega", (1 / pairs["time"][1], 1 / pairs["time"][0]))
-    return Range(() if nowhere else pairs.get("omega"), pairs.get("temperature"), illustrative)
+    return Range(
+        () if nowhere else pairs.get("omega"), pairs.get("temperature"), illustrative
+    )
 
 
 def shared(one: Range | None, other: Range | None) -> Range | None:
-    """Where the numbers of two bodies in contact hold; a body without a range does not narrow it."""
+    """Where the numbers of two bodies in contact hold; a body without a range does not
+    narrow it.
+    """
     if one is None or other is None:
         return one or other
-    omega, temperature = _overlap(one.omega, other.omega), _overlap(one.temperature, other.temperature)
+    omega, temperature = (
+        _overlap(one.omega, other.omega),
+        _overlap(one.temperature, other.temperature),
+    )
     beyond = one.beyond or other.beyond
     if _apart(omega) or _apart(temperature):
         beyond = beyond or "two bodies whose ranges do not overlap"
@@ -141,16 +198,22 @@ def shared(one: Range | None, other: Range | None) -> Range | None:
     )
 
 
-def misfit_bands(omega: Any, storage: Any, loss: Any) -> tuple[tuple[float, float, float], ...]:
-    """The deviations of a material from its data as `Range.misfit` records them: root mean squares, four a decade.
+def misfit_bands(
+    omega: Any, storage: Any, loss: Any
+) -> tuple[tuple[float, float, float], ...]:
+    """The deviations of a material from its data as `Range.misfit` records them: root
+    mean squares, four a decade.
 
     Args:
-        omega: angular frequencies at the reference temperature, one per measured point [rad/s].
-        storage: relative deviations of the storage modulus there, material over data minus one.
+        omega: angular frequencies at the reference temperature, one per measured point
+            [rad/s].
+        storage: relative deviations of the storage modulus there, material over data
+            minus one.
         loss: those of the loss modulus.
 
     Returns:
-        One row for each band with data: its middle [rad/s], and both root mean squares, to three digits.
+        One row for each band with data: its middle [rad/s], and both root mean squares,
+            to three digits.
     """
     omega, squares = np.asarray(omega, dtype=float), np.square([storage, loss])
     band = np.floor(_BANDS * np.log10(omega)).astype(int)
@@ -163,16 +226,20 @@ def misfit_bands(omega: Any, storage: Any, loss: Any) -> tuple[tuple[float, floa
 
 
 def misfit(material: Any, low: Any, high: Any) -> tuple[Array, Array]:
-    """How far a material is from the data that it was fitted to, between two frequencies.
+    """How far a material is from the data that it was fitted to, between two
+    frequencies.
 
     Args:
-        material: a material or a foundation; one brought to a temperature is asked about frequencies at that one.
+        material: a material or a foundation; one brought to a temperature is asked
+            about frequencies at that one.
         low: lowest angular frequency [rad/s], any shape.
         high: highest angular frequency [rad/s], broadcasts with `low`.
 
     Returns:
-        Root mean square relative deviations of the storage and of the loss modulus, in the shape of `low` and `high`;
-        NaN where it is not known: no record, no data between the two, or values that JAX traces.
+        Root mean square relative deviations of the storage and of the loss modulus, in
+        the shape of `low` and `high`;
+        NaN where it is not known: no record, no data between the two, or values that
+            JAX traces.
     """
     shape = np.broadcast_shapes(np.shape(low), np.shape(high))
     unknown = np.full(shape, np.nan)
@@ -181,10 +248,17 @@ def misfit(material: Any, low: Any, high: Any) -> tuple[Array, Array]:
         return unknown, unknown
     omega, *sizes = np.array(rows).T
     half = 10 ** (0.5 / _BANDS)
-    inside = (omega * half >= np.asarray(low)[..., None]) & (omega / half <= np.asarray(high)[..., None])
+    inside = (omega * half >= np.asarray(low)[..., None]) & (
+        omega / half <= np.asarray(high)[..., None]
+    )
     count = inside.sum(axis=-1)
     storage, loss = (
-        np.where(count > 0, np.sqrt((inside * size**2).sum(axis=-1) / np.maximum(count, 1)), np.nan) for size in sizes
+        np.where(
+            count > 0,
+            np.sqrt((inside * size**2).sum(axis=-1) / np.maximum(count, 1)),
+            np.nan,
+        )
+        for size in sizes
     )
     return storage, loss
 
@@ -194,7 +268,8 @@ def _apart(pair: tuple[float, float] | tuple[()] | None) -> bool:
 
 
 def _overlap(
-    one: tuple[float, float] | tuple[()] | None, other: tuple[float, float] | tuple[()] | None
+    one: tuple[float, float] | tuple[()] | None,
+    other: tuple[float, float] | tuple[()] | None,
 ) -> tuple[float, float] | tuple[()] | None:
     if one == () or other == ():
         return ()

@@ -1,4 +1,6 @@
-"""exp(-z) and the means of it that a step takes: (1 - exp(-z))/z and its relatives, to full accuracy for z >= 0."""
+"""exp(-z) and the means of it that a step takes: (1 - exp(-z))/z and its relatives, to
+full accuracy for z >= 0.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,11 @@ def phi1(y: Array) -> Array:
 
 
 def phi2(y: Array) -> Array:
-    """(1 - phi1(y))/y for y >= 0, by its series where the difference would lose digits."""
-    small, large = xp.where(y < 1, y, 1.0), xp.where(y < 1, 1.0, y)  # not min and max: at y = 1 they halve slopes
+    """(1 - phi1(y))/y for y >= 0, by its series where the difference would lose
+    digits.
+    """
+    # not min and max: at y = 1 they halve slopes
+    small, large = xp.where(y < 1, y, 1.0), xp.where(y < 1, 1.0, y)
     series = xp.ones_like(y)
     for k in range(19, 2, -1):
         series = 1 - small / k * series
@@ -22,10 +27,11 @@ def phi2(y: Array) -> Array:
 
 
 def ramp_weights(z: Array) -> tuple[Array, Array, Array]:
-    """exp(-z), int_0^1 exp(-(1-s) z) (1-s) ds and int_0^1 exp(-(1-s) z) s ds, to full accuracy for z >= 0.
+    """exp(-z), int_0^1 exp(-(1-s) z) (1-s) ds and int_0^1 exp(-(1-s) z) s ds, to full
+    accuracy for z >= 0.
 
-    What is left of a branch after a step of z relaxation times, and what a rate that is linear over the step adds, from
-    its value at the start and at the end.
+    What is left of a branch after a step of z relaxation times, and what a rate that is
+    linear over the step adds, from its value at the start and at the end.
     """
     small, large = xp.minimum(z, 1.0), xp.maximum(z, 1.0)
     series = xp.ones_like(z)

@@ -1,4 +1,6 @@
-"""Roots of many increasing functions at once, with derivatives that do not pass through the search."""
+"""Roots of many increasing functions at once, with derivatives that do not pass through
+the search.
+"""
 
 from typing import Any
 
@@ -6,7 +8,8 @@ from ..arrays import fixed, on_numpy, while_loop, xp
 from ..checks import Array
 
 _CLOSE = 3e-4  # change of x from which one more Newton step is at rounding
-_ROUNDING = 1e-8  # the same of a step of the secant method, whose error is the product of the last two
+# the same of a step of the secant method, whose error is the product of the last two
+_ROUNDING = 1e-8
 _ITERATIONS = 60
 _CLIP = 3.0  # longest step of a search
 _USUAL = 1.5  # slope to start a search with: of powers, in logarithms
@@ -15,8 +18,8 @@ _USUAL = 1.5  # slope to start a search with: of powers, in logarithms
 def root(residual: Any, guess: Array) -> tuple[Array, Array]:
     """x with residual(x) = 0, rising through it, and whether it was found.
 
-    The search runs on values cut off from differentiation; one Newton step afterwards carries the derivatives. On NumPy
-    it runs until its next step would be rounding.
+    The search runs on values cut off from differentiation; one Newton step afterwards
+    carries the derivatives. On NumPy it runs until its next step would be rounding.
     """
     if on_numpy():
         return search(residual, guess, _ROUNDING)
@@ -36,14 +39,28 @@ def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, A
         x, slope, low, high, done, count, value = state
         low, high = xp.where(value < 0, x, low), xp.where(value < 0, high, x)
         secant = x - xp.clip(value / slope, -_CLIP, _CLIP)
-        middle = 0.5 * (xp.maximum(low, x - 2 * _CLIP) + xp.minimum(high, x + 2 * _CLIP))
+        middle = 0.5 * (
+            xp.maximum(low, x - 2 * _CLIP) + xp.minimum(high, x + 2 * _CLIP)
+        )
         following = xp.where((secant >= low) & (secant <= high), secant, middle)
         change = following - x
         done = done | (xp.abs(change) < close) | xp.isnan(value)
         following = xp.where(xp.isfinite(following), following, x)
         new = residual(following)
-        slope = xp.where(xp.abs(change) > 1e-9, (new - value) / xp.where(change == 0, 1.0, change), slope)
-        return following, xp.where(slope > 0.05, slope, _USUAL), low, high, done, count + 1, new
+        slope = xp.where(
+            xp.abs(change) > 1e-9,
+            (new - value) / xp.where(change == 0, 1.0, change),
+            slope,
+        )
+        return (
+            following,
+            xp.where(slope > 0.05, slope, _USUAL),
+            low,
+            high,
+            done,
+            count + 1,
+            new,
+        )
 
     guess = xp.where(xp.isfinite(guess), guess, -7.0)
     everywhere = xp.full_like(guess, xp.inf)

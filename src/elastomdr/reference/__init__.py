@@ -1,4 +1,6 @@
-"""What to check the fast answers against: contacts in two and three dimensions, without reduction; closed forms."""
+"""What to check the fast answers against: contacts in two and three dimensions, without
+reduction; closed forms.
+"""
 
 from ..surface.rough_map import rough_map
 from .full_contact import full_contact_sliding

@@ -1,11 +1,13 @@
-"""Steady sliding on rubber of finite thickness in three dimensions: the half-space's cells with the layer's kernel.
+"""Steady sliding on rubber of finite thickness in three dimensions: the half-space's
+cells with the layer's kernel.
 
-A layer is stiffer than a half-space by a smooth part of the influence function of a point,
+A layer is stiffer than a half-space by a smooth part of the influence function of a
+point,
 
     u(r) = P/(pi E*) [1/r - (1/h) n(r/h)],    n(y) = int_0^inf (1 - W(z)) J_0(z y) dz,
 
-which is kept as Chebyshev series on short panels. W is odd in z, so that the whole of u falls exponentially beyond
-a few thicknesses, and is taken as zero from y = 14 on.
+which is kept as Chebyshev series on short panels. W is odd in z, so that the whole of u
+falls exponentially beyond a few thicknesses, and is taken as zero from y = 14 on.
 """
 
 from __future__ import annotations
@@ -42,16 +44,24 @@ class Cover(Tree):
     bonded: bool = static()
 
     def less(self, r: Array, cell: tuple[Array, Array]) -> Array:
-        """By how much a loaded cell moves the surface at r less than that of a half-space, per unit of pressure."""
+        """By how much a loaded cell moves the surface at r less than that of a
+        half-space, per unit of pressure.
+        """
         y = r / self.thickness
-        table = self.near + self.bend * (cell[0] ** 2 + cell[1] ** 2) / 48 / self.thickness**2  # mean over the cell
+        # mean over the cell
+        table = (
+            self.near
+            + self.bend * (cell[0] ** 2 + cell[1] ** 2) / 48 / self.thickness**2
+        )
         i = jnp.clip((y / _PANEL).astype(int), 0, table.shape[0] - 1)
         t = 2 * (y / _PANEL - i) - 1
         rows = table[i]
         b1 = b2 = jnp.zeros_like(y)
         for n in range(_DEGREE, 0, -1):
             b1, b2 = rows[..., n] + 2 * t * b1 - b2, b1
-        return cell[0] * cell[1] / (jnp.pi * self.thickness) * (rows[..., 0] + t * b1 - b2)
+        return (
+            cell[0] * cell[1] / (jnp.pi * self.thickness) * (rows[..., 0] + t * b1 - b2)
+        )
 
 
 @in_float64
@@ -65,13 +75,25 @@ def layer_sliding(
     temperature: ArrayLike | None = None,
     points: int = 64,
 ) -> FrictionCurve:
-    """Friction of a rigid body in steady, frictionless sliding on a layer, in three dimensions.
+    """Friction of a rigid body in steady, frictionless sliding on a layer, in three
+    dimensions.
 
-    Arguments, result and errors as of `half_space_sliding`, whose cells it uses with the influence function of the
-    layer; `material` is an `em.layer` of a material with a constant Poisson's ratio. The body is alone on an infinite
-    layer. Raises `InputError` as well for a constant bulk modulus, and for two covers.
+    Arguments, result and errors as of `half_space_sliding`, whose cells it uses with
+    the influence function of the layer; `material` is an `em.layer` of a material with
+    a constant Poisson's ratio. The body is alone on an infinite layer. Raises
+    `InputError` as well for a constant bulk modulus, and for two covers.
     """
-    return slide(foundation_of(material), shape, velocity, load, depth, temperature, points, cover_of(material), MODEL)
+    return slide(
+        foundation_of(material),
+        shape,
+        velocity,
+        load,
+        depth,
+        temperature,
+        points,
+        cover_of(material),
+        MODEL,
+    )
 
 
 def cover_of(material: Layer) -> Cover:
@@ -80,11 +102,23 @@ def cover_of(material: Layer) -> Cover:
         raise InputError(f"material must be an em.layer(...), got {material!r}.")
     if material.other is not None or not material.constant:
         raise InputError(
-            "material must be one em.layer of a material with a constant Poisson's ratio in three dimensions, got "
-            + ("two covers." if material.other is not None else "one with a constant bulk modulus.")
+            (
+                "material must be one em.layer of a material with a constant "
+                "Poisson's ratio in three dimensions, got "
+            )
+            + (
+                "two covers."
+                if material.other is not None
+                else "one with a constant bulk modulus."
+            )
         )
     squeeze = float(np.asarray(material.squeeze()))
-    return Cover(*_tables(squeeze, material.bonded), squeeze, float(material.thickness), material.bonded)
+    return Cover(
+        *_tables(squeeze, material.bonded),
+        squeeze,
+        float(material.thickness),
+        material.bonded,
+    )
 
 
 def foundation_of(material: Layer) -> Any:

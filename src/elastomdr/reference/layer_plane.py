@@ -1,8 +1,10 @@
-"""A cylinder that slides steadily on a layer, in plane strain, on a line of cells: the slow truth of `smooth.cylinder_collocation`.
+"""A cylinder that slides steadily on a layer, in plane strain, on a line of cells: the
+slow truth of `smooth.cylinder_collocation`.
 
-Cells of constant pressure; their influence from the complex compliance W(kh)/E*(kv) by one long Fourier transform, less
-the instantaneous half-plane above its mirror image, which is known in closed form; contact by letting go the cells that
-pull and taking in those that overlap, with a dense solve for each set.
+Cells of constant pressure; their influence from the complex compliance W(kh)/E*(kv) by
+one long Fourier transform, less the instantaneous half-plane above its mirror image,
+which is known in closed form; contact by letting go the cells that pull and taking in
+those that overlap, with a dense solve for each set.
 """
 
 from __future__ import annotations
@@ -21,12 +23,19 @@ _LONGEST = 2**23  # of the transform
 
 
 def cylinder_on_cells(
-    layer: Layer, radius: float, velocity: float, load_per_length: float, window: tuple[float, float], points: int = 400
+    layer: Layer,
+    radius: float,
+    velocity: float,
+    load_per_length: float,
+    window: tuple[float, float],
+    points: int = 400,
 ) -> tuple[float, float, float]:
-    """mu, leading and trailing edge [m] of a cylinder on `points` cells over `window` [m], counted from the apex.
+    """mu, leading and trailing edge [m] of a cylinder on `points` cells over `window`
+    [m], counted from the apex.
 
-    The window has to hold the contact; what lies outside is free of pressure. The wake has to fit into the longest
-    transform: `ValueError` otherwise, and where the contact does not settle or meets the end of its window.
+    The window has to hold the contact; what lies outside is free of pressure. The wake
+    has to fit into the longest transform: `ValueError` otherwise, and where the contact
+    does not settle or meets the end of its window.
     """
     width = (window[1] - window[0]) / points
     x = window[0] + width * (np.arange(points) + 0.5)
@@ -49,18 +58,27 @@ def cylinder_on_cells(
     if touching[0] or touching[-1]:
         raise ValueError("the contact reaches the end of its window")
     first, last = np.flatnonzero(touching)[[0, -1]]
-    # the pressure falls as the root of the distance: its square meets zero along a line through the last two cells
-    trailing = x[first] - width * np.clip(p[first] ** 2 / (p[first + 1] ** 2 - p[first] ** 2), 0, 1)
-    leading = x[last] + width * np.clip(p[last] ** 2 / (p[last - 1] ** 2 - p[last] ** 2), 0, 1)
+    # the pressure falls as the root of the distance: its square meets zero along a line
+    # through the last two cells
+    trailing = x[first] - width * np.clip(
+        p[first] ** 2 / (p[first + 1] ** 2 - p[first] ** 2), 0, 1
+    )
+    leading = x[last] + width * np.clip(
+        p[last] ** 2 / (p[last - 1] ** 2 - p[last] ** 2), 0, 1
+    )
     mu = float((p * x).sum() * width / (radius * load_per_length))
     return mu, float(leading), float(-trailing)
 
 
 def _influence(layer: Layer, velocity: float, width: float, points: int) -> np.ndarray:
-    """Displacement at offsets -(n - 1) ... n - 1 cells from a cell under unit pressure."""
+    """Displacement at offsets -(n - 1) ... n - 1 cells from a cell under unit
+    pressure.
+    """
     chains = [to_kelvin(cover.normal()) for cover in layer.covers]
     at_once = float(sum(chain.instantaneous for chain in chains))
-    memory = velocity * max(float(chain.times[-1]) for chain in chains if chain.times.size)
+    memory = velocity * max(
+        float(chain.times[-1]) for chain in chains if chain.times.size
+    )
     thickness = max(float(cover.thickness) for cover in layer.covers)
     period = 4 * points * width + 60 * thickness + 40 * memory
     step = width / _FINE
@@ -69,11 +87,22 @@ def _influence(layer: Layer, velocity: float, width: float, points: int) -> np.n
         raise ValueError("the wake is too long for this transform")
     k = 2 * math.pi * np.fft.rfftfreq(count, step)
     k[0] = 1e-9 / thickness
-    total: Any = sum(np.asarray(cover.compliance(k * float(cover.thickness), k * velocity)) for cover in layer.covers)
-    rest = 2 / k * (np.conj(total) - at_once * -np.expm1(-k * thickness)) * np.sinc(k * width / (2 * math.pi)) * width
+    total: Any = sum(
+        np.asarray(cover.compliance(k * float(cover.thickness), k * velocity))
+        for cover in layer.covers
+    )
+    rest = (
+        2
+        / k
+        * (np.conj(total) - at_once * -np.expm1(-k * thickness))
+        * np.sinc(k * width / (2 * math.pi))
+        * width
+    )
     along = np.fft.irfft(rest, count) / step
     offsets = np.arange(1 - points, points)
     edge = width * (np.arange(1 - points, points + 1) - 0.5)
-    mirror = edge * np.log(np.hypot(edge, thickness)) + thickness * np.arctan(edge / thickness)
+    mirror = edge * np.log(np.hypot(edge, thickness)) + thickness * np.arctan(
+        edge / thickness
+    )
     closed = 2 * at_once / math.pi * np.diff(mirror - edge * np.log(np.abs(edge)))
     return along[_FINE * offsets] + closed

@@ -1,4 +1,6 @@
-"""Which axis of a result's arrays runs over velocity, which over temperature, load or depth."""
+"""Which axis of a result's arrays runs over velocity, which over temperature, load or
+depth.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
@@ -8,15 +10,19 @@ import numpy as np
 
 from .words import in_words
 
-_ALIKE = 1e-6  # relative spread below which values count as one: a load that was asked for comes back within rounding
-_NAMES = {"normal_force": "load", "force": "load", "load_per_length": "load"}  # others: their field
+# relative spread below which values count as one: a load that was asked for comes back
+# within rounding
+_ALIKE = 1e-6
+# others: their field
+_NAMES = {"normal_force": "load", "force": "load", "load_per_length": "load"}
 
 
 class Axis(NamedTuple):
     """One axis of a result's arrays."""
 
     name: str
-    values: np.ndarray  # the axis' coordinate (names of materials are text), or 0 ... n-1 where it has none
+    # the axis' coordinate (names of materials are text), or 0 ... n-1 where it has none
+    values: np.ndarray
     quantity: Any = None  # the `Quantity` that runs along it; None where none does
 
     @property
@@ -25,11 +31,14 @@ class Axis(NamedTuple):
         return self.quantity is not None or self.values.dtype.kind == "U"
 
 
-def dimensions(fields: Mapping[Any, np.ndarray], given: Iterable[str], last: str) -> list[Axis]:
-    """The axes of a result: each is named after the first quantity that changes along it and along no other.
+def dimensions(
+    fields: Mapping[Any, np.ndarray], given: Iterable[str], last: str
+) -> list[Axis]:
+    """The axes of a result: each is named after the first quantity that changes along
+    it and along no other.
 
-    `fields` are quantities and their values; `given` the keys of what may name an axis, in order; `last` the name of
-    the last axis where every result of the kind has it.
+    `fields` are quantities and their values; `given` the keys of what may name an axis,
+    in order; `last` the name of the last axis where every result of the kind has it.
     """
     shape = np.shape(next(iter(fields.values())))
     known = {quantity.key: (quantity, values) for quantity, values in fields.items()}
@@ -42,27 +51,38 @@ def dimensions(fields: Mapping[Any, np.ndarray], given: Iterable[str], last: str
             if along == {i} and own in ("", key):
                 quantity, values = known[key]
                 others = tuple(j for j in range(len(shape)) if j != i)
-                axis = Axis(_NAMES.get(key, key), np.fmax.reduce(values, axis=others), quantity)
+                axis = Axis(
+                    _NAMES.get(key, key), np.fmax.reduce(values, axis=others), quantity
+                )
                 break
         axes.append(axis)
     return axes
 
 
 class Curve(NamedTuple):
-    """One line of a figure: where it is in the arrays, and what sets it apart from the others."""
+    """One line of a figure: where it is in the arrays, and what sets it apart from the
+    others.
+    """
 
     at: tuple[int | slice, ...]
     label: str  # "" where there is only one curve
 
 
 def curves(axes: list[Axis], along: str = "velocity") -> tuple[Axis, list[Curve]]:
-    """Splits a result into curves along one axis, or along its last one where none has that name."""
+    """Splits a result into curves along one axis, or along its last one where none has
+    that name.
+    """
     if not axes:
         return Axis(along, np.zeros(1)), [Curve((), "")]
     names = [axis.name for axis in axes]
     place = names.index(along) if along in names else len(axes) - 1
-    others = [range(axis.values.size) if i != place else [slice(None)] for i, axis in enumerate(axes)]
-    return axes[place], [Curve(index, ", ".join(_labels(axes, index))) for index in product(*others)]
+    others = [
+        range(axis.values.size) if i != place else [slice(None)]
+        for i, axis in enumerate(axes)
+    ]
+    return axes[place], [
+        Curve(index, ", ".join(_labels(axes, index))) for index in product(*others)
+    ]
 
 
 def place_in_words(axis: Axis, i: int) -> str:
@@ -91,7 +111,9 @@ class Peak(NamedTuple):
 
 
 def peak(x: np.ndarray, y: np.ndarray) -> Peak | None:
-    """The peak of a curve with ascending x, over the points that are known; None where there is none."""
+    """The peak of a curve with ascending x, over the points that are known; None where
+    there is none.
+    """
     x, y = x[np.isfinite(y)], y[np.isfinite(y)]
     if not y.size:
         return None
@@ -100,7 +122,9 @@ def peak(x: np.ndarray, y: np.ndarray) -> Peak | None:
 
 
 def _varies_along(values: np.ndarray) -> set[int]:
-    """The axes along which a quantity changes; NaNs, the points that failed, are not looked at."""
+    """The axes along which a quantity changes; NaNs, the points that failed, are not
+    looked at.
+    """
 
     def changes(axis: int) -> bool:
         high, low = np.fmax.reduce(values, axis=axis), np.fmin.reduce(values, axis=axis)

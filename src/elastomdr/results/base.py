@@ -1,10 +1,14 @@
-"""What every result is: fields that know their name and unit, and the tables, texts and figures that follow from them.
+"""What every result is: fields that know their name and unit, and the tables, texts and
+figures that follow from them.
 
-A result is a frozen dataclass, declared with `@record`, whose fields are of three kinds:
+A result is a frozen dataclass, declared with `@record`, whose fields are of three
+kinds:
 
-- `quantity(label, unit, meaning)`: numbers, one per point unless its `dims` say otherwise;
+- `quantity(label, unit, meaning)`: numbers, one per point unless its `dims` say
+  otherwise;
 - `setting()`: what is no number and JAX does not see, such as the model's name;
-- any other: something that the result carries along, such as a `Contact`, which has quantities of its own.
+- any other: something that the result carries along, such as a `Contact`, which has
+  quantities of its own.
 """
 
 import dataclasses
@@ -14,7 +18,15 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    NamedTuple,
+    Self,
+    TypeVar,
+    dataclass_transform,
+)
 
 import numpy as np
 
@@ -48,11 +60,14 @@ class Quantity(NamedTuple):
     label: str  # in the title of a column
     unit: str  # "-" for a plain number, "" for yes or no
     meaning: str = ""  # in one line
-    dims: str = "..."  # "..." one value per point, "... name" a series of values per point, "" one for all points
+    # "..." one value per point, "... name" a series of values per point, "" one for all
+    # points
+    dims: str = "..."
     axis: str = ""  # label of an axis in a figure, where it is not that of the column
     shown: str = ""  # unit in a figure, where it is not `unit`
     path: str = ""  # of the field in its result, such as "contact.leading"
-    key: str = ""  # its name in a table: the last part of the path where that is of one field only
+    # its name in a table: the last part of the path where that is of one field only
+    key: str = ""
 
     @property
     def title(self) -> str:
@@ -80,19 +95,32 @@ def quantity(
 
 
 def setting(*, default: Any = dataclasses.MISSING) -> Any:
-    """A field that JAX does not see: it has to be hashable, and is part of what a compiled program depends on."""
+    """A field that JAX does not see: it has to be hashable, and is part of what a
+    compiled program depends on.
+    """
     return dataclasses.field(default=default, metadata={"static": True})
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, eq_default=False, field_specifiers=(quantity, setting))
+@dataclass_transform(
+    kw_only_default=True,
+    frozen_default=True,
+    eq_default=False,
+    field_specifiers=(quantity, setting),
+)
 def record(cls: type[T]) -> type[T]:
     """Declares a class of results."""
-    return pytree(dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)(cls))
+    return pytree(
+        dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)(cls)
+    )
 
 
-@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(quantity, setting))
+@dataclass_transform(
+    frozen_default=True, eq_default=False, field_specifiers=(quantity, setting)
+)
 def part(cls: type[T]) -> type[T]:
-    """Declares a class of what results carry along, such as the edges of a contact; made by position."""
+    """Declares a class of what results carry along, such as the edges of a contact;
+    made by position.
+    """
     return pytree(dataclasses.dataclass(frozen=True, eq=False)(cls))
 
 
@@ -108,54 +136,85 @@ class Origin(NamedTuple):
 
 def distinct(names: Sequence[str]) -> list[str]:
     """Names of materials along an axis: of equal ones the second becomes "name (2)"."""
-    return [f"{n} ({1 + list(names[:i]).count(n)})" if n in names[:i] else n for i, n in enumerate(names)]
+    return [
+        f"{n} ({1 + list(names[:i]).count(n)})" if n in names[:i] else n
+        for i, n in enumerate(names)
+    ]
 
 
 @record
 class Result:
-    """A result: quantities of one shape, which is that of its points, and in words what they were computed from."""
+    """A result: quantities of one shape, which is that of its points, and in words what
+    they were computed from.
+    """
 
     error: Array = quantity("estimated error", "-")
-    converged: Array = quantity("converged", "", "whether the error was met; if not, the point is NaN")
+    converged: Array = quantity(
+        "converged", "", "whether the error was met; if not, the point is NaN"
+    )
     extrapolated: Array | None = quantity(
-        "beyond the range of the material", "", "None where the range of the material is not known", default=None
+        "beyond the range of the material",
+        "",
+        "None where the range of the material is not known",
+        default=None,
     )
     model: str = setting()  # its name, in words
-    plan: Any = setting()  # what was computed and skipped, of a type for each verb; of several materials a tuple
-    inputs: tuple[tuple[str, str], ...] = setting()  # name and value of each argument, in words
-    origins: tuple[Origin, ...] = setting(default=())  # the materials along the first axis, if that is theirs
+    # what was computed and skipped, of a type for each verb; of several materials a
+    # tuple
+    plan: Any = setting()
+    # name and value of each argument, in words
+    inputs: tuple[tuple[str, str], ...] = setting()
+    # the materials along the first axis, if that is theirs
+    origins: tuple[Origin, ...] = setting(default=())
     drawn: bool = setting(default=False)  # whether the materials are draws of one
 
     title: ClassVar[str]  # of a figure
-    across: ClassVar[str] = "velocity"  # the field along the horizontal axis of a figure
+    # the field along the horizontal axis of a figure
+    across: ClassVar[str] = "velocity"
     shows: ClassVar[str]  # the field along its vertical axis
-    figure: ClassVar[str] = "draw"  # the function of the module `plotting` that draws it
+    # the function of the module `plotting` that draws it
+    figure: ClassVar[str] = "draw"
     error_of: ClassVar[str]  # what `error` is the error of, in a sentence
     each: ClassVar[str] = "points"  # what one value of a field belongs to
-    last: ClassVar[str] = ""  # name of the last axis where every result of the class has it
-    scale: ClassVar[str] = "linear"  # of the horizontal axis: "log", or "auto" where the values are spread widely
-    unflagged: ClassVar[str] = "not known: no point is marked as extrapolated"  # why `extrapolated` is None
+    # name of the last axis where every result of the class has it
+    last: ClassVar[str] = ""
+    # of the horizontal axis: "log", or "auto" where the values are spread widely
+    scale: ClassVar[str] = "linear"
+    # why `extrapolated` is None
+    unflagged: ClassVar[str] = "not known: no point is marked as extrapolated"
     from_zero: ClassVar[bool] = True  # whether the vertical axis begins at zero
     coordinates: ClassVar[tuple[str, ...]] = (
         "time", "velocity", "temperature", "pressure", "normal_force", "force", "depth",
     )  # fmt: skip  # after which an axis may be called: of several quantities that change along it, the first
 
-    # ------------------------------------------------------------------------------------------ numbers
+    # ------------------------------------------------------------------------------------------
+    # numbers
 
     def quantities(self) -> list[Quantity]:
-        """What the fields of numbers are, in the order of a table; those that are None are left out."""
+        """What the fields of numbers are, in the order of a table; those that are None
+        are left out.
+        """
         every = list(_quantities(self, ""))
-        common = ("error", "model_error", "converged", "extrapolated")  # of each class, in the last columns
+        # of each class, in the last columns
+        common = ("error", "model_error", "converged", "extrapolated")
         every.sort(key=lambda q: common.index(q.path) if q.path in common else -1)
-        keys = [q.path.rpartition(".")[2] if q.dims in ("...", "") else "" for q in every]
+        keys = [
+            q.path.rpartition(".")[2] if q.dims in ("...", "") else "" for q in every
+        ]
         named = (
-            q._replace(key=key if key and (q.path == key or keys.count(key) == 1) else q.path.replace(".", "_"))
+            q._replace(
+                key=key
+                if key and (q.path == key or keys.count(key) == 1)
+                else q.path.replace(".", "_")
+            )
             for q, key in zip(every, keys, strict=True)
         )
         return [self.describe(q) for q in named if self._value(q) is not None]
 
     def describe(self, q: Quantity) -> Quantity:
-        """A quantity as it is in this result, where label or unit depend on what was computed."""
+        """A quantity as it is in this result, where label or unit depend on what was
+        computed.
+        """
         return q
 
     def _value(self, q: Quantity) -> Any:
@@ -165,12 +224,19 @@ class Result:
         return value
 
     def fields(self, dims: str | None = "...") -> dict[Quantity, np.ndarray]:
-        """The quantities of one kind of dimensions (None: all) as arrays. Raises `InputError` while JAX traces them."""
+        """The quantities of one kind of dimensions (None: all) as arrays. Raises
+        `InputError` while JAX traces them.
+        """
         if is_traced(self):
             raise InputError(
-                f"{type(self).__name__} has no numbers while JAX traces it. Make tables outside jit, grad and vmap."
+                f"{type(self).__name__} has no numbers while JAX traces it. Make "
+                "tables outside jit, grad and vmap."
             )
-        return {q: np.asarray(self._value(q)) for q in self.quantities() if dims is None or q.dims == dims}
+        return {
+            q: np.asarray(self._value(q))
+            for q in self.quantities()
+            if dims is None or q.dims == dims
+        }
 
     @property
     def materials(self) -> tuple[str, ...]:
@@ -178,53 +244,99 @@ class Result:
         return tuple(origin.name for origin in self.origins)
 
     def axes(self) -> list[Axis]:
-        """The axes of the quantities by name, such as material, temperature and velocity, with their values."""
+        """The axes of the quantities by name, such as material, temperature and
+        velocity, with their values.
+        """
         fields = self.fields()
         if not self.origins:
             return dimensions(fields, self.coordinates, self.last)
-        rest = dimensions({q: values[0] for q, values in fields.items()}, self.coordinates, self.last)
+        rest = dimensions(
+            {q: values[0] for q, values in fields.items()}, self.coordinates, self.last
+        )
         return [Axis("material", np.array(self.materials)), *rest]
 
     def curves(self, along: str = "velocity") -> tuple[Axis, list[Curve]]:
-        """One axis, the one named `along` or else the last, and where the curves along it are, with their labels."""
+        """One axis, the one named `along` or else the last, and where the curves along
+        it are, with their labels.
+        """
         return curves(self.axes(), along)
 
-    # ------------------------------------------------------------------------------------------ materials
+    # ------------------------------------------------------------------------------------------
+    # materials
 
     @classmethod
-    def stack(cls, results: Sequence[Self], names: Sequence[str], drawn: tuple[str, str] | None = None) -> Self:
-        """Joins results of the same call for several materials along a new first axis, "material".
+    def stack(
+        cls,
+        results: Sequence[Self],
+        names: Sequence[str],
+        drawn: tuple[str, str] | None = None,
+    ) -> Self:
+        """Joins results of the same call for several materials along a new first axis,
+        "material".
 
         Args:
-            results: results of this class, of one shape; a spectrum may have fewer branches than another.
-            names: the name of each material; of equal ones the second becomes "name (2)".
-            drawn: where they are draws of one material, which, and what differs, in words.
+            results: results of this class, of one shape; a spectrum may have fewer
+                branches than another.
+            names: the name of each material; of equal ones the second becomes "name
+                (2)".
+            drawn: where they are draws of one material, which, and what differs, in
+                words.
 
         Raises `InputError`.
         """
-        if not results or len(names) != len(results) or any(type(r) is not type(results[0]) for r in results):
+        if (
+            not results
+            or len(names) != len(results)
+            or any(type(r) is not type(results[0]) for r in results)
+        ):
             kinds = ", ".join(type(r).__name__ for r in results)
-            raise InputError(f"results must be of one class, with a name each, got {len(names)} names for [{kinds}].")
+            raise InputError(
+                f"results must be of one class, with a name each, got {len(names)} "
+                f"names for [{kinds}]."
+            )
         unique = distinct(names)
-        lengths = [np.shape(r.converged)[-1] if np.ndim(r.converged) else None for r in results]
+        lengths = [
+            np.shape(r.converged)[-1] if np.ndim(r.converged) else None for r in results
+        ]
         ragged = len(set(lengths)) > 1
-        missing = [frozenset(f.name for f in dataclasses.fields(r) if getattr(r, f.name) is None) for r in results]
+        missing = [
+            frozenset(
+                f.name for f in dataclasses.fields(r) if getattr(r, f.name) is None
+            )
+            for r in results
+        ]
         origins = tuple(
             Origin(name, r.model, r.inputs, none, length if ragged else None)
-            for name, r, none, length in zip(unique, results, missing, lengths, strict=True)
+            for name, r, none, length in zip(
+                unique, results, missing, lengths, strict=True
+            )
         )
         told = [dict(r.inputs) for r in results]
-        named = {"material": ", ".join(unique)} if drawn is None else {"material": drawn[0], "drawn": drawn[1]}
+        named = (
+            {"material": ", ".join(unique)}
+            if drawn is None
+            else {"material": drawn[0], "drawn": drawn[1]}
+        )
         inputs = named | {
-            key: told[0][key] if all(t.get(key) == told[0].get(key) for t in told)
-            else "; ".join(f"{name}: {t[key]}" for name, t in zip(unique, told, strict=True) if key in t)
+            key: told[0][key]
+            if all(t.get(key) == told[0].get(key) for t in told)
+            else "; ".join(
+                f"{name}: {t[key]}"
+                for name, t in zip(unique, told, strict=True)
+                if key in t
+            )
             for key in dict.fromkeys(key for t in told for key in t)
-            if key != "material" and not (drawn and any(t.get(key) != told[0].get(key) for t in told))
-        }  # fmt: skip
+            if key != "material"
+            and not (drawn and any(t.get(key) != told[0].get(key) for t in told))
+        }
         known = [r.extrapolated is not None for r in results]
         if any(known) and not all(known):
-            unknown = ", ".join(name for name, k in zip(unique, known, strict=True) if not k)
-            inputs["range of the data"] = f"not known for {unknown}, never marked as extrapolated"
+            unknown = ", ".join(
+                name for name, k in zip(unique, known, strict=True) if not k
+            )
+            inputs["range of the data"] = (
+                f"not known for {unknown}, never marked as extrapolated"
+            )
         return _joined(
             list(results),
             model="; ".join(dict.fromkeys(r.model for r in results)),
@@ -235,43 +347,73 @@ class Result:
         )
 
     def select(self, material: str) -> Self:
-        """The result of one of the materials. Raises `InputError` for a name that is not among them."""
+        """The result of one of the materials. Raises `InputError` for a name that is
+        not among them.
+        """
         if material not in self.materials:
-            raise InputError(f"material must be one of {', '.join(self.materials) or 'none'}, got {material!r}.")
+            raise InputError(
+                f"material must be one of {', '.join(self.materials) or 'none'}, "
+                f"got {material!r}."
+            )
         i = self.materials.index(material)
         _, model, inputs, missing, length = self.origins[i]
         one = _part(self, i, length, missing)
-        named = (("material", material), *(pair for pair in inputs if pair[0] != "material"))
+        named = (
+            ("material", material),
+            *(pair for pair in inputs if pair[0] != "material"),
+        )
         plan = self.plan[i] if isinstance(self.plan, tuple) else self.plan
-        return dataclasses.replace(one, model=model, plan=plan, inputs=named, origins=(), drawn=False)
+        return dataclasses.replace(
+            one, model=model, plan=plan, inputs=named, origins=(), drawn=False
+        )
 
     def each_material(self) -> Iterator[Self]:
         """The result of each material; itself where there is no axis of materials."""
-        yield from (self.select(name) for name in self.materials) if self.origins else (self,)
+        yield from (
+            (self.select(name) for name in self.materials) if self.origins else (self,)
+        )
 
-    # ------------------------------------------------------------------------------------------ draws
+    # ------------------------------------------------------------------------------------------
+    # draws
 
     def band(self, share: float = 0.95) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of the main field of a result for draws of a material: the lower end of an interval, median, upper end.
+        """Of the main field of a result for draws of a material: the lower end of an
+        interval, median, upper end.
 
         Args:
-            share: of the draws that lies in the interval, those below and above it alike.
+            share: of the draws that lies in the interval, those below and above it
+                alike.
 
         Raises `InputError` where the materials are no draws.
         """
         if not self.drawn:
-            raise InputError("material must be a list of draws, as of em.fit.material(...).draws(n), to have a band.")
-        require("share", as_float64("share", share), "between 0 and 1", lambda x: (x > 0) & (x < 1))
+            raise InputError(
+                "material must be a list of draws, as of "
+                "em.fit.material(...).draws(n), to have a band."
+            )
+        require(
+            "share",
+            as_float64("share", share),
+            "between 0 and 1",
+            lambda x: (x > 0) & (x < 1),
+        )
         ends = [0.5 - 0.5 * share, 0.5, 0.5 + 0.5 * share]
-        return tuple(_over_draws(lambda x: np.nanquantile(x, ends, axis=0), getattr(self, self.shows)))
+        return tuple(
+            _over_draws(
+                lambda x: np.nanquantile(x, ends, axis=0), getattr(self, self.shows)
+            )
+        )
 
     def typical(self) -> Self:
-        """The median over draws of every field, without an axis of materials. Raises `InputError` as `band`."""
+        """The median over draws of every field, without an axis of materials. Raises
+        `InputError` as `band`.
+        """
         self.band()
         plan = self.plan[0] if isinstance(self.plan, tuple) else self.plan
         return dataclasses.replace(_median(self), plan=plan, origins=(), drawn=False)
 
-    # ------------------------------------------------------------------------------------------ words
+    # ------------------------------------------------------------------------------------------
+    # words
 
     def heading(self) -> str:
         """A title: what was computed, and the material where it is known."""
@@ -284,7 +426,9 @@ class Result:
         yield from self.inputs
         yield "model", self.model
         if self.drawn:
-            yield from (("median, " + key, text) for key, text in self.typical().outcome())
+            yield from (
+                ("median, " + key, text) for key, text in self.typical().outcome()
+            )
             yield from self._spread()
         for one in () if self.drawn else self.each_material():
             name = f"{dict(one.inputs)['material']}: " if self.origins else ""
@@ -299,7 +443,10 @@ class Result:
         if np.isfinite(middle).any():
             i = int(np.nanargmax(middle))
             ends = f"{significant(float(low[i]))} to {significant(float(high[i]))}"
-            yield "95 % of the draws", f"{ends} where the median is largest, {significant(float(middle[i]))}"
+            yield (
+                "95 % of the draws",
+                f"{ends} where the median is largest, {significant(float(middle[i]))}",
+            )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """What came out, for a result without an axis of materials."""
@@ -308,17 +455,26 @@ class Result:
     def counted(self) -> tuple[int, int]:
         """How many points failed, of how many."""
         good = np.asarray(self.converged)
-        good = good[..., 0] if self.last and self.each == "points" else good  # the last axis divides each point
+        # the last axis divides each point
+        good = good[..., 0] if self.last and self.each == "points" else good
         return int(np.sum(~good)), good.size
 
     def reached(self, also: str = "") -> str:
-        """How many points converged, what `also` was counted, and the largest estimated error."""
+        """How many points converged, what `also` was counted, and the largest estimated
+        error.
+        """
         (failed, count), error = self.counted(), np.asarray(self.error)
-        text = f"{count}, {f'{failed} did not converge' if failed else 'all converged'}{also}"
+        text = (
+            f"{count}, "
+            f"{f'{failed} did not converge' if failed else 'all converged'}{also}"
+        )
         if np.isfinite(error).any():
             unit = next(q.unit for q in self.quantities() if q.path == "error")
             largest = significant(float(np.fmax.reduce(error, axis=None)), 2)
-            text += f"; largest estimated error of {self.error_of}: {largest}{'' if unit == '-' else f' {unit}'}"
+            text += (
+                f"; largest estimated error of {self.error_of}: "
+                f"{largest}{'' if unit == '-' else f' {unit}'}"
+            )
         return text
 
     def summary(self) -> str:
@@ -333,65 +489,109 @@ class Result:
         values = [self._value(q) for q in _quantities(self, "")]
         values = [value for value in values if value is not None]
         main = (self.error, self.converged, getattr(self, self.shows))
-        if all(hasattr(value, "dtype") for value in (*main, *values)) and not is_traced(self):
+        if all(hasattr(value, "dtype") for value in (*main, *values)) and not is_traced(
+            self
+        ):
             return f"{type(self).__name__}\n{self.summary()}"
-        shapes = sorted({str(np.shape(value)) for value in values if hasattr(value, "dtype")})
-        return f"{type(self).__name__}({self.model}; without numbers, shape {' or '.join(shapes) or 'unknown'})"
+        shapes = sorted(
+            {str(np.shape(value)) for value in values if hasattr(value, "dtype")}
+        )
+        return (
+            f"{type(self).__name__}({self.model}; without numbers, shape "
+            f"{' or '.join(shapes) or 'unknown'})"
+        )
 
     def _repr_html_(self) -> str:
         lines = repr(self).splitlines()
-        rows = self.findings() if len(lines) > 1 else ()  # without numbers there is nothing but that line
+        # without numbers there is nothing but that line
+        rows = self.findings() if len(lines) > 1 else ()
         return html_table(lines[0], rows)
 
-    # ------------------------------------------------------------------------------------------ tables and files
+    # ------------------------------------------------------------------------------------------
+    # tables and files
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Column title with its unit, such as "velocity [m/s]", to the values, flattened in C order."""
+        """Column title with its unit, such as "velocity [m/s]", to the values,
+        flattened in C order.
+        """
         fields = self.fields()
         found = {q.title: values.ravel() for q, values in fields.items()}
         if not self.origins:
             return found
         shape = next(iter(fields.values())).shape
         names = np.repeat(np.array(self.materials), int(np.prod(shape[1:])))
-        padding = np.all([np.isnan(x) for x in found.values() if x.dtype.kind == "f"], axis=0)  # of a shorter spectrum
-        return {title: values[~padding] for title, values in {"material": names, **found}.items()}
+        # of a shorter spectrum
+        padding = np.all(
+            [np.isnan(x) for x in found.values() if x.dtype.kind == "f"], axis=0
+        )
+        return {
+            title: values[~padding]
+            for title, values in {"material": names, **found}.items()
+        }
 
     def header(self, notes: Iterable[tuple[str, str]] = ()) -> list[str]:
-        """What a table has to carry besides its numbers: version, notes, inputs, model, findings, one line each."""
-        lines = [f"elastomdr {__version__}: {type(self).__name__}", "units: SI, in brackets in the column titles"]
-        return [*lines, *(f"{name}: {text}" for name, text in (*notes, *self.findings()))]
+        """What a table has to carry besides its numbers: version, notes, inputs, model,
+        findings, one line each.
+        """
+        lines = [
+            f"elastomdr {__version__}: {type(self).__name__}",
+            "units: SI, in brackets in the column titles",
+        ]
+        return [
+            *lines,
+            *(f"{name}: {text}" for name, text in (*notes, *self.findings())),
+        ]
 
     def csv(self, notes: Iterable[tuple[str, str]] = ()) -> str:
-        """The text that `to_csv` writes; `notes` are more pairs of name and text for its header."""
+        """The text that `to_csv` writes; `notes` are more pairs of name and text for
+        its header.
+        """
         return csv_text(self.header(notes), self.columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes a comma-separated table, its first lines a header that starts with "# ".
+        """Writes a comma-separated table, its first lines a header that starts with "#
+        ".
 
-        Opens with `pandas.read_csv(path, comment="#")` and in a spreadsheet. Numbers have as many digits, up to 17, as
-        it takes to read back the same float64; one that is not known, since its point failed, is an empty cell. The
-        file appears when it is complete, or not at all. Raises `InputError` where it cannot be written, and for a name
-        that ends in .xlsx.
+        Opens with `pandas.read_csv(path, comment="#")` and in a spreadsheet. Numbers
+        have as many digits, up to 17, as it takes to read back the same float64; one
+        that is not known, since its point failed, is an empty cell. The file appears
+        when it is complete, or not at all. Raises `InputError` where it cannot be
+        written, and for a name that ends in .xlsx.
         """
         if Path(path).suffix.lower() in (".xlsx", ".xls"):
-            raise InputError(f"path must not be that of a workbook, got {str(path)!r}: for one use to_excel.")
+            raise InputError(
+                f"path must not be that of a workbook, got {str(path)!r}: for one "
+                "use "
+                "to_excel."
+            )
         write_files({Path(path): self.csv().encode()})
 
     def to_excel(self, path: str | os.PathLike[str]) -> None:
-        """Writes an Excel workbook: the table, then what went in and came out, then what the columns mean.
+        """Writes an Excel workbook: the table, then what went in and came out, then
+        what the columns mean.
 
-        Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and where it cannot be written.
+        Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and
+        where it cannot be written.
         """
         if Path(path).suffix.lower() != ".xlsx":
-            raise InputError(f"path must end in .xlsx, got {str(path)!r}: for a table of text use to_csv.")
+            raise InputError(
+                f"path must end in .xlsx, got {str(path)!r}: for a table of text "
+                "use "
+                "to_csv."
+            )
         openpyxl = _package("openpyxl", "excel")
         columns = self.columns()
         rows = len(next(iter(columns.values())))
         if rows >= _ROWS:
-            raise InputError(f"path: a sheet of Excel has {_ROWS - 1} rows, got {rows}: use to_csv.")
+            raise InputError(
+                f"path: a sheet of Excel has {_ROWS - 1} rows, got {rows}: use to_csv."
+            )
         book = openpyxl.Workbook()
         sheets = {
-            "result": [list(columns), *map(list, zip(*(c.tolist() for c in columns.values()), strict=True))],
+            "result": [
+                list(columns),
+                *map(list, zip(*(c.tolist() for c in columns.values()), strict=True)),
+            ],
             "inputs": [["elastomdr", __version__], *map(list, self.findings())],
             "columns": [["column", "field", "unit", "meaning"]]
             + [[q.label, q.path, q.unit, q.meaning] for q in self.fields()],
@@ -403,91 +603,149 @@ class Result:
                 for j, value in enumerate(line, 1):
                     if isinstance(value, float) and not np.isfinite(value):
                         value = None if np.isnan(value) else str(value)
-                    cell = sheet.cell(i, j, re.sub(r"[\x00-\x1f]+", " ", value) if isinstance(value, str) else value)
+                    cell = sheet.cell(
+                        i,
+                        j,
+                        re.sub(r"[\x00-\x1f]+", " ", value)
+                        if isinstance(value, str)
+                        else value,
+                    )
                     if isinstance(value, str):
                         cell.data_type = "s"  # never a formula
-            for j, width in enumerate((max(len(str(line[k])) for line in lines[:1]) for k in range(len(lines[0]))), 1):
-                sheet.column_dimensions[openpyxl.utils.get_column_letter(j)].width = max(14, width + 2)
+            for j, width in enumerate(
+                (
+                    max(len(str(line[k])) for line in lines[:1])
+                    for k in range(len(lines[0]))
+                ),
+                1,
+            ):
+                sheet.column_dimensions[
+                    openpyxl.utils.get_column_letter(j)
+                ].width = max(14, width + 2)
         book["result"].freeze_panes = "A2"
         buffer = io.BytesIO()
         book.save(buffer)
         write_files({Path(path): buffer.getvalue()})
 
     def to_dict(self) -> dict[str, Any]:
-        """Field name to an array of the result's shape, in SI units; with "model", "plan" and "inputs" in words."""
+        """Field name to an array of the result's shape, in SI units; with "model",
+        "plan" and "inputs" in words.
+        """
         values: dict[str, Any] = {"material": self.materials} if self.origins else {}
         values |= {q.key: value for q, value in self.fields().items()}
         values |= {q.key: value for q, value in self.fields("").items()}
-        plan = "; ".join(dict.fromkeys(map(str, self.plan))) if isinstance(self.plan, tuple) else str(self.plan)
+        plan = (
+            "; ".join(dict.fromkeys(map(str, self.plan)))
+            if isinstance(self.plan, tuple)
+            else str(self.plan)
+        )
         return values | {"model": self.model, "plan": plan, "inputs": dict(self.inputs)}
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """A pandas DataFrame of `columns()`, with model and inputs as `attrs`. Raises `InputError` without pandas."""
+        """A pandas DataFrame of `columns()`, with model and inputs as `attrs`. Raises
+        `InputError` without pandas.
+        """
         frame = _package("pandas", "tables").DataFrame(self.columns())
         frame.attrs.update(self._attributes())
         return frame
 
     def to_xarray(self) -> "xarray.Dataset":
-        """An xarray Dataset, its axes what was given (velocity, temperature, load). Raises `InputError` without it."""
+        """An xarray Dataset, its axes what was given (velocity, temperature, load).
+        Raises `InputError` without it.
+        """
         xarray = _package("xarray", "tables")
         axes = self.axes()
-        units = {axis.name: {"units": axis.quantity.unit} if axis.quantity else {} for axis in axes}
-        coordinates = {axis.name: (axis.name, axis.values, units[axis.name]) for axis in axes if axis.known}
+        units = {
+            axis.name: {"units": axis.quantity.unit} if axis.quantity else {}
+            for axis in axes
+        }
+        coordinates = {
+            axis.name: (axis.name, axis.values, units[axis.name])
+            for axis in axes
+            if axis.known
+        }
         names, data = tuple(axis.name for axis in axes), {}
         for q, values in self.fields(None).items():
             series = q.dims.removeprefix("...")
             own = names if "..." in q.dims else names[: len(self.origins) > 0]
             if q.key not in coordinates:
-                about = {"long_name": q.label, "units": q.unit} | ({"description": q.meaning} if q.meaning else {})
+                about = {"long_name": q.label, "units": q.unit} | (
+                    {"description": q.meaning} if q.meaning else {}
+                )
                 data[q.key] = ((*own, *series.split()), values, about)
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def _attributes(self) -> dict[str, str]:
         return {**dict(self.inputs), "model": self.model, "elastomdr": __version__}
 
-    # ------------------------------------------------------------------------------------------ figures
+    # ------------------------------------------------------------------------------------------
+    # figures
 
-    def plot(self, ax: "Axes | None" = None, style: "Style | None" = None, *, title: str | None = None,
-             label: str | None = None) -> "Axes":  # fmt: skip
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+    ) -> "Axes":
         """Draws the result and returns the matplotlib Axes.
 
         Args:
-            ax: axes to draw on; None for a new figure, which is the `.figure` of the answer. Several results on the
-                same axes share a legend that says what they differ in.
+            ax: axes to draw on; None for a new figure, which is the `.figure` of the
+                answer. Several results on the same axes share a legend that says what
+                they differ in.
             style: None, or "paper" for a column of 85 mm: small print, no title.
             title: instead of the quantity and the material.
             label: of this result in the legend.
         """
         from . import plotting
 
-        return self._draw(getattr(plotting, self._figure()), plotting.Ask(ax, style, title, label))
+        return self._draw(
+            getattr(plotting, self._figure()), plotting.Ask(ax, style, title, label)
+        )
 
     def _figure(self) -> str:
         """The function of the module `plotting` that draws this result."""
         return self.figure
 
     def _draw(self, draw: Callable[..., Any], ask: Any, **options: Any) -> Any:
-        """Draws each material with a function of the module `plotting`, on the same axes."""
+        """Draws each material with a function of the module `plotting`, on the same
+        axes.
+        """
         for one in self.each_material():
             label = ask.label
             if self.origins and label:
                 label = f"{label}, {dict(one.inputs)['material']}"
-            ask = ask._replace(ax=draw(one, ask._replace(label=label, group=bool(self.origins)), **options))
+            ask = ask._replace(
+                ax=draw(
+                    one, ask._replace(label=label, group=bool(self.origins)), **options
+                )
+            )
         return ask.ax
 
-    def png(self, title: str | None = None, style: "Style | None" = None, **options: Any) -> bytes:
-        """The figure as a PNG image, 200 dots per inch (300 in the style "paper"); `options` are those of `plot`."""
+    def png(
+        self, title: str | None = None, style: "Style | None" = None, **options: Any
+    ) -> bytes:
+        """The figure as a PNG image, 200 dots per inch (300 in the style "paper");
+        `options` are those of `plot`.
+        """
         from .plotting import saved
 
         return saved(self.plot(style=style, title=title, **options), self.model)
 
 
 def _package(name: str, extra: str) -> Any:
-    """An optional package. Raises `InputError` with what to install where there is none."""
+    """An optional package. Raises `InputError` with what to install where there is
+    none.
+    """
     try:
         return __import__(name)
     except ImportError as error:
-        raise InputError(f"{name} is not installed, and this needs it: pip install elastomdr[{extra}]") from error
+        raise InputError(
+            f"{name} is not installed, and this needs it: pip install "
+            f"elastomdr[{extra}]"
+        ) from error
 
 
 def _quantities(record: Any, path: str) -> Iterator[Quantity]:
@@ -499,7 +757,9 @@ def _quantities(record: Any, path: str) -> Iterator[Quantity]:
 
 
 def _joined(parts: list[Any], **given: Any) -> Any:
-    """One record of several: their numbers along a new first axis, what is no number as a tuple."""
+    """One record of several: their numbers along a new first axis, what is no number as
+    a tuple.
+    """
     kind = type(parts[0])
     values = dict(given)
     for f in dataclasses.fields(kind):
@@ -509,7 +769,9 @@ def _joined(parts: list[Any], **given: Any) -> Any:
             continue
         if "static" in f.metadata:
             if any(x != column[0] for x in column):
-                raise InputError(f"results must have been computed alike, got {f.name} = {column}.")
+                raise InputError(
+                    f"results must have been computed alike, got {f.name} = {column}."
+                )
             values[f.name] = column[0]
         elif not there:
             values[f.name] = None
@@ -518,7 +780,8 @@ def _joined(parts: list[Any], **given: Any) -> Any:
         elif any(True for _ in _quantities(there[0], "")):
             if len(there) < len(parts):
                 raise InputError(
-                    f"results must have been computed alike, got {f.name} in {len(there)} of {len(parts)}."
+                    f"results must have been computed alike, got {f.name} in "
+                    f"{len(there)} of {len(parts)}."
                 )
             values[f.name] = _joined(there)
         else:
@@ -527,13 +790,18 @@ def _joined(parts: list[Any], **given: Any) -> Any:
 
 
 def _stacked(name: str, column: list[Any], there: list[Any]) -> Any:
-    """Arrays along a new first axis; one that is missing is NaN (or False), the last axis as long as the longest."""
+    """Arrays along a new first axis; one that is missing is NaN (or False), the last
+    axis as long as the longest.
+    """
     xp: Any = np
     if is_traced(column):
         import jax.numpy as xp
     shapes = {np.shape(x)[:-1] for x in there}
     if len(shapes) > 1 or len({np.ndim(x) for x in there}) > 1:
-        raise InputError(f"results must have one shape, got {name} of the shapes {[np.shape(x) for x in there]}.")
+        raise InputError(
+            f"results must have one shape, got {name} of the shapes "
+            f"{[np.shape(x) for x in there]}."
+        )
     longest = max(np.shape(x)[-1] if np.ndim(x) else 0 for x in there)
 
     def padded(x: Any) -> Any:
@@ -544,14 +812,19 @@ def _stacked(name: str, column: list[Any], there: list[Any]) -> Any:
         if not x.ndim or x.shape[-1] == longest:
             return x
         width = [(0, 0)] * (x.ndim - 1) + [(0, longest - x.shape[-1])]
-        return xp.pad(x, width, mode="edge") if x.dtype == bool else xp.pad(x, width, constant_values=np.nan)
+        return (
+            xp.pad(x, width, mode="edge")
+            if x.dtype == bool
+            else xp.pad(x, width, constant_values=np.nan)
+        )
 
     return xp.stack([padded(x) for x in column])
 
 
 def _over_draws(reduce: Callable[[np.ndarray], np.ndarray], values: Any) -> np.ndarray:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # points at which no draw converged are NaN
+        # points at which no draw converged are NaN
+        warnings.simplefilter("ignore", RuntimeWarning)
         return reduce(np.asarray(values))
 
 
@@ -563,7 +836,11 @@ def _median(record: Any) -> Any:
         if "static" in f.metadata or value is None:
             values[f.name] = value
         elif "quantity" in f.metadata and np.asarray(value).dtype == bool:
-            values[f.name] = np.all(value, axis=0) if f.name == "converged" else np.mean(value, axis=0) > 0.5
+            values[f.name] = (
+                np.all(value, axis=0)
+                if f.name == "converged"
+                else np.mean(value, axis=0) > 0.5
+            )
         elif "quantity" in f.metadata:
             values[f.name] = _over_draws(lambda x: np.nanmedian(x, axis=0), value)
         else:
@@ -579,7 +856,15 @@ def _part(record: Any, i: int, length: int | None, missing: frozenset[str]) -> A
         if "static" in f.metadata or value is None or f.name in missing:
             values[f.name] = None if f.name in missing else value
         elif "quantity" in f.metadata:
-            values[f.name] = value[i] if length is None or np.ndim(value) < 2 else value[i][..., :length]
+            values[f.name] = (
+                value[i]
+                if length is None or np.ndim(value) < 2
+                else value[i][..., :length]
+            )
         else:
-            values[f.name] = value[i] if isinstance(value, tuple) else _part(value, i, length, frozenset())
+            values[f.name] = (
+                value[i]
+                if isinstance(value, tuple)
+                else _part(value, i, length, frozenset())
+            )
     return type(record)(**values)

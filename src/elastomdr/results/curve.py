@@ -1,4 +1,6 @@
-"""Coefficients against velocity: what `em.friction`, `em.rolling` and the references of sliding return."""
+"""Coefficients against velocity: what `em.friction`, `em.rolling` and the references of
+sliding return.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ _SHOWN = 6  # curves that a summary lists one by one
 
 @part
 class Contact:
-    """Where the contact begins and ends on the central line, both counted from the apex."""
+    """Where the contact begins and ends on the central line, both counted from the
+    apex.
+    """
 
     leading: Array = quantity("leading edge", "m", "distance a ahead of the apex")
     trailing: Array = quantity("trailing edge", "m", "distance b behind the apex")
@@ -36,11 +40,17 @@ class Lines:
     """What the random lines of `em.Line` have of their own."""
 
     share: Array = quantity(
-        "share of the line in contact (not the real contact area)", "-", "share of the MDR line in contact"
+        "share of the line in contact (not the real contact area)",
+        "-",
+        "share of the MDR line in contact",
     )
-    scatter: Array | None = quantity("standard error over the lines", "-", "None for one line")
+    scatter: Array | None = quantity(
+        "standard error over the lines", "-", "None for one line"
+    )
     numerical: Array | None = quantity(
-        "estimated numerical error on these lines", "-", "None for a line given by its heights"
+        "estimated numerical error on these lines",
+        "-",
+        "None for a line given by its heights",
     )
     seeds: int = setting()  # how many lines
 
@@ -49,17 +59,32 @@ class Lines:
 class AbstractCurve(Result):
     """A coefficient against velocity; `shows` is the field that holds it."""
 
-    velocity: Array = quantity("velocity", "m/s", "sliding velocity v", axis="sliding velocity")
-    temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
+    velocity: Array = quantity(
+        "velocity", "m/s", "sliding velocity v", axis="sliding velocity"
+    )
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
     strain: Array | None = quantity(
-        "effective strain of the contact", "-", "of a smooth body on a material that softens with strain", default=None
+        "effective strain of the contact",
+        "-",
+        "of a smooth body on a material that softens with strain",
+        default=None,
     )
     linear: Array | None = quantity(
-        "coefficient without softening", "-", "of hysteresis, where the material softens with strain", default=None
+        "coefficient without softening",
+        "-",
+        "of hysteresis, where the material softens with strain",
+        default=None,
     )
-    error: Array = quantity("estimated error of the coefficient", "-", "numerical, absolute")
+    error: Array = quantity(
+        "estimated error of the coefficient", "-", "numerical, absolute"
+    )
     model_error: Array | None = quantity(
-        "bound on the error of the model", "-", "bound on the model's error of the coefficient, absolute", default=None
+        "bound on the error of the model",
+        "-",
+        "bound on the model's error of the coefficient, absolute",
+        default=None,
     )
 
     shows: ClassVar[str] = "mu"
@@ -76,38 +101,54 @@ class AbstractCurve(Result):
         label: str | None = None,
         measured: Mapping[str, ArrayLike] | None = None,
     ) -> "Axes":
-        """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
+        """Draws the coefficient against velocity, one line per temperature, load or
+        depth; returns matplotlib Axes.
 
-        The band around a line is the error, numerical and of the model. Of draws of a material (and road) the line is
-        their median, the band holds 95 % of them besides.
+        The band around a line is the error, numerical and of the model. Of draws of a
+        material (and road) the line is their median, the band holds 95 % of them
+        besides.
 
         Args:
             ax, style, title, label: as of every result, `Result.plot`.
-            measured: points to draw on top, a mapping with "velocity" [m/s], "mu" and, if known, "temperature" [K],
-                lists of the same length.
+            measured: points to draw on top, a mapping with "velocity" [m/s], "mu" and,
+                if known, "temperature" [K], lists of the same length.
         """
         from .plotting import Ask, draw_curve
 
         if self.drawn:
             ask = Ask(ax, style, title, label)
-            return draw_curve(self.typical(), ask, measured=measured, spread=self.band())
+            return draw_curve(
+                self.typical(), ask, measured=measured, spread=self.band()
+            )
         return self._draw(draw_curve, Ask(ax, style, title, label), measured=measured)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """Largest coefficient and where, both ends, and the largest bound on the model's error."""
+        """Largest coefficient and where, both ends, and the largest bound on the
+        model's error.
+        """
         fields = {q.key: value for q, value in self.fields().items()}
         _, every = self.curves()
         for curve in every[:_SHOWN]:
             velocity, value, beyond = (
-                np.atleast_1d(fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at])
+                np.atleast_1d(
+                    fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at]
+                )
                 for k in ("velocity", self.shows, "extrapolated")
             )
-            yield "at " + curve.label if curve.label else "result", self._extremes(velocity, value, beyond)
+            yield (
+                "at " + curve.label if curve.label else "result",
+                self._extremes(velocity, value, beyond),
+            )
         if len(every) > _SHOWN:
             yield "...", f"and {len(every) - _SHOWN} more curves"
         if "model_error" in fields and np.isfinite(fields[self.shows]).any():
             there = np.isfinite(fields[self.shows])
-            yield "model error", self._model_error(fields["model_error"][there], fields[self.shows][there])
+            yield (
+                "model error",
+                self._model_error(
+                    fields["model_error"][there], fields[self.shows][there]
+                ),
+            )
 
     def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
         unknown = int(np.isnan(bound).sum())
@@ -115,15 +156,27 @@ class AbstractCurve(Result):
             return "not known here: no bound is established for this model and contact"
         if unknown:
             known = np.isfinite(bound)
-            return f"{self._model_error(bound[known], value[known])}; not known at {unknown} of {bound.size} points"
+            return (
+                f"{self._model_error(bound[known], value[known])}; not known at "
+                f"{unknown} of {bound.size} points"
+            )
         worst = int(np.nanargmax(bound))
         if bound[worst] == 0:
             return "none, the model is exact by definition"
         share = significant(100 * float(bound[worst] / value[worst]), 2)
-        whose = "that of a layer of this thickness" if "springs" in self.model else "the half-space's"
-        return f"{self.symbol} is off {whose} by {significant(float(bound[worst]), 2)} ({share} %) at most"
+        whose = (
+            "that of a layer of this thickness"
+            if "springs" in self.model
+            else "the half-space's"
+        )
+        return (
+            f"{self.symbol} is off {whose} by {significant(float(bound[worst]), 2)} "
+            f"({share} %) at most"
+        )
 
-    def _extremes(self, velocity: np.ndarray, value: np.ndarray, beyond: np.ndarray) -> str:
+    def _extremes(
+        self, velocity: np.ndarray, value: np.ndarray, beyond: np.ndarray
+    ) -> str:
         order = np.argsort(velocity, kind="stable")
         order = order[np.isfinite(value[order])]
         velocity, value, beyond = velocity[order], value[order], beyond[order]
@@ -132,97 +185,163 @@ class AbstractCurve(Result):
             return "no point converged"
 
         def point(x: float, y: float) -> str:
-            mark = " (extrapolated)" if beyond[np.abs(np.log(velocity / x)).argmin()] else ""
+            mark = (
+                " (extrapolated)"
+                if beyond[np.abs(np.log(velocity / x)).argmin()]
+                else ""
+            )
             return f"{significant(y)} at {in_words('velocity', x)}{mark}"
 
         if np.ptp(velocity) == 0:
-            return f"{self.symbol} = " + " to ".join(dict.fromkeys(point(velocity[0], y) for y in (value.min(), top.y)))
+            return f"{self.symbol} = " + " to ".join(
+                dict.fromkeys(point(velocity[0], y) for y in (value.min(), top.y))
+            )
         low, high = (point(float(velocity[i]), float(value[i])) for i in (0, -1))
         largest = f"{top.kind} {self.symbol} = {point(top.x, top.y)}"
         if top.inside:
             return f"{largest}; ends: {low}, {high}"
-        return f"{largest}, an end of the range; at the other end {low if top.x == velocity[-1] else high}"
+        return (
+            f"{largest}, an end of the range; at the other end "
+            f"{low if top.x == velocity[-1] else high}"
+        )
 
 
 @record
 class FrictionCurve(AbstractCurve):
-    """Friction of an indenter or a surface that slides steadily over a viscoelastic foundation.
+    """Friction of an indenter or a surface that slides steadily over a viscoelastic
+    foundation.
 
-    `mu` is the friction force over the normal force, `error` its estimated numerical error, on a surface computed on
-    random lines with twice the standard error of their mean (NaN for a single line), `model_error` a bound on how far
-    the model is from the half-space (empirical: `docs/accuracy.md`). On `em.springs` it is
-    the distance from the layer they stand for. It is 0 where the model is exact by definition: a `Foundation` given
-    directly. A point that did not converge is NaN with
+    `mu` is the friction force over the normal force, `error` its estimated numerical
+    error, on a surface computed on random lines with twice the standard error of their
+    mean (NaN for a single line), `model_error` a bound on how far the model is from the
+    half-space (empirical: `docs/accuracy.md`). On `em.springs` it is the distance from
+    the layer they stand for. It is 0 where the model is exact by definition: a
+    `Foundation` given directly. A point that did not converge is NaN with
     `converged=False`.
     """
 
-    pressure: Array | None = quantity("nominal pressure", "Pa", "of a surface", default=None, shown="MPa")
-    area_ratio: Array | None = quantity(
-        "real contact area over nominal area", "-", "None where the model has none", default=None
+    pressure: Array | None = quantity(
+        "nominal pressure", "Pa", "of a surface", default=None, shown="MPa"
     )
-    lines: Lines | None = None  # of `em.Line` on a rough line or surface; forces are then per length of line [N/m]
+    area_ratio: Array | None = quantity(
+        "real contact area over nominal area",
+        "-",
+        "None where the model has none",
+        default=None,
+    )
+    # of `em.Line` on a rough line or surface; forces are then per length of line [N/m]
+    lines: Lines | None = None
     outside: Array | None = quantity(
-        "share of the slope beyond the material's range", "-",
-        "share of <|grad h|^2> excited beyond the frequencies of the data", default=None,
-    )  # fmt: skip
+        "share of the slope beyond the material's range",
+        "-",
+        "share of <|grad h|^2> excited beyond the frequencies of the data",
+        default=None,
+    )
     temperature_rise: Array | None = quantity(
-        "flash temperature rise", "K", "above `temperature`, mean of the places where the heat arises", default=None
+        "flash temperature rise",
+        "K",
+        "above `temperature`, mean of the places where the heat arises",
+        default=None,
     )
     contact_rise: Array | None = quantity(
-        "temperature rise of the real contact", "K", "at the shortest wave, where it differs by scale", default=None
+        "temperature rise of the real contact",
+        "K",
+        "at the shortest wave, where it differs by scale",
+        default=None,
     )
     cold: Array | None = quantity(
-        "friction coefficient without heating", "-", "where flash heating was computed", default=None
+        "friction coefficient without heating",
+        "-",
+        "where flash heating was computed",
+        default=None,
     )
     hysteresis: Array | None = quantity(
-        "friction coefficient of hysteresis", "-", "where adhesive shear was asked for; mu without it", default=None
+        "friction coefficient of hysteresis",
+        "-",
+        "where adhesive shear was asked for; mu without it",
+        default=None,
     )
     adhesion: Array | None = quantity(
-        "friction coefficient of adhesive shear", "-", "shear stress times contact area over normal force", default=None
+        "friction coefficient of adhesive shear",
+        "-",
+        "shear stress times contact area over normal force",
+        default=None,
     )
     contact_area: Array | None = quantity(
-        "contact area", "m^2", "of a smooth body, from cells or where adhesive shear was asked for", default=None
+        "contact area",
+        "m^2",
+        "of a smooth body, from cells or where adhesive shear was asked for",
+        default=None,
     )
     heat_flux: Array | None = quantity(
-        "heat flux into the rubber", "W/m^2", "mu p v, less what flows into the road", default=None
+        "heat flux into the rubber",
+        "W/m^2",
+        "mu p v, less what flows into the road",
+        default=None,
     )
-    road_share: Array | None = quantity("share of the heat that flows into the road", "-", default=None)
-    mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
+    road_share: Array | None = quantity(
+        "share of the heat that flows into the road", "-", default=None
+    )
+    mu: Array = quantity(
+        "friction coefficient", "-", "friction force over normal force"
+    )
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x against the motion")
-    depth: Array | None = quantity("depth", "m", "indentation depth d", default=None, shown="mm")
-    contact: Contact | None = None  # leading and trailing edge [m]; None for a rough line or surface
+    depth: Array | None = quantity(
+        "depth", "m", "indentation depth d", default=None, shown="mm"
+    )
+    # leading and trailing edge [m]; None for a rough line or surface
+    contact: Contact | None = None
 
     title: ClassVar[str] = "Friction"
 
     def describe(self, q: Quantity) -> Quantity:
         """Forces are per length of a rough line, and per nominal area of a surface."""
         if self.contact is None and q.path in ("normal_force", "friction_force"):
-            unit, per = ("N/m", "length") if self.lines is not None else ("Pa", "nominal area")
+            unit, per = (
+                ("N/m", "length") if self.lines is not None else ("Pa", "nominal area")
+            )
             return q._replace(label=f"{q.label} per {per}", unit=unit)
         return q
 
     def law(self, cold: bool = False) -> FrictionLaw:
-        """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given to `em.traction`.
+        """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given
+        to `em.traction`.
 
-        Temperature and nominal pressure are axes where they were given. `cold` takes the friction without flash
-        heating. Raises `InputError` where the points do not fill a grid, and for several materials.
+        Temperature and nominal pressure are axes where they were given. `cold` takes
+        the friction without flash heating. Raises `InputError` where the points do not
+        fill a grid, and for several materials.
         """
         if self.origins:
-            raise InputError(f"material must be chosen for a friction law: .select(name), one of {self.materials}.")
+            raise InputError(
+                "material must be chosen for a friction law: .select(name), one of "
+                f"{self.materials}."
+            )
         fields = {q.key: value.ravel() for q, value in self.fields().items()}
         if cold and "cold" not in fields:
-            raise InputError("cold must be False: this curve was computed without heat, and is the cold one.")
-        points = {name: fields[name] for name in ("velocity", "temperature", "pressure") if name in fields}
+            raise InputError(
+                "cold must be False: this curve was computed without heat, and is "
+                "the cold one."
+            )
+        points = {
+            name: fields[name]
+            for name in ("velocity", "temperature", "pressure")
+            if name in fields
+        }
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})
 
     def ranking(
-        self, velocity: float | None = None, temperature: float | None = None, pressure: float | None = None
+        self,
+        velocity: float | None = None,
+        temperature: float | None = None,
+        pressure: float | None = None,
     ) -> Ranking:
-        """The materials of a list in the order of their friction, and which differences are significant.
+        """The materials of a list in the order of their friction, and which differences
+        are significant.
 
         Args:
-            velocity: [m/s], within the curve; by default the middle of it, on a logarithmic scale.
+            velocity: [m/s], within the curve; by default the middle of it, on a
+                logarithmic scale.
             temperature: [K], by default the middle.
             pressure: nominal [Pa], by default the middle, on a logarithmic scale.
 
@@ -233,33 +352,59 @@ class FrictionCurve(AbstractCurve):
         return ranked(self, velocity, temperature, pressure)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """As of every curve; where its parts are known, what they are at the largest mu; with flash heating also the
-        largest rise in temperature and what it does to mu."""
+        """As of every curve; where its parts are known, what they are at the largest
+        mu; with flash heating also the largest rise in temperature and what it does to
+        mu.
+        """
         yield from super().outcome()
-        if self.hysteresis is not None and self.adhesion is not None and np.isfinite(self.mu).any():
+        if (
+            self.hysteresis is not None
+            and self.adhesion is not None
+            and np.isfinite(self.mu).any()
+        ):
             i = int(np.nanargmax(self.mu))
-            v, one, other = (float(np.ravel(x)[i]) for x in (self.velocity, self.hysteresis, self.adhesion))
-            text = f"hysteresis {significant(one)} and adhesive shear {significant(other)}"
-            yield "parts of mu", f"{text} where it is largest, at {in_words('velocity', v)}"
+            v, one, other = (
+                float(np.ravel(x)[i])
+                for x in (self.velocity, self.hysteresis, self.adhesion)
+            )
+            text = (
+                f"hysteresis {significant(one)} and adhesive shear {significant(other)}"
+            )
+            yield (
+                "parts of mu",
+                f"{text} where it is largest, at {in_words('velocity', v)}",
+            )
         rise, before = self.temperature_rise, self.cold
         if rise is not None and before is not None and np.isfinite(rise).any():
             i = int(np.nanargmax(rise))
-            most, v, hot, cold = (float(np.ravel(x)[i]) for x in (rise, self.velocity, self.mu, before))
-            text = f"at most {significant(most)} K above the rubber's, at {in_words('velocity', v)}: mu "
-            yield "flash temperature", f"{text}{significant(hot)}, without heating {significant(cold)}"
+            most, v, hot, cold = (
+                float(np.ravel(x)[i]) for x in (rise, self.velocity, self.mu, before)
+            )
+            text = (
+                f"at most {significant(most)} K above the rubber's, at "
+                f"{in_words('velocity', v)}: mu "
+            )
+            yield (
+                "flash temperature",
+                f"{text}{significant(hot)}, without heating {significant(cold)}",
+            )
 
 
 @record
 class RollingCurve(AbstractCurve):
     """Rolling resistance of a body on a viscoelastic foundation.
 
-    From the dissipated power P: `resistance` is P/v, `coefficient` that over the normal force (its estimated, absolute
-    error is `error`), `moment` is resistance times the rolling radius. A point that did not converge is NaN with
-    `converged=False`.
+    From the dissipated power P: `resistance` is P/v, `coefficient` that over the normal
+    force (its estimated, absolute error is `error`), `moment` is resistance times the
+    rolling radius. A point that did not converge is NaN with `converged=False`.
     """
 
-    velocity: Array = quantity("velocity", "m/s", "rolling velocity v", axis="rolling velocity")
-    coefficient: Array = quantity("rolling resistance coefficient", "-", "resistance over normal force")
+    velocity: Array = quantity(
+        "velocity", "m/s", "rolling velocity v", axis="rolling velocity"
+    )
+    coefficient: Array = quantity(
+        "rolling resistance coefficient", "-", "resistance over normal force"
+    )
     resistance: Array = quantity("resistance", "N", "P/v")
     moment: Array = quantity("moment", "N m", "resistance times the rolling radius")
     power: Array = quantity("dissipated power", "W", "P")
@@ -275,7 +420,8 @@ class RollingCurve(AbstractCurve):
 
 @record
 class HalfPlaneCurve(AbstractCurve):
-    """Friction of a cylinder that slides steadily across its axis over a half-plane, per length of the cylinder.
+    """Friction of a cylinder that slides steadily across its axis over a half-plane,
+    per length of the cylinder.
 
     `em.reference.half_plane_sliding` returns it.
     """
@@ -286,17 +432,24 @@ class HalfPlaneCurve(AbstractCurve):
     contact: Contact
 
     title: ClassVar[str] = "Friction"
-    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "temperature", "load_per_length")
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "velocity",
+        "temperature",
+        "load_per_length",
+    )
 
 
 @record
 class HalfSpaceCurve(AbstractCurve):
-    """Friction of a map of heights that slides steadily over a half-space, for one cell of the periodic array.
+    """Friction of a map of heights that slides steadily over a half-space, for one cell
+    of the periodic array.
 
     `em.reference.half_space_sliding` returns it for a `cell`.
     """
 
-    mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
+    mu: Array = quantity(
+        "friction coefficient", "-", "friction force over normal force"
+    )
     normal_force: Array = quantity("normal force", "N", "of one cell")
     friction_force: Array = quantity("friction force", "N", "of one cell")
     area: Array = quantity("contact area over cell area", "-")
@@ -307,14 +460,17 @@ class HalfSpaceCurve(AbstractCurve):
 
 @record
 class PerssonCurve(AbstractCurve):
-    """Persson's theory at given pressures and velocities; `em.reference.persson` returns it.
+    """Persson's theory at given pressures and velocities; `em.reference.persson`
+    returns it.
 
     `error` is what half the wave numbers and angles change.
     """
 
     pressure: Array = quantity("nominal pressure", "Pa", shown="MPa")
     mu: Array = quantity("friction coefficient", "-")
-    area_ratio: Array = quantity("contact area over nominal area", "-", "A/A_0 at q_high")
+    area_ratio: Array = quantity(
+        "contact area over nominal area", "-", "A/A_0 at q_high"
+    )
     spread: Array = quantity("G", "-", "at q_high")
 
     title: ClassVar[str] = "Friction by Persson's theory"

@@ -1,8 +1,10 @@
-"""A friction law mu(v, T, p) on a grid: what a computed curve hands to a tyre model, and `em.traction` to its elements.
+"""A friction law mu(v, T, p) on a grid: what a computed curve hands to a tyre model,
+and `em.traction` to its elements.
 
-Between the points mu is linear in ln v, in T and in ln p (multilinear interpolation), which is what a lookup table of
-any other program does with the same grid. Outside the grid there is no answer. Its table is long and tidy: one row per
-point, with the columns velocity [m/s], temperature [K], pressure [Pa] and friction coefficient [-].
+Between the points mu is linear in ln v, in T and in ln p (multilinear interpolation),
+which is what a lookup table of any other program does with the same grid. Outside the
+grid there is no answer. Its table is long and tidy: one row per point, with the columns
+velocity [m/s], temperature [K], pressure [Pa] and friction coefficient [-].
 """
 
 from __future__ import annotations
@@ -48,11 +50,13 @@ _UNITS = {"velocity": "m/s", "temperature": "K", "pressure": "Pa"}
 
 
 class FrictionLaw(Tree):
-    """Friction coefficient against sliding velocity and, where they are given, temperature and nominal pressure.
+    """Friction coefficient against sliding velocity and, where they are given,
+    temperature and nominal pressure.
 
-    `mu` has the shape (temperature, pressure, velocity), without the axes that are not given. From a computed curve:
-    `curve.law()`; from a file: `em.load_friction(path)`. Calling it interpolates, with derivatives (`jax.grad`) with
-    respect to mu and to where it is asked. Raises `InputError`.
+    `mu` has the shape (temperature, pressure, velocity), without the axes that are not
+    given. From a computed curve: `curve.law()`; from a file: `em.load_friction(path)`.
+    Calling it interpolates, with derivatives (`jax.grad`) with respect to mu and to
+    where it is asked. Raises `InputError`.
     """
 
     velocity: Float[Array, " velocities"]  # sliding velocity, ascending [m/s]
@@ -68,29 +72,49 @@ class FrictionLaw(Tree):
         pressure: ArrayLike | None = None,
     ):
         given = {"temperature": temperature, "pressure": pressure, "velocity": velocity}
-        axes = {name: as_float64(name, value) for name, value in given.items() if value is not None}
+        axes = {
+            name: as_float64(name, value)
+            for name, value in given.items()
+            if value is not None
+        }
         for name, values in axes.items():
             if values.ndim != 1 or not values.size:
-                raise InputError(f"{name} must be a list of one value or more, got an array of shape {values.shape}.")
+                raise InputError(
+                    f"{name} must be a list of one value or more, got an array of "
+                    f"shape {values.shape}."
+                )
             positive(name, values)
             ascending(name, values)
         fill(self, velocity=axes["velocity"], mu=as_float64("mu", mu))
         fill(self, temperature=axes.get("temperature"), pressure=axes.get("pressure"))
         shape = tuple(values.size for values in axes.values())
         if self.mu.shape != shape:
-            raise InputError(f"mu must have the shape ({', '.join(axes)}) = {shape}, got {self.mu.shape}.")
+            raise InputError(
+                f"mu must have the shape ({', '.join(axes)}) = {shape}, got "
+                f"{self.mu.shape}."
+            )
         if not is_traced(self.mu):
             known = self.mu[~np.isnan(self.mu)]
-            require("mu", known, "zero or positive and finite, or NaN", lambda x: (x >= 0) & np.isfinite(x))
+            require(
+                "mu",
+                known,
+                "zero or positive and finite, or NaN",
+                lambda x: (x >= 0) & np.isfinite(x),
+            )
 
     @numpy_unless_traced
     def __call__(
-        self, velocity: ArrayLike, temperature: ArrayLike | None = None, pressure: ArrayLike | None = None
+        self,
+        velocity: ArrayLike,
+        temperature: ArrayLike | None = None,
+        pressure: ArrayLike | None = None,
     ) -> Float[Array, "..."]:
-        """mu at sliding velocities [m/s], temperatures [K] and pressures [Pa] that broadcast against each other.
+        """mu at sliding velocities [m/s], temperatures [K] and pressures [Pa] that
+        broadcast against each other.
 
-        NaN beside a point of the grid that is NaN. Raises `InputError` outside of the grid, where values that JAX
-        traces give NaN, and for an axis that is missing; one that the law does not have must be left out.
+        NaN beside a point of the grid that is NaN. Raises `InputError` outside of the
+        grid, where values that JAX traces give NaN, and for an axis that is missing;
+        one that the law does not have must be left out.
         """
         asked = {"temperature": temperature, "pressure": pressure, "velocity": velocity}
         axes = self.axes()
@@ -110,69 +134,113 @@ class FrictionLaw(Tree):
             if not is_traced(axis):
                 ends = f"{float(axis[0]):.6g} to {float(axis[-1]):.6g} {_UNITS[name]}"
                 accepted = f"within the friction law, {ends}"
-                require(name, values[name], accepted, lambda x, a=low, b=high: (x >= a) & (x <= b))
+                require(
+                    name,
+                    values[name],
+                    accepted,
+                    lambda x, a=low, b=high: (x >= a) & (x <= b),
+                )
             value = xp.broadcast_to(values[name], shape)
             inside &= (value >= low) & (value <= high)
-            corners.append(_between(axis, value, xp.asarray if name == "temperature" else xp.log))
+            corners.append(
+                _between(axis, value, xp.asarray if name == "temperature" else xp.log)
+            )
         grid, total = xp.asarray(self.mu), 0.0
         for corner in itertools.product(*corners):
             weight = 1.0
             for _, part in corner:
                 weight = weight * part
-            # A corner of no weight must not spoil the rest, nor its derivative, where it is NaN.
+            # A corner of no weight must not spoil the rest, nor its derivative, where
+            # it is NaN.
             value = grid[tuple(index for index, _ in corner)]
-            total = total + xp.where(weight == 0, 0.0, weight * xp.where(weight == 0, 0.0, value))
+            total = total + xp.where(
+                weight == 0, 0.0, weight * xp.where(weight == 0, 0.0, value)
+            )
         return xp.where(inside, total, xp.nan)
 
     def axes(self) -> dict[str, Float[Array, " n"]]:
         """The axes of `mu`, in order."""
-        every = {"temperature": self.temperature, "pressure": self.pressure, "velocity": self.velocity}
+        every = {
+            "temperature": self.temperature,
+            "pressure": self.pressure,
+            "velocity": self.velocity,
+        }
         return {name: values for name, values in every.items() if values is not None}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table: a header of lines that start with "# ", then one row per point, the velocity fastest.
+        """Writes the table: a header of lines that start with "# ", then one row per
+        point, the velocity fastest.
 
-        A point that is not known is an empty cell. Raises `InputError` where the file cannot be written.
+        A point that is not known is an empty cell. Raises `InputError` where the file
+        cannot be written.
         """
         if is_traced(self):
-            raise InputError("FrictionLaw has no numbers while JAX traces it. Write tables outside jit, grad and vmap.")
+            raise InputError(
+                "FrictionLaw has no numbers while JAX traces it. Write tables "
+                "outside jit, grad and vmap."
+            )
         axes = self.axes()
         points = np.meshgrid(*axes.values(), indexing="ij")
         order = " x ".join(f"{values.size} {name}" for name, values in axes.items())
         header = [
             f"elastomdr {__version__}: friction law",
-            f"grid: {order}, the last one fastest; units: SI, in brackets in the column titles",
-            "between the points: linear in ln(velocity), temperature and ln(pressure); not to be used outside",
+            (
+                f"grid: {order}, the last one fastest; units: SI, in brackets in the "
+                "column titles"
+            ),
+            (
+                "between the points: linear in ln(velocity), temperature and "
+                "ln(pressure); not to be used outside"
+            ),
         ]
-        columns = {_TITLES[name][0]: values.ravel() for name, values in zip(axes, points, strict=True)}
-        write_files({Path(path): csv_text(header, columns | {_TITLES["mu"][0]: self.mu.ravel()}).encode()})
+        columns = {
+            _TITLES[name][0]: values.ravel()
+            for name, values in zip(axes, points, strict=True)
+        }
+        write_files(
+            {
+                Path(path): csv_text(
+                    header, columns | {_TITLES["mu"][0]: self.mu.ravel()}
+                ).encode()
+            }
+        )
 
-    def to_abaqus(self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m") -> None:
-        """Writes the table of an Abaqus *FRICTION: friction coefficient, slip rate, contact pressure, temperature [K].
+    def to_abaqus(
+        self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m"
+    ) -> None:
+        """Writes the table of an Abaqus *FRICTION: friction coefficient, slip rate,
+        contact pressure, temperature [K].
 
-        `units` is the length in its units: "m" for m/s and Pa, "mm" for mm/s and MPa. Abaqus interpolates linearly, so
-        rows are added until that is within 1 % of what the law changes over a factor of e. Raises `InputError` where
-        mu is not known at a point.
+        `units` is the length in its units: "m" for m/s and Pa, "mm" for mm/s and MPa.
+        Abaqus interpolates linearly, so rows are added until that is within 1 % of what
+        the law changes over a factor of e. Raises `InputError` where mu is not known at
+        a point.
         """
         from .law_files import write
 
         write(self, path, "abaqus", units)
 
-    def to_fric_coef(self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m") -> None:
-        """Writes the source of Abaqus' user subroutine FRIC_COEF, Fortran in fixed form: the law with its derivatives.
+    def to_fric_coef(
+        self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m"
+    ) -> None:
+        """Writes the source of Abaqus' user subroutine FRIC_COEF, Fortran in fixed
+        form: the law with its derivatives.
 
-        Interpolated as the law itself, held at the ends of its axes. `units` as in `to_abaqus`, temperature in K.
-        Raises `InputError` where mu is not known at a point.
+        Interpolated as the law itself, held at the ends of its axes. `units` as in
+        `to_abaqus`, temperature in K. Raises `InputError` where mu is not known at a
+        point.
         """
         from .law_files import write
 
         write(self, path, "fric_coef", units)
 
     def to_modelica(self, path: str | os.PathLike[str]) -> None:
-        """Writes tables for CombiTable1Ds or CombiTable2Ds of Modelica, in ln(v/(m/s)) and ln(p/Pa) or T/K.
+        """Writes tables for CombiTable1Ds or CombiTable2Ds of Modelica, in ln(v/(m/s))
+        and ln(p/Pa) or T/K.
 
-        In these a linear interpolation is that of the law. With temperature and pressure there is a table for each
-        temperature, "mu_1" and so on, else one, "mu". Raises `InputError` where mu is not known at a point.
+        In these a linear interpolation is that of the law. With temperature and
+        pressure there is a table for each temperature, "mu_1" and so on, else one,
+        "mu". Raises `InputError` where mu is not known at a point.
         """
         from .law_files import write
 
@@ -181,37 +249,61 @@ class FrictionLaw(Tree):
     def __repr__(self) -> str:
         if is_traced(self):
             return f"FrictionLaw({', '.join(self.axes())}; traced)"
-        parts = [f"{k} {v[0]:.4g} to {v[-1]:.4g} {_UNITS[k]} ({v.size})" for k, v in self.axes().items()]
+        parts = [
+            f"{k} {v[0]:.4g} to {v[-1]:.4g} {_UNITS[k]} ({v.size})"
+            for k, v in self.axes().items()
+        ]
         known = self.mu[np.isfinite(self.mu)]
-        found = f"mu {known.min():.4g} to {known.max():.4g}" if known.size else "no value of mu known"
+        found = (
+            f"mu {known.min():.4g} to {known.max():.4g}"
+            if known.size
+            else "no value of mu known"
+        )
         return f"FrictionLaw({', '.join(parts)}; {found})"
 
 
 def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
-    """A friction law from a CSV file, as `FrictionLaw.to_csv` or `FrictionCurve.to_csv` writes it.
+    """A friction law from a CSV file, as `FrictionLaw.to_csv` or `FrictionCurve.to_csv`
+    writes it.
 
-    Columns "velocity [m/s]", "friction coefficient [-]" and, if there are any, "temperature [K]" and "pressure [Pa]"
-    or "nominal pressure [Pa]", in any order; others are passed over, and so are lines that start with #. Every
-    combination of the values must be there once. Raises `InputError`.
+    Columns "velocity [m/s]", "friction coefficient [-]" and, if there are any,
+    "temperature [K]" and "pressure [Pa]" or "nominal pressure [Pa]", in any order;
+    others are passed over, and so are lines that start with #. Every combination of the
+    values must be there once. Raises `InputError`.
     """
     name = Path(path).name
     try:
-        lines = [line for line in read_text(path).split("\n") if line.strip() and not line.lstrip().startswith("#")]
+        lines = [
+            line
+            for line in read_text(path).split("\n")
+            if line.strip() and not line.lstrip().startswith("#")
+        ]
     except (OSError, ValueError) as error:
-        raise InputError(f"path must be a text file that can be read, got {name!r}: {error}.") from error
+        raise InputError(
+            f"path must be a text file that can be read, got {name!r}: {error}."
+        ) from error
     rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
     places = {}
     for key, titles in _TITLES.items():
-        found = [i for i, title in enumerate(rows[0] if rows else []) if title in titles]
+        found = [
+            i for i, title in enumerate(rows[0] if rows else []) if title in titles
+        ]
         if len(found) > 1 or (not found and key in ("velocity", "mu")):
             got = ", ".join(rows[0]) if rows else "nothing"
-            raise InputError(f"path: {name!r} must have one column {titles[0]!r}, got {got}.")
+            raise InputError(
+                f"path: {name!r} must have one column {titles[0]!r}, got {got}."
+            )
         if found:
             places[key] = found[0]
     try:
-        points = {key: np.array([float(row[i] or "nan") for row in rows[1:]]) for key, i in places.items()}
+        points = {
+            key: np.array([float(row[i] or "nan") for row in rows[1:]])
+            for key, i in places.items()
+        }
     except (ValueError, IndexError) as error:
-        raise InputError(f"path: {name!r} has a cell that is missing or no number.") from error
+        raise InputError(
+            f"path: {name!r} has a cell that is missing or no number."
+        ) from error
     try:
         return gridded(points)
     except InputError as error:
@@ -219,30 +311,47 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
 
 
 def gridded(points: Mapping[str, np.ndarray]) -> FrictionLaw:
-    """The law of points that fill a grid: "velocity", "mu" and, where known, "temperature" and "pressure", flat."""
+    """The law of points that fill a grid: "velocity", "mu" and, where known,
+    "temperature" and "pressure", flat.
+    """
     names = [name for name in ("temperature", "pressure", "velocity") if name in points]
-    if not points["mu"].size or not all(np.isfinite(points[name]).all() for name in names):
-        raise InputError(f"{', '.join(names)} must be known at every point, and of at least one.")
-    axes, places = zip(*(np.unique(points[name], return_inverse=True) for name in names), strict=True)
+    if not points["mu"].size or not all(
+        np.isfinite(points[name]).all() for name in names
+    ):
+        raise InputError(
+            f"{', '.join(names)} must be known at every point, and of at least one."
+        )
+    axes, places = zip(
+        *(np.unique(points[name], return_inverse=True) for name in names), strict=True
+    )
     shape = tuple(axis.size for axis in axes)
     count = np.zeros(shape, int)
     np.add.at(count, tuple(places), 1)
     if (count != 1).any():
         raise InputError(
-            f"{', '.join(names)} must fill a grid, every combination once: {' x '.join(map(str, shape))} values, "
-            f"{points['mu'].size} points, {int((count == 0).sum())} missing and {int((count > 1).sum())} repeated."
+            f"{', '.join(names)} must fill a grid, every combination once: "
+            f"{' x '.join(map(str, shape))} values, {points['mu'].size} points, "
+            f"{int((count == 0).sum())} missing and {int((count > 1).sum())} repeated."
         )
     mu = np.empty(shape)
     mu[tuple(places)] = points["mu"]
     return FrictionLaw(mu=mu, **dict(zip(names, axes, strict=True)))
 
 
-def _between(axis: Any, value: Any, scale: Callable[..., Any]) -> tuple[tuple[Any, Any], ...]:
-    """Index and weight of the points on either side of a value; of the one point of a short axis."""
+def _between(
+    axis: Any, value: Any, scale: Callable[..., Any]
+) -> tuple[tuple[Any, Any], ...]:
+    """Index and weight of the points on either side of a value; of the one point of a
+    short axis.
+    """
     if axis.shape[0] == 1:
         return ((xp.zeros(xp.shape(value), int), xp.ones(xp.shape(value))),)
     axis, value = xp.asarray(axis), xp.asarray(value)
     high = xp.clip(xp.searchsorted(axis, value, side="right"), 1, axis.shape[0] - 1)
-    start, end, at = scale(axis[high - 1]), scale(axis[high]), scale(xp.clip(value, axis[0], axis[-1]))
+    start, end, at = (
+        scale(axis[high - 1]),
+        scale(axis[high]),
+        scale(xp.clip(value, axis[0], axis[-1])),
+    )
     part = (at - start) / (end - start)
     return (high - 1, 1 - part), (high, part)

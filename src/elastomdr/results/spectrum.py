@@ -1,4 +1,6 @@
-"""Friction and loss divided over the spectrum: what `em.friction_spectrum` and `em.dissipation` return."""
+"""Friction and loss divided over the spectrum: what `em.friction_spectrum` and
+`em.dissipation` return.
+"""
 
 from __future__ import annotations
 
@@ -22,16 +24,30 @@ if TYPE_CHECKING:
 class FrictionSpectrum(Result):
     """Friction of a rough surface by the frequency at which it strains the rubber.
 
-    The last axis runs over bands of frequency, even in its logarithm, those before it are the points of the call. The
-    bands of a point sum to its friction coefficient, `total`.
+    The last axis runs over bands of frequency, even in its logarithm, those before it
+    are the points of the call. The bands of a point sum to its friction coefficient,
+    `total`.
     """
 
     velocity: Array = quantity("velocity", "m/s", "sliding velocity v")
-    temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
-    pressure: Array | None = quantity("nominal pressure", "Pa", default=None, shown="MPa")
-    omega: Array = quantity("angular frequency", "rad/s", "middle of the band", axis="angular frequency of excitation")
-    wave_number: Array = quantity("wave number", "rad/m", "omega/v: of waves across the motion")
-    mu: Array = quantity("part of the friction coefficient", "-", axis="friction coefficient per decade")
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    pressure: Array | None = quantity(
+        "nominal pressure", "Pa", default=None, shown="MPa"
+    )
+    omega: Array = quantity(
+        "angular frequency",
+        "rad/s",
+        "middle of the band",
+        axis="angular frequency of excitation",
+    )
+    wave_number: Array = quantity(
+        "wave number", "rad/m", "omega/v: of waves across the motion"
+    )
+    mu: Array = quantity(
+        "part of the friction coefficient", "-", axis="friction coefficient per decade"
+    )
     error: Array = quantity("estimated error of their sum", "-")
     width: float = setting()  # of a band: its upper frequency over its lower one
 
@@ -41,7 +57,12 @@ class FrictionSpectrum(Result):
     scale: ClassVar[str] = "log"
     error_of: ClassVar[str] = "mu"
     last: ClassVar[str] = "wave_number"
-    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "temperature", "pressure", "wave_number")
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "velocity",
+        "temperature",
+        "pressure",
+        "wave_number",
+    )
 
     @property
     def total(self) -> Array:
@@ -49,9 +70,11 @@ class FrictionSpectrum(Result):
         return np.asarray(self.mu).sum(axis=-1)
 
     def central(self, share: float = 0.8) -> tuple[np.ndarray, np.ndarray]:
-        """Frequencies [rad/s] between which the middle `share` of the friction arises, as much below as above.
+        """Frequencies [rad/s] between which the middle `share` of the friction arises,
+        as much below as above.
 
-        Within a band friction counts as even over the logarithm of frequency. Raises `InputError`.
+        Within a band friction counts as even over the logarithm of frequency. Raises
+        `InputError`.
         """
         share = plain("share", share)
         require("share", share, "above 0 and below 1", lambda x: (x > 0) & (x < 1))
@@ -62,7 +85,9 @@ class FrictionSpectrum(Result):
             if np.isfinite(mu[at]).all() and mu[at].sum() > 0:
                 below = np.concatenate([[0.0], np.cumsum(mu[at])]) / mu[at].sum()
                 edges = np.append(middle[at] - half, middle[at][-1] + half)
-                found[(slice(None), *at)] = np.exp(np.interp([0.5 - 0.5 * share, 0.5 + 0.5 * share], below, edges))
+                found[(slice(None), *at)] = np.exp(
+                    np.interp([0.5 - 0.5 * share, 0.5 + 0.5 * share], below, edges)
+                )
         return found[0], found[1]
 
     def plot(
@@ -74,9 +99,11 @@ class FrictionSpectrum(Result):
         label: str | None = None,
         colour: ColorType | None = None,
     ) -> "Axes":
-        """Draws the part of friction per decade of frequency, so that the area under a line is its mu.
+        """Draws the part of friction per decade of frequency, so that the area under a
+        line is its mu.
 
-        `colour` is that of a result of one point; the rest as of every result, `Result.plot`.
+        `colour` is that of a result of one point; the rest as of every result,
+        `Result.plot`.
         """
         from .plotting import Ask, draw_bands
 
@@ -89,28 +116,48 @@ class FrictionSpectrum(Result):
         for curve in self.curves("wave_number")[1][:6]:
             at = curve.at[:-1]
             if np.isfinite(total[at]):
-                part = f"{significant(float(low[at]), 2)} to {significant(float(high[at]), 2)} rad/s"
+                part = (
+                    f"{significant(float(low[at]), 2)} to "
+                    f"{significant(float(high[at]), 2)} rad/s"
+                )
                 place = curve.label or in_words("velocity", float(velocity[at]))
-                yield f"at {place}", f"mu = {significant(float(total[at]))}, eight tenths of it from {part}"
+                yield (
+                    f"at {place}",
+                    (
+                        f"mu = {significant(float(total[at]))}, eight tenths of it "
+                        f"from {part}"
+                    ),
+                )
 
 
 @record
 class Dissipation(Result):
-    """Loss of each branch; the last axis of every field runs over the branches of the relaxation spectrum.
+    """Loss of each branch; the last axis of every field runs over the branches of the
+    relaxation spectrum.
 
-    A point that failed is NaN, with `converged=False`. `plot` draws the shares against relaxation time; that of a
-    parallel dashpot is in the legend.
+    A point that failed is NaN, with `converged=False`. `plot` draws the shares against
+    relaxation time; that of a parallel dashpot is in the legend.
     """
 
     velocity: Array = quantity("velocity", "m/s", "velocity v")
-    temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
-    time: Array = quantity("relaxation time", "s", "tau_k at the temperature, 0 for a parallel dashpot")
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    time: Array = quantity(
+        "relaxation time", "s", "tau_k at the temperature, 0 for a parallel dashpot"
+    )
     share: Array = quantity("share of the dissipation", "-", "F_k/F_x", shown="%")
-    resistance: Array = quantity("part of the resistance", "N", "F_k, the branch's part of friction or resistance")
+    resistance: Array = quantity(
+        "part of the resistance",
+        "N",
+        "F_k, the branch's part of friction or resistance",
+    )
     power: Array = quantity("power", "W", "F_k v, turned into heat")
     normal_force: Array = quantity("normal force", "N", "F_N")
     error: Array = quantity(
-        "share not accounted for", "-", "share of the work that the branches together do not account for"
+        "share not accounted for",
+        "-",
+        "share of the work that the branches together do not account for",
     )
 
     title: ClassVar[str] = "Where the loss happens"
@@ -124,11 +171,18 @@ class Dissipation(Result):
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The branch that dissipates most, at the first and at the last point."""
-        time, share, velocity = (np.reshape(x, (-1, np.shape(x)[-1])) for x in (self.time, self.share, self.velocity))
+        time, share, velocity = (
+            np.reshape(x, (-1, np.shape(x)[-1]))
+            for x in (self.time, self.share, self.velocity)
+        )
         for i in {0: None, len(share) - 1: None}:
             if np.isfinite(share[i]).all() and share.shape[1]:
                 most = int(share[i].argmax())
                 text = (
-                    f"{significant(100 * float(share[i, most]), 3)} % at tau = {significant(float(time[i, most]), 3)}"
+                    f"{significant(100 * float(share[i, most]), 3)} % at tau = "
+                    f"{significant(float(time[i, most]), 3)}"
                 )
-                yield f"at {significant(float(velocity[i, 0]), 3)} m/s", f"most, {text} s"
+                yield (
+                    f"at {significant(float(velocity[i, 0]), 3)} m/s",
+                    f"most, {text} s",
+                )

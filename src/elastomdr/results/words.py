@@ -7,7 +7,8 @@ import numpy as np
 from ..checks import is_traced, significant
 
 _SHAPE_UNITS = {"radius": " m", "length": " m"}
-_SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6}  # what one SI unit is in them
+# what one SI unit is in them
+_SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6}
 
 
 def describe(shape: Any) -> str:
@@ -21,7 +22,9 @@ def describe(shape: Any) -> str:
 
 
 def covers_in_words(body: Any) -> tuple[str, ...]:
-    """Each layer of an `em.layer` by its thickness and base; nothing of another body."""
+    """Each layer of an `em.layer` by its thickness and base; nothing of another
+    body.
+    """
     if is_traced(body):
         return ()
     return tuple(
@@ -43,11 +46,17 @@ def brief(array: Any, unit: str) -> str:
 
 def in_unit(values: Any, unit: str) -> np.ndarray:
     """SI values in the unit of a figure's axis."""
-    return np.asarray(values) - 273.15 if unit == "°C" else np.asarray(values) * _SCALES.get(unit, 1.0)
+    return (
+        np.asarray(values) - 273.15
+        if unit == "°C"
+        else np.asarray(values) * _SCALES.get(unit, 1.0)
+    )
 
 
 def in_words(name: str, value: float, unit: str = "N") -> str:
-    """A quantity with the unit an engineer would write; `unit` is that of `value` where there is no usual one."""
+    """A quantity with the unit an engineer would write; `unit` is that of `value` where
+    there is no usual one.
+    """
     if name in ("temperature", "ambient"):
         return f"{significant(round(value - 273.15, 3), 5)} degC"
     if name == "pressure":
@@ -66,7 +75,9 @@ def in_words(name: str, value: float, unit: str = "N") -> str:
 
 
 def span(values: Any, unit: str = "") -> str:
-    """The range of an array in words, one number where it is one; NaN is not looked at."""
+    """The range of an array in words, one number where it is one; NaN is not looked
+    at.
+    """
     values, unit = np.asarray(values), f" {unit}" if unit else ""
     known = values[np.isfinite(values)]
     if not known.size:

@@ -1,9 +1,12 @@
-"""Which branches a velocity on a rough line need not carry one by one: each lane has a window of its own.
+"""Which branches a velocity on a rough line need not carry one by one: each lane has a
+window of its own.
 
-A branch that is all but forgotten within a step of length h is a dashpot of viscosity E tau, exactly so in the
-discretised motion. Branches much slower than the period T of the line are lumped into one with their sum of E_k and of
-E_k/tau_k; what that leaves is E (T/2 pi tau)^2 in the stiffness and E (T/2 pi tau)^3 in the loss, compared with the
-relaxed stiffness and with the loss of the rest at its mean over the wavelengths of the line.
+A branch that is all but forgotten within a step of length h is a dashpot of viscosity E
+tau, exactly so in the discretised motion. Branches much slower than the period T of the
+line are lumped into one with their sum of E_k and of E_k/tau_k; what that leaves is E
+(T/2 pi tau)^2 in the stiffness and E (T/2 pi tau)^3 in the loss, compared with the
+relaxed stiffness and with the loss of the rest at its mean over the wavelengths of the
+line.
 """
 
 from __future__ import annotations
@@ -20,18 +23,28 @@ from .recovery_steps import rates_apart
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-FORGOTTEN = 20.0  # h/tau from which exp(-h/tau) leaves less than 1e-8 of a branch's force after a step
+# h/tau from which exp(-h/tau) leaves less than 1e-8 of a branch's force after a step
+FORGOTTEN = 20.0
 _SAFETY = 10.0  # the estimate is that of a wave as long as the line
 _SHARE = 0.05  # of rtol, to be spent on lumping
 
 
 def lanes(law: Relaxation, count: int) -> Lanes:
-    """The relaxation function as it is, for each of `count` lanes, the slowest branch first."""
+    """The relaxation function as it is, for each of `count` lanes, the slowest branch
+    first.
+    """
     order = slowest_first(law)
-    moduli, times = (np.asarray(x)[order][:, None] * np.ones(count) for x in (law.moduli, law.times))
+    moduli, times = (
+        np.asarray(x)[order][:, None] * np.ones(count) for x in (law.moduli, law.times)
+    )
     apart = np.asarray(rates_apart(law))[:, :, None] * np.ones(count)
     return Lanes(
-        np.asarray(law.equilibrium), moduli, times, np.full(count, float(law.viscosity)), np.zeros(count), apart
+        np.asarray(law.equilibrium),
+        moduli,
+        times,
+        np.full(count, float(law.viscosity)),
+        np.zeros(count),
+        apart,
     )
 
 
@@ -42,17 +55,30 @@ def slowest_first(law: Relaxation) -> np.ndarray:
 
 
 def lumped(
-    law: Relaxation, step: Float[np.ndarray, " lanes"], period: Float[np.ndarray, " lanes"], rtol: float
+    law: Relaxation,
+    step: Float[np.ndarray, " lanes"],
+    period: Float[np.ndarray, " lanes"],
+    rtol: float,
 ) -> tuple[Lanes, Float[np.ndarray, " lanes"]]:
-    """What each lane carries, padded with empty branches to a common and even number; and mu's relative change."""
+    """What each lane carries, padded with empty branches to a common and even number;
+    and mu's relative change.
+    """
     live = np.asarray(law.moduli) > 0
-    law = Relaxation(law.equilibrium, np.asarray(law.moduli)[live], np.asarray(law.times)[live], law.viscosity)
+    law = Relaxation(
+        law.equilibrium,
+        np.asarray(law.moduli)[live],
+        np.asarray(law.times)[live],
+        law.viscosity,
+    )
     whole = lanes(law, step.size)
     moduli, times = whole.moduli, whole.times
     fast = step / times > FORGOTTEN
     angle = period / (2 * np.pi * times)
-    waves = np.geomspace(1.0, period / step, 33)[:, None] * (2 * np.pi * times / period)  # w tau
-    loss = (moduli * waves / (1 + waves**2)).sum(axis=1).mean(axis=0) + whole.viscosity * 2 * np.pi / period
+    # w tau
+    waves = np.geomspace(1.0, period / step, 33)[:, None] * (2 * np.pi * times / period)
+    loss = (moduli * waves / (1 + waves**2)).sum(axis=1).mean(
+        axis=0
+    ) + whole.viscosity * 2 * np.pi / period
     cost = _SAFETY * moduli * (angle**2 / whole.relaxed + angle**3 / loss)
     spent = np.cumsum(np.where(fast, np.inf, cost), axis=0)
     slow = spent <= _SHARE * rtol
@@ -65,7 +91,8 @@ def lumped(
     carried = np.concatenate([some[None], ~(slow | fast), nothing > 0])
     count = int(carried.sum(axis=0).max())
     count = max(2, count + count % 2)
-    first = np.argsort(~carried, axis=0, kind="stable")[:count]  # what is carried goes before the rest, in its order
+    # what is carried goes before the rest, in its order
+    first = np.argsort(~carried, axis=0, kind="stable")[:count]
     lump = total / np.where(some, rate, 1.0)
     moduli = np.where(carried, np.concatenate([total[None], moduli, nothing]), 0.0)
     times = np.where(carried, np.concatenate([lump[None], times, nothing]), step)
@@ -87,10 +114,22 @@ def _with_lump(law: Relaxation, size: int) -> np.ndarray:
         some = moduli[:size].sum()
         time = some / (moduli[:size] / times[:size]).sum()
         moduli, times = np.append(some, moduli[size:]), np.append(time, times[size:])
-    return _rates(float(law.equilibrium), tuple(moduli[::-1]), tuple(times[::-1]), float(law.viscosity))
+    return _rates(
+        float(law.equilibrium),
+        tuple(moduli[::-1]),
+        tuple(times[::-1]),
+        float(law.viscosity),
+    )
 
 
 @functools.lru_cache(maxsize=256)  # the same for every line of a surface
-def _rates(equilibrium: float, moduli: tuple, times: tuple, viscosity: float) -> np.ndarray:
-    whole = Relaxation(np.asarray(equilibrium), np.array(moduli), np.array(times), np.asarray(viscosity))
+def _rates(
+    equilibrium: float, moduli: tuple, times: tuple, viscosity: float
+) -> np.ndarray:
+    whole = Relaxation(
+        np.asarray(equilibrium),
+        np.array(moduli),
+        np.array(times),
+        np.asarray(viscosity),
+    )
     return np.asarray(rates_apart(whole))

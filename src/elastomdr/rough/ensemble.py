@@ -1,4 +1,6 @@
-"""How the points of a call are solved on an ensemble of rough lines: alone, or averaged over directions."""
+"""How the points of a call are solved on an ensemble of rough lines: alone, or averaged
+over directions.
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -21,8 +23,11 @@ from ..surface.synthesis import PERIODS, synthesise
 from .mean import Mean
 from .periodic import ROUNDING, Line
 
-AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
-SAMPLING = 0.1  # estimated error for the sampling of a line over mu, up to which a point is handed out
+# least relative error asked of the direction average: contacts that come and go leave
+# kinks in mu(v)
+AVERAGE = 1e-5
+# estimated error for the sampling of a line over mu, up to which a point is handed out
+SAMPLING = 0.1
 _MOST = 2**20  # samples of a line that nobody asked for
 _SAMPLES = 4096  # least number of samples of a line that is given by its points
 
@@ -41,17 +46,38 @@ Solver = Callable[[list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[Li
 """Lanes of several lines at once, each a line with its velocities, its line loads or depths, and which they are."""
 
 
-def mean_of_lines(ask: Ask, lines: list[RoughLine], average: bool, solved: Solver) -> Mean:
+def mean_of_lines(
+    ask: Ask, lines: list[RoughLine], average: bool, solved: Solver
+) -> Mean:
     """Mean over the lines, which are solved together."""
     if not average:
-        runs = [_bare(own) for own in solved([(line, ask.velocity, ask.value, ask.control) for line in lines])]
+        runs = [
+            _bare(own)
+            for own in solved(
+                [(line, ask.velocity, ask.value, ask.control) for line in lines]
+            )
+        ]
     elif ask.control == "depth":
         runs = _averaged_by_depth(ask, lines, solved)
     else:
         runs = _averaged_by_load(ask, lines, solved)
-    mu, error, load, deep, share = (np.mean([getattr(r, k) for r in runs], axis=0) for k in _Run._fields[:-1])
-    scatter = np.std([r.mu for r in runs], axis=0, ddof=1) / np.sqrt(len(runs)) if len(runs) > 1 else None
-    return Mean(mu, error, load, deep, share, np.all([r.good for r in runs], axis=0) & np.isfinite(mu), scatter)
+    mu, error, load, deep, share = (
+        np.mean([getattr(r, k) for r in runs], axis=0) for k in _Run._fields[:-1]
+    )
+    scatter = (
+        np.std([r.mu for r in runs], axis=0, ddof=1) / np.sqrt(len(runs))
+        if len(runs) > 1
+        else None
+    )
+    return Mean(
+        mu,
+        error,
+        load,
+        deep,
+        share,
+        np.all([r.good for r in runs], axis=0) & np.isfinite(mu),
+        scatter,
+    )
 
 
 class _Run(NamedTuple):
@@ -66,7 +92,14 @@ class _Run(NamedTuple):
 
 
 def _bare(own: Line) -> _Run:
-    return _Run(own.mu, own.error + own.cost * own.mu, own.load, own.depth, own.share, own.converged)
+    return _Run(
+        own.mu,
+        own.error + own.cost * own.mu,
+        own.load,
+        own.depth,
+        own.share,
+        own.converged,
+    )
 
 
 def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[_Run]:
@@ -74,17 +107,34 @@ def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list
     rule = directions(max(ask.rtol, AVERAGE))
     slowed = ask.velocity[:, None] * rule.cosines
     owns = solved([(line, ask.velocity, ask.value, ask.control) for line in lines])
-    loads = [np.broadcast_to(np.where(own.converged, own.load, 1.0)[:, None], slowed.shape) for own in owns]
-    turned = [(line, slowed.ravel(), load.ravel(), "load") for line, load in zip(lines, loads, strict=True)]
+    loads = [
+        np.broadcast_to(np.where(own.converged, own.load, 1.0)[:, None], slowed.shape)
+        for own in owns
+    ]
+    turned = [
+        (line, slowed.ravel(), load.ravel(), "load")
+        for line, load in zip(lines, loads, strict=True)
+    ]
     runs = []
     for own, every in zip(owns, solved(turned), strict=True):
         each = every.mu.reshape(slowed.shape)
         mu = each @ rule.weights
         error = (
-            np.asarray(quadrature_error(mu, each @ rule.half, each @ rule.quarter, rule.tail))
+            np.asarray(
+                quadrature_error(mu, each @ rule.half, each @ rule.quarter, rule.tail)
+            )
             + every.error.reshape(slowed.shape) @ rule.weights
         )
-        runs.append(_Run(mu, error + own.cost * mu, own.load, own.depth, own.share, own.converged & np.isfinite(mu)))
+        runs.append(
+            _Run(
+                mu,
+                error + own.cost * mu,
+                own.load,
+                own.depth,
+                own.share,
+                own.converged & np.isfinite(mu),
+            )
+        )
     return runs
 
 
@@ -96,8 +146,12 @@ def _averaged_by_load(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[
     return [_average_of(ask, grids, every) for every in found]
 
 
-def _average_of(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]], every: Line) -> _Run:
-    """One line's average, from its points themselves and then the nodes of each load's curve."""
+def _average_of(
+    ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]], every: Line
+) -> _Run:
+    """One line's average, from its points themselves and then the nodes of each load's
+    curve.
+    """
     start, tail = ask.velocity.size, directions(max(ask.rtol, AVERAGE)).tail
     own = Line(*(field[:start] for field in every))
     mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
@@ -117,42 +171,64 @@ def _average_of(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]], every: Lin
             + np.abs(grid.weights) @ np.nan_to_num(every.error[part])
             + average * np.nanmax(every.cost[part], initial=0.0)
         )
-    return _Run(mu, error, own.load, own.depth, own.share, own.converged & np.isfinite(mu))
+    return _Run(
+        mu, error, own.load, own.depth, own.share, own.converged & np.isfinite(mu)
+    )
 
 
 def _grids(ask: Ask) -> list[tuple[SharedGrid, np.ndarray]]:
     chosen = [np.flatnonzero(ask.value == value) for value in np.unique(ask.value)]
-    return [(shared_grid(ask.velocity[points], max(ask.rtol, AVERAGE)), points) for points in chosen]
+    return [
+        (shared_grid(ask.velocity[points], max(ask.rtol, AVERAGE)), points)
+        for points in chosen
+    ]
 
 
 def lanes_of(ask: Ask, average: bool) -> tuple[np.ndarray, np.ndarray]:
     """Velocities [m/s] that one line is solved at, with their line loads or depths.
 
-    Where the depth is given, directions are solved at a load that is not known beforehand: the points alone stand here.
+    Where the depth is given, directions are solved at a load that is not known
+    beforehand: the points alone stand here.
     """
     if not average or ask.control == "depth":
         return ask.velocity, ask.value
     return _lanes(ask, _grids(ask))
 
 
-def _lanes(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities and loads of the points themselves, and then of the nodes of each load's curve."""
-    values = [np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids]
-    return np.concatenate([ask.velocity, *(g.velocity for g, _ in grids)]), np.concatenate([ask.value, *values])
+def _lanes(
+    ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and loads of the points themselves, and then of the nodes of each
+    load's curve.
+    """
+    values = [
+        np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids
+    ]
+    return np.concatenate(
+        [ask.velocity, *(g.velocity for g, _ in grids)]
+    ), np.concatenate([ask.value, *values])
 
 
 def coarse_at(error: Any, mu: Any) -> Any:
-    """Where the error of a point is above `SAMPLING` times mu, so that it is not handed out."""
+    """Where the error of a point is above `SAMPLING` times mu, so that it is not handed
+    out.
+    """
     return ~(error <= SAMPLING * abs(mu))
 
 
 def on_enough_samples(
-    ask: Ask, found: Mean, line: RoughLine, relaxed: float, solve: Callable[[Ask, int], Mean]
+    ask: Ask,
+    found: Mean,
+    line: RoughLine,
+    relaxed: float,
+    solve: Callable[[Ask, int], Mean],
 ) -> tuple[Mean, np.ndarray]:
-    """Points whose sampling error is above `SAMPLING` times mu, solved again on four times the samples, and so on.
+    """Points whose sampling error is above `SAMPLING` times mu, solved again on four
+    times the samples, and so on.
 
-    `found` is the answer on `line` or on lines like it, `solve(ask, count)` that on as many samples. Returns the
-    answer, and on how many samples each point has it. The error that stays is the caller's to judge.
+    `found` is the answer on `line` or on lines like it, `solve(ask, count)` that on as
+    many samples. Returns the answer, and on how many samples each point has it. The
+    error that stays is the caller's to judge.
     """
     count = line.count
     used = np.full(found.mu.shape, count)
@@ -162,7 +238,9 @@ def on_enough_samples(
         coarse = np.flatnonzero(found.good & helped & coarse_at(found.error, found.mu))
         if not coarse.size:
             break
-        finer = solve(ask._replace(velocity=ask.velocity[coarse], value=ask.value[coarse]), count)
+        finer = solve(
+            ask._replace(velocity=ask.velocity[coarse], value=ask.value[coarse]), count
+        )
         better = finer.good & (finer.error < found.error[coarse])
         if not better.any():
             break
@@ -172,17 +250,27 @@ def on_enough_samples(
     return found, used
 
 
-def _beyond_all_samples(ask: Ask, found: Mean, line: RoughLine, relaxed: float) -> np.ndarray:
-    """Points that no sampling will answer, of the order of a million samples each: those whose mu is below what
-    rounding leaves, and those whose contact is less than five samples wide on the finest line.
+def _beyond_all_samples(
+    ask: Ask, found: Mean, line: RoughLine, relaxed: float
+) -> np.ndarray:
+    """Points that no sampling will answer, of the order of a million samples each:
+    those whose mu is below what rounding leaves, and those whose contact is less than
+    five samples wide on the finest line.
 
-    The contact is that of relaxed rubber on the parabola through the highest sample and its neighbours.
+    The contact is that of relaxed rubber on the parabola through the highest sample and
+    its neighbours.
     """
     height, spacing = np.asarray(line.height), float(line.spacing)
     slope = np.sqrt(np.mean(np.diff(height) ** 2)) / spacing
     top = int(np.argmax(height))
-    bend = (2 * height[top] - height[top - 1] - height[(top + 1) % height.size]) / spacing**2
-    deep = 2 * ask.value if ask.control == "depth" else (3 * np.sqrt(bend) * ask.value / (2 * relaxed)) ** (2 / 3)
+    bend = (
+        2 * height[top] - height[top - 1] - height[(top + 1) % height.size]
+    ) / spacing**2
+    deep = (
+        2 * ask.value
+        if ask.control == "depth"
+        else (3 * np.sqrt(bend) * ask.value / (2 * relaxed)) ** (2 / 3)
+    )
     with np.errstate(divide="ignore"):
         narrow = np.sqrt(deep / bend) < 2.5 * spacing * line.count / _MOST
     return narrow | (ROUNDING * slope > SAMPLING * np.abs(found.mu))
@@ -203,11 +291,18 @@ def solutions(ask: Ask, average: bool) -> int:
     return ask.velocity.size + sum(grid.velocity.size for grid, _ in _grids(ask))
 
 
-def ensemble(surface: Any, samples: int | None, periods: int, seeds: tuple[int, ...]) -> list[RoughLine]:
-    """The lines of a surface, one for each seed; a line that is given, on enough samples. Raises `InputError`."""
+def ensemble(
+    surface: Any, samples: int | None, periods: int, seeds: tuple[int, ...]
+) -> list[RoughLine]:
+    """The lines of a surface, one for each seed; a line that is given, on enough
+    samples. Raises `InputError`.
+    """
     if isinstance(surface, RoughLine):
         if seeds != (0,) or periods != PERIODS:
-            raise InputError("seeds and periods belong to a surface given by its spectrum; a RoughLine is what it is.")
+            raise InputError(
+                "seeds and periods belong to a surface given by its spectrum; a "
+                "RoughLine is what it is."
+            )
         factor = 4
         while surface.count * factor < (_SAMPLES if samples is None else samples):
             factor *= 2

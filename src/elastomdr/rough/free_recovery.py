@@ -1,11 +1,14 @@
-"""Stretches of a rough line that nothing touches: the free recovery of an element over many samples in one go.
+"""Stretches of a rough line that nothing touches: the free recovery of an element over
+many samples in one go.
 
-With no contact a step of the element is linear, y+ = (diag(e) - g e^T/S) y, with y = (E_inf u, f_1, ...), e = (1, e_1,
-...) and g = (E_inf, g_1, ...). Scaled by sqrt(e/g) the matrix is symmetric, diag(e) - s s^T/S with s = sqrt(e g). Its
-eigenvalues lie between 0 and 1: y after n steps is a sum of modes that shrink as lambda^n, and so is u. Every term of u
-is monotone, so that the sum of the lesser of its two ends bounds u from below over the whole stretch. Where that
-stays above the highest point of the line there, the stretch is passed in one go, to rounding as step by step; the work
-of a free element within its steps, of second order in the step and zero in truth, is left out.
+With no contact a step of the element is linear, y+ = (diag(e) - g e^T/S) y, with y =
+(E_inf u, f_1, ...), e = (1, e_1, ...) and g = (E_inf, g_1, ...). Scaled by sqrt(e/g)
+the matrix is symmetric, diag(e) - s s^T/S with s = sqrt(e g). Its eigenvalues lie
+between 0 and 1: y after n steps is a sum of modes that shrink as lambda^n, and so is u.
+Every term of u is monotone, so that the sum of the lesser of its two ends bounds u from
+below over the whole stretch. Where that stays above the highest point of the line
+there, the stretch is passed in one go, to rounding as step by step; the work of a free
+element within its steps, of second order in the step and zero in truth, is left out.
 """
 
 from __future__ import annotations
@@ -25,9 +28,12 @@ _FORGOTTEN = 1e-24  # s_k below which a branch force leaves no trace after a ste
 
 
 class Stretches(NamedTuple):
-    """Free motion over the equal stretches that a line is cut into; m = 1 + number of branches."""
+    """Free motion over the equal stretches that a line is cut into; m = 1 + number of
+    branches.
+    """
 
-    highest: Float[np.ndarray, " stretches"]  # the highest point of the line in each [m]
+    # the highest point of the line in each [m]
+    highest: Float[np.ndarray, " stretches"]
     to_modes: Float[np.ndarray, "m m lanes"]  # y to the strengths of the modes
     from_modes: Float[np.ndarray, "m m lanes"]
     rate: Float[np.ndarray, "m lanes"]  # -log(lambda), per sample
@@ -36,12 +42,18 @@ class Stretches(NamedTuple):
     def of(self, lanes: np.ndarray) -> "Stretches":
         """Those of some lanes."""
         return self._replace(
-            to_modes=self.to_modes[..., lanes], from_modes=self.from_modes[..., lanes], rate=self.rate[..., lanes]
+            to_modes=self.to_modes[..., lanes],
+            from_modes=self.from_modes[..., lanes],
+            rate=self.rate[..., lanes],
         )
 
 
-def stretches(rise: Float[np.ndarray, " n"], pieces: int, seen, lost, gain, give, relaxed) -> Stretches:
-    """The maps of each lane, from the coefficients of its steps (see `rough.period`)."""
+def stretches(
+    rise: Float[np.ndarray, " n"], pieces: int, seen, lost, gain, give, relaxed
+) -> Stretches:
+    """The maps of each lane, from the coefficients of its steps (see
+    `rough.period`).
+    """
     lanes = give.size
     seen = np.maximum(np.concatenate([np.ones((1, lanes)), seen]), _FORGOTTEN)
     lost = np.concatenate([np.zeros((1, lanes)), lost])
@@ -52,8 +64,9 @@ def stretches(rise: Float[np.ndarray, " n"], pieces: int, seen, lost, gain, give
     index = np.arange(s.shape[0])
     matrix[:, index, index] += lost.T
     vector = np.linalg.eigh(matrix)[1]  # lane, component, mode
-    # `eigh` leaves rounding of the fast modes in the slow ones. The matrix between its vectors, summed from parts that
-    # are small where the modes are slow, tells how much, and two steps of perturbation theory take it out.
+    # `eigh` leaves rounding of the fast modes in the slow ones. The matrix between its
+    # vectors, summed from parts that are small where the modes are slow, tells how
+    # much, and two steps of perturbation theory take it out.
     fall = np.zeros((lanes, s.shape[0]))
     for _ in range(2):
         stiff = (s.T[:, None] @ vector)[:, 0]
@@ -61,37 +74,54 @@ def stretches(rise: Float[np.ndarray, " n"], pieces: int, seen, lost, gain, give
         rest = rest + stiff[:, :, None] * stiff[:, None] * give[:, None, None]
         fall = np.diagonal(rest, axis1=1, axis2=2)
         apart = fall[:, None] - fall[:, :, None]
-        turn = np.where(np.abs(rest) < 0.1 * np.abs(apart), rest / np.where(apart == 0, 1.0, apart), 0.0)
+        turn = np.where(
+            np.abs(rest) < 0.1 * np.abs(apart),
+            rest / np.where(apart == 0, 1.0, apart),
+            0.0,
+        )
         vector = vector + vector @ turn
     fall, vector = fall.T, np.moveaxis(vector, 0, -1)
     with np.errstate(divide="ignore", invalid="ignore"):
         rate = np.nan_to_num(-np.log1p(-fall), nan=700.0, posinf=700.0)
     highest = np.append(rise, rise[0])[1:].reshape(pieces, -1).max(axis=1)
     return Stretches(
-        highest, np.swapaxes(vector * scale[:, None], 0, 1), vector / scale[:, None], np.clip(rate, 1e-30, 700.0),
+        highest,
+        np.swapaxes(vector * scale[:, None], 0, 1),
+        vector / scale[:, None],
+        np.clip(rate, 1e-30, 700.0),
         np.asarray(relaxed),
-    )  # fmt: skip
+    )
 
 
 def recover(
-    free: Stretches, first: Int[Array, ""], y: Float[Array, "m lanes"],
-    depth: Float[Array, " lanes"], samples: int, slow: int,
-) -> tuple[Int[Array, ""], Float[Array, "m lanes"], Float[Array, "slow lanes"]]:  # fmt: skip
-    """Recovers from `first` on for as many stretches, of `samples`, as nothing touches in any lane.
+    free: Stretches,
+    first: Int[Array, ""],
+    y: Float[Array, "m lanes"],
+    depth: Float[Array, " lanes"],
+    samples: int,
+    slow: int,
+) -> tuple[Int[Array, ""], Float[Array, "m lanes"], Float[Array, "slow lanes"]]:
+    """Recovers from `first` on for as many stretches, of `samples`, as nothing touches
+    in any lane.
 
-    Returns the number of the next stretch, y before it, and the sum over the samples passed of the first `slow`
-    branches.
+    Returns the number of the next stretch, y before it, and the sum over the samples
+    passed of the first `slow` branches.
     """
     shrink = jnp.exp(-samples * free.rate)
-    # sum of lambda^n over a stretch; both differences are small together where the mode is slow
-    total = jnp.exp(-free.rate) * jnp.expm1(-samples * free.rate) / jnp.expm1(-free.rate)
+    # sum of lambda^n over a stretch; both differences are small together where the mode
+    # is slow
+    total = (
+        jnp.exp(-free.rate) * jnp.expm1(-samples * free.rate) / jnp.expm1(-free.rate)
+    )
     relaxed = free.relaxed
 
     def untouched(state):
         j, modes, _ = state
         parts = free.from_modes[0] * modes  # of E_inf u
         lowest = jnp.minimum(parts, parts * shrink).sum(axis=0)
-        above = lowest > relaxed * (free.highest[jnp.minimum(j, free.highest.size - 1)] + depth)
+        above = lowest > relaxed * (
+            free.highest[jnp.minimum(j, free.highest.size - 1)] + depth
+        )
         return (j < free.highest.size) & above.all()
 
     def one(state):
@@ -99,12 +129,22 @@ def recover(
         return j + 1, modes * shrink, summed + modes * total
 
     start = _times(free.to_modes, y)
-    j, modes, summed = jax.lax.while_loop(untouched, one, (first, start, jnp.zeros_like(start)))
-    # Modes do not hold the forces of branches that are forgotten within a step: in contact y must stay as it is.
+    j, modes, summed = jax.lax.while_loop(
+        untouched, one, (first, start, jnp.zeros_like(start))
+    )
+    # Modes do not hold the forces of branches that are forgotten within a step: in
+    # contact y must stay as it is.
     end = jnp.where(j > first, _times(free.from_modes, modes), y)
     return j, end, _times(free.from_modes[1 : 1 + slow], summed)
 
 
-def _times(matrix: Float[Array, "n m lanes"], vector: Float[Array, "m lanes"]) -> Float[Array, "n lanes"]:
-    """Matrix times vector in each lane, as one sum: a reduction would pass through memory once more."""
-    return sum((matrix[:, j] * vector[j] for j in range(1, vector.shape[0])), matrix[:, 0] * vector[0])
+def _times(
+    matrix: Float[Array, "n m lanes"], vector: Float[Array, "m lanes"]
+) -> Float[Array, "n lanes"]:
+    """Matrix times vector in each lane, as one sum: a reduction would pass through
+    memory once more.
+    """
+    return sum(
+        (matrix[:, j] * vector[j] for j in range(1, vector.shape[0])),
+        matrix[:, 0] * vector[0],
+    )

@@ -28,8 +28,12 @@ if TYPE_CHECKING:
     from ..models import Line
 
 _DIRECTIONS = 1e-2  # relative error of the direction average: bands are for figures
-_MARGIN = 10.0  # by which the bands go beyond the cutoffs; what lies further out is in those at the ends
-_CLOSED = 3e-2  # relative distance of the sum of the bands from friction, to which they are scaled; part of `error`
+# by which the bands go beyond the cutoffs; what lies further out is in those at the
+# ends
+_MARGIN = 10.0
+# relative distance of the sum of the bands from friction, to which they are scaled;
+# part of `error`
+_CLOSED = 3e-2
 
 
 @over_materials
@@ -46,12 +50,14 @@ def friction_spectrum(
     rtol: float = 1e-4,
     per_decade: int = 4,
 ) -> FrictionSpectrum:
-    """Splits the friction of a rough line or surface by the frequency at which the rubber is strained.
+    """Splits the friction of a rough line or surface by the frequency at which the
+    rubber is strained.
 
         mu = sum_k 2 k |u_k|^2 E''(k v) / q_mean
 
-    u_k are the waves of the motion of an element (`elastomdr.rough.excitation`), in partial contact too. Averaged over
-    directions, the line that slides at v cos(phi) is strained at k v cos(phi).
+    u_k are the waves of the motion of an element (`elastomdr.rough.excitation`), in
+    partial contact too. Averaged over directions, the line that slides at v cos(phi) is
+    strained at k v cos(phi).
 
     Args:
         material: as for `em.friction`, a series.
@@ -59,15 +65,18 @@ def friction_spectrum(
         velocity: sliding velocity [m/s]; arguments broadcast.
         load: normal force per length of line [N/m].
         pressure: nominal pressure on a surface [Pa], in place of a load.
-        temperature: temperature [K], for a material with a shift law. Where friction heats the surface, give the raised
-            one, `curve.temperature + curve.temperature_rise`.
+        temperature: temperature [K], for a material with a shift law. Where friction
+            heats the surface, give the raised one, `curve.temperature +
+            curve.temperature_rise`.
         model: `em.Line(...)`.
         rtol: as for `em.friction`.
         per_decade: bands in each decade of frequency.
 
     Returns:
-        An `em.FrictionSpectrum` with one more axis, the bands. They sum to the friction of the line, to which they are
-        scaled: from within 1e-2, which `error` holds, or the point is NaN; one `ConvergenceWarning` counts such points.
+        An `em.FrictionSpectrum` with one more axis, the bands. They sum to the friction
+        of the line, to which they are
+        scaled: from within 1e-2, which `error` holds, or the point is NaN; one
+            `ConvergenceWarning` counts such points.
 
     Raises:
         InputError: as `em.friction` with `model=em.Line(...)`.
@@ -76,52 +85,109 @@ def friction_spectrum(
     """
     foundation = as_foundation(material)
     if not is_rough(surface):
-        raise InputError(f"surface must be an em.RoughLine, or a surface such as em.SelfAffine, got {surface!r}.")
+        raise InputError(
+            "surface must be an em.RoughLine, or a surface such as em.SelfAffine, "
+            f"got {surface!r}."
+        )
     if is_traced(foundation, surface, velocity, load, pressure, temperature):
-        raise InputError("friction_spectrum must be called outside jax.grad, jit and vmap: it is not differentiable.")
+        raise InputError(
+            "friction_spectrum must be called outside jax.grad, jit and vmap: it "
+            "is not differentiable."
+        )
     law = foundation.law()
     if not np.any(law.moduli) and not float(law.viscosity):
-        raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
-    if isinstance(per_decade, bool) or not isinstance(per_decade, (int, np.integer)) or not 1 <= per_decade <= 20:
-        raise InputError(f"per_decade must be a whole number from 1 to 20, got {per_decade!r}.")
+        raise InputError(
+            "material must have a relaxation time or a dashpot: an elastic one "
+            "dissipates nothing."
+        )
+    if (
+        isinstance(per_decade, bool)
+        or not isinstance(per_decade, (int, np.integer))
+        or not 1 <= per_decade <= 20
+    ):
+        raise InputError(
+            f"per_decade must be a whole number from 1 to 20, got {per_decade!r}."
+        )
     model = of_line(model, "friction_spectrum")
     scene = set_up(
-        foundation, surface, velocity=velocity, load=load, depth=None, pressure=pressure, temperature=temperature,
-        model=model, rtol=rtol,
-    )  # fmt: skip
-    at, lines, control, length, loads = scene.at, scene.lines, scene.control, scene.length, scene.given
+        foundation,
+        surface,
+        velocity=velocity,
+        load=load,
+        depth=None,
+        pressure=pressure,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
+    )
+    at, lines, control, length, loads = (
+        scene.at,
+        scene.lines,
+        scene.control,
+        scene.length,
+        scene.given,
+    )
     shape, v, reduced = at.shape, at.full(at.velocity).ravel(), at.reduced.ravel()
     edges = _edges(surface, lines[0], int(per_decade))
     rule_of = directions(_DIRECTIONS)
-    cosines, weights = (rule_of.cosines, rule_of.weights) if model.average else (np.ones(1), np.ones(1))
-    lanes = np.outer(reduced, cosines).ravel(), np.repeat(loads, cosines.size), np.tile(cosines, v.size)
-    mu, error, good = np.zeros((v.size, edges.size - 1)), np.zeros(v.size), np.ones(v.size, bool)
+    cosines, weights = (
+        (rule_of.cosines, rule_of.weights)
+        if model.average
+        else (np.ones(1), np.ones(1))
+    )
+    lanes = (
+        np.outer(reduced, cosines).ravel(),
+        np.repeat(loads, cosines.size),
+        np.tile(cosines, v.size),
+    )
+    mu, error, good = (
+        np.zeros((v.size, edges.size - 1)),
+        np.zeros(v.size),
+        np.ones(v.size, bool),
+    )
     for line in lines:
         found = excitation(
-            np.asarray(line.height), float(line.spacing), law, lanes[0], lanes[1], control, float(rtol),
-            edges, lanes[2],
-        )  # fmt: skip
-        bands, total, missed, fine = (field.reshape(v.size, cosines.size, -1) for field in found)
+            np.asarray(line.height),
+            float(line.spacing),
+            law,
+            lanes[0],
+            lanes[1],
+            control,
+            float(rtol),
+            edges,
+            lanes[2],
+        )
+        bands, total, missed, fine = (
+            field.reshape(v.size, cosines.size, -1) for field in found
+        )
         gap = np.abs(bands.sum(axis=-1) - total[..., 0])
         bands = bands * (total / bands.sum(axis=-1, keepdims=True))
         mu += np.einsum("vdb,d->vb", bands, weights) / len(lines)
         error += (missed[..., 0] + gap) @ weights / len(lines)
-        good &= fine.all(axis=(1, 2)) & (gap @ weights <= _CLOSED * (total[..., 0] @ weights))
+        good &= fine.all(axis=(1, 2)) & (
+            gap @ weights <= _CLOSED * (total[..., 0] @ weights)
+        )
     good &= ~coarse_at(error, mu.sum(axis=1))
     if not good.all():
         warnings.warn(
-            f"{int((~good).sum())} of {good.size} points did not converge; they are NaN.", ConvergenceWarning,
+            (
+                f"{int((~good).sum())} of {good.size} points did not converge; they "
+                "are NaN."
+            ),
+            ConvergenceWarning,
             stacklevel=3,
-        )  # fmt: skip
+        )
 
     def banded(values: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(values.reshape(*shape, -1), (*shape, edges.size - 1)).copy()
+        return np.broadcast_to(
+            values.reshape(*shape, -1), (*shape, edges.size - 1)
+        ).copy()
 
     middle = np.sqrt(edges[1:] * edges[:-1])
     inputs = [
         *scene.inputs(("surface", surface_words(surface, lines[0]))),
         ("ensemble", ensemble_words(scene.seeds, lines[0].count)),
-    ]  # fmt: skip
+    ]
     known, kelvin = foundation.range, at.full(at.kelvin)
     outside = excited_outside(known, surface, at.reduced.reshape(shape))
     beyond = rough_beyond(known, outside, kelvin, shape, stacklevel=4)
@@ -134,10 +200,15 @@ def friction_spectrum(
         converged=banded(good),
         extrapolated=None if beyond.points is None else banded(beyond.points.ravel()),
         temperature=None if at.kelvin is None else banded(kelvin),
-        pressure=None if length is None else banded(loads * at.vertical.ravel() / length),
+        pressure=None
+        if length is None
+        else banded(loads * at.vertical.ravel() / length),
         width=float(edges[1] / edges[0]),
         model=(AVERAGED if model.average else BARE) + scene.rule,
-        plan=f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} samples, all branches carried",
+        plan=(
+            f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} "
+            "samples, all branches carried"
+        ),
         inputs=(*inputs, *beyond.said),
     )
 
@@ -148,5 +219,8 @@ def _edges(surface: Any, line: RoughLine, per_decade: int) -> np.ndarray:
         low, high = 2 * np.pi / float(surface.period), np.pi / float(surface.spacing)
     else:
         low, high = surface.q_low, surface.q_high
-    first, last = np.floor(np.log10(low / _MARGIN) + 1e-9), np.ceil(np.log10(high * _MARGIN) - 1e-9)
+    first, last = (
+        np.floor(np.log10(low / _MARGIN) + 1e-9),
+        np.ceil(np.log10(high * _MARGIN) - 1e-9),
+    )
     return 10 ** (first + np.arange(per_decade * int(last - first) + 1) / per_decade)

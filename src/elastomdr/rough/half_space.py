@@ -1,20 +1,27 @@
-"""Steady sliding of a periodic map on a three-dimensional viscoelastic half-space, in Fourier space.
+"""Steady sliding of a periodic map on a three-dimensional viscoelastic half-space, in
+Fourier space.
 
-In the frame of the map, which moves along +x with velocity v, the wave (kx, ky) shakes the rubber at the frequency
-kx v, and a pressure p of that wave displaces the surface by
+In the frame of the map, which moves along +x with velocity v, the wave (kx, ky) shakes
+the rubber at the frequency kx v, and a pressure p of that wave displaces the surface by
 
-    u = K p,    K = 2/(|k| E*(-kx v)),    so that    tau = <p dh/dx> = sum |p_k|^2 2 kx E''(kx v)/(|k| |E*(kx v)|^2)
+    u = K p,
+    K = 2/(|k| E*(-kx v)),
+    so that
+    tau = <p dh/dx> = sum |p_k|^2 2 kx E''(kx v)/(|k| |E*(kx v)|^2)
 
-is the mean friction stress: only the loss, so that the smallest keeps its digits. Contact is where p > 0; there the gap
-is zero, elsewhere p = 0 and the gap is positive. The mean displacement of a periodic half-space is not defined; it is
-left out by P, which takes its mean over the contact off a field.
+is the mean friction stress: only the loss, so that the smallest keeps its digits.
+Contact is where p > 0; there the gap is zero, elsewhere p = 0 and the gap is positive.
+The mean displacement of a periodic half-space is not defined; it is left out by P,
+which takes its mean over the contact off a field.
 
-Each pivot solves P K p = P h on the cells in contact by GMRES, preconditioned by P/K, which changes no mean, so that
-the load is held exactly and there is one right-hand side. Then cells that pull are let go and cells that overlap are
-taken in, until none does. Where the changes go in circles, cells are let go only, for a while. The contact to begin
-with is that of a grid half as fine, or of a neighbouring velocity or load.
+Each pivot solves P K p = P h on the cells in contact by GMRES, preconditioned by P/K,
+which changes no mean, so that the load is held exactly and there is one right-hand
+side. Then cells that pull are let go and cells that overlap are taken in, until none
+does. Where the changes go in circles, cells are let go only, for a while. The contact
+to begin with is that of a grid half as fine, or of a neighbouring velocity or load.
 
-The code is written over an array namespace: NumPy with SciPy's transforms, or `jax.numpy` on whatever device it runs.
+The code is written over an array namespace: NumPy with SciPy's transforms, or
+`jax.numpy` on whatever device it runs.
 """
 
 from collections.abc import Callable
@@ -24,8 +31,11 @@ import numpy as np
 
 _PIVOTS = 60
 _MEMORY, _RESTARTS = 50, 2  # of GMRES in one pivot
-_SINGLE, _DOUBLE = 5e-5, 1e-9  # relative residual of the last pivot in 32 and in 64 bits
-_PATIENCE = 2  # pivots in which fewer cells change than ever before, or those that pull are let go only
+# relative residual of the last pivot in 32 and in 64 bits
+_SINGLE, _DOUBLE = 5e-5, 1e-9
+# pivots in which fewer cells change than ever before, or those that pull are let go
+# only
+_PATIENCE = 2
 _COARSEST = 32  # cells along a side below which no coarser grid is solved
 
 
@@ -41,15 +51,22 @@ class Found(NamedTuple):
 
 
 class Waves(NamedTuple):
-    """The waves of a grid, as `rfft2` orders them, and what the material makes of them."""
+    """The waves of a grid, as `rfft2` orders them, and what the material makes of
+    them.
+    """
 
     kernel: Any  # K [m/Pa], 0 for the mean
     inverse: Any  # 1/K
-    loss: Any  # friction stress for |p_k|^2 = 1, with the waves that rfft2 leaves out [1/Pa]
+    # friction stress for |p_k|^2 = 1, with the waves that rfft2 leaves out [1/Pa]
+    loss: Any
 
 
-def waves(modulus: Callable[[Any], Any], velocity: float, shape: tuple[int, int], sides: Any) -> Waves:
-    """The waves of a grid of `shape` cells on `sides` [m]; `modulus(omega)` is E* [Pa] at omega >= 0 [rad/s]."""
+def waves(
+    modulus: Callable[[Any], Any], velocity: float, shape: tuple[int, int], sides: Any
+) -> Waves:
+    """The waves of a grid of `shape` cells on `sides` [m]; `modulus(omega)` is E* [Pa]
+    at omega >= 0 [rad/s].
+    """
     nx, ny = shape
     kx = 2 * np.pi * np.fft.fftfreq(nx, 1 / nx) / sides[0]
     ky = 2 * np.pi * np.fft.rfftfreq(ny, 1 / ny) / sides[1]
@@ -83,9 +100,9 @@ def solve(
 ) -> Found:
     """Contact of `heights` [m] (positive into the rubber) at a mean `pressure` [Pa].
 
-    `start` is a map of pressures on the same grid, for its cells in contact: those of a neighbouring velocity or load;
-    without it they come from a grid half as fine. The contact is found in 32 bits, to 1e-4 of the stress, and with
-    `double` settled in 64.
+    `start` is a map of pressures on the same grid, for its cells in contact: those of a
+    neighbouring velocity or load; without it they come from a grid half as fine. The
+    contact is found in 32 bits, to 1e-4 of the stress, and with `double` settled in 64.
     """
     on = waves(modulus, velocity, heights.shape, sides)
     full = _in_full_contact(on, heights, pressure)
@@ -96,8 +113,14 @@ def solve(
             start = xp.where(heights >= np.median(np.asarray(heights)), pressure, 0.0)
         else:
             half = solve(
-                modulus, heights[::2, ::2], sides, velocity=velocity, pressure=pressure, double=False, xp=xp
-            )  # fmt: skip
+                modulus,
+                heights[::2, ::2],
+                sides,
+                velocity=velocity,
+                pressure=pressure,
+                double=False,
+                xp=xp,
+            )
             start = xp.repeat(xp.repeat(half.pressure, 2, axis=0), 2, axis=1)
     found = _settle(on, heights, pressure, start, np.float32, np.complex64, xp)
     if not double:
@@ -107,7 +130,9 @@ def solve(
 
 
 def _in_full_contact(on: Waves, heights: Any, mean: float) -> Found | None:
-    """The solution where it is positive everywhere, from the heights' own waves; else None."""
+    """The solution where it is positive everywhere, from the heights' own waves; else
+    None.
+    """
     spread = np.fft.rfft2(np.asarray(heights, dtype=np.float64)) * on.inverse
     pressed = mean + np.fft.irfft2(spread, s=heights.shape)
     if not pressed.min() > 0:
@@ -116,13 +141,20 @@ def _in_full_contact(on: Waves, heights: Any, mean: float) -> Found | None:
     return Found(stress, 1.0, 0.0, pressed, True, 1)
 
 
-def _settle(on: Waves, heights: Any, mean: float, start: Any, real: Any, complex_: Any, xp: Any) -> Found:
-    """Pivots from the contact and the pressures `start` on, until no cell changes and the residual is small."""
+def _settle(
+    on: Waves, heights: Any, mean: float, start: Any, real: Any, complex_: Any, xp: Any
+) -> Found:
+    """Pivots from the contact and the pressures `start` on, until no cell changes and
+    the residual is small.
+    """
     scale = float(np.std(np.asarray(heights)))
     height = xp.asarray((heights - heights.mean()) / scale, dtype=real)
     size = height.size
     unit = mean / scale  # pressures are counted in the mean one, heights in their rms
-    kernel, inverse = xp.asarray(on.kernel * unit, dtype=complex_), xp.asarray(on.inverse / unit, dtype=complex_)
+    kernel, inverse = (
+        xp.asarray(on.kernel * unit, dtype=complex_),
+        xp.asarray(on.inverse / unit, dtype=complex_),
+    )
     transform = _transforms(xp, height.shape)
 
     def apply(factor: Any, field: Any) -> Any:
@@ -143,7 +175,9 @@ def _settle(on: Waves, heights: Any, mean: float, start: Any, real: Any, complex
         def project(values: Any, cells: Any = cells, count: float = count) -> Any:
             return cells.centred(values, values.sum() / count)
 
-        def precondition(values: Any, cells: Any = cells, project: Any = project) -> Any:
+        def precondition(
+            values: Any, cells: Any = cells, project: Any = project
+        ) -> Any:
             return project(cells.take(apply(inverse, cells.put(values))))
 
         def product(values: Any, cells: Any = cells, project: Any = project) -> Any:
@@ -151,7 +185,9 @@ def _settle(on: Waves, heights: Any, mean: float, start: Any, real: Any, complex
 
         p = xp.maximum(cells.take(pressed), 0.0)
         p = cells.centred(p, (p.sum() - size) / count)
-        p, missed, used = _gmres(xp, product, precondition, project(cells.take(height)), p, tolerance)
+        p, missed, used = _gmres(
+            xp, product, precondition, project(cells.take(height)), p, tolerance
+        )
         pressed = cells.put(p)
         miss = apply(kernel, pressed) - height
         products += used + 1
@@ -159,36 +195,64 @@ def _settle(on: Waves, heights: Any, mean: float, start: Any, real: Any, complex
         pulling, overlapping = touching & (pressed <= 0), ~touching & (miss < level)
         changed = int((pulling | overlapping).sum())
         waited = 0 if changed < fewest else waited + 1
-        # In 32 bits rounding decides of the last cells. In 64 a few may go in and out for ever at a glassy leading
-        # edge, where a pressure sinks in further behind than at its own place.
-        few = count / 500 if single else 0 if waited <= _PATIENCE + 2 else max(2, count / 5000)
+        # In 32 bits rounding decides of the last cells. In 64 a few may go in and out
+        # for ever at a glassy leading edge, where a pressure sinks in further behind
+        # than at its own place.
+        few = (
+            count / 500
+            if single
+            else 0
+            if waited <= _PATIENCE + 2
+            else max(2, count / 5000)
+        )
         if changed <= few and missed <= 4 * tight:
             settled = True
             break
         fewest = min(fewest, changed)
         only_drop = waited >= _PATIENCE and bool(pulling.any())
-        touching = touching & ~pulling if only_drop else (touching & ~pulling) | overlapping
-        loose = 1e-2 * min(1.0, 10 * changed / size) * 0.1**waited  # what is left of the solve may keep cells changing
+        touching = (
+            touching & ~pulling if only_drop else (touching & ~pulling) | overlapping
+        )
+        # what is left of the solve may keep cells changing
+        loose = 1e-2 * min(1.0, 10 * changed / size) * 0.1**waited
         tolerance = tight if changed <= max(few, 2, count / 5000) else max(tight, loose)
     spread = transform.forth(pressed) / size
     most = float(on.loss.max()) or 1.0  # 32 bits hold no loss of 1e-45
-    stress = float((xp.asarray(on.loss / most, dtype=real) * xp.abs(spread) ** 2).sum()) * most * mean * mean
-    return Found(stress, _area(xp, pressed > 0), -level * scale, pressed * mean, settled, products)
+    stress = (
+        float((xp.asarray(on.loss / most, dtype=real) * xp.abs(spread) ** 2).sum())
+        * most
+        * mean
+        * mean
+    )
+    return Found(
+        stress,
+        _area(xp, pressed > 0),
+        -level * scale,
+        pressed * mean,
+        settled,
+        products,
+    )
 
 
 def _area(xp: Any, touching: Any) -> float:
     """Share of the area in contact, from cells whose border is a staircase.
 
-    Corrected by the length of that border (Yastrebov, Anciaux and Molinari, Tribol. Int. 114 (2017) 161): four cells
-    per shortest wave then give the area of ever finer grids within 2 %, where the cells by themselves give 10 to 15 %
-    more.
+    Corrected by the length of that border (Yastrebov, Anciaux and Molinari, Tribol.
+    Int. 114 (2017) 161): four cells per shortest wave then give the area of ever finer
+    grids within 2 %, where the cells by themselves give 10 to 15 % more.
     """
     border = sum(int((touching ^ xp.roll(touching, 1, axis)).sum()) for axis in (0, 1))
-    return (float(touching.sum()) - (np.pi - 1 + np.log(2)) / 24 * border) / touching.size
+    return (
+        float(touching.sum()) - (np.pi - 1 + np.log(2)) / 24 * border
+    ) / touching.size
 
 
-def _gmres(xp: Any, product: Any, precondition: Any, right: Any, p: Any, tolerance: float) -> tuple[Any, float, int]:
-    """GMRES for P K p = P h, preconditioned on the right by P/K: p, its relative residual and how many products."""
+def _gmres(
+    xp: Any, product: Any, precondition: Any, right: Any, p: Any, tolerance: float
+) -> tuple[Any, float, int]:
+    """GMRES for P K p = P h, preconditioned on the right by P/K: p, its relative
+    residual and how many products.
+    """
     size = float(xp.sqrt((right * right).sum()))
     products, missed = 0, np.inf
     for _ in range(_RESTARTS):
@@ -233,12 +297,15 @@ class _Cells(NamedTuple):
 
 
 def _cells(xp: Any, touching: Any) -> _Cells:
-    """NumPy keeps the cells in contact only; elsewhere sizes must not change, and the other cells are zero."""
+    """NumPy keeps the cells in contact only; elsewhere sizes must not change, and the
+    other cells are zero.
+    """
     if xp is not np:
         return _Cells(
-            lambda field: xp.where(touching, field, 0), lambda values: values,
+            lambda field: xp.where(touching, field, 0),
+            lambda values: values,
             lambda values, number: xp.where(touching, values - number, 0),
-        )  # fmt: skip
+        )
     index, shape = np.flatnonzero(touching), touching.shape
 
     def put(values: Any) -> Any:
@@ -246,7 +313,11 @@ def _cells(xp: Any, touching: Any) -> _Cells:
         field[index] = values
         return field.reshape(shape)
 
-    return _Cells(lambda field: field.reshape(-1)[index], put, lambda values, number: values - number)
+    return _Cells(
+        lambda field: field.reshape(-1)[index],
+        put,
+        lambda values, number: values - number,
+    )
 
 
 class _Transforms(NamedTuple):
@@ -259,4 +330,7 @@ def _transforms(xp: Any, shape: tuple[int, ...]) -> _Transforms:
         return _Transforms(xp.fft.rfft2, lambda spread: xp.fft.irfft2(spread, s=shape))
     from scipy import fft
 
-    return _Transforms(lambda field: fft.rfft2(field), lambda spread: fft.irfft2(spread, s=shape, overwrite_x=True))
+    return _Transforms(
+        lambda field: fft.rfft2(field),
+        lambda spread: fft.irfft2(spread, s=shape, overwrite_x=True),
+    )

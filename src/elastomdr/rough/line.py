@@ -1,4 +1,6 @@
-"""Steady friction of a rough line or surface: the ensemble of lines, the direction average, heating; and its plan."""
+"""Steady friction of a rough line or surface: the ensemble of lines, the direction
+average, heating; and its plan.
+"""
 
 import warnings
 from collections.abc import Callable
@@ -37,36 +39,84 @@ from .periodic_plan import RoughPlan, plan_lines
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
 _ROUNDS = 4  # of a call's solutions that heating takes, about
 _LINES = "MDR line (textbook; on a surface too low, the more so the wider its spectrum)"
-_AVERAGED_LINES = "MDR line averaged over directions (on a surface too low, the more so the wider its spectrum)"
-_FLASH = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
+_AVERAGED_LINES = (
+    "MDR line averaged over directions (on a surface too low, the more so the wider "
+    "its spectrum)"
+)
+_FLASH = (
+    "; rubber at the flash temperature of its contacts (moving sources by length scale)"
+)
 
 
 @in_float64
 def rough_friction(
-    material: Any, surface: RoughLine | AbstractSpectrum, *, velocity: Any, load: Any, depth: Any, pressure: Any,
-    temperature: Any, model: LineModel, rtol: Any, skip: bool, heat: Heat | None,
-    progress: Callable[[int, int], None] | None, store: Any,
-) -> FrictionCurve:  # fmt: skip
+    material: Any,
+    surface: RoughLine | AbstractSpectrum,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    pressure: Any,
+    temperature: Any,
+    model: LineModel,
+    rtol: Any,
+    skip: bool,
+    heat: Heat | None,
+    progress: Callable[[int, int], None] | None,
+    store: Any,
+) -> FrictionCurve:
     """`em.friction` of a rough line or surface on lines; see there."""
     scene = set_up(
-        material, surface, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-        model=model, rtol=rtol, heat=heat,
-    )  # fmt: skip
-    at, lines, length, given, control = scene.at, scene.lines, scene.length, scene.given, scene.control
-    foundation, shape, kelvin, reduced, traced = at.foundation, at.shape, at.kelvin, at.reduced, at.traced
+        material,
+        surface,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        pressure=pressure,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
+        heat=heat,
+    )
+    at, lines, length, given, control = (
+        scene.at,
+        scene.lines,
+        scene.length,
+        scene.given,
+        scene.control,
+    )
+    foundation, shape, kelvin, reduced, traced = (
+        at.foundation,
+        at.shape,
+        at.kelvin,
+        at.reduced,
+        at.traced,
+    )
     law, average = foundation.law(), model.average
     asked, finished, largest, count = [0], [0], [lines[0].count], len(lines)
-    first = 0 if traced else solutions(Ask(reduced.ravel(), given, control, float(rtol), bool(skip)), average)
+    first = (
+        0
+        if traced
+        else solutions(
+            Ask(reduced.ravel(), given, control, float(rtol), bool(skip)), average
+        )
+    )
 
     def tick(some: int) -> None:
         finished[0] += some
         if progress is not None:
-            least = 1 if heat is None else _ROUNDS * count * first  # how many rounds heating takes is not known before
+            # how many rounds heating takes is not known before
+            least = 1 if heat is None else _ROUNDS * count * first
             total = max(asked[0], least)
             progress(min(finished[0], total), total)
 
-    def solved(wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]], rtol: float) -> list[Line]:
-        jobs = [Job(np.asarray(line.height), float(line.spacing), v, x, how) for line, v, x, how in wanted]
+    def solved(
+        wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]], rtol: float
+    ) -> list[Line]:
+        jobs = [
+            Job(np.asarray(line.height), float(line.spacing), v, x, how)
+            for line, v, x, how in wanted
+        ]
         return solve_lines(jobs, law, rtol, bool(skip), tick, store)
 
     def points(reduced: np.ndarray, value: np.ndarray, coarse: bool = False) -> Mean:
@@ -83,39 +133,64 @@ def rough_friction(
         found = mean(ask, lines)
         if coarse or model.samples is not None:
             return found
-        found, used = on_enough_samples(ask, found, lines[0], float(law.equilibrium), finer)
+        found, used = on_enough_samples(
+            ask, found, lines[0], float(law.equilibrium), finer
+        )
         largest[0] = max(largest[0], int(used.max()))
         return found
 
     if traced:
-        found = traced_mean_of_lines(lines, law, reduced.ravel(), given, control, float(rtol), average)
+        found = traced_mean_of_lines(
+            lines, law, reduced.ravel(), given, control, float(rtol), average
+        )
     else:
         found = points(reduced.ravel(), given)
-        if not np.any(law.moduli) and not float(law.viscosity):  # nothing is lost, and what is left is rounding
+        # nothing is lost, and what is left is rounding
+        if not np.any(law.moduli) and not float(law.viscosity):
             found = found._replace(mu=0 * found.mu, error=0 * found.error)
     warm, cold = None, found.mu
     vertical = at.vertical.ravel()
-    if heat is not None and isinstance(surface, AbstractSpectrum) and kelvin is not None:
+    if (
+        heat is not None
+        and isinstance(surface, AbstractSpectrum)
+        and kelvin is not None
+    ):
         v, t = (at.full(a).ravel() for a in (at.velocity, kelvin))
 
-        def at_pressure(reduced: np.ndarray, pressure: np.ndarray, coarse: bool) -> Mean:
+        def at_pressure(
+            reduced: np.ndarray, pressure: np.ndarray, coarse: bool
+        ) -> Mean:
             return points(reduced, pressure * length, coarse)
 
-        warm = warmed(heat, foundation, surface, v, t, given * vertical / length, found, at_pressure)
+        warm = warmed(
+            heat,
+            foundation,
+            surface,
+            v,
+            t,
+            given * vertical / length,
+            found,
+            at_pressure,
+        )
         found, reduced, vertical = warm.mean, warm.reduced.reshape(shape), warm.vertical
     mu, good, force = found.mu, found.good, found.load * vertical
     error = found.error + (0.0 if warm is None else SETTLED * np.abs(mu - cold))
     coarse = good & coarse_at(error, mu)
     good = good & ~coarse
     if not traced and not good.all():
-        text = f"{int((~good).sum())} of {good.size} points did not converge; they are NaN."
+        text = (
+            f"{int((~good).sum())} of {good.size} points did not converge; they are "
+            "NaN."
+        )
         if coarse.any():
             text += (
-                f" Of {int(coarse.sum())} the estimated error for the sampling of the line, up to "
-                f"{(error / mu)[coarse].max():.1g} of mu, is above {ensemble_of.SAMPLING:g}: more samples lower it."
+                f" Of {int(coarse.sum())} the estimated error for the sampling of the "
+                f"line, up to {(error / mu)[coarse].max():.1g} of mu, is above "
+                f"{ensemble_of.SAMPLING:g}: more samples lower it."
             )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
-    # A surface is all its lines; about 95 % of means of as many lines lie within twice their standard error.
+    # A surface is all its lines; about 95 % of means of as many lines lie within twice
+    # their standard error.
     spread, far = 0.0, np.nan
     if isinstance(surface, AbstractSpectrum):
         spread = np.nan if found.scatter is None else 2 * found.scatter
@@ -132,7 +207,11 @@ def rough_friction(
         ("surface", surface.label if traced else surface_words(surface, lines[0])),
         *(("as read", text) for text in getattr(surface, "report", ())),
     )
-    inputs += [] if pressure is None or traced else load_level(foundation, surface, pressure, model.equivalent_length)
+    inputs += (
+        []
+        if pressure is None or traced
+        else load_level(foundation, surface, pressure, model.equivalent_length)
+    )
     words = ensemble_words(scene.seeds, lines[0].count, largest[0])
     if isinstance(surface, AbstractSpectrum) and count == 1:
         words += ": how far lines scatter is not known, and so no error of mu"
@@ -141,11 +220,29 @@ def rough_friction(
     if foundation.softening is not None:
         far = np.nan
         inputs.append(
-            ("softening", "of the material is left out: this model is linear, its moduli are of small strain")
+            (
+                "softening",
+                (
+                    "of the material is left out: this model is linear, its moduli "
+                    "are of small strain"
+                ),
+            )
         )
     if outside is not None:
-        inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
-    beyond = NOT_KNOWN if traced else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
+        inputs.append(
+            (
+                "excited beyond",
+                (
+                    f"the material's data: at most {np.nanmax(outside):.0%} of <|grad "
+                    "h|^2>"
+                ),
+            )
+        )
+    beyond = (
+        NOT_KNOWN
+        if traced
+        else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
+    )
     inputs += beyond.said
     return FrictionCurve(
         velocity=at.full(at.velocity),
@@ -162,29 +259,46 @@ def rough_friction(
         inputs=tuple(inputs),
         extrapolated=beyond.points,
         model_error=None if isinstance(surface, RoughLine) else field(mu * far),
-        pressure=None if pressure is None else (given * at.vertical.ravel() / length).reshape(shape),
+        pressure=None
+        if pressure is None
+        else (given * at.vertical.ravel() / length).reshape(shape),
         temperature_rise=None if warm is None else field(warm.rise),
         cold=None if warm is None else field(cold),
         heat_flux=None if warm is None else field(warm.heat),
         outside=outside,
         lines=Lines(
-            field(found.share), None if found.scatter is None else field(found.scatter),
-            None if isinstance(surface, RoughLine) else field(error), count,
+            field(found.share),
+            None if found.scatter is None else field(found.scatter),
+            None if isinstance(surface, RoughLine) else field(error),
+            count,
         ),
-    )  # fmt: skip
+    )
 
 
 @in_float64
 def rough_plan(
-    material: Any, surface: RoughLine | AbstractSpectrum, *, model: LineModel, rtol: Any, skip: bool,
-    heat: Heat | None, **arguments: Any,
-) -> RoughPlan:  # fmt: skip
+    material: Any,
+    surface: RoughLine | AbstractSpectrum,
+    *,
+    model: LineModel,
+    rtol: Any,
+    skip: bool,
+    heat: Heat | None,
+    **arguments: Any,
+) -> RoughPlan:
     """`em.plan` of a rough line or surface on lines; see there."""
     scene = set_up(material, surface, model=model, rtol=rtol, heat=heat, **arguments)
     return _plan(scene, surface, model.average, rtol, skip, heat)
 
 
-def _plan(scene: RoughScene, surface: Any, average: Any, rtol: Any, skip: Any, heat: Heat | None) -> RoughPlan:
+def _plan(
+    scene: RoughScene,
+    surface: Any,
+    average: Any,
+    rtol: Any,
+    skip: Any,
+    heat: Heat | None,
+) -> RoughPlan:
     at = scene.at
     ask = Ask(at.reduced.ravel(), scene.given, scene.control, float(rtol), bool(skip))
     line, law = scene.lines[0], at.foundation.law()
@@ -194,15 +308,27 @@ def _plan(scene: RoughScene, surface: Any, average: Any, rtol: Any, skip: Any, h
         scene=f"{surface.label if at.traced else surface_words(surface, line)} on {name}",
         model=_model(scene, average, heat),
         line=None if at.traced else (np.asarray(line.height), float(line.spacing)),
-        lines=len(scene.lines), samples=line.count, points=ask.velocity.size, law=law, lanes=lanes,
-        control=scene.control, rtol=float(rtol), averaged=average,
-        solutions=None if at.traced else solutions(ask, average), skip=bool(skip), heated=heat is not None,
+        lines=len(scene.lines),
+        samples=line.count,
+        points=ask.velocity.size,
+        law=law,
+        lanes=lanes,
+        control=scene.control,
+        rtol=float(rtol),
+        averaged=average,
+        solutions=None if at.traced else solutions(ask, average),
+        skip=bool(skip),
+        heated=heat is not None,
         temperatures=0 if at.kelvin is None else np.size(at.kelvin),
-    )  # fmt: skip
+    )
 
 
 def _model(scene: RoughScene, average: Any, heat: Heat | None) -> str:
-    line = (_AVERAGED_LINES if average else _LINES) if scene.length is not None else (AVERAGED if average else BARE)
+    line = (
+        (_AVERAGED_LINES if average else _LINES)
+        if scene.length is not None
+        else (AVERAGED if average else BARE)
+    )
     return line + scene.rule + ("" if heat is None else _FLASH)
 
 
@@ -210,13 +336,16 @@ def surface_words(surface: Any, line: RoughLine) -> str:
     """A surface and one of its lines, for results."""
     if isinstance(surface, RoughLine):
         return (
-            f"rough line, period {float(surface.period):.4g} m, {surface.count} points, rms height "
-            f"{float(surface.rms_height):.4g} m, rms slope {float(surface.rms_slope):.4g}, cutoffs "
-            f"{2 * np.pi / float(surface.period):.4g} and {np.pi / float(surface.spacing):.4g} rad/m"
+            f"rough line, period {float(surface.period):.4g} m, {surface.count} "
+            f"points, rms height {float(surface.rms_height):.4g} m, rms slope "
+            f"{float(surface.rms_slope):.4g}, cutoffs "
+            f"{2 * np.pi / float(surface.period):.4g} and "
+            f"{np.pi / float(surface.spacing):.4g} rad/m"
         )
-    return f"{surface.label}, {surface.words()}; line: rms height {float(line.rms_height):.4g} m, rms slope " + (
-        f"{float(line.rms_slope):.4g}"
-    )
+    return (
+        f"{surface.label}, {surface.words()}; line: rms height "
+        f"{float(line.rms_height):.4g} m, rms slope "
+    ) + (f"{float(line.rms_slope):.4g}")
 
 
 def ensemble_words(seeds: tuple[int, ...], count: int, largest: int = 0) -> str:

@@ -1,4 +1,6 @@
-"""The arguments of a scene on a rough line or surface, checked and broadcast, with its lines."""
+"""The arguments of a scene on a rough line or surface, checked and broadcast, with its
+lines.
+"""
 
 from typing import Any, NamedTuple
 
@@ -16,7 +18,9 @@ from .ensemble import ensemble
 from .heat import check_heat
 from .line_bound import FULL
 
-_LIGHT = 0.03  # p/(E*(0) rms slope) up to which the book's rule is one of light contact (docs/rough.md)
+# p/(E*(0) rms slope) up to which the book's rule is one of light contact
+# (docs/rough.md)
+_LIGHT = 0.03
 
 
 class RoughScene(NamedTuple):
@@ -31,26 +35,49 @@ class RoughScene(NamedTuple):
     rule: str  # how, in words
 
     def inputs(self, *surface: tuple[str, str]) -> list[tuple[str, str]]:
-        """For results: the material, the `surface`, the points, and what pressure the line has where it has one."""
-        rows, given = self.at.inputs(*surface, load="N/m"), self.given * self.at.vertical.ravel()
-        return rows if self.length is None else [*rows, ("line load", brief(given, "N/m"))]
+        """For results: the material, the `surface`, the points, and what pressure the
+        line has where it has one.
+        """
+        rows, given = (
+            self.at.inputs(*surface, load="N/m"),
+            self.given * self.at.vertical.ravel(),
+        )
+        return (
+            rows if self.length is None else [*rows, ("line load", brief(given, "N/m"))]
+        )
 
 
 def set_up(
-    material: Any, surface: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
-    model: Line, rtol: Any, heat: Any = None,
-) -> RoughScene:  # fmt: skip
+    material: Any,
+    surface: Any,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    pressure: Any,
+    temperature: Any,
+    model: Line,
+    rtol: Any,
+    heat: Any = None,
+) -> RoughScene:
     """Checks the arguments and makes the lines. Raises `InputError`."""
     foundation = as_foundation(material)
     at = rough_scene(
-        foundation, surface, velocity=velocity, pressure=pressure, load=load, depth=depth, temperature=temperature,
+        foundation,
+        surface,
+        velocity=velocity,
+        pressure=pressure,
+        load=load,
+        depth=depth,
+        temperature=temperature,
         rtol=rtol,
-    )  # fmt: skip
+    )
     check_heat(heat, temperature, at.traced)
     if heat is not None and (isinstance(surface, RoughLine) or pressure is None):
         raise InputError(
-            "heat needs a surface given by its spectrum, and a pressure: a line has no contact area that is that of "
-            "a surface, on which the flash temperature depends."
+            "heat needs a surface given by its spectrum, and a pressure: a line has "
+            "no contact area that is that of a surface, on which the flash "
+            "temperature depends."
         )
     whole_number("periods", model.periods, 1, MOST)
     if model.samples is not None:
@@ -59,53 +86,83 @@ def set_up(
     length, rule = _length(surface, at.name, model.equivalent_length)
     lines = ensemble(surface, model.samples, model.periods, which)
     given = at.at_reference() if length is None else at.at_reference() * length
-    return RoughScene(at, lines, which, "depth" if at.name == "depth" else "load", given, length, rule)
+    return RoughScene(
+        at, lines, which, "depth" if at.name == "depth" else "load", given, length, rule
+    )
 
 
 def _length(surface: Any, name: str, equivalent_length: Any) -> tuple[Any, str]:
-    """The length that turns a pressure into a line load, None without one, and the rule in words; `name` is given."""
+    """The length that turns a pressure into a line load, None without one, and the rule
+    in words; `name` is given.
+    """
     if name != "pressure":
         if equivalent_length is not None:
-            raise InputError(f"equivalent_length turns a pressure into a line load; it has no meaning with a {name}.")
-        return None, "; load per length of line, no pressure" if name == "load" else "; depth of the line"
-    if isinstance(surface, RoughLine) and (equivalent_length is None or isinstance(equivalent_length, str)):
+            raise InputError(
+                "equivalent_length turns a pressure into a line load; it has no "
+                f"meaning with a {name}."
+            )
+        return (
+            None,
+            "; load per length of line, no pressure"
+            if name == "load"
+            else "; depth of the line",
+        )
+    if isinstance(surface, RoughLine) and (
+        equivalent_length is None or isinstance(equivalent_length, str)
+    ):
         raise InputError(
-            "pressure needs model=em.Line(equivalent_length=...) [m] with a RoughLine, the width of surface that the "
-            "line stands for: the load per length is pressure times equivalent_length. Or give load, in N/m."
+            "pressure needs model=em.Line(equivalent_length=...) [m] with a "
+            "RoughLine, the width of surface that the line stands for: the load per "
+            "length is pressure times equivalent_length. Or give load, in N/m."
         )
     spectrum: Any = surface
     if isinstance(equivalent_length, str):
         if equivalent_length != FULL:
-            raise InputError(f"equivalent_length must be a length [m] or {FULL!r}, got {equivalent_length!r}.")
+            raise InputError(
+                f"equivalent_length must be a length [m] or {FULL!r}, got "
+                f"{equivalent_length!r}."
+            )
         length = spectrum.full_contact_length
         return length, (
-            f"; pressure p as line load p L with L = 2 <q^2 C>/<q^3 C>{_metres(length)}, that of full contact"
-        )  # fmt: skip
+            "; pressure p as line load p L with L = 2 <q^2 C>/<q^3 "
+            f"C>{_metres(length)}, that of full contact"
+        )
     if equivalent_length is None:
         length = 2 * np.pi / spectrum.q_low
         return length, (
-            f"; pressure p as line load p L with L = 2 pi/q_low{_metres(length)} (Popov & Hess 2015, ch. 10; the "
+            f"; pressure p as line load p L with L = 2 pi/q_low{_metres(length)} "
+            "(Popov & Hess 2015, ch. 10; the "
             "equivalence holds to a factor of order one, in light contact)"
-        )  # fmt: skip
+        )
     length = scalar("equivalent_length", equivalent_length)
     positive("equivalent_length", length)
-    return length, f"; pressure p as line load p L with L ={_metres(length)[2:]} as given"
+    return (
+        length,
+        f"; pressure p as line load p L with L ={_metres(length)[2:]} as given",
+    )
 
 
-def load_level(foundation: Foundation, surface: Any, pressure: Any, rule: Any) -> list[tuple[str, str]]:
-    """For results: p/(E*(0) rms slope), half the share of relaxed rubber that touches or more; which rule fits.
+def load_level(
+    foundation: Foundation, surface: Any, pressure: Any, rule: Any
+) -> list[tuple[str, str]]:
+    """For results: p/(E*(0) rms slope), half the share of relaxed rubber that touches
+    or more; which rule fits.
 
-    `rule` is the `equivalent_length` of the caller's model. Nothing for a line, whose pressure has a length of its own.
+    `rule` is the `equivalent_length` of the caller's model. Nothing for a line, whose
+    pressure has a length of its own.
     """
     if isinstance(surface, RoughLine):
         return []
-    level = np.asarray(pressure, dtype=np.float64) / (float(foundation.equilibrium) * surface.rms_slope)
+    level = np.asarray(pressure, dtype=np.float64) / (
+        float(foundation.equilibrium) * surface.rms_slope
+    )
     words = f"p/(E*(0) rms slope) = {brief(level, '').strip()}: "
     if level.max() <= _LIGHT:
         words += f"light contact (up to {_LIGHT}), for which the book's rule is made"
     elif rule is None:
         words += (
-            f'beyond light contact ({_LIGHT}): mu comes out too low by this rule, compare equivalent_length = "{FULL}"'
+            f"beyond light contact ({_LIGHT}): mu comes out too low by this rule, "
+            f'compare equivalent_length = "{FULL}"'
         )
     else:
         words += f"beyond light contact ({_LIGHT})"

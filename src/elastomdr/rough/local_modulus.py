@@ -1,13 +1,16 @@
-"""How the moduli of rubber on a rough surface differ from scale to scale: by the strain and the temperature there.
+"""How the moduli of rubber on a rough surface differ from scale to scale: by the strain
+and the temperature there.
 
-The rubber that waves of wave number q deform has the strain amplitude eps(q) = share times the rms slope of the waves
-up to q, and is warmer by a rise T(q) than the body. Its modulus is
+The rubber that waves of wave number q deform has the strain amplitude eps(q) = share
+times the rms slope of the waves up to q, and is warmer by a rise T(q) than the body.
+Its modulus is
 
     b(T) [f(eps) Re E*(q v a(T)) + i g(eps) Im E*(q v a(T))],
 
-f and g the factors of its softening, a and b those of its shift laws, relative to the body's temperature. Since none of
-them depends on the direction of a wave, integrals over the angle take them as factors. Beyond q_high, where there are
-no waves but those of contact edges, strain and temperature are those of q_high.
+f and g the factors of its softening, a and b those of its shift laws, relative to the
+body's temperature. Since none of them depends on the direction of a wave, integrals
+over the angle take them as factors. Beyond q_high, where there are no waves but those
+of contact edges, strain and temperature are those of q_high.
 """
 
 from __future__ import annotations
@@ -20,7 +23,8 @@ from ..material.vertical import thermal_factors
 from .psd_integrals import namespace
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
-_NEAREST = 1e-6  # relative distance to q_low within which the strain is not told from zero
+# relative distance to q_low within which the strain is not told from zero
+_NEAREST = 1e-6
 
 
 class Softened(NamedTuple):
@@ -37,8 +41,12 @@ class Softened(NamedTuple):
         return self.share * xp.sqrt(xp.maximum(square, 1e-300))
 
     def bends(self) -> np.ndarray:
-        """Wave numbers at which the strain is that of a point of the sweep, where its cubics meet."""
-        q = np.geomspace(float(self.spectrum.q_low), float(self.spectrum.q_high), _SEARCHED)
+        """Wave numbers at which the strain is that of a point of the sweep, where its
+        cubics meet.
+        """
+        q = np.geomspace(
+            float(self.spectrum.q_low), float(self.spectrum.q_high), _SEARCHED
+        )
         strain = self.strain(q)
         wanted = np.asarray(self.softening.strain)
         wanted = wanted[(wanted > strain[0]) & (wanted < strain[-1])]
@@ -49,7 +57,9 @@ class Softened(NamedTuple):
 
 
 class Warmed(NamedTuple):
-    """Rises of temperature at stations on the scale of lengths, joined by natural cubic splines over log q."""
+    """Rises of temperature at stations on the scale of lengths, joined by natural cubic
+    splines over log q.
+    """
 
     log_q: Any  # ascending, the last one that of q_high (stations,)
     rise: Any  # (points, stations) [K]
@@ -57,7 +67,9 @@ class Warmed(NamedTuple):
     body: Any  # the foundation, with its shift laws
 
     def at(self, q: Any) -> Any:
-        """The rise [K] at wave numbers q (...), in the shape (points, ...); held below the first station."""
+        """The rise [K] at wave numbers q (...), in the shape (points, ...); held below
+        the first station.
+        """
         xp = namespace(self.log_q, self.rise, q)
         spline = basis(self.log_q, namespace(self.log_q, q).log(q).reshape(-1))
         rise = (self.rise @ spline.T).reshape(self.rise.shape[0], *np.shape(q))
@@ -67,7 +79,10 @@ class Warmed(NamedTuple):
     def factors(self, rise: Any) -> tuple[Any, Any]:
         """a_T and b_T at rises (points, ...), over those at the body's temperature."""
         kelvin = self.kelvin.reshape(-1, *[1] * (rise.ndim - 1))
-        (a, b), (a_0, b_0) = thermal_factors(self.body, kelvin + rise), thermal_factors(self.body, kelvin)
+        (a, b), (a_0, b_0) = (
+            thermal_factors(self.body, kelvin + rise),
+            thermal_factors(self.body, kelvin),
+        )
         return a / a_0, b / b_0
 
 
@@ -80,17 +95,22 @@ class Local(NamedTuple):
     @property
     def parted(self) -> bool:
         """Whether storage and loss modulus have factors."""
-        return self.softened is not None or (self.warmed is not None and self.warmed.body.vertical is not None)
+        return self.softened is not None or (
+            self.warmed is not None and self.warmed.body.vertical is not None
+        )
 
     def of(self, points: Any) -> Local:
         """The same for some of the points."""
         if self.warmed is None:
             return self
         warm = self.warmed
-        return self._replace(warmed=warm._replace(rise=warm.rise[points], kelvin=warm.kelvin[points]))
+        return self._replace(
+            warmed=warm._replace(rise=warm.rise[points], kelvin=warm.kelvin[points])
+        )
 
     def at(self, q: Any) -> tuple[Any, Any, Any]:
-        """Factors at wave numbers q (cells, 2) or one: on the velocity, on the storage and on the loss modulus.
+        """Factors at wave numbers q (cells, 2) or one: on the velocity, on the storage
+        and on the loss modulus.
 
         They broadcast to (points, cells, 2); None for a velocity that is not changed.
         """
@@ -116,13 +136,27 @@ class Local(NamedTuple):
 
     def arrays(self) -> tuple[Any, ...]:
         """What decides whether JAX traces."""
-        of_strain = () if self.softened is None else (self.softened.share, self.softened.softening.storage)
-        of_strain += () if self.softened is None else (self.softened.softening.loss, self.softened.softening.strain)
-        return of_strain if self.warmed is None else (*of_strain, self.warmed.rise, self.warmed.kelvin)
+        of_strain = (
+            ()
+            if self.softened is None
+            else (self.softened.share, self.softened.softening.storage)
+        )
+        of_strain += (
+            ()
+            if self.softened is None
+            else (self.softened.softening.loss, self.softened.softening.strain)
+        )
+        return (
+            of_strain
+            if self.warmed is None
+            else (*of_strain, self.warmed.rise, self.warmed.kelvin)
+        )
 
 
 def basis(knots: Any, at: Any) -> Any:
-    """Values at places (n,) of the natural cubic splines that are 1 at one knot and 0 at the others: (n, knots)."""
+    """Values at places (n,) of the natural cubic splines that are 1 at one knot and 0
+    at the others: (n, knots).
+    """
     xp = namespace(knots, at)
     knots, count = xp.asarray(knots), np.shape(knots)[0]
     h, unit = xp.diff(knots), xp.asarray(np.eye(count))
@@ -130,16 +164,22 @@ def basis(knots: Any, at: Any) -> Any:
     slope = (unit[1:] - unit[:-1]) / h[:, None]
     system = xp.asarray(np.eye(count))
     rows = (
-        (h[:-1] / 6)[:, None] * unit[inner - 1] + ((h[:-1] + h[1:]) / 3)[:, None] * unit[inner]
+        (h[:-1] / 6)[:, None] * unit[inner - 1]
+        + ((h[:-1] + h[1:]) / 3)[:, None] * unit[inner]
         + (h[1:] / 6)[:, None] * unit[inner + 1]
-    )  # fmt: skip
+    )
     system = xp.concatenate([system[:1], rows, system[-1:]])
-    bend = xp.linalg.solve(system, xp.concatenate([0 * unit[:1], slope[1:] - slope[:-1], 0 * unit[:1]]))
+    bend = xp.linalg.solve(
+        system, xp.concatenate([0 * unit[:1], slope[1:] - slope[:-1], 0 * unit[:1]])
+    )
     at = xp.clip(at, knots[0], knots[-1])
     left = xp.clip(xp.searchsorted(knots, at, side="right") - 1, 0, count - 2)
     width = h[left][:, None]
     s = ((at - knots[left])[:, None]) / width
     return (
-        (1 - s) * unit[left] + s * unit[left + 1]
-        + width**2 / 6 * (((1 - s) ** 3 - (1 - s)) * bend[left] + (s**3 - s) * bend[left + 1])
-    )  # fmt: skip
+        (1 - s) * unit[left]
+        + s * unit[left + 1]
+        + width**2
+        / 6
+        * (((1 - s) ** 3 - (1 - s)) * bend[left] + (s**3 - s) * bend[left + 1])
+    )

@@ -1,17 +1,21 @@
-"""Friction of a rough surface under a pressure by Persson's theory and by `Multiscale`, at many points at once.
+"""Friction of a rough surface under a pressure by Persson's theory and by `Multiscale`,
+at many points at once.
 
-Multiscale weighs the friction that each wave has in full contact, and adds that of contact edges:
+Multiscale weighs the friction that each wave has in full contact, and adds that of
+contact edges:
 
     mu = (1/2p) int q^3 C W drag dq + e A (1 - A) r^l mu_edge,
     W = K A + (1 - K A) u P_s^m,    u = (P_s - A)/(1 - A),    K = 1 - (1 - k)(1 - A) D^n.
 
-A = P(q_high) is the real area of contact by Persson's theory, P_s = P(q e^s) the share of contact seen somewhat further
-on (A beyond q_high), D = dlog R/dlog q at q_high with R the integral of G without S, r the mean square modulus at
-q_high over that of all waves, each by its slope, and mu_edge the friction of waves beyond q_high whose pressures go on
-from those of full contact at q_high as q^-2 in each octave. In three dimensions W =
-|p_k|^2 over its value in full contact does follow P_s where contact is nearly full, and levels out below A towards
-q_high; waves beyond it have up to 40 % of the friction in light contact. Exact in full contact; for small loss mu is
-linear in the loss, and for p -> 0 it does not depend on p.
+A = P(q_high) is the real area of contact by Persson's theory, P_s = P(q e^s) the share
+of contact seen somewhat further on (A beyond q_high), D = dlog R/dlog q at q_high with
+R the integral of G without S, r the mean square modulus at q_high over that of all
+waves, each by its slope, and mu_edge the friction of waves beyond q_high whose
+pressures go on from those of full contact at q_high as q^-2 in each octave. In three
+dimensions W = |p_k|^2 over its value in full contact does follow P_s where contact is
+nearly full, and levels out below A towards q_high; waves beyond it have up to 40 % of
+the friction in light contact. Exact in full contact; for small loss mu is linear in the
+loss, and for p -> 0 it does not depend on p.
 """
 
 from typing import Any, NamedTuple
@@ -53,8 +57,11 @@ class Form(NamedTuple):
     rise: float  # l
 
 
-# Fitted to three-dimensional maps by benchmarks/rough_fit.py, which says how far the form is from them.
-FORM = Form(shift=0.5591, level=0.5342, slope=0.6075, power=0.3736, edge=0.5577, rise=0.7962)
+# Fitted to three-dimensional maps by benchmarks/rough_fit.py, which says how far the
+# form is from them.
+FORM = Form(
+    shift=0.5591, level=0.5342, slope=0.6075, power=0.3736, edge=0.5577, rise=0.7962
+)
 
 
 class Found(NamedTuple):
@@ -67,7 +74,9 @@ class Found(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """What Multiscale weighs, at each point; with no constants in it. Shapes (points, cells, 2) or (points,)."""
+    """What Multiscale weighs, at each point; with no constants in it. Shapes (points,
+    cells, 2) or (points,).
+    """
 
     at: Nodes
     full: Any  # friction of each node in full contact
@@ -81,65 +90,144 @@ class Parts(NamedTuple):
 
 
 def solve(
-    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, model: Any, rtol: float, form: Form = FORM,
+    modulus: Any,
+    spectrum: Any,
+    velocity: Any,
+    pressure: Any,
+    model: Any,
+    rtol: float,
+    form: Form = FORM,
     local: Local = _LINEAR,
-) -> Found:  # fmt: skip
-    """Points (velocity [m/s], pressure [Pa]), flat; `modulus(omega)` is E* [Pa] at omega [rad/s].
+) -> Found:
+    """Points (velocity [m/s], pressure [Pa]), flat; `modulus(omega)` is E* [Pa] at
+    omega [rad/s].
 
     `local` says how moduli differ from scale to scale, by strain and temperature.
 
-    Cells of log q are halved until the change by the last halving is below `rtol`, or no more memory should be spent.
+    Cells of log q are halved until the change by the last halving is below `rtol`, or
+    no more memory should be spent.
     """
-    xp = namespace(velocity, pressure, spectrum.q, spectrum.c, modulus(np.ones(1)), *local.arrays())
+    xp = namespace(
+        velocity, pressure, spectrum.q, spectrum.c, modulus(np.ones(1)), *local.arrays()
+    )
     if xp is not np:
         coarsest, coarse, fine = (
-            _evaluate(modulus, nodes(spectrum, _TRACED // part), velocity, pressure, model, form, None, local)
+            _evaluate(
+                modulus,
+                nodes(spectrum, _TRACED // part),
+                velocity,
+                pressure,
+                model,
+                form,
+                None,
+                local,
+            )
             for part in (4, 2, 1)
         )
         return Found(*fine, *map(_error, fine, coarse, coarsest))
     mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
     left, per_decade = np.arange(velocity.size), PER_DECADE
     coarsest, coarse = (
-        _in_batches(modulus, spectrum, velocity, pressure, model, form, per_decade // part, local) for part in (4, 2)
+        _in_batches(
+            modulus,
+            spectrum,
+            velocity,
+            pressure,
+            model,
+            form,
+            per_decade // part,
+            local,
+        )
+        for part in (4, 2)
     )
     while left.size and per_decade <= _FINEST:
-        fine = _in_batches(modulus, spectrum, velocity[left], pressure[left], model, form, per_decade, local.of(left))
+        fine = _in_batches(
+            modulus,
+            spectrum,
+            velocity[left],
+            pressure[left],
+            model,
+            form,
+            per_decade,
+            local.of(left),
+        )
         mu[left], area[left] = fine
         error[left], area_error[left] = map(_error, fine, coarse, coarsest)
-        met = (error[left] <= rtol * np.abs(mu[left])) & (area_error[left] <= rtol * area[left])  # one may be by chance
+        # one may be by chance
+        met = (error[left] <= rtol * np.abs(mu[left])) & (
+            area_error[left] <= rtol * area[left]
+        )
         again = ~met & np.isfinite(fine[0])
-        left, coarsest, coarse = left[again], [x[again] for x in coarse], [x[again] for x in fine]
+        left, coarsest, coarse = (
+            left[again],
+            [x[again] for x in coarse],
+            [x[again] for x in fine],
+        )
         per_decade *= 2
     return Found(mu, area, error, area_error)
 
 
 def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
-    """Half the last change, or an eighth of that before if more: of second order, as where a table's cubics meet."""
+    """Half the last change, or an eighth of that before if more: of second order, as
+    where a table's cubics meet.
+    """
     xp = namespace(fine)
     return xp.maximum(abs(fine - coarse) / 2, abs(coarse - coarsest) / 8)
 
 
 def _in_batches(
-    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, model: Any, form: Form, per_decade: int, local: Local
+    modulus: Any,
+    spectrum: Any,
+    velocity: Any,
+    pressure: Any,
+    model: Any,
+    form: Form,
+    per_decade: int,
+    local: Local,
 ) -> Any:
-    later = () if isinstance(model, Persson) else (float(spectrum.q_high) * np.exp(-form.shift),)
+    later = (
+        ()
+        if isinstance(model, Persson)
+        else (float(spectrum.q_high) * np.exp(-form.shift),)
+    )
     at = nodes(spectrum, per_decade, (*later, *local.bends()))
     step = np.log(10.0) / per_decade
     table = _table(modulus, at, velocity, step, local)
     batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]
     out = [
-        _evaluate(modulus, at, velocity[some], pressure[some], model, form, table, local.of(some)) for some in batches
+        _evaluate(
+            modulus,
+            at,
+            velocity[some],
+            pressure[some],
+            model,
+            form,
+            table,
+            local.of(some),
+        )
+        for some in batches
     ]
     return tuple(np.concatenate(part) for part in zip(*out, strict=True))
 
 
-def _table(modulus: Any, at: Nodes, velocity: Any, step: float, local: Local) -> tuple[Any, float]:
+def _table(
+    modulus: Any, at: Nodes, velocity: Any, step: float, local: Local
+) -> tuple[Any, float]:
     low = velocity.min() * at.q.min() * local.slowest()
-    return tables(modulus, low, velocity.max() * at.end * _BEYOND, step, local.parted), step
+    return tables(
+        modulus, low, velocity.max() * at.end * _BEYOND, step, local.parted
+    ), step
 
 
 def _evaluate(
-    modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Any, form: Form, table: Any, local: Local
+    modulus: Any,
+    at: Nodes,
+    velocity: Any,
+    pressure: Any,
+    model: Any,
+    form: Form,
+    table: Any,
+    local: Local,
 ) -> tuple[Any, Any]:
     """mu and area of real contact at each point."""
     if isinstance(model, Persson):
@@ -158,10 +246,20 @@ class Waves(NamedTuple):
     area: Any  # of real contact
 
 
-def waves(modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Any, table: Any, local: Local) -> Waves:
+def waves(
+    modulus: Any,
+    at: Nodes,
+    velocity: Any,
+    pressure: Any,
+    model: Any,
+    table: Any,
+    local: Local,
+) -> Waves:
     """Friction wave by wave, at points (velocity [m/s], pressure [Pa]), flat."""
     if isinstance(model, Persson):
-        each, rate, area = _persson(modulus, at, velocity, pressure, model, table, local)
+        each, rate, area = _persson(
+            modulus, at, velocity, pressure, model, table, local
+        )
         return Waves(each, 0.0 * area, rate, area)
     found = parts(modulus, at, velocity, pressure, table, local)
     return Waves(*_weighed(found, FORM), found.rate, found.area)
@@ -169,12 +267,18 @@ def waves(modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Any, tab
 
 def contact(rate: Any, model: Any) -> Any:
     """The share of contact from R."""
-    gamma, stored = (model.gamma, model.stored) if isinstance(model, Persson) else (_GAMMA, True)
+    gamma, stored = (
+        (model.gamma, model.stored) if isinstance(model, Persson) else (_GAMMA, True)
+    )
     return share(spread_of(rate, gamma, stored))
 
 
-def _averages(modulus: Any, velocity: Any, q: Any, table: Any, local: Local = _LINEAR) -> tuple[Any, Any]:
-    """`drag` and `stiffness` at q v, read from the tables of the material or, without them, by the angle."""
+def _averages(
+    modulus: Any, velocity: Any, q: Any, table: Any, local: Local = _LINEAR
+) -> tuple[Any, Any]:
+    """`drag` and `stiffness` at q v, read from the tables of the material or, without
+    them, by the angle.
+    """
     w = velocity[:, None, None] * q
     speed, storage, loss = local.at(q)
     if speed is not None:
@@ -184,7 +288,10 @@ def _averages(modulus: Any, velocity: Any, q: Any, table: Any, local: Local = _L
     else:
         own, step = table
         log_w = namespace(w).log(w)
-        drag, stiffness = read(own, own.drag, log_w, step), read(own, own.stiffness, log_w, step)
+        drag, stiffness = (
+            read(own, own.drag, log_w, step),
+            read(own, own.stiffness, log_w, step),
+        )
         lost = read(own, own.lost, log_w, step) if local.parted else None
     if lost is None:
         return drag, stiffness
@@ -192,7 +299,13 @@ def _averages(modulus: Any, velocity: Any, q: Any, table: Any, local: Local = _L
 
 
 def _persson(
-    modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Persson, table: Any, local: Local
+    modulus: Any,
+    at: Nodes,
+    velocity: Any,
+    pressure: Any,
+    model: Persson,
+    table: Any,
+    local: Local,
 ) -> tuple[Any, Any, Any]:
     """Friction of each node, dR/dlog q there, and the area of real contact."""
     p = pressure[:, None, None]
@@ -204,25 +317,44 @@ def _persson(
     return full * factor(shares, model.gamma) * shares, rate, area
 
 
-def parts(modulus: Any, at: Nodes, velocity: Any, pressure: Any, table: Any = None, local: Local = _LINEAR) -> Parts:
+def parts(
+    modulus: Any,
+    at: Nodes,
+    velocity: Any,
+    pressure: Any,
+    table: Any = None,
+    local: Local = _LINEAR,
+) -> Parts:
     """What Multiscale weighs, at points (velocity [m/s], pressure [Pa]), flat."""
     p = pressure[:, None, None]
     drag, stiffness = _averages(modulus, velocity, at.q, table, local)
     rate = at.power * stiffness / (8 * p**2)
     total = (rate * at.weight).sum((-2, -1))
-    end = (at.end_power * _averages(modulus, velocity, at.end, table, local)[1] / (8 * p**2))[..., 0, 0]
+    end = (
+        at.end_power
+        * _averages(modulus, velocity, at.end, table, local)[1]
+        / (8 * p**2)
+    )[..., 0, 0]
     points, weights = np.polynomial.legendre.leggauss(12)
     x = 0.5 * np.log(_BEYOND) * (points + 1)
     drag_beyond, stiffness_beyond = (
-        a[..., 0] for a in _averages(modulus, velocity, at.end * np.exp(x)[:, None], table, local)
+        a[..., 0]
+        for a in _averages(modulus, velocity, at.end * np.exp(x)[:, None], table, local)
     )
-    beyond = 4 * p[..., 0] * end[:, None] * drag_beyond / stiffness_beyond * np.exp(-2 * x)
+    beyond = (
+        4 * p[..., 0] * end[:, None] * drag_beyond / stiffness_beyond * np.exp(-2 * x)
+    )
     return Parts(
-        at=at, full=at.weight * at.power * drag / (2 * p), rate=rate, until=until(rate, at.weight),
-        total=total, end=end,
+        at=at,
+        full=at.weight * at.power * drag / (2 * p),
+        rate=rate,
+        until=until(rate, at.weight),
+        total=total,
+        end=end,
         rise=end / total * ((at.power * at.weight).sum() / at.end_power),
-        edges=(beyond * (0.5 * np.log(_BEYOND) * weights)).sum(-1), area=share(spread_of(total, _GAMMA, True)),
-    )  # fmt: skip
+        edges=(beyond * (0.5 * np.log(_BEYOND) * weights)).sum(-1),
+        area=share(spread_of(total, _GAMMA, True)),
+    )
 
 
 def weighed(found: Parts, form: Form = FORM) -> Any:
@@ -240,12 +372,16 @@ def _weighed(found: Parts, form: Form) -> tuple[Any, Any]:
     level = 1 - (1 - form.level) * (1 - area) * steep[:, None, None] ** form.slope
     rest = (shares - area) / xp.maximum(1 - area, 1e-12)
     weight = level * area + (1 - level * area) * rest * shares**form.power
-    edges = form.edge * found.area * (1 - found.area) * found.rise**form.rise * found.edges
+    edges = (
+        form.edge * found.area * (1 - found.area) * found.rise**form.rise * found.edges
+    )
     return found.full * weight, edges
 
 
 def _later(found: Parts, shift: float) -> Any:
-    """P at the wave numbers q e^shift, held beyond q_high: log R by cubics with its slopes."""
+    """P at the wave numbers q e^shift, held beyond q_high: log R by cubics with its
+    slopes.
+    """
     xp, at = namespace(found.rate, found.at.q), found.at
     flat = (found.rate.shape[0], -1)
     log_q = xp.concatenate([xp.log(at.q).reshape(-1), xp.log(at.end).reshape(1)])
@@ -257,24 +393,32 @@ def _later(found: Parts, shift: float) -> Any:
     width = log_q[left + 1] - log_q[left]
     s = (x - log_q[left]) / width
     later = (
-        (1 + 2 * s) * (1 - s) ** 2 * log_r[:, left] + s * (1 - s) ** 2 * width * slope[:, left]
-        + s**2 * (3 - 2 * s) * log_r[:, left + 1] + s**2 * (s - 1) * width * slope[:, left + 1]
-    )  # fmt: skip
+        (1 + 2 * s) * (1 - s) ** 2 * log_r[:, left]
+        + s * (1 - s) ** 2 * width * slope[:, left]
+        + s**2 * (3 - 2 * s) * log_r[:, left + 1]
+        + s**2 * (s - 1) * width * slope[:, left + 1]
+    )
     return share(spread_of(xp.exp(later), _GAMMA, True)).reshape(found.rate.shape)
 
 
-# |ln(mu/mu_3D)| <= a + b (-ln A) for 95 % of the map's points, each predicted without its surface or its material.
+# |ln(mu/mu_3D)| <= a + b (-ln A) for 95 % of the map's points, each predicted without
+# its surface or its material.
 _BOUND = {"multiscale": (0.02, 0.04), "persson": (0.098, 0.149)}
 _AREA_BOUND = (0.03, 0.07)  # of the real contact area, alike: benchmarks/rough_fit.py
-_RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.004  # of the map: cutoff ratios, largest contrast, least contact
+# of the map: cutoff ratios, largest contrast, least contact
+_RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.004
 
 
-def bound(model: Any, area: Any, ratio: Any, contrast: Any, of_area: bool = False) -> Any:
-    """Bound on mu's relative distance from three dimensions, for 95 % of the points of the map, or `of_area` on A's.
+def bound(
+    model: Any, area: Any, ratio: Any, contrast: Any, of_area: bool = False
+) -> Any:
+    """Bound on mu's relative distance from three dimensions, for 95 % of the points of
+    the map, or `of_area` on A's.
 
-    Outside the map it is wider by a factor: 1 + log10 of how many times the cutoff ratio, the contrast of the moduli
-    and the real contact area lie beyond its range, all three added. Of Persson's theory with other options than the
-    default it is not known: NaN.
+    Outside the map it is wider by a factor: 1 + log10 of how many times the cutoff
+    ratio, the contrast of the moduli and the real contact area lie beyond its range,
+    all three added. Of Persson's theory with other options than the default it is not
+    known: NaN.
     """
     xp = namespace(area, ratio, contrast)
     if isinstance(model, Persson) and (model.gamma, model.stored) != (_GAMMA, True):
@@ -282,6 +426,11 @@ def bound(model: Any, area: Any, ratio: Any, contrast: Any, of_area: bool = Fals
     a, b = _AREA_BOUND if of_area else _BOUND[model.label]
     beyond = sum(
         xp.log10(xp.maximum(x, 1.0))
-        for x in (ratio / _RATIOS[1], _RATIOS[0] / ratio, contrast / _CONTRAST, _AREA / xp.maximum(area, 1e-300))
+        for x in (
+            ratio / _RATIOS[1],
+            _RATIOS[0] / ratio,
+            contrast / _CONTRAST,
+            _AREA / xp.maximum(area, 1e-300),
+        )
     )
     return xp.expm1((a - b * xp.log(xp.maximum(area, 1e-300))) * (1 + beyond))

@@ -1,22 +1,28 @@
-"""One period of a rough line over one element: the exact contact step of every sample, for many velocities at once.
+"""One period of a rough line over one element: the exact contact step of every sample,
+for many velocities at once.
 
-In steady sliding every element sees the same periodic history, so that one element is the whole line. With
-e_k = exp(-h/tau_k) and g_k = E_k (1-e_k) tau_k/h a step of length h = dx/v is
+In steady sliding every element sees the same periodic history, so that one element is
+the whole line. With e_k = exp(-h/tau_k) and g_k = E_k (1-e_k) tau_k/h a step of length
+h = dx/v is
 
-    u_free = u - r_0 (E_inf u + sum s_k f_k),   u+ = max(u_free, w+),   f_k+ = e_k f_k + g_k (u+ - u),
+    u_free = u - r_0 (E_inf u + sum s_k f_k),
+    u+ = max(u_free, w+),
+    f_k+ = e_k f_k + g_k (u+ - u),
     q+ = (u+ - u_free)/r_0,
 
-with r_0 and s_k such that a free element recovers exactly (`rough.recovery_steps`), and the period starts at the highest
-point of the line, which touches in every steady motion: u = d there. Over a period the sum of q is that of E_inf u.
+with r_0 and s_k such that a free element recovers exactly (`rough.recovery_steps`), and
+the period starts at the highest point of the line, which touches in every steady
+motion: u = d there. Over a period the sum of q is that of E_inf u.
 
-While the state is searched the work is the sum of q+ du. That of its motion is summed on demand: with z_k = h/tau_k and
-a_k = (1 - e_k)/z_k, for u straight over the step,
+While the state is searched the work is the sum of q+ du. That of its motion is summed
+on demand: with z_k = h/tau_k and a_k = (1 - e_k)/z_k, for u straight over the step,
 
     int q du = du [E_inf (u + u+)/2 + du (eta/h + sum E_k (1 - a_k)/z_k) + sum a_k f_k],
 
-none in a step that is free from end to end, and what bends add where contact begins or ends
-(`rough.periodic_state`). A branch that is forgotten within a step, e_k = 0, has f_k = E_k tau_k du-/h from the step
-before: with eta holding its E_k tau_k, it adds E_k tau_k^2 (du- - du)/h^2 in the brackets.
+none in a step that is free from end to end, and what bends add where contact begins or
+ends (`rough.periodic_state`). A branch that is forgotten within a step, e_k = 0, has
+f_k = E_k tau_k du-/h from the step before: with eta holding its E_k tau_k, it adds E_k
+tau_k^2 (du- - du)/h^2 in the brackets.
 """
 
 from __future__ import annotations
@@ -36,19 +42,24 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 _FORGOTTEN = 1e-200
-PUSHED = 1e-300  # the highest point touches as the period begins; how hard is not known yet
+# the highest point touches as the period begins; how hard is not known yet
+PUSHED = 1e-300
 _UNROLL = 4  # steps in one turn of the compiled loop
 
 
 class Lanes(NamedTuple):
-    """The relaxation function of each lane; a lane is a velocity with its load or depth."""
+    """The relaxation function of each lane; a lane is a velocity with its load or
+    depth.
+    """
 
     relaxed: Float[np.ndarray, ""]  # E_inf [Pa]
     moduli: Float[np.ndarray, "branches lanes"]  # E_k [Pa]
     times: Float[np.ndarray, "branches lanes"]  # tau_k [s], the longest first
     viscosity: Float[np.ndarray, " lanes"]  # eta [Pa s]
-    second: Float[np.ndarray, " lanes"]  # theta, the sum of E tau^2 of branches that are part of eta [Pa s^2]
-    apart: Float[np.ndarray, "1+branches 1+branches lanes"]  # of the rates, see `rough.recovery_steps` [1/s]
+    # theta, the sum of E tau^2 of branches that are part of eta [Pa s^2]
+    second: Float[np.ndarray, " lanes"]
+    # of the rates, see `rough.recovery_steps` [1/s]
+    apart: Float[np.ndarray, "1+branches 1+branches lanes"]
 
 
 class Coefficients(NamedTuple):
@@ -79,7 +90,8 @@ class Swept(NamedTuple):
     load: Float[Array, " lanes"]  # sum of q
     sums: Float[Array, "slow lanes"]  # sum of f_k, of the slow branches
     touching: Float[Array, " lanes"]  # number of samples in contact
-    struck: Float[Array, " lanes"]  # of (height of u over the line)(depth below u_free), before and after [m^2]
+    # of (height of u over the line)(depth below u_free), before and after [m^2]
+    struck: Float[Array, " lanes"]
     begun: Float[Array, " lanes"]  # number of contacts; these two if exact
 
 
@@ -89,19 +101,30 @@ def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
     lost = -np.expm1(-z)
     held = lost / z
     with np.errstate(over="ignore"):
-        late = np.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (z - lost) / z**2)  # (1 - a_k)/z_k
+        # (1 - a_k)/z_k
+        late = np.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (z - lost) / z**2)
     gain = law.moduli * held
     dashpot, second = law.viscosity / step, law.second / step**2
     give, seen = map(np.asarray, weights(law.apart, law.times, gain, law.relaxed, step))
     each = law.moduli * late
     return Coefficients(
-        np.exp(-z), seen, lost, gain, give, law.relaxed, held, dashpot + each.sum(axis=0), second, each
-    )  # fmt: skip
+        np.exp(-z),
+        seen,
+        lost,
+        gain,
+        give,
+        law.relaxed,
+        held,
+        dashpot + each.sum(axis=0),
+        second,
+        each,
+    )
 
 
 @partial(jax.jit, static_argnames=("slow", "exact"))
 def sweep(
-    rise: Float[np.ndarray, " n"],  # heights against the highest [m], in the order in which an element meets them
+    # heights against the highest [m], in the order in which an element meets them
+    rise: Float[np.ndarray, " n"],
     count: int,  # samples of the period
     stride: int,  # points of the line per sample
     depth: Float[np.ndarray, " lanes"],
@@ -113,18 +136,29 @@ def sweep(
 ) -> Swept:
     """Runs through one period from u = d.
 
-    After the last height the first stands again. What follows it in `rise` is not read, so that lines of many lengths
-    share what is compiled.
+    After the last height the first stands again. What follows it in `rise` is not read,
+    so that lines of many lengths share what is compiled.
     """
     whole = one_kernel(partial(_sweep, slow=slow, exact=exact))
     return whole(rise, count, stride, depth, branches, by, free)
 
 
-# `element.contact_step` again, without what only indentation and impacts need: half the work, in a loop that XLA makes one
-# kernel of. `tests/test_element.py` holds one against the other.
-def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretches | None, slow: int, exact: bool):
-    # The loop holds r_k f_k/e_k, so that what is left of it after a step sums up to what a free element moves: a sum
-    # with factors of its own XLA would do twice.
+# `element.contact_step` again, without what only indentation and impacts need: half the
+# work, in a loop that XLA makes one kernel of. `tests/test_element.py` holds one
+# against the other.
+def _sweep(
+    rise,
+    count,
+    stride,
+    depth,
+    branches,
+    by: Coefficients,
+    free: Stretches | None,
+    slow: int,
+    exact: bool,
+):
+    # The loop holds r_k f_k/e_k, so that what is left of it after a step sums up to
+    # what a free element moves: a sum with factors of its own XLA would do twice.
     keep = jnp.maximum(by.keep, _FORGOTTEN)
     scale = jnp.maximum(by.seen, _FORGOTTEN) / keep * by.give
     gain, held, stays = scale * by.gain, by.held / scale, 1 - by.relaxed * by.give
@@ -140,13 +174,31 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
         q = push / by.give
         mean = q
         if exact:
-            mean = 0.5 * by.relaxed * (u + new) + by.drag * du + by.late * (last - du) + (held * f).sum(axis=0)
+            mean = (
+                0.5 * by.relaxed * (u + new)
+                + by.drag * du
+                + by.late * (last - du)
+                + (held * f).sum(axis=0)
+            )
             mean = jnp.where(free & (q <= 0), 0.0, mean)
-            struck = struck + (u - (rise[i * stride] + depth)) * push + (new - w) * last_push
+            struck = (
+                struck + (u - (rise[i * stride] + depth)) * push + (new - w) * last_push
+            )
             begun = begun + (free & (q > 0))
         work = work + mean * du
         f = kept + gain * du
-        return f, new, du, push, work, load + q, sums + f[:slow], touching + (q > 0), struck, begun
+        return (
+            f,
+            new,
+            du,
+            push,
+            work,
+            load + q,
+            sums + f[:slow],
+            touching + (q > 0),
+            struck,
+            begun,
+        )
 
     def steps(first, last, state):
         def several(i, state):
@@ -159,25 +211,49 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
         return jax.lax.fori_loop(first + turns * _UNROLL, last, one, state)
 
     def on(free, carry):
-        """Passes the stretches that nothing touches, and then takes the steps of the next."""
+        """Passes the stretches that nothing touches, and then takes the steps of the
+        next.
+        """
         first, (f, u, du, push, work, load, sums, *counts) = carry
         y = jnp.concatenate([(by.relaxed * u)[None], f / scale])
-        above = jnp.where(push > 0, jnp.inf, depth)  # a step in which contact ends takes work: none is passed
+        # a step in which contact ends takes work: none is passed
+        above = jnp.where(push > 0, jnp.inf, depth)
         j, y, summed = recover(free, first, y, above, length, slow)
         passed = j > first
-        fall = -(y[0] + (by.seen * y[1:]).sum(axis=0)) * by.give  # du of the next free step, that of the last nearly
-        state = scale * y[1:], y[0] / by.relaxed, jnp.where(passed, fall, du), jnp.where(passed, 0.0, push), work, load
+        # du of the next free step, that of the last nearly
+        fall = -(y[0] + (by.seen * y[1:]).sum(axis=0)) * by.give
+        state = (
+            scale * y[1:],
+            y[0] / by.relaxed,
+            jnp.where(passed, fall, du),
+            jnp.where(passed, 0.0, push),
+            work,
+            load,
+        )
         state = *state, sums + scale[:slow] * summed, *counts
         return j + 1, steps(length * j, jnp.minimum(length * (j + 1), count), state)
 
     nothing = jnp.zeros_like(depth)
     pushed = jnp.full_like(depth, PUSHED)
     none = jnp.zeros_like(branches[:slow])
-    state: Any = (scale * branches, depth, nothing, pushed, nothing, nothing, none, nothing, nothing, nothing)
+    state: Any = (
+        scale * branches,
+        depth,
+        nothing,
+        pushed,
+        nothing,
+        nothing,
+        none,
+        nothing,
+        nothing,
+        nothing,
+    )
     if free is None:
         state = steps(0, count, state)
     else:
         length = count // free.highest.size
-        state = jax.lax.while_loop(lambda s: s[0] < free.highest.size, partial(on, free), (0, state))[-1]
+        state = jax.lax.while_loop(
+            lambda s: s[0] < free.highest.size, partial(on, free), (0, state)
+        )[-1]
     f, u, _, _, work, load, sums, *counts = state
     return Swept(f / scale, u, work, load, sums / scale[:slow], *counts)

@@ -1,12 +1,14 @@
-"""Steady sliding on a periodic rough line: lines and lanes, levels of sampling, and what skipping leaves out.
+"""Steady sliding on a periodic rough line: lines and lanes, levels of sampling, and
+what skipping leaves out.
 
-Every lane, a velocity with its load or depth, is solved on every 16th sample of the line first (and every 64th of long
-lines), then on every 4th, then on all: the state at the period's start, the depth and what is known of the Jacobian
-pass from one to the next (`rough.periodic_state`). Lanes are solved in batches, on every core.
+Every lane, a velocity with its load or depth, is solved on every 16th sample of the
+line first (and every 64th of long lines), then on every 4th, then on all: the state at
+the period's start, the depth and what is known of the Jacobian pass from one to the
+next (`rough.periodic_state`). Lanes are solved in batches, on every core.
 
-Every periodic motion has mean q = E_inf mean u (Popov & Hess 2015, ch. 7: the mean sees only the relaxed modulus). So
-the load gives mean u, and with the branches split into slow ones, f_k = E_k (u - mean u), and relaxed ones, the first
-guess.
+Every periodic motion has mean q = E_inf mean u (Popov & Hess 2015, ch. 7: the mean sees
+only the relaxed modulus). So the load gives mean u, and with the branches split into
+slow ones, f_k = E_k (u - mean u), and relaxed ones, the first guess.
 """
 
 from __future__ import annotations
@@ -34,11 +36,17 @@ _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _FEWEST_LANES = 8  # in a batch, where there are as many
 _MANY = 32  # lanes of a load from which they make batches of their own
-_LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
-_FEW = 2.5  # over the square of a contact's samples: relative error of 99 % of light contacts on drawn lines
+# at most, in a batch: wider sums over branches XLA would hand to a library that no
+# kernel can call
+_LANES = 64
+# over the square of a contact's samples: relative error of 99 % of light contacts on
+# drawn lines
+_FEW = 2.5
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
-ROUNDING = 16 * np.finfo(float).eps  # of the work of elements, over their load and slope
-_CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
+# of the work of elements, over their load and slope
+ROUNDING = 16 * np.finfo(float).eps
+# waves in a period that decide which branches are slow, for the first guess only
+_CYCLES = 8
 
 
 class Line(NamedTuple):
@@ -49,14 +57,17 @@ class Line(NamedTuple):
     depth: Float[np.ndarray, " lanes"]  # [m]
     share: Float[np.ndarray, " lanes"]  # share of the line in contact
     error: Float[np.ndarray, " lanes"]  # of mu, from the sampling
-    cost: Float[np.ndarray, " lanes"]  # bound of mu's relative change by lumped branches
+    # bound of mu's relative change by lumped branches
+    cost: Float[np.ndarray, " lanes"]
     residual: Float[np.ndarray, " lanes"]
     sweeps: Float[np.ndarray, " lanes"]  # full sweeps' worth
     converged: Bool[np.ndarray, " lanes"]
 
 
 def rises(height: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-    """Heights against the highest, from there on backwards: in the order in which a line moving to +x passes."""
+    """Heights against the highest, from there on backwards: in the order in which a
+    line moving to +x passes.
+    """
     height = np.asarray(height)[::-1]
     return np.roll(height, -int(np.argmax(height))) - height.max()
 
@@ -72,11 +83,19 @@ class Job(NamedTuple):
 
 
 def solve_line(
-    height: Float[np.ndarray, " n"], spacing: float, law: Relaxation, velocity: Float[np.ndarray, " lanes"],
-    value: Float[np.ndarray, " lanes"], control: Literal["load", "depth"], rtol: float, skip: bool = True,
-) -> Line:  # fmt: skip
+    height: Float[np.ndarray, " n"],
+    spacing: float,
+    law: Relaxation,
+    velocity: Float[np.ndarray, " lanes"],
+    value: Float[np.ndarray, " lanes"],
+    control: Literal["load", "depth"],
+    rtol: float,
+    skip: bool = True,
+) -> Line:
     """Solves all lanes on one line, in batches on every core."""
-    return solve_lines([Job(height, spacing, velocity, value, control)], law, rtol, skip)[0]
+    return solve_lines(
+        [Job(height, spacing, velocity, value, control)], law, rtol, skip
+    )[0]
 
 
 def solve_lines(
@@ -85,29 +104,56 @@ def solve_lines(
     rtol: float,
     skip: bool = True,
     done: Any = None,  # called with the number of lanes whenever some are finished
-    store: Any = None,  # keeps what is finished: get(key) gives None or what was put(key, arrays)
+    # keeps what is finished: get(key) gives None or what was put(key, arrays)
+    store: Any = None,
 ) -> list[Line]:
     """Solves all lanes of all jobs; the batches of every line share the cores."""
-    threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    size = min(_LANES, max(_FEWEST_LANES, -(-sum(job.velocity.size for job in jobs) // threads)))
+    threads = (
+        len(os.sched_getaffinity(0))
+        if hasattr(os, "sched_getaffinity")
+        else os.cpu_count() or 1
+    )
+    size = min(
+        _LANES,
+        max(_FEWEST_LANES, -(-sum(job.velocity.size for job in jobs) // threads)),
+    )
     tasks, parts_of = [], []
     for job in jobs:
-        # Lanes alike: speeds near each other need the same branches, and light loads leave the same stretches free.
+        # Lanes alike: speeds near each other need the same branches, and light loads
+        # leave the same stretches free.
         apart = job.value.size >= _MANY * np.unique(job.value).size
-        order = np.lexsort((job.velocity, job.value)) if apart else np.argsort(job.velocity, kind="stable")
+        order = (
+            np.lexsort((job.velocity, job.value))
+            if apart
+            else np.argsort(job.velocity, kind="stable")
+        )
         count = -(-order.size // size)
-        parts_of.append(np.array_split(order, count))  # of one size nearly, so that the last core is not left alone
+        # of one size nearly, so that the last core is not left alone
+        parts_of.append(np.array_split(order, count))
         rise = rises(job.height)
         tasks += [(job, rise, batch) for batch in parts_of[-1]]
 
     def run(task: tuple[Job, np.ndarray, np.ndarray]) -> Line:
         job, rise, batch = task
-        velocity, value, spacing = job.velocity[batch], job.value[batch], float(job.spacing)
-        with jax.enable_x64(True), np.errstate(all="ignore"):  # the settings belong to the thread
-            key = "" if store is None else _key(rise, law, velocity, value, (spacing, job.control, rtol, skip))
+        velocity, value, spacing = (
+            job.velocity[batch],
+            job.value[batch],
+            float(job.spacing),
+        )
+        # the settings belong to the thread
+        with jax.enable_x64(True), np.errstate(all="ignore"):
+            key = (
+                ""
+                if store is None
+                else _key(
+                    rise, law, velocity, value, (spacing, job.control, rtol, skip)
+                )
+            )
             kept = None if store is None else store.get(key)
             if kept is None:
-                found, _ = _batch(rise, spacing, law, velocity, value, job.control, rtol, skip)
+                found, _ = _batch(
+                    rise, spacing, law, velocity, value, job.control, rtol, skip
+                )
                 if store is not None:
                     store.put(key, np.array(found, dtype=np.float64))
             else:
@@ -122,20 +168,38 @@ def solve_lines(
     for parts in parts_of:
         back = np.argsort(np.concatenate(parts), kind="stable")
         some = [next(found) for _ in parts]
-        lines.append(Line(*(np.concatenate(fields)[back] for fields in zip(*some, strict=True))))
+        lines.append(
+            Line(*(np.concatenate(fields)[back] for fields in zip(*some, strict=True)))
+        )
     return lines
 
 
 def solve_states(
-    height: Float[np.ndarray, " n"], spacing: float, law: Relaxation, velocity: Float[np.ndarray, " lanes"],
-    value: Float[np.ndarray, " lanes"], control: Literal["load", "depth"], rtol: float,
-) -> tuple[Line, State]:  # fmt: skip
-    """All lanes with every branch carried, and the state at the highest point, the slowest branch first."""
+    height: Float[np.ndarray, " n"],
+    spacing: float,
+    law: Relaxation,
+    velocity: Float[np.ndarray, " lanes"],
+    value: Float[np.ndarray, " lanes"],
+    control: Literal["load", "depth"],
+    rtol: float,
+) -> tuple[Line, State]:
+    """All lanes with every branch carried, and the state at the highest point, the
+    slowest branch first.
+    """
     rise, lines, states = rises(height), [], []
     with jax.enable_x64(True):
         for start in range(0, velocity.size, _LANES):
             part = slice(start, start + _LANES)
-            line, state = _batch(rise, float(spacing), law, velocity[part], value[part], control, rtol, False)
+            line, state = _batch(
+                rise,
+                float(spacing),
+                law,
+                velocity[part],
+                value[part],
+                control,
+                rtol,
+                False,
+            )
             lines.append(line)
             states.append(state)
     return Line(*map(np.concatenate, zip(*lines, strict=True))), State(
@@ -145,7 +209,13 @@ def solve_states(
     )
 
 
-def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndarray, how: tuple) -> str:
+def _key(
+    rise: np.ndarray,
+    law: Relaxation,
+    velocity: np.ndarray,
+    value: np.ndarray,
+    how: tuple,
+) -> str:
     """What a batch depends on, in a few letters."""
     digest = hashlib.sha256(repr((__version__, how)).encode())
     for part in (rise, *jax.tree.leaves(law), velocity, value):
@@ -153,7 +223,9 @@ def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndar
     return digest.hexdigest()[:24]
 
 
-def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Line, State]:
+def _batch(
+    rise, spacing, law, velocity, value, control, rtol, skip
+) -> tuple[Line, State]:
     n = rise.size
     step = spacing / velocity
     if skip:
@@ -165,46 +237,77 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     sweeps, mus, full = np.zeros(velocity.size), [], np.ones(velocity.size, bool)
     fine = found = good = None
     for stride in strides:
-        level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip and share.max() < LIGHT)
+        level = level_of(
+            rise,
+            spacing,
+            stride,
+            step,
+            carried,
+            load,
+            stiffness,
+            control,
+            skip and share.max() < LIGHT,
+        )
         if stride == strides[0]:
-            state = state._replace(inverse=jacobian(level, state, np.ones(velocity.size, bool)))
+            state = state._replace(
+                inverse=jacobian(level, state, np.ones(velocity.size, bool))
+            )
         found, turns, good = iterate(level, state)
         fine = finish(level, found)
         sweeps += (turns + 1) / stride
         mus.append(np.where(good, fine.mu, np.nan))
         full &= fine.share == 1
         state = State(
-            np.where(good, found.branches, state.branches), np.where(good, found.depth, state.depth),
-            np.where(good[:, None, None], found.inverse, np.eye(found.inverse.shape[1])),
-        )  # fmt: skip
+            np.where(good, found.branches, state.branches),
+            np.where(good, found.depth, state.depth),
+            np.where(
+                good[:, None, None], found.inverse, np.eye(found.inverse.shape[1])
+            ),
+        )
     assert fine is not None  # the last stride is always 1
     assert found is not None
     mu, error = _limit(mus, full)
     touching = np.where(full, np.inf, np.round(fine.share * n))  # samples
     touching = np.where(touching < 3, 1.0, touching)
-    error = np.maximum(error, _FEW * (fine.contacts / touching) ** 2 * np.abs(mu)) + fine.unsure
+    error = (
+        np.maximum(error, _FEW * (fine.contacts / touching) ** 2 * np.abs(mu))
+        + fine.unsure
+    )
     good = good & np.isfinite(fine.mu) & np.isfinite(error)
-    error = error + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
+    error = (
+        error
+        + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
+    )
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
-    return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
+    return Line._make(
+        (*(np.where(good, x, np.nan) for x in answer), sweeps, good)
+    ), found
 
 
 def strides_of(n: int) -> list[int]:
     """Every how manieth of the samples is taken, level by level."""
-    coarse = [s for s in ((64, 16, 4) if n >= _LONG else (16, 4)) if n % s == 0 and n // s >= min(_FEWEST, n // 4)]
+    coarse = [
+        s
+        for s in ((64, 16, 4) if n >= _LONG else (16, 4))
+        if n % s == 0 and n // s >= min(_FEWEST, n // 4)
+    ]
     return [*coarse, 1]
 
 
 def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """mu and its error from the sampling, from the mu of steps that are a quarter of the one before each.
+    """mu and its error from the sampling, from the mu of steps that are a quarter of
+    the one before each.
 
-    In full contact everything is smooth and the error falls as the square of the step: the limit is extrapolated, where
-    the fall itself is as it should be. Otherwise it falls as the square too, but for a factor that depends on where
-    between two samples the edges of contacts lie: the last value stands. Its error is half of the last change, where
-    a 15th would be a fall as it should be: contacts of a few samples fall more slowly. As that change is small by
-    accident now and then, the one before it counts in proportion.
+    In full contact everything is smooth and the error falls as the square of the step:
+    the limit is extrapolated, where the fall itself is as it should be. Otherwise it
+    falls as the square too, but for a factor that depends on where between two samples
+    the edges of contacts lie: the last value stands. Its error is half of the last
+    change, where a 15th would be a fall as it should be: contacts of a few samples fall
+    more slowly. As that change is small by accident now and then, the one before it
+    counts in proportion.
 
-    A coarse level that was not solved (NaN) is left out: the next one is compared with the one before, a larger change.
+    A coarse level that was not solved (NaN) is left out: the next one is compared with
+    the one before, a larger change.
     """
     for coarser, finer in itertools.pairwise(range(len(mus) - 1)):
         mus[finer] = np.where(np.isnan(mus[finer]), mus[coarser], mus[finer])
@@ -220,21 +323,30 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
     return fine, error + 1e-9 * np.abs(fine)
 
 
-def first_guess(rise, law: Lanes, period, value, control) -> tuple[State, np.ndarray, np.ndarray, np.ndarray]:
-    """State, load, stiffness and share for branches that are either elastic or relaxed; in closed form."""
+def first_guess(
+    rise, law: Lanes, period, value, control
+) -> tuple[State, np.ndarray, np.ndarray, np.ndarray]:
+    """State, load, stiffness and share for branches that are either elastic or relaxed;
+    in closed form.
+    """
     n, relaxed = rise.size, float(law.relaxed)
     x = law.times / period * 2 * np.pi * _CYCLES
     elastic = law.moduli * x**2 / (1 + x**2)
     memory = elastic.sum(axis=0)
     below = np.sort(-rise)
-    mean = (below * np.arange(1, n + 1) - np.cumsum(below)) / n  # of max(w + D, 0), at D = below
+    # of max(w + D, 0), at D = below
+    mean = (below * np.arange(1, n + 1) - np.cumsum(below)) / n
 
     def over(rest):  # D for a mean of `rest`
-        return np.where(rest < mean[-1], np.interp(rest, mean, below), below[-1] + rest - mean[-1])
+        return np.where(
+            rest < mean[-1], np.interp(rest, mean, below), below[-1] + rest - mean[-1]
+        )
 
     part = relaxed / (relaxed + memory)
 
-    def depth_of(level):  # d for a mean u of `level`: u is the line in contact, u_free = level (1 - part) outside
+    # d for a mean u of `level`: u is the line in contact, u_free = level (1 - part)
+    # outside
+    def depth_of(level):
         return over(level * part) + level * (1 - part)
 
     level = value / relaxed
@@ -248,5 +360,7 @@ def first_guess(rise, law: Lanes, period, value, control) -> tuple[State, np.nda
             low, high = np.where(deep, low, level), np.where(deep, level, high)
     share = np.maximum(np.searchsorted(below, depth - level * (1 - part)) / n, 2 / n)
     unknowns = elastic.shape[0] + 1
-    state = State(elastic * (depth - level), depth, np.tile(np.eye(unknowns), (value.size, 1, 1)))
+    state = State(
+        elastic * (depth - level), depth, np.tile(np.eye(unknowns), (value.size, 1, 1))
+    )
     return state, np.asarray(relaxed * level), (relaxed + memory) * share, share

@@ -1,7 +1,9 @@
-"""The rubber along a rough line in steady periodic sliding: one period of one element, laid out along the line.
+"""The rubber along a rough line in steady periodic sliding: one period of one element,
+laid out along the line.
 
-Every element sees the same history, so that what one element does in time is what the line shows in space, read
-against the motion. The formulas of a step are those of `rough.period`.
+Every element sees the same history, so that what one element does in time is what the
+line shows in space, read against the motion. The formulas of a step are those of
+`rough.period`.
 """
 
 from __future__ import annotations
@@ -34,14 +36,20 @@ class Field(NamedTuple):
 
     line: Line  # of one lane
     surface: Float[np.ndarray, " n"]  # u, how far the rubber is pushed back [m]
-    force: Float[np.ndarray, " n"]  # q, force per length of line [N/m]; 0 out of contact
+    # q, force per length of line [N/m]; 0 out of contact
+    force: Float[np.ndarray, " n"]
 
 
 @jax.jit
 def motion(
-    rise: Float[Array, " n"], depth: Float[Array, " lanes"], branches: Float[Array, "branches lanes"], by: Coefficients
+    rise: Float[Array, " n"],
+    depth: Float[Array, " lanes"],
+    branches: Float[Array, "branches lanes"],
+    by: Coefficients,
 ) -> Motion:
-    """u and q at each sample of a period that begins with the branch forces f_k at the highest point, where u = d."""
+    """u and q at each sample of a period that begins with the branch forces f_k at the
+    highest point, where u = d.
+    """
 
     def one(state, w):
         f, u = state
@@ -54,16 +62,31 @@ def motion(
 
 
 def field(
-    height: Float[np.ndarray, " n"], spacing: float, law: Relaxation, velocity: float, value: float,
-    control: Literal["load", "depth"], rtol: float,
-) -> Field:  # fmt: skip
-    """Solves one velocity and lays its period out along the line; NaN where it did not converge."""
+    height: Float[np.ndarray, " n"],
+    spacing: float,
+    law: Relaxation,
+    velocity: float,
+    value: float,
+    control: Literal["load", "depth"],
+    rtol: float,
+) -> Field:
+    """Solves one velocity and lays its period out along the line; NaN where it did not
+    converge.
+    """
     speed, n = np.array([velocity]), height.size
-    line, state = solve_states(height, spacing, law, speed, np.array([value]), control, rtol)
+    line, state = solve_states(
+        height, spacing, law, speed, np.array([value]), control, rtol
+    )
     if not line.converged[0]:
         return Field(line, np.full(n, np.nan), np.full(n, np.nan))
-    found = motion(rises(height), line.depth, state.branches, coefficients(lanes(law, 1), spacing / speed))
-    back = np.roll(np.arange(n)[::-1], -int(np.argmax(height[::-1])))  # where along +x each sample of the period lies
+    found = motion(
+        rises(height),
+        line.depth,
+        state.branches,
+        coefficients(lanes(law, 1), spacing / speed),
+    )
+    # where along +x each sample of the period lies
+    back = np.roll(np.arange(n)[::-1], -int(np.argmax(height[::-1])))
     laid = Field(line, np.empty(n), np.empty(n))
     laid.surface[back], laid.force[back] = (np.asarray(x)[:, 0] for x in found)
     return laid

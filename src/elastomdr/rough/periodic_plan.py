@@ -1,4 +1,6 @@
-"""The plan of a scene on a rough line or surface: what each lane carries, what is left out, before it is solved."""
+"""The plan of a scene on a rough line or surface: what each lane carries, what is left
+out, before it is solved.
+"""
 
 import dataclasses
 
@@ -13,8 +15,9 @@ from .periodic import LIGHT, first_guess, rises, strides_of
 class RoughPlan:
     """What will be computed, what is skipped, and why; `print(plan)` says it in words.
 
-    Counts of branches are the smallest and the largest over the velocities that a line is solved at, None while JAX
-    traces; so is `share`, the part of the line in contact by a first guess.
+    Counts of branches are the smallest and the largest over the velocities that a line
+    is solved at, None while JAX traces; so is `share`, the part of the line in contact
+    by a first guess.
     """
 
     scene: str  # surface and material, in words
@@ -43,18 +46,49 @@ class RoughPlan:
 
 
 def plan_lines(
-    *, scene: str, model: str, line: tuple[np.ndarray, float] | None, lines: int, samples: int, points: int,
-    law: Relaxation, lanes: tuple[np.ndarray, np.ndarray] | None, control: str, rtol: float, averaged: bool,
-    solutions: int | None, skip: bool, heated: bool, temperatures: int,
-) -> RoughPlan:  # fmt: skip
-    """The plan, from heights and spacing of one line and the velocities and loads it is solved at; None: traced."""
+    *,
+    scene: str,
+    model: str,
+    line: tuple[np.ndarray, float] | None,
+    lines: int,
+    samples: int,
+    points: int,
+    law: Relaxation,
+    lanes: tuple[np.ndarray, np.ndarray] | None,
+    control: str,
+    rtol: float,
+    averaged: bool,
+    solutions: int | None,
+    skip: bool,
+    heated: bool,
+    temperatures: int,
+) -> RoughPlan:
+    """The plan, from heights and spacing of one line and the velocities and loads it is
+    solved at; None: traced.
+    """
     count = law.moduli.shape[0]
     plan = RoughPlan(
-        scene=scene, model=model, control=control, points=points, rtol=rtol, averaged=averaged, lines=lines,
-        samples=samples, strides=tuple(strides_of(samples)), branches=count, carried=None, forgotten=None, slow=None,
-        cost=0.0, share=None, stretches=0, solutions=None if solutions is None else lines * solutions,
-        temperatures=temperatures, heated=heated, skip=skip,
-    )  # fmt: skip
+        scene=scene,
+        model=model,
+        control=control,
+        points=points,
+        rtol=rtol,
+        averaged=averaged,
+        lines=lines,
+        samples=samples,
+        strides=tuple(strides_of(samples)),
+        branches=count,
+        carried=None,
+        forgotten=None,
+        slow=None,
+        cost=0.0,
+        share=None,
+        stretches=0,
+        solutions=None if solutions is None else lines * solutions,
+        temperatures=temperatures,
+        heated=heated,
+        skip=skip,
+    )
     if line is None or lanes is None:
         return plan
     (height, spacing), (velocity, value) = line, lanes
@@ -68,9 +102,14 @@ def plan_lines(
     if not skip:
         kept, fast, slow, cost = np.full_like(kept, real), 0 * fast, 0 * slow, 0 * cost
     return dataclasses.replace(
-        plan, carried=_ends(kept), forgotten=_ends(fast), slow=_ends(slow), cost=float(cost.max()),
-        share=(float(share.min()), float(share.max())), stretches=int(np.sum(share < LIGHT)) if skip else 0,
-    )  # fmt: skip
+        plan,
+        carried=_ends(kept),
+        forgotten=_ends(fast),
+        slow=_ends(slow),
+        cost=float(cost.max()),
+        share=(float(share.min()), float(share.max())),
+        stretches=int(np.sum(share < LIGHT)) if skip else 0,
+    )
 
 
 def _ends(counts: np.ndarray) -> tuple[int, int]:
@@ -85,38 +124,76 @@ def _described(plan: RoughPlan) -> list[str]:
     levels = "".join(f"every {s}th, " for s in plan.strides[:-1])
     lines = [
         f"  model        {plan.model}",
-        f"  asked        {plan.points} point{'s' * (plan.points != 1)} by {plan.control}, relative error of mu "
-        f"{plan.rtol:g} besides the sampling",
-        f"  lines        {plan.lines} of {plan.samples} samples: {levels}then all of them",
+        f"  asked        {plan.points} point{'s' * (plan.points != 1)} by "
+        f"{plan.control}, relative error of mu {plan.rtol:g} besides the sampling",
+        (
+            f"  lines        {plan.lines} of {plan.samples} samples: {levels}then all "
+            "of them"
+        ),
     ]
     lines += [f"  branches     {text}" for text in _branches(plan)]
     if plan.share is not None:
         low, high = plan.share
-        lines.append(f"  contact      {low:.1%} to {high:.1%} of the line, roughly (not the real contact area)")
+        lines.append(
+            f"  contact      {low:.1%} to {high:.1%} of the line, roughly (not the "
+            "real contact area)"
+        )
     lines.append(f"  stretches    {_stretches(plan)}")
     if plan.temperatures > 1:
-        lines.append(f"  temperature  {plan.temperatures} of them enter as shifted velocities v a_T")
+        lines.append(
+            f"  temperature  {plan.temperatures} of them enter as shifted "
+            "velocities "
+            "v a_T"
+        )
     if plan.averaged and plan.control == "load":
-        lines.append("  directions   averaged; velocities under one load share the curve of a line")
+        lines.append(
+            "  directions   averaged; velocities under one load share the curve "
+            "of a line"
+        )
     else:
-        lines.append(f"  directions   {'averaged' if plan.averaged else 'one: no direction average'}")
+        lines.append(
+            "  directions   "
+            f"{'averaged' if plan.averaged else 'one: no direction average'}"
+        )
     if plan.solutions is not None:
         more = ", and more for each round of heating" if plan.heated else ""
-        lines.append(f"  solutions    {plan.solutions} periodic states, in batches on every core{more}")
-    lines.append("  not needed   the transient (the periodic state is solved for), other elements (they see the same)")
+        lines.append(
+            f"  solutions    {plan.solutions} periodic states, in batches on every "
+            f"core{more}"
+        )
+    lines.append(
+        "  not needed   the transient (the periodic state is solved for), other "
+        "elements (they see the same)"
+    )
     return lines
 
 
 def _branches(plan: RoughPlan) -> list[str]:
     if plan.carried is None or plan.forgotten is None or plan.slow is None:
-        return [f"all {plan.branches} carried: under a JAX transformation their values are not known"]
-    texts = [f"{_between(plan.carried)} of {plan.branches} carried, each velocity its own window"]
+        return [
+            (
+                f"all {plan.branches} carried: under a JAX transformation their values "
+                "are not known"
+            )
+        ]
+    texts = [
+        (
+            f"{_between(plan.carried)} of {plan.branches} carried, each velocity its "
+            "own "
+            "window"
+        )
+    ]
     if plan.forgotten[1]:
         texts.append(
-            f"{_between(plan.forgotten)} forgotten within a sample: dashpots, exactly so in the sampled motion"
+            f"{_between(plan.forgotten)} forgotten within a sample: dashpots, "
+            "exactly so in the sampled motion"
         )
     if plan.slow[1]:
-        texts.append(f"{_between(plan.slow)} slower than the line's period, lumped into one of those carried")
+        texts.append(
+            f"{_between(plan.slow)} slower than the line's period, lumped into "
+            "one of "
+            "those carried"
+        )
         texts.append(f"this costs at most {plan.cost:.1e} of mu, counted in the error")
     return texts if plan.skip else [*texts, "skipping switched off"]
 
@@ -128,4 +205,7 @@ def _stretches(plan: RoughPlan) -> str:
         return "none passed in one go: under a JAX transformation values are not known"
     if plan.stretches == 0:
         return f"none passed in one go: more than {LIGHT:.0%} of the line is in contact"
-    return f"where nothing can touch passed in one go, where less than {LIGHT:.0%} of the line is in contact"
+    return (
+        f"where nothing can touch passed in one go, where less than {LIGHT:.0%} of "
+        "the line is in contact"
+    )

@@ -1,15 +1,17 @@
-"""The periodic state of a rough line and, for a given load, its depth, by quasi-Newton sweeps.
+"""The periodic state of a rough line and, for a given load, its depth, by quasi-Newton
+sweeps.
 
-One sweep from a state f_k(0) shows how far that state is from a periodic one. The motion that the sweep has found would
-leave, when repeated for ever, the branch at
+One sweep from a state f_k(0) shows how far that state is from a periodic one. The
+motion that the sweep has found would leave, when repeated for ever, the branch at
 
     f_k(0) + [f_k(T) - f_k(0) + g_k (u(0) - u(T))]/(1 - exp(-T/tau_k)),
 
-and since periodic forces have no mean, sum_n f_k(n) = 0, a slow branch (tau_k >> T) more accurately at
-f_k(0) - sum_n f_k(n) / sum_n exp(-n h/tau_k). The differences, with that of the load, are the residuals r(f_k(0), d).
-Repeating the motion is a contraction, but a slow one for light contacts with slow branches. Broyden's method, which
-learns the Jacobian as it goes, starts from the Jacobian by differences on the coarsest samples, where a sweep costs
-little.
+and since periodic forces have no mean, sum_n f_k(n) = 0, a slow branch (tau_k >> T)
+more accurately at f_k(0) - sum_n f_k(n) / sum_n exp(-n h/tau_k). The differences, with
+that of the load, are the residuals r(f_k(0), d). Repeating the motion is a contraction,
+but a slow one for light contacts with slow branches. Broyden's method, which learns the
+Jacobian as it goes, starts from the Jacobian by differences on the coarsest samples,
+where a sweep costs little.
 """
 
 from __future__ import annotations
@@ -27,25 +29,32 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
-_SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
+# mu below which the residual is smaller in proportion: friction is a small part of the
+# forces
+_SMALL = 1.0
 SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
 _INSTANT = 100.0  # T/tau from which a branch forgets at once what it was at the start
-_FEW, _MANY = 8, (32, 64)  # numbers of lanes that are compiled: each takes a second, and more of them save little
+# numbers of lanes that are compiled: each takes a second, and more of them save little
+_FEW, _MANY = 8, (32, 64)
 _SHORT = 8192  # samples
 _ROOM = 8  # lines are kept with room for the next power of it, in samples
 _SUMS = (2, 8)  # numbers of slow branches that are compiled
 _SWEEPS = (60, 30)  # at most, with all samples and with fewer
-_STALLED = 3  # sweeps without halving the residual, after which the Jacobian is computed anew
+# sweeps without halving the residual, after which the Jacobian is computed anew
+_STALLED = 3
 _SINGULAR = 1e8  # largest entry in the inverse of a Jacobian that is used
 _STRETCHES = 128  # that a line is cut into, at most
 _WORTH = 16  # samples that a stretch must have to be worth a look
 _COARSE = 2048  # samples up to which stretches cost more than they save
-LASTING = 2.0  # relaxation times; a branch is a spring to contacts much shorter than that
+# relaxation times; a branch is a spring to contacts much shorter than that
+LASTING = 2.0
 _NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
 
 
 class State(NamedTuple):
-    """The unknowns of each lane, f_k(0) and d, and the inverse of minus the Jacobian, all in units of the load."""
+    """The unknowns of each lane, f_k(0) and d, and the inverse of minus the Jacobian,
+    all in units of the load.
+    """
 
     branches: Float[np.ndarray, "branches lanes"]
     depth: Float[np.ndarray, " lanes"]
@@ -63,7 +72,8 @@ class Level(NamedTuple):
     is_slow: np.ndarray  # of those, which are, in which lane
     sums: Float[np.ndarray, "slow lanes"]  # sum_n exp(-n h/tau_k)
     whole: Float[np.ndarray, "branches lanes"]  # 1 - exp(-T/tau_k)
-    lasting: np.ndarray  # branches whose state at the start is felt for more than an instant, in which lane
+    # branches whose state at the start is felt for more than an instant, in which lane
+    lasting: np.ndarray
     load: Float[np.ndarray, " lanes"]
     stiffness: Float[np.ndarray, " lanes"]  # of the load against depth, about
     by_load: bool
@@ -84,8 +94,12 @@ class Found(NamedTuple):
     unsure: Float[np.ndarray, " lanes"]  # of mu, from bends within a step
 
 
-def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, control, skip: bool) -> Level:
-    """The line on every `stride`-th of its points, which are `spacing` [m] and `step` [s] apart."""
+def level_of(
+    rise, spacing, stride: int, step, law: Lanes, load, stiffness, control, skip: bool
+) -> Level:
+    """The line on every `stride`-th of its points, which are `spacing` [m] and `step`
+    [s] apart.
+    """
     count, step = rise.size // stride, stride * step
     period = count * step
     by = coefficients(law, step)
@@ -95,7 +109,9 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
     most = min(most, slow.shape[0])
     pieces = math.gcd(count // _WORTH, _STRETCHES) if count % _WORTH == 0 else 1
     free = (
-        stretches(rise[::stride], pieces, by.seen, by.lost, by.gain, by.give, by.relaxed)
+        stretches(
+            rise[::stride], pieces, by.seen, by.lost, by.gain, by.give, by.relaxed
+        )
         if skip and pieces > 1 and count > _COARSE
         else None
     )
@@ -103,9 +119,23 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
     sums = by.keep * whole / -np.expm1(-step / law.times)
     lasting = (period / law.times < _INSTANT) & (law.moduli > 0)
     return Level(
-        rise, stride, by, free, most, slow[:most], np.where(slow, sums, 1.0)[:most], whole, lasting, load, stiffness,
-        control == "load", stride * spacing, step, law.times, jax.device_put((_closed(rise), by, free)),
-    )  # fmt: skip
+        rise,
+        stride,
+        by,
+        free,
+        most,
+        slow[:most],
+        np.where(slow, sums, 1.0)[:most],
+        whole,
+        lasting,
+        load,
+        stiffness,
+        control == "load",
+        stride * spacing,
+        step,
+        law.times,
+        jax.device_put((_closed(rise), by, free)),
+    )
 
 
 def _closed(rise: Float[np.ndarray, " n"]) -> Float[np.ndarray, " m"]:
@@ -114,12 +144,17 @@ def _closed(rise: Float[np.ndarray, " n"]) -> Float[np.ndarray, " m"]:
     return np.concatenate([rise, rise[:1], np.zeros(size - rise.size)])
 
 
-def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lanes"], np.ndarray]:
-    """The periodic state, the number of sweeps of each lane, and which lanes have converged."""
+def iterate(
+    level: Level, state: State
+) -> tuple[State, Float[np.ndarray, " lanes"], np.ndarray]:
+    """The periodic state, the number of sweeps of each lane, and which lanes have
+    converged.
+    """
     branches, depth, inverse = (np.array(a) for a in state)
     lanes = depth.size
     load, count = level.load, level.rise.size // level.stride
-    floor = 2e-16 * np.sqrt(count) * depth / (level.by.give * load)  # what rounding of u leaves
+    # what rounding of u leaves
+    floor = 2e-16 * np.sqrt(count) * depth / (level.by.give * load)
     best, kept = np.full(lanes, np.inf), None
     stalled, restarts = np.zeros(lanes, int), np.zeros(lanes, int)
     moved = before = None
@@ -128,7 +163,9 @@ def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lane
         r, end = _residual(level, branches, depth, active)
         turns += active
         size = np.where(np.isfinite(r).all(axis=1), np.abs(r).max(axis=1), np.inf)
-        goal = np.maximum(RESIDUAL * np.clip(_mu(level, end) / _SMALL, 1e-4, 1.0), floor)
+        goal = np.maximum(
+            RESIDUAL * np.clip(_mu(level, end) / _SMALL, 1e-4, 1.0), floor
+        )
         active = active & ~(size <= goal)
         if not active.any():
             break
@@ -138,21 +175,32 @@ def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lane
             kept = (depth.copy(), branches.copy(), r.copy())
         worse = active & ~(size <= 2 * best)
         stalled = np.where(size < 0.5 * best, 0, stalled + active)
-        depth, branches = np.where(worse, kept[0], depth), np.where(worse, kept[1], branches)
+        depth, branches = (
+            np.where(worse, kept[0], depth),
+            np.where(worse, kept[1], branches),
+        )
         r = np.where(worse[:, None], kept[2], r)
-        retry = stalled > _STALLED  # what was learnt misleads: start over from the best point, with shorter steps
+        # what was learnt misleads: start over from the best point, with shorter steps
+        retry = stalled > _STALLED
         if retry.any():
-            fresh = jacobian(level, State(branches, depth, inverse), retry) * 0.5 ** restarts[:, None, None]
+            fresh = (
+                jacobian(level, State(branches, depth, inverse), retry)
+                * 0.5 ** restarts[:, None, None]
+            )
             inverse = np.where(retry[:, None, None], fresh, inverse)
             stalled, restarts = np.where(retry, 0, stalled), restarts + retry
         better = active & (size <= best)
         kept = (
-            np.where(better, depth, kept[0]), np.where(better, branches, kept[1]), np.where(better[:, None], r, kept[2])
-        )  # fmt: skip
+            np.where(better, depth, kept[0]),
+            np.where(better, branches, kept[1]),
+            np.where(better[:, None], r, kept[2]),
+        )
         best = np.where(better, size, best)
         moved = (inverse @ r[:, :, None])[:, :, 0]
         down = moved[:, -1] * load / level.stiffness
-        moved *= (np.minimum(1.0, 0.5 * depth / np.maximum(np.abs(down), 1e-300)) * active)[:, None]
+        moved *= (
+            np.minimum(1.0, 0.5 * depth / np.maximum(np.abs(down), 1e-300)) * active
+        )[:, None]
         if not level.by_load:
             moved[:, -1] = 0.0
         branches = branches + moved[:, :-1].T * load
@@ -164,14 +212,19 @@ def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lane
 def finish(level: Level, state: State) -> Found:
     """The periodic motion's friction, its work summed exactly.
 
-    An element that is met within a step was free in the step's first part, theta h, while u was taken to be straight.
-    A dashpot has taken eta J^2 theta (1 - theta) h more work then, J the jump of u' and J^2 theta (1 - theta) h^2 what
-    `struck` sums, and a branch that relaxes while the contact lasts likewise, with E_k phi2(h/tau_k) for eta/h: the
-    impulse of its force does not depend on the bend, and all of it moves with the line. An element that is lost within
-    a step bends as much: the same holds, with the push before, J theta h, and the gap after, J (1 - theta) h. For a
-    branch that outlasts the contact the straight path has the work right, as it has for a spring.
+    An element that is met within a step was free in the step's first part, theta h,
+    while u was taken to be straight. A dashpot has taken eta J^2 theta (1 - theta) h
+    more work then, J the jump of u' and J^2 theta (1 - theta) h^2 what `struck` sums,
+    and a branch that relaxes while the contact lasts likewise, with E_k phi2(h/tau_k)
+    for eta/h: the impulse of its force does not depend on the bend, and all of it moves
+    with the line. An element that is lost within a step bends as much: the same holds,
+    with the push before, J theta h, and the gap after, J (1 - theta) h. For a branch
+    that outlasts the contact the straight path has the work right, as it has for a
+    spring.
     """
-    r, end = _residual(level, state.branches, state.depth, np.ones(state.depth.size, bool), exact=True)
+    r, end = _residual(
+        level, state.branches, state.depth, np.ones(state.depth.size, bool), exact=True
+    )
     count = level.rise.size // level.stride
     load, touching = np.asarray(end.load), np.asarray(end.touching)
     contacts = np.maximum(end.begun, 1)
@@ -179,17 +232,29 @@ def finish(level: Level, state: State) -> Found:
     by, outlasts = level.by, 1 / (1 + (duration / (LASTING * level.times)) ** 2)
     stiff = by.drag - by.late - (by.each * outlasts).sum(axis=0)
     bent = stiff * np.asarray(end.struck)
-    # Where rubber gives way within a step contact ends the earlier by that time, where it takes many steps no bend is
-    # left: in between twice the smaller of both shares covers what the closed form of a dashpot shows.
+    # Where rubber gives way within a step contact ends the earlier by that time, where
+    # it takes many steps no bend is left: in between twice the smaller of both shares
+    # covers what the closed form of a dashpot shows.
     quick = by.relaxed / np.where(stiff > 0, stiff, np.inf)
     share = np.minimum(quick, 1 / np.maximum(quick, 1e-300))
     unsure = np.abs(_mu(level, end._replace(work=2 * share * bent)))
     end = end._replace(work=end.work + bent)
-    return Found(_mu(level, end), load / count, touching / count, contacts, np.abs(r).max(axis=1), unsure)
+    return Found(
+        _mu(level, end),
+        load / count,
+        touching / count,
+        contacts,
+        np.abs(r).max(axis=1),
+        unsure,
+    )
 
 
-def jacobian(level: Level, state: State, every: np.ndarray) -> Float[np.ndarray, "lanes unknowns unknowns"]:
-    """The inverse of minus the Jacobian of the residuals of some lanes, by differences; the identity elsewhere."""
+def jacobian(
+    level: Level, state: State, every: np.ndarray
+) -> Float[np.ndarray, "lanes unknowns unknowns"]:
+    """The inverse of minus the Jacobian of the residuals of some lanes, by differences;
+    the identity elsewhere.
+    """
     lanes, unknowns = state.depth.size, state.inverse.shape[1]
     start = _residual(level, state.branches, state.depth, every)[0]
     found = np.tile(np.eye(unknowns), (lanes, 1, 1))  # of minus the Jacobian
@@ -211,7 +276,9 @@ def jacobian(level: Level, state: State, every: np.ndarray) -> Float[np.ndarray,
     return found
 
 
-def _residual(level: Level, branches, depth, active, exact: bool = False) -> tuple[np.ndarray, Swept]:
+def _residual(
+    level: Level, branches, depth, active, exact: bool = False
+) -> tuple[np.ndarray, Swept]:
     """What a sweep leaves of periodicity and of the load, in units of the load."""
     end = _sweep(level, branches, depth, active, exact)
     r = (end.branches - branches + level.by.gain * (depth - end.u)) / level.whole
@@ -227,18 +294,26 @@ def _mu(level: Level, end: Swept) -> Float[np.ndarray, " lanes"]:
 
 
 def _learn(inverse, moved, change, active):
-    """Broyden's update of the inverse Jacobian, H += (s - H y)(s^T H)/(s^T H y), where it is well defined."""
+    """Broyden's update of the inverse Jacobian, H += (s - H y)(s^T H)/(s^T H y), where
+    it is well defined.
+    """
     seen = (inverse @ change[:, :, None])[:, :, 0]
     row = (moved[:, None] @ inverse)[:, 0]
     pivot = np.einsum("vi,vi->v", moved, seen)
-    use = active & (np.abs(pivot) > 1e-4 * np.sum(moved**2, axis=1)) & np.isfinite(pivot)
+    use = (
+        active & (np.abs(pivot) > 1e-4 * np.sum(moved**2, axis=1)) & np.isfinite(pivot)
+    )
     factor = np.where(use, 1 / np.where(use, pivot, 1.0), 0.0)
     seen = np.where(use[:, None], seen, 0.0)
-    return inverse + factor[:, None, None] * (moved - seen)[:, :, None] * row[:, None, :]
+    return (
+        inverse + factor[:, None, None] * (moved - seen)[:, :, None] * row[:, None, :]
+    )
 
 
 def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
-    """A sweep of the lanes that are still active, padded to a size that is compiled; zeros for the others."""
+    """A sweep of the lanes that are still active, padded to a size that is compiled;
+    zeros for the others.
+    """
     chosen = np.flatnonzero(active)
     # On a short line a few sweeps of fewer lanes do not make up for compiling them.
     few = chosen.size <= _FEW and (depth.size <= _FEW or level.rise.size > _SHORT)
@@ -247,9 +322,22 @@ def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
 
     rise, by, free = level.ready
     if size > chosen.size or size < depth.size:
-        by, free = level.by.of(pick), None if level.free is None else level.free.of(pick)
+        by, free = (
+            level.by.of(pick),
+            None if level.free is None else level.free.of(pick),
+        )
     count = level.rise.size // level.stride
-    found = sweep(rise, count, level.stride, depth[pick], branches[:, pick], by, free, level.slow, exact)
+    found = sweep(
+        rise,
+        count,
+        level.stride,
+        depth[pick],
+        branches[:, pick],
+        by,
+        free,
+        level.slow,
+        exact,
+    )
     if size == depth.size == chosen.size:
         return Swept(*map(np.asarray, found))
     whole = []

@@ -1,4 +1,6 @@
-"""A rough surface pressed into rubber: approach, stiffness and conductance, at rest and in sliding."""
+"""A rough surface pressed into rubber: approach, stiffness and conductance, at rest and
+in sliding.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, held_beyond, rough_beyond
+from ..call.extrapolation import (
+    NOT_KNOWN,
+    Beyond,
+    excited_outside,
+    held_beyond,
+    rough_beyond,
+)
 from ..call.model_choice import is_rough, of_line
 from ..call.problem import check_carries, check_rtol
 from ..call.several_materials import over_materials
@@ -38,7 +46,8 @@ if TYPE_CHECKING:
 
 _USUAL = Line(seeds=8, periods=16)
 _FINE = 16  # samples of the shortest wave, where none are given
-_OFF, _LEVELS, _RATIO = 0.35, (0.01, 0.2), 64  # bound against 3D, where p J/rms slope and q_high/q_low lie in the range
+# bound against 3D, where p J/rms slope and q_high/q_low lie in the range
+_OFF, _LEVELS, _RATIO = 0.35, (0.01, 0.2), 64
 _FEWEST = 3  # samples that touch in sliding, below which there is no stiffness
 _STEP = 0.02  # relative change of load, up and down, for the stiffness in sliding
 
@@ -58,59 +67,86 @@ def press(
     model: Line | Literal["line"] | None = None,
     rtol: float = 1e-4,
 ) -> RoughContact:
-    """Approach, incremental stiffness and conductance of a rough surface pressed into rubber.
+    """Approach, incremental stiffness and conductance of a rough surface pressed into
+    rubber.
 
     Args:
         material: as for `em.friction`, a series.
-        surface: a rigid surface by its spectrum, or an `em.RoughLine` with `model=em.Line(equivalent_length=...)`.
+        surface: a rigid surface by its spectrum, or an `em.RoughLine` with
+            `model=em.Line(equivalent_length=...)`.
         pressure: nominal pressure [Pa].
-        time: how long it has acted since it was put on at once [s]; None for long after.
+        time: how long it has acted since it was put on at once [s]; None for long
+            after.
         velocity: velocity of steady sliding [m/s], in place of a time.
-        temperature: temperature [K], for a material with a shift law. All of these broadcast.
-        conductivity: thermal conductivities of rubber and counterface [W/(m K)], or one where the other's is without
-            limit: gives `thermal`.
-        resistivity: electrical resistivities of both [Ohm m], or one where the other's is zero: gives `electrical`.
-        model: `em.Line(...)`; by default eight lines of 16 longest waves. Its `equivalent_length` is by default that
-            with which the line in full contact stores the energy of the surface, 2 m_1/m_2 of the spectrum's moments.
+        temperature: temperature [K], for a material with a shift law. All of these
+            broadcast.
+        conductivity: thermal conductivities of rubber and counterface [W/(m K)], or one
+            where the other's is without limit: gives `thermal`.
+        resistivity: electrical resistivities of both [Ohm m], or one where the other's
+            is zero: gives `electrical`.
+        model: `em.Line(...)`; by default eight lines of 16 longest waves. Its
+            `equivalent_length` is by default that with which the line in full contact
+            stores the energy of the surface, 2 m_1/m_2 of the spectrum's moments.
         rtol: relative tolerance of the periodic state in sliding.
 
     Returns:
-        An `em.RoughContact`. `error` is twice the standard error over the lines, NaN for a single one. `model_error`
-        is NaN outside the range of loads and cutoffs in which lines were compared with three dimensions.
+        An `em.RoughContact`. `error` is twice the standard error over the lines, NaN
+        for a single one. `model_error` is NaN outside the range of loads and cutoffs in
+        which lines were compared with three dimensions.
 
     Raises:
         InputError: for arguments out of range, and in sliding where JAX traces them.
 
-    Exact for the line: at rest, since under a constant pressure the contact grows, and depth and pressure are related
-    as in an elastic contact with 1/J(t). Differentiable at rest with respect to material, surface, pressure, time and
-    temperature. Source: Popov & Hess 2015, ch. 10; Barber, Proc. R. Soc. A 459 (2003) 53; `docs/theory.md`.
+    Exact for the line: at rest, since under a constant pressure the contact grows, and
+    depth and pressure are related as in an elastic contact with 1/J(t). Differentiable
+    at rest with respect to material, surface, pressure, time and temperature. Source:
+    Popov & Hess 2015, ch. 10; Barber, Proc. R. Soc. A 459 (2003) 53; `docs/theory.md`.
     """
     if not is_rough(surface):
-        raise InputError(f"surface must be a rough line or a surface by its spectrum, got {surface!r}.")
-    foundation, model = as_foundation(material), of_line(_USUAL if model is None else model, "press")
+        raise InputError(
+            "surface must be a rough line or a surface by its spectrum, got "
+            f"{surface!r}."
+        )
+    foundation, model = (
+        as_foundation(material),
+        of_line(_USUAL if model is None else model, "press"),
+    )
     if model.average:
         raise InputError(
-            "model must be em.Line() without average in em.press: directions have no approach of their own."
+            "model must be em.Line() without average in em.press: directions have "
+            "no approach of their own."
         )
     if time is not None and velocity is not None:
         raise InputError(
-            "time or velocity must be given, not both: in sliding the contact is that of the steady state."
+            "time or velocity must be given, not both: in sliding the contact is "
+            "that of the steady state."
         )
     check_rtol(rtol)
     if foundation.per_area:
-        raise InputError("material must be a half-space under a rough surface, got a layer.")
+        raise InputError(
+            "material must be a half-space under a rough surface, got a layer."
+        )
     if time is None:
         check_carries(foundation)
     points = _points(foundation, pressure, time, velocity, temperature)
     traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
     if traced and velocity is not None:
         raise InputError(
-            "velocity cannot be given to em.press under jax.jit, grad or vmap, where only rest is computed."
+            "velocity cannot be given to em.press under jax.jit, grad or vmap, "
+            "where only rest is computed."
         )
     length, rule = _length(surface, model)
     lines = _lines(surface, model)
-    found = _at_rest(points, lines, length) if velocity is None else _sliding(points, lines, length, foundation, rtol)
-    low = _least(points, surface, lines[0]) if velocity is None else np.full(points.shape, np.nan)
+    found = (
+        _at_rest(points, lines, length)
+        if velocity is None
+        else _sliding(points, lines, length, foundation, rtol)
+    )
+    low = (
+        _least(points, surface, lines[0])
+        if velocity is None
+        else np.full(points.shape, np.nan)
+    )
     if not traced and not found.good.all():
         count = int((~found.good).sum())
         text = f"{count} of {found.good.size} points did not converge; they are NaN."
@@ -119,12 +155,18 @@ def press(
     def field(values: Any) -> Any:
         return nan_unless(found.good, values)
 
-    known = not traced and isinstance(surface, AbstractSpectrum) and model.equivalent_length is None
+    known = (
+        not traced
+        and isinstance(surface, AbstractSpectrum)
+        and model.equivalent_length is None
+    )
     inputs = [
         ("material", foundation.name or "given directly"),
         (
             "surface",
-            surface.label if traced or isinstance(surface, RoughLine) else f"{surface.label}, {surface.words()}",
+            surface.label
+            if traced or isinstance(surface, RoughLine)
+            else f"{surface.label}, {surface.words()}",
         ),
         ("pressure", brief(pressure, "Pa")),
         *([] if time is None else [("time", brief(time, "s"))]),
@@ -134,22 +176,39 @@ def press(
     ]
     beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
     return RoughContact(
-        pressure=points.pressure, time=points.time, velocity=points.velocity, temperature=points.kelvin,
-        approach=field(found.approach), separation=field(found.gap), stiffness=field(found.stiffness),
-        conductance=field(found.conductance), conductance_low=low,
+        pressure=points.pressure,
+        time=points.time,
+        velocity=points.velocity,
+        temperature=points.kelvin,
+        approach=field(found.approach),
+        separation=field(found.gap),
+        stiffness=field(found.stiffness),
+        conductance=field(found.conductance),
+        conductance_low=low,
         thermal=_times(found.conductance, conductivity, "conductivity", False, field),
         electrical=_times(found.conductance, resistivity, "resistivity", True, field),
-        error=field(found.error), approach_error=field(found.approach_error),
-        model_error=_model_error(surface, points) if known else xp.full(points.shape, np.nan),
-        converged=found.good, extrapolated=beyond.points, model="MDR line of the interface" + rule,
-        plan="closed form of the sorted heights of each line" if velocity is None else "periodic states of each line",
+        error=field(found.error),
+        approach_error=field(found.approach_error),
+        model_error=_model_error(surface, points)
+        if known
+        else xp.full(points.shape, np.nan),
+        converged=found.good,
+        extrapolated=beyond.points,
+        model="MDR line of the interface" + rule,
+        plan="closed form of the sorted heights of each line"
+        if velocity is None
+        else "periodic states of each line",
         inputs=(*inputs, *beyond.said),
-    )  # fmt: skip
+    )
 
 
 def _ensemble(surface: Any, lines: list[RoughLine], model: Line) -> str:
     text = f"{len(lines)} line{'s' * (len(lines) > 1)} of {lines[0].count} samples"
-    return text if isinstance(surface, RoughLine) else f"{text}, {model.periods} longest waves each"
+    return (
+        text
+        if isinstance(surface, RoughLine)
+        else f"{text}, {model.periods} longest waves each"
+    )
 
 
 class _Points(NamedTuple):
@@ -178,18 +237,45 @@ class _Found(NamedTuple):
     good: Any
 
 
-def _points(foundation: Foundation, pressure: Any, time: Any, velocity: Any, temperature: Any) -> _Points:
-    given = {"pressure": pressure, "time": time, "velocity": velocity, "temperature": temperature}
-    arrays = {name: as_float64(name, value) for name, value in given.items() if value is not None}
+def _points(
+    foundation: Foundation, pressure: Any, time: Any, velocity: Any, temperature: Any
+) -> _Points:
+    given = {
+        "pressure": pressure,
+        "time": time,
+        "velocity": velocity,
+        "temperature": temperature,
+    }
+    arrays = {
+        name: as_float64(name, value)
+        for name, value in given.items()
+        if value is not None
+    }
     for name, value in arrays.items():
         positive(name, value)
     shape = broadcast_shape(**arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
     kelvin, time = full.get("temperature"), full.get("time")
-    factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
-    compliance = 1 / foundation.equilibrium if time is None else foundation.creep_compliance(time / factor)
+    factor, vertical = (
+        (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+    )
+    compliance = (
+        1 / foundation.equilibrium
+        if time is None
+        else foundation.creep_compliance(time / factor)
+    )
     carried = full["pressure"] / vertical
-    return _Points(shape, full["pressure"], time, full.get("velocity"), kelvin, carried, factor, compliance, vertical)
+    return _Points(
+        shape,
+        full["pressure"],
+        time,
+        full.get("velocity"),
+        kelvin,
+        carried,
+        factor,
+        compliance,
+        vertical,
+    )
 
 
 def _length(surface: Any, model: Line) -> tuple[Any, str]:
@@ -198,15 +284,22 @@ def _length(surface: Any, model: Line) -> tuple[Any, str]:
     if length is None and isinstance(surface, AbstractSpectrum):
         length = 2 * surface.moment(1) / surface.moment(2)
         text = "" if is_traced(length) else f" = {float(length):.4g} m"
-        return length, f"; pressure p as line load p L with L = 2 m_1/m_2{text}, of equal energy in full contact"
+        return length, (
+            f"; pressure p as line load p L with L = 2 m_1/m_2{text}, of equal energy "
+            "in full contact"
+        )
     if length is None or isinstance(length, str):
         raise InputError(
-            "model must be em.Line(equivalent_length=...) [m] with a RoughLine in em.press, and a length or None with "
+            "model must be em.Line(equivalent_length=...) [m] with a RoughLine in "
+            "em.press, and a length or None with "
             f"a surface, got {length!r}."
         )
     length = scalar("equivalent_length", length)
     positive("equivalent_length", length)
-    return length, f"; pressure p as line load p L with L = {float(length):.4g} m as given"
+    return (
+        length,
+        f"; pressure p as line load p L with L = {float(length):.4g} m as given",
+    )
 
 
 def _lines(surface: Any, model: Line) -> list[RoughLine]:
@@ -227,104 +320,196 @@ def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _Found:
     approaches, gaps, conductances, touching = [], [], [], []
     for line in lines:
         if not is_traced(line):
-            require("surface", np.ptp(line.height), "rough, with heights that differ", lambda x: x > 0)
+            require(
+                "surface",
+                np.ptp(line.height),
+                "rough, with heights that differ",
+                lambda x: x > 0,
+            )
         on = bearing(line.height)
         at = pressed(on, load)
         approaches.append(on.mean - at.gap)
         gaps.append(at.gap)
         conductances.append(_conductance(at.share, length))
         touching.append(at.share * line.height.size >= 1)
-    return _mean(approaches, gaps, conductances, None, 1 / points.compliance * points.vertical, points, touching)
+    return _mean(
+        approaches,
+        gaps,
+        conductances,
+        None,
+        1 / points.compliance * points.vertical,
+        points,
+        touching,
+    )
 
 
 def _conductance(share: Any, length: Any) -> Any:
-    """Over the conductivity [1/m], from the share of the line in contact: of each element twice its width."""
+    """Over the conductivity [1/m], from the share of the line in contact: of each
+    element twice its width.
+    """
     part = share < 1
     return xp.where(part, 2 / length * share / xp.where(part, 1 - share, 1.0), xp.inf)
 
 
-def _sliding(points: _Points, lines: list[RoughLine], length: float, foundation: Foundation, rtol: float) -> _Found:
+def _sliding(
+    points: _Points,
+    lines: list[RoughLine],
+    length: float,
+    foundation: Foundation,
+    rtol: float,
+) -> _Found:
     from ..arrays import on_jax
 
     return on_jax(_steady, points, lines, length, foundation, rtol)
 
 
-def _steady(points: _Points, lines: list[RoughLine], length: float, foundation: Foundation, rtol: float) -> _Found:
+def _steady(
+    points: _Points,
+    lines: list[RoughLine],
+    length: float,
+    foundation: Foundation,
+    rtol: float,
+) -> _Found:
     from .periodic import Job, solve_lines
 
     reduced = (points.velocity * points.factor).ravel()
     load = (points.carried * length).ravel()
     loads = np.concatenate([load, load * (1 - _STEP), load * (1 + _STEP)])
-    jobs = [Job(np.asarray(line.height), float(line.spacing), np.tile(reduced, 3), loads, "load") for line in lines]
+    jobs = [
+        Job(
+            np.asarray(line.height),
+            float(line.spacing),
+            np.tile(reduced, 3),
+            loads,
+            "load",
+        )
+        for line in lines
+    ]
     relaxed = float(foundation.equilibrium)
     approaches, gaps, conductances, stiffnesses, touching = [], [], [], [], []
-    for line, own in zip(lines, solve_lines(jobs, foundation.law(), float(rtol)), strict=True):
+    for line, own in zip(
+        lines, solve_lines(jobs, foundation.law(), float(rtol)), strict=True
+    ):
         height = np.asarray(line.height)
         # In full contact the difference of depth and load, both large, is rounding.
         closed = height.max() - height.mean()
-        middle, less, more = np.where(own.share == 1, closed, own.depth - own.load / relaxed).reshape(3, -1)
-        touching.append((own.share[: load.size] * height.size >= _FEWEST).reshape(points.shape))
+        middle, less, more = np.where(
+            own.share == 1, closed, own.depth - own.load / relaxed
+        ).reshape(3, -1)
+        touching.append(
+            (own.share[: load.size] * height.size >= _FEWEST).reshape(points.shape)
+        )
         approaches.append(middle.reshape(points.shape))
         gaps.append((closed - middle).reshape(points.shape))
-        conductances.append(np.asarray(_conductance(own.share[: load.size], length)).reshape(points.shape))
+        conductances.append(
+            np.asarray(_conductance(own.share[: load.size], length)).reshape(
+                points.shape
+            )
+        )
         rise = (own.load.reshape(3, -1)[2] - own.load.reshape(3, -1)[1]) / length
-        stiffnesses.append((rise / (more - less)).reshape(points.shape) * points.vertical)
+        stiffnesses.append(
+            (rise / (more - less)).reshape(points.shape) * points.vertical
+        )
     return _mean(approaches, gaps, conductances, stiffnesses, None, points, touching)
 
 
 def _mean(
-    approaches: list[Any], gaps: list[Any], conductances: list[Any], stiffnesses: list[Any] | None, modulus: Any,
-    points: _Points, touching: list[Any],
-) -> _Found:  # fmt: skip
+    approaches: list[Any],
+    gaps: list[Any],
+    conductances: list[Any],
+    stiffnesses: list[Any] | None,
+    modulus: Any,
+    points: _Points,
+    touching: list[Any],
+) -> _Found:
     """`touching` says where each line touches in enough samples."""
-    approach, gap, conductance = (xp.stack(each) for each in (approaches, gaps, conductances))
+    approach, gap, conductance = (
+        xp.stack(each) for each in (approaches, gaps, conductances)
+    )
     mean = xp.mean(conductance, axis=0)
-    stiffness = 0.5 * modulus * mean if stiffnesses is None else xp.mean(xp.stack(stiffnesses), axis=0)
+    stiffness = (
+        0.5 * modulus * mean
+        if stiffnesses is None
+        else xp.mean(xp.stack(stiffnesses), axis=0)
+    )
     count = len(approaches)
     if count > 1:
         with np.errstate(invalid="ignore"):
-            error, far = (2 * xp.std(each, axis=0, ddof=1) / count**0.5 for each in (conductance, approach))
+            error, far = (
+                2 * xp.std(each, axis=0, ddof=1) / count**0.5
+                for each in (conductance, approach)
+            )
             error = error / mean
     else:
         error, far = xp.full(points.shape, np.nan), xp.full(points.shape, np.nan)
     good = xp.isfinite(xp.mean(approach, axis=0)) & xp.all(xp.stack(touching), axis=0)
-    return _Found(xp.mean(approach, axis=0), xp.mean(gap, axis=0), stiffness, mean, error, far, good)
+    return _Found(
+        xp.mean(approach, axis=0),
+        xp.mean(gap, axis=0),
+        stiffness,
+        mean,
+        error,
+        far,
+        good,
+    )
 
 
 def _least(points: _Points, surface: Any, line: RoughLine) -> Any:
-    """Bound of the conductance over the conductivity; of a surface, a square as wide as a line is long."""
+    """Bound of the conductance over the conductivity; of a surface, a square as wide as
+    a line is long.
+    """
     load = points.carried * points.compliance
     if isinstance(surface, RoughLine):
         return least_conductance(load, xp.max(line.height) - xp.mean(line.height))
-    spread, slope = (2 * np.pi * surface.moment(1)) ** 0.5, (np.pi * surface.moment(3)) ** 0.5
+    spread, slope = (
+        (2 * np.pi * surface.moment(1)) ** 0.5,
+        (np.pi * surface.moment(3)) ** 0.5,
+    )
     return least_conductance(load, spread * highest(spread, slope, line.period**2))
 
 
 def _times(conductance: Any, values: Any, name: str, inverse: bool, field: Any) -> Any:
-    """The conductance with conductivities, or resistivities (`inverse`), of one body or two; None without them."""
+    """The conductance with conductivities, or resistivities (`inverse`), of one body or
+    two; None without them.
+    """
     if values is None:
         return None
     each = as_float64(name, values)
     if each.shape not in ((), (1,), (2,)):
-        raise InputError(f"{name} must be a number or a pair, of rubber and counterface, got shape {each.shape}.")
+        raise InputError(
+            f"{name} must be a number or a pair, of rubber and counterface, got "
+            f"shape {each.shape}."
+        )
     positive(name, each)
     return field(conductance / xp.sum(each if inverse else 1 / each))
 
 
 def _beyond(foundation: Foundation, surface: Any, points: _Points) -> Beyond:
-    """Points beyond the data of the material: in sliding by frequency of excitation, at rest by 1/t."""
+    """Points beyond the data of the material: in sliding by frequency of excitation, at
+    rest by 1/t.
+    """
     if foundation.range is None:
         return NOT_KNOWN
     if points.velocity is not None:
-        outside = excited_outside(foundation.range, surface, points.velocity * points.factor)
-        return rough_beyond(foundation.range, outside, points.kelvin, points.shape, stacklevel=5)
+        outside = excited_outside(
+            foundation.range, surface, points.velocity * points.factor
+        )
+        return rough_beyond(
+            foundation.range, outside, points.kelvin, points.shape, stacklevel=5
+        )
     factor = np.broadcast_to(points.factor, points.shape)
-    return held_beyond(foundation.range, points.time, points.kelvin, factor, stacklevel=5)
+    return held_beyond(
+        foundation.range, points.time, points.kelvin, factor, stacklevel=5
+    )
 
 
 def _model_error(surface: Any, points: _Points) -> Any:
-    """Relative, of the conductance at rest: in the range of `benchmarks/rough_press.py` 0.28 at most, NaN elsewhere."""
+    """Relative, of the conductance at rest: in the range of `benchmarks/rough_press.py`
+    0.28 at most, NaN elsewhere.
+    """
     level = np.asarray(points.carried * points.compliance / surface.rms_slope)
     inside = (level >= _LEVELS[0] * (1 - 1e-9)) & (level <= _LEVELS[1] * (1 + 1e-9))
-    inside &= points.velocity is None and surface.q_high <= _RATIO * surface.q_low * (1 + 1e-9)
+    inside &= points.velocity is None and surface.q_high <= _RATIO * surface.q_low * (
+        1 + 1e-9
+    )
     return np.where(inside, _OFF, np.nan)

@@ -1,20 +1,29 @@
-"""Friction of a randomly rough surface under a pressure, in closed integrals over its spectrum.
+"""Friction of a randomly rough surface under a pressure, in closed integrals over its
+spectrum.
 
-With E* the half-space's modulus E/(1 - nu^2), C(q) the two-dimensional spectrum and w = q v:
+With E* the half-space's modulus E/(1 - nu^2), C(q) the two-dimensional spectrum and w =
+q v:
 
-    full contact (exact)    mu = (1/2p) int q^3 C drag(q v) dq,     drag(w) = int_0^2pi cos(phi) Im E*(w cos phi) dphi
-    Persson                 mu = (1/2p) int q^3 C S P drag dq,      P = erf(1/(2 sqrt G)),  S = gamma + (1 - gamma) P^2
+    full contact (exact)
+    mu = (1/2p) int q^3 C drag(q v) dq,
+    drag(w) = int_0^2pi cos(phi) Im E*(w cos phi) dphi
+    Persson
+    mu = (1/2p) int q^3 C S P drag dq,
+    P = erf(1/(2 sqrt G)),  S = gamma + (1 - gamma) P^2
                             G(q) = (1/8p^2) int_q_low^q k^3 C [S] stiffness(k v) dk,
                             stiffness(w) = int_0^2pi |E*(w cos phi)|^2 dphi
 
-P(q) is the share of the nominal area that is in contact when waves up to q are seen; at the upper cutoff it is the real
-area of contact. Where S stands inside G as well ("stored"), dG/S(G) can be integrated once for all, so that G is a
-function of the same integral without S. Source: B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840; Scaraggi and Persson,
-J. Phys.: Condens. Matter 27 (2015) 105102.
+P(q) is the share of the nominal area that is in contact when waves up to q are seen; at
+the upper cutoff it is the real area of contact. Where S stands inside G as well
+("stored"), dG/S(G) can be integrated once for all, so that G is a function of the same
+integral without S. Source: B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840; Scaraggi
+and Persson, J. Phys.: Condens. Matter 27 (2015) 105102.
 
-The integrals over the angle depend on q v alone: they are tabulated once for a material, over the logarithm of the
-frequency, and read off by cubic interpolation. Each integral over q is taken by Gauss' rule of two points on cells of
-log q, which end at the points of the spectrum, where it may bend, and get shorter towards q_low, where P falls from 1.
+The integrals over the angle depend on q v alone: they are tabulated once for a
+material, over the logarithm of the frequency, and read off by cubic interpolation. Each
+integral over q is taken by Gauss' rule of two points on cells of log q, which end at
+the points of the spectrum, where it may bend, and get shorter towards q_low, where P
+falls from 1.
 """
 
 import functools
@@ -25,7 +34,8 @@ import numpy as np
 
 PER_DECADE = 32  # cells of log q that a solution begins with
 _COARSEST = PER_DECADE // 4  # and those of the coarser of two that it is compared with
-_SMALLEST = 26  # how many factors of 2 the smallest cell, next to q_low, is below those that are even
+# how many factors of 2 the smallest cell, next to q_low, is below those that are even
+_SMALLEST = 26
 _STEP = np.log(10.0) / 32  # of log frequency in the tables of a material
 _REACH = 21.0  # how far below a frequency in log the average over the angles looks
 _ANGLES = 400  # nodes over the angle, midpoints in log tan(phi/2), of the tables
@@ -52,10 +62,11 @@ class Tables(NamedTuple):
 
 
 def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes:
-    """Nodes over a spectrum, in `per_decade` cells of even width in log q; where q is traced three decades are assumed.
+    """Nodes over a spectrum, in `per_decade` cells of even width in log q; where q is
+    traced three decades are assumed.
 
-    Cells end at the points of the spectrum, and at the wave numbers `bends`, where an integrand may bend (not where q
-    is traced).
+    Cells end at the points of the spectrum, and at the wave numbers `bends`, where an
+    integrand may bend (not where q is traced).
     """
     table, c = spectrum.q, spectrum.c
     xp = namespace(table, c)
@@ -64,7 +75,9 @@ def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes
     for i in range(log_q.shape[0] - 1):
         width = np.log(1e3) if xp is not np else float(log_q[i + 1] - log_q[i])
         count = max(1, int(np.ceil(width / np.log(10.0) * per_decade)))
-        share = _graded(count, per_decade) if i == 0 else np.linspace(0.0, 1.0, count + 1)
+        share = (
+            _graded(count, per_decade) if i == 0 else np.linspace(0.0, 1.0, count + 1)
+        )
         end = log_q[i] + (log_q[i + 1] - log_q[i]) * share
         if xp is np and len(bends):
             at = _with_between(np.sort(np.log(bends)), per_decade)
@@ -73,36 +86,58 @@ def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes
         steep = (log_c[i + 1] - log_c[i]) / (log_q[i + 1] - log_q[i])
         level.append(xp.broadcast_to(log_c[i] - steep * log_q[i], (end.size - 1,)))
         slope.append(xp.broadcast_to(steep, (end.size - 1,)))
-    low, high = xp.concatenate([e[:-1] for e in ends]), xp.concatenate([e[1:] for e in ends])
+    low, high = (
+        xp.concatenate([e[:-1] for e in ends]),
+        xp.concatenate([e[1:] for e in ends]),
+    )
     level, slope = xp.concatenate(level)[:, None], xp.concatenate(slope)[:, None]
-    x = low[:, None] + (high - low)[:, None] * np.array([0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6])
+    x = low[:, None] + (high - low)[:, None] * np.array(
+        [0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6]
+    )
     return Nodes(
-        xp.exp(x), xp.broadcast_to((0.5 * (high - low))[:, None], x.shape), xp.exp((4 + slope) * x + level),
-        xp.exp(log_q[-1]), xp.exp(4 * log_q[-1] + log_c[-1]),
-    )  # fmt: skip
+        xp.exp(x),
+        xp.broadcast_to((0.5 * (high - low))[:, None], x.shape),
+        xp.exp((4 + slope) * x + level),
+        xp.exp(log_q[-1]),
+        xp.exp(4 * log_q[-1] + log_c[-1]),
+    )
 
 
 def _with_between(at: np.ndarray, per_decade: int) -> np.ndarray:
-    """Bends at log q, and between those nearer than a quarter of a decade so many places that cells do get finer there.
+    """Bends at log q, and between those nearer than a quarter of a decade so many
+    places that cells do get finer there.
 
-    Between two within a cell nothing would change with finer cells, as if all had settled.
+    Between two within a cell nothing would change with finer cells, as if all had
+    settled.
     """
     count = 2 * per_decade // _COARSEST
-    near = [pair for pair in itertools.pairwise(at) if pair[1] - pair[0] < 0.25 * np.log(10.0)]
-    return np.unique(np.concatenate([at, *(np.linspace(*pair, count + 1) for pair in near)]))
+    near = [
+        pair
+        for pair in itertools.pairwise(at)
+        if pair[1] - pair[0] < 0.25 * np.log(10.0)
+    ]
+    return np.unique(
+        np.concatenate([at, *(np.linspace(*pair, count + 1) for pair in near)])
+    )
 
 
 def _graded(count: int, per_decade: int) -> np.ndarray:
-    """Ends of cells from 0 to 1: each longer than those before together by a factor, until one has a `count`th."""
+    """Ends of cells from 0 to 1: each longer than those before together by a factor,
+    until one has a `count`th.
+    """
     growth = 2.0 ** (16 / per_decade)
     even = min(1.0, 1 / (count * (growth - 1)))  # from where on cells are even
     first = even * growth ** np.arange(-int(_SMALLEST * per_decade / 16), 1.0)
     rest = max(0, int(np.ceil((1 - even) * count)))
-    return np.concatenate([[0.0], first[:-1], np.linspace(even, 1.0, rest + 1) if rest else [1.0]])
+    return np.concatenate(
+        [[0.0], first[:-1], np.linspace(even, 1.0, rest + 1) if rest else [1.0]]
+    )
 
 
 def until(rate: Any, weight: Any) -> Any:
-    """int dlog q of `rate` from q_low to each node, (..., cells, 2): within a cell as Gauss' method of order four."""
+    """int dlog q of `rate` from q_low to each node, (..., cells, 2): within a cell as
+    Gauss' method of order four.
+    """
     xp = namespace(rate, weight)
     first, second = rate[..., 0], rate[..., 1]
     width = 2 * weight[..., 0]
@@ -122,7 +157,8 @@ def until(rate: Any, weight: Any) -> Any:
 
 @functools.lru_cache(maxsize=8)
 def _kernels(step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Weights on f(w), f(w e^-h), ... of int cos f(w cos) dphi and int f(w cos) dphi, f cubic between the points.
+    """Weights on f(w), f(w e^-h), ... of int cos f(w cos) dphi and int f(w cos) dphi, f
+    cubic between the points.
 
     From the point above w on, which cubic interpolation needs.
     """
@@ -146,11 +182,15 @@ def _kernels(step: float) -> tuple[np.ndarray, np.ndarray]:
     return scale * weighted, scale * plain
 
 
-def tables(modulus: Any, low: float, high: float, step: float = _STEP, parted: bool = False) -> Tables:
-    """Tables for frequencies q v from `low` to `high` [rad/s]; `modulus(omega)` is E* [Pa], complex.
+def tables(
+    modulus: Any, low: float, high: float, step: float = _STEP, parted: bool = False
+) -> Tables:
+    """Tables for frequencies q v from `low` to `high` [rad/s]; `modulus(omega)` is E*
+    [Pa], complex.
 
-    Their logs are whole multiples of the step, so that a point reads the same frequencies whatever stands beside it.
-    With `parted` also how much of the stiffness is loss.
+    Their logs are whole multiples of the step, so that a point reads the same
+    frequencies whatever stands beside it. With `parted` also how much of the stiffness
+    is loss.
     """
     weighted, plain = _kernels(step)
     first = int(np.floor(np.log(low) / step)) - 2
@@ -159,19 +199,28 @@ def tables(modulus: Any, low: float, high: float, step: float = _STEP, parted: b
     frequency = np.exp(step * np.arange(first - lags + 2, first + count + 1))
     value = modulus(frequency)
     xp = namespace(value)
-    drag, stiffness = (xp.convolve(*pair, "valid") for pair in ((value.imag, weighted), (xp.abs(value) ** 2, plain)))
+    drag, stiffness = (
+        xp.convolve(*pair, "valid")
+        for pair in ((value.imag, weighted), (xp.abs(value) ** 2, plain))
+    )
     lost = xp.convolve(value.imag**2, plain, "valid") / stiffness if parted else None
     return Tables(first, drag, stiffness, lost)
 
 
 def direct(modulus: Any, w: Any, parted: bool = False) -> tuple[Any, Any, Any]:
-    """`drag`, `stiffness` and `lost` at frequencies w of any shape, each with an average over the angle of its own."""
+    """`drag`, `stiffness` and `lost` at frequencies w of any shape, each with an
+    average over the angle of its own.
+    """
     t = 14.0 * (np.arange(_DIRECT) + 0.5) / _DIRECT
     cosine = 1 / np.cosh(t)
     weight = 4 * 14.0 / _DIRECT * cosine
     value = modulus(w[..., None] * cosine)
     stiffness = (value.real**2 + value.imag**2) @ weight
-    return value.imag @ (weight * cosine), stiffness, value.imag**2 @ weight / stiffness if parted else None
+    return (
+        value.imag @ (weight * cosine),
+        stiffness,
+        value.imag**2 @ weight / stiffness if parted else None,
+    )
 
 
 def read(table: Tables, values: Any, log_w: Any, step: float = _STEP) -> Any:
@@ -182,9 +231,11 @@ def read(table: Tables, values: Any, log_w: Any, step: float = _STEP) -> Any:
     s = place - (left + table.first)
     y = xp.log(xp.maximum(values, 1e-300))
     return xp.exp(
-        -s * (s - 1) * (s - 2) / 6 * y[left - 1] + (s + 1) * (s - 1) * (s - 2) / 2 * y[left]
-        - (s + 1) * s * (s - 2) / 2 * y[left + 1] + (s + 1) * s * (s - 1) / 6 * y[left + 2]
-    )  # fmt: skip
+        -s * (s - 1) * (s - 2) / 6 * y[left - 1]
+        + (s + 1) * (s - 1) * (s - 2) / 2 * y[left]
+        - (s + 1) * s * (s - 2) / 2 * y[left + 1]
+        + (s + 1) * s * (s - 1) / 6 * y[left + 2]
+    )
 
 
 def share(spread: Any) -> Any:
@@ -209,7 +260,9 @@ def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     log_g = np.linspace(np.log(1e-4), np.log(1e9), 2400)
     nodes, weights = np.polynomial.legendre.leggauss(4)
-    middle = 0.5 * (log_g[1:] + log_g[:-1])[:, None] + 0.5 * np.diff(log_g)[:, None] * nodes
+    middle = (
+        0.5 * (log_g[1:] + log_g[:-1])[:, None] + 0.5 * np.diff(log_g)[:, None] * nodes
+    )
     g = np.exp(middle)
     parts = (g / factor(erf(0.5 / np.sqrt(g)), gamma)) @ weights * 0.5 * np.diff(log_g)
     whole = np.exp(log_g[0]) + np.concatenate([[0.0], np.cumsum(parts)])
@@ -218,7 +271,9 @@ def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
-    """G from R = int q^3 C stiffness/(8 p^2) dq: itself, or with S inside the integral."""
+    """G from R = int q^3 C stiffness/(8 p^2) dq: itself, or with S inside the
+    integral.
+    """
     if not stored:
         return rate
     xp = namespace(rate)
@@ -229,15 +284,23 @@ def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
     width = log_r[left + 1] - log_r[left]
     s = (x - log_r[left]) / width
     inside = (
-        (1 + 2 * s) * (1 - s) ** 2 * log_g[left] + s * (1 - s) ** 2 * width * slope[left]
-        + s**2 * (3 - 2 * s) * log_g[left + 1] + s**2 * (s - 1) * width * slope[left + 1]
-    )  # fmt: skip
+        (1 + 2 * s) * (1 - s) ** 2 * log_g[left]
+        + s * (1 - s) ** 2 * width * slope[left]
+        + s**2 * (3 - 2 * s) * log_g[left + 1]
+        + s**2 * (s - 1) * width * slope[left + 1]
+    )
     # Below the table S is 1, above it gamma.
-    return xp.exp(xp.where(x < log_r[0], x, xp.where(x > log_r[-1], log_g[-1] + x - log_r[-1], inside)))
+    return xp.exp(
+        xp.where(
+            x < log_r[0], x, xp.where(x > log_r[-1], log_g[-1] + x - log_r[-1], inside)
+        )
+    )
 
 
 def namespace(*values: Any) -> Any:
-    """NumPy, or jax.numpy where a value is JAX's: only then has JAX been imported already."""
+    """NumPy, or jax.numpy where a value is JAX's: only then has JAX been imported
+    already.
+    """
     import sys
 
     if "jax" in sys.modules:

@@ -1,13 +1,15 @@
 """Friction of a surface on random maps of it, in three dimensions: `em.HalfSpace`.
 
-A map (`surface.rough_map`) has the amplitudes of the spectrum and random phases. Its friction is divided by
-that of full contact on the same waves, and multiplied by that of the spectrum, which takes off what the waves of a
-finite cell miss.
+A map (`surface.rough_map`) has the amplitudes of the spectrum and random phases. Its
+friction is divided by that of full contact on the same waves, and multiplied by that of
+the spectrum, which takes off what the waves of a finite cell miss.
 
-A cell must hold many longest waves where contact is light: with one to a side, all of the load is on one summit, and
-friction comes out three times too low at 2 % contact. The share of the surface that touches where waves up to twice
-the longest are seen (Persson's P), times the number of longest waves in the cell, is how many summits carry the load.
-With one of them friction was 14 % low, with four 1 %: `error` has 0.3/N for N of them; below one there is no answer.
+A cell must hold many longest waves where contact is light: with one to a side, all of
+the load is on one summit, and friction comes out three times too low at 2 % contact.
+The share of the surface that touches where waves up to twice the longest are seen
+(Persson's P), times the number of longest waves in the cell, is how many summits carry
+the load. With one of them friction was 14 % low, with four 1 %: `error` has 0.3/N for N
+of them; below one there is no answer.
 """
 
 from collections.abc import Callable
@@ -21,10 +23,13 @@ from .half_space import solve, waves
 from .psd_integrals import nodes, read, share, spread_of, tables, until
 
 SAMPLES = 4  # cells per shortest wave
-_USUAL, _LARGEST = 512, 2048  # cells to a side that are aimed at, and the most, where none are given
+# cells to a side that are aimed at, and the most, where none are given
+_USUAL, _LARGEST = 512, 2048
 _PERIODS = 16  # longest waves to a side, at most, where none are given
-_OF_SUMMITS = 0.3  # relative error of a cell, over the number of summits that carry its load
-# Half of the change from a grid half as fine: a grid of 4 cells per shortest wave is within 0.8 % of ever finer ones.
+# relative error of a cell, over the number of summits that carry its load
+_OF_SUMMITS = 0.3
+# Half of the change from a grid half as fine: a grid of 4 cells per shortest wave is
+# within 0.8 % of ever finer ones.
 _OF_HALF = 0.5
 
 
@@ -33,9 +38,9 @@ class Found(NamedTuple):
 
     mu: np.ndarray
     area: np.ndarray
-    error: (
-        np.ndarray
-    )  # of the grid and the size of the cell, and twice the standard error of the mean over maps; NaN for one map
+    # of the grid and the size of the cell, and twice the standard error of the mean
+    # over maps; NaN for one map
+    error: np.ndarray
     good: np.ndarray
     said: str  # how it was computed
     area_error: np.ndarray  # numerical
@@ -58,24 +63,35 @@ def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> Grid:
         cells = 32 * int(np.ceil(SAMPLES * ratio * periods / 32 - 1e-9))
         if cells > _LARGEST:
             raise InputError(
-                f"cells must be given for a surface whose cutoffs are a factor of {ratio:.3g} apart: {cells} to a side "
-                "would be needed. em.Multiscale() costs nothing; or lower the upper cutoff."
+                "cells must be given for a surface whose cutoffs are a factor of "
+                f"{ratio:.3g} apart: {cells} to a side "
+                "would be needed. em.Multiscale() costs nothing; or lower the upper "
+                "cutoff."
             )
     if periods is None:
         periods = int(cells / (SAMPLES * ratio))
     least = int(np.ceil(SAMPLES * ratio * max(periods, 1) - 1e-9))
     if cells % 4 or periods < 1 or cells < least:
         raise InputError(
-            f"cells must be a multiple of 4, at least {least} for {SAMPLES} per shortest wave, got {cells}."
+            f"cells must be a multiple of 4, at least {least} for {SAMPLES} per "
+            f"shortest wave, got {cells}."
         )
     return Grid(cells, periods, 2 * np.pi * periods / spectrum.q_low)
 
 
 def friction(
-    modulus: Callable[[Any], Any], spectrum: Any, velocity: np.ndarray, pressure: np.ndarray, grid: Grid,
-    seeds: tuple[int, ...], rtol: float, progress: Callable[[int, int], None] | None,
-) -> Found:  # fmt: skip
-    """Points (velocity [m/s], pressure [Pa]), flat, each on every map; neighbours begin with each other's contact."""
+    modulus: Callable[[Any], Any],
+    spectrum: Any,
+    velocity: np.ndarray,
+    pressure: np.ndarray,
+    grid: Grid,
+    seeds: tuple[int, ...],
+    rtol: float,
+    progress: Callable[[int, int], None] | None,
+) -> Found:
+    """Points (velocity [m/s], pressure [Pa]), flat, each on every map; neighbours begin
+    with each other's contact.
+    """
     count, done = velocity.size, 0
     mu, area, off, missed = (np.full((len(seeds), count), np.nan) for _ in range(4))
     order = np.lexsort((velocity, pressure))
@@ -93,24 +109,50 @@ def friction(
             if progress is not None:
                 progress(done, count * len(seeds))
             if not enough[i] >= 1:
-                continue  # no answer, whatever the solution; far below that there may be no contact in 32 bits
-            found = solve(modulus, heights, sides, velocity=v, pressure=p, start=start, double=rtol < 1e-4)
-            coarse = solve(modulus, heights[::2, ::2], sides, velocity=v, pressure=p, double=False)
+                # no answer, whatever the solution; far below that there may be no
+                # contact in 32 bits
+                continue
+            found = solve(
+                modulus,
+                heights,
+                sides,
+                velocity=v,
+                pressure=p,
+                start=start,
+                double=rtol < 1e-4,
+            )
+            coarse = solve(
+                modulus, heights[::2, ::2], sides, velocity=v, pressure=p, double=False
+            )
             start, last = (found.pressure if found.settled else None), i
             if found.settled:
                 own = full_contact_of_map(modulus, heights, sides, v, p)
                 mu[j, i], area[j, i] = found.stress / p * full[i] / own, found.area
-                off[j, i] = _OF_HALF * abs(found.stress - coarse.stress) / p if coarse.settled else np.nan
-                missed[j, i] = _OF_HALF * abs(found.area - coarse.area) if coarse.settled else np.nan
+                off[j, i] = (
+                    _OF_HALF * abs(found.stress - coarse.stress) / p
+                    if coarse.settled
+                    else np.nan
+                )
+                missed[j, i] = (
+                    _OF_HALF * abs(found.area - coarse.area)
+                    if coarse.settled
+                    else np.nan
+                )
     scatter, scattered = (
-        np.std(x, axis=0, ddof=1) / np.sqrt(len(seeds)) if len(seeds) > 1 else np.full(count, np.nan)
+        np.std(x, axis=0, ddof=1) / np.sqrt(len(seeds))
+        if len(seeds) > 1
+        else np.full(count, np.nan)
         for x in (mu, area)
     )
     said = (
-        f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest waves to a side; at least "
-        f"{enough.min():.2g} summits carry the load"
+        f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest "
+        f"waves to a side; at least {enough.min():.2g} summits carry the load"
     )
-    said += "" if len(seeds) > 1 else "; how far maps scatter is not known, and so no error of mu"
+    said += (
+        ""
+        if len(seeds) > 1
+        else "; how far maps scatter is not known, and so no error of mu"
+    )
     good = np.isfinite(mu).all(axis=0) & (enough >= 1)
     mean = mu.mean(axis=0)
     error = off.mean(axis=0) + _OF_SUMMITS * np.abs(mean) / enough + 2 * scatter
@@ -119,27 +161,40 @@ def friction(
     return Found(mean, touching, error, good, said, of_area)
 
 
-def summits(modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray, grid: Grid) -> np.ndarray:
+def summits(
+    modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray, grid: Grid
+) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
     at = nodes(spectrum, 16)
     table = tables(modulus, velocity.min() * at.q.min(), velocity.max() * at.q.max())
     v, p = velocity[:, None, None], pressure[:, None, None]
     rate = at.power * read(table, table.stiffness, np.log(v * at.q)) / (8 * p**2)
-    shares = share(spread_of(until(rate, at.weight), 0.5, True)).reshape(velocity.size, -1)
-    longest = spectrum.q[int(np.argmax(np.diff(np.log(spectrum.c)) / np.diff(np.log(spectrum.q)) < -1))]
-    number = (grid.side * longest / (2 * np.pi)) ** 2  # longest waves that still grow, or the roll-off's
+    shares = share(spread_of(until(rate, at.weight), 0.5, True)).reshape(
+        velocity.size, -1
+    )
+    longest = spectrum.q[
+        int(np.argmax(np.diff(np.log(spectrum.c)) / np.diff(np.log(spectrum.q)) < -1))
+    ]
+    # longest waves that still grow, or the roll-off's
+    number = (grid.side * longest / (2 * np.pi)) ** 2
     where = np.searchsorted(at.q.ravel(), min(2 * longest, 0.999 * spectrum.q_high))
     return number * shares[:, where]
 
 
-def full_contact(modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray) -> np.ndarray:
+def full_contact(
+    modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray
+) -> np.ndarray:
     at = nodes(spectrum, 32)
     table = tables(modulus, velocity.min() * at.q.min(), velocity.max() * at.q.max())
     v, p = velocity[:, None, None], pressure[:, None, None]
-    return (at.weight * at.power * read(table, table.drag, np.log(v * at.q)) / (2 * p)).sum((-2, -1))
+    return (
+        at.weight * at.power * read(table, table.drag, np.log(v * at.q)) / (2 * p)
+    ).sum((-2, -1))
 
 
-def full_contact_of_map(modulus: Any, heights: np.ndarray, sides: Any, velocity: float, pressure: float) -> float:
+def full_contact_of_map(
+    modulus: Any, heights: np.ndarray, sides: Any, velocity: float, pressure: float
+) -> float:
     on = waves(modulus, velocity, heights.shape, sides)
     spread = np.abs(np.fft.rfft2(heights) / heights.size) ** 2
     return float((on.loss * spread * np.abs(on.inverse) ** 2).sum()) / pressure

@@ -1,4 +1,6 @@
-"""Steady friction of a surface under a pressure: by Multiscale, by Persson's theory, on a half-space of cells."""
+"""Steady friction of a surface under a pressure: by Multiscale, by Persson's theory, on
+a half-space of cells.
+"""
 
 import dataclasses
 import warnings
@@ -28,8 +30,12 @@ from .mean import Mean
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-4  # share of real contact below which it probably is
-_HOT = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
-_HOT_BY_SCALE = "; rubber at a temperature for each length scale, heated by its friction"
+_HOT = (
+    "; rubber at the flash temperature of its contacts (moving sources by length scale)"
+)
+_HOT_BY_SCALE = (
+    "; rubber at a temperature for each length scale, heated by its friction"
+)
 _SOFTENED = "; moduli softened by the strain of each length scale"
 _STRAIN_SHARE = 2.0  # factor within which the strain at a scale is taken to be known
 _MOST_SHARE = 2.0
@@ -38,7 +44,9 @@ _OFF = 1 / 3  # of what temperatures with half as many stations change, which is
 
 @dataclasses.dataclass(frozen=True)
 class SurfacePlan:
-    """What is computed for a surface under a pressure; `print(plan)` says it in words."""
+    """What is computed for a surface under a pressure; `print(plan)` says it in
+    words.
+    """
 
     scene: str
     model: str
@@ -47,25 +55,45 @@ class SurfacePlan:
     skipped: str
 
     def __str__(self) -> str:
-        return "\n".join([
-            f"Plan: friction, {self.scene}", f"  model: {self.model}", f"  {self.points} points: {self.work}",
-            f"  skipped: {self.skipped}",
-        ])  # fmt: skip
+        return "\n".join(
+            [
+                f"Plan: friction, {self.scene}",
+                f"  model: {self.model}",
+                f"  {self.points} points: {self.work}",
+                f"  skipped: {self.skipped}",
+            ]
+        )
 
 
 def surface_friction(
-    material: Any, surface: AbstractSpectrum, model: Model, *, velocity: Any, pressure: Any, temperature: Any,
-    rtol: Any, heat: Heat | None, adhesion: AdhesiveShear | None, strain_share: Any,
+    material: Any,
+    surface: AbstractSpectrum,
+    model: Model,
+    *,
+    velocity: Any,
+    pressure: Any,
+    temperature: Any,
+    rtol: Any,
+    heat: Heat | None,
+    adhesion: AdhesiveShear | None,
+    strain_share: Any,
     progress: Callable[[int, int], None] | None,
-) -> FrictionCurve:  # fmt: skip
-    """`em.friction` of a surface that is given by its spectrum, under a pressure; see there."""
-    foundation, scene = _set_up(material, surface, model, velocity, pressure, temperature, rtol, heat)
+) -> FrictionCurve:
+    """`em.friction` of a surface that is given by its spectrum, under a pressure; see
+    there.
+    """
+    foundation, scene = _set_up(
+        material, surface, model, velocity, pressure, temperature, rtol, heat
+    )
     check_adhesion(adhesion, temperature)
     strain_share = _checked_share(strain_share)
-    scene = scene._replace(traced=scene.traced or is_traced(heat, adhesion, strain_share))
+    scene = scene._replace(
+        traced=scene.traced or is_traced(heat, adhesion, strain_share)
+    )
     shape, kelvin, traced = scene.shape, scene.kelvin, scene.traced
     pressures = scene.full(scene.value)  # [Pa]
-    carried = (pressures / scene.vertical).ravel()  # by the material at its reference temperature
+    # by the material at its reference temperature
+    carried = (pressures / scene.vertical).ravel()
     solved = _solver(model, foundation, surface, float(rtol), progress)
     linear = isinstance(model, HalfSpace)
     softened = None
@@ -77,13 +105,23 @@ def surface_friction(
         _doubt_unit(found, pressures.ravel())
     reduced, warm, cold, by_scale = scene.reduced, None, found, None
     if heat is not None and not linear:
-        found, by_scale, local = _heated(heat, adhesion, foundation, surface, model, scene, found, local, solved)
+        found, by_scale, local = _heated(
+            heat, adhesion, foundation, surface, model, scene, found, local, solved
+        )
         if not traced:
-            factors = thermal_factors(foundation, scene.full(kelvin).ravel() + by_scale.mean)
-            reduced, carried = scene.full(scene.velocity) * factors[0].reshape(shape), pressures.ravel() / factors[1]
+            factors = thermal_factors(
+                foundation, scene.full(kelvin).ravel() + by_scale.mean
+            )
+            reduced, carried = (
+                scene.full(scene.velocity) * factors[0].reshape(shape),
+                pressures.ravel() / factors[1],
+            )
     elif heat is not None:
         if adhesion is not None:
-            raise InputError("heat with adhesion needs em.Multiscale() or em.Persson(), got em.HalfSpace().")
+            raise InputError(
+                "heat with adhesion needs em.Multiscale() or em.Persson(), got "
+                "em.HalfSpace()."
+            )
         v, t, p = (scene.full(a).ravel() for a in (scene.velocity, kelvin, pressures))
 
         from .flash import SETTLED, warmed
@@ -94,13 +132,22 @@ def surface_friction(
         warm = warmed(heat, foundation, surface, v, t, p, _as_mean(found), again)
         reduced = warm.reduced.reshape(shape)
         found = found._replace(
-            mu=warm.mean.mu, area=warm.mean.share, good=warm.mean.good,
+            mu=warm.mean.mu,
+            area=warm.mean.share,
+            good=warm.mean.good,
             error=warm.mean.error + SETTLED * np.abs(warm.mean.mu - cold.mu),
-        )  # fmt: skip
+        )
     if not traced and not found.good.all():
         warnings.warn(
-            f"{int((~found.good).sum())} of {found.good.size} points did not converge to rtol={rtol:g}; they are NaN."
-            + (f" Maps: {found.said}; more cells hold more of them." if found.said else ""),
+            (
+                f"{int((~found.good).sum())} of {found.good.size} points did not "
+                f"converge to rtol={rtol:g}; they are NaN."
+            )
+            + (
+                f" Maps: {found.said}; more cells hold more of them."
+                if found.said
+                else ""
+            ),
             ConvergenceWarning,
             stacklevel=4,
         )
@@ -110,30 +157,70 @@ def surface_friction(
 
     outside = None if traced else excited_outside(foundation.range, surface, reduced)
     series = np.zeros(()) if traced else _misfit(foundation, surface, reduced.ravel())
-    label = surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
-    inputs = scene.inputs(("surface", label), *(("as read", text) for text in getattr(surface, "report", ())))
+    label = (
+        surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
+    )
+    inputs = scene.inputs(
+        ("surface", label),
+        *(("as read", text) for text in getattr(surface, "report", ())),
+    )
     if heat is not None:
-        inputs.append(("heat", heat.words(None if traced else float(2 * np.pi / surface.q_low))))
-    inputs += [] if by_scale is None or traced else _scales_in_words(by_scale, found.good)
+        inputs.append(
+            ("heat", heat.words(None if traced else float(2 * np.pi / surface.q_low)))
+        )
+    inputs += (
+        [] if by_scale is None or traced else _scales_in_words(by_scale, found.good)
+    )
     straight, spread = None, (0.0, 0.0)
     if softened is not None:
-        straight, spread, said = _softening(softened, foundation, surface, model, scene, found, local, carried, rtol)
+        straight, spread, said = _softening(
+            softened, foundation, surface, model, scene, found, local, carried, rtol
+        )
         inputs += said
     elif foundation.softening is not None:
         inputs.append(
-            ("softening", "of the material is left out: this model is linear, its moduli are of small strain")
+            (
+                "softening",
+                (
+                    "of the material is left out: this model is linear, its moduli "
+                    "are of small strain"
+                ),
+            )
         )
     inputs += [] if not found.said else [("maps", found.said)]
     if np.any(series):
-        inputs.append(("material against its data", f"at most {np.max(series):.0%} of mu, part of the error"))
+        inputs.append(
+            (
+                "material against its data",
+                f"at most {np.max(series):.0%} of mu, part of the error",
+            )
+        )
     if outside is not None:
-        inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
-    beyond = NOT_KNOWN if traced else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
+        inputs.append(
+            (
+                "excited beyond",
+                (
+                    f"the material's data: at most {np.nanmax(outside):.0%} of <|grad "
+                    "h|^2>"
+                ),
+            )
+        )
+    beyond = (
+        NOT_KNOWN
+        if traced
+        else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
+    )
     inputs += beyond.said
     if softened is not None and not traced:
         beyond = _strained_beyond(softened, surface, beyond, shape, foundation.range)
         inputs += beyond.said[-1:]
-    kind = "" if foundation.softening is None else LINEAR if softened is None else _SOFTENED
+    kind = (
+        ""
+        if foundation.softening is None
+        else LINEAR
+        if softened is None
+        else _SOFTENED
+    )
     stress = field(found.mu * pressures.ravel())
     curve = FrictionCurve(
         velocity=scene.full(scene.velocity),
@@ -149,7 +236,9 @@ def surface_friction(
         plan=_plan(foundation, scene, surface, model, heat),
         inputs=tuple(inputs),
         extrapolated=beyond.points,
-        model_error=_model_error(model, foundation, surface, found, reduced, spread[0], field),
+        model_error=_model_error(
+            model, foundation, surface, found, reduced, spread[0], field
+        ),
         pressure=pressures,
         area_ratio=field(found.area),
         temperature_rise=None if warm is None else field(warm.rise),
@@ -160,37 +249,80 @@ def surface_friction(
     )
     if by_scale is not None:
         curve = dataclasses.replace(
-            curve, temperature_rise=field(by_scale.mean), contact_rise=field(by_scale.contact),
+            curve,
+            temperature_rise=field(by_scale.mean),
+            contact_rise=field(by_scale.contact),
             heat_flux=field(by_scale.flux * (1 - by_scale.to_road)),
-            road_share=None if heat is None or heat.road is None else field(by_scale.to_road),
-        )  # fmt: skip
+            road_share=None
+            if heat is None or heat.road is None
+            else field(by_scale.to_road),
+        )
     if adhesion is None:
         return curve
     area, of_area, more = field(found.area), field(found.area_error), {}
     if heat is not None:
-        before = adhesion.shear_stress(scene.full(scene.velocity), scene.full(kelvin)) * field(cold.area) / pressures
+        before = (
+            adhesion.shear_stress(scene.full(scene.velocity), scene.full(kelvin))
+            * field(cold.area)
+            / pressures
+        )
         more = {"cold": curve.cold + before}
-    bound = _model_error(model, foundation, surface, found, reduced, spread[1], field, of_area=True)
-    return sheared(curve, adhesion, area / pressures, of_area / area, bound, "area of real contact", **more)
+    bound = _model_error(
+        model, foundation, surface, found, reduced, spread[1], field, of_area=True
+    )
+    return sheared(
+        curve,
+        adhesion,
+        area / pressures,
+        of_area / area,
+        bound,
+        "area of real contact",
+        **more,
+    )
 
 
 def _checked_share(share: Any) -> Any:
     share = scalar("strain_share", share)
-    require("strain_share", share, f"above 0 and at most {_MOST_SHARE:g}", lambda x: (x > 0) & (x <= _MOST_SHARE))
+    require(
+        "strain_share",
+        share,
+        f"above 0 and at most {_MOST_SHARE:g}",
+        lambda x: (x > 0) & (x <= _MOST_SHARE),
+    )
     return share
 
 
 def _heated(
-    heat: Heat, adhesion: AdhesiveShear | None, foundation: Any, surface: Any, model: Model, scene: Scene,
-    cold: "_Found", local: Local, solved: Callable[..., "_Found"],
-) -> tuple["_Found", Any, Local]:  # fmt: skip
+    heat: Heat,
+    adhesion: AdhesiveShear | None,
+    foundation: Any,
+    surface: Any,
+    model: Model,
+    scene: Scene,
+    cold: "_Found",
+    local: Local,
+    solved: Callable[..., "_Found"],
+) -> tuple["_Found", Any, Local]:
     """Friction at the temperatures that it makes, and those."""
     from .temperature_by_scale import HIGHEST, Problem, reach, warmed
 
-    v, kelvin, p = (scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value))
+    v, kelvin, p = (
+        scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
+    )
     reduced, carried = scene.reduced.ravel(), p / scene.vertical.ravel()
     highest = HIGHEST if scene.traced else reach(foundation, kelvin)
-    problem = Problem(foundation, surface, local.softened, heat, adhesion, v, reduced, kelvin, p, carried)
+    problem = Problem(
+        foundation,
+        surface,
+        local.softened,
+        heat,
+        adhesion,
+        v,
+        reduced,
+        kelvin,
+        p,
+        carried,
+    )
     by_scale = warmed(problem, model, highest)
     hot = local._replace(warmed=by_scale.warmed)
     found = solved(reduced, carried, hot)
@@ -208,24 +340,46 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
     said = []
     if good.any():
         i = int(np.argmax(np.where(good, by_scale.contact, -np.inf)))
-        length, rise = 2 * np.pi / np.exp(by_scale.warmed.log_q), by_scale.warmed.rise[i]
-        parts = [f"{rise[k]:.3g} K at {1e3 * length[k]:.2g} mm" for k in (0, rise.size // 2, -1)]
+        length, rise = (
+            2 * np.pi / np.exp(by_scale.warmed.log_q),
+            by_scale.warmed.rise[i],
+        )
+        parts = [
+            f"{rise[k]:.3g} K at {1e3 * length[k]:.2g} mm"
+            for k in (0, rise.size // 2, -1)
+        ]
         said.append(("rise by wavelength", f"{', '.join(parts)}, where it is largest"))
     if by_scale.several.any():
-        said.append((
-            "hot branch", f"{int(by_scale.several.sum())} points have a second, hotter steady state, which rubber "
-            "reaches that was hot before; the colder one is given",
-        ))  # fmt: skip
+        said.append(
+            (
+                "hot branch",
+                (
+                    f"{int(by_scale.several.sum())} points have a second, hotter "
+                    "steady "
+                    "state, which rubber reaches that was hot before; the colder one "
+                    "is given"
+                ),
+            )
+        )
     return said
 
 
 def _softening(
-    softened: Softened, foundation: Any, surface: Any, model: Model, scene: Scene, found: "_Found", local: Local,
-    carried: Any, rtol: Any,
-) -> tuple[Any, tuple[Any, Any], list[tuple[str, str]]]:  # fmt: skip
-    """mu without softening; how far mu and, relatively, the area are off at half and twice the strain; all in words.
+    softened: Softened,
+    foundation: Any,
+    surface: Any,
+    model: Model,
+    scene: Scene,
+    found: "_Found",
+    local: Local,
+    carried: Any,
+    rtol: Any,
+) -> tuple[Any, tuple[Any, Any], list[tuple[str, str]]]:
+    """mu without softening; how far mu and, relatively, the area are off at half and
+    twice the strain; all in words.
 
-    Nothing of it under a transformation of JAX, but that how far they are off is not known.
+    Nothing of it under a transformation of JAX, but that how far they are off is not
+    known.
     """
     if scene.traced:
         return None, (np.nan, np.nan), []
@@ -233,61 +387,122 @@ def _softening(
     carried = (scene.full(scene.value) / scene.vertical).ravel()
 
     def at(share: Any) -> Any:
-        other = local._replace(softened=None if share is None else softened._replace(share=share))
-        return multiscale.solve(modulus, surface, v, carried, model, max(rtol, 1e-3), local=other)
+        other = local._replace(
+            softened=None if share is None else softened._replace(share=share)
+        )
+        return multiscale.solve(
+            modulus, surface, v, carried, model, max(rtol, 1e-3), local=other
+        )
 
     straight, here = at(None), at(softened.share)
-    others = [at(softened.share * factor) for factor in (_STRAIN_SHARE, 1 / _STRAIN_SHARE)]
+    others = [
+        at(softened.share * factor) for factor in (_STRAIN_SHARE, 1 / _STRAIN_SHARE)
+    ]
     off = np.max([abs(other.mu - here.mu) for other in others], axis=0)
     off_area = np.max([abs(other.area / here.area - 1) for other in others], axis=0)
     strain = float(softened.strain(surface.q_high))
     storage, loss = (float(x) for x in softened.softening.factors(strain))
-    ratio, more = ((a / b)[found.good] for a, b in ((here.mu, straight.mu), (here.area, straight.area)))
-    text = f"strain up to {strain:.2g}, where the storage modulus is {storage:.0%} and the loss modulus {loss:.0%}"
+    ratio, more = (
+        (a / b)[found.good]
+        for a, b in ((here.mu, straight.mu), (here.area, straight.area))
+    )
+    text = (
+        f"strain up to {strain:.2g}, where the storage modulus is {storage:.0%} and "
+        f"the loss modulus {loss:.0%}"
+    )
     if ratio.size:
         text += (
-            f"; hysteresis {ratio.min():.2f} to {ratio.max():.2f} times, contact area {more.min():.2f} to "
-            f"{more.max():.2f} times those without"
+            f"; hysteresis {ratio.min():.2f} to {ratio.max():.2f} times, contact area "
+            f"{more.min():.2f} to {more.max():.2f} times those without"
         )
     return straight.mu, (off, off_area), [("softening", text)]
 
 
-def _strained_beyond(softened: Softened, surface: Any, beyond: Beyond, shape: tuple[int, ...], known: Any) -> Beyond:
+def _strained_beyond(
+    softened: Softened, surface: Any, beyond: Beyond, shape: tuple[int, ...], known: Any
+) -> Beyond:
     """All points, where the surface strains the rubber more than its sweep did."""
-    strain, last = float(softened.strain(surface.q_high)), float(softened.softening.strain[-1])
+    strain, last = (
+        float(softened.strain(surface.q_high)),
+        float(softened.softening.strain[-1]),
+    )
     if strain <= last * (1 + 1e-9):
         return beyond._replace(said=())
-    what = f"strains up to {strain:.2g} on a sweep that ends at {last:.2g}, whose last factors are held"
-    return told(np.ones(shape, dtype=bool), what, known is not None and known.illustrative, stacklevel=4)
+    what = (
+        f"strains up to {strain:.2g} on a sweep that ends at {last:.2g}, whose last "
+        "factors are held"
+    )
+    return told(
+        np.ones(shape, dtype=bool),
+        what,
+        known is not None and known.illustrative,
+        stacklevel=4,
+    )
 
 
 def surface_plan(
-    material: Any, surface: AbstractSpectrum, model: Model, *, velocity: Any, pressure: Any, temperature: Any,
-    rtol: Any, heat: Heat | None,
-) -> SurfacePlan:  # fmt: skip
+    material: Any,
+    surface: AbstractSpectrum,
+    model: Model,
+    *,
+    velocity: Any,
+    pressure: Any,
+    temperature: Any,
+    rtol: Any,
+    heat: Heat | None,
+) -> SurfacePlan:
     """`em.plan` of a surface under a pressure; see there."""
-    scene = _set_up(material, surface, model, velocity, pressure, temperature, rtol, heat)
+    scene = _set_up(
+        material, surface, model, velocity, pressure, temperature, rtol, heat
+    )
     return _plan(*scene, surface, model, heat)
 
 
-def _plan(foundation: Any, scene: Scene, surface: AbstractSpectrum, model: Model, heat: Heat | None) -> SurfacePlan:
+def _plan(
+    foundation: Any,
+    scene: Scene,
+    surface: AbstractSpectrum,
+    model: Model,
+    heat: Heat | None,
+) -> SurfacePlan:
     name = foundation.name or "a foundation given directly"
     if isinstance(model, HalfSpace):
         from . import random_maps as maps
 
-        grid, seeds = maps.grid_of(surface, model.cells, model.periods), len(seeds_of(model.seeds))
-        work = f"{seeds} maps of {grid.cells} by {grid.cells} cells, {grid.periods} longest waves to a side"
-        skipped = "cells out of contact; contact from a grid half as fine, then from the neighbouring velocity"
+        grid, seeds = (
+            maps.grid_of(surface, model.cells, model.periods),
+            len(seeds_of(model.seeds)),
+        )
+        work = (
+            f"{seeds} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
+            "longest waves to a side"
+        )
+        skipped = (
+            "cells out of contact; contact from a grid half as fine, then from the "
+            "neighbouring velocity"
+        )
     else:
-        work = f"integrals over {multiscale.PER_DECADE} cells per decade of q, or more until rtol is met"
-        skipped = "no lines, no maps, no random numbers; integrals over the angle are tabulated once for all points"
+        work = (
+            f"integrals over {multiscale.PER_DECADE} cells per decade of q, or more "
+            "until rtol is met"
+        )
+        skipped = (
+            "no lines, no maps, no random numbers; integrals over the angle are "
+            "tabulated once for all points"
+        )
     points = int(np.prod(scene.shape))
-    label = surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
-    return SurfacePlan(f"{label} on {name}", _name(model) + _hot(model, heat), points, work, skipped)
+    label = (
+        surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
+    )
+    return SurfacePlan(
+        f"{label} on {name}", _name(model) + _hot(model, heat), points, work, skipped
+    )
 
 
 def _hot(model: Model, heat: Heat | None) -> str:
-    return "" if heat is None else _HOT if isinstance(model, HalfSpace) else _HOT_BY_SCALE
+    return (
+        "" if heat is None else _HOT if isinstance(model, HalfSpace) else _HOT_BY_SCALE
+    )
 
 
 def _name(model: Model) -> str:
@@ -300,15 +515,37 @@ def _name(model: Model) -> str:
 
 
 def _set_up(
-    material: Any, surface: Any, model: Model, velocity: Any, pressure: Any, temperature: Any, rtol: Any, heat: Any
+    material: Any,
+    surface: Any,
+    model: Model,
+    velocity: Any,
+    pressure: Any,
+    temperature: Any,
+    rtol: Any,
+    heat: Any,
 ) -> tuple[Any, Scene]:
     """The foundation and its points, checked. Raises `InputError`."""
     foundation = surface_foundation(material)
-    scene = rough_scene(foundation, surface, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol)
-    check_heat(heat, temperature, scene.traced or is_traced(heat), not isinstance(model, HalfSpace))
+    scene = rough_scene(
+        foundation,
+        surface,
+        velocity=velocity,
+        pressure=pressure,
+        temperature=temperature,
+        rtol=rtol,
+    )
+    check_heat(
+        heat,
+        temperature,
+        scene.traced or is_traced(heat),
+        not isinstance(model, HalfSpace),
+    )
     if not scene.traced:  # averages over directions look far below a frequency
         low, high = 1e-89 / float(surface.q_low), 1e97 / float(surface.q_high)
-        text = f"between {low:.0e} and {high:.0e} m/s on this surface, times the shift factor"
+        text = (
+            f"between {low:.0e} and {high:.0e} m/s on this surface, times the shift "
+            "factor"
+        )
         require("velocity", scene.reduced, text, lambda v: (v > low) & (v < high))
     return foundation, scene
 
@@ -325,25 +562,61 @@ class _Found(NamedTuple):
 
 
 def _solver(
-    model: Model, foundation: Any, surface: Any, rtol: float, progress: Callable[[int, int], None] | None
+    model: Model,
+    foundation: Any,
+    surface: Any,
+    rtol: float,
+    progress: Callable[[int, int], None] | None,
 ) -> Callable[..., _Found]:
-    """Solves points (v a_T [m/s], p [Pa]), flat, with what differs from scale to scale."""
+    """Solves points (v a_T [m/s], p [Pa]), flat, with what differs from scale to
+    scale.
+    """
     if isinstance(model, HalfSpace):
         from . import random_maps as maps
 
-        grid, seeds = maps.grid_of(surface, model.cells, model.periods), seeds_of(model.seeds)
+        grid, seeds = (
+            maps.grid_of(surface, model.cells, model.periods),
+            seeds_of(model.seeds),
+        )
 
         def on_maps(reduced: Any, pressure: Any, _local: Local | None = None) -> _Found:
             if is_traced(surface, reduced, pressure, foundation):
-                raise InputError("model must be em.Multiscale() or em.Persson() under jit, grad and vmap.")
-            found = maps.friction(foundation.complex_modulus, surface, reduced, pressure, grid, seeds, rtol, progress)
-            return _Found(found.mu, found.area, found.error, found.good, found.area_error, found.said)
+                raise InputError(
+                    "model must be em.Multiscale() or em.Persson() under jit, grad "
+                    "and vmap."
+                )
+            found = maps.friction(
+                foundation.complex_modulus,
+                surface,
+                reduced,
+                pressure,
+                grid,
+                seeds,
+                rtol,
+                progress,
+            )
+            return _Found(
+                found.mu,
+                found.area,
+                found.error,
+                found.good,
+                found.area_error,
+                found.said,
+            )
 
         return on_maps
     tables = _half_tables(foundation)
 
     def closed(reduced: Any, pressure: Any, local: Local) -> _Found:
-        found = multiscale.solve(foundation.complex_modulus, surface, reduced, pressure, model, rtol, local=local)
+        found = multiscale.solve(
+            foundation.complex_modulus,
+            surface,
+            reduced,
+            pressure,
+            model,
+            rtol,
+            local=local,
+        )
         good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
         if is_traced(found.mu):
             good = found.mu == found.mu
@@ -352,16 +625,32 @@ def _solver(
         change = 0.0
         for half in () if is_traced(found.mu) else tables:
             coarse = max(rtol, 1e-3)
-            other = multiscale.solve(half.complex_modulus, surface, reduced, pressure, model, coarse, local=local)
+            other = multiscale.solve(
+                half.complex_modulus,
+                surface,
+                reduced,
+                pressure,
+                model,
+                coarse,
+                local=local,
+            )
             change = np.maximum(change, LEFT_OUT * np.abs(other.mu - found.mu))
-        return _Found(found.mu, found.area, found.error + change, good, found.area_error)
+        return _Found(
+            found.mu, found.area, found.error + change, good, found.area_error
+        )
 
     return closed
 
 
 def _half_tables(foundation: Any) -> tuple[Any, ...]:
-    """The halves of a table of moduli, whose friction shows the error of its interpolation; none for a series."""
-    return () if not hasattr(foundation, "thinned") or is_traced(foundation) else tuple(foundation.thinned())
+    """The halves of a table of moduli, whose friction shows the error of its
+    interpolation; none for a series.
+    """
+    return (
+        ()
+        if not hasattr(foundation, "thinned") or is_traced(foundation)
+        else tuple(foundation.thinned())
+    )
 
 
 def _as_mean(found: _Found) -> Mean:
@@ -370,42 +659,66 @@ def _as_mean(found: _Found) -> Mean:
 
 
 def _doubt_unit(found: _Found, pressure: np.ndarray) -> None:
-    """Warns of a pressure that is likely to be meant in MPa: a small number, under which hardly anything touches."""
+    """Warns of a pressure that is likely to be meant in MPa: a small number, under
+    which hardly anything touches.
+    """
     area = np.where(found.good & (pressure <= _MEGAPASCALS), found.area, 1.0)
     least = int(np.argmin(area))
     if area[least] < _LEAST:
         given = f"{pressure[least]:g}"
         warnings.warn(
-            f"pressure is taken in Pa: {given} Pa give a real contact of {area[least]:.1g} of the nominal area. If "
-            f"{given} MPa are meant, write {1e6 * pressure[least]:g}.",
-            ModelWarning, stacklevel=4,
-        )  # fmt: skip
+            f"pressure is taken in Pa: {given} Pa give a real contact of "
+            f"{area[least]:.1g} of the nominal area. If {given} MPa are meant, write "
+            f"{1e6 * pressure[least]:g}.",
+            ModelWarning,
+            stacklevel=4,
+        )
 
 
-def _misfit(foundation: Any, surface: AbstractSpectrum, reduced: np.ndarray) -> np.ndarray:
-    """Relative change of mu for what a material misses of the data that it was fitted to; 0 where that is not known.
+def _misfit(
+    foundation: Any, surface: AbstractSpectrum, reduced: np.ndarray
+) -> np.ndarray:
+    """Relative change of mu for what a material misses of the data that it was fitted
+    to; 0 where that is not known.
 
-    Friction goes with the loss modulus, and in light contact with the reciprocal of the storage modulus: both root mean
-    squares, over the frequencies from q_low v a_T to q_high v a_T, or over all of the data where those lie beyond them.
+    Friction goes with the loss modulus, and in light contact with the reciprocal of the
+    storage modulus: both root mean squares, over the frequencies from q_low v a_T to
+    q_high v a_T, or over all of the data where those lie beyond them.
     """
-    within = np.hypot(*misfit(foundation, surface.q_low * reduced, surface.q_high * reduced))
+    within = np.hypot(
+        *misfit(foundation, surface.q_low * reduced, surface.q_high * reduced)
+    )
     whole = np.nan_to_num(np.hypot(*misfit(foundation, 0.0, np.inf)))
     return np.where(np.isfinite(within), within, whole)
 
 
 def _model_error(
-    model: Model, foundation: Any, surface: AbstractSpectrum, found: _Found, reduced: Any, spread: Any,
-    field: Callable[[Any], Any], of_area: bool = False,
-) -> Any:  # fmt: skip
-    """Bound on mu's distance from three dimensions, or on the area's relative one; None for that model itself.
+    model: Model,
+    foundation: Any,
+    surface: AbstractSpectrum,
+    found: _Found,
+    reduced: Any,
+    spread: Any,
+    field: Callable[[Any], Any],
+    of_area: bool = False,
+) -> Any:
+    """Bound on mu's distance from three dimensions, or on the area's relative one; None
+    for that model itself.
 
-    `spread` is what the strain at a scale, not known better than within a factor of two, adds to it. The bound itself
-    holds with softening as without: each scale is linear, and moduli that change with the wave number are what it was
-    established for.
+    `spread` is what the strain at a scale, not known better than within a factor of
+    two, adds to it. The bound itself holds with softening as without: each scale is
+    linear, and moduli that change with the wave number are what it was established for.
     """
     if isinstance(model, HalfSpace):
-        return None if foundation.softening is None else field(np.full(np.shape(found.mu), np.nan))
-    stiff = [abs(foundation.complex_modulus(q * reduced.ravel())) for q in (surface.q_high, surface.q_low)]
+        return (
+            None
+            if foundation.softening is None
+            else field(np.full(np.shape(found.mu), np.nan))
+        )
+    stiff = [
+        abs(foundation.complex_modulus(q * reduced.ravel()))
+        for q in (surface.q_high, surface.q_low)
+    ]
     ratio = surface.q_high / surface.q_low
     bound = multiscale.bound(model, found.area, ratio, stiff[0] / stiff[1], of_area)
     return field((bound if of_area else abs(found.mu) * bound) + spread)

@@ -1,23 +1,31 @@
-"""Rubber that its friction heats on a rough surface: a temperature for each length scale, from both bodies.
+"""Rubber that its friction heats on a rough surface: a temperature for each length
+scale, from both bodies.
 
-The heat of the waves q arises in the rubber to the depth 1/2q, by 2q exp(-2qz), that of adhesive shear on its surface.
-At the wave number q the rubber is in contact over the share P(q) of the surface, and its temperature is the mean over
-those regions and over the depth by the same 2q exp(-2qz). As in `rough.heat`, with w = v/2D and
+The heat of the waves q arises in the rubber to the depth 1/2q, by 2q exp(-2qz), that of
+adhesive shear on its surface. At the wave number q the rubber is in contact over the
+share P(q) of the surface, and its temperature is the mean over those regions and over
+the depth by the same 2q exp(-2qz). As in `rough.heat`, with w = v/2D and
 
-    D_q(k) = 4 q^2/(k^2 + 4 q^2),       S(k) = sum of s_q D_q over the waves, and 1 for what arises on the surface,
-    c_q(r) = 1/P(min(q, pi/r)) - 1,     <f>_q = (2/(pi lambda)) int dk int r dr f c_q(r) I0(w r) K0(r sqrt(w^2 + k^2)),
+    D_q(k) = 4 q^2/(k^2 + 4 q^2),
+    S(k) = sum of s_q D_q over the waves, and 1 for what arises on the surface,
+    c_q(r) = 1/P(min(q, pi/r)) - 1,
+    <f>_q = (2/(pi lambda)) int dk int r dr f c_q(r) I0(w r) K0(r sqrt(w^2 + k^2)),
 
-the mean flux j = mu p v makes the rise <D_q S>_q j. The flux at the distance r from a point of the regions of q is that
-of the regions of pi/r, but not of finer ones than q: a region is heated by all that is within. The road is a half-space
-at rest whose spots in contact take the flux j_s from the surface of the rubber. Surface temperatures of both agree in
-the mean over the real contact (Blok 1937):
+the mean flux j = mu p v makes the rise <D_q S>_q j. The flux at the distance r from a
+point of the regions of q is that of the regions of pi/r, but not of finer ones than q:
+a region is heated by all that is within. The road is a half-space at rest whose spots
+in contact take the flux j_s from the surface of the rubber. Surface temperatures of
+both agree in the mean over the real contact (Blok 1937):
 
-    j_s (<1>_Q + (1/lambda_s) int c_Q(r) dr) = j <S>_Q,       T_q = j <D_q S>_q - j_s <D_q>_q,       Q = q_high.
+    j_s (<1>_Q + (1/lambda_s) int c_Q(r) dr) = j <S>_Q,
+    T_q = j <D_q S>_q - j_s <D_q>_q,
+    Q = q_high.
 
-Friction, contact shares and heat are found at the temperatures that they make: a fixed point in T_q.
+Friction, contact shares and heat are found at the temperatures that they make: a fixed
+point in T_q.
 
-Source: by length scale as B. N. J. Persson, J. Phys.: Condens. Matter 18 (2006) 7789; sources at rest and moving:
-Jaeger 1942, Carslaw & Jaeger 1959, ch. 10.
+Source: by length scale as B. N. J. Persson, J. Phys.: Condens. Matter 18 (2006) 7789;
+sources at rest and moving: Jaeger 1942, Carslaw & Jaeger 1959, ch. 10.
 """
 
 from __future__ import annotations
@@ -37,9 +45,11 @@ HIGHEST = 1000.0  # largest rise that is looked for [K]
 _LEVELS = ((12, 4), (24, 8))  # cells and stations per decade of q
 _SCAN = 8  # cells per decade where a first temperature is looked for
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
-_NEAR, _NEAR_NODES = 3.0, 24  # decades of distance below half the shortest wave, nodes over them
+# decades of distance below half the shortest wave, nodes over them
+_NEAR, _NEAR_NODES = 3.0, 24
 _K = 6  # nodes per decade over the depth
-_SETTLED, _ROUNDS = 1e-10, 80  # relative change of temperatures at which they have settled; most rounds
+# relative change of temperatures at which they have settled; most rounds
+_SETTLED, _ROUNDS = 1e-10, 80
 _NOTHING = 1e-9  # rise that is none [K]
 
 
@@ -89,7 +99,9 @@ class Conduction(NamedTuple):
 
 
 def warmed(problem: Problem, model: Any, highest: float) -> Warm:
-    """The temperatures that friction makes, the lowest ones where there are several; see the head of this file."""
+    """The temperatures that friction makes, the lowest ones where there are several;
+    see the head of this file.
+    """
     if namespace(*_leaves(problem)) is not np:
         return _of_traced(problem, model, highest)
     log_q, rise, seen, several = _first(problem, model, _LEVELS[0][1], highest)
@@ -104,14 +116,24 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
         found.append(Warmed(own, rise, problem.kelvin, problem.body))
     state = of(rise)
     coarse, fine = found
-    return Warm(fine, coarse, state.mean, rise[:, -1], state.flux, state.to_road, good & seen, several)
+    return Warm(
+        fine,
+        coarse,
+        state.mean,
+        rise[:, -1],
+        state.flux,
+        state.to_road,
+        good & seen,
+        several,
+    )
 
 
 def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
     """`warmed` under a transformation of JAX.
 
-    The search runs without derivatives, and one step of Newton's method from where it ends gives them: exact, since
-    the rest is zero there. What is not traced becomes NumPy's: in a loop JAX would trace its own arrays too.
+    The search runs without derivatives, and one step of Newton's method from where it
+    ends gives them: exact, since the rest is zero there. What is not traced becomes
+    NumPy's: in a loop JAX would trace its own arrays too.
     """
     import jax
 
@@ -122,7 +144,11 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
     def whole(values: list[Any]) -> Problem:
         rest = iter(values)
         return jax.tree.unflatten(
-            tree, [next(rest) if own else as_numpy(leaf) for leaf, own in zip(leaves, traced, strict=True)]
+            tree,
+            [
+                next(rest) if own else as_numpy(leaf)
+                for leaf, own in zip(leaves, traced, strict=True)
+            ],
         )
 
     def solve(values: list[Any]) -> tuple[Any, ...]:
@@ -157,8 +183,18 @@ def _state(problem: Problem, model: Any, conduct: Conduction) -> Callable[[Any],
     table = _tables(problem, conduct.at, _LEVELS[-1][0], HIGHEST)
 
     def of(rise: Any) -> State:
-        local = Local(problem.softened, Warmed(conduct.log_q, rise, problem.kelvin, problem.body))
-        found = waves(problem.body.complex_modulus, conduct.at, problem.reduced, problem.carried, model, table, local)
+        local = Local(
+            problem.softened, Warmed(conduct.log_q, rise, problem.kelvin, problem.body)
+        )
+        found = waves(
+            problem.body.complex_modulus,
+            conduct.at,
+            problem.reduced,
+            problem.carried,
+            model,
+            table,
+            local,
+        )
         return _heated(problem, model, conduct, found, rise)
 
     return of
@@ -168,27 +204,44 @@ def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any
     """Tables for temperatures up to a rise, None where JAX traces."""
     if namespace(problem.reduced, *_leaves(problem)) is not np:
         return None
-    top = Warmed(None, np.full((problem.kelvin.size, 1), 0.0), problem.kelvin, problem.body)
+    top = Warmed(
+        None, np.full((problem.kelvin.size, 1), 0.0), problem.kelvin, problem.body
+    )
     limit = min(highest, reach(problem.body, problem.kelvin))
     return _table(
-        problem.body.complex_modulus, at, problem.reduced, np.log(10.0) / per_decade,
+        problem.body.complex_modulus,
+        at,
+        problem.reduced,
+        np.log(10.0) / per_decade,
         Local(problem.softened, top._replace(rise=top.rise + limit)),
-    )  # fmt: skip
+    )
 
 
-def _heated(problem: Problem, model: Any, c: Conduction, found: Waves, rise: Any) -> State:
+def _heated(
+    problem: Problem, model: Any, c: Conduction, found: Waves, rise: Any
+) -> State:
     xp = namespace(found.each, rise, problem.velocity)
     shear = 0.0 * found.area
     if problem.adhesion is not None:
-        stress = problem.adhesion.shear_stress(problem.velocity, problem.kelvin + rise[:, -1])
+        stress = problem.adhesion.shear_stress(
+            problem.velocity, problem.kelvin + rise[:, -1]
+        )
         shear = stress * found.area / problem.pressure
     whole = found.each.sum((-2, -1)) + found.edges + shear
-    depth = xp.tensordot(found.each, c.of_nodes, 2) + found.edges[:, None] * c.of_end + shear[:, None]
+    depth = (
+        xp.tensordot(found.each, c.of_nodes, 2)
+        + found.edges[:, None] * c.of_end
+        + shear[:, None]
+    )
     depth = depth / whole[:, None]  # S(k)
     excess = 1 / contact(until(found.rate, c.at.weight), model) - 1
     ends = 1 / contact(_until_stations(found.rate, c.at, c.cell, c.place), model) - 1
-    # int r dr c_q(r) I0 K0 of each station: beyond its half wave by the nodes, below it by the share of its own
-    inner = _until_stations(c.kernel * excess[:, None], c.at, c.cell, c.place) + ends[:, None, :] * c.near
+    # int r dr c_q(r) I0 K0 of each station: beyond its half wave by the nodes, below it
+    # by the share of its own
+    inner = (
+        _until_stations(c.kernel * excess[:, None], c.at, c.cell, c.place)
+        + ends[:, None, :] * c.near
+    )
     factor = 2 / (np.pi * problem.heat.conductivity)
     of_volume = factor * xp.einsum("nks,sk,nk->ns", inner, c.depth, depth)  # <D_q S>_q
     of_surface = factor * xp.einsum("nks,sk->ns", inner, c.depth)  # <D_q>_q
@@ -197,7 +250,9 @@ def _heated(problem: Problem, model: Any, c: Conduction, found: Waves, rise: Any
     road = 0.0 * flux
     if problem.heat.road is not None:
         line = (c.line * excess * c.at.weight).sum((-2, -1)) + ends[:, -1] * c.line_near
-        still = (np.pi / c.at.q * excess * c.at.weight).sum((-2, -1)) + ends[:, -1] * np.pi / c.at.end
+        still = (np.pi / c.at.q * excess * c.at.weight).sum((-2, -1)) + ends[
+            :, -1
+        ] * np.pi / c.at.end
         resistance = line / problem.heat.conductivity + still / problem.heat.road[0]
         road = xp.where(top > 0, top / xp.where(top > 0, resistance, 1.0), 0.0)
     made = flux[:, None] * (of_volume - road[:, None] * of_surface)
@@ -211,17 +266,26 @@ def _heated(problem: Problem, model: Any, c: Conduction, found: Waves, rise: Any
 
 def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
     at = nodes(problem.spectrum, per_decade)
-    xp = namespace(at.q, log_q, problem.velocity, problem.heat.conductivity, problem.heat.heat_capacity)
+    xp = namespace(
+        at.q,
+        log_q,
+        problem.velocity,
+        problem.heat.conductivity,
+        problem.heat.heat_capacity,
+    )
     width = 2 * at.weight[:, 0]
     of_q = namespace(at.q, log_q)  # NumPy where only others are traced
     start = of_q.log(at.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
-    cell = of_q.clip(of_q.searchsorted(start, log_q, side="right") - 1, 0, width.shape[0] - 1)
+    cell = of_q.clip(
+        of_q.searchsorted(start, log_q, side="right") - 1, 0, width.shape[0] - 1
+    )
     place = of_q.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
     low, high = 1e-2 * at.q[0, 0], 1e3 * at.end
     count = int(_K * (5 + _decades(problem.spectrum))) + 1
     k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, count))
     dk = k * xp.log(k[1] / k[0]) * np.concatenate([[0.5], np.ones(count - 2), [0.5]])
-    dk = dk + k * np.concatenate([[1.0], np.zeros(count - 1)])  # what lies below counts as even
+    # what lies below counts as even
+    dk = dk + k * np.concatenate([[1.0], np.zeros(count - 1)])
     x, gauss = np.polynomial.legendre.leggauss(_NEAR_NODES)
     x, gauss = 0.5 * _NEAR * np.log(10.0) * (x - 1), 0.5 * _NEAR * np.log(10.0) * gauss
     # The kernel of points that share a velocity is made once.
@@ -235,7 +299,12 @@ def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
         more = r.ndim
         speed, wave = w.reshape(-1, 1, *[1] * more), k.reshape(-1, *[1] * more)
         root = xp.hypot(speed, wave)
-        return _i0e(speed * r) * _k0e(root * r) * xp.exp(-(wave**2) / (root + speed) * r) * r**2
+        return (
+            _i0e(speed * r)
+            * _k0e(root * r)
+            * xp.exp(-(wave**2) / (root + speed) * r)
+            * r**2
+        )
 
     far, close = np.pi / at.q, np.pi / at.end * np.exp(x)
     own, below = kernel(far), kernel(close) @ gauss
@@ -243,15 +312,29 @@ def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
     inside = parts.sum((-2, -1))[..., None] - _until_stations(own, at, cell, place)
     near = below[..., None] + inside
     speed = w.reshape(-1, 1, 1)
-    line, line_near = far * _i0e(speed * far), (close * _i0e(speed[..., 0] * close)) @ gauss
+    line, line_near = (
+        far * _i0e(speed * far),
+        (close * _i0e(speed[..., 0] * close)) @ gauss,
+    )
     if again is not None:
-        own, near, line, line_near = (array[again] for array in (own, near, line, line_near))
+        own, near, line, line_near = (
+            array[again] for array in (own, near, line, line_near)
+        )
     q = xp.exp(log_q)
     return Conduction(
-        at, log_q, cell, place,
-        depth=_profile(q[:, None], k) * dk, of_nodes=_profile(at.q[..., None], k), of_end=_profile(at.end, k),
-        weight=dk, kernel=own, near=near, line=line, line_near=line_near,
-    )  # fmt: skip
+        at,
+        log_q,
+        cell,
+        place,
+        depth=_profile(q[:, None], k) * dk,
+        of_nodes=_profile(at.q[..., None], k),
+        of_end=_profile(at.end, k),
+        weight=dk,
+        kernel=own,
+        near=near,
+        line=line,
+        line_near=line_near,
+    )
 
 
 def _profile(q: Any, k: Any) -> Any:
@@ -260,7 +343,9 @@ def _profile(q: Any, k: Any) -> Any:
 
 
 def _until_stations(rate: Any, at: Nodes, cell: Any, s: Any) -> Any:
-    """int dlog q of `rate` (..., cells, 2) from q_low to each station: (..., stations)."""
+    """int dlog q of `rate` (..., cells, 2) from q_low to each station: (...,
+    stations).
+    """
     xp = namespace(rate, s)
     first, second = rate[..., 0], rate[..., 1]
     width = 2 * at.weight[:, 0]
@@ -268,7 +353,9 @@ def _until_stations(rate: Any, at: Nodes, cell: Any, s: Any) -> Any:
     before = xp.cumsum(whole, axis=-1) - whole
     near = 0.5 - np.sqrt(3) / 6
     one, other = first[..., cell], second[..., cell]
-    part = width[cell] * (one * s + (other - one) * np.sqrt(3) * (0.5 * s**2 - near * s))
+    part = width[cell] * (
+        one * s + (other - one) * np.sqrt(3) * (0.5 * s**2 - near * s)
+    )
     return before[..., cell] + xp.clip(part, 0.0, whole[..., cell])
 
 
@@ -278,19 +365,25 @@ def _decades(spectrum: Any) -> float:
 
 
 def _stations(spectrum: Any, per_decade: int) -> Any:
-    """log q of the stations: even steps down from q_high, the last one half a step above q_low."""
+    """log q of the stations: even steps down from q_high, the last one half a step
+    above q_low.
+    """
     xp = namespace(spectrum.q)
     count = max(4, round(per_decade * _decades(spectrum)))
     low, high = xp.log(spectrum.q[0]), xp.log(spectrum.q[-1])
     return high - (high - low) * np.arange(count - 1, -1, -1) / (count - 0.5)
 
 
-def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple[Any, Any, Any, Any]:
-    """Stations, rises near the lowest steady state, where there is one, and where there is another.
+def _first(
+    problem: Problem, model: Any, stations: int, highest: float
+) -> tuple[Any, Any, Any, Any]:
+    """Stations, rises near the lowest steady state, where there is one, and where there
+    is another.
 
-    Of a profile over the stations, the height is looked for at which friction makes it. The profile is that of a steady
-    state on coarse cells: the one that cold rubber would make is far steeper where the finest waves are glassy. Where
-    no steady state is reached in a few rounds, it is the profile of cold rubber after all.
+    Of a profile over the stations, the height is looked for at which friction makes it.
+    The profile is that of a steady state on coarse cells: the one that cold rubber
+    would make is far steeper where the finest waves are glassy. Where no steady state
+    is reached in a few rounds, it is the profile of cold rubber after all.
     """
     xp = namespace(problem.reduced, *_leaves(problem))
     log_q = _stations(problem.spectrum, stations)
@@ -305,9 +398,15 @@ def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple
     table = _tables(problem, conduct.at, _SCAN, highest)
     low, middle = 0.02 * top, xp.minimum(5 * top + 5.0, highest)
     steps = [xp.minimum(low, 0.5 * highest)]
-    for start, end, n in ((low, middle, 24), (middle, highest * xp.ones_like(middle), 12)):
+    for start, end, n in (
+        (low, middle, 24),
+        (middle, highest * xp.ones_like(middle), 12),
+    ):
         start = xp.minimum(start, 0.5 * highest)
-        steps += [start * (xp.maximum(end, 1.01 * start) / start) ** (i / n) for i in range(1, n + 1)]
+        steps += [
+            start * (xp.maximum(end, 1.01 * start) / start) ** (i / n)
+            for i in range(1, n + 1)
+        ]
     tried = xp.stack(steps)  # (steps, points)
     flat = {
         name: xp.concatenate([getattr(problem, name)] * len(steps))
@@ -322,11 +421,19 @@ def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple
         some = slice(i, i + batch)
         part = many._replace(**{name: values[some] for name, values in flat.items()})
         found = waves(
-            problem.body.complex_modulus, conduct.at, part.reduced, part.carried, model, table, local.of(some)
+            problem.body.complex_modulus,
+            conduct.at,
+            part.reduced,
+            part.carried,
+            model,
+            table,
+            local.of(some),
         )
         mu = found.each.sum((-2, -1)) + found.edges
         if problem.adhesion is not None:
-            stress = problem.adhesion.shear_stress(part.velocity, part.kelvin + rise[some, -1])
+            stress = problem.adhesion.shear_stress(
+                part.velocity, part.kelvin + rise[some, -1]
+            )
             mu = mu + stress * found.area / part.pressure
         power.append(mu * part.pressure * part.velocity)
     made = top * xp.concatenate(power).reshape(tried.shape) / state.flux
@@ -336,11 +443,14 @@ def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple
     several = (crossed.sum(0) + below[0]) > 1
     every = np.arange(count)
     before = xp.maximum(first - 1, 0)
-    (x_0, x_1), (y_0, y_1) = ([a[i, every] for i in (before, first)] for a in (tried, made))
+    (x_0, x_1), (y_0, y_1) = (
+        [a[i, every] for i in (before, first)] for a in (tried, made)
+    )
     slope = (y_1 - y_0) / xp.where(x_1 > x_0, x_1 - x_0, 1.0)
     root = xp.clip((y_0 - slope * x_0) / xp.where(slope < 1, 1 - slope, 1.0), x_0, x_1)
     start = xp.where(first == 0, xp.minimum(made[0], tried[0]), root)[:, None] * shape
-    if xp is np and several.any():  # another height is a steady state only where its temperatures settle
+    # another height is a steady state only where its temperatures settle
+    if xp is np and several.any():
         last = crossed.shape[0] - np.argmax(crossed[::-1], axis=0)
         lowest, settled = _settle(of, start, highest)
         hotter, hot = _settle(of, tried[last, every, None] * shape, highest)
@@ -349,7 +459,9 @@ def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple
 
 
 def _settle(of: Callable[[Any], State], rise: Any, highest: float) -> tuple[Any, Any]:
-    """Fixed point of temperatures, and where it was found: Anderson's method with one step of memory."""
+    """Fixed point of temperatures, and where it was found: Anderson's method with one
+    step of memory.
+    """
     xp = namespace(rise)
 
     class Step(NamedTuple):
@@ -369,23 +481,34 @@ def _settle(of: Callable[[Any], State], rise: Any, highest: float) -> tuple[Any,
         turn, move = off - step.off_before, step.x - step.before
         share = (turn * off).sum(-1) / xp.maximum((turn**2).sum(-1), 1e-300)
         share = xp.clip(share, -20.0, 20.0)[:, None]
-        new = xp.where(step.count > 0, step.x + off - share * (move + turn), step.x + 0.5 * off)
+        new = xp.where(
+            step.count > 0, step.x + off - share * (move + turn), step.x + 0.5 * off
+        )
         new = xp.clip(xp.where(xp.isfinite(new), new, 0.0), 0.0, highest)
         done = good[:, None]
         return Step(
-            xp.where(done, step.x, new), xp.where(done, step.before, step.x), xp.where(done, step.off_before, off),
-            good, step.count + 1,
-        )  # fmt: skip
+            xp.where(done, step.x, new),
+            xp.where(done, step.before, step.x),
+            xp.where(done, step.off_before, off),
+            good,
+            step.count + 1,
+        )
 
     def going(step: Any) -> Any:
         return (step.count < _ROUNDS) & ~step.good.all()
 
     none = xp.zeros(rise.shape[0], dtype=bool)
-    step = while_loop(going, body, Step(rise, xp.zeros_like(rise), xp.zeros_like(rise), none, xp.asarray(0)))
+    step = while_loop(
+        going,
+        body,
+        Step(rise, xp.zeros_like(rise), xp.zeros_like(rise), none, xp.asarray(0)),
+    )
     return step.x, step.good & (step.x.max(-1) < highest)
 
 
-def _newton(of: Callable[[Any], State], still: Callable[[Any], State], rise: Any) -> Any:
+def _newton(
+    of: Callable[[Any], State], still: Callable[[Any], State], rise: Any
+) -> Any:
     """One step of Newton's method, whose derivatives are those of the solution."""
     import jax
     import jax.numpy as jnp
@@ -394,15 +517,20 @@ def _newton(of: Callable[[Any], State], still: Callable[[Any], State], rise: Any
     count = rise.shape[1]
 
     def column(unit: Any) -> Any:
-        return jax.jvp(lambda x: still(x).rise, (rise,), (jnp.broadcast_to(unit, rise.shape),))[1]
+        return jax.jvp(
+            lambda x: still(x).rise, (rise,), (jnp.broadcast_to(unit, rise.shape),)
+        )[1]
 
-    slopes = fixed(jnp.moveaxis(jax.lax.map(column, jnp.eye(count)), 0, -1))  # (points, stations, of stations)
+    # (points, stations, of stations)
+    slopes = fixed(jnp.moveaxis(jax.lax.map(column, jnp.eye(count)), 0, -1))
     off = of(rise).rise - rise
     return rise + jnp.linalg.solve(jnp.eye(count) - slopes, off[..., None])[..., 0]
 
 
 def reach(body: Any, kelvin: Any) -> float:
-    """The largest rise to look for: that of a shift law's end above the warmest body, or 1000 K."""
+    """The largest rise to look for: that of a shift law's end above the warmest body,
+    or 1000 K.
+    """
     from ..errors import InputError
     from ..material.vertical import thermal_factors
 
@@ -423,7 +551,11 @@ def _leaves(problem: Problem) -> list[Any]:
     """Arrays that decide whether JAX traces."""
     body = problem.body.complex_modulus(np.ones(1))
     softened = () if problem.softened is None else Local(problem.softened).arrays()
-    heat = (problem.heat.conductivity, problem.heat.heat_capacity, *(problem.heat.road or ()))
+    heat = (
+        problem.heat.conductivity,
+        problem.heat.heat_capacity,
+        *(problem.heat.road or ()),
+    )
     shear = () if problem.adhesion is None else (problem.adhesion.stress,)
     return [
         body,
@@ -463,9 +595,28 @@ def _k0e_of_jax(x: Any) -> Any:
 
     small, large = jnp.minimum(x, 2.0), jnp.maximum(x, 2.0)
     near, far = (small / 2) ** 2, 2 / large
-    low = (-0.57721566, 0.42278420, 0.23069756, 0.03488590, 0.00262698, 0.00010750, 0.00000740)
-    high = (1.25331414, -0.07832358, 0.02189568, -0.01062446, 0.00587872, -0.00251540, 0.00053208)
-    first = jnp.exp(small) * (
-        -jnp.log(small / 2) * i0e(small) * jnp.exp(small) + jnp.polyval(jnp.array(low[::-1]), near)
+    low = (
+        -0.57721566,
+        0.42278420,
+        0.23069756,
+        0.03488590,
+        0.00262698,
+        0.00010750,
+        0.00000740,
     )
-    return jnp.where(x < 2, first, jnp.polyval(jnp.array(high[::-1]), far) / jnp.sqrt(large))
+    high = (
+        1.25331414,
+        -0.07832358,
+        0.02189568,
+        -0.01062446,
+        0.00587872,
+        -0.00251540,
+        0.00053208,
+    )
+    first = jnp.exp(small) * (
+        -jnp.log(small / 2) * i0e(small) * jnp.exp(small)
+        + jnp.polyval(jnp.array(low[::-1]), near)
+    )
+    return jnp.where(
+        x < 2, first, jnp.polyval(jnp.array(high[::-1]), far) / jnp.sqrt(large)
+    )

@@ -20,19 +20,34 @@ _ALIKE = 1e-9  # relative, of two velocities
 class ORing(Result):
     """Contact of a squeezed cord with either wall.
 
-    `error` is that of the arithmetic alone, zero: what the formula itself leaves open `model` says.
+    `error` is that of the arithmetic alone, zero: what the formula itself leaves open
+    `model` says.
     """
 
     diameter: Array = quantity("diameter of the cord", "m", "d", shown="mm")
-    squeeze: Array = quantity("squeeze", "-", "C, part of d", axis="squeeze of the diameter", shown="%")
-    time: Array | None = quantity("time since it was squeezed", "s", "None: relaxed", default=None)
-    temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
-    line_load: Array = quantity("line load", "N/m", "W, force per length of cord", axis="force per length of cord")
+    squeeze: Array = quantity(
+        "squeeze", "-", "C, part of d", axis="squeeze of the diameter", shown="%"
+    )
+    time: Array | None = quantity(
+        "time since it was squeezed", "s", "None: relaxed", default=None
+    )
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    line_load: Array = quantity(
+        "line load",
+        "N/m",
+        "W, force per length of cord",
+        axis="force per length of cord",
+    )
     width: Array = quantity("width of the contact", "m", "2a", shown="mm")
     pressure: Array = quantity(
-        "mean pressure", "Pa", "W/2a, of the contact; the largest is 4/pi of it", axis="mean pressure of the contact",
+        "mean pressure",
+        "Pa",
+        "W/2a, of the contact; the largest is 4/pi of it",
+        axis="mean pressure of the contact",
         shown="MPa",
-    )  # fmt: skip
+    )
     error: Array = quantity("error of the arithmetic", "N/m")
 
     title: ClassVar[str] = "Squeezed cord"
@@ -40,7 +55,12 @@ class ORing(Result):
     scale: ClassVar[str] = "auto"
     shows: ClassVar[str] = "pressure"
     error_of: ClassVar[str] = "the arithmetic"
-    coordinates: ClassVar[tuple[str, ...]] = ("time", "squeeze", "temperature", "diameter")
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "time",
+        "squeeze",
+        "temperature",
+        "diameter",
+    )
 
     def plot(
         self,
@@ -51,7 +71,8 @@ class ORing(Result):
         label: str | None = None,
         show: Literal["pressure", "width", "line_load"] = "pressure",
     ) -> "Axes":
-        """Draws pressure, width or line_load against time where there are several times, else against the squeeze.
+        """Draws pressure, width or line_load against time where there are several
+        times, else against the squeeze.
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """

@@ -1,4 +1,6 @@
-"""A ball, a cone or the like that slides or rolls steadily on a layer: arguments, plan, directions, result."""
+"""A ball, a cone or the like that slides or rolls steadily on a layer: arguments, plan,
+directions, result.
+"""
 
 from __future__ import annotations
 
@@ -29,13 +31,20 @@ from .layer_line import Slid, Sliding, elastic_curve, slide_on_layer
 from .problem import OnLayer, Steady
 from .softening import LINEAR
 
-AVERAGED = "MDR line with the kernel of the layer, averaged over directions (estimate for the layer)"
-CORRECTED = (
-    "MDR line with the kernel of the layer, averaged over directions, corrected for an asymmetric contact (estimate "
-    "for the layer)"
+AVERAGED = (
+    "MDR line with the kernel of the layer, averaged over directions (estimate for "
+    "the layer)"
 )
-BARE = "MDR line with the kernel of the layer (overstates the losses by up to a factor of 2)"
-BARE_LINE = 0.5  # of mu: how far below the bare line three dimensions lay at most on the map
+CORRECTED = (
+    "MDR line with the kernel of the layer, averaged over directions, corrected for "
+    "an asymmetric contact (estimate for the layer)"
+)
+BARE = (
+    "MDR line with the kernel of the layer (overstates the losses by up to a factor "
+    "of 2)"
+)
+# of mu: how far below the bare line three dimensions lay at most on the map
+BARE_LINE = 0.5
 _ORDERS = (14, 20, 28, 40, 56)  # of the polynomials, tried in turn
 _TRACED = 28
 _SHARE = 0.5  # of what the lower order changes, that is left of it in the higher one
@@ -43,7 +52,8 @@ _FLOOR = 1e-3  # relative error beyond which a point has failed whatever `rtol` 
 _NONE = 1e-13  # friction that rounding of the pressures leaves
 _AT_ONCE = 256
 _WIDEST = 16.0  # a/h of the elastic curve
-_TRACED_REACH = 16.0  # contact width over thickness that is served under a transformation of JAX
+# contact width over thickness that is served under a transformation of JAX
+_TRACED_REACH = 16.0
 _NEAREST = 8  # nodes around a velocity
 _AGAIN = 4  # times that lines whose edges are not found are tried
 _SEARCH = 12  # steps from a depth to its load
@@ -65,12 +75,29 @@ class LayerPlan:
     def __str__(self) -> str:
         rows = [
             ("model", self.model),
-            ("asked", f"{self.points} point{'s' * (self.points != 1)} by {self.control}, relative error {self.rtol:g}"),
+            (
+                "asked",
+                (
+                    f"{self.points} point{'s' * (self.points != 1)} by {self.control}, "
+                    f"relative error {self.rtol:g}"
+                ),
+            ),
             *(("cover", cover) for cover in self.covers),
-            ("lines", f"{self.lines}, by polynomials of degree {_ORDERS[0]} and {_ORDERS[1]}, up to {_ORDERS[-1]}"),
+            (
+                "lines",
+                (
+                    f"{self.lines}, by polynomials of degree {_ORDERS[0]} and "
+                    f"{_ORDERS[1]}, up to {_ORDERS[-1]}"
+                ),
+            ),
             ("not needed", "history, since the motion is steady; a grid of cells"),
         ]
-        return "\n".join([f"Plan: {self.quantity}, {self.scene}", *(f"  {a:<12} {b}" for a, b in rows)])
+        return "\n".join(
+            [
+                f"Plan: {self.quantity}, {self.scene}",
+                *(f"  {a:<12} {b}" for a, b in rows),
+            ]
+        )
 
 
 class _Lines(NamedTuple):
@@ -93,21 +120,39 @@ class _Mean(NamedTuple):
 
 
 def ball_on_layer(
-    quantity: str, material: Layer, shape: AbstractShape, *, velocity: Any, load: Any, depth: Any, temperature: Any,
-    model: Any, rtol: float, solved: bool = True,
-) -> OnLayer:  # fmt: skip
+    quantity: str,
+    material: Layer,
+    shape: AbstractShape,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
+    solved: bool = True,
+) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
     _check_shape(shape)
     chosen = of_smooth(model, quantity, shape.label)
     check_rtol(rtol)
     control = "load" if depth is None else "depth"
     given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_scene(material, shape, velocity=velocity, temperature=temperature, **given)
+    points = steady_scene(
+        material, shape, velocity=velocity, temperature=temperature, **given
+    )
     thick = sum(cover.thickness for cover in material.covers)
     if control == "depth":
         if points.traced:
-            raise InputError("load must be given on a layer under jit, grad and vmap, not depth.")
-        require("depth", points.value, f"below {float(thick):.4g} m, the thickness of the layer", lambda d: d < thick)
+            raise InputError(
+                "load must be given on a layer under jit, grad and vmap, not depth."
+            )
+        require(
+            "depth",
+            points.value,
+            f"below {float(thick):.4g} m, the thickness of the layer",
+            lambda d: d < thick,
+        )
     averaged = isinstance(chosen, Averaged)
     corrected = averaged and chosen.corrected
     label = CORRECTED if corrected else AVERAGED if averaged else BARE
@@ -117,21 +162,44 @@ def ball_on_layer(
     reduced = xp.asarray(points.reduced).reshape(-1)
     words = f"{describe(shape)} on {material.name or 'a layer'}"
     count = _count(reduced, value, averaged, rtol, points.traced)
-    plan = LayerPlan(quantity, words, label, control, reduced.size, float(rtol), covers_in_words(material), count)
+    plan = LayerPlan(
+        quantity,
+        words,
+        label,
+        control,
+        reduced.size,
+        float(rtol),
+        covers_in_words(material),
+        count,
+    )
     kelvin = points.full(points.kelvin)
     if not solved:
         return OnLayer(None, kelvin, label, plan)
-    force = value if control == "load" else _load_of_depth(lines, reduced, value, averaged, thick)
+    force = (
+        value
+        if control == "load"
+        else _load_of_depth(lines, reduced, value, averaged, thick)
+    )
     found = _mean(lines, reduced, force, averaged, points.traced)
     mu, error = found.mu, found.error + lines.misfit * xp.abs(found.mu)
     bound = BARE_LINE * mu
     if averaged:
-        exponent = found.line.leading * shape._slope(found.line.leading) / shape._profile(found.line.leading)
+        exponent = (
+            found.line.leading
+            * shape._slope(found.line.leading)
+            / shape._profile(found.line.leading)
+        )
         width = (found.line.leading + found.line.trailing) / thick
-        off = layer_asymmetry(mu, found.line.mu, found.line.leading, found.line.trailing, exponent, width)
+        off = layer_asymmetry(
+            mu, found.line.mu, found.line.leading, found.line.trailing, exponent, width
+        )
         factor = xp.exp(-off.excess) if corrected else 1.0
         bound = mu * (off.corrected if corrected else off.bound)
-        mu, error, bound = mu * factor, error * factor * (1 + off.sensitivity), bound * factor
+        mu, error, bound = (
+            mu * factor,
+            error * factor * (1 + off.sensitivity),
+            bound * factor,
+        )
     sunk = found.depth >= thick
     good = found.good & ~sunk
     if not points.traced and np.any(lines.on.chain.compliances):
@@ -144,8 +212,12 @@ def ball_on_layer(
 
     contact = Contact(shaped(found.line.leading), shaped(found.line.trailing))
     size = 0.5 * (contact.leading + contact.trailing)
-    beyond = steady_beyond(material.range, points.full(points.reduced), size, kelvin, stacklevel=5)
-    inputs = points.inputs(("shape", describe(shape)), *(("cover", cover) for cover in plan.covers))
+    beyond = steady_beyond(
+        material.range, points.full(points.reduced), size, kelvin, stacklevel=5
+    )
+    inputs = points.inputs(
+        ("shape", describe(shape)), *(("cover", cover) for cover in plan.covers)
+    )
     inputs.append(("relative tolerance", f"{rtol:g}"))
     vertical = xp.asarray(points.vertical).reshape(-1)
     steady = Steady(
@@ -167,15 +239,21 @@ def ball_on_layer(
 def _check_shape(shape: AbstractShape) -> None:
     if isinstance(shape, FlatPunch):
         raise InputError(
-            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite "
-            "rate."
+            "shape must not be a FlatPunch in sliding or rolling: its sharp edge "
+            "strains the surface at an infinite rate."
         )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
-        raise InputError(f"exponent must be 1 or more in sliding, got {shape.exponent:g}.")
+        raise InputError(
+            f"exponent must be 1 or more in sliding, got {shape.exponent:g}."
+        )
 
 
-def _lines(material: Layer, shape: AbstractShape, points: Scene, control: str, rtol: float) -> _Lines:
-    """Compliances of all covers added, and the relaxed layer. Raises `InputError` for liquids and parallel dashpots."""
+def _lines(
+    material: Layer, shape: AbstractShape, points: Scene, control: str, rtol: float
+) -> _Lines:
+    """Compliances of all covers added, and the relaxed layer. Raises `InputError` for
+    liquids and parallel dashpots.
+    """
     chains, misfit = [], 0.0
     for cover in material.covers:
         solid: Any = cover.material
@@ -187,55 +265,90 @@ def _lines(material: Layer, shape: AbstractShape, points: Scene, control: str, r
             law = cover.normal()
             if not is_traced(law) and float(law.viscosity) > 0:
                 raise InputError(
-                    "material must have no parallel dashpot on a layer under a ball or a cone, got viscosity "
-                    f"{float(law.viscosity):.4g} Pa s: the pressure has another edge. Give a branch with a short time."
+                    "material must have no parallel dashpot on a layer under a ball "
+                    "or a cone, got viscosity "
+                    f"{float(law.viscosity):.4g} Pa s: the pressure has another edge. "
+                    "Give a branch with a short time."
                 )
             if not is_traced(law) and not float(law.equilibrium) > 0:
-                raise InputError("material must be a solid on a layer in sliding, got equilibrium modulus 0.")
+                raise InputError(
+                    "material must be a solid on a layer in sliding, got "
+                    "equilibrium modulus 0."
+                )
             chain = to_kelvin(law)
         chains.append(chain)
     chain = chains[0]
     if len(chains) > 1:
-        compliances, times = (xp.concatenate([getattr(c, name) for c in chains]) for name in ("compliances", "times"))
-        chain = KelvinChain(chains[0].instantaneous + chains[1].instantaneous, compliances, times, xp.zeros(()))
+        compliances, times = (
+            xp.concatenate([getattr(c, name) for c in chains])
+            for name in ("compliances", "times")
+        )
+        chain = KelvinChain(
+            chains[0].instantaneous + chains[1].instantaneous,
+            compliances,
+            times,
+            xp.zeros(()),
+        )
     h = material.covers[0].thickness
 
     def deficit(z: Array, omega: Array) -> Array:
-        parts = [cover.deficit(z * (cover.thickness / h), omega) for cover in material.covers]
+        parts = [
+            cover.deficit(z * (cover.thickness / h), omega) for cover in material.covers
+        ]
         return sum(parts[1:], parts[0])
 
     def modulus(omega: Array) -> Array:
         x = omega[..., None] * chain.times
-        return 1 / xp.abs(chain.instantaneous + xp.sum(chain.compliances / (1 + 1j * x), axis=-1))
+        return 1 / xp.abs(
+            chain.instantaneous + xp.sum(chain.compliances / (1 + 1j * x), axis=-1)
+        )
 
     rest = 1 / (chain.instantaneous + xp.sum(chain.compliances))
     top = xp.minimum(xp.asarray(shape.largest_contact) * (1 - 1e-9), _WIDEST * h)
     places = fixed(top * np.geomspace(1e-5, 1.0, 48))
     on = Sliding(shape, chain, deficit, h, 2 * _WIDEST, 40)
     loads, depths = fixed(elastic_curve(on, rest, places))
-    rising = xp.concatenate([xp.ones(1, bool), (xp.diff(loads) > 0) & (xp.diff(depths) > 0)])
-    resolved = xp.cumprod(rising) > 0  # beyond, extrapolated by a steep power: a guess only
+    rising = xp.concatenate(
+        [xp.ones(1, bool), (xp.diff(loads) > 0) & (xp.diff(depths) > 0)]
+    )
+    # beyond, extrapolated by a steep power: a guess only
+    resolved = xp.cumprod(rising) > 0
     top = xp.sum(resolved) - 1
     beyond = xp.where(resolved, 1.0, (places / places[top]) ** 6)
-    curve = tuple(xp.where(resolved, field, field[top] * beyond) for field in (loads, depths))
+    curve = tuple(
+        xp.where(resolved, field, field[top] * beyond) for field in (loads, depths)
+    )
     if points.traced:
         reach = _TRACED_REACH
     else:
         largest = np.max(points.value)
-        widest = np.interp(largest, curve[0 if control == "load" else 1], np.asarray(places))
+        widest = np.interp(
+            largest, curve[0 if control == "load" else 1], np.asarray(places)
+        )
         reach = 2.6 * float(widest) / float(h)
     order = _TRACED if points.traced else _ORDERS[0]
-    on = on._replace(reach=1.3 ** math.ceil(math.log(max(reach, 1.0)) / math.log(1.3)), order=order)
+    on = on._replace(
+        reach=1.3 ** math.ceil(math.log(max(reach, 1.0)) / math.log(1.3)), order=order
+    )
     return _Lines(on, fixed(rest), modulus, (places, *curve), float(rtol), misfit)
 
 
-def _solve(lines: _Lines, velocity: Array, load: Array, weights: Array | None = None) -> tuple[Slid, Array]:
-    """Lines at velocities and loads, and the estimated relative error of mu; `weights` sum them up to averages."""
+def _solve(
+    lines: _Lines, velocity: Array, load: Array, weights: Array | None = None
+) -> tuple[Slid, Array]:
+    """Lines at velocities and loads, and the estimated relative error of mu; `weights`
+    sum them up to averages.
+    """
     places, loads, _ = lines.curve
     radius = xp.interp(load, loads, places)
     for _ in range(8):
         stiffer = fixed(lines.modulus(velocity / radius)) / lines.rest
-        radius = fixed(xp.exp(0.5 * xp.log(radius) + 0.5 * xp.log(xp.interp(load / stiffer, loads, places))))
+        radius = fixed(
+            xp.exp(
+                0.5 * xp.log(radius)
+                + 0.5 * xp.log(xp.interp(load / stiffer, loads, places))
+            )
+        )
     if is_traced(velocity, load, lines.on.shape, lines.on.chain, lines.on.thickness):
         found = slide_on_layer(lines.on, velocity, "load", load, (radius, radius))
         wide = found.leading + found.trailing < _TRACED_REACH * lines.on.thickness
@@ -247,42 +360,64 @@ def _solve(lines: _Lines, velocity: Array, load: Array, weights: Array | None = 
         here = np.arange(start, min(start + _AT_ONCE, velocity.size))
         edges, before, left = (radius[here], radius[here]), None, here
         for n in _ORDERS:
-            found = _with_neighbours(lines.on._replace(order=n), velocity[left], load[left], edges, close)
+            found = _with_neighbours(
+                lines.on._replace(order=n), velocity[left], load[left], edges, close
+            )
             if result is None:
-                result = Slid(*(np.full(velocity.shape, np.nan).astype(field.dtype) for field in found))
+                result = Slid(
+                    *(
+                        np.full(velocity.shape, np.nan).astype(field.dtype)
+                        for field in found
+                    )
+                )
             if before is not None:
                 error[left] = _SHARE * np.abs(found.mu / before - 1) + 1e-10
             for field, values in zip(result, found, strict=True):
                 field[left] = values
             counts = 1.0
             if weights is not None and before is not None and velocity.size <= _AT_ONCE:
-                sums = np.abs(weights) * np.abs(result.mu)  # how much of an average is due to each line
-                counts = np.nanmax(sums / np.nansum(sums, axis=1, keepdims=True), axis=0)[left]
+                # how much of an average is due to each line
+                sums = np.abs(weights) * np.abs(result.mu)
+                counts = np.nanmax(
+                    sums / np.nansum(sums, axis=1, keepdims=True), axis=0
+                )[left]
             lost = np.abs(found.mu) < _NONE
             error[left[lost]] = 1.0  # no order finds more
             again = np.flatnonzero((error[left] * counts > 0.2 * lines.rtol) & ~lost)
             left, before = left[again], found.mu[again]
             edges = tuple(
-                np.where(found.converged[again], e[again], radius[left]) for e in (found.leading, found.trailing)
+                np.where(found.converged[again], e[again], radius[left])
+                for e in (found.leading, found.trailing)
             )
             if not left.size:
                 break
     return result, error
 
 
-def _with_neighbours(on: Sliding, velocity: Array, load: Array, edges: Any, close: float) -> Slid:
-    """Lines of numbers; those whose edges are not found begin again where a neighbour in velocity has its own."""
+def _with_neighbours(
+    on: Sliding, velocity: Array, load: Array, edges: Any, close: float
+) -> Slid:
+    """Lines of numbers; those whose edges are not found begin again where a neighbour
+    in velocity has its own.
+    """
     found = slide_on_layer(on, velocity, "load", load, edges, close)
     for _ in range(_AGAIN):
         bad = np.flatnonzero(~found.converged)
         good = np.flatnonzero(found.converged)
         if not bad.size or not good.size:
             break
-        far = np.abs(np.log(velocity[bad, None] / velocity[good])) + 3 * np.abs(np.log(load[bad, None] / load[good]))
+        far = np.abs(np.log(velocity[bad, None] / velocity[good])) + 3 * np.abs(
+            np.log(load[bad, None] / load[good])
+        )
         near = good[far.argmin(axis=1)]
         scale = (load[bad] / load[near]) ** 0.33
         again = slide_on_layer(
-            on, velocity[bad], "load", load[bad], (found.leading[near] * scale, found.trailing[near] * scale), close
+            on,
+            velocity[bad],
+            "load",
+            load[bad],
+            (found.leading[near] * scale, found.trailing[near] * scale),
+            close,
         )
         for field, values in zip(found, again, strict=True):
             field[bad] = values
@@ -290,14 +425,19 @@ def _with_neighbours(on: Sliding, velocity: Array, load: Array, edges: Any, clos
 
 
 @one_thread()
-def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: bool) -> _Mean:
-    """mu and depth averaged over directions at equal load, and the line at the velocity itself."""
+def _mean(
+    lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: bool
+) -> _Mean:
+    """mu and depth averaged over directions at equal load, and the line at the velocity
+    itself.
+    """
     if not averaged:
         found, off = _solve(lines, velocity, load)
         good = found.converged & (off <= max(lines.rtol, _FLOOR))
         return _Mean(found.mu, found.depth, found, off * xp.abs(found.mu), good)
     rule = directions(lines.rtol)
-    flat = rule.weights / rule.cosines  # of the depth, which every direction counts alike
+    # of the depth, which every direction counts alike
+    flat = rule.weights / rule.cosines
     flat = flat / flat.sum()
     if traced:
         count = velocity.shape[0]
@@ -305,7 +445,13 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
         found, _ = _solve(lines, slowed, xp.repeat(load, rule.cosines.size))
         table = Slid(*(field.reshape(count, -1) for field in found))
         own = Slid(*(field[:, 0] for field in table))
-        return _Mean(table.mu @ rule.weights, table.depth @ flat, own, xp.zeros(count), xp.all(table.converged, axis=1))
+        return _Mean(
+            table.mu @ rule.weights,
+            table.depth @ flat,
+            own,
+            xp.zeros(count),
+            xp.all(table.converged, axis=1),
+        )
     velocity, load = np.asarray(velocity), np.asarray(load)
     out = [np.full(velocity.shape, np.nan) for _ in range(3)]
     lines_own = Slid(*(np.full(velocity.shape, np.nan) for _ in Slid._fields))
@@ -314,14 +460,28 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
         at = np.flatnonzero(load == each)
         grid = shared_grid(velocity[at], lines.rtol)
         if grid.velocity.size < at.size * rule.cosines.size:
-            solved, off = _solve(lines, grid.velocity, np.full(grid.velocity.size, each), grid.weights)
+            solved, off = _solve(
+                lines, grid.velocity, np.full(grid.velocity.size, each), grid.weights
+            )
             mu = grid.weights @ solved.mu
-            gap = np.abs(grid.half @ solved.mu - mu), np.abs(grid.lower @ solved.mu - mu)
+            gap = (
+                np.abs(grid.half @ solved.mu - mu),
+                np.abs(grid.lower @ solved.mu - mu),
+            )
             rest = np.minimum(gap[0] ** 2 / np.maximum(mu, 1e-300), gap[0]) + 3 * gap[1]
-            missed = rest + np.abs(grid.weights) @ (off * np.abs(solved.mu)) + rule.tail * mu
-            depth = _between(grid.velocity, solved.depth, velocity[at, None] * rule.cosines) @ flat
+            missed = (
+                rest + np.abs(grid.weights) @ (off * np.abs(solved.mu)) + rule.tail * mu
+            )
+            depth = (
+                _between(grid.velocity, solved.depth, velocity[at, None] * rule.cosines)
+                @ flat
+            )
             fine = (grid.weights != 0) @ ~solved.converged == 0
-            own = [*(_between(grid.velocity, field, velocity[at]) for field in solved[:5]), fine, fine]
+            own = [
+                *(_between(grid.velocity, field, velocity[at]) for field in solved[:5]),
+                fine,
+                fine,
+            ]
         else:
             slowed = (velocity[at, None] * rule.cosines).reshape(-1)
             solved, off = _solve(lines, slowed, np.full(slowed.size, each))
@@ -329,7 +489,11 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
             mu, depth = table.mu @ rule.weights, table.depth @ flat
             gap = np.abs(table.mu @ rule.half - mu)
             rest = np.minimum(gap**2 / np.maximum(mu, 1e-300), gap)
-            missed = rest + (off.reshape(at.size, -1) * table.mu) @ rule.weights + rule.tail * mu
+            missed = (
+                rest
+                + (off.reshape(at.size, -1) * table.mu) @ rule.weights
+                + rule.tail * mu
+            )
             fine = table.converged.all(axis=1)
             own = [field[:, 0] for field in table]
         for field, values in zip(out, (mu, depth, missed), strict=True):
@@ -342,31 +506,49 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
 
 
 def _between(nodes: Array, values: Array, velocity: Array) -> Array:
-    """Positive values at velocities between nodes that are even in log v: Lagrange's polynomials on logarithms."""
+    """Positive values at velocities between nodes that are even in log v: Lagrange's
+    polynomials on logarithms.
+    """
     step = math.log(nodes[1] / nodes[0])
-    index, local = lagrange(np.clip(np.log(velocity / nodes[0]) / step, 0, nodes.size - 1), _NEAREST)
+    index, local = lagrange(
+        np.clip(np.log(velocity / nodes[0]) / step, 0, nodes.size - 1), _NEAREST
+    )
     index = np.clip(index, 0, nodes.size - 1)
     return np.exp(np.sum(local * np.log(values[index]), axis=-1))
 
 
 @one_thread()
-def _load_of_depth(lines: _Lines, velocity: Array, depth: Array, averaged: bool, thick: Any) -> Array:
-    """Loads at which the depth is that: the secant method on logarithms, all points at once."""
+def _load_of_depth(
+    lines: _Lines, velocity: Array, depth: Array, averaged: bool, thick: Any
+) -> Array:
+    """Loads at which the depth is that: the secant method on logarithms, all points at
+    once.
+    """
     places, loads, depths = lines.curve
     low = np.log(np.interp(depth, depths, loads))
     rough = lines._replace(rtol=max(lines.rtol, 1e-4))
 
     def miss(log: Array) -> Array:
-        return np.log(_mean(rough, velocity, np.exp(log), averaged, False).depth / depth)
+        return np.log(
+            _mean(rough, velocity, np.exp(log), averaged, False).depth / depth
+        )
 
     old, log = (
         low,
-        low + np.log(np.maximum(lines.modulus(velocity / np.interp(depth, depths, places)) / lines.rest, 1.01)),
+        low
+        + np.log(
+            np.maximum(
+                lines.modulus(velocity / np.interp(depth, depths, places)) / lines.rest,
+                1.01,
+            )
+        ),
     )
     off_old, off = miss(old), miss(log)
     for _ in range(_SEARCH):
         slope = (off - off_old) / np.where(log == old, 1.0, log - old)
-        step = np.where(np.abs(slope) > 1e-3, off / np.where(slope == 0, 1.0, slope), 0.0)
+        step = np.where(
+            np.abs(slope) > 1e-3, off / np.where(slope == 0, 1.0, slope), 0.0
+        )
         if not np.nanmax(np.abs(step)) > 0.1 * lines.rtol:
             break
         old, off_old = log, off
@@ -375,21 +557,32 @@ def _load_of_depth(lines: _Lines, velocity: Array, depth: Array, averaged: bool,
     return np.exp(log)
 
 
-def _count(velocity: Array, load: Array, averaged: bool, rtol: float, traced: bool) -> int:
+def _count(
+    velocity: Array, load: Array, averaged: bool, rtol: float, traced: bool
+) -> int:
     """How many lines are solved, about."""
     if not averaged:
         return velocity.size
     each = directions(rtol).cosines.size
     if traced or np.unique(load).size > 1:
         return velocity.size * each
-    return min(velocity.size * each, velocity.size + shared_grid(np.asarray(velocity), rtol).velocity.size)
+    return min(
+        velocity.size * each,
+        velocity.size + shared_grid(np.asarray(velocity), rtol).velocity.size,
+    )
 
 
 def _say(good: Any, sunk: Any, thick: Any, rtol: float) -> None:
     """Warns of points that failed."""
     if good.all():
         return
-    text = f"{int((~good).sum())} of {good.size} points did not converge to rtol={rtol:g}; they are NaN."
+    text = (
+        f"{int((~good).sum())} of {good.size} points did not converge to "
+        f"rtol={rtol:g}; they are NaN."
+    )
     if np.any(sunk):
-        text += f" {int(np.sum(sunk))} of them would sink deeper than the layer is thick ({1e3 * float(thick):.4g} mm)."
+        text += (
+            f" {int(np.sum(sunk))} of them would sink deeper than the layer is thick "
+            f"({1e3 * float(thick):.4g} mm)."
+        )
     warnings.warn(text, ConvergenceWarning, stacklevel=5)

@@ -1,12 +1,15 @@
-"""Which branches of the spectrum a scene need not carry one by one, and what that costs.
+"""Which branches of the spectrum a scene need not carry one by one, and what that
+costs.
 
-A branch much slower than the longest passage is a spring that barely relaxes, one much faster than the shortest is a
-dashpot. All the slow ones are lumped into one branch with their sum of E_k and of E_k/tau_k, all the fast ones into one
-with their sum of E_k tau_k and of E_k tau_k^2. With z = passage/tau, what a branch changes by that is E z^2 (slow) or
-E/z^3 (fast), the first terms that are not matched; E/z^2 (fast) under a kink at the apex, if contact may end within the
-layer that a fast branch leaves behind it (a liquid under a cone). Both are compared with the loss and with the modulus
-of the rest, over the whole range of passages of the scene, and the cheapest are condensed while the sum of their costs
-stays within the budget.
+A branch much slower than the longest passage is a spring that barely relaxes, one much
+faster than the shortest is a dashpot. All the slow ones are lumped into one branch with
+their sum of E_k and of E_k/tau_k, all the fast ones into one with their sum of E_k
+tau_k and of E_k tau_k^2. With z = passage/tau, what a branch changes by that is E z^2
+(slow) or E/z^3 (fast), the first terms that are not matched; E/z^2 (fast) under a kink
+at the apex, if contact may end within the layer that a fast branch leaves behind it (a
+liquid under a cone). Both are compared with the loss and with the modulus of the rest,
+over the whole range of passages of the scene, and the cheapest are condensed while the
+sum of their costs stays within the budget.
 """
 
 from __future__ import annotations
@@ -17,7 +20,9 @@ import numpy as np
 
 from ..material.relaxation import Relaxation
 
-_SAFETY = 10.0  # the estimate's constants are those of an elastic paraboloid; other shapes move them by less than this
+# the estimate's constants are those of an elastic paraboloid; other shapes move them by
+# less than this
+_SAFETY = 10.0
 _SHARE = 0.02  # of rtol, to be spent on condensing
 
 
@@ -26,7 +31,8 @@ class Condensation:
     """Branch numbers condensed, and the bound on the relative change of mu."""
 
     branches: int
-    springs: tuple[int, ...] = ()  # too slow to relax: one branch stands for all of them
+    # too slow to relax: one branch stands for all of them
+    springs: tuple[int, ...] = ()
     dashpots: tuple[int, ...] = ()  # relaxed long before the passage ends: likewise
     cost: float = 0.0
 
@@ -37,13 +43,18 @@ class Condensation:
         return tuple(k for k in range(self.branches) if k not in gone)
 
 
-def choose(law: Relaxation, shortest: float, longest: float, rtol: float, kinked: bool) -> Condensation:
-    """Condenses what a scene with passages between `shortest` and `longest` [s] does not need at `rtol`; `kinked` says
-    that the body has a kink at its apex."""
+def choose(
+    law: Relaxation, shortest: float, longest: float, rtol: float, kinked: bool
+) -> Condensation:
+    """Condenses what a scene with passages between `shortest` and `longest` [s] does
+    not need at `rtol`; `kinked` says that the body has a kink at its apex.
+    """
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     if not (moduli > 0).any():
         return Condensation(moduli.size)
-    passages = np.exp(np.linspace(np.log(shortest), np.log(longest), 65 if longest > shortest else 1))
+    passages = np.exp(
+        np.linspace(np.log(shortest), np.log(longest), 65 if longest > shortest else 1)
+    )
     z = passages[:, None] / times
     with np.errstate(over="ignore"):
         square, drag = z * z, float(law.viscosity) / passages
@@ -56,12 +67,19 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float, kinked
     budget, spent = _SHARE * rtol, 0.0
     springs, dashpots = [], []
     order = np.argsort(cost)
-    for k, one, spring in zip(order.tolist(), cost[order].tolist(), (as_spring < as_dashpot)[order], strict=True):
+    for k, one, spring in zip(
+        order.tolist(),
+        cost[order].tolist(),
+        (as_spring < as_dashpot)[order],
+        strict=True,
+    ):
         if spent + one > budget:
             break
         spent += one
         (springs if spring else dashpots).append(k)
-    return Condensation(moduli.size, tuple(sorted(springs)), tuple(sorted(dashpots)), spent)
+    return Condensation(
+        moduli.size, tuple(sorted(springs)), tuple(sorted(dashpots)), spent
+    )
 
 
 def condensed(law: Relaxation, how: Condensation) -> Relaxation:
@@ -69,21 +87,35 @@ def condensed(law: Relaxation, how: Condensation) -> Relaxation:
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     if not how.springs and not how.dashpots and moduli.all():
         return law
-    springs, dashpots, kept = ([k for k in x if moduli[k] > 0] for x in (how.springs, how.dashpots, how.kept))
+    springs, dashpots, kept = (
+        [k for k in x if moduli[k] > 0] for x in (how.springs, how.dashpots, how.kept)
+    )
     fewer = [(moduli[kept], times[kept])]
     if springs:
         total, rate = moduli[springs].sum(), (moduli[springs] / times[springs]).sum()
         fewer.append((total[None], (total / rate)[None]))
     if dashpots:
-        first, second = (moduli[dashpots] * times[dashpots]).sum(), (moduli[dashpots] * times[dashpots] ** 2).sum()
+        first, second = (
+            (moduli[dashpots] * times[dashpots]).sum(),
+            (moduli[dashpots] * times[dashpots] ** 2).sum(),
+        )
         fewer.append(((first / second * first)[None], (second / first)[None]))
     moduli, times = (np.concatenate(part) for part in zip(*fewer, strict=True))
     return Relaxation(law.equilibrium, moduli, times, law.viscosity)
 
 
 def filled(law: Relaxation) -> Relaxation:
-    """The same with branches of no modulus, up to one of few numbers of them, each of which is compiled once."""
+    """The same with branches of no modulus, up to one of few numbers of them, each of
+    which is compiled once.
+    """
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
-    padding = 4 - moduli.size if moduli.size < 4 else -moduli.size % (4 if moduli.size <= 8 else 8)
-    moduli, times = np.pad(moduli, (0, padding)), np.pad(times, (0, padding), constant_values=1.0)
+    padding = (
+        4 - moduli.size
+        if moduli.size < 4
+        else -moduli.size % (4 if moduli.size <= 8 else 8)
+    )
+    moduli, times = (
+        np.pad(moduli, (0, padding)),
+        np.pad(times, (0, padding), constant_values=1.0),
+    )
     return Relaxation(law.equilibrium, moduli, times, law.viscosity)

@@ -1,4 +1,6 @@
-"""A cylinder that rolls or slides steadily on a layer or a half-space, in plane strain: arguments, plan, result."""
+"""A cylinder that rolls or slides steadily on a layer or a half-space, in plane strain:
+arguments, plan, result.
+"""
 
 from __future__ import annotations
 
@@ -43,21 +45,31 @@ from .problem import OnLayer, Steady
 from .softening import LINEAR
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
-ON_HALF_SPACE = "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
-_ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))  # terms of the pressure, to be compared
-_FLOOR = 1e-5  # relative error below which a point counts whatever `rtol` asks: `error` says what was reached
+ON_HALF_SPACE = (
+    "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
+)
+# terms of the pressure, to be compared
+_ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))
+# relative error below which a point counts whatever `rtol` asks: `error` says what was
+# reached
+_FLOOR = 1e-5
 _TRACED = (32, 48)
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
-_TRACED_ERROR = 1e-2  # relative, beyond which a point has failed under a JAX transformation
+# relative, beyond which a point has failed under a JAX transformation
+_TRACED_ERROR = 1e-2
 _TRACED_RATIO = 12.0  # half-length over thickness served under a JAX transformation
-_SHARE = 0.3  # of what the lower order changes, at most, that is left of it in the higher one
+# of what the lower order changes, at most, that is left of it in the higher one
+_SHARE = 0.3
 _NOTHING = 1e-12  # of the width of the contact over the radius
 _ROUNDING = 3e-9  # of mu: tables and sums
-_NEGATIVE = 1e-3  # of the largest pressure, or of the gap: beyond it the contact is not the one assumed
-_WIDEST = 60.0  # half-length over thickness, as guessed, that is tried: time and memory grow with it
+# of the largest pressure, or of the gap: beyond it the contact is not the one assumed
+_NEGATIVE = 1e-3
+# half-length over thickness, as guessed, that is tried: time and memory grow with it
+_WIDEST = 60.0
 _ENDS = 4.0  # length over half-width below which a cylinder is no longer plane
 _TYPICAL = 1.5  # kL of the wave that stands for a contact where its size is estimated
-_FLOWING = 1e8  # how many times longer than its passage over a thickness a liquid is remembered
+# how many times longer than its passage over a thickness a liquid is remembered
+_FLOWING = 1e8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,17 +86,36 @@ class CylinderPlan:
     branches: int
 
     def __str__(self) -> str:
-        terms = f"{_ORDERS[0][0]} and {_ORDERS[0][1]}, up to {_ORDERS[-1][1]} where they disagree"
+        terms = (
+            f"{_ORDERS[0][0]} and {_ORDERS[0][1]}, up to {_ORDERS[-1][1]} where they "
+            "disagree"
+        )
         rows = [
             ("model", self.model),
-            ("asked", f"{self.points} point{'s' * (self.points != 1)} by {self.control}, relative error {self.rtol:g}"),
+            (
+                "asked",
+                (
+                    f"{self.points} point{'s' * (self.points != 1)} by {self.control}, "
+                    f"relative error {self.rtol:g}"
+                ),
+            ),
             *(("cover", cover) for cover in self.covers),
             ("pressure", f"Chebyshev polynomials, {terms}; both edges follow"),
-            ("branches", f"{self.branches} retardation times, each exact" if self.branches else "none: elastic"),
+            (
+                "branches",
+                f"{self.branches} retardation times, each exact"
+                if self.branches
+                else "none: elastic",
+            ),
             ("directions", "one: plane strain"),
             ("not needed", "history, since the motion is steady; elements of a line"),
         ]
-        return "\n".join([f"Plan: {self.quantity}, {self.scene}", *(f"  {a:<12} {b}" for a, b in rows)])
+        return "\n".join(
+            [
+                f"Plan: {self.quantity}, {self.scene}",
+                *(f"  {a:<12} {b}" for a, b in rows),
+            ]
+        )
 
 
 class _Found(NamedTuple):
@@ -98,23 +129,38 @@ class _Found(NamedTuple):
 
 
 def cylinder_on_layer(
-    quantity: str, material: Any, shape: Cylinder, *, velocity: Any, load: Any, depth: Any, temperature: Any,
-    model: Any, rtol: float, solved: bool = True,
-) -> OnLayer:  # fmt: skip
+    quantity: str,
+    material: Any,
+    shape: Cylinder,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
+    solved: bool = True,
+) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
     if isinstance(of_smooth(model, quantity, shape.label), HalfSpace):
-        raise InputError(f"model must be left out under a cylinder in plane strain, got {model!r}.")
+        raise InputError(
+            f"model must be left out under a cylinder in plane strain, got {model!r}."
+        )
     check_rtol(rtol)
     body = material if isinstance(material, Layer) else surface_foundation(material)
     layers = isinstance(body, Layer)
     if depth is not None and not layers:
         raise InputError(
-            "depth must be left out for a cylinder on a half-space, where it has no meaning in plane strain (it grows "
-            f"with the logarithm of the distance from which it is counted), got {depth}: give load, or an em.layer."
+            "depth must be left out for a cylinder on a half-space, where it has no "
+            "meaning in plane strain (it grows "
+            "with the logarithm of the distance from which it is counted), got "
+            f"{depth}: give load, or an em.layer."
         )
     control = "load" if depth is None else "depth"
     given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_scene(body, shape, velocity=velocity, temperature=temperature, **given)
+    points = steady_scene(
+        body, shape, velocity=velocity, temperature=temperature, **given
+    )
     if layers:
         _not_too_deep(body, control, points)
     name = describe(shape).replace(" on a layer", "")
@@ -123,22 +169,36 @@ def cylinder_on_layer(
     label = ON_LAYER if layers else ON_HALF_SPACE
     label += "" if getattr(body, "softening", None) is None else LINEAR
     plan = CylinderPlan(
-        quantity, words, label, control, int(np.prod(points.shape)), float(rtol), covers_in_words(body),
+        quantity,
+        words,
+        label,
+        control,
+        int(np.prod(points.shape)),
+        float(rtol),
+        covers_in_words(body),
         sum(int(np.shape(cover.chain.times)[0]) for cover, _ in bodies),
-    )  # fmt: skip
+    )
     if not solved:
         return OnLayer(None, points.full(points.kelvin), label, plan)
     covers, misfit = tuple(cover for cover, _ in bodies), max(off for _, off in bodies)
-    flat = Cylinders(xp.asarray(shape.radius), covers, xp.asarray(points.reduced).reshape(-1))
+    flat = Cylinders(
+        xp.asarray(shape.radius), covers, xp.asarray(points.reduced).reshape(-1)
+    )
     value = xp.asarray(points.at_reference())
     wanted = value / shape.length if control == "load" else value
-    dashpot = not is_traced(covers) and all(float(cover.chain.instantaneous) == 0 for cover in covers)
+    dashpot = not is_traced(covers) and all(
+        float(cover.chain.instantaneous) == 0 for cover in covers
+    )
     guess = _guess(flat, wanted, control == "depth")
     if points.traced:
-        found = _once(flat, wanted, control == "depth", guess, _TRACED, _TRACED_RATIO, dashpot)
+        found = _once(
+            flat, wanted, control == "depth", guess, _TRACED, _TRACED_RATIO, dashpot
+        )
         good = found.good & (found.error <= _TRACED_ERROR * xp.abs(found.mu) + _NOTHING)
     else:
-        found, good = _refined(flat, wanted, control == "depth", guess, dashpot, rtol, misfit)
+        found, good = _refined(
+            flat, wanted, control == "depth", guess, dashpot, rtol, misfit
+        )
     found = found._replace(error=found.error + misfit * xp.abs(found.mu), good=good)
     sunk = False
     if layers and control == "load":
@@ -155,8 +215,12 @@ def cylinder_on_layer(
     contact = Contact(shaped(found.leading), shaped(-found.trailing))
     size = 0.5 * (contact.leading + contact.trailing)
     kelvin = points.full(points.kelvin)
-    beyond = steady_beyond(body.range, points.full(points.reduced), size, kelvin, stacklevel=4)
-    inputs = points.inputs(("shape", name), *(("cover", cover) for cover in plan.covers))
+    beyond = steady_beyond(
+        body.range, points.full(points.reduced), size, kelvin, stacklevel=4
+    )
+    inputs = points.inputs(
+        ("shape", name), *(("cover", cover) for cover in plan.covers)
+    )
     inputs.append(("relative tolerance", f"{rtol:g}"))
     steady = Steady(
         velocity=points.full(points.velocity),
@@ -175,7 +239,9 @@ def cylinder_on_layer(
 
 
 def _covers(body: Any, points: Scene) -> list[tuple[Cover, float]]:
-    """What carries the pressure, and how far a Prony series is from a table of moduli, relatively."""
+    """What carries the pressure, and how far a Prony series is from a table of moduli,
+    relatively.
+    """
     if not isinstance(body, Layer):
         if isinstance(body, TabulatedFoundation):
             chain, off = to_chain(body)
@@ -183,8 +249,9 @@ def _covers(body: Any, points: Scene) -> list[tuple[Cover, float]]:
         law = body.law()
         if not is_traced(law.equilibrium) and float(law.equilibrium) == 0:
             raise InputError(
-                "material must have an equilibrium modulus under a cylinder on a half-space, got a liquid: in plane "
-                "strain it sinks without end. Give an em.layer."
+                "material must have an equilibrium modulus under a cylinder on a "
+                "half-space, got a liquid: in plane strain it sinks without end. Give "
+                "an em.layer."
             )
         return [(Cover(to_kelvin(law)), 0.0)]
     return [_cover(layer, points) for layer in body.covers]
@@ -195,42 +262,66 @@ def _cover(layer: Layer, points: Scene) -> tuple[Cover, float]:
     if isinstance(material, TabulatedModulus):
         table: Any = surface_foundation(material)
         chain, off = to_chain(table)
-        return Cover(chain, layer.thickness, 1 - 2 * material.poisson, bonded=layer.bonded), off
+        return Cover(
+            chain, layer.thickness, 1 - 2 * material.poisson, bonded=layer.bonded
+        ), off
     solid = _solid(material.shear(), layer, points)
     chain = to_kelvin(normal_operator(solid))
     if material.bulk is None:
         return Cover(chain, layer.thickness, layer.squeeze(), bonded=layer.bonded), 0.0
-    return Cover(chain, layer.thickness, None, solid.law(), material.bulk, layer.bonded), 0.0
+    return Cover(
+        chain, layer.thickness, None, solid.law(), material.bulk, layer.bonded
+    ), 0.0
 
 
 def _solid(shear: Prony, layer: Layer, points: Scene) -> Prony:
-    """A liquid with so small an equilibrium modulus that it flows like one as long as it matters."""
+    """A liquid with so small an equilibrium modulus that it flows like one as long as
+    it matters.
+    """
     if not is_traced(shear.equilibrium) and float(shear.equilibrium) > 0:
         return shear
     flow = shear.viscosity + xp.sum(xp.asarray(shear.moduli) * xp.asarray(shear.times))
     slowest = xp.min(xp.asarray(points.reduced))
     little = flow * slowest / (_FLOWING * layer.thickness)
-    return replaced(shear, equilibrium=xp.where(xp.asarray(shear.equilibrium) > 0, shear.equilibrium, little))
+    return replaced(
+        shear,
+        equilibrium=xp.where(
+            xp.asarray(shear.equilibrium) > 0, shear.equilibrium, little
+        ),
+    )
 
 
 def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
-    """Half-lengths of about the right size: of an elastic half-plane as stiff as the passage is fast and short."""
+    """Half-lengths of about the right size: of an elastic half-plane as stiff as the
+    passage is fast and short.
+    """
     if by_depth:
         return xp.sqrt(2 * flat.radius * wanted)
     half = xp.full_like(wanted, 1e-3)
     for _ in range(12):
         k = _TYPICAL / half
         omega = flat.velocity / half
-        parts = [c.of_kernel(layer_kernel, k, omega) if flat.on_layers else c.creep(omega) for c in flat.covers]
+        parts = [
+            c.of_kernel(layer_kernel, k, omega) if flat.on_layers else c.creep(omega)
+            for c in flat.covers
+        ]
         softness = sum(part[0] for part in parts)
         half = xp.sqrt(half * xp.sqrt(4 * wanted * flat.radius / math.pi * softness))
     return half
 
 
 def _once(
-    flat: Cylinders, wanted: Any, by_depth: bool, guess: Any, orders: tuple[int, int], ratio: float, dashpot: bool
+    flat: Cylinders,
+    wanted: Any,
+    by_depth: bool,
+    guess: Any,
+    orders: tuple[int, int],
+    ratio: float,
+    dashpot: bool,
 ) -> _Found:
-    """One solution by two orders, the higher one counts; the lower one gives the error."""
+    """One solution by two orders, the higher one counts; the lower one gives the
+    error.
+    """
     low, high = orders
     waves = layer_waves(flat, ratio)
     half = half_of(flat, wanted, by_depth, guess, high, waves, dashpot)
@@ -240,22 +331,39 @@ def _once(
     half = xp.where(there, half, guess)
     solution, other = (solve_at(flat, half, n, waves, dashpot) for n in (high, low))
     deep = depth(flat, solution, high) if flat.on_layers else half * np.nan
-    off = xp.abs(solution.mu - other.mu) + 0.5 * xp.abs(solution.mu * (solution.load / other.load - 1))
+    off = xp.abs(solution.mu - other.mu) + 0.5 * xp.abs(
+        solution.mu * (solution.load / other.load - 1)
+    )
     off = _SHARE * off
     pull = xp.maximum(-least_pressure(solution, high, dashpot), 0.0)
     if flat.on_layers:
         pull = xp.maximum(pull, -least_gap(flat, solution, high, deep))
-    good = there & xp.isfinite(solution.mu) & (pull < _NEGATIVE) & remembered(flat, half)
-    # a pressure that pulls by a small share over a small part of the contact: that share of mu
+    good = (
+        there & xp.isfinite(solution.mu) & (pull < _NEGATIVE) & remembered(flat, half)
+    )
+    # a pressure that pulls by a small share over a small part of the contact: that
+    # share of mu
     error = off + (pull + _ROUNDING) * xp.abs(solution.mu) + 1e-15 * half / flat.radius
     return _Found(
-        solution.mu, error, solution.load, deep, solution.shift + half, solution.shift - half, good
-    )  # fmt: skip
+        solution.mu,
+        error,
+        solution.load,
+        deep,
+        solution.shift + half,
+        solution.shift - half,
+        good,
+    )
 
 
 @one_thread()
 def _refined(
-    flat: Cylinders, wanted: Any, by_depth: bool, guess: Any, dashpot: bool, rtol: float, misfit: float
+    flat: Cylinders,
+    wanted: Any,
+    by_depth: bool,
+    guess: Any,
+    dashpot: bool,
+    rtol: float,
+    misfit: float,
 ) -> tuple[_Found, Any]:
     """Points by more and more terms until their error is below `rtol`; numbers only."""
     result = [np.full(wanted.shape, np.nan) for _ in _Found._fields]
@@ -270,7 +378,9 @@ def _refined(
         ratio = 0.0 if thick is None else _ladder(float(np.nanmax(guess[left])) / thick)
         found = _once(part, wanted[left], by_depth, guess[left], orders, ratio, dashpot)
         if thick is not None and not found.good.all():  # wider than guessed, perhaps
-            found = _once(part, wanted[left], by_depth, guess[left], orders, 2 * ratio, dashpot)
+            found = _once(
+                part, wanted[left], by_depth, guess[left], orders, 2 * ratio, dashpot
+            )
         half = 0.5 * (found.leading - found.trailing)
         for field, values in zip(result, found, strict=True):
             field[left] = values
@@ -282,8 +392,14 @@ def _refined(
 
 
 def _met(found: _Found, rtol: float, radius: Any) -> Any:
-    """Whether the error is below what was asked for, or mu is nothing but rounding, as of elastic bodies."""
-    return found.error <= rtol * np.abs(found.mu) + _NOTHING * (found.leading - found.trailing) / radius
+    """Whether the error is below what was asked for, or mu is nothing but rounding, as
+    of elastic bodies.
+    """
+    return (
+        found.error
+        <= rtol * np.abs(found.mu)
+        + _NOTHING * (found.leading - found.trailing) / radius
+    )
 
 
 def _ladder(ratio: float) -> float:
@@ -295,20 +411,36 @@ def _not_too_deep(layer: Layer, control: str, points: Scene) -> None:
     """Refuses a dent as deep as the layer is thick. Raises `InputError`."""
     if control == "depth" and not is_traced(layer, points.value):
         thick = float(sum(cover.thickness for cover in layer.covers))
-        require("depth", points.value, f"below {thick:.4g} m, the thickness of the layer", lambda d: d < thick)
+        require(
+            "depth",
+            points.value,
+            f"below {thick:.4g} m, the thickness of the layer",
+            lambda d: d < thick,
+        )
 
 
-def _say(points: Scene, found: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float) -> None:
+def _say(
+    points: Scene, found: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float
+) -> None:
     """Warns of points that failed, and of a cylinder that is too short to be plane."""
     bad = int((~found.good).sum())
     if bad:
-        text = f"{bad} of {found.good.size} points did not converge to rtol={rtol:g}; they are NaN."
+        text = (
+            f"{bad} of {found.good.size} points did not converge to rtol={rtol:g}; "
+            "they are NaN."
+        )
         if np.any(sunk):
             thick = float(sum(cover.thickness for cover in body.covers))
-            text += f" {int(np.sum(sunk))} of them would sink deeper than the layer is thick ({1e3 * thick:.4g} mm)."
+            text += (
+                f" {int(np.sum(sunk))} of them would sink deeper than the layer is "
+                f"thick ({1e3 * thick:.4g} mm)."
+            )
         missed = (found.error / found.mu)[~found.good & (found.mu > 0)]
         if missed.size and missed.max() < 0.1:
-            text += f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol would accept them."
+            text += (
+                f" Their estimated errors are up to {missed.max():.1e} of mu, so a "
+                "larger rtol would accept them."
+            )
         warnings.warn(text, ConvergenceWarning, stacklevel=5)
     half = 0.5 * (found.leading - found.trailing)
     if is_traced(shape) or not found.good.any():
@@ -316,64 +448,138 @@ def _say(points: Scene, found: _Found, sunk: Any, body: Any, shape: Cylinder, rt
     widest, length = float(half[found.good].max()), float(shape.length)
     if length < _ENDS * widest:
         warnings.warn(
-            f"The cylinder, {1e3 * length:.4g} mm long, is only {significant(length / widest, 2)} times as long as "
-            f"half the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that "
-            "distance from each end the rubber moves aside, so that the same load needs more depth, and the pressure "
-            "there is not that of the middle.",
+            f"The cylinder, {1e3 * length:.4g} mm long, is only "
+            f"{significant(length / widest, 2)} times as long as half the contact is "
+            f"wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over "
+            "about that "
+            "distance from each end the rubber moves aside, so that the same load "
+            "needs more depth, and the pressure there is not that of the middle.",
             ModelWarning,
             stacklevel=5,
         )
 
 
 def cylinder_losses(
-    material: Any, shape: Cylinder, *, velocity: Any, load: Any, depth: Any, temperature: Any, model: Any, rtol: float
+    material: Any,
+    shape: Cylinder,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
 ) -> tuple[OnLayer, Any, Any]:
-    """The rolling cylinder, the resistance [N/m] of each branch at each point, and the times of the branches [s].
+    """The rolling cylinder, the resistance [N/m] of each branch at each point, and the
+    times of the branches [s].
 
     Raises `InputError` for what `losses` does not separate.
     """
     body = material if isinstance(material, Layer) else surface_foundation(material)
     if is_traced(body, shape, velocity, load, depth, temperature):
-        raise InputError("material must not be traced: the losses of a layer by branch are known for numbers only.")
-    if isinstance(body, TabulatedFoundation) or isinstance(getattr(body, "material", None), TabulatedModulus):
-        raise InputError("material must be a series, em.Prony, to tell its branches from each other, got a table.")
+        raise InputError(
+            "material must not be traced: the losses of a layer by branch are "
+            "known for numbers only."
+        )
+    if isinstance(body, TabulatedFoundation) or isinstance(
+        getattr(body, "material", None), TabulatedModulus
+    ):
+        raise InputError(
+            "material must be a series, em.Prony, to tell its branches from each "
+            "other, got a table."
+        )
     if isinstance(body, Layer) and (body.other is not None or not body.constant):
         raise InputError(
-            "material must be one layer with a constant Poisson's ratio, whose branches lose in proportion to their "
-            "loss moduli, got two layers or a constant bulk modulus."
+            "material must be one layer with a constant Poisson's ratio, whose "
+            "branches lose in proportion to their loss moduli, got two layers or a "
+            "constant bulk modulus."
         )
     law = body.normal() if isinstance(body, Layer) else body.law()
     if float(law.viscosity) > 0 or not float(law.equilibrium) > 0:
-        raise InputError("material must be a solid without a parallel dashpot to separate its branches on a layer.")
+        raise InputError(
+            "material must be a solid without a parallel dashpot to separate its "
+            "branches on a layer."
+        )
     if not law.moduli.size:
-        raise InputError("material must have a relaxation time: an elastic one dissipates nothing.")
+        raise InputError(
+            "material must have a relaxation time: an elastic one dissipates nothing."
+        )
     done, points, solution = cylinder_pressure(
-        body, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model, rtol=rtol
+        body,
+        shape,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
     )
     cover, _ = _covers(body, points)[0]
-    speed, there = np.asarray(points.reduced).reshape(-1), np.ravel(done.found.converged)
-    each = np.where(there, losses(speed, law, cover, solution) * np.asarray(points.vertical).reshape(-1), np.nan)
-    factor = np.asarray(points.reduced) / np.asarray(points.full(points.velocity)).reshape(np.shape(points.reduced))
-    return done, each.reshape(-1, *points.shape), law.times * factor.reshape(*points.shape, 1)
+    speed, there = (
+        np.asarray(points.reduced).reshape(-1),
+        np.ravel(done.found.converged),
+    )
+    each = np.where(
+        there,
+        losses(speed, law, cover, solution) * np.asarray(points.vertical).reshape(-1),
+        np.nan,
+    )
+    factor = np.asarray(points.reduced) / np.asarray(
+        points.full(points.velocity)
+    ).reshape(np.shape(points.reduced))
+    return (
+        done,
+        each.reshape(-1, *points.shape),
+        law.times * factor.reshape(*points.shape, 1),
+    )
 
 
 def cylinder_pressure(
-    material: Any, shape: Cylinder, *, velocity: Any, load: Any, depth: Any, temperature: Any, model: Any, rtol: float
+    material: Any,
+    shape: Cylinder,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
 ) -> tuple[OnLayer, Scene, Any]:
-    """The rolling cylinder, its points, and the contact of each with the terms of its pressure; numbers."""
+    """The rolling cylinder, its points, and the contact of each with the terms of its
+    pressure; numbers.
+    """
     done = cylinder_on_layer(
-        "rolling", material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
+        "rolling",
+        material,
+        shape,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        temperature=temperature,
+        model=model,
         rtol=rtol,
-    )  # fmt: skip
+    )
     control = "load" if depth is None else "depth"
     given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_scene(material, shape, velocity=velocity, temperature=temperature, **given)
+    points = steady_scene(
+        material, shape, velocity=velocity, temperature=temperature, **given
+    )
     covers = tuple(cover for cover, _ in _covers(material, points))
     contact = done.found.contact
     half = np.nan_to_num(0.5 * np.ravel(contact.leading + contact.trailing), nan=1e-3)
-    flat = Cylinders(np.asarray(shape.radius), covers, np.asarray(points.reduced).reshape(-1))
+    flat = Cylinders(
+        np.asarray(shape.radius), covers, np.asarray(points.reduced).reshape(-1)
+    )
     ratio = 0.0
     if flat.on_layers:
-        ratio = _ladder(float(half.max() / min(float(np.asarray(cover.thickness)) for cover in covers)))
+        ratio = _ladder(
+            float(
+                half.max() / min(float(np.asarray(cover.thickness)) for cover in covers)
+            )
+        )
     with one_thread():
-        return done, points, solve_at(flat, half, _LOSS_ORDER, layer_waves(flat, ratio), False)
+        return (
+            done,
+            points,
+            solve_at(flat, half, _LOSS_ORDER, layer_waves(flat, ratio), False),
+        )

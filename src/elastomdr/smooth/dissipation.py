@@ -1,4 +1,6 @@
-"""Where in the relaxation spectrum a sliding or rolling contact turns its work into heat."""
+"""Where in the relaxation spectrum a sliding or rolling contact turns its work into
+heat.
+"""
 
 from __future__ import annotations
 
@@ -41,12 +43,13 @@ def dissipation(
     model: ModelLike | None = None,
     rtol: float = 1e-6,
 ) -> Dissipation:
-    """Share of each branch of the relaxation spectrum in what a sliding or rolling body dissipates.
+    """Share of each branch of the relaxation spectrum in what a sliding or rolling body
+    dissipates.
 
         F_k = (1/v) int f_k^2/(E_k tau_k) dx,      sum_k F_k = F_x
 
-    f_k is the force of branch k, over the contact and over the free recovery behind it, where the springs give back
-    what they hold to the dashpots.
+    f_k is the force of branch k, over the contact and over the free recovery behind it,
+    where the springs give back what they hold to the dashpots.
 
     Args:
         material: as for `friction`, a series.
@@ -59,39 +62,64 @@ def dissipation(
         rtol: as for `friction`.
 
     Returns:
-        An `em.Dissipation`. Its fields have one more axis, the last: branches in order of their times, after a parallel
-        dashpot if there is one, whose time is zero. `error` is the share of the work that the branches do not account
-        for. A point that failed is NaN with `converged=False`.
+        An `em.Dissipation`. Its fields have one more axis, the last: branches in order
+        of their times, after a parallel dashpot if there is one, whose time is zero.
+        `error` is the share of the work that the branches do not account for. A point
+        that failed is NaN with `converged=False`.
 
     Raises:
         InputError: as `friction`, and for a profile that is not convex.
 
-    Exact for the line, and for a cylinder on an `em.layer` or a half-space, in numbers only; bodies of revolution on an
-    `em.layer` are refused. With the direction average F_k is averaged as the friction is, exact to first order in the
-    loss. Differentiable as `friction` is.
+    Exact for the line, and for a cylinder on an `em.layer` or a half-space, in numbers
+    only; bodies of revolution on an `em.layer` are refused. With the direction average
+    F_k is averaged as the friction is, exact to first order in the loss. Differentiable
+    as `friction` is.
 
     Source: derived in `docs/theory.md`, section 22.
     """
     if is_on_layer(material, shape):
-        return _on_layer(material, shape, velocity, load, depth, temperature, model, rtol)
+        return _on_layer(
+            material, shape, velocity, load, depth, temperature, model, rtol
+        )
     scene = set_up(
-        "dissipation", material, shape, velocity=velocity, load=load, depth=depth, pressure=None,
-        temperature=temperature, model=model, rtol=rtol, skip=True, softens=False,
-    )  # fmt: skip
+        "dissipation",
+        material,
+        shape,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        pressure=None,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
+        skip=True,
+        softens=False,
+    )
     if scene.plan.marched:
-        raise InputError("shape must have a convex profile: branches are not separated where contact may be renewed.")
+        raise InputError(
+            "shape must have a convex profile: branches are not separated where "
+            "contact may be renewed."
+        )
     if scene.plan.elastic:
-        raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
+        raise InputError(
+            "material must have a relaxation time or a dashpot: an elastic one "
+            "dissipates nothing."
+        )
     found = solve(scene)
     traced = is_traced(found.mu, scene.law)
-    dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force) / scene.vertical, xp)
+    dashpot, branches, work, good = _forces(
+        scene, xp.ravel(found.normal_force) / scene.vertical, xp
+    )
     with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
     total = xp.sum(forces, axis=0)
     missing = abs(total / work - 1)
     good = found.converged & (good & (missing <= scene.plan.rtol)).reshape(scene.shape)
     if not traced and (lost := int(np.sum(found.converged & ~good))):
-        text = f"the losses of {lost} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
+        text = (
+            f"the losses of {lost} of {good.size} points did not converge to "
+            f"rtol={scene.plan.rtol:g}; they are NaN."
+        )
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
     share = nan_unless(good[..., None], share)
@@ -121,18 +149,33 @@ def dissipation(
 
 
 def _on_layer(
-    material: Any, shape: Any, velocity: Any, load: Any, depth: Any, temperature: Any, model: Any, rtol: float
+    material: Any,
+    shape: Any,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
 ) -> Dissipation:
     """Of a cylinder on rubber of finite thickness, or on a half-space."""
     if not isinstance(shape, Cylinder):
         raise InputError(
-            f"shape must be an em.Cylinder for the losses of an em.layer by branch, got {shape!r}: give a ball the "
+            "shape must be an em.Cylinder for the losses of an em.layer by branch, "
+            f"got {shape!r}: give a ball the "
             "material itself, a half-space."
         )
     if (load is None) == (depth is None):
         raise InputError("load or depth must be given, and only one of them.")
     done, each, times = cylinder_losses(
-        material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model, rtol=rtol
+        material,
+        shape,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
     )
     found = done.found
     total = np.sum(each, axis=0)
@@ -140,7 +183,8 @@ def _on_layer(
     good = found.converged & (missing <= max(rtol, _LAYER_SHARE))
     if lost := int(np.sum(found.converged & ~good)):
         text = (
-            f"the losses of {lost} of {good.size} points did not converge to {max(rtol, _LAYER_SHARE):g}; they are NaN."
+            f"the losses of {lost} of {good.size} points did not converge to "
+            f"{max(rtol, _LAYER_SHARE):g}; they are NaN."
         )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
     share = nan_unless(good[..., None], np.moveaxis(each / total, 0, -1))
@@ -166,8 +210,12 @@ def _on_layer(
     )
 
 
-def _forces(scene: SmoothScene, load: Array, xp: Any) -> tuple[Array, Array, Array, Any]:
-    """Force of the dashpot, of each branch, and of friction by its own integral [N], averaged as the plan says."""
+def _forces(
+    scene: SmoothScene, load: Array, xp: Any
+) -> tuple[Array, Array, Array, Any]:
+    """Force of the dashpot, of each branch, and of friction by its own integral [N],
+    averaged as the plan says.
+    """
     plan = scene.plan
     velocity, control, value = scene.reduced, scene.control, scene.value
     cosines, weights = np.ones(1), np.ones(1)
@@ -182,20 +230,41 @@ def _forces(scene: SmoothScene, load: Array, xp: Any) -> tuple[Array, Array, Arr
         here = slice(start, start + _BATCH)
         rule = plan.rules[0] if plan.traced else plan.rules[-1]
         parts.append(_padded(scene, rule, control, value[here], slowed[here], xp))
-    every = Losses(*(xp.concatenate(fields, axis=-1) for fields in zip(*parts, strict=True)))
+    every = Losses(
+        *(xp.concatenate(fields, axis=-1) for fields in zip(*parts, strict=True))
+    )
     dashpot, branches, work = (
-        xp.asarray(field).reshape(*field.shape[:-1], velocity.size, cosines.size) @ weights
+        xp.asarray(field).reshape(*field.shape[:-1], velocity.size, cosines.size)
+        @ weights
         for field in (every.dashpot, every.branches, every.friction_force)
     )
-    return dashpot, branches, work, every.converged.reshape(velocity.size, -1).all(axis=1)
+    return (
+        dashpot,
+        branches,
+        work,
+        every.converged.reshape(velocity.size, -1).all(axis=1),
+    )
 
 
-def _padded(scene: SmoothScene, rule: Any, control: Any, value: Array, velocity: Array, xp: Any) -> Losses:
-    """Solves with the number of points rounded up to a power of 2, so that few sizes are compiled."""
+def _padded(
+    scene: SmoothScene, rule: Any, control: Any, value: Array, velocity: Array, xp: Any
+) -> Losses:
+    """Solves with the number of points rounded up to a power of 2, so that few sizes
+    are compiled.
+    """
     count = velocity.size
     fill = (0, max(64, 2 ** (count - 1).bit_length()) - count)
-    law = Relaxation(*(xp.asarray(x) for x in (scene.law.equilibrium, scene.law.moduli, scene.law.times,
-                                               scene.law.viscosity)))  # fmt: skip
+    law = Relaxation(
+        *(
+            xp.asarray(x)
+            for x in (
+                scene.law.equilibrium,
+                scene.law.moduli,
+                scene.law.times,
+                scene.law.viscosity,
+            )
+        )
+    )
     value, velocity = xp.pad(value, fill, "edge"), xp.pad(velocity, fill, "edge")
     out = solve_losses(law, scene.lines, rule, control, value, velocity)
     return Losses(*(xp.asarray(field)[..., :count] for field in out))

@@ -1,17 +1,23 @@
-"""Steady sliding of the MDR line on a layer: many points at once, each solved for its two edges.
+"""Steady sliding of the MDR line on a layer: many points at once, each solved for its
+two edges.
 
-In the frame of the body, which moves along +x, with the memory lengths l_k = v lambda_k of the creep function of E*,
+In the frame of the body, which moves along +x, with the memory lengths l_k = v lambda_k
+of the creep function of E*,
 
-    J o q (x) - (1/(pi h)) int_0^inf Re[conj(D) e^(izx/h) int q e^(-izs/h) ds] dz = d - g(x),      -b < x < a,
+    J o q (x) - (1/(pi h)) int_0^inf Re[conj(D) e^(izx/h) int q e^(-izs/h) ds] dz = d - g(x),
+    -b < x < a,
 
-D = (1 - W)/E* at z = kh and w = kv, and J o q = J_0 q(x) + sum_k J_k int_0^inf q(x + s) exp(-s/l_k) ds/l_k. q is zero
-at both edges. It is a polynomial ahead of the apex and another behind it, by its values at Chebyshev's points, which
-crowd where the profile bends and where fast branches leave layers, at the edges. What a branch remembers of a
-polynomial depends on l over the length of the panel alone and is tabulated once. For given edges all is linear; a and b
-follow from the load (or the depth) and q(-b) = 0, by Newton's method on logarithms.
+D = (1 - W)/E* at z = kh and w = kv, and J o q = J_0 q(x) + sum_k J_k int_0^inf q(x + s)
+exp(-s/l_k) ds/l_k. q is zero at both edges. It is a polynomial ahead of the apex and
+another behind it, by its values at Chebyshev's points, which crowd where the profile
+bends and where fast branches leave layers, at the edges. What a branch remembers of a
+polynomial depends on l over the length of the panel alone and is tabulated once. For
+given edges all is linear; a and b follow from the load (or the depth) and q(-b) = 0, by
+Newton's method on logarithms.
 
-The integral over z is the trapezoidal rule in y, z = ln(1 + e^y), which converges exponentially: it sees memories of
-any length below z = 1 and the waves e^(izx/h) above. Derived here; checked against cells in three dimensions.
+The integral over z is the trapezoidal rule in y, z = ln(1 + e^y), which converges
+exponentially: it sees memories of any length below z = 1 and the waves e^(izx/h) above.
+Derived here; checked against cells in three dimensions.
 """
 
 from __future__ import annotations
@@ -32,7 +38,8 @@ from ..surface.shapes import AbstractShape
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
-_LOW, _HIGH, _STEP, _STENCIL = math.log(1e-7), math.log(1e10), 0.25, 12  # of the table, in log l
+# of the table, in log l
+_LOW, _HIGH, _STEP, _STENCIL = math.log(1e-7), math.log(1e10), 0.25, 12
 _TAIL, _LEAST = 14.0, -18.0  # ends of the rule in y
 _SLOPES = 1e-5  # of the logarithm of an edge, over which slopes are taken
 _MOST, _CLOSE = 40, 1e-10  # steps of the search, and the residual at which it ends
@@ -45,7 +52,8 @@ class Sliding(NamedTuple):
 
     shape: AbstractShape
     chain: KelvinChain  # J(t) of the half-space
-    deficit: Callable[[Array, Array], Array]  # (1 - W)/E* at z = kh and omega = kv [1/Pa]
+    # (1 - W)/E* at z = kh and omega = kv [1/Pa]
+    deficit: Callable[[Array, Array], Array]
     thickness: Any  # h [m]
     reach: float  # largest (a + b)/h that the rule resolves
     order: int  # of the polynomials
@@ -64,9 +72,16 @@ class Slid(NamedTuple):
 
 
 def slide_on_layer(
-    on: Sliding, velocity: Array, control: str, value: Array, guess: tuple[Array, Array], close: float = _CLOSE
+    on: Sliding,
+    velocity: Array,
+    control: str,
+    value: Array,
+    guess: tuple[Array, Array],
+    close: float = _CLOSE,
 ) -> Slid:
-    """Points (velocity [m/s], load [N] or depth [m]), from guesses at the edges a and b [m], to a residual `close`."""
+    """Points (velocity [m/s], load [N] or depth [m]), from guesses at the edges a and b
+    [m], to a residual `close`.
+    """
 
     def residual(parts: tuple, logs: Array) -> tuple[Array, _Line]:
         on, velocity, value = parts
@@ -77,11 +92,21 @@ def slide_on_layer(
 
     parts = (on, velocity, value)
     still = fixed((on.shape, on.chain, on.thickness, velocity, value))
-    frozen = (on._replace(shape=still[0], chain=still[1], thickness=still[2], deficit=_fixed(on.deficit)), *still[3:])
+    frozen = (
+        on._replace(
+            shape=still[0],
+            chain=still[1],
+            thickness=still[2],
+            deficit=_fixed(on.deficit),
+        ),
+        *still[3:],
+    )
     start = fixed(xp.log(xp.stack(list(guess))))
 
     def slopes(logs: Array, here: Array | None = None) -> Array:
-        """(equation, edge, point); to one side of values that are known, for a search."""
+        """(equation, edge, point); to one side of values that are known, for a
+        search.
+        """
         columns = []
         for i in range(2):
             move = _SLOPES * np.eye(2)[i][:, None]
@@ -102,11 +127,15 @@ def slide_on_layer(
         change, size = found - miss, xp.sum(step**2, axis=0)
         # Broyden's update
         more = change + xp.sum(jacobian * step[None], axis=1)
-        jacobian = jacobian - more[:, None] * step[None] / xp.where(size > 1e-30, size, xp.inf)
+        jacobian = jacobian - more[:, None] * step[None] / xp.where(
+            size > 1e-30, size, xp.inf
+        )
         return new, jacobian, found, count + 1
 
     def going(state: tuple) -> Any:
-        return (xp.max(xp.abs(xp.where(xp.isfinite(state[2]), state[2], 1.0))) > close) & (state[3] < _MOST)
+        return (
+            xp.max(xp.abs(xp.where(xp.isfinite(state[2]), state[2], 1.0))) > close
+        ) & (state[3] < _MOST)
 
     begin = residual(frozen, start)[0]
     state = (start, slopes(start, begin), begin, 0)
@@ -118,9 +147,14 @@ def slide_on_layer(
     logs = logs - _solve2(fixed(jacobian), residual(parts, logs)[0])
     _, line = residual(parts, logs)
     return Slid(
-        line.force / line.load, line.load, line.depth, xp.exp(logs[0]), xp.exp(logs[1]),
-        good & xp.isfinite(line.load), line.lowest,
-    )  # fmt: skip
+        line.force / line.load,
+        line.load,
+        line.depth,
+        xp.exp(logs[0]),
+        xp.exp(logs[1]),
+        good & xp.isfinite(line.load),
+        line.lowest,
+    )
 
 
 class _Line(NamedTuple):
@@ -146,11 +180,23 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     rows = []
     table = xp.asarray(rule.table)
     for half in (0.5 * a, 0.5 * b):
-        weight, plain = _weights(length / half[:, None], chain.compliances, table.shape[0])
-        own = (xp.sum(weight, axis=1) @ table.reshape(table.shape[0], -1)).reshape(count, n + 1, n + 1)
-        rows.append((own + (chain.instantaneous + xp.sum(plain, axis=1))[:, None, None] * eye, weight, plain))
+        weight, plain = _weights(
+            length / half[:, None], chain.compliances, table.shape[0]
+        )
+        own = (xp.sum(weight, axis=1) @ table.reshape(table.shape[0], -1)).reshape(
+            count, n + 1, n + 1
+        )
+        rows.append(
+            (
+                own
+                + (chain.instantaneous + xp.sum(plain, axis=1))[:, None, None] * eye,
+                weight,
+                plain,
+            )
+        )
     (first, weight, plain), (second, _, _) = rows
-    leaving = weight @ table[:, 0, :] + plain[..., None] * eye[0]  # J_k times what branch k brings to the apex
+    # J_k times what branch k brings to the apex
+    leaving = weight @ table[:, 0, :] + plain[..., None] * eye[0]
     fading = xp.exp(behind[:, :, None] / length[:, None, :])
     nothing = xp.zeros((count, n + 1, n + 1))
     local = xp.concatenate(
@@ -161,38 +207,55 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
         axis=1,
     )
     x = xp.concatenate([behind, ahead], axis=1)
-    share = xp.concatenate([0.5 * b[:, None] * rule.weight, 0.5 * a[:, None] * rule.weight], axis=1)
+    share = xp.concatenate(
+        [0.5 * b[:, None] * rule.weight, 0.5 * a[:, None] * rule.weight], axis=1
+    )
     z, dz = _waves(on.reach)
-    omega = xp.clip(z[None] * (velocity[:, None] / h), 1e-99, 1e99)  # what materials take; beyond, all is at rest
+    # what materials take; beyond, all is at rest
+    omega = xp.clip(z[None] * (velocity[:, None] / h), 1e-99, 1e99)
     loss = on.deficit(xp.asarray(z)[None], omega)  # (points, z)
     wave = xp.exp(1j * (x / h)[..., None] * z)
-    smooth = ((wave * (xp.conj(loss) * dz)[:, None]) @ xp.swapaxes(xp.conj(wave), 1, 2)).real
+    smooth = (
+        (wave * (xp.conj(loss) * dz)[:, None]) @ xp.swapaxes(xp.conj(wave), 1, 2)
+    ).real
     full = local - smooth * (share / (math.pi * h))[:, None]
     # The apex is a node of both panels: one value, one equation.
     columns = xp.concatenate(
-        [full[:, :, :n], (full[:, :, n] + full[:, :, n + 1])[:, :, None], full[:, :, n + 2 : -1]], axis=2
+        [
+            full[:, :, :n],
+            (full[:, :, n] + full[:, :, n + 1])[:, :, None],
+            full[:, :, n + 2 : -1],
+        ],
+        axis=2,
     )
     keep = np.delete(np.arange(2 * n + 2), n + 1)
     scale = xp.sum(chain.compliances) + chain.instantaneous
-    matrix = xp.concatenate([columns[:, keep] / scale, -xp.ones((count, 2 * n + 1, 1))], axis=2)
+    matrix = xp.concatenate(
+        [columns[:, keep] / scale, -xp.ones((count, 2 * n + 1, 1))], axis=2
+    )
     g = on.shape._profile(x)[:, keep]
     size = g[:, :1] + g[:, -1:]
     found = xp.linalg.solve(matrix, -(g / size)[..., None])[..., 0]
     q = xp.concatenate([found[:, :-1], xp.zeros((count, 1))], axis=1) * size / scale
     depth = found[:, -1] * size[:, 0]
     q_behind, q_ahead = q[:, : n + 1], q[:, n:]
-    tau, weight_tau, to_tau = rule.place, rule.share, rule.to_place  # on (0, 1) from the apex outwards
+    # on (0, 1) from the apex outwards
+    tau, weight_tau, to_tau = rule.place, rule.share, rule.to_place
     slope_ahead = on.shape._slope(a[:, None] * tau)
     slope_behind = on.shape._slope(b[:, None] * tau)
     drag = a * xp.sum(weight_tau * slope_ahead * (q_ahead @ to_tau.T), axis=1)
-    drag = drag - b * xp.sum(weight_tau * slope_behind * (q_behind @ to_tau[:, ::-1].T), axis=1)
+    drag = drag - b * xp.sum(
+        weight_tau * slope_behind * (q_behind @ to_tau[:, ::-1].T), axis=1
+    )
     load = 0.5 * a * (q_ahead @ rule.weight) + 0.5 * b * (q_behind @ rule.weight)
     lowest = xp.min(q, axis=1) / xp.max(q, axis=1)
     return _Line(load, drag, depth, q[:, 0], load / (a + b), lowest)
 
 
 def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
-    """Per branch, weights on the table times J_k, and what is added of q itself where a memory is very short."""
+    """Per branch, weights on the table times J_k, and what is added of q itself where a
+    memory is very short.
+    """
     log = xp.log(xp.maximum(l, 1e-280))
     inside = xp.clip(log, _LOW, _HIGH)
     place = (inside - _LOW) / _STEP + _STENCIL // 2
@@ -203,7 +266,8 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
     gaps = xp.where(gaps == 0, 1e-300, gaps)
     factor = _barycentric() / gaps
     local = factor / xp.sum(factor, axis=-1, keepdims=True)
-    short = xp.minimum(l / math.exp(_LOW), 1.0)  # below the table what is missing to q is linear in l
+    # below the table what is missing to q is linear in l
+    short = xp.minimum(l / math.exp(_LOW), 1.0)
     amount = compliance * short / (1 + xp.maximum(l, math.exp(_LOW)))
     hot = (left[..., None] + offsets)[..., None] == np.arange(size)
     weight = xp.sum(xp.where(hot, (local * amount[..., None])[..., None], 0.0), axis=-2)
@@ -225,19 +289,29 @@ def _rule(n: int) -> _Rule:
     # values to Chebyshev coefficients
     inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(node, n))
     moments = np.array([2 / (1 - k**2) if k % 2 == 0 else 0.0 for k in range(n + 1)])
-    logs = _LOW + _STEP * np.arange(-(_STENCIL // 2), math.ceil((_HIGH - _LOW) / _STEP) + _STENCIL // 2 + 1)
+    logs = _LOW + _STEP * np.arange(
+        -(_STENCIL // 2), math.ceil((_HIGH - _LOW) / _STEP) + _STENCIL // 2 + 1
+    )
     l = np.exp(logs)[:, None]
     way = (1 - node)[None]  # to the leading end of the panel
     gauss, share = np.polynomial.legendre.leggauss(n + 12)
     # exp(-s/l) over [0, way]: panels of the width of its fall, where that is shorter
     ends = [np.zeros(np.broadcast_shapes(l.shape, way.shape))]
-    ends += [np.minimum(way, 3.0 * k * l) for k in (0.5, 2, 5, 12)] + [np.broadcast_to(way, ends[0].shape)]
+    ends += [np.minimum(way, 3.0 * k * l) for k in (0.5, 2, 5, 12)] + [
+        np.broadcast_to(way, ends[0].shape)
+    ]
     total = np.zeros((l.shape[0], n + 1, n + 1))
     for low, high in itertools.pairwise(ends):
         half = 0.5 * (high - low)
-        some = np.flatnonzero(((half > 0) & (low < 35 * l)).any(axis=1))  # nothing is left beyond
+        # nothing is left beyond
+        some = np.flatnonzero(((half > 0) & (low < 35 * l)).any(axis=1))
         s = low[some, :, None] + half[some, :, None] * (1 + gauss)
-        fall = np.exp(-s / l[some, :, None]) * half[some, :, None] * share * ((1 + l) / l)[some, :, None]
+        fall = (
+            np.exp(-s / l[some, :, None])
+            * half[some, :, None]
+            * share
+            * ((1 + l) / l)[some, :, None]
+        )
         angle = np.arccos(np.clip(node[None, :, None] + s, -1, 1))
         for k in range(n + 1):
             total[some, :, k] += np.sum(fall * np.cos(k * angle), axis=-1)
@@ -252,7 +326,9 @@ def _rule(n: int) -> _Rule:
 @functools.cache
 def _barycentric() -> np.ndarray:
     k = np.arange(_STENCIL)
-    return (-1.0) ** k * np.array([math.comb(_STENCIL - 1, int(j)) for j in k], dtype=float)
+    return (-1.0) ** k * np.array(
+        [math.comb(_STENCIL - 1, int(j)) for j in k], dtype=float
+    )
 
 
 @functools.cache
@@ -281,7 +357,9 @@ def _fixed(deficit: Callable[[Array, Array], Array]) -> Callable[[Array, Array],
 
 
 def elastic_curve(on: Sliding, modulus: Array, places: Array) -> tuple[Array, Array]:
-    """Load [N] and depth [m] of the relaxed layer at contact radii [m]; `modulus` is E* at rest [Pa]."""
+    """Load [N] and depth [m] of the relaxed layer at contact radii [m]; `modulus` is E*
+    at rest [Pa].
+    """
     none = np.zeros(0)
     rest = KelvinChain(1 / modulus, none, none, np.zeros(()))
     line = _line(on._replace(chain=rest), xp.zeros_like(places), places, places)

@@ -1,4 +1,6 @@
-"""Steady friction and rolling on rubber of finite thickness: which solver a body goes to."""
+"""Steady friction and rolling on rubber of finite thickness: which solver a body goes
+to.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ _ENOUGH = 1e-4  # relative error of the layer that springs are compared with
 
 
 def is_on_layer(material: Any, shape: Any) -> bool:
-    """Whether the contact is one of a layer, or of a cylinder on a half-space, the limit of a thick layer."""
+    """Whether the contact is one of a layer, or of a cylinder on a half-space, the
+    limit of a thick layer.
+    """
     if not isinstance(shape, AbstractShape):
         return isinstance(material, Layer)
     return isinstance(material, Layer) or (
@@ -27,38 +31,74 @@ def is_on_layer(material: Any, shape: Any) -> bool:
 
 
 def on_layer(
-    quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
-    model: Any, rtol: float, solved: bool = True,
-) -> OnLayer:  # fmt: skip
-    """The steady scene of a smooth body on a layer, or, with `solved=False`, its plan only.
+    quantity: str,
+    material: Any,
+    shape: Any,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    pressure: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
+    solved: bool = True,
+) -> OnLayer:
+    """The steady scene of a smooth body on a layer, or, with `solved=False`, its plan
+    only.
 
     Raises `InputError` for whatever has no meaning.
     """
     if not isinstance(shape, AbstractShape):
-        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Cylinder or the like on a layer, got {shape!r}.")
+        raise InputError(
+            "shape must be an em.Sphere, em.Cone, em.Cylinder or the like on a "
+            f"layer, got {shape!r}."
+        )
     no_pressure(shape, pressure)
     if (load is None) == (depth is None):
         given = "neither" if load is None else f"load={load} and depth={depth}"
-        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
+        raise InputError(
+            f"load or depth must be given, and only one of them, got {given}."
+        )
     if isinstance(shape, Cylinder):
         from .cylinder import cylinder_on_layer
 
         return cylinder_on_layer(
-            quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
-            rtol=rtol, solved=solved,
-        )  # fmt: skip
+            quantity,
+            material,
+            shape,
+            velocity=velocity,
+            load=load,
+            depth=depth,
+            temperature=temperature,
+            model=model,
+            rtol=rtol,
+            solved=solved,
+        )
     from .ball_on_layer import ball_on_layer
 
     return ball_on_layer(
-        quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
-        rtol=rtol, solved=solved,
-    )  # fmt: skip
+        quantity,
+        material,
+        shape,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
+        solved=solved,
+    )
 
 
-def beside_layer(found: Steady, material: Any, shape: Any, *, load: Any, depth: Any, temperature: Any) -> Steady:
-    """The result on springs, with how far it is from that on the layer they stand for as its `model_error`.
+def beside_layer(
+    found: Steady, material: Any, shape: Any, *, load: Any, depth: Any, temperature: Any
+) -> Steady:
+    """The result on springs, with how far it is from that on the layer they stand for
+    as its `model_error`.
 
-    NaN under a transformation of JAX, and under bodies of revolution, whose layer takes ten times as long and more.
+    NaN under a transformation of JAX, and under bodies of revolution, whose layer takes
+    ten times as long and more.
     """
     if not isinstance(material, Foundation) or material.slab is None:
         return found
@@ -75,10 +115,18 @@ def beside_layer(found: Steady, material: Any, shape: Any, *, load: Any, depth: 
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             exact, *_ = cylinder_on_layer(
-                "rolling", Layer(slab.material, slab.thickness, bonded=slab.bonded), shape, velocity=found.velocity,
-                load=load, depth=None if depth is None else np.minimum(depth, 0.99 * slab.thickness),
-                temperature=temperature, model=None, rtol=_ENOUGH,
-            )  # fmt: skip
+                "rolling",
+                Layer(slab.material, slab.thickness, bonded=slab.bonded),
+                shape,
+                velocity=found.velocity,
+                load=load,
+                depth=None
+                if depth is None
+                else np.minimum(depth, 0.99 * slab.thickness),
+                temperature=temperature,
+                model=None,
+                rtol=_ENOUGH,
+            )
         deep = False if depth is None else np.asarray(depth) >= slab.thickness
         apart = np.where(deep, np.nan, np.abs(found.mu - exact.mu) + exact.error)
     return found._replace(model_error=apart)

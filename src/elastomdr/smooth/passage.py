@@ -1,10 +1,12 @@
-"""Steady sliding of one indenter: contact size and trailing edge from load or depth, then the forces.
+"""Steady sliding of one indenter: contact size and trailing edge from load or depth,
+then the forces.
 
-In steady motion every element has the same history, so one passage is the whole field. Two kinds of unknown: the
-contact size A, from the load (or the depth), and for each line its trailing edge b, where the force density falls to
-zero. For a convex profile b is unique: after contact is lost the free surface falls ever more slowly (its recovery is
-completely monotone) while the profile retreats ever faster, so it cannot touch again, and holding on would need
-tension.
+In steady motion every element has the same history, so one passage is the whole field.
+Two kinds of unknown: the contact size A, from the load (or the depth), and for each
+line its trailing edge b, where the force density falls to zero. For a convex profile b
+is unique: after contact is lost the free surface falls ever more slowly (its recovery
+is completely monotone) while the profile retreats ever faster, so it cannot touch
+again, and holding on would need tension.
 """
 
 from __future__ import annotations
@@ -21,30 +23,45 @@ from ..material.relaxation import Relaxation
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.sampling import Rule, gauss
 from .memory import Passage, first_variant, selected, tabulated
-from .passage_integrals import balance, balance_and_slopes, branch_losses, exit_density, forces
+from .passage_integrals import (
+    balance,
+    balance_and_slopes,
+    branch_losses,
+    exit_density,
+    forces,
+)
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
 Control = Literal["load", "depth"]
 
-_NEAREST_EXIT = 1e-15  # b/a below which contact is lost at the apex itself (a kink under a dashpot)
+# b/a below which contact is lost at the apex itself (a kink under a dashpot)
+_NEAREST_EXIT = 1e-15
 _ITERATIONS = 60  # after which a point is given up
 _MET = 1e-3  # relative miss of the load from which Newton's last step gets home
 _FAR = 1e-6  # relative distance of two values from which their difference gives a slope
-_ROUNDING = 1e-12  # relative to the slope of an elastic contact, below which a slope is rounding
+# relative to the slope of an elastic contact, below which a slope is rounding
+_ROUNDING = 1e-12
 _NEAR = 1e-3  # b/a below which the search halves its logarithm
 _USUAL = math.log(1e-3)  # log of a contact size [m] to begin with
-_GUESSES, _GUESSED = 8, 0.1  # how often a guess at log A is improved, and by how much at the last
-_GUESSED_WELL = 1e-4  # and that at log(a + b) under a parabola, whose error is the square of it
+# how often a guess at log A is improved, and by how much at the last
+_GUESSES, _GUESSED = 8, 0.1
+# and that at log(a + b) under a parabola, whose error is the square of it
+_GUESSED_WELL = 1e-4
 _TO_ROUNDING = 2e-14  # the same after the last step where the body is a parabola
-_NEARLY_SPRING = 0.05  # passage time over relaxation time from which closed forms keep their digits,
-_SERIES = [1 / (math.factorial(k) * (k + 3)) for k in range(8)]  # and of what is done below it
-_STEPS = 15  # of Newton's method on load and edge together, before a point is left to the search by brackets
+# passage time over relaxation time from which closed forms keep their digits,
+_NEARLY_SPRING = 0.05
+# and of what is done below it
+_SERIES = [1 / (math.factorial(k) * (k + 3)) for k in range(8)]
+# of Newton's method on load and edge together, before a point is left to the search by
+# brackets
+_STEPS = 15
 _TABLES = 3  # how often panels are laid out anew,
 _MOVED = 0.05  # where the contact has grown or shrunk by as much
 _CLOSE = 1e-7  # the length of its last step, squared by it
-_TIGHT, _LOOSE = 1e-9, 1e-6  # steps at which the searches stop; Newton's last step squares what error is left
+# steps at which the searches stop; Newton's last step squares what error is left
+_TIGHT, _LOOSE = 1e-9, 1e-6
 
 
 class Passages(NamedTuple):
@@ -55,8 +72,10 @@ class Passages(NamedTuple):
     friction_force: Float[Array, " points"]  # [N]
     depth: Float[Array, " points"]  # [m]
     leading: Float[Array, " points"]  # leading edge of the central line [m]
-    trailing: Float[Array, " points"]  # its trailing edge, counted backwards from the apex [m]
-    exponent: Float[Array, " points"]  # a g'(a)/g(a), the power with which the profile rises, the mean of both edges
+    # its trailing edge, counted backwards from the apex [m]
+    trailing: Float[Array, " points"]
+    # a g'(a)/g(a), the power with which the profile rises, the mean of both edges
+    exponent: Float[Array, " points"]
     error: Float[Array, " points"]  # estimated error of mu from sampling
     converged: Bool[Array, " points"]
 
@@ -71,20 +90,30 @@ def solve_passages(
     start: Passages | None = None,
     found: Found | None = None,
 ) -> Passages:
-    """Steady passages, differentiable in the law, the shape, the load or depth, and the velocity.
+    """Steady passages, differentiable in the law, the shape, the load or depth, and the
+    velocity.
 
-    Of numbers the edges are sought to rounding, from those of `start` on where it is given. Under a transformation of
-    JAX the search runs on values cut off from differentiation, unless it has been made by `found_of_numbers`; one
-    Newton step on the full equations, with the derivatives in it, makes the answer differentiable in forward and
-    reverse mode.
+    Of numbers the edges are sought to rounding, from those of `start` on where it is
+    given. Under a transformation of JAX the search runs on values cut off from
+    differentiation, unless it has been made by `found_of_numbers`; one Newton step on
+    the full equations, with the derivatives in it, makes the answer differentiable in
+    forward and reverse mode.
     """
     lines = lines.refined(rule.strips)
     if on_numpy():
-        return _forces(*_edges_of_numbers(Passage(law, lines, rule, velocity), control, value, start))
+        return _forces(
+            *_edges_of_numbers(
+                Passage(law, lines, rule, velocity), control, value, start
+            )
+        )
     law, lines, value, velocity = arrays((law, lines, value, velocity))
     if found is None:
-        found = _search(*fixed((law, lines, value, velocity)), rule=rule, control=control)
-    return _polish(law, lines, value, velocity, fixed(found), rule=rule, control=control)
+        found = _search(
+            *fixed((law, lines, value, velocity)), rule=rule, control=control
+        )
+    return _polish(
+        law, lines, value, velocity, fixed(found), rule=rule, control=control
+    )
 
 
 class Found(NamedTuple):
@@ -100,7 +129,11 @@ class Found(NamedTuple):
 
 @compiled("control")
 def estimate_sizes(
-    law: Relaxation, lines: AbstractLines, control: Control, value: Array, velocity: Array
+    law: Relaxation,
+    lines: AbstractLines,
+    control: Control,
+    value: Array,
+    velocity: Array,
 ) -> Float[Array, " points"]:
     """Contact sizes [m] for planning, within a factor of 2."""
     top = _largest(lines, value)
@@ -111,7 +144,9 @@ def estimate_sizes(
 
 def _largest(lines: AbstractLines, value: Array) -> Array:
     """Logarithm of the largest contact size that the shape allows."""
-    largest = xp.broadcast_to(xp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape)
+    largest = xp.broadcast_to(
+        xp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape
+    )
     return xp.log(xp.minimum(largest * (1 - 1e-13), 1e60))
 
 
@@ -130,7 +165,9 @@ def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> Fou
         guess = _first_guess(passage, value, top)
         passage = tabulated(passage, xp.exp(guess))
         size, ratio, converged = _size_of_load(passage, value, guess, ratio, top)
-    _, tangent = jax.linearize(lambda size, ratio: balance(passage, size, ratio), size, ratio)
+    _, tangent = jax.linearize(
+        lambda size, ratio: balance(passage, size, ratio), size, ratio
+    )
     density_size, force_size = tangent(xp.ones_like(size), xp.zeros_like(ratio))
     density_ratio, _ = tangent(xp.zeros_like(size), xp.ones_like(ratio))
     if control == "depth":
@@ -141,7 +178,8 @@ def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> Fou
 def _edges_of_numbers(
     p: Passage, control: Control, value: Array, start: Passages | None = None
 ) -> tuple[Passage, Array, Array, Array]:
-    """The passage with its table, contact sizes and trailing edges to rounding, and which points have them; on NumPy.
+    """The passage with its table, contact sizes and trailing edges to rounding, and
+    which points have them; on NumPy.
 
     They are sought with few samples first, and from there with all of them.
     """
@@ -158,38 +196,62 @@ def _edges_of_numbers(
         elif not single:
             log_size = _first_guess(p, value, top)
         if single and (p.rule.parabola or not by_depth):
-            log_size, ratio, found = _of_parabola(p, log_size if by_depth else value, top, by_depth)
+            log_size, ratio, found = _of_parabola(
+                p, log_size if by_depth else value, top, by_depth
+            )
             if p.rule.parabola and found.all():
                 return p, np.exp(log_size), ratio, found
         if not p.rule.exact:
             coarse = tabulated(p._replace(rule=p.rule.coarser()), np.exp(log_size))
-            log_size, ratio, found = _sought(coarse, value, log_size, ratio, top, by_depth)
+            log_size, ratio, found = _sought(
+                coarse, value, log_size, ratio, top, by_depth
+            )
             ratio = np.where(found, ratio, 0.8)
     found = np.zeros(value.shape, bool)
     for _ in range(_TABLES):
         p, before = tabulated(p, np.exp(log_size), full=True), log_size
-        log_size, ratio, found = _sought(first_variant(p), value, log_size, ratio, top, by_depth)
+        log_size, ratio, found = _sought(
+            first_variant(p), value, log_size, ratio, top, by_depth
+        )
         if p.table is None or np.all(np.abs(log_size - before) < _MOVED):
             break
     return p, np.exp(log_size), ratio, found
 
 
 def found_of_numbers(
-    law: Relaxation, lines: AbstractLines, rule: Rule, control: Control, value: Array, velocity: Array
+    law: Relaxation,
+    lines: AbstractLines,
+    rule: Rule,
+    control: Control,
+    value: Array,
+    velocity: Array,
 ) -> Found:
-    """The search of single lines on NumPy, with the derivatives that Newton's last step takes in closed form."""
-    p, size, ratio, good = _edges_of_numbers(Passage(law, lines, rule, velocity), control, value)
+    """The search of single lines on NumPy, with the derivatives that Newton's last step
+    takes in closed form.
+    """
+    p, size, ratio, good = _edges_of_numbers(
+        Passage(law, lines, rule, velocity), control, value
+    )
     at = balance_and_slopes(first_variant(p), size, ratio)
     reached = (lines.weight(size) * (at.force_entry + ratio * at.density))[0]
     if control == "depth":
         reached = lines.slope(size[None], size, np.zeros((1, 1), int))[0]
-    return Found(size, ratio, good, reached, at.density_entry + ratio * at.density_exit, size * at.density_exit)
+    return Found(
+        size,
+        ratio,
+        good,
+        reached,
+        at.density_entry + ratio * at.density_exit,
+        size * at.density_exit,
+    )
 
 
 def _sought(
     p: Passage, value: Array, log_size: Array, ratio: Array, top: Array, by_depth: bool
 ) -> tuple[Array, Array, Array]:
-    """Contact sizes and trailing edges from some that are near, and which points have them."""
+    """Contact sizes and trailing edges from some that are near, and which points have
+    them.
+    """
     found = np.zeros(value.shape, bool)
     start = log_size, ratio
     if isinstance(p.lines, SingleLine):
@@ -213,7 +275,9 @@ def _sought(
 def _by_newton(
     p: Passage, value: Array, log_size: Array, ratio: Array, top: Array, by_depth: bool
 ) -> tuple[Array, Array, Array]:
-    """Newton's method on load and trailing edge together, for the points on which it settles within few steps."""
+    """Newton's method on load and trailing edge together, for the points on which it
+    settles within few steps.
+    """
     log_size, ratio, found = log_size.copy(), ratio.copy(), np.zeros(value.shape, bool)
     left = np.arange(value.size)
     for _ in range(_STEPS):
@@ -225,41 +289,68 @@ def _by_newton(
             excess, step, turn = 0.0, 0.0, -density / (size * density_exit)
         else:
             excess = np.log(p.lines.weight(size)[0] * force / value[left])
-            per_size, per_edge = size * (force_entry + edge * density) / force, size * density / force
-            moved, turned = size * (density_entry + edge * density_exit), size * density_exit
+            per_size, per_edge = (
+                size * (force_entry + edge * density) / force,
+                size * density / force,
+            )
+            moved, turned = (
+                size * (density_entry + edge * density_exit),
+                size * density_exit,
+            )
             scale = per_size * turned - per_edge * moved
-            step, turn = (per_edge * density - turned * excess) / scale, (moved * excess - per_size * density) / scale
+            step, turn = (
+                (per_edge * density - turned * excess) / scale,
+                (moved * excess - per_size * density) / scale,
+            )
         # At the widest contact a step is small wherever the load is.
         small = (np.abs(excess) <= _MET) & (np.abs(step) <= _CLOSE)
         small &= np.abs(turn) <= _CLOSE * np.minimum(edge, 1 - edge) + 4e-15
         after = edge + turn
-        after = np.where(after >= 1, 1 - 0.2 * (1 - edge), np.where(after <= 0, 0.2 * edge, after))
-        log_size[left] = np.minimum(log_size[left] + np.clip(step, -2.0, 2.0), top[left])
+        after = np.where(
+            after >= 1, 1 - 0.2 * (1 - edge), np.where(after <= 0, 0.2 * edge, after)
+        )
+        log_size[left] = np.minimum(
+            log_size[left] + np.clip(step, -2.0, 2.0), top[left]
+        )
         ratio[0, left], found[left] = after, small
-        # Near a kink at the apex the edge may lie anywhere, and a step that is no number leads nowhere.
-        left = left[~small & np.isfinite(turn + step) & ((after > _NEAR) | (not p.rule.split))]
+        # Near a kink at the apex the edge may lie anywhere, and a step that is no
+        # number leads nowhere.
+        left = left[
+            ~small & np.isfinite(turn + step) & ((after > _NEAR) | (not p.rule.split))
+        ]
         if not left.size:
             break
     return log_size, ratio, found
 
 
 def _settled(p: Passage, size: Array, ratio: Array) -> Array:
-    """Whether the density changes sign about each trailing edge: a search that was led astray stops where it does not.
+    """Whether the density changes sign about each trailing edge: a search that was led
+    astray stops where it does not.
 
     An edge at a kink, and one where a slope would be rounding, stay as they were found.
     """
     room = 1e-3 * np.minimum(ratio, 1 - ratio) + 1e-13
     nothing = _ROUNDING * np.abs(_elastic_slope(p, size))
-    ahead, behind = exit_density(p, size, np.maximum(ratio - room, 0.0)), exit_density(p, size, ratio + room)
-    return np.all((ratio <= 2 * _NEAREST_EXIT) | ((ahead >= -nothing) & (behind <= nothing)), axis=0)
+    ahead, behind = (
+        exit_density(p, size, np.maximum(ratio - room, 0.0)),
+        exit_density(p, size, ratio + room),
+    )
+    return np.all(
+        (ratio <= 2 * _NEAREST_EXIT) | ((ahead >= -nothing) & (behind <= nothing)),
+        axis=0,
+    )
 
 
 def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
-    """Contact size by Newton's method of numbers, or by bisection of its logarithm; `_polish` adds the last digits."""
+    """Contact size by Newton's method of numbers, or by bisection of its logarithm;
+    `_polish` adds the last digits.
+    """
     if on_numpy():
         log_size = np.minimum(_USUAL, top - 0.5) + np.zeros_like(depth)
         for _ in range(_GUESSES):
-            step = np.log(lines.depth(np.exp(log_size)) / depth) / lines.exponent(np.exp(log_size))
+            step = np.log(lines.depth(np.exp(log_size)) / depth) / lines.exponent(
+                np.exp(log_size)
+            )
             log_size = np.minimum(log_size - step, top)
             if (np.abs(step) < _CLOSE).all():
                 return np.exp(log_size)
@@ -275,7 +366,9 @@ def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
 
 
 def _first_guess(p: Passage, load: Array, top: Array) -> Array:
-    """log A of an elastic contact whose modulus is about the mean of E(t) over one passage."""
+    """log A of an elastic contact whose modulus is about the mean of E(t) over one
+    passage.
+    """
     c, w, _ = (xp.asarray(x) for x in gauss(6))
     line = xp.arange(p.lines.count)[:, None, None]
 
@@ -284,14 +377,19 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
         mean = _mean_modulus(p, size)
         entry = p.lines.entry(size)
         x = entry[:, None] * c[:, None]
-        volume = 2 * entry * xp.sum(w[:, None] * x * p.lines.slope(x, size, line), axis=1)
+        volume = (
+            2 * entry * xp.sum(w[:, None] * x * p.lines.slope(x, size, line), axis=1)
+        )
         return mean * xp.sum(p.lines.weight(size) * volume, axis=0)
 
     if on_numpy():
-        # Of a profile that is a power, log force against log size rises by between n and n + 1.
+        # Of a profile that is a power, log force against log size rises by between n
+        # and n + 1.
         log_size = np.minimum(np.full_like(load, _USUAL), top - 0.5)
         for _ in range(_GUESSES):
-            step = np.log(force(log_size) / load) / (p.lines.exponent(np.exp(log_size)) + 0.5)
+            step = np.log(force(log_size) / load) / (
+                p.lines.exponent(np.exp(log_size)) + 0.5
+            )
             log_size = np.minimum(log_size - step, top)
             if (np.abs(step) < _GUESSED).all():
                 return log_size
@@ -302,31 +400,46 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
         above = force(middle) > load
         return xp.where(above, low, middle), xp.where(above, middle, high)
 
-    small, large = xp.full_like(load, -60.0), xp.minimum(top, 40.0)  # 1e-26 to 1e17 m, as a rule
-    ends = xp.where(force(small) > load, -260.0, small), xp.where(force(large) < load, top, large)
+    # 1e-26 to 1e17 m, as a rule
+    small, large = xp.full_like(load, -60.0), xp.minimum(top, 40.0)
+    ends = (
+        xp.where(force(small) > load, -260.0, small),
+        xp.where(force(large) < load, top, large),
+    )
     low, high = fori_loop(0, 11, halve, ends)
     return 0.5 * (low + high)
 
 
-def _of_parabola(p: Passage, given: Array, top: Array, by_size: bool) -> tuple[Array, Array, Array]:
-    """log A and b/a on a single line, by Newton's method, if its profile were a parabola, and where; on NumPy.
+def _of_parabola(
+    p: Passage, given: Array, top: Array, by_size: bool
+) -> tuple[Array, Array, Array]:
+    """log A and b/a on a single line, by Newton's method, if its profile were a
+    parabola, and where; on NumPy.
 
     Of a given load, or `by_size` of log A itself.
 
-    The parabola is the one with the same volume between profile and contact. For a parabola with the length L = a + b
-    of contact and M_j = int E(r/v) r^j dr from 0 to L, q(-b) = 0 gives b = M_1/(M_0 + eta v), and the force follows.
+    The parabola is the one with the same volume between profile and contact. For a
+    parabola with the length L = a + b of contact and M_j = int E(r/v) r^j dr from 0 to
+    L, q(-b) = 0 gives b = M_1/(M_0 + eta v), and the force follows.
     """
     law, lines, line, exact = p.law, p.lines, np.zeros((1, 1), int), p.rule.parabola
     c, w, _ = gauss(6)
     rate, drag, widest = 1 / p.decay, p.velocity * law.viscosity, np.exp(top)
     lossy = bool(np.any(drag))
-    log_length = (given if by_size else np.minimum(_USUAL, top - 0.5)) + math.log(2) + np.zeros_like(given)
+    log_length = (
+        (given if by_size else np.minimum(_USUAL, top - 0.5))
+        + math.log(2)
+        + np.zeros_like(given)
+    )
     a, b, length, before = 4 * (np.ones_like(given),)
-    curvature, weight = lines.profile(a, a, line), lines.weight(a)[0]  # of a parabola that is the curvature
+    # of a parabola that is the curvature
+    curvature, weight = lines.profile(a, a, line), lines.weight(a)[0]
     found = np.zeros(given.shape, bool)
     for _ in range(_GUESSES):
         length = np.exp(log_length)
-        kept, first, second, third = (law.moduli @ x for x in _exponential_means(length * rate))
+        kept, first, second, third = (
+            law.moduli @ x for x in _exponential_means(length * rate)
+        )
         last, mean = law.equilibrium + kept, law.equilibrium + first
         mean = mean + drag / length if lossy else mean
         arm = law.equilibrium / 2 + second
@@ -346,7 +459,8 @@ def _of_parabola(p: Passage, given: Array, top: Array, by_size: bool) -> tuple[A
             step = np.log(given / (weight * curvature * length**3 * force)) / rise
         log_length = np.minimum(log_length + step, top + math.log(2))
         miss = np.abs(step)
-        # Each miss is the square of the one before times a number, taken as 1/4 at least.
+        # Each miss is the square of the one before times a number, taken as 1/4 at
+        # least.
         left = miss**2 * np.maximum(miss / before**2, 0.25)
         if miss.max() < _GUESSED_WELL and (not exact or left.max() <= _TO_ROUNDING):
             moved = left_over / mean * step  # da/dL = left_over/mean
@@ -361,14 +475,17 @@ def _of_parabola(p: Passage, given: Array, top: Array, by_size: bool) -> tuple[A
 def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:
     """e^{-z} and int e^{-z c} c^j dc from 0 to 1 for j = 0, 1, 2.
 
-    The last by a series where z is small, and from it the others, whose sums cancel nothing.
+    The last by a series where z is small, and from it the others, whose sums cancel
+    nothing.
     """
     left, small = np.exp(-z), -np.minimum(z, _NEARLY_SPRING)
     series = np.full_like(z, _SERIES[-1])
     for coefficient in _SERIES[-2::-1]:
         series *= small
         series += coefficient
-    third = np.where(z < _NEARLY_SPRING, series, (2 * (-np.expm1(-z) / z - left) / z - left) / z)
+    third = np.where(
+        z < _NEARLY_SPRING, series, (2 * (-np.expm1(-z) / z - left) / z - left) / z
+    )
     second = 0.5 * (left + z * third)
     return left, left + z * second, second, third
 
@@ -387,10 +504,14 @@ def _elastic_slope(p: Passage, size: Array) -> Array:
     return -_mean_modulus(p, size) * entry * p.lines.slope(0.8 * entry, size, line)
 
 
-def _exits(p: Passage, size: Array, ratio: Array, factor: Array | float) -> tuple[Array, Array, Array]:
-    """Trailing edges b/a at given contact sizes, all lines at once: the secant method inside a shrinking bracket.
+def _exits(
+    p: Passage, size: Array, ratio: Array, factor: Array | float
+) -> tuple[Array, Array, Array]:
+    """Trailing edges b/a at given contact sizes, all lines at once: the secant method
+    inside a shrinking bracket.
 
-    It starts with `factor` times the slope of an elastic contact, and returns the factor that it ended with.
+    It starts with `factor` times the slope of an elastic contact, and returns the
+    factor that it ended with.
     """
     elastic = _elastic_slope(p, size)
 
@@ -404,58 +525,125 @@ def _exits(p: Passage, size: Array, ratio: Array, factor: Array | float) -> tupl
         slope = _secant(ratio - before, value - value_before, slope, _FAR * ratio)
         following = ratio - value / slope
         inside = (following >= low) & (following <= high)
-        # Near a kink at the apex the edge may lie anywhere between rounding and a thousandth.
+        # Near a kink at the apex the edge may lie anywhere between rounding and a
+        # thousandth.
         middle = xp.where(high < _NEAR, xp.sqrt(low * high), 0.5 * (low + high))
         following = xp.where(inside, following, middle)
-        small = xp.abs(following - ratio) <= _TIGHT * xp.minimum(ratio, 1 - ratio) + 4e-15
+        small = (
+            xp.abs(following - ratio) <= _TIGHT * xp.minimum(ratio, 1 - ratio) + 4e-15
+        )
         following = xp.where(done, ratio, following)
-        return following, ratio, value, slope, low, high, done | small | (value == 0), count + 1
+        return (
+            following,
+            ratio,
+            value,
+            slope,
+            low,
+            high,
+            done | small | (value == 0),
+            count + 1,
+        )
 
     low, high = xp.full_like(ratio, _NEAREST_EXIT), xp.full_like(ratio, 1 + 1e-14)
     lost_at_apex = xp.zeros(ratio.shape, bool)
     if p.rule.split:
         lost_at_apex = density(low) <= 0
         ratio = xp.where(lost_at_apex, low, ratio)
-    state = (ratio, ratio, xp.zeros_like(ratio), factor * elastic, low, high, lost_at_apex, 0)
+    state = (
+        ratio,
+        ratio,
+        xp.zeros_like(ratio),
+        factor * elastic,
+        low,
+        high,
+        lost_at_apex,
+        0,
+    )
     state = while_loop(lambda s: ~xp.all(s[6]) & (s[7] < _ITERATIONS), advance, state)
     return state[0], state[3] / elastic, xp.all(state[6], axis=0)
 
 
 def _secant(step: Array, change: Array, slope: Array, far: Array | float) -> Array:
-    """Slope of a falling or rising function from its last two values, where they lie far enough apart to tell."""
+    """Slope of a falling or rising function from its last two values, where they lie
+    far enough apart to tell.
+    """
     known = (xp.abs(step) > far) & (change * step * slope > 0)
     return xp.where(known, change / xp.where(known, step, 1.0), slope)
 
 
-def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: Array) -> tuple[Array, Array, Array]:
-    """Contact size for a load: the secant method on log F_N against log A, nearly a straight line. An edge that is off
-    by a little leaves the force as it is, since dF/db = q(-b) = 0.
+def _size_of_load(
+    p: Passage, load: Array, log_size: Array, ratio: Array, top: Array
+) -> tuple[Array, Array, Array]:
+    """Contact size for a load: the secant method on log F_N against log A, nearly a
+    straight line. An edge that is off by a little leaves the force as it is, since
+    dF/db = q(-b) = 0.
     """
 
     def advance(state):
-        log_size, before, excess_before, slope, ratio, factor, low, high, done, count = state
+        (
+            log_size,
+            before,
+            excess_before,
+            slope,
+            ratio,
+            factor,
+            low,
+            high,
+            done,
+            count,
+        ) = state
         size = xp.exp(log_size)
         ratio, factor, found = _exits(p, size, ratio, factor)
         excess = xp.log(balance(p, size, ratio)[1]) - xp.log(load)
-        low, high = xp.where(excess < 0, log_size, low), xp.where(excess < 0, high, log_size)
+        low, high = (
+            xp.where(excess < 0, log_size, low),
+            xp.where(excess < 0, high, log_size),
+        )
         slope = _secant(log_size - before, excess - excess_before, slope, _FAR)
         straight = log_size - xp.clip(excess / slope, -3.0, 3.0)
-        # A bracket that closes at the widest contact has not met the load, hence the second condition.
-        small = (xp.abs(straight - log_size) <= (_TIGHT if on_numpy() else _LOOSE)) & (xp.abs(excess) <= _MET)
+        # A bracket that closes at the widest contact has not met the load, hence the
+        # second condition.
+        small = (xp.abs(straight - log_size) <= (_TIGHT if on_numpy() else _LOOSE)) & (
+            xp.abs(excess) <= _MET
+        )
         inside = (straight > low) & (straight < high)
         middle = 0.5 * (xp.maximum(low, log_size - 3) + xp.minimum(high, log_size + 3))
         following = xp.where(inside | small, straight, middle)
         following = xp.where(done, log_size, following)
-        return following, log_size, excess, slope, ratio, factor, low, high, done | (small & found), count + 1
+        return (
+            following,
+            log_size,
+            excess,
+            slope,
+            ratio,
+            factor,
+            low,
+            high,
+            done | (small & found),
+            count + 1,
+        )
 
     fresh = xp.zeros_like(load)
-    state = (log_size, log_size, fresh, fresh + 2.5, ratio, xp.ones_like(ratio), fresh - 140, top, fresh > 0, 0)
+    state = (
+        log_size,
+        log_size,
+        fresh,
+        fresh + 2.5,
+        ratio,
+        xp.ones_like(ratio),
+        fresh - 140,
+        top,
+        fresh > 0,
+        0,
+    )
     state = while_loop(lambda s: ~xp.all(s[8]) & (s[9] < _ITERATIONS), advance, state)
     return xp.exp(state[0]), state[4], state[8]
 
 
 @compiled("rule", "control")
-def _polish(law, lines, value, velocity, found: Found, *, rule: Rule, control: Control) -> Passages:
+def _polish(
+    law, lines, value, velocity, found: Found, *, rule: Rule, control: Control
+) -> Passages:
     """One Newton step on both equations, then forces and their sampling error."""
     p = tabulated(Passage(law, lines, rule, velocity), found.size, full=True)
     size, ratio, settled = _edges(p, value, found, control)
@@ -481,15 +669,20 @@ def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages
     )
 
 
-def _edges(p: Passage, value: Array, found: Found, control: Control) -> tuple[Array, Array, Array]:
-    """Contact size and trailing edges after one Newton step, which carries the derivatives, and whether it was small:
-    a search that was led astray by a steep density stops where a step is not."""
+def _edges(
+    p: Passage, value: Array, found: Found, control: Control
+) -> tuple[Array, Array, Array]:
+    """Contact size and trailing edges after one Newton step, which carries the
+    derivatives, and whether it was small: a search that was led astray by a steep
+    density stops where a step is not.
+    """
     size, ratio = found.size, found.ratio
     density, reached = balance(p, size, ratio)
     if control == "depth":
         reached = p.lines.depth(size)
     step = _small((value - reached) / found.reached_size, size)
-    # Where both edges agree to rounding, a kink (a cone) has no slope there: the edge stays as it was found.
+    # Where both edges agree to rounding, a kink (a cone) has no slope there: the edge
+    # stays as it was found.
     nothing = _ROUNDING * fixed(_elastic_slope(p, size))
     pinned = (ratio <= 2 * _NEAREST_EXIT) | (found.density_ratio >= nothing)
     slope = xp.where(pinned, 1.0, found.density_ratio)
@@ -510,27 +703,44 @@ class Losses(NamedTuple):
 
 
 def solve_losses(
-    law: Relaxation, lines: AbstractLines, rule: Rule, control: Control, value: Array, velocity: Array
+    law: Relaxation,
+    lines: AbstractLines,
+    rule: Rule,
+    control: Control,
+    value: Array,
+    velocity: Array,
 ) -> Losses:
-    """Steady passages, and what each branch turns into heat; differentiable as `solve_passages` is."""
+    """Steady passages, and what each branch turns into heat; differentiable as
+    `solve_passages` is.
+    """
     modes, lines = recovery_modes(law), lines.refined(rule.strips)
     if on_numpy():
-        p, size, ratio, good = _edges_of_numbers(Passage(law, lines, rule, velocity), control, value)
-        return Losses(*branch_losses(p, modes, size, ratio), forces(p, size, ratio).friction, good)
+        p, size, ratio, good = _edges_of_numbers(
+            Passage(law, lines, rule, velocity), control, value
+        )
+        return Losses(
+            *branch_losses(p, modes, size, ratio), forces(p, size, ratio).friction, good
+        )
     law, lines, value, velocity = arrays((law, lines, value, velocity))
     found = _search(*fixed((law, lines, value, velocity)), rule=rule, control=control)
     return _losses(law, modes, lines, value, velocity, fixed(found), rule, control)
 
 
 @compiled("rule", "control")
-def _losses(law, modes, lines, value, velocity, found: Found, rule: Rule, control: Control) -> Losses:
+def _losses(
+    law, modes, lines, value, velocity, found: Found, rule: Rule, control: Control
+) -> Losses:
     p = tabulated(Passage(law, lines, rule, velocity), found.size, full=True)
     size, ratio, settled = _edges(p, value, found, control)
     dashpot, branches = branch_losses(p, modes, size, ratio)
-    return Losses(dashpot, branches, forces(p, size, ratio).friction, found.converged & settled)
+    return Losses(
+        dashpot, branches, forces(p, size, ratio).friction, found.converged & settled
+    )
 
 
 def _small(step: Array, base: Array) -> Array:
-    """A Newton step as computed where it is small; where it is not, the point has failed and keeps only its tangent."""
+    """A Newton step as computed where it is small; where it is not, the point has
+    failed and keeps only its tangent.
+    """
     wild = xp.abs(step) > 1e-3 * xp.abs(base)
     return step - fixed(xp.where(wild, step, 0.0))

@@ -1,14 +1,17 @@
-"""Normal and friction force in steady sliding, with the contact edges where they were put.
+"""Normal and friction force in steady sliding, with the contact edges where they were
+put.
 
-Every element sees the same history, so with E(t) the foundation's relaxation function, v the velocity, contact from x
-= -b to x = a, and r the distance between two elements of the contact (r = v times the time between their entries),
+Every element sees the same history, so with E(t) the foundation's relaxation function,
+v the velocity, contact from x = -b to x = a, and r the distance between two elements of
+the contact (r = v times the time between their entries),
 
     q(-b) = int E(r/v) g'(r - b) dr                      line force density at the trailing edge
     F_N   = int E(r/v) [g(a) - g(r - b)] dr              normal force
     F_x   = int E(r/v) C(r) dr                           friction force,    r from 0 to a + b
 
-with C(r) = int_{-b}^{a-r} g'(x) g'(x + r) dx. A dashpot eta adds eta v g'(-b), eta v [g(a) - g(b)] and eta v C(0). What
-a branch adds to them follows from its `memory` at both edges; see there. Axes: (variants,) lines, branches, points.
+with C(r) = int_{-b}^{a-r} g'(x) g'(x + r) dx. A dashpot eta adds eta v g'(-b), eta v
+[g(a) - g(b)] and eta v C(0). What a branch adds to them follows from its `memory` at
+both edges; see there. Axes: (variants,) lines, branches, points.
 """
 
 from __future__ import annotations
@@ -28,8 +31,10 @@ if TYPE_CHECKING:
 
 _NOTHING = 1e-13  # of a difference, over what it is the difference of
 _ROUNDING = float(np.finfo(np.float64).eps)
-_TILT = 1e-5  # relative, over which the slope at the trailing edge changes by a known amount
-_UNSEEN = 3.0  # slope and force density are sampled alike, and either misses as much once more
+# relative, over which the slope at the trailing edge changes by a known amount
+_TILT = 1e-5
+# slope and force density are sampled alike, and either misses as much once more
+_UNSEEN = 3.0
 
 
 def exit_density(p: Passage, size: Array, ratio: Array) -> Float[Array, "lines points"]:
@@ -37,14 +42,22 @@ def exit_density(p: Passage, size: Array, ratio: Array) -> Float[Array, "lines p
     return _contact(p, size, ratio).density()[0]
 
 
-def balance(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, "lines points"], Float[Array, " points"]]:
-    """`exit_density` and the normal force [N]: the two equations of a passage, at the cost of one."""
+def balance(
+    p: Passage, size: Array, ratio: Array
+) -> tuple[Float[Array, "lines points"], Float[Array, " points"]]:
+    """`exit_density` and the normal force [N]: the two equations of a passage, at the
+    cost of one.
+    """
     contact = _contact(p, size, ratio)
-    return contact.density()[0], xp.sum(p.lines.weight(size) * contact.force()[0], axis=0)
+    return contact.density()[0], xp.sum(
+        p.lines.weight(size) * contact.force()[0], axis=0
+    )
 
 
 class Slopes(NamedTuple):
-    """Both equations of a passage on a single line, and their derivatives by its edges a and b, (1, points)."""
+    """Both equations of a passage on a single line, and their derivatives by its edges
+    a and b, (1, points).
+    """
 
     density: Array  # q(-b)
     force: Array  # F_N, without the weight of the line
@@ -54,41 +67,63 @@ class Slopes(NamedTuple):
 
 
 def balance_and_slopes(p: Passage, size: Array, ratio: Array) -> Slopes:
-    """`balance` of a line whose profile does not depend on the size of the contact, with derivatives in closed form.
+    """`balance` of a line whose profile does not depend on the size of the contact,
+    with derivatives in closed form.
 
-    dq/da = E(L/v) g'(a),  dF_N/da = g'(a) int E dr,  dq/db = -E(0) g'(b) + int dE/dr g'(r - b) dr, by parts, L = a + b.
-    A dashpot adds -eta v g''(b) to the last one, here by a difference: enough for a search.
+    dq/da = E(L/v) g'(a),  dF_N/da = g'(a) int E dr,  dq/db = -E(0) g'(b) + int dE/dr
+    g'(r - b) dr, by parts, L = a + b. A dashpot adds -eta v g''(b) to the last one,
+    here by a difference: enough for a search.
     """
     contact = _contact(p, size, ratio)
     law, length, gone = p.law, contact.entry + contact.exit, contact.gone()
     left = law.equilibrium + law.moduli.sum() - law.moduli @ gone  # E(L/v)
-    passed = law.equilibrium * length + p.velocity * ((law.moduli * law.times) @ gone)  # int E dr
+    # int E dr
+    passed = law.equilibrium * length + p.velocity * ((law.moduli * law.times) @ gone)
     steep, at_exit = contact.steep, contact.at_exit
     glassy = (law.equilibrium + law.moduli.sum()) * at_exit
     falling = -glassy - (law.moduli / law.times) @ contact.kept()[0] / p.velocity
-    # Of a liquid that forgets at once nothing is left but rounding, on which a search would believe to have arrived.
+    # Of a liquid that forgets at once nothing is left but rounding, on which a search
+    # would believe to have arrived.
     falling = xp.where(xp.abs(falling) > _NOTHING * xp.abs(glassy), falling, 0.0)
     drag = p.velocity * law.viscosity
     bent = 0.0
     if np.ndim(drag) and xp.any(drag > 0):
-        bent = (contact.slope(contact.exit * (1 - _TILT)) - at_exit) / (_TILT * contact.exit)
+        bent = (contact.slope(contact.exit * (1 - _TILT)) - at_exit) / (
+            _TILT * contact.exit
+        )
     return Slopes(
-        density=contact.density()[0], force=contact.force()[0], density_entry=left * steep,
-        density_exit=falling + drag * bent, force_entry=steep * (passed + drag),
-    )  # fmt: skip
+        density=contact.density()[0],
+        force=contact.force()[0],
+        density_entry=left * steep,
+        density_exit=falling + drag * bent,
+        force_entry=steep * (passed + drag),
+    )
 
 
-def part_of_contact(p: Passage, size: Array, trailing: Float[Array, " points"]) -> tuple[Array, Array, Array]:
-    """q(-b) of a single line at any place -b of the contact, the force Q = int q dx [N] from there to the leading edge,
-    and its sampling error."""
+def part_of_contact(
+    p: Passage, size: Array, trailing: Float[Array, " points"]
+) -> tuple[Array, Array, Array]:
+    """q(-b) of a single line at any place -b of the contact, the force Q = int q dx [N]
+    from there to the leading edge, and its sampling error.
+    """
     law = p.law
     kept, lost, way = direct(p, size, trailing)
     drag = p.velocity * law.viscosity
     line = xp.zeros((1, 1), int)
     slope = xp.sign(trailing) * p.lines.slope(xp.abs(trailing)[None], size, line)
-    rise = p.lines.profile(p.lines.entry(size), size, line) - p.lines.profile(xp.abs(trailing)[None], size, line)
-    density = law.equilibrium * rise + xp.sum(law.moduli[:, None] * kept[0], axis=-2) - drag * slope
-    force = law.equilibrium * way + xp.sum(law.moduli[:, None] * p.decay * lost, axis=-2) + drag * rise
+    rise = p.lines.profile(p.lines.entry(size), size, line) - p.lines.profile(
+        xp.abs(trailing)[None], size, line
+    )
+    density = (
+        law.equilibrium * rise
+        + xp.sum(law.moduli[:, None] * kept[0], axis=-2)
+        - drag * slope
+    )
+    force = (
+        law.equilibrium * way
+        + xp.sum(law.moduli[:, None] * p.decay * lost, axis=-2)
+        + drag * rise
+    )
     return density[0], *_total(p, size, force, 0.0)
 
 
@@ -104,44 +139,74 @@ class Forces(NamedTuple):
 def forces(p: Passage, size: Array, ratio: Array) -> Forces:
     """Normal and friction force; `p` is tabulated in full."""
     contact = _contact(p, size, ratio, full=True)
-    return Forces(*_total(p, size, contact.force(), 0.0), *_total(p, size, contact.drag(), contact.blur()))
+    return Forces(
+        *_total(p, size, contact.force(), 0.0),
+        *_total(p, size, contact.drag(), contact.blur()),
+    )
 
 
 def branch_losses(
     p: Passage, modes: Modes, size: Array, ratio: Array
 ) -> tuple[Float[Array, " points"], Float[Array, "branches points"]]:
-    """What the parallel dashpot and each branch turn into heat, per length of way [N], all lines together.
+    """What the parallel dashpot and each branch turn into heat, per length of way [N],
+    all lines together.
 
-    With y_k the displacement of a branch's dashpot, at the trailing edge Y_k = int (1 - e^{-r/s_k}) g'(r-b) dr, and u_b
-    = g(a) - g(b), the work on a branch less what it holds at the edge is
+    With y_k the displacement of a branch's dashpot, at the trailing edge Y_k = int (1 -
+    e^{-r/s_k}) g'(r-b) dr, and u_b = g(a) - g(b), the work on a branch less what it
+    holds at the edge is
 
         E_k int e^{-r/s_k} C dr - E_k (u_b - Y_k)^2/2 = E_k [u_b Y_k - int (1 - e^{-r/s_k}) C dr - Y_k^2/2],
 
-    the first for fast branches, the second for slow ones, each without cancellation. What all springs hold at the edge
-    is lost in free recovery, where y_k = sum_j Y_jk m_j e^{-t/lambda_j}: E_k tau_k int y_k'^2 dt in closed form. Exact
-    where the sampling is; their sum is the friction force. Derived here.
+    the first for fast branches, the second for slow ones, each without cancellation.
+    What all springs hold at the edge is lost in free recovery, where y_k = sum_j Y_jk
+    m_j e^{-t/lambda_j}: E_k tau_k int y_k'^2 dt in closed form. Exact where the
+    sampling is; their sum is the friction force. Derived here.
     """
     contact = _contact(p, size, ratio, full=True)
     slow, left = contact.slow(), contact.rise()[:, None]
     kept, gone = (x[0] for x in contact.worked())
     force, lag = contact.kept()[0], contact.lost()[0]
-    inside = p.law.moduli[:, None] * xp.where(slow, left * lag - gone - 0.5 * lag**2, kept - 0.5 * force**2)
+    inside = p.law.moduli[:, None] * xp.where(
+        slow, left * lag - gone - 0.5 * lag**2, kept - 0.5 * force**2
+    )
     friction = p.law.moduli * p.law.times
     present = modes.gain > 0
     share = xp.where(present, 1 / xp.where(present, modes.norm, 1.0), 0.0)
-    m = xp.einsum("jk,k,lkp->ljp", modes.shape, friction, xp.where(slow, lag, left - force))
+    m = xp.einsum(
+        "jk,k,lkp->ljp", modes.shape, friction, xp.where(slow, lag, left - force)
+    )
     m = share[:, None] * (m + p.law.viscosity * left)
     rates = modes.rate[:, None] + modes.rate
     decay = modes.rate[:, None] * modes.rate / xp.where(rates > 0, rates, 1.0)
-    after = xp.einsum("k,ik,jk,ij,lip,ljp->lkp", friction, modes.shape, modes.shape, decay, m, m, optimize="greedy")
+    after = xp.einsum(
+        "k,ik,jk,ij,lip,ljp->lkp",
+        friction,
+        modes.shape,
+        modes.shape,
+        decay,
+        m,
+        m,
+        optimize="greedy",
+    )
     dashpot = p.velocity * contact.square()[0]
-    dashpot = p.law.viscosity * (dashpot + xp.einsum("ij,lip,ljp->lp", decay, m, m, optimize="greedy"))
+    dashpot = p.law.viscosity * (
+        dashpot + xp.einsum("ij,lip,ljp->lp", decay, m, m, optimize="greedy")
+    )
     weight = p.lines.weight(size)
-    return xp.sum(weight * dashpot, axis=0), xp.sum(weight[:, None] * (inside + after), axis=0)
+    return xp.sum(weight * dashpot, axis=0), xp.sum(
+        weight[:, None] * (inside + after), axis=0
+    )
 
 
-def _total(p: Passage, size: Array, force: Float[Array, "variants lines points"], blur: Array | float):
-    """Sum of all lines, and the error of that sum: of sampling along the lines, and of their finite number."""
+def _total(
+    p: Passage,
+    size: Array,
+    force: Float[Array, "variants lines points"],
+    blur: Array | float,
+):
+    """Sum of all lines, and the error of that sum: of sampling along the lines, and of
+    their finite number.
+    """
     weight = p.lines.weight(size)
     parts = weight * force[0]
     missed = xp.zeros_like(force[0]) + blur
@@ -153,7 +218,9 @@ def _total(p: Passage, size: Array, force: Float[Array, "variants lines points"]
 
 
 def _contact(p: Passage, size: Array, ratio: Array, full: bool = False) -> "_Contact":
-    return (_OnePanel if p.rule.exact and not p.rule.split else _TwoSides)(p, size, ratio, full)
+    return (_OnePanel if p.rule.exact and not p.rule.split else _TwoSides)(
+        p, size, ratio, full
+    )
 
 
 class _Contact(abc.ABC):
@@ -184,7 +251,9 @@ class _Contact(abc.ABC):
 
     @abc.abstractmethod
     def kept(self) -> Float[Array, "variants lines branches points"]:
-        """int e^{-r/s} g'(r - b) dr: at the trailing edge, the force in a branch over its modulus."""
+        """int e^{-r/s} g'(r - b) dr: at the trailing edge, the force in a branch over
+        its modulus.
+        """
 
     @abc.abstractmethod
     def lost(self) -> Float[Array, "variants lines branches points"]:
@@ -204,45 +273,65 @@ class _Contact(abc.ABC):
 
     def density(self) -> Float[Array, "variants lines points"]:
         law = self.p.law
-        density = _over_branches(law.moduli, self.kept()) + law.equilibrium * self.rise()
+        density = (
+            _over_branches(law.moduli, self.kept()) + law.equilibrium * self.rise()
+        )
         return density - self.p.velocity * law.viscosity * self.at_exit
 
     def force(self) -> Float[Array, "variants lines points"]:
-        """F_N without the weight of the lines: int v_k dx = s_k y_k, since s v_k' = v_k - s g'."""
+        """F_N without the weight of the lines: int v_k dx = s_k y_k, since s v_k' = v_k
+        - s g'.
+        """
         law, rise = self.p.law, self.rise()
         elastic = self.exit * rise + self.moment()
-        force = self.p.velocity * _over_branches(law.moduli * law.times, self.lost()) + law.equilibrium * elastic
+        force = (
+            self.p.velocity * _over_branches(law.moduli * law.times, self.lost())
+            + law.equilibrium * elastic
+        )
         return force + self.p.velocity * law.viscosity * rise
 
     def drag(self) -> Float[Array, "variants lines points"]:
         """F_x without the weight of the lines.
 
-        Branches slower than the passage are nearly springs. Their integral is taken of 1 - exp(-r/s), beside the exact
-        int C dr = [g(a) - g(b)]^2/2, so that a loss of 1e-20 of the stored energy keeps its digits.
+        Branches slower than the passage are nearly springs. Their integral is taken of
+        1 - exp(-r/s), beside the exact int C dr = [g(a) - g(b)]^2/2, so that a loss of
+        1e-20 of the stored energy keeps its digits.
         """
         law, slow = self.p.law, self.slow()
         kept, gone = self.worked()
         total = _over_branches(law.moduli, xp.where(slow, -gone, kept))
-        return 0.5 * self._springs() * self.rise() ** 2 + self.p.velocity * law.viscosity * self.square() + total
+        return (
+            0.5 * self._springs() * self.rise() ** 2
+            + self.p.velocity * law.viscosity * self.square()
+            + total
+        )
 
     def blur(self) -> Float[Array, "lines points"]:
-        """Of a loss below 1e-30 of the stored energy nothing is left but how the trailing edge was rounded."""
+        """Of a loss below 1e-30 of the stored energy nothing is left but how the
+        trailing edge was rounded.
+        """
         blur = 4 * _ROUNDING * xp.abs(self.at_exit) * self.entry
         return self._springs() * blur * (xp.abs(self.rise()) + blur)
 
     def _springs(self) -> Array:
-        """Modulus of the equilibrium spring and of the branches that are nearly springs."""
+        """Modulus of the equilibrium spring and of the branches that are nearly
+        springs.
+        """
         slow = xp.where(self.slow(), self.p.law.moduli[:, None], 0.0)
         return self.p.law.equilibrium + xp.sum(slow, axis=-2)
 
 
-def _over_branches(weights: Array, terms: Float[Array, "*n branches points"]) -> Float[Array, "*n points"]:
+def _over_branches(
+    weights: Array, terms: Float[Array, "*n branches points"]
+) -> Float[Array, "*n points"]:
     """Sum over the branches, weighted."""
     return weights @ terms
 
 
 class _OnePanel(_Contact):
-    """A contact that one panel covers from its trailing edge on, since the slope is one polynomial."""
+    """A contact that one panel covers from its trailing edge on, since the slope is one
+    polynomial.
+    """
 
     def __init__(self, p: Passage, size: Array, ratio: Array, full: bool):
         super().__init__(p, size, ratio)
@@ -278,7 +367,11 @@ class _TwoSides(_Contact):
         return self.force_of_branch
 
     def lost(self):
-        return self.ahead.near_lost - xp.expm1(self.fading) * self.ahead.near - self.behind.far_lost
+        return (
+            self.ahead.near_lost
+            - xp.expm1(self.fading) * self.ahead.near
+            - self.behind.far_lost
+        )
 
     def moment(self):
         return (self.ahead.moment + self.behind.moment)[..., 0, :]
@@ -286,7 +379,13 @@ class _TwoSides(_Contact):
     def worked(self):
         a, b = self.ahead, self.behind
         high, low = self.high[:, None], self.low[:, None]
-        gone = a.work_lost + b.work_lost - high * b.near_lost - low * a.near_lost + a.near_lost * b.near_lost
+        gone = (
+            a.work_lost
+            + b.work_lost
+            - high * b.near_lost
+            - low * a.near_lost
+            + a.near_lost * b.near_lost
+        )
         return a.work + b.work - a.near * b.near, gone
 
     def square(self):

@@ -1,4 +1,6 @@
-"""The plan: a scene turned into the least work that answers it, before anything is computed."""
+"""The plan: a scene turned into the least work that answers it, before anything is
+computed.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ _ROUND = 2  # power from which on an apex is round enough
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """What will be computed, what is skipped, and why; `print(plan)` says it in words."""
+    """What will be computed, what is skipped, and why; `print(plan)` says it in
+    words.
+    """
 
     quantity: str  # "friction" or "rolling"
     scene: str  # indenter and foundation, in words
@@ -37,18 +41,27 @@ class Plan:
     marched: bool  # whether the profile has to be marched through in time steps
     rules: tuple[Rule, ...]  # sampling rules, to be tried in this order
     condensation: Condensation
-    branch_times: tuple[float, ...] | None  # relaxation times [s]; None while JAX traces
+    # relaxation times [s]; None while JAX traces
+    branch_times: tuple[float, ...] | None
     directions: int  # directions per velocity
-    shared: bool  # velocities share line solutions, one grid per load and temperature-shifted curve
-    solutions: int  # line solutions to begin with; where the error asks for it a curve gets twice as many, and so on
+    # velocities share line solutions, one grid per load and temperature-shifted curve
+    shared: bool
+    # line solutions to begin with; where the error asks for it a curve gets twice as
+    # many, and so on
+    solutions: int
     temperatures: int  # different temperatures asked for
-    passing: tuple[float, float] | None = None  # lowest and highest 2 v a_T/a, roughly [rad/s]; None while JAX traces
+    # lowest and highest 2 v a_T/a, roughly [rad/s]; None while JAX traces
+    passing: tuple[float, float] | None = None
     range: Range | None = None  # where the material's numbers hold; None: not known
-    traced: bool = False  # under a JAX transformation: values are not known, so nothing that depends on them is skipped
+    # under a JAX transformation: values are not known, so nothing that depends on them
+    # is skipped
+    traced: bool = False
     skip: bool = True
-    corrected: bool = False  # whether the average is corrected for the asymmetry of the contact
+    # whether the average is corrected for the asymmetry of the contact
+    corrected: bool = False
     elastic: bool = False  # no branch and no dashpot: nothing is lost, mu is zero
-    bends: bool = False  # whether mu of the line may bend sharply at some velocity, see `_bends`
+    # whether mu of the line may bend sharply at some velocity, see `_bends`
+    bends: bool = False
 
     def __str__(self) -> str:
         return "\n".join([f"Plan: {self.quantity}, {self.scene}", *_described(self)])
@@ -71,55 +84,110 @@ def make_plan(
     skip: bool,
     known: Range | None,
 ) -> Plan:
-    """Plans a scene from its numbers; while JAX traces, from what is known without them."""
+    """Plans a scene from its numbers; while JAX traces, from what is known without
+    them.
+    """
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
-    elastic = not is_traced(law) and not np.any(law.moduli) and float(law.viscosity) == 0
+    elastic = (
+        not is_traced(law) and not np.any(law.moduli) and float(law.viscosity) == 0
+    )
     averaged = averaged and not elastic
     inner = TRACED * rtol if value is None else rtol
     bends = averaged and _bends(lines.shape)
-    count = directions(inner, traced_level(rtol, bends) if value is None else 0).cosines.size if averaged else 1
+    count = (
+        directions(
+            inner, traced_level(rtol, bends) if value is None else 0
+        ).cosines.size
+        if averaged
+        else 1
+    )
     # Under a depth each point has its own load, which is found first.
     solutions = points * count + (points if averaged and control == "depth" else 0)
-    traced, shared, times, passing = value is None or velocity is None, False, None, None
-    how, rules = Condensation(law.moduli.shape[0]), ladder(lines.shape, inner, strips=lines.count > 1)
+    traced, shared, times, passing = (
+        value is None or velocity is None,
+        False,
+        None,
+        None,
+    )
+    how, rules = (
+        Condensation(law.moduli.shape[0]),
+        ladder(lines.shape, inner, strips=lines.count > 1),
+    )
     if value is not None and velocity is not None:
         slow, fast = float(velocity.min()), float(velocity.max())
         # Contacts are the larger, the slower the motion and the higher the load.
         ends = np.array([value.max(), value.min()]), np.array([slow, fast])
-        widest, narrowest = (float(x) for x in estimate_sizes(law, lines, control, *ends))
+        widest, narrowest = (
+            float(x) for x in estimate_sizes(law, lines, control, *ends)
+        )
         slowest = slow * (float(directions(rtol).cosines[-1]) if averaged else 1.0)
         if skip and not marched:
-            how = choose(law, 0.5 * narrowest / fast, 4 * widest / slowest, rtol, rules[0].split)
-        rules = ladder(lines.shape, rtol, float(lines.shape.largest_contact) / (1.3 * widest), lines.count > 1)
+            how = choose(
+                law, 0.5 * narrowest / fast, 4 * widest / slowest, rtol, rules[0].split
+            )
+        rules = ladder(
+            lines.shape,
+            rtol,
+            float(lines.shape.largest_contact) / (1.3 * widest),
+            lines.count > 1,
+        )
         if averaged and (control == "load" or bends):
             curves = [velocity] if points == 1 else velocity[:, None]
             if control == "load" and points > 1:
                 curves = [velocity[value == x] for x in np.unique(value)]
             nodes = [shared_curve_size(v, rtol) for v in curves]
-            with_grid = sum(n + v.size * (v.size <= n) for n, v in zip(nodes, curves, strict=True))
+            with_grid = sum(
+                n + v.size * (v.size <= n) for n, v in zip(nodes, curves, strict=True)
+            )
             if bends or (skip and with_grid < solutions):
                 shared, solutions = True, with_grid
-        times, passing = tuple(np.asarray(law.times).tolist()), (2 * slow / widest, 2 * fast / narrowest)
+        times, passing = (
+            tuple(np.asarray(law.times).tolist()),
+            (2 * slow / widest, 2 * fast / narrowest),
+        )
     return Plan(
-        quantity=quantity, scene=scene, model=model, control=control, points=points, rtol=rtol, averaged=averaged,
-        marched=marched, rules=rules[:1] if traced else rules, condensation=how, branch_times=times, directions=count,
-        shared=shared, solutions=solutions, temperatures=temperatures, passing=passing, range=known, traced=traced,
-        skip=skip, corrected=corrected, elastic=elastic, bends=bends,
-    )  # fmt: skip
+        quantity=quantity,
+        scene=scene,
+        model=model,
+        control=control,
+        points=points,
+        rtol=rtol,
+        averaged=averaged,
+        marched=marched,
+        rules=rules[:1] if traced else rules,
+        condensation=how,
+        branch_times=times,
+        directions=count,
+        shared=shared,
+        solutions=solutions,
+        temperatures=temperatures,
+        passing=passing,
+        range=known,
+        traced=traced,
+        skip=skip,
+        corrected=corrected,
+        elastic=elastic,
+        bends=bends,
+    )
 
 
 def _bends(shape: AbstractShape) -> bool:
-    """Whether mu of the line may bend sharply at some velocity, so that no single velocity's directions show it.
+    """Whether mu of the line may bend sharply at some velocity, so that no single
+    velocity's directions show it.
 
-    Behind a sharp apex contact is lost almost at once beyond some velocity, the more suddenly the stiffer the rubber is
-    at first: under a cone, at E_0/E_inf = 1000, mu_line(log v) is as good as kinked. A profile given by points may be
-    anything. The average then comes from a curve of the line, which shows what it does not resolve.
+    Behind a sharp apex contact is lost almost at once beyond some velocity, the more
+    suddenly the stiffer the rubber is at first: under a cone, at E_0/E_inf = 1000,
+    mu_line(log v) is as good as kinked. A profile given by points may be anything. The
+    average then comes from a curve of the line, which shows what it does not resolve.
     """
-    return isinstance(shape, (Cone, Profile)) or (isinstance(shape, PowerLaw) and shape.exponent < _ROUND)
+    return isinstance(shape, (Cone, Profile)) or (
+        isinstance(shape, PowerLaw) and shape.exponent < _ROUND
+    )
 
 
 def traced_level(rtol: float, bends: bool) -> int:
-    """How often steps of the average are halved while JAX traces: nothing can be refined then.
+    """How often steps of the average are halved while JAX traces: nothing can be
+    refined then.
 
     Of cones at contrasts from 10 to 1e5 the average was off by 4e-4/8^level at most.
     """
@@ -128,29 +196,45 @@ def traced_level(rtol: float, bends: bool) -> int:
 
 def _described(plan: Plan) -> list[str]:
     lines = [f"  model        {plan.model}"]
-    what = f"{plan.points} point{'s' * (plan.points != 1)} by {plan.control}, relative error of mu {plan.rtol:g}"
+    what = (
+        f"{plan.points} point{'s' * (plan.points != 1)} by {plan.control}, relative "
+        f"error of mu {plan.rtol:g}"
+    )
     lines.append(f"  asked        {what}")
     lines.append(f"  contact      {_contact(plan)}")
     lines += [f"  branches     {text}" for text in _branches(plan)]
     if plan.temperatures > 1:
-        text = f"{plan.temperatures} temperatures enter as shifted velocities v a_T: one spectrum serves all"
+        text = (
+            f"{plan.temperatures} temperatures enter as shifted velocities v a_T: one "
+            "spectrum serves all"
+        )
         lines.append(f"  temperature  {text}")
     if plan.passing is not None:
         lines.append(f"  frequencies  {_frequencies(plan, plan.passing)}")
     lines.append(f"  directions   {_directions(plan)}")
     lines.append(
-        "  not needed   the transient, the history of other elements (in steady motion one passage is the field),"
+        "  not needed   the transient, the history of other elements (in steady "
+        "motion one passage is the field),"
     )
-    lines.append("               surface shape and pressure in 3D, derivatives: none of them asked for")
+    lines.append(
+        "               surface shape and pressure in 3D, derivatives: none of "
+        "them asked for"
+    )
     return lines
 
 
 def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
-    text = f"passages dissipate most about 2 v a_T/a, {passing[0]:.1g} to {passing[1]:.1g} rad/s"
+    text = (
+        f"passages dissipate most about 2 v a_T/a, {passing[0]:.1g} to "
+        f"{passing[1]:.1g} rad/s"
+    )
     if plan.range is None or plan.range.omega is None:
         return text
     if not plan.range.omega:
-        return f"{text}: the range of the material is empty, the data determine its loss modulus nowhere"
+        return (
+            f"{text}: the range of the material is empty, the data determine its loss "
+            "modulus nowhere"
+        )
     low, high = plan.range.omega
     where = "within" if low <= SLOWEST * passing[0] and passing[1] <= high else "beyond"
     text += f", and last up to {1 / (SLOWEST * passing[0]):.1g} s"
@@ -160,11 +244,24 @@ def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
 def _contact(plan: Plan) -> str:
     rule = plan.rules[0]
     if plan.marched:
-        return "profile not convex: elements may touch again, so exact contact steps in diffrax march through it"
+        return (
+            "profile not convex: elements may touch again, so exact contact steps in "
+            "diffrax march through it"
+        )
     if rule.exact:
-        return "closed form: the profile is polynomial, its integrals with every branch are exact, no time steps"
-    more = f"; up to {plan.rules[-1].samples} where the error estimate asks for it" if len(plan.rules) > 1 else ""
-    return f"{rule.samples} samples of the profile along the contact, exact in every branch, no time steps{more}"
+        return (
+            "closed form: the profile is polynomial, its integrals with every branch "
+            "are exact, no time steps"
+        )
+    more = (
+        f"; up to {plan.rules[-1].samples} where the error estimate asks for it"
+        if len(plan.rules) > 1
+        else ""
+    )
+    return (
+        f"{rule.samples} samples of the profile along the contact, exact in every "
+        f"branch, no time steps{more}"
+    )
 
 
 def _branches(plan: Plan) -> list[str]:
@@ -174,7 +271,13 @@ def _branches(plan: Plan) -> list[str]:
     if how.branches == 0:
         return ["none but the dashpot"]
     if plan.traced or plan.branch_times is None:
-        return [f"all {how.branches} carried: under a JAX transformation their values are not known"]
+        return [
+            (
+                f"all {how.branches} carried: under a JAX transformation their values "
+                "are "
+                "not known"
+            )
+        ]
     texts = [f"{len(how.kept)} of {how.branches} carried one by one"]
     for name, chosen, reason in (
         ("spring", how.springs, "too slow to relax much in any passage"),
@@ -182,7 +285,11 @@ def _branches(plan: Plan) -> list[str]:
     ):
         if chosen:
             times = [plan.branch_times[k] for k in chosen]
-            span = f"tau = {times[0]:.3g} s" if len(times) == 1 else f"tau = {min(times):.3g} to {max(times):.3g} s"
+            span = (
+                f"tau = {times[0]:.3g} s"
+                if len(times) == 1
+                else f"tau = {min(times):.3g} to {max(times):.3g} s"
+            )
             texts.append(f"{len(chosen)} lumped into one {name} ({span}): {reason}")
     if how.springs or how.dashpots:
         texts.append(f"this costs at most {how.cost:.1e} of mu, counted in the error")
@@ -199,9 +306,13 @@ def _directions(plan: Plan) -> str:
         alone = plan.points * plan.directions
         if plan.solutions >= alone:
             return (
-                f"{each}, from a line curve for each load, since friction may bend: {plan.solutions} line solutions, "
+                f"{each}, from a line curve for each load, since friction may bend: "
+                f"{plan.solutions} line solutions, "
                 "more where it does"
             )
-        text = f"{each}; velocities share one line curve per load: {plan.solutions} line solutions instead of {alone}"
+        text = (
+            f"{each}; velocities share one line curve per load: {plan.solutions} line "
+            f"solutions instead of {alone}"
+        )
         return f"{text}, more where friction bends" if plan.bends else text
     return f"{each}: {plan.solutions} line solutions"

@@ -32,20 +32,29 @@ if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
-CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
-BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to a factor of 2)"
+CORRECTED = (
+    "MDR line averaged over directions, corrected for an asymmetric contact (estimate "
+    "for the half-space)"
+)
+BARE = (
+    "bare MDR line (textbook; overstates the losses of a half-space by up to a factor "
+    "of 2)"
+)
 LAYER = "independent springs (textbook; for the layer itself use em.layer)"
 
 
 class SmoothScene(NamedTuple):
-    """A steady scene of a smooth body: its points, broadcast and flattened, its lines and its plan."""
+    """A steady scene of a smooth body: its points, broadcast and flattened, its lines
+    and its plan.
+    """
 
     foundation: Foundation
     law: Relaxation
     lines: AbstractLines
     control: Control
     value: Float[Array, " points"]  # load over b_T [N] or depth [m]
-    vertical: Float[Array, " points"]  # b_T, by which forces are larger than those of `law`
+    # b_T, by which forces are larger than those of `law`
+    vertical: Float[Array, " points"]
     velocity: Float[Array, " points"]  # as given [m/s]
     reduced: Float[Array, " points"]  # velocity times a_T [m/s]
     temperature: Any  # broadcast to `shape`, or None
@@ -55,7 +64,9 @@ class SmoothScene(NamedTuple):
 
 
 class Steady(NamedTuple):
-    """Solved scene, every field in the broadcast shape; NaN where a point did not converge."""
+    """Solved scene, every field in the broadcast shape; NaN where a point did not
+    converge.
+    """
 
     velocity: Float[Array, "..."]
     mu: Float[Array, "..."]
@@ -66,9 +77,11 @@ class Steady(NamedTuple):
     depth: Float[Array, "..."]
     contact: Contact
     converged: Bool[Array, "..."]
-    extrapolated: Bool[Array, "..."] | None  # whether the material is used beyond its range; None: that is not known
+    # whether the material is used beyond its range; None: that is not known
+    extrapolated: Bool[Array, "..."] | None
     inputs: tuple[tuple[str, str], ...]
-    strain: Float[Array, "..."] | None = None  # effective strain of the contact, where the material softens
+    # effective strain of the contact, where the material softens
+    strain: Float[Array, "..."] | None = None
     linear: Float[Array, "..."] | None = None  # mu without softening
 
 
@@ -82,10 +95,22 @@ class OnLayer(NamedTuple):
 
 
 def set_up(
-    quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
-    model: Any, rtol: float, skip: bool, softens: bool = True,
-) -> SmoothScene:  # fmt: skip
-    """Checks the arguments and plans the scene; without `softens` the moduli are those of small strain.
+    quantity: str,
+    material: Any,
+    shape: Any,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    pressure: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
+    skip: bool,
+    softens: bool = True,
+) -> SmoothScene:
+    """Checks the arguments and plans the scene; without `softens` the moduli are those
+    of small strain.
 
     Raises `InputError` for whatever has no meaning.
     """
@@ -95,9 +120,19 @@ def set_up(
     no_pressure(shape, pressure)
     chosen = of_smooth(model, quantity, shape.label)
     if isinstance(chosen, HalfSpace):
-        raise InputError(f"model must be em.Averaged() or em.Line() on the line of a {shape.label}, got {chosen!r}.")
+        raise InputError(
+            "model must be em.Averaged() or em.Line() on the line of a "
+            f"{shape.label}, got {chosen!r}."
+        )
     check_rtol(rtol)
-    points = steady_scene(foundation, lines, velocity=velocity, load=load, depth=depth, temperature=temperature)
+    points = steady_scene(
+        foundation,
+        lines,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        temperature=temperature,
+    )
     control: Control = "load" if points.name == "load" else "depth"
     law, kelvin, vertical = foundation.law(), points.kelvin, points.vertical.reshape(-1)
     value, reduced = points.at_reference(), points.reduced.reshape(-1)
@@ -106,16 +141,31 @@ def set_up(
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
     averaged = isinstance(chosen, Averaged) and not layer
     corrected = averaged and isinstance(chosen, Averaged) and chosen.corrected
-    words = LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
+    words = (
+        LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
+    )
     body = describe(shape)
     name = f"{body} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     check_softening(foundation, lines)
     spread = None if points.traced else _softened_too(foundation, control, value)
     passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
     plan = make_plan(
-        quantity, name, words, law, lines, control, spread, passing, int(np.prod(points.shape)),
-        1 if kelvin is None else int(np.size(kelvin)), averaged, corrected, float(rtol), skip, foundation.range,
-    )  # fmt: skip
+        quantity,
+        name,
+        words,
+        law,
+        lines,
+        control,
+        spread,
+        passing,
+        int(np.prod(points.shape)),
+        1 if kelvin is None else int(np.size(kelvin)),
+        averaged,
+        corrected,
+        float(rtol),
+        skip,
+        foundation.range,
+    )
     inputs = [*points.inputs(("shape", body)), ("relative tolerance", f"{rtol:g}")]
     inputs += [("softening", "left out: moduli of small strain")] if small else []
     return SmoothScene(
@@ -134,8 +184,12 @@ def set_up(
     )
 
 
-def _softened_too(foundation: Foundation, control: Control, value: np.ndarray) -> np.ndarray:
-    """The loads to plan for: under softer rubber the contact is that under a higher one."""
+def _softened_too(
+    foundation: Foundation, control: Control, value: np.ndarray
+) -> np.ndarray:
+    """The loads to plan for: under softer rubber the contact is that under a higher
+    one.
+    """
     if foundation.softening is None or control == "depth":
         return value
     return np.concatenate([value, value / np.min(foundation.softening.storage)])
@@ -145,7 +199,8 @@ def no_pressure(shape: AbstractShape, pressure: Any) -> None:
     """Refuses a pressure on a smooth body. Raises `InputError`."""
     if pressure is not None:
         raise InputError(
-            f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}. Give "
+            f"pressure belongs to a rough surface; a {shape.label} takes load or "
+            f"depth, got pressure={pressure}. Give "
             "the force as load= [N]."
         )
 
@@ -157,38 +212,62 @@ def solve(scene: SmoothScene) -> Steady:
         result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
     else:
         result, soft = run_softened(
-            scene.plan, scene.foundation, scene.law, scene.lines, scene.value, scene.reduced
-        )  # fmt: skip
+            scene.plan,
+            scene.foundation,
+            scene.law,
+            scene.lines,
+            scene.value,
+            scene.reduced,
+        )
     traced = is_traced(result.mu)
     good = result.line.converged
     if not traced and not good.all():
-        text = f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
+        text = (
+            f"{int((~good).sum())} of {good.size} points did not converge to "
+            f"rtol={scene.plan.rtol:g}; they are NaN."
+        )
         if result.sunk:
             text += f" {_sunk(scene)}"
         else:
             missed = (result.error / result.mu)[~good & (result.mu > 0)]
             if missed.size and missed.max() < 0.1:
                 text += (
-                    f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol would accept them."
+                    f" Their estimated errors are up to {missed.max():.1e} of mu, "
+                    "so a larger rtol would accept them."
                 )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
-    # A Foundation given directly is a line by definition; a half-space under the bare line is not.
-    bare = BARE_LINE if scene.plan.model == BARE and scene.foundation.per_area is False else 0.0
+    # A Foundation given directly is a line by definition; a half-space under the bare
+    # line is not.
+    bare = (
+        BARE_LINE
+        if scene.plan.model == BARE and scene.foundation.per_area is False
+        else 0.0
+    )
     extra = () if soft is None else (soft.strain, soft.linear)
-    fields, strain, linear = _fields(result._replace(sunk=False), scene.vertical, extra, bare=bare, shape=scene.shape)
+    fields, strain, linear = _fields(
+        result._replace(sunk=False), scene.vertical, extra, bare=bare, shape=scene.shape
+    )
     size = 0.5 * (fields["contact"].leading + fields["contact"].trailing)
     beyond = steady_beyond(
-        scene.foundation.range, scene.reduced.reshape(scene.shape), size, scene.temperature, stacklevel=4
+        scene.foundation.range,
+        scene.reduced.reshape(scene.shape),
+        size,
+        scene.temperature,
+        stacklevel=4,
     )
     beyond_sweep = None
     if softening is not None and soft is not None and not traced:
-        beyond_sweep = np.asarray(good & softening.outside(soft.strain)).reshape(scene.shape)
+        beyond_sweep = np.asarray(good & softening.outside(soft.strain)).reshape(
+            scene.shape
+        )
         inputs += softened_words(soft, np.asarray(good), beyond_sweep)
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         **fields,
         converged=good.reshape(scene.shape),
-        extrapolated=beyond.points if beyond.points is None or beyond_sweep is None else beyond.points | beyond_sweep,
+        extrapolated=beyond.points
+        if beyond.points is None or beyond_sweep is None
+        else beyond.points | beyond_sweep,
         inputs=inputs + beyond.said,
         strain=strain,
         linear=linear,
@@ -197,9 +276,15 @@ def solve(scene: SmoothScene) -> Steady:
 
 @compiled("bare", "shape")
 def _fields(
-    found: Sweep, vertical: Any, extra: tuple[Any, ...], *, bare: float, shape: tuple[int, ...]
+    found: Sweep,
+    vertical: Any,
+    extra: tuple[Any, ...],
+    *,
+    bare: float,
+    shape: tuple[int, ...],
 ) -> tuple[dict[str, Any], Any, Any]:
-    """The fields of a result in their shape, NaN where a point failed; strain and linear friction, if there are any.
+    """The fields of a result in their shape, NaN where a point failed; strain and
+    linear friction, if there are any.
 
     One program where JAX traces.
     """
@@ -209,7 +294,11 @@ def _fields(
         good = None
 
     def shaped(field: Any) -> Any:
-        return None if field is None else (field if good is None else nan_unless(good, field)).reshape(shape)
+        return (
+            None
+            if field is None
+            else (field if good is None else nan_unless(good, field)).reshape(shape)
+        )
 
     force = found.line.normal_force * vertical
     fields = {
@@ -228,37 +317,50 @@ def _fields(
 def _sunk(scene: SmoothScene) -> str:
     """Why a load was not carried, and what to do."""
     radius = float(np.asarray(scene.lines.shape.largest_contact))
-    text = f"The load would need a contact wider than the {scene.lines.shape.label} has ({radius:.4g} m)"
+    text = (
+        f"The load would need a contact wider than the {scene.lines.shape.label} has "
+        f"({radius:.4g} m)"
+    )
     if scene.plan.averaged and float(np.asarray(scene.law.equilibrium)) == 0:
         text += (
-            " in the slow directions of the average, since a liquid (equilibrium modulus 0) carries nothing at rest: "
-            "give em.Paraboloid, or model=em.Line()"
+            " in the slow directions of the average, since a liquid (equilibrium "
+            "modulus 0) carries nothing at rest: give em.Paraboloid, or "
+            "model=em.Line()"
         )
     return f"{text}."
 
 
 def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
-    """The lines of a sliding contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
+    """The lines of a sliding contact, and what they are made of. Raises `InputError`
+    for a pair that does not fit.
+    """
     hint_at_metres(shape)
     foundation = as_foundation(material)
     if not isinstance(shape, AbstractShape):
-        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+        raise InputError(
+            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
+            f"like, got {shape!r}."
+        )
     if isinstance(shape, FlatPunch):
         raise InputError(
-            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite "
-            "rate at any velocity, so that the friction depends on how the edge is rounded. Give the rounding: "
-            "em.Profile with points along the edge, or em.PowerLaw with a large exponent."
+            "shape must not be a FlatPunch in sliding or rolling: its sharp edge "
+            "strains the surface at an infinite rate at any velocity, so that the "
+            "friction depends on how the edge is rounded. Give the rounding: "
+            "em.Profile with points along the edge, or em.PowerLaw with a large "
+            "exponent."
         )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(
-            f"exponent must be 1 or more in sliding, got {shape.exponent:g}: a body with an infinitely sharp tip has "
+            f"exponent must be 1 or more in sliding, got {shape.exponent:g}: a body "
+            "with an infinitely sharp tip has "
             "no steady sliding solution."
         )
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be independent springs under a Cylinder here, got a half-space: use "
-                "em.springs(material, thickness). A cylinder on a half-space is no MDR problem."
+                "material must be independent springs under a Cylinder here, got a "
+                "half-space: use em.springs(material, thickness). A cylinder on a "
+                "half-space is no MDR problem."
             )
         return SingleLine(shape), foundation
     if foundation.per_area:

@@ -1,4 +1,6 @@
-"""Carries out a plan: all points of a scene at once, direction-averaged or not, to the tolerance asked for."""
+"""Carries out a plan: all points of a scene at once, direction-averaged or not, to the
+tolerance asked for.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,13 @@ from ..surface.direction import (
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.profile import Profile
 from ..surface.sampling import Rule
-from ..surface.shared_curve import SharedCurve, at_points, average, between_orders, shared_curve
+from ..surface.shared_curve import (
+    SharedCurve,
+    at_points,
+    average,
+    between_orders,
+    shared_curve,
+)
 from .branch_reduction import condensed, filled
 from .passage import Control, Found, Passages, found_of_numbers, solve_passages
 from .plan import TRACED, Plan, traced_level
@@ -28,22 +36,33 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
-_CORRECTED = 6  # by which the correction for an asymmetric contact may enlarge the error of the average
+# by which the correction for an asymmetric contact may enlarge the error of the average
+_CORRECTED = 6
 _LEVELS = 5  # how often the steps of an average are halved where its error asks for it
-_BENT = 3  # by which errors are enlarged where friction may bend, and its series converge by powers only
-_UNSEEN = 0.3  # of the tolerance: what directions of one velocity were off beyond their estimate, for r^3 to r^8
+# by which errors are enlarged where friction may bend, and its series converge by
+# powers only
+_BENT = 3
+# of the tolerance: what directions of one velocity were off beyond their estimate, for
+# r^3 to r^8
+_UNSEEN = 0.3
 _BATCH = 4096  # points solved at once, and
-_NUMBERS = 200_000  # of panels times branches, some 100 MB in all: both bound the memory
+# of panels times branches, some 100 MB in all: both bound the memory
+_NUMBERS = 200_000
 
 
 class Sweep(NamedTuple):
-    """Friction of each point, and the line passage at that point's own velocity and load."""
+    """Friction of each point, and the line passage at that point's own velocity and
+    load.
+    """
 
     mu: Float[Array, " points"]
     error: Float[Array, " points"]  # estimated error of mu
     line: Passages
-    model_error: Float[Array, " points"]  # bound on the error of mu that the reduction to the line leaves
-    sunk: bool = False  # somewhere, in some direction, the load would need a wider contact than the shape has
+    # bound on the error of mu that the reduction to the line leaves
+    model_error: Float[Array, " points"]
+    # somewhere, in some direction, the load would need a wider contact than the shape
+    # has
+    sunk: bool = False
 
 
 def run(
@@ -53,12 +72,19 @@ def run(
     value: Float[Array, " points"],  # load [N] or depth [m]
     velocity: Float[Array, " points"],  # times a_T [m/s]
 ) -> Sweep:
-    """The friction of every point of a plan; points that miss the tolerance come back with `line.converged` False."""
+    """The friction of every point of a plan; points that miss the tolerance come back
+    with `line.converged` False.
+    """
     if plan.traced and plan.marched:
-        return _traced(plan, law, lines, value, velocity)  # looks at its errors where it can, under `jax.grad` for one
+        # looks at its errors where it can, under `jax.grad` for one
+        return _traced(plan, law, lines, value, velocity)
     if plan.traced:
         values = known(fixed((law, lines, value, velocity)))
-        search = None if is_traced(values) or not isinstance(lines, SingleLine) else _search_of_values(plan, *values)
+        search = (
+            None
+            if is_traced(values) or not isinstance(lines, SingleLine)
+            else _search_of_values(plan, *values)
+        )
         return _traced_at_once(plan, law, lines, value, velocity, search)
     whole, law = law, condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
@@ -66,18 +92,34 @@ def run(
         own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
         sunk = _sunk(lines, own)
         lossy = 0.0 if plan.elastic else 1.0
-        mu, error, good, model_error = lossy * own.mu, lossy * own.error, own.converged, 0.0 * own.mu
+        mu, error, good, model_error = (
+            lossy * own.mu,
+            lossy * own.error,
+            own.converged,
+            0.0 * own.mu,
+        )
     else:
-        deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
-        load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
+        deep = (
+            _solve(plan, law, lines, "depth", value, velocity, rtol)
+            if plan.control == "depth"
+            else None
+        )
+        load = (
+            value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
+        )
         averaged, solved = _shared if plan.shared else _direct, []
-        mu, skew, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0, solved)
-        room = max(rtol - plan.condensation.cost - _ROUNDING, 0.5 * rtol)  # both are added below
+        mu, skew, error, sampling, good, own, sunk = averaged(
+            plan, law, lines, load, velocity, rtol, 0, solved
+        )
+        # both are added below
+        room = max(rtol - plan.condensation.cost - _ROUNDING, 0.5 * rtol)
         for level in range(1, _LEVELS + 1):
             left = good & ~(error <= room * mu) & (sampling <= rtol * mu)
             if not left.any():
                 break
-            again = averaged(plan, law, lines, load[left], velocity[left], rtol, level, solved)
+            again = averaged(
+                plan, law, lines, load[left], velocity[left], rtol, level, solved
+            )
             mu[left], skew[:, left], error[left], sampling[left], good[left] = again[:5]
             _put(own, left, again[5])
             sunk |= again[6]
@@ -98,9 +140,11 @@ def _sunk(lines: AbstractLines, passages: Passages) -> bool:
 def _against_half_space(
     plan: Plan, law: Relaxation, mu: Array, skew: Array, error: Array, own: Passages
 ) -> tuple[Array, Array, Array]:
-    """Friction, its numerical error and the model's: the average as it is, or corrected for an asymmetric contact.
+    """Friction, its numerical error and the model's: the average as it is, or corrected
+    for an asymmetric contact.
 
-    `skew` has the averages of `_skew`."""
+    `skew` has the averages of `_skew`.
+    """
     mean, exponent = skew / xp.where(mu > 0, mu, 1.0)
     exponent = xp.maximum(own.exponent, exponent)
     found = asymmetry(mu, own.mu, own.leading, own.trailing, exponent, mean)
@@ -113,15 +157,23 @@ def _against_half_space(
 
 
 def _shared(plan, law, lines, load, velocity, rtol, level, known):
-    """Velocities at the same load share one line curve, and where they are more than its nodes, its passages too."""
+    """Velocities at the same load share one line curve, and where they are more than
+    its nodes, its passages too.
+    """
     loads, curve = np.unique(load, return_inverse=True)
     chosen = [np.flatnonzero(curve == i) for i in range(loads.size)]
     grids = [shared_curve(velocity[points], rtol, level) for points in chosen]
     sizes = [grid.velocity.size for grid in grids]
-    few = [points for points, size in zip(chosen, sizes, strict=True) if points.size <= size]
+    few = [
+        points
+        for points, size in zip(chosen, sizes, strict=True)
+        if points.size <= size
+    ]
     alone = np.concatenate(few) if few else np.zeros(0, int)
     every_load = np.concatenate([np.repeat(loads, sizes), load[alone]])
-    every_velocity = np.concatenate([grid.velocity for grid in grids] + [velocity[alone]])
+    every_velocity = np.concatenate(
+        [grid.velocity for grid in grids] + [velocity[alone]]
+    )
     every = _solve_new(plan, law, lines, every_load, every_velocity, rtol, known)
     own = Passages(*(np.zeros(load.shape, field.dtype) for field in every))
     _put(own, alone, Passages(*(field[sum(sizes) :] for field in every)))
@@ -133,19 +185,30 @@ def _shared(plan, law, lines, load, velocity, rtol, level, known):
         line = Passages(*(field[start : start + size] for field in every))
         start += size
         safety = _BENT if plan.bends else 1
-        mu[points], error[points], sampling[points], good[points] = _averaged(grid, line, rtol, tail, safety)
-        skew[:, points] = [at_points(average(field, grid.kernel), grid.near, grid.local) for field in _skew(line)]
+        mu[points], error[points], sampling[points], good[points] = _averaged(
+            grid, line, rtol, tail, safety
+        )
+        skew[:, points] = [
+            at_points(average(field, grid.kernel), grid.near, grid.local)
+            for field in _skew(line)
+        ]
         if points.size > size:
             read, precise = _read_off(grid, line, rtol)
             _put(own, points, read._replace(converged=good[points]))
             left[points] = good[points] & ~precise
     if left.any():
-        _put(own, left, _solve(plan, law, lines, "load", load[left], velocity[left], rtol))
+        _put(
+            own,
+            left,
+            _solve(plan, law, lines, "load", load[left], velocity[left], rtol),
+        )
     return mu, skew, error, sampling, good & own.converged, own, _sunk(lines, every)
 
 
 def _skew(line: Passages) -> tuple[Array, Array]:
-    """Friction of each passage times how much farther it reaches ahead of the apex than behind, and times its power."""
+    """Friction of each passage times how much farther it reaches ahead of the apex than
+    behind, and times its power.
+    """
     width = line.leading + line.trailing
     ahead = (line.leading - line.trailing) / xp.where(width > 0, width, 1.0)
     return line.mu * ahead, line.mu * line.exponent
@@ -159,17 +222,24 @@ def _put(whole: Passages, points: np.ndarray, part: Passages) -> None:
 def _averaged(
     grid: SharedCurve, line: Passages, rtol: float, tail: float, safety: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """The direction average of a line curve at the points, its error, how much of it is that of the line's solutions,
-    and whether what it uses has converged."""
+    """The direction average of a line curve at the points, its error, how much of it is
+    that of the line's solutions, and whether what it uses has converged.
+    """
     weight, kernel = np.abs(grid.local), np.abs(grid.kernel)
     means = average(line.mu, grid.kernel)
     power = 2 if safety == 1 else 1
-    checked = quadrature_error(means, average(line.mu, grid.half), average(line.mu, grid.quarter), tail, power)
+    checked = quadrature_error(
+        means, average(line.mu, grid.half), average(line.mu, grid.quarter), tail, power
+    )
     mu = at_points(means, grid.near, grid.local)
     lower = at_points(average(line.mu, grid.lower), grid.near, grid.coarse)
     sampling = at_points(average(line.error, kernel), grid.near, weight)
-    reached = ~(at_points(average((~line.converged).astype(float), kernel), grid.near, weight) > 0)
-    trusted = reached & (sampling <= rtol * mu)  # points that failed say nothing of the others' interpolation
+    reached = ~(
+        at_points(average((~line.converged).astype(float), kernel), grid.near, weight)
+        > 0
+    )
+    # points that failed say nothing of the others' interpolation
+    trusted = reached & (sampling <= rtol * mu)
     # An error that is small by chance at one velocity is not at all of its neighbours.
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = np.nan_to_num(checked / means)[grid.near].max(axis=1)
@@ -177,10 +247,15 @@ def _averaged(
     return mu, safety * (mu * relative + interpolated) + sampling, sampling, reached
 
 
-def _read_off(grid: SharedCurve, line: Passages, rtol: float) -> tuple[Passages, np.ndarray]:
-    """Each point's own passage from a line curve, and where all of it is known to `rtol`."""
+def _read_off(
+    grid: SharedCurve, line: Passages, rtol: float
+) -> tuple[Passages, np.ndarray]:
+    """Each point's own passage from a line curve, and where all of it is known to
+    `rtol`.
+    """
     positive = np.stack(line[:-2], axis=1)[grid.means]
-    logs = np.log(np.where(positive > 0, positive, np.nan))  # an edge at the apex is solved for
+    # an edge at the apex is solved for
+    logs = np.log(np.where(positive > 0, positive, np.nan))
     fine = at_points(logs, grid.near, grid.local)
     error = at_points(np.asarray(line.error)[grid.means], grid.near, np.abs(grid.local))
     precise = 3 * between_orders(logs, grid.near) <= rtol
@@ -188,28 +263,51 @@ def _read_off(grid: SharedCurve, line: Passages, rtol: float) -> tuple[Passages,
 
 
 def _direct(plan, law, lines, load, velocity, rtol, level, known):
-    """Every velocity has its own directions: for few points, or where each has its own load."""
+    """Every velocity has its own directions: for few points, or where each has its own
+    load.
+    """
     rule = directions(rtol, level)
     slowed = velocity[:, None] * rule.cosines
     loads = np.broadcast_to(load[:, None], slowed.shape).ravel()
     every = _solve_new(plan, law, lines, loads, slowed.ravel(), rtol, known)
     every = Passages(*(field.reshape(slowed.shape) for field in every))
-    own = Passages(*(field[:, 0].copy() for field in every))  # the first direction is the motion itself
+    # the first direction is the motion itself
+    own = Passages(*(field[:, 0].copy() for field in every))
     mu = every.mu @ rule.weights
     sampling = every.error @ rule.weights
     unseen = rule.tail + _UNSEEN * rtol
-    error = quadrature_error(mu, every.mu @ rule.half, every.mu @ rule.quarter, unseen) + sampling
+    error = (
+        quadrature_error(mu, every.mu @ rule.half, every.mu @ rule.quarter, unseen)
+        + sampling
+    )
     skew = np.stack([field @ rule.weights for field in _skew(every)])
-    return mu, skew, error, sampling, every.converged.all(axis=1), own, _sunk(lines, every)
+    return (
+        mu,
+        skew,
+        error,
+        sampling,
+        every.converged.all(axis=1),
+        own,
+        _sunk(lines, every),
+    )
 
 
 def _solve_new(
-    plan: Plan, law: Relaxation, lines: AbstractLines, load: Array, velocity: Array, rtol: float,
+    plan: Plan,
+    law: Relaxation,
+    lines: AbstractLines,
+    load: Array,
+    velocity: Array,
+    rtol: float,
     known: list[tuple[Array, Array, Passages]],
-) -> Passages:  # fmt: skip
-    """Passages at given loads, but for those `known` from longer steps of the average, to which it adds the others."""
+) -> Passages:
+    """Passages at given loads, but for those `known` from longer steps of the average,
+    to which it adds the others.
+    """
     if not known:
-        known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol)))
+        known.append(
+            (load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol))
+        )
         return known[0][2]
     asked = load + 1j * velocity  # pairs as one number each
     loads, velocities, every = _joined(known)
@@ -218,7 +316,13 @@ def _solve_new(
     if new.any():
         load, velocity = load[new], velocity[new]
         start = _between(loads, velocities, every, load, velocity)
-        known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol, start)))
+        known.append(
+            (
+                load,
+                velocity,
+                _solve(plan, law, lines, "load", load, velocity, rtol, start),
+            )
+        )
         loads, velocities, every = _joined(known)
         rows = _place(asked, loads + 1j * velocities)
     return Passages(*(field[rows] for field in every))
@@ -227,19 +331,31 @@ def _solve_new(
 def _place(asked: Any, there: Any) -> np.ndarray:
     """Where each number asked for is among others, if it is there; any index if not."""
     order = np.argsort(there)
-    return order[np.minimum(np.searchsorted(there, asked, sorter=order), order.size - 1)]
+    return order[
+        np.minimum(np.searchsorted(there, asked, sorter=order), order.size - 1)
+    ]
 
 
-def _joined(known: list[tuple[Array, Array, Passages]]) -> tuple[Array, Array, Passages]:
+def _joined(
+    known: list[tuple[Array, Array, Passages]],
+) -> tuple[Array, Array, Passages]:
     loads, velocities, parts = zip(*known, strict=True)
     every = Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
     return np.concatenate(loads), np.concatenate(velocities), every
 
 
-def _between(loads: Array, velocities: Array, known: Passages, load: Array, velocity: Array) -> Passages:
-    """Passages to begin a search with: both edges from passages at the same loads and velocities nearby."""
+def _between(
+    loads: Array, velocities: Array, known: Passages, load: Array, velocity: Array
+) -> Passages:
+    """Passages to begin a search with: both edges from passages at the same loads and
+    velocities nearby.
+    """
     ratio = np.clip(known.trailing / known.leading, 1e-15, 1 - 4e-16)
-    leading, trailing, good = np.empty_like(load), np.empty_like(load), np.zeros(load.shape, bool)
+    leading, trailing, good = (
+        np.empty_like(load),
+        np.empty_like(load),
+        np.zeros(load.shape, bool),
+    )
     for each in np.unique(load):
         there, here = np.flatnonzero((loads == each) & known.converged), load == each
         if there.size:
@@ -253,30 +369,50 @@ def _between(loads: Array, velocities: Array, known: Passages, load: Array, velo
 
 
 def _solve(
-    plan: Plan, law: Relaxation, lines: AbstractLines, control: Control, value: Array, velocity: Array,
-    rtol: float, start: Passages | None = None,
-) -> Passages:  # fmt: skip
-    """Passages as NumPy arrays, with the rules of the plan tried in turn where the error asks for it."""
+    plan: Plan,
+    law: Relaxation,
+    lines: AbstractLines,
+    control: Control,
+    value: Array,
+    velocity: Array,
+    rtol: float,
+    start: Passages | None = None,
+) -> Passages:
+    """Passages as NumPy arrays, with the rules of the plan tried in turn where the
+    error asks for it.
+    """
     wanted = 0.1 * rtol
     value, velocity = np.asarray(value), np.asarray(velocity)
     if plan.marched:
-        from .march import march_passages  # loads diffrax, which the other routes do without
+        # loads diffrax, which the other routes do without
+        from .march import march_passages
 
-        return march_passages(filled(law), lines, control, value, velocity, max(wanted, 1e-9))
+        return march_passages(
+            filled(law), lines, control, value, velocity, max(wanted, 1e-9)
+        )
     part = _in_batches(law, lines, plan.rules[0], control, value, velocity, start)
     for finer in plan.rules[1:]:
         left = part.converged & ~(part.error <= wanted * part.mu)
         if not np.any(left):
             break
         start = Passages(*(field[left] for field in part))
-        _put(part, np.asarray(left), _in_batches(law, lines, finer, control, value[left], velocity[left], start))
+        _put(
+            part,
+            np.asarray(left),
+            _in_batches(law, lines, finer, control, value[left], velocity[left], start),
+        )
     return part
 
 
 def _in_batches(
-    law: Relaxation, lines: AbstractLines, rule: Rule, control: Control, value: Array, velocity: Array,
+    law: Relaxation,
+    lines: AbstractLines,
+    rule: Rule,
+    control: Control,
+    value: Array,
+    velocity: Array,
     start: Passages | None = None,
-) -> Passages:  # fmt: skip
+) -> Passages:
     """`solve_passages` for as many points at once as the memory is meant to hold."""
     panels = (len(rule.fractions) - 1) * (rule.strips if lines.count > 1 else 1)
     panels *= lines.shape.r.size if isinstance(lines.shape, Profile) else 1
@@ -286,7 +422,11 @@ def _in_batches(
     parts = []
     for some in np.array_split(np.arange(velocity.size), -(-velocity.size // most)):
         begun = None if start is None else Passages(*(field[some] for field in start))
-        parts.append(solve_passages(law, lines, rule, control, value[some], velocity[some], begun))
+        parts.append(
+            solve_passages(
+                law, lines, rule, control, value[some], velocity[some], begun
+            )
+        )
     return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
@@ -294,7 +434,8 @@ def _in_batches(
 def _search_of_values(
     plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
 ) -> tuple[Found, ...]:
-    """What `_traced` has to search for, in its order, where values are known: under `jax.grad`, not `jit` and `vmap`.
+    """What `_traced` has to search for, in its order, where values are known: under
+    `jax.grad`, not `jit` and `vmap`.
 
     A search takes far longer to compile than to run.
     """
@@ -305,39 +446,69 @@ def _search_of_values(
         return tuple(own)
     if own:
         value = solve_passages(law, lines, rule, "depth", value, velocity).normal_force
-    slowed = velocity[:, None] * directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends)).cosines
+    slowed = (
+        velocity[:, None]
+        * directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends)).cosines
+    )
     loads = np.broadcast_to(value[:, None], slowed.shape).ravel()
     return (*own, found_of_numbers(law, lines, rule, "load", loads, slowed.ravel()))
 
 
 def _traced(
-    plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array,
+    plan: Plan,
+    law: Relaxation,
+    lines: AbstractLines,
+    value: Array,
+    velocity: Array,
     search: tuple[Found, ...] | None = None,
-) -> Sweep:  # fmt: skip
-    """The same under a JAX transformation: no sharing, no batches, one rule; convergence is judged by the estimate."""
+) -> Sweep:
+    """The same under a JAX transformation: no sharing, no batches, one rule;
+    convergence is judged by the estimate.
+    """
     rule, left = plan.rules[0], iter(search or ())
 
     def solve(control, value, velocity):
         if plan.marched:
             from .march import march_passages
 
-            return march_passages(law, lines, control, value, velocity, max(0.1 * plan.rtol, 1e-9))
-        return solve_passages(law, lines, rule, control, value, velocity, found=next(left, None))
+            return march_passages(
+                law, lines, control, value, velocity, max(0.1 * plan.rtol, 1e-9)
+            )
+        return solve_passages(
+            law, lines, rule, control, value, velocity, found=next(left, None)
+        )
 
     if not plan.averaged:
         own = solve(plan.control, value, velocity)
         lossy = 0.0 if plan.elastic else 1.0
-        mu, error, good, model_error = lossy * own.mu, lossy * own.error, own.converged, 0.0 * own.mu
+        mu, error, good, model_error = (
+            lossy * own.mu,
+            lossy * own.error,
+            own.converged,
+            0.0 * own.mu,
+        )
     else:
         around = directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends))
-        load = value if plan.control == "load" else solve("depth", value, velocity).normal_force
+        load = (
+            value
+            if plan.control == "load"
+            else solve("depth", value, velocity).normal_force
+        )
         slowed = velocity[:, None] * around.cosines
-        every = solve("load", xp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel())
+        every = solve(
+            "load", xp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel()
+        )
         every = Passages(*(field.reshape(slowed.shape) for field in every))
-        own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
-        mu, skew = every.mu @ around.weights, xp.stack([field @ around.weights for field in _skew(every)])
+        # the first direction is the motion itself
+        own = Passages(*(field[:, 0] for field in every))
+        mu, skew = (
+            every.mu @ around.weights,
+            xp.stack([field @ around.weights for field in _skew(every)]),
+        )
         unseen = around.tail + _UNSEEN * TRACED * plan.rtol
-        quadrature = quadrature_error(mu, every.mu @ around.half, every.mu @ around.quarter, unseen)
+        quadrature = quadrature_error(
+            mu, every.mu @ around.half, every.mu @ around.quarter, unseen
+        )
         error = quadrature + every.error @ around.weights
         good = every.converged.all(axis=1)
         mu, error, model_error = _against_half_space(plan, law, mu, skew, error, own)

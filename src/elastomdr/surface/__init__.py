@@ -1,1 +1,3 @@
-"""What rubber meets: indenters, profiles, rough lines and spectra, and their lines of elements."""
+"""What rubber meets: indenters, profiles, rough lines and spectra, and their lines of
+elements.
+"""

@@ -1,12 +1,15 @@
-"""The direction average, which turns the friction of the MDR line into an estimate for the half-space.
+"""The direction average, which turns the friction of the MDR line into an estimate for
+the half-space.
 
     mu_3D(v) = (2/pi) int_0^{pi/2} cos(phi) mu_line(v cos(phi)) dphi,      at the same normal force.
 
-The line sees the whole slope of the surface, the half-space only its part along the motion; the average replaces the
-loss modulus E''(w) by <cos(phi) E''(w cos(phi))>, and so is exact to first order in the loss for axisymmetric shapes.
-With cos(phi) = sech(t) it becomes (2/pi) int_0^inf sech(t)^2 mu_line(v sech(t)) dt, for which the trapezoidal rule
-converges exponentially: as a function of log v a relaxation spectrum is analytic in a strip of half-width pi/2. Where
-the contact changes much with the velocity, as under a cone at high contrast, the strip is narrower and steps must be.
+The line sees the whole slope of the surface, the half-space only its part along the
+motion; the average replaces the loss modulus E''(w) by <cos(phi) E''(w cos(phi))>, and
+so is exact to first order in the loss for axisymmetric shapes. With cos(phi) = sech(t)
+it becomes (2/pi) int_0^inf sech(t)^2 mu_line(v sech(t)) dt, for which the trapezoidal
+rule converges exponentially: as a function of log v a relaxation spectrum is analytic
+in a strip of half-width pi/2. Where the contact changes much with the velocity, as
+under a cone at high contrast, the strip is narrower and steps must be.
 """
 
 from __future__ import annotations
@@ -25,7 +28,8 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 STENCIL = 14  # points of local Lagrange interpolation in log v
-_POWERS = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 6.0])  # of a profile, and for each, of the excess of the average:
+# of a profile, and for each, of the excess of the average:
+_POWERS = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 6.0])
 _EXCESS = np.array(
     [
         [0.151, 0.159, 0.214, 0.63, 1.07, 2.75],  # c
@@ -35,17 +39,25 @@ _EXCESS = np.array(
         [0.09, 0.08, 0.04, 0.11, 0.17, 0.25],  # of the asymmetry, in the bound
     ]
 )
-_STEEPEST = 6.05  # power of a profile up to which the validity maps say how far the average is off
-_MAPPED = 2.05, 1001.0  # power above which, and glassy over relaxed modulus beyond which, there is no bound
-BARE_LINE = 0.52  # of mu: how far below the line of the textbook the half-space lay at most on the validity map
+# power of a profile up to which the validity maps say how far the average is off
+_STEEPEST = 6.05
+# power above which, and glassy over relaxed modulus beyond which, there is no bound
+_MAPPED = 2.05, 1001.0
+# of mu: how far below the line of the textbook the half-space lay at most on the
+# validity map
+BARE_LINE = 0.52
 
 
 @numpy_unless_traced
 def within_maps(law: Relaxation, exponent: Array) -> Array:
-    """1 where a contact with that power of the profile is one of the validity maps, NaN where it is not: flatter than a
-    ball, and a glassy modulus of more than 1000 times the relaxed one, a dashpot or no relaxed modulus at all."""
+    """1 where a contact with that power of the profile is one of the validity maps, NaN
+    where it is not: flatter than a ball, and a glassy modulus of more than 1000 times
+    the relaxed one, a dashpot or no relaxed modulus at all.
+    """
     glassy = law.equilibrium + xp.sum(xp.asarray(law.moduli))
-    moderate = (glassy <= _MAPPED[1] * law.equilibrium) & (xp.asarray(law.viscosity) == 0)
+    moderate = (glassy <= _MAPPED[1] * law.equilibrium) & (
+        xp.asarray(law.viscosity) == 0
+    )
     return xp.where((exponent <= _MAPPED[0]) | moderate, 1.0, xp.nan)
 
 
@@ -54,17 +66,20 @@ class Directions(NamedTuple):
 
     cosines: Float[np.ndarray, " directions"]
     weights: Float[np.ndarray, " directions"]
-    half: Float[np.ndarray, " directions"]  # weights of the rule with every second direction, for the error
+    # weights of the rule with every second direction, for the error
+    half: Float[np.ndarray, " directions"]
     quarter: Float[np.ndarray, " directions"]  # the same with every fourth
     tail: float  # bound on the part of mu left out
 
 
 @functools.lru_cache(64)
 def directions(rtol: float, level: int = 0) -> Directions:
-    """Trapezoidal rule in t; the number of steps is a multiple of four, so that every second node is a rule too.
+    """Trapezoidal rule in t; the number of steps is a multiple of four, so that every
+    second node is a rule too.
 
-    The error of step h falls as exp(-pi^2/h), or slower: `level` halves the step as often. The part left out above
-    t_max is at most (4/pi) exp(-t_max) of the whole, since v mu(v) does not fall with v.
+    The error of step h falls as exp(-pi^2/h), or slower: `level` halves the step as
+    often. The part left out above t_max is at most (4/pi) exp(-t_max) of the whole,
+    since v mu(v) does not fall with v.
     """
     step = math.pi**2 / math.log(1e4 / rtol) / 2**level
     count = 4 * math.ceil(math.log(20 / rtol) / step / 4)
@@ -78,19 +93,24 @@ def directions(rtol: float, level: int = 0) -> Directions:
 
 
 class SharedGrid(NamedTuple):
-    """Velocities, evenly spaced in their logarithm, whose line solutions serve every velocity of a curve."""
+    """Velocities, evenly spaced in their logarithm, whose line solutions serve every
+    velocity of a curve.
+    """
 
     velocity: Float[np.ndarray, " nodes"]
     weights: Float[np.ndarray, "points nodes"]  # mu_3D = weights @ mu_line
     half: Float[np.ndarray, "points nodes"]  # the same with every second direction
     quarter: Float[np.ndarray, "points nodes"]  # and with every fourth
-    lower: Float[np.ndarray, "points nodes"]  # the same with interpolation of lower order
+    # the same with interpolation of lower order
+    lower: Float[np.ndarray, "points nodes"]
 
 
 def shared_grid(velocity: Float[np.ndarray, " points"], rtol: float) -> SharedGrid:
-    """One line curve for a whole friction curve: the average and the interpolation in log v as one matrix.
+    """One line curve for a whole friction curve: the average and the interpolation in
+    log v as one matrix.
 
-    It asks for the fewest line solutions; `shared_curve` is cheaper per point and asks for some more.
+    It asks for the fewest line solutions; `shared_curve` is cheaper per point and asks
+    for some more.
     """
     rule = directions(rtol)
     step = spacing(rtol)
@@ -98,62 +118,95 @@ def shared_grid(velocity: Float[np.ndarray, " points"], rtol: float) -> SharedGr
     margin = STENCIL // 2
     first = math.floor(place.min()) - margin + 1
     nodes = np.arange(first, math.floor(place.max()) + margin + 1)
-    fine, coarse = lagrange(place - first, STENCIL), lagrange(place - first, STENCIL - 2)
+    fine, coarse = (
+        lagrange(place - first, STENCIL),
+        lagrange(place - first, STENCIL - 2),
+    )
 
-    def matrix(stencil: tuple[np.ndarray, np.ndarray], weights: np.ndarray) -> np.ndarray:
+    def matrix(
+        stencil: tuple[np.ndarray, np.ndarray], weights: np.ndarray
+    ) -> np.ndarray:
         index, local = stencil
         rows = np.arange(velocity.size)[:, None, None] * nodes.size
         entries = (local * weights[:, None]).reshape(-1)
-        flat = np.bincount((rows + index).reshape(-1), entries, velocity.size * nodes.size)
+        flat = np.bincount(
+            (rows + index).reshape(-1), entries, velocity.size * nodes.size
+        )
         return flat.reshape(velocity.size, nodes.size)
 
     return SharedGrid(
-        np.exp(step * nodes), matrix(fine, rule.weights), matrix(fine, rule.half), matrix(fine, rule.quarter),
+        np.exp(step * nodes),
+        matrix(fine, rule.weights),
+        matrix(fine, rule.half),
+        matrix(fine, rule.quarter),
         matrix(coarse, rule.weights),
-    )  # fmt: skip
+    )
 
 
 @numpy_unless_traced
-def quadrature_error(mu: Array, half: Array, quarter: Array, tail: float, power: int = 2) -> Array:
+def quadrature_error(
+    mu: Array, half: Array, quarter: Array, tail: float, power: int = 2
+) -> Array:
     """Error of the average, from the rules with twice and four times the step.
 
-    The rule converges exponentially: the error of step h is C q^4, with 2 h it is C q^2, with 4 h C q. The last change
-    is C q^2, its ratio to the one before q. A `power` of 1 allows for a strip that is narrower than it seemed so far.
+    The rule converges exponentially: the error of step h is C q^4, with 2 h it is C
+    q^2, with 4 h C q. The last change is C q^2, its ratio to the one before q. A
+    `power` of 1 allows for a strip that is narrower than it seemed so far.
     """
     scale = xp.where(mu > 0, mu, 1.0)
-    last, before = (xp.minimum(xp.abs(x - y) / scale, 1.0) for x, y in ((half, mu), (quarter, half)))
-    return mu * (last * xp.minimum(last / xp.maximum(before, 1e-300), 1.0) ** power + tail)
+    last, before = (
+        xp.minimum(xp.abs(x - y) / scale, 1.0) for x, y in ((half, mu), (quarter, half))
+    )
+    return mu * (
+        last * xp.minimum(last / xp.maximum(before, 1e-300), 1.0) ** power + tail
+    )
 
 
 def interpolation_error(mu: Array, lower: Array) -> Array:
-    """Error of the interpolation in log v, the same relative bound for a whole curve: a single point's difference
-    between two orders may pass through zero, and the largest is within a factor of 3 of the largest error."""
+    """Error of the interpolation in log v, the same relative bound for a whole curve: a
+    single point's difference between two orders may pass through zero, and the largest
+    is within a factor of 3 of the largest error.
+    """
     positive = np.where(mu > 0, mu, 1.0)
     return mu * 3 * np.nanmax(np.abs(lower - mu) / positive, initial=0.0)
 
 
 class Asymmetry(NamedTuple):
-    """What the average overstates since the contact in motion is no disc, and how well that is known."""
+    """What the average overstates since the contact in motion is no disc, and how well
+    that is known.
+    """
 
     excess: Float[Array, " points"]  # ln(average/half-space), estimated
-    bound: Float[Array, " points"]  # relative error of the average that is left to the model
-    corrected: Float[Array, " points"]  # the same for the average divided by exp(excess)
-    sensitivity: Float[Array, " points"]  # relative change of exp(excess) by that of a friction coefficient, at most
+    # relative error of the average that is left to the model
+    bound: Float[Array, " points"]
+    # the same for the average divided by exp(excess)
+    corrected: Float[Array, " points"]
+    # relative change of exp(excess) by that of a friction coefficient, at most
+    sensitivity: Float[Array, " points"]
 
 
 @numpy_unless_traced
 def asymmetry(
-    average: Array, line: Array, leading: Array, trailing: Array, exponent: Array, mean: Array | None = None
+    average: Array,
+    line: Array,
+    leading: Array,
+    trailing: Array,
+    exponent: Array,
+    mean: Array | None = None,
 ) -> Asymmetry:
-    """Excess of the direction average over the half-space, from the asymmetry of the line's contact.
+    """Excess of the direction average over the half-space, from the asymmetry of the
+    line's contact.
 
-        ln(mu_average/mu_3D) = c_n s^p_n (2 mu_average/mu_line - 1)^q_n + d_n (m - s),    s = (a - b)/(a + b)
+        ln(mu_average/mu_3D) = c_n s^p_n (2 mu_average/mu_line - 1)^q_n + d_n (m - s),
+        s = (a - b)/(a + b)
 
-    with the edges a and b of the line in the direction of motion, the power n = a g'(a)/g(a) of its profile there (the
-    mean of both edges, or of all directions where that is larger), and the `mean` m of s over all directions, weighted
-    by their share of the average (without it the last term is left out). s and m are of first order in the loss, so
-    that the average stays exact to first order; both terms tend to 0 at low and at high velocity. An empirical rule,
-    fitted to three-dimensional solutions with n from 1 to 6 and contrasts up to 1000 (docs/accuracy.md), as are the two
+    with the edges a and b of the line in the direction of motion, the power n = a
+    g'(a)/g(a) of its profile there (the mean of both edges, or of all directions where
+    that is larger), and the `mean` m of s over all directions, weighted by their share
+    of the average (without it the last term is left out). s and m are of first order in
+    the loss, so that the average stays exact to first order; both terms tend to 0 at
+    low and at high velocity. An empirical rule, fitted to three-dimensional solutions
+    with n from 1 to 6 and contrasts up to 1000 (docs/accuracy.md), as are the two
     bounds, which are NaN for steeper profiles.
     """
     s = xp.maximum((leading - trailing) / (leading + trailing), 1e-12)
@@ -165,18 +218,27 @@ def asymmetry(
     excess = xp.where(line > 0, excess, 0.0)
     known = xp.where(exponent <= _STEEPEST, 1.0, xp.nan)
     left = known * (0.25 * xp.abs(excess) + per_s * (s + xp.maximum(apart, 0.0)))
-    return Asymmetry(excess, left + xp.abs(excess), left, 4 * factor + 2 * xp.abs(d) * (s + apart))
+    return Asymmetry(
+        excess, left + xp.abs(excess), left, 4 * factor + 2 * xp.abs(d) * (s + apart)
+    )
 
 
 @numpy_unless_traced
 def layer_asymmetry(
-    average: Array, line: Array, leading: Array, trailing: Array, exponent: Array, width: Array
+    average: Array,
+    line: Array,
+    leading: Array,
+    trailing: Array,
+    exponent: Array,
+    width: Array,
 ) -> Asymmetry:
-    """`asymmetry` for the line with the kernel of a layer; `width` w is that of the contact over the thickness.
+    """`asymmetry` for the line with the kernel of a layer; `width` w is that of the
+    contact over the thickness.
 
-    The excess is that of the half-space times 1 + (0.8 + 0.6 n) w^2/(w^2 + 0.64), n the power of the profile: an
-    empirical rule, fitted to balls and cones at contrasts up to 100 and 2a/h up to 6 (`benchmarks/layer_map.py`), as
-    are the bounds, which are NaN for wider contacts and steeper profiles.
+    The excess is that of the half-space times 1 + (0.8 + 0.6 n) w^2/(w^2 + 0.64), n the
+    power of the profile: an empirical rule, fitted to balls and cones at contrasts up
+    to 100 and 2a/h up to 6 (`benchmarks/layer_map.py`), as are the bounds, which are
+    NaN for wider contacts and steeper profiles.
     """
     found = asymmetry(average, line, leading, trailing, exponent)
     n = xp.clip(exponent, 1.0, 2.0)
@@ -189,21 +251,29 @@ def layer_asymmetry(
 
 
 def spacing(rtol: float) -> float:
-    """Of the grid in log v, for a relative error of interpolation of about `rtol`; it is judged afterwards."""
+    """Of the grid in log v, for a relative error of interpolation of about `rtol`; it
+    is judged afterwards.
+    """
     return 0.4 * (rtol / 1e-2) ** (1 / STENCIL)
 
 
 def lagrange(place: np.ndarray, stencil: int) -> tuple[np.ndarray, np.ndarray]:
-    """Indices and weights of the `stencil` nodes around each place on a grid of unit spacing: (..., stencil)."""
+    """Indices and weights of the `stencil` nodes around each place on a grid of unit
+    spacing: (..., stencil).
+    """
     left = np.floor(place).astype(int) - (stencil // 2 - 1)
     offsets = np.arange(stencil)
     gaps = (place - left)[..., None] - offsets
     gaps = np.where(gaps == 0, 1e-300, gaps)
     barycentric = _barycentric(stencil) / gaps
-    return left[..., None] + offsets, barycentric / barycentric.sum(axis=-1, keepdims=True)
+    return left[..., None] + offsets, barycentric / barycentric.sum(
+        axis=-1, keepdims=True
+    )
 
 
 @functools.cache
 def _barycentric(stencil: int) -> np.ndarray:
-    factorial = [math.factorial(j) * math.factorial(stencil - 1 - j) for j in range(stencil)]
+    factorial = [
+        math.factorial(j) * math.factorial(stencil - 1 - j) for j in range(stencil)
+    ]
     return (-1.0) ** np.arange(stencil) / np.array(factorial)

@@ -1,8 +1,11 @@
-"""The elements under a body that is pressed straight down: their rigid profile, and their weight in the total force.
+"""The elements under a body that is pressed straight down: their rigid profile, and
+their weight in the total force.
 
-On a half-space they are those of the MDR line, which carry 2 q dx on both sides of the axis (Popov & Hess 2015, ch. 3);
-on a thin layer the rings 2 pi r dr of an axisymmetric body, or the strips 2 L dx of a cylinder. In each case an element
-at x has the rigid surface w = d - g(x) over it, and for a contact that has only grown everything follows from
+On a half-space they are those of the MDR line, which carry 2 q dx on both sides of the
+axis (Popov & Hess 2015, ch. 3); on a thin layer the rings 2 pi r dr of an axisymmetric
+body, or the strips 2 L dx of a cylinder. In each case an element at x has the rigid
+surface w = d - g(x) over it, and for a contact that has only grown everything follows
+from
 
     A(a) = int_0^a weight (g(a) - g(x)) dx,    dA/dd = W(a) = int_0^a weight dx,    V(a) = int A dd.
 """
@@ -18,19 +21,37 @@ from ..arrays import fixed, while_loop, xp
 from ..checks import Array
 from ..trees import Tree, static
 from .profile import Profile
-from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
+from .shapes import (
+    AbstractShape,
+    Cone,
+    Cylinder,
+    FlatPunch,
+    Paraboloid,
+    PowerLaw,
+    Sphere,
+)
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
-# Panels that narrow towards both ends: a sphere's profile is singular at its equator, a power law's at its axis.
-_GRADED = np.concatenate([[0.0], 0.5 * 0.15 ** np.arange(5.0, 0.0, -1), 1 - 0.5 * 0.15 ** np.arange(0.0, 9.0), [1.0]])
+# Panels that narrow towards both ends: a sphere's profile is singular at its equator, a
+# power law's at its axis.
+_GRADED = np.concatenate(
+    [
+        [0.0],
+        0.5 * 0.15 ** np.arange(5.0, 0.0, -1),
+        1 - 0.5 * 0.15 ** np.arange(0.0, 9.0),
+        [1.0],
+    ]
+)
 _ITERATIONS = 60
 
 
 class Disc(Tree):
-    """A contact that is a disc (or a strip) of radius a, under a body that moves normally."""
+    """A contact that is a disc (or a strip) of radius a, under a body that moves
+    normally.
+    """
 
     shape: AbstractShape
     kind: Literal["half-space", "layer", "cylinder"] = static()
@@ -49,7 +70,9 @@ class Disc(Tree):
         """What an element's force density counts in the total: 2, 2 pi x or 2 L."""
         if self.kind == "layer":
             return 2 * math.pi * x
-        return xp.full_like(x, 2.0) * (self.shape.length if isinstance(self.shape, Cylinder) else 1.0)
+        return xp.full_like(x, 2.0) * (
+            self.shape.length if isinstance(self.shape, Cylinder) else 1.0
+        )
 
     def width(self, a: Array) -> Array:
         """W(a) = dA/dd: 2a, pi a^2 or 2 L a."""
@@ -63,9 +86,14 @@ class Disc(Tree):
             return self.weight(a) * c * a * _power(a, n) * n / ((p + 1) * (n + p + 1))
         if isinstance(self.shape, Sphere):
             layer = self.kind == "layer"
-            return self.shape.radius ** (3 if layer else 2) * _sphere_area(a / self.shape.radius, layer)
+            return self.shape.radius ** (3 if layer else 2) * _sphere_area(
+                a / self.shape.radius, layer
+            )
         x, dx = self._quadrature(a)
-        return xp.sum(dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)), axis=-1)
+        return xp.sum(
+            dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)),
+            axis=-1,
+        )
 
     def energy(self, a: Array) -> Array:
         """V(a), so that an elastic contact stores E V."""
@@ -75,11 +103,16 @@ class Disc(Tree):
             share = 1 / (p + 1) - 2 / (n + p + 1) + 1 / (2 * n + p + 1)
             return 0.5 * self.weight(a) * a * (c * _power(a, n)) ** 2 * share
         x, dx = self._quadrature(a)
-        return 0.5 * xp.sum(dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)) ** 2, axis=-1)
+        return 0.5 * xp.sum(
+            dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)) ** 2,
+            axis=-1,
+        )
 
     @property
     def largest(self) -> Any:
-        """Radius [m] that the contact cannot exceed; what is beyond a tenth of rounding of it is not looked at."""
+        """Radius [m] that the contact cannot exceed; what is beyond a tenth of rounding
+        of it is not looked at.
+        """
         return xp.asarray(self.shape.largest_contact, dtype=float) * (1 - 1e-12)
 
     @property
@@ -88,7 +121,9 @@ class Disc(Tree):
         return isinstance(self.shape, FlatPunch)
 
     def radius_of_depth(self, depth: Array) -> Array:
-        """a with g(a) = d, zero for d <= 0, NaN beyond the largest contact; any shape, differentiable."""
+        """a with g(a) = d, zero for d <= 0, NaN beyond the largest contact; any shape,
+        differentiable.
+        """
         n, c = self._power()
         if n is not None:
             return _root(depth / c, n)
@@ -97,7 +132,9 @@ class Disc(Tree):
         return _invert(self, "depth", depth, _root(depth * self._tip, 2.0))
 
     def radius_of_area(self, area: Array) -> Array:
-        """a with A(a) = `area`, zero for area <= 0, NaN beyond the largest contact; any shape, differentiable."""
+        """a with A(a) = `area`, zero for area <= 0, NaN beyond the largest contact; any
+        shape, differentiable.
+        """
         n, _ = self._power()
         if self.flat:
             return xp.where(area > 0, self.shape.largest_contact, 0.0)
@@ -105,14 +142,19 @@ class Disc(Tree):
             one = xp.ones(())
             return _root(area / self.area(one), n + (2 if self.kind == "layer" else 1))
         if self.kind == "layer":
-            return _invert(self, "area", area, _root(area * self._tip * 2 / math.pi, 4.0))
+            return _invert(
+                self, "area", area, _root(area * self._tip * 2 / math.pi, 4.0)
+            )
         guess = _root(0.75 * area * self._tip, 3.0)
-        if isinstance(self.shape, Sphere):  # A/R^2 = (4/3) c^3 + (8/15) c^5 + ..., c = a/R
+        # A/R^2 = (4/3) c^3 + (8/15) c^5 + ..., c = a/R
+        if isinstance(self.shape, Sphere):
             guess = guess / (1 + 2 / 15 * (guess / self.shape.radius) ** 2)
         return _invert(self, "area", area, guess)
 
     def depth_of_area(self, area: Array) -> Array:
-        """d at which A is `area`; NaN beyond the largest contact, zero for area <= 0 unless the body is flat."""
+        """d at which A is `area`; NaN beyond the largest contact, zero for area <= 0
+        unless the body is flat.
+        """
         if self.flat:
             return area / self.width(xp.asarray(self.shape.largest_contact))
         radius = self.radius_of_area(area)
@@ -141,17 +183,26 @@ class Disc(Tree):
             case Cone():
                 return 1.0, 0.5 * math.pi * shape.slope if line else shape.slope
             case PowerLaw():
-                return shape.exponent, shape._kappa * shape.coefficient if line else shape.coefficient
+                return (
+                    shape.exponent,
+                    shape._kappa * shape.coefficient if line else shape.coefficient,
+                )
         return None, None
 
     def _quadrature(self, a: Array) -> tuple[Array, Array]:
         """Nodes and weights on [0, a], shape (..., nodes)."""
         a = xp.asarray(a)[..., None]
-        edges = xp.minimum(self.shape.r, a) if isinstance(self.shape, Profile) else xp.asarray(_GRADED) * a
+        edges = (
+            xp.minimum(self.shape.r, a)
+            if isinstance(self.shape, Profile)
+            else xp.asarray(_GRADED) * a
+        )
         return gauss(edges, _NODES, _WEIGHTS)
 
 
-def gauss(edges: Float[Array, "*batch panels+1"], nodes: np.ndarray, weights: np.ndarray) -> tuple[Array, Array]:
+def gauss(
+    edges: Float[Array, "*batch panels+1"], nodes: np.ndarray, weights: np.ndarray
+) -> tuple[Array, Array]:
     """Nodes and weights of Gauss' rule on adjoining panels, shape (..., panels * n)."""
     half = 0.5 * (edges[..., 1:] - edges[..., :-1])[..., None]
     x = edges[..., :-1, None] + half * (1 + xp.asarray(nodes))
@@ -160,10 +211,13 @@ def gauss(edges: Float[Array, "*batch panels+1"], nodes: np.ndarray, weights: np
     return x.reshape(flat), xp.broadcast_to(dx, x.shape).reshape(flat)
 
 
-def _invert(disc: Disc, name: Literal["depth", "area"], value: Array, guess: Array) -> Array:
+def _invert(
+    disc: Disc, name: Literal["depth", "area"], value: Array, guess: Array
+) -> Array:
     """x in (0, largest] where a rising function of it, zero at zero, has the value.
 
-    Newton's method on logarithms, nearly a straight line, in a bracket; one more step carries the derivatives.
+    Newton's method on logarithms, nearly a straight line, in a bracket; one more step
+    carries the derivatives.
     """
     value = xp.asarray(value)
     held, goal = fixed((disc, value))
@@ -191,18 +245,21 @@ def _invert(disc: Disc, name: Literal["depth", "area"], value: Array, guess: Arr
 
     start = xp.minimum(xp.log(xp.where(there, fixed(guess), 1.0)), top - 0.1)
     state = (start, xp.full_like(goal, -300.0), top, ~there, 0)
-    log_x = while_loop(lambda s: ~xp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)[0]
+    log_x = while_loop(lambda s: ~xp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)[
+        0
+    ]
     x = xp.where(there, xp.exp(log_x), xp.exp(start))
     height, rate = level(disc, x)
     step = (value - height) / fixed(rate)
-    # Where the step is not that of a root, the value is more than the largest contact can have.
+    # Where the step is not that of a root, the value is more than the largest contact
+    # can have.
     found = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
     return xp.where(there, found, 0.0)
 
 
 def _sphere_area(c: Array, layer: bool) -> Array:
-    """A/R^2 = (1 + c^2) artanh(c) - c of a sphere, c = a/R; on a layer A/R^3 = (pi/3) (1 - s)^2 (2 + s), the volume of
-    the cap, s = sqrt(1 - c^2).
+    """A/R^2 = (1 + c^2) artanh(c) - c of a sphere, c = a/R; on a layer A/R^3 = (pi/3)
+    (1 - s)^2 (2 + s), the volume of the cap, s = sqrt(1 - c^2).
     """
     if layer:
         s = xp.sqrt(1 - c**2)
@@ -210,7 +267,9 @@ def _sphere_area(c: Array, layer: bool) -> Array:
     small, large = xp.where(c < 0.4, c, 0.4), xp.where(c < 0.4, 0.4, c)
     series = xp.zeros_like(c)
     for n in range(18, 0, -1):
-        series = (series + 1 / (2 * n - 1) + 1 / (2 * n + 1)) * (small**2 if n > 1 else small**3)
+        series = (series + 1 / (2 * n - 1) + 1 / (2 * n + 1)) * (
+            small**2 if n > 1 else small**3
+        )
     return xp.where(c < 0.4, series, (1 + large**2) * xp.arctanh(large) - large)
 
 
@@ -221,5 +280,11 @@ def _root(value: Array, n: float) -> Array:
 
 
 def _power(x: Array, n: float) -> Array:
-    """x^n with finite derivatives at x = 0 for the whole exponents of the common shapes."""
-    return x ** int(n) if n == int(n) else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
+    """x^n with finite derivatives at x = 0 for the whole exponents of the common
+    shapes.
+    """
+    return (
+        x ** int(n)
+        if n == int(n)
+        else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
+    )

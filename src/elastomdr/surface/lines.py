@@ -1,7 +1,9 @@
-"""A contact as parallel lines of independent elements: one for a half-space or a cylinder, strips for a layer.
+"""A contact as parallel lines of independent elements: one for a half-space or a
+cylinder, strips for a layer.
 
-Along each line the rigid body moves in x. The size of the contact is one number A [m], the same for all lines: the
-leading edge of the central line. A line enters contact at a = entry(A).
+Along each line the rigid body moves in x. The size of the contact is one number A [m],
+the same for all lines: the leading edge of the central line. A line enters contact at a
+= entry(A).
 """
 
 from __future__ import annotations
@@ -41,7 +43,9 @@ class AbstractLines(Tree):
 
     @abc.abstractmethod
     def weight(self, size: Float[Array, " points"]) -> Float[Array, "lines points"]:
-        """Factor that turns a line's force into its share of the total: 1, or a width [m]."""
+        """Factor that turns a line's force into its share of the total: 1, or a width
+        [m].
+        """
 
     @abc.abstractmethod
     def profile(self, x: Array, size: Array, line: Array) -> Array:
@@ -52,8 +56,12 @@ class AbstractLines(Tree):
         """dg_j/dx, odd in x."""
 
     @abc.abstractmethod
-    def summation_error(self, parts: Float[Array, "lines points"]) -> Float[Array, " points"]:
-        """Estimated error of the sum of all lines' shares in a force, for a finite number of strips."""
+    def summation_error(
+        self, parts: Float[Array, "lines points"]
+    ) -> Float[Array, " points"]:
+        """Estimated error of the sum of all lines' shares in a force, for a finite
+        number of strips.
+        """
 
     @abc.abstractmethod
     def refined(self, strips: int) -> "AbstractLines":
@@ -66,18 +74,36 @@ class AbstractLines(Tree):
     def exponent(self, size: Float[Array, " points"]) -> Float[Array, " points"]:
         """a g'(a)/g(a) on the central line: 1 for a cone, 2 for a paraboloid."""
         entry, central = self.entry(size)[:1], xp.zeros((1, 1), int)
-        return (entry * self.slope(entry, size, central) / self.profile(entry, size, central))[0]
+        return (
+            entry
+            * self.slope(entry, size, central)
+            / self.profile(entry, size, central)
+        )[0]
 
-    def rise(self, leading: Float[Array, " points"], trailing: Float[Array, " points"]) -> Float[Array, " points"]:
-        """a g'(a)/g(a) on the central line, the mean of both edges; large where an edge lies on a flat."""
-        edges, central = xp.stack([leading, xp.maximum(trailing, _APEX * leading)]), xp.zeros((1, 1), int)
-        height, slope = self.profile(edges, leading, central), self.slope(edges, leading, central)
-        power = xp.where(height > 0, edges * slope / xp.where(height > 0, height, 1.0), _FLAT)
+    def rise(
+        self, leading: Float[Array, " points"], trailing: Float[Array, " points"]
+    ) -> Float[Array, " points"]:
+        """a g'(a)/g(a) on the central line, the mean of both edges; large where an edge
+        lies on a flat.
+        """
+        edges, central = (
+            xp.stack([leading, xp.maximum(trailing, _APEX * leading)]),
+            xp.zeros((1, 1), int),
+        )
+        height, slope = (
+            self.profile(edges, leading, central),
+            self.slope(edges, leading, central),
+        )
+        power = xp.where(
+            height > 0, edges * slope / xp.where(height > 0, height, 1.0), _FLAT
+        )
         return 0.5 * xp.sum(xp.minimum(power, _FLAT), axis=0)
 
 
 class SingleLine(AbstractLines):
-    """The MDR line of a half-space contact, or the one line of a cylinder on a layer (weighted by its length)."""
+    """The MDR line of a half-space contact, or the one line of a cylinder on a layer
+    (weighted by its length).
+    """
 
     shape: AbstractShape
 
@@ -109,10 +135,11 @@ class SingleLine(AbstractLines):
 
 
 class Strips(AbstractLines):
-    """An axisymmetric body on a thin layer: strips along the motion at y = A sin(theta), Gauss points in theta.
+    """An axisymmetric body on a thin layer: strips along the motion at y = A
+    sin(theta), Gauss points in theta.
 
-    Exact for a layer, up to the quadrature across the contact, since the layer's elements are independent in both
-    directions.
+    Exact for a layer, up to the quadrature across the contact, since the layer's
+    elements are independent in both directions.
     """
 
     shape: AbstractShape
@@ -138,11 +165,16 @@ class Strips(AbstractLines):
         return self.shape._steepness(r) * x / r
 
     def summation_error(self, parts: Array) -> Array:
-        # Gauss' rule with n points misses about the 2n-th Legendre coefficient c of the integrand. It is reached from
-        # c_n/2 and c_n by the law that joins them, c_2n = c_n^2/c_n/2 for a power and less for an exponential. Against
-        # 96 strips of spheres, cones and power laws on three rubbers that was up to 3 times too small, hence the 4.
+        # Gauss' rule with n points misses about the 2n-th Legendre coefficient c of the
+        # integrand. It is reached from c_n/2 and c_n by the law that joins them, c_2n =
+        # c_n^2/c_n/2 for a power and less for an exponential. Against 96 strips of
+        # spheres, cones and power laws on three rubbers that was up to 3 times too
+        # small, hence the 4.
         size = xp.abs(xp.asarray(_to_legendre(self.strips)) @ parts)
-        half, last = xp.max(size[self.strips // 2 - 2 : self.strips // 2], axis=0), xp.max(size[-2:], axis=0)
+        half, last = (
+            xp.max(size[self.strips // 2 - 2 : self.strips // 2], axis=0),
+            xp.max(size[-2:], axis=0),
+        )
         return 4 * last * xp.minimum(last / xp.where(half > 0, half, 1.0), 1.0)
 
     def refined(self, strips: int) -> "Strips":
@@ -160,6 +192,10 @@ def _angles(strips: int) -> tuple[np.ndarray, np.ndarray]:
 
 @functools.cache
 def _to_legendre(strips: int) -> np.ndarray:
-    """From the strips' shares of an integral to the Legendre coefficients of its integrand, times the range."""
+    """From the strips' shares of an integral to the Legendre coefficients of its
+    integrand, times the range.
+    """
     nodes, _ = np.polynomial.legendre.leggauss(strips)
-    return np.polynomial.legendre.legvander(nodes, strips - 1).T * (2 * np.arange(strips)[:, None] + 1)
+    return np.polynomial.legendre.legvander(nodes, strips - 1).T * (
+        2 * np.arange(strips)[:, None] + 1
+    )

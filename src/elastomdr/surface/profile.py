@@ -1,4 +1,6 @@
-"""An axisymmetric indenter given as points, and the exact MDR profile of the curve through them."""
+"""An axisymmetric indenter given as points, and the exact MDR profile of the curve
+through them.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike
 
-_TERMS = 18  # of the Chebyshev series of g between two points: its singularities are an interval away
+# of the Chebyshev series of g between two points: its singularities are an interval
+# away
+_TERMS = 18
 _DELTA = 1e-12  # of an interval
 _FALL = 1e-9  # of the largest dg/dx: what counts as rounding in a fall
 _START, _END = _DELTA**0.5, (1 + _DELTA) ** 0.5
@@ -35,25 +39,31 @@ _START, _END = _DELTA**0.5, (1 + _DELTA) ** 0.5
 class Profile(AbstractShape):
     """f(r) through given points, joined by cubics.
 
-    `curve`: "spline" is twice continuously differentiable (not-a-knot outside), with an error of fourth order in the
-    spacing of the points. At a bend, as on a truncated or crowned body, it overshoots; "monotone" does not: f' is
-    continuous and nowhere negative (Fritsch & Butland 1984), of second order at a bend and third elsewhere. "auto"
-    takes the spline unless it falls somewhere.
+    `curve`: "spline" is twice continuously differentiable (not-a-knot outside), with an
+    error of fourth order in the spacing of the points. At a bend, as on a truncated or
+    crowned body, it overshoots; "monotone" does not: f' is continuous and nowhere
+    negative (Fritsch & Butland 1984), of second order at a bend and third elsewhere.
+    "auto" takes the spline unless it falls somewhere.
 
-    The MDR profile of the curve is exact: Abel's integral has a closed form on f'(r) = A_0 + A_1 r + A_2 r^2 +
-    sum_i [b_i (r - r_i)_+ + c_i (r - r_i)_+^2] (kept as Chebyshev series between the points, to rounding).
+    The MDR profile of the curve is exact: Abel's integral has a closed form on f'(r) =
+    A_0 + A_1 r + A_2 r^2 + sum_i [b_i (r - r_i)_+ + c_i (r - r_i)_+^2] (kept as
+    Chebyshev series between the points, to rounding).
 
-    `r` [m] starts at 0 and ascends, four points at least; `z` [m] is the height, counted from z[0]. `apex` says whether
-    the body is "smooth" on its axis (f'(0) = 0) or "sharp"; "auto" looks at the points. Raises `InputError` where the
-    points do not describe an indenter: z must not fall, and the contact must be able to grow as a disc (dg/dx >= 0).
+    `r` [m] starts at 0 and ascends, four points at least; `z` [m] is the height,
+    counted from z[0]. `apex` says whether the body is "smooth" on its axis (f'(0) = 0)
+    or "sharp"; "auto" looks at the points. Raises `InputError` where the points do not
+    describe an indenter: z must not fall, and the contact must be able to grow as a
+    disc (dg/dx >= 0).
     """
 
     r: Float[Array, " n"]  # [m]
     z: Float[Array, " n"]  # [m]
     pieces: Float[Array, "3 n-1"]  # f = z_i + p_1 t + p_2 t^2 + p_3 t^3, t = r - r_i
-    line: Float[Array, "2 degree n-1"]  # g and dg/dx as Chebyshev series between the points
+    # g and dg/dx as Chebyshev series between the points
+    line: Float[Array, "2 degree n-1"]
     sharp: bool = static()  # f'(0) > 0
-    convex: bool = static()  # g is convex: an element that has left the contact never touches again
+    # g is convex: an element that has left the contact never touches again
+    convex: bool = static()
     label: ClassVar[str] = "profile from points"
 
     def __init__(
@@ -67,19 +77,29 @@ class Profile(AbstractShape):
         r, z = as_float64("r", r), as_float64("z", z)
         alike(4, r=r, z=z)
         if is_traced(r):
-            raise InputError("r must be plain numbers: a Profile is differentiable in its heights z, not in its radii.")
+            raise InputError(
+                "r must be plain numbers: a Profile is differentiable in its "
+                "heights z, not in its radii."
+            )
         not_negative("r", r)
         ascending("r", r)
         require("r", r, "below 1e50 m", lambda x: x < 1e50)
         require("z", z, "finite, and below 1e50 m", lambda x: np.abs(x) < 1e50)
         if r[0] != 0:
-            raise InputError(f"r must start at 0, the lowest point of the indenter, got r[0]={r[0]:g}.")
+            raise InputError(
+                "r must start at 0, the lowest point of the indenter, got "
+                f"r[0]={r[0]:g}."
+            )
         if apex not in ("auto", "smooth", "sharp"):
             raise InputError(f"apex must be 'auto', 'smooth' or 'sharp', got {apex!r}.")
         if curve not in ("auto", "spline", "monotone"):
-            raise InputError(f"curve must be 'auto', 'spline' or 'monotone', got {curve!r}.")
+            raise InputError(
+                f"curve must be 'auto', 'spline' or 'monotone', got {curve!r}."
+            )
         if not is_traced(z) and (np.diff(z) < 0).any():
-            raise InputError(f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}.")
+            raise InputError(
+                f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}."
+            )
         sharp = apex == "sharp"
         if apex == "auto" and not is_traced(z):
             from scipy.interpolate import CubicSpline
@@ -88,7 +108,9 @@ class Profile(AbstractShape):
             flat = z[1] - z[0] <= _FALL * (z[-1] - z[0])
             sharp = bool(start[0] > 0.2 * abs(start[1])) and not flat
         fill(self, r=r, z=z, sharp=sharp, convex=True)
-        pieces, line = _joined(r, z, sharp, "monotone" if curve == "monotone" else "spline")
+        pieces, line = _joined(
+            r, z, sharp, "monotone" if curve == "monotone" else "spline"
+        )
         fill(self, pieces=pieces, line=line)
         if not is_traced(z):
             slope = self._slopes()
@@ -98,46 +120,66 @@ class Profile(AbstractShape):
                 slope = self._slopes()
             if not (slope >= -_FALL * np.abs(slope).max()).all() or slope.max() <= 0:
                 raise InputError(
-                    "z must describe a body whose contact grows as a disc (its MDR profile must rise with x), but "
-                    f"dg/dx = {slope.min():.3g} near x = {8 * r[-1] * (slope.argmin() + 1) / (64 * r.size + 8):.3g} m. "
-                    "Smooth the points, or leave out the part beyond which the contact would jump."
+                    "z must describe a body whose contact grows as a disc (its MDR "
+                    "profile must rise with x), but "
+                    f"dg/dx = {slope.min():.3g} near x = "
+                    f"{8 * r[-1] * (slope.argmin() + 1) / (64 * r.size + 8):.3g} m. "
+                    "Smooth the points, or leave out the part beyond which the "
+                    "contact would jump."
                 )
             fill(self, convex=bool((np.diff(slope) > -1e-6 * slope.max()).all()))
 
     def __repr__(self) -> str:
         apex = "sharp" if self.sharp else "smooth"
-        return f"Profile({self.r.size} points to r={float(self.r[-1]):.6g} m, {apex} apex)"
+        return (
+            f"Profile({self.r.size} points to r={float(self.r[-1]):.6g} m, {apex} apex)"
+        )
 
     def _slopes(self) -> np.ndarray:
         """dg/dx at eight places between any two points."""
-        return np.asarray(self.slope_1d(np.linspace(0.0, float(self.r[-1]), 8 * self.r.size + 1)[1:]))
+        return np.asarray(
+            self.slope_1d(np.linspace(0.0, float(self.r[-1]), 8 * self.r.size + 1)[1:])
+        )
 
     def _height(self, r: Array) -> Array:
         knots, heights, pieces = map(xp.asarray, (self.r, self.z, self.pieces))
         i = _interval(knots, r)
         t = r - knots[i]
-        height = heights[i] + t * (pieces[0][i] + t * (pieces[1][i] + t * pieces[2][i])) - heights[0]
+        height = (
+            heights[i]
+            + t * (pieces[0][i] + t * (pieces[1][i] + t * pieces[2][i]))
+            - heights[0]
+        )
         return self._guard(r, height)
 
     def _steepness(self, r: Array) -> Array:
         knots, pieces = map(xp.asarray, (self.r, self.pieces))
         i = _interval(knots, r)
         t = r - knots[i]
-        return self._guard(r, pieces[0][i] + t * (2 * pieces[1][i] + 3 * t * pieces[2][i]))
+        return self._guard(
+            r, pieces[0][i] + t * (2 * pieces[1][i] + 3 * t * pieces[2][i])
+        )
 
     def _profile(self, x: Array) -> Array:
         x = xp.abs(x)
         linear, square, cubic = xp.asarray(self.pieces)[:, 0]
         near = x * (0.5 * xp.pi * linear + x * (2 * square + 0.75 * xp.pi * cubic * x))
-        return self._guard(x, xp.where(x <= self.r[1], near, _interpolated(self.r, self.line[0], x)))
+        return self._guard(
+            x, xp.where(x <= self.r[1], near, _interpolated(self.r, self.line[0], x))
+        )
 
     def _slope(self, x: Array) -> Array:
-        # Up to the first point the curve is one cubic. Its own form keeps its digits in a contact far smaller than
-        # that, where a series that is right to rounding of its largest value has none left.
+        # Up to the first point the curve is one cubic. Its own form keeps its digits in
+        # a contact far smaller than that, where a series that is right to rounding of
+        # its largest value has none left.
         sign, x = xp.sign(x), xp.abs(x)
         linear, square, cubic = xp.asarray(self.pieces)[:, 0]
         near = 0.5 * xp.pi * linear + x * (4 * square + 2.25 * xp.pi * cubic * x)
-        return self._guard(x, sign * xp.where(x <= self.r[1], near, _interpolated(self.r, self.line[1], x)))
+        return self._guard(
+            x,
+            sign
+            * xp.where(x <= self.r[1], near, _interpolated(self.r, self.line[1], x)),
+        )
 
     def _guard(self, x: Array, value: Array) -> Array:
         return xp.where(x <= self.r[-1] * (1 + 1e-12), value, xp.nan)
@@ -150,7 +192,11 @@ class Profile(AbstractShape):
 @numpy_unless_traced
 def _joined(r: Array, z: Array, sharp: bool, curve: str) -> tuple[Array, Array]:
     """`pieces` and `line` of a curve through the points."""
-    pieces = _spline_matrices(np.asarray(r), sharp) @ z if curve == "spline" else _monotone(r, z, sharp)
+    pieces = (
+        _spline_matrices(np.asarray(r), sharp) @ z
+        if curve == "spline"
+        else _monotone(r, z, sharp)
+    )
     return pieces, _line(r, pieces)
 
 
@@ -159,12 +205,15 @@ def _joined(r: Array, z: Array, sharp: bool, curve: str) -> tuple[Array, Array]:
 def _line(r: Array, pieces: Array) -> Float[Array, "2 degree intervals"]:
     """Chebyshev coefficients of g and of dg/dx between the points.
 
-    Each point leaves a term (x - r_i)^(1/2) or (x - r_i)^(3/2) in dg/dx, so that it is analytic in
-    s = sqrt((x - r_i)/h_i + delta) on the interval behind the point; delta keeps ds/dx finite at the point itself.
+    Each point leaves a term (x - r_i)^(1/2) or (x - r_i)^(3/2) in dg/dx, so that it is
+    analytic in s = sqrt((x - r_i)/h_i + delta) on the interval behind the point; delta
+    keeps ds/dx finite at the point itself.
     """
     linear, square, cubic = pieces
     apex = xp.stack([linear[0], 2 * square[0], 3 * cubic[0]])
-    jumps = xp.stack([2 * xp.diff(square) - 6 * cubic[:-1] * xp.diff(r)[:-1], 3 * xp.diff(cubic)])
+    jumps = xp.stack(
+        [2 * xp.diff(square) - 6 * cubic[:-1] * xp.diff(r)[:-1], 3 * xp.diff(cubic)]
+    )
     angle = np.pi * (np.arange(_TERMS) + 0.5) / _TERMS
     s = _START + (_END - _START) * 0.5 * (1 - np.cos(angle))
     to_chebyshev = np.cos(np.arange(_TERMS)[:, None] * (np.pi - angle)) * 2 / _TERMS
@@ -174,7 +223,9 @@ def _line(r: Array, pieces: Array) -> Float[Array, "2 degree intervals"]:
         x = ends[0] + (ends[1] - ends[0]) * (s**2 - _DELTA)
         return to_chebyshev @ xp.stack(_abel(x, apex, r[1:-1], jumps), axis=1)
 
-    return xp.moveaxis(each(fit, xp.stack([r[:-1], r[1:]], axis=1)), 0, 2).swapaxes(0, 1)
+    return xp.moveaxis(each(fit, xp.stack([r[:-1], r[1:]], axis=1)), 0, 2).swapaxes(
+        0, 1
+    )
 
 
 def _interpolated(r: Array, table: Float[Array, "degree intervals"], x: Array) -> Array:
@@ -189,13 +240,16 @@ def _interpolated(r: Array, table: Float[Array, "degree intervals"], x: Array) -
         value, after = state
         return 2 * t * value - after + table[_TERMS - 1 - i][interval], value
 
-    # A loop, not a chain of gathers: that takes a minute to compile where a scene has many calls of it.
+    # A loop, not a chain of gathers: that takes a minute to compile where a scene has
+    # many calls of it.
     value, after = fori_loop(0, _TERMS - 1, down, (xp.zeros_like(x), xp.zeros_like(x)))
     return t * value - after + table[0][interval]
 
 
 def _interval(r: Array, x: Array) -> Array:
-    """The interval of `r` in which each x lies; the outer ones for what lies outside."""
+    """The interval of `r` in which each x lies; the outer ones for what lies
+    outside.
+    """
     scan = {} if on_numpy() else {"method": "scan"}
     return xp.clip(xp.searchsorted(r, x, side="right", **scan) - 1, 0, r.shape[0] - 2)
 
@@ -203,19 +257,26 @@ def _interval(r: Array, x: Array) -> Array:
 def _abel(x: Array, apex: Array, knots: Array, jumps: Array) -> tuple[Array, Array]:
     """g and dg/dx of the curve at places x >= 0, in closed form.
 
-    g = x int_0^x f'/sqrt(x^2 - r^2) dr and dg/dx = int_0^x (r f')'/sqrt(x^2 - r^2) dr: the same integrals on two
-    quadratics.
+    g = x int_0^x f'/sqrt(x^2 - r^2) dr and dg/dx = int_0^x (r f')'/sqrt(x^2 - r^2) dr:
+    the same integrals on two quadratics.
     """
     inside = x[:, None] > knots
-    safe = xp.where(inside, x[:, None], knots + 1.0)  # any value will do: the result is masked
+    # any value will do: the result is masked
+    safe = xp.where(inside, x[:, None], knots + 1.0)
     root = xp.sqrt((safe - knots) * (safe + knots))
-    k0, k1 = xp.arctan2(root, knots), root  # int r^p / sqrt(x^2 - r^2) dr from the knot to x, p = 0, 1, 2
+    # int r^p / sqrt(x^2 - r^2) dr from the knot to x, p = 0, 1, 2
+    k0, k1 = xp.arctan2(root, knots), root
     k2 = 0.5 * (safe**2 * k0 + knots * k1)
     b, c = xp.where(inside, jumps[0], 0.0), xp.where(inside, jumps[1], 0.0)
     g = x * (0.5 * xp.pi * apex[0] + x * (apex[1] + 0.25 * xp.pi * apex[2] * x))
     slope = 0.5 * xp.pi * apex[0] + x * (2 * apex[1] + 0.75 * xp.pi * apex[2] * x)
-    g = g + x * xp.sum(b * (k1 - knots * k0) + c * (k2 - 2 * knots * k1 + knots**2 * k0), axis=1)
-    return g, slope + xp.sum(b * (2 * k1 - knots * k0) + c * (3 * k2 - 4 * knots * k1 + knots**2 * k0), axis=1)
+    g = g + x * xp.sum(
+        b * (k1 - knots * k0) + c * (k2 - 2 * knots * k1 + knots**2 * k0), axis=1
+    )
+    return g, slope + xp.sum(
+        b * (2 * k1 - knots * k0) + c * (3 * k2 - 4 * knots * k1 + knots**2 * k0),
+        axis=1,
+    )
 
 
 def _spline_matrices(r: np.ndarray, sharp: bool) -> Float[np.ndarray, "3 n-1 n"]:
@@ -229,7 +290,9 @@ def _spline_matrices(r: np.ndarray, sharp: bool) -> Float[np.ndarray, "3 n-1 n"]
 @numpy_unless_traced
 @compiled()
 def _monotone(r: Array, z: Array, sharp: bool) -> Float[Array, "3 n-1"]:
-    """Pieces of the cubics whose slope at a point is the weighted harmonic mean of the slopes on its two sides."""
+    """Pieces of the cubics whose slope at a point is the weighted harmonic mean of the
+    slopes on its two sides.
+    """
     h = xp.diff(r)
     m = xp.diff(z) / h  # not negative
     before, after = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
@@ -237,9 +300,12 @@ def _monotone(r: Array, z: Array, sharp: bool) -> Float[Array, "3 n-1"]:
     safe = xp.where(flat[None], 1.0, xp.stack([m[:-1], m[1:]]))
     inner = xp.where(flat, 0.0, (before + after) / (before / safe[0] + after / safe[1]))
 
-    def outer(h0, h1, m0, m1):  # the parabola through three points, kept from overshooting
+    # the parabola through three points, kept from overshooting
+    def outer(h0, h1, m0, m1):
         return xp.clip(((2 * h0 + h1) * m0 - h0 * m1) / (h0 + h1), 0.0, 3 * m0)
 
     start = xp.where(sharp, outer(h[0], h[1], m[0], m[1]), 0.0)
     d = xp.concatenate([start[None], inner, outer(h[-1], h[-2], m[-1], m[-2])[None]])
-    return xp.stack([d[:-1], (3 * m - 2 * d[:-1] - d[1:]) / h, (d[:-1] + d[1:] - 2 * m) / h**2])
+    return xp.stack(
+        [d[:-1], (3 * m - 2 * d[:-1] - d[1:]) / h, (d[:-1] + d[1:] - 2 * m) / h**2]
+    )

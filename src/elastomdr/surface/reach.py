@@ -1,7 +1,9 @@
-"""How far a contact reaches at a given depth: the inverse of the profile, a(d) with g(a) = d, and the contact measure.
+"""How far a contact reaches at a given depth: the inverse of the profile, a(d) with
+g(a) = d, and the contact measure.
 
-While a rigid body goes deeper into a line of independent elements by dd, each element in contact is pressed in by dd,
-so that the displaced measure A(d) = int (d - w) grows by A'(d) dd with
+While a rigid body goes deeper into a line of independent elements by dd, each element
+in contact is pressed in by dd, so that the displaced measure A(d) = int (d - w) grows
+by A'(d) dd with
 
     A'(d) = 2 a(d) on the MDR line of an axisymmetric body [m]       (Popov & Hess 2015, ch. 3)
     A'(d) = 2 a(d) L for a cylinder of length L on a layer [m^2]
@@ -19,7 +21,15 @@ from ..arrays import fixed, fori_loop, xp
 from ..checks import Array
 from .disc import Disc
 from .profile import Profile
-from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
+from .shapes import (
+    AbstractShape,
+    Cone,
+    Cylinder,
+    FlatPunch,
+    Paraboloid,
+    PowerLaw,
+    Sphere,
+)
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -28,10 +38,14 @@ _STEPS = 6  # Newton's on a sphere: from 13 % to rounding
 _ROUNDS = 12  # of Newton inside a bracket between two points of a profile
 
 
-def contact_measure(shape: AbstractShape | Disc, depth: Float[Array, "..."], per_area: bool) -> Float[Array, "..."]:
-    """A'(d) of this module's docstring [m, or m^2 on springs], at depths d > 0 [m]; exact.
+def contact_measure(
+    shape: AbstractShape | Disc, depth: Float[Array, "..."], per_area: bool
+) -> Float[Array, "..."]:
+    """A'(d) of this module's docstring [m, or m^2 on springs], at depths d > 0 [m];
+    exact.
 
-    In place of a shape it takes the `Disc` of a contact on rubber of finite thickness, which knows its own.
+    In place of a shape it takes the `Disc` of a contact on rubber of finite thickness,
+    which knows its own.
     """
     if isinstance(shape, Disc):
         return shape.measure(depth)
@@ -41,10 +55,14 @@ def contact_measure(shape: AbstractShape | Disc, depth: Float[Array, "..."], per
     return math.pi * size**2 if per_area else 2 * size
 
 
-def contact_size(shape: AbstractShape, depth: Float[Array, "..."], by_height: bool = False) -> Float[Array, "..."]:
-    """a(d) with g(a) = d, or with f(a) = d if `by_height` [m]: the contact while it grows; exact.
+def contact_size(
+    shape: AbstractShape, depth: Float[Array, "..."], by_height: bool = False
+) -> Float[Array, "..."]:
+    """a(d) with g(a) = d, or with f(a) = d if `by_height` [m]: the contact while it
+    grows; exact.
 
-    NaN where the contact would be wider than the body. A flat punch has its own radius at any depth.
+    NaN where the contact would be wider than the body. A flat punch has its own radius
+    at any depth.
     """
     if isinstance(shape, FlatPunch):
         return xp.broadcast_to(xp.asarray(shape.radius), xp.shape(depth))
@@ -91,7 +109,13 @@ def _on_profile(shape: Profile, depth: Array, by_height: bool) -> Array:
         x, low, high = state
         there, following = newton(x, wanted)
         low, high = xp.where(there < wanted, x, low), xp.where(there < wanted, high, x)
-        return xp.where((following >= low) & (following <= high), following, 0.5 * (low + high)), low, high
+        return (
+            xp.where(
+                (following >= low) & (following <= high), following, 0.5 * (low + high)
+            ),
+            low,
+            high,
+        )
 
     wanted = fixed(depth)
     low, high = fixed((points[i - 1], points[i]))

@@ -32,13 +32,15 @@ _EVEN = 1e-6  # unevenness of x, relative to its spacing, that counts as roundin
 
 
 class RoughLine(Tree):
-    """A rigid rough line h(x), periodic with n dx; heights [m] count positive into the rubber.
+    """A rigid rough line h(x), periodic with n dx; heights [m] count positive into the
+    rubber.
 
-    Its depth is how far its highest point stands below the undeformed surface, its load the mean load per length [N/m].
-    `x` [m] ascends in even steps, and the last point is not the first one again. With `resample` an uneven x is
-    accepted: the heights are then taken by linear interpolation at as many even places, the period being n times the
-    mean step. Between the points the line is the periodic cubic spline through them. Differentiable with respect to the
-    heights. Raises `InputError`.
+    Its depth is how far its highest point stands below the undeformed surface, its load
+    the mean load per length [N/m]. `x` [m] ascends in even steps, and the last point is
+    not the first one again. With `resample` an uneven x is accepted: the heights are
+    then taken by linear interpolation at as many even places, the period being n times
+    the mean step. Between the points the line is the periodic cubic spline through
+    them. Differentiable with respect to the heights. Raises `InputError`.
     """
 
     height: Float[Array, " n"]  # h_i, positive into the rubber [m]
@@ -50,7 +52,9 @@ class RoughLine(Tree):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, x=x, height=height)
         if is_traced(x):
-            raise InputError("x must be plain numbers: a RoughLine is differentiable in its heights.")
+            raise InputError(
+                "x must be plain numbers: a RoughLine is differentiable in its heights."
+            )
         finite("x", x)
         finite("height", height)
         ascending("x", x)
@@ -61,8 +65,10 @@ class RoughLine(Tree):
             if not resample:
                 worst = float(np.abs(np.diff(x) / spacing - 1).max())
                 raise InputError(
-                    f"x must be evenly spaced, got steps that differ by up to {100 * worst:.2g} % from their mean; "
-                    "resample=True takes the heights at even places, by linear interpolation."
+                    "x must be evenly spaced, got steps that differ by up to "
+                    f"{100 * worst:.2g} % from their mean; "
+                    "resample=True takes the heights at even places, by linear "
+                    "interpolation."
                 )
             height = numpy_unless_traced(lambda y: xp.interp(even, x, y))(height)
         fill(self, height=height, spacing=np.asarray(spacing))
@@ -85,13 +91,20 @@ class RoughLine(Tree):
     @property
     @in_float64
     def highest(self) -> Array:
-        """The highest place of the spline [m], from which a depth counts; seldom one of the points."""
+        """The highest place of the spline [m], from which a depth counts; seldom one of
+        the points.
+        """
         part, between = _summits(fixed(xp.asarray(self.height)))
         place = argmax(between)
         coefficients = spline_coefficients(xp.asarray(self.height))
         # Sums, not an index: its derivative would be taken outside of `in_float64`.
-        near = [(place + m) % self.count == xp.arange(self.count) for m in (-1, 0, 1, 2)]
-        return _cubic(xp.stack([xp.sum(xp.where(here, coefficients, 0.0)) for here in near]), part[place])
+        near = [
+            (place + m) % self.count == xp.arange(self.count) for m in (-1, 0, 1, 2)
+        ]
+        return _cubic(
+            xp.stack([xp.sum(xp.where(here, coefficients, 0.0)) for here in near]),
+            part[place],
+        )
 
     @property
     def rms_height(self) -> Array:
@@ -103,11 +116,15 @@ class RoughLine(Tree):
     def rms_slope(self) -> Array:
         """Root of the mean square slope of the spline at its points."""
         coefficients = spline_coefficients(xp.asarray(self.height))
-        slope = (xp.roll(coefficients, -1) - xp.roll(coefficients, 1)) / (2 * self.spacing)
+        slope = (xp.roll(coefficients, -1) - xp.roll(coefficients, 1)) / (
+            2 * self.spacing
+        )
         return xp.sqrt(xp.mean(slope**2))
 
     def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes]:
-        """The heights, and their spectrum, side by side; returns the two matplotlib Axes."""
+        """The heights, and their spectrum, side by side; returns the two matplotlib
+        Axes.
+        """
         from ..results.plotting import draw_surface
 
         return draw_surface(self, axes=axes)
@@ -131,23 +148,37 @@ def line_of_heights(height: Array, spacing: Array | float) -> RoughLine:
 
 
 def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
-    """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i + c_{i+1})/6 = h_i."""
+    """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i +
+    c_{i+1})/6 = h_i.
+    """
     angle = 2 * xp.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
-    return xp.fft.irfft(xp.fft.rfft(height) * 3 / (2 + xp.cos(angle)), n=height.shape[0])
+    return xp.fft.irfft(
+        xp.fft.rfft(height) * 3 / (2 + xp.cos(angle)), n=height.shape[0]
+    )
 
 
 def _cubic(c: Array, t: Array) -> Array:
-    """The spline a part t of the way from its second to its third coefficient, of four along the first axis."""
+    """The spline a part t of the way from its second to its third coefficient, of four
+    along the first axis.
+    """
     u = 1 - t
-    return (u**3 * c[0] + (4 - 6 * t**2 + 3 * t**3) * c[1] + (4 - 6 * u**2 + 3 * u**3) * c[2] + t**3 * c[3]) / 6
+    return (
+        u**3 * c[0]
+        + (4 - 6 * t**2 + 3 * t**3) * c[1]
+        + (4 - 6 * u**2 + 3 * u**3) * c[2]
+        + t**3 * c[3]
+    ) / 6
 
 
 @compiled()
 def _summits(height: Float[Array, " n"]) -> tuple[Array, Array]:
-    """Where the spline is highest between each point and the next (0 to 1 of the way), and how high."""
+    """Where the spline is highest between each point and the next (0 to 1 of the way),
+    and how high.
+    """
     c = spline_coefficients(height)
     c = xp.stack([xp.roll(c, 1 - m) for m in range(4)])
-    # 2 s'(t) = a t^2 + 2 b t + d: the root at which it falls through zero, in the form that loses no digits.
+    # 2 s'(t) = a t^2 + 2 b t + d: the root at which it falls through zero, in the form
+    # that loses no digits.
     a, b, d = c[3] - 3 * c[2] + 3 * c[1] - c[0], c[2] - 2 * c[1] + c[0], c[2] - c[0]
     root = xp.sqrt(xp.maximum(b**2 - a * d, 0.0))
     below = root - b
@@ -157,22 +188,32 @@ def _summits(height: Float[Array, " n"]) -> tuple[Array, Array]:
     return xp.where(heights[0] > heights[1], ends[0], 0.0), xp.max(heights, axis=0)
 
 
-def spline(coefficients: Float[Array, " n"], shift: Array) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
-    """The spline and its derivative per spacing at the places i + shift, i = 0 ... n-1, in units of the spacing.
+def spline(
+    coefficients: Float[Array, " n"], shift: Array
+) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
+    """The spline and its derivative per spacing at the places i + shift, i = 0 ... n-1,
+    in units of the spacing.
 
-    All places lie equally far between two points, so that the four weights are common to all of them.
+    All places lie equally far between two points, so that the four weights are common
+    to all of them.
     """
     n = coefficients.shape[0]
     whole = xp.floor(shift)
     t = shift - whole
     start = xp.mod(whole.astype(xp.int64) - 1, n)
     wrapped = xp.concatenate([coefficients, coefficients, coefficients[:3]])
-    # Four slices, not four parts of one: so the compiled loop runs over whole vectors, five times as fast.
+    # Four slices, not four parts of one: so the compiled loop runs over whole vectors,
+    # five times as fast.
     from jax.lax import dynamic_slice
 
     near = [dynamic_slice(wrapped, (start + m,), (n,)) for m in range(4)]
     u = 1 - t
-    value = (u**3 / 6, (4 - 6 * t**2 + 3 * t**3) / 6, (4 - 6 * u**2 + 3 * u**3) / 6, t**3 / 6)
+    value = (
+        u**3 / 6,
+        (4 - 6 * t**2 + 3 * t**3) / 6,
+        (4 - 6 * u**2 + 3 * u**3) / 6,
+        t**3 / 6,
+    )
     slope = (-(u**2) / 2, (3 * t**2 - 4 * t) / 2, (4 * u - 3 * u**2) / 2, t**2 / 2)
     height, steepness = xp.zeros(n), xp.zeros(n)
     for m in range(4):

@@ -1,7 +1,8 @@
 """A map of the heights of a surface from its spectrum; random phases from a seed.
 
-On a map of side L each wave (i, j) carries C(q) (2 pi/L)^2, q = 2 pi |(i, j)|/L, and the heights are then scaled to
-the rms slope of the surface, from which the sum over the waves of a square differs a little.
+On a map of side L each wave (i, j) carries C(q) (2 pi/L)^2, q = 2 pi |(i, j)|/L, and
+the heights are then scaled to the rms slope of the surface, from which the sum over the
+waves of a square differs a little.
 """
 
 import math
@@ -24,9 +25,11 @@ _MOST = 2**26  # longest waves along a side
 def rough_map(
     spectrum: AbstractSpectrum, seed: int = 0, *, periods: int = 2, points: int = 256
 ) -> "tuple[Float[np.ndarray, 'points points'], float]":
-    """Heights [m] of a square cell of the surface, `periods` longest wavelengths wide, and its side [m].
+    """Heights [m] of a square cell of the surface, `periods` longest wavelengths wide,
+    and its side [m].
 
-    For `em.reference.half_space_sliding`. Raises `InputError` where `points` do not give the shortest wave four.
+    For `em.reference.half_space_sliding`. Raises `InputError` where `points` do not
+    give the shortest wave four.
     """
     spectrum = as_spectrum("spectrum", spectrum)
     whole_number("periods", periods, 1, _MOST)
@@ -36,7 +39,8 @@ def rough_map(
     least = 4 * periods * spectrum.q_high / spectrum.q_low
     if points % 4 or points < least * (1 - 1e-9):
         raise InputError(
-            f"points must be a multiple of 4, at least {math.ceil(least)} for four on the shortest wave, got {points}."
+            f"points must be a multiple of 4, at least {math.ceil(least)} for "
+            f"four on the shortest wave, got {points}."
         )
     along = np.fft.fftfreq(points, 1 / points)
     q = 2 * np.pi / side * np.hypot(along[:, None], along[None, : points // 2 + 1])
@@ -49,4 +53,6 @@ def rough_map(
         np.fft.irfft2(2j * np.pi / side * k * waves, s=height.shape)
         for k in (along[:, None], along[None, : points // 2 + 1])
     ]
-    return height * (spectrum.rms_slope / np.sqrt(sum(np.mean(slope**2) for slope in slopes))), side
+    return height * (
+        spectrum.rms_slope / np.sqrt(sum(np.mean(slope**2) for slope in slopes))
+    ), side

@@ -18,8 +18,8 @@ _NARROW = 0.3  # how far a power law's panels reach towards its apex
 class Rule:
     """Gauss-Legendre nodes per panel, and where the panels end.
 
-    The profile is sampled from the apex outwards. `fractions` divides the whole contact, or, of a profile from points,
-    the way from each point to the next.
+    The profile is sampled from the apex outwards. `fractions` divides the whole
+    contact, or, of a profile from points, the way from each point to the next.
     """
 
     nodes: int
@@ -27,7 +27,8 @@ class Rule:
     fractions: tuple[float, ...] = (0.0, 1.0)
     exact: bool = False  # the slope is a polynomial that the nodes sample exactly
     strips: int = 16  # over the half-width of a contact that is solved in strips
-    safety: float = 1.0  # on the error estimate, where the profile is not analytic within a panel
+    # on the error estimate, where the profile is not analytic within a panel
+    safety: float = 1.0
 
     @property
     def samples(self) -> int:
@@ -41,12 +42,18 @@ class Rule:
 
     def coarser(self) -> "Rule":
         """A rule to begin the search with."""
-        return dataclasses.replace(self, nodes=min(self.nodes, 6), fractions=(0.0, *self.fractions[:0:-2][::-1]))
+        return dataclasses.replace(
+            self,
+            nodes=min(self.nodes, 6),
+            fractions=(0.0, *self.fractions[:0:-2][::-1]),
+        )
 
 
 @functools.cache
 def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes c and weights w on [0, 1], and T[i, j] = (2j+1) w_i P_j(1 - 2 c_i), samples to Legendre coefficients."""
+    """Nodes c and weights w on [0, 1], and T[i, j] = (2j+1) w_i P_j(1 - 2 c_i), samples
+    to Legendre coefficients.
+    """
     x, w = np.polynomial.legendre.leggauss(nodes)
     c, w = 0.5 * (1 + x), 0.5 * w
     legendre = np.polynomial.legendre.legvander(1 - 2 * c, nodes - 1)
@@ -54,31 +61,52 @@ def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def graded(levels: int, ratio: float = 0.15) -> tuple[float, ...]:
-    """Divisions of [0, 1] that shrink geometrically towards 0, for an algebraic singularity there."""
+    """Divisions of [0, 1] that shrink geometrically towards 0, for an algebraic
+    singularity there.
+    """
     return (0.0, *(ratio**k for k in range(levels, 0, -1)), 1.0)
 
 
-def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: bool = False) -> tuple[Rule, ...]:
-    """Rules for a shape, coarse to fine; the first is expected to meet `rtol`, the others wait for where it does not.
+def ladder(
+    shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: bool = False
+) -> tuple[Rule, ...]:
+    """Rules for a shape, coarse to fine; the first is expected to meet `rtol`, the
+    others wait for where it does not.
 
-    `smallest` is the ratio of the radius of a sphere to the contact radius, if known: the profile of a sphere is
-    analytic up to R, so that its Legendre series from the apex to a falls as rho^-m, rho = c + sqrt(c^2 - 1) with
-    c = 2R/a - 1. On `strips` beside
-    the axis a body is rounded over the strip's distance y from it, f(sqrt(x^2 + y^2)): even powers stay polynomials,
-    all others are divided ever finer towards the apex.
+    `smallest` is the ratio of the radius of a sphere to the contact radius, if known:
+    the profile of a sphere is analytic up to R, so that its Legendre series from the
+    apex to a falls as rho^-m, rho = c + sqrt(c^2 - 1) with c = 2R/a - 1. On `strips`
+    beside the axis a body is rounded over the strip's distance y from it, f(sqrt(x^2 +
+    y^2)): even powers stay polynomials, all others are divided ever finer towards the
+    apex.
     """
     if not strips:
         return _along_line(shape, rtol, smallest)
-    power = 1 if isinstance(shape, Cone) else shape.exponent if isinstance(shape, PowerLaw) else 2
+    power = (
+        1
+        if isinstance(shape, Cone)
+        else shape.exponent
+        if isinstance(shape, PowerLaw)
+        else 2
+    )
     rules = _along_line(shape, rtol, smallest)
     if power % 2:
-        rules = tuple(Rule(nodes, split=True, fractions=graded(levels)) for nodes, levels in ((8, 3), (12, 3), (16, 4)))
+        rules = tuple(
+            Rule(nodes, split=True, fractions=graded(levels))
+            for nodes, levels in ((8, 3), (12, 3), (16, 4))
+        )
     if isinstance(shape, Profile):
-        rules = tuple(Rule(10, split=True, fractions=graded(levels), safety=30.0) for levels in (2, 4, 6))
+        rules = tuple(
+            Rule(10, split=True, fractions=graded(levels), safety=30.0)
+            for levels in (2, 4, 6)
+        )
     counts = (16, 32, 64) if rtol >= 1e-7 else (32, 64, 128)
     if power < 2:  # the tip leaves a kink across the strips
         rules, counts = rules[1:], (48, 96)
-    return tuple(dataclasses.replace(rules[min(i, len(rules) - 1)], strips=n) for i, n in enumerate(counts))
+    return tuple(
+        dataclasses.replace(rules[min(i, len(rules) - 1)], strips=n)
+        for i, n in enumerate(counts)
+    )
 
 
 def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rule, ...]:
@@ -86,24 +114,41 @@ def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rul
         return (Rule(2, exact=True),)
     if isinstance(shape, Cone):
         return (Rule(2, split=True, exact=True),)
-    if isinstance(shape, PowerLaw) and shape.exponent == int(shape.exponent) and shape.exponent <= 10:
-        return (Rule(max(int(shape.exponent), 2), split=bool(shape.exponent % 2), exact=True),)
+    if (
+        isinstance(shape, PowerLaw)
+        and shape.exponent == int(shape.exponent)
+        and shape.exponent <= 10
+    ):
+        return (
+            Rule(
+                max(int(shape.exponent), 2), split=bool(shape.exponent % 2), exact=True
+            ),
+        )
     digits = math.log10(10 / rtol)
     if isinstance(shape, PowerLaw):
-        # Slopes x^(n-1): panels so narrow that few nodes show one, down to where what is left does not count.
+        # Slopes x^(n-1): panels so narrow that few nodes show one, down to where what
+        # is left does not count.
         ratio = max(_NARROW, math.exp(-3 / shape.exponent))
         per_level = shape.exponent * math.log10(1 / ratio)
         return tuple(
             Rule(
-                max(6, math.ceil(1.4 * (digits + more))), split=True,
-                fractions=graded(max(2, math.ceil((digits + more - 1) / per_level)), ratio),
+                max(6, math.ceil(1.4 * (digits + more))),
+                split=True,
+                fractions=graded(
+                    max(2, math.ceil((digits + more - 1) / per_level)), ratio
+                ),
             )
             for more in (0, 2, 4)
-        )  # fmt: skip
+        )
     if isinstance(shape, Profile):
         # Behind each point the slope has a root of the distance to it.
-        rungs = ((8, 0), (8, 1), (10, 3), (12, 6), (14, 9))[sum(rtol < bound for bound in (1e-4, 1e-8)) :]
-        return tuple(Rule(n, split=True, fractions=graded(levels), safety=3.0) for n, levels in rungs)
+        rungs = ((8, 0), (8, 1), (10, 3), (12, 6), (14, 9))[
+            sum(rtol < bound for bound in (1e-4, 1e-8)) :
+        ]
+        return tuple(
+            Rule(n, split=True, fractions=graded(levels), safety=3.0)
+            for n, levels in rungs
+        )
     sizes = (8, 10, 12, 14, 16, 20, 24, 32)
     needed = sizes[4]
     if smallest > 1:

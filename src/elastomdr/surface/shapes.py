@@ -1,7 +1,7 @@
 """Axisymmetric indenters and their MDR profiles; the cylinder that acts on a layer.
 
-The MDR profile of a body f(r) is g(x) = |x| int_0^|x| f'(r)/sqrt(x^2 - r^2) dr (Popov & Hess 2015, ch. 3). Lengths in
-m.
+The MDR profile of a body f(r) is g(x) = |x| int_0^|x| f'(r)/sqrt(x^2 - r^2) dr (Popov &
+Hess 2015, ch. 3). Lengths in m.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 
 
 class AbstractShape(Tree):
-    """A rigid indenter, rising from its lowest point: `height(r)` in three dimensions, `profile_1d(x)` on the line."""
+    """A rigid indenter, rising from its lowest point: `height(r)` in three dimensions,
+    `profile_1d(x)` on the line.
+    """
 
     label: ClassVar[str]  # what the shape is called in a sentence
 
@@ -42,7 +44,9 @@ class AbstractShape(Tree):
         """f(r) for r >= 0."""
 
     def _steepness(self, r: Array) -> Array:
-        """df/dr for r >= 0; a shape that gives its own is differentiated without JAX."""
+        """df/dr for r >= 0; a shape that gives its own is differentiated without
+        JAX.
+        """
         import jax
 
         return on_jax(lambda: jax.jvp(self._height, (r,), (jax.numpy.ones_like(r),))[1])
@@ -57,7 +61,9 @@ class AbstractShape(Tree):
 
     @numpy_unless_traced
     def height(self, r: ArrayLike) -> Array:
-        """Height f(r) [m] of the surface above its lowest point, at radii [m], any shape."""
+        """Height f(r) [m] of the surface above its lowest point, at radii [m], any
+        shape.
+        """
         return self._height(xp.abs(as_float64("r", r)))
 
     @numpy_unless_traced
@@ -82,7 +88,9 @@ class AbstractShape(Tree):
 
 
 class Paraboloid(AbstractShape):
-    """f = r^2/(2R), g = x^2/R: the usual stand-in for a sphere while the contact is small."""
+    """f = r^2/(2R), g = x^2/R: the usual stand-in for a sphere while the contact is
+    small.
+    """
 
     radius: Float[Array, ""]  # R [m]
     label: ClassVar[str] = "paraboloid"
@@ -109,7 +117,9 @@ class Paraboloid(AbstractShape):
 
 
 class Sphere(AbstractShape):
-    """f = R - sqrt(R^2 - r^2), g = (x/2) ln((R+x)/(R-x)): the full sphere, any depth."""
+    """f = R - sqrt(R^2 - r^2), g = (x/2) ln((R+x)/(R-x)): the full sphere, any
+    depth.
+    """
 
     radius: Float[Array, ""]  # R [m]
     label: ClassVar[str] = "sphere"
@@ -141,7 +151,9 @@ class Sphere(AbstractShape):
 
 
 class Cone(AbstractShape):
-    """f = slope r, g = (pi/2) slope |x|, with slope = tan(theta), theta the angle between flank and surface."""
+    """f = slope r, g = (pi/2) slope |x|, with slope = tan(theta), theta the angle
+    between flank and surface.
+    """
 
     slope: Float[Array, ""]
     label: ClassVar[str] = "cone"
@@ -164,23 +176,41 @@ class Cone(AbstractShape):
 
 
 class PowerLaw(AbstractShape):
-    """f = c r^n, g = kappa_n c |x|^n, kappa_n = sqrt(pi) n Gamma(n/2)/(2 Gamma((n+1)/2)); n > 0, c in m^(1-n)."""
+    """f = c r^n, g = kappa_n c |x|^n, kappa_n = sqrt(pi) n Gamma(n/2)/(2
+    Gamma((n+1)/2)); n > 0, c in m^(1-n).
+    """
 
     coefficient: Float[Array, ""]  # c [m^(1-n)]
-    exponent: float = static()  # n: it decides how the profile is integrated, so it is not differentiated
+    # n: it decides how the profile is integrated, so it is not differentiated
+    exponent: float = static()
     label: ClassVar[str] = "power law"
 
     def __init__(self, exponent: Number, coefficient: Number):
-        fill(self, exponent=plain("exponent", exponent), coefficient=scalar("coefficient", coefficient))
+        fill(
+            self,
+            exponent=plain("exponent", exponent),
+            coefficient=scalar("coefficient", coefficient),
+        )
         positive("exponent", self.exponent)
-        decades = min(300, int(100 * max(1.0, self.exponent - 1)))  # a steep body of 1 mm has (1 mm)^(1-n)
+        # a steep body of 1 mm has (1 mm)^(1-n)
+        decades = min(300, int(100 * max(1.0, self.exponent - 1)))
         text = f"positive, between 1e-{decades} and 1e{decades} m^(1-n)"
-        require("coefficient", self.coefficient, text, lambda c: (c > 10.0**-decades) & (c < 10.0**decades))
+        require(
+            "coefficient",
+            self.coefficient,
+            text,
+            lambda c: (c > 10.0**-decades) & (c < 10.0**decades),
+        )
 
     @property
     def _kappa(self) -> float:
         n = self.exponent
-        return math.sqrt(math.pi) * n / 2 * math.exp(math.lgamma(n / 2) - math.lgamma((n + 1) / 2))
+        return (
+            math.sqrt(math.pi)
+            * n
+            / 2
+            * math.exp(math.lgamma(n / 2) - math.lgamma((n + 1) / 2))
+        )
 
     def _height(self, r: Array) -> Array:
         return self.coefficient * r**self.exponent
@@ -193,13 +223,16 @@ class PowerLaw(AbstractShape):
 
     def _slope(self, x: Array) -> Array:
         n = self.exponent
-        return self._kappa * n * self.coefficient * _power(xp.abs(x), n - 1) * xp.sign(x)
+        return (
+            self._kappa * n * self.coefficient * _power(xp.abs(x), n - 1) * xp.sign(x)
+        )
 
 
 class FlatPunch(AbstractShape):
     """A flat-ended cylinder of the given radius: f = 0 inside, no contact outside.
 
-    Its edge has no slope, so steady sliding has no meaning for it (`em.friction` refuses it and says what to do).
+    Its edge has no slope, so steady sliding has no meaning for it (`em.friction`
+    refuses it and says what to do).
     """
 
     radius: Float[Array, ""]  # [m]
@@ -227,7 +260,9 @@ class FlatPunch(AbstractShape):
 
 
 class Cylinder(AbstractShape):
-    """A cylinder or roller of radius R and length L on a layer: f = g = x^2/(2R), with x across its axis."""
+    """A cylinder or roller of radius R and length L on a layer: f = g = x^2/(2R), with
+    x across its axis.
+    """
 
     radius: Float[Array, ""]  # R [m]
     length: Float[Array, ""]  # L, along the axis [m]
@@ -256,7 +291,11 @@ class Cylinder(AbstractShape):
 
 
 def _power(x: Array, exponent: float) -> Array:
-    """x^exponent for x >= 0, with a finite derivative at zero where a search direction passes through it."""
+    """x^exponent for x >= 0, with a finite derivative at zero where a search direction
+    passes through it.
+    """
     if exponent == int(exponent) and exponent >= 0:
         return x ** int(exponent)
-    return xp.where(x > 0, xp.where(x > 0, x, 1.0) ** exponent, 0.0 if exponent > 0 else xp.inf)
+    return xp.where(
+        x > 0, xp.where(x > 0, x, 1.0) ** exponent, 0.0 if exponent > 0 else xp.inf
+    )

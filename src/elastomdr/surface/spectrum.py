@@ -1,13 +1,15 @@
-"""Roughness spectra of isotropic surfaces: self-affine ones and tables, with the normalisation named.
+"""Roughness spectra of isotropic surfaces: self-affine ones and tables, with the
+normalisation named.
 
-C(q) [m^4] is the two-dimensional power spectrum with <h^2> = int C d^2q = 2 pi int q C dq, no factor 4 pi^2. Between
-its points it is a power law, so that every moment is a sum of closed forms,
+C(q) [m^4] is the two-dimensional power spectrum with <h^2> = int C d^2q = 2 pi int q C
+dq, no factor 4 pi^2. Between its points it is a power law, so that every moment is a
+sum of closed forms,
 
     int_a^b q^m C dq,    C = C_a (q/a)^s:    C_a a^(m+1) [(b/a)^(m+s+1) - 1]/(m+s+1),
 
-and a self-affine spectrum is a table of two or three points. The line of the MDR has the spectrum C_1D = pi q C,
-two-sided: it keeps <h^2>, and its mean square slope is the full <|grad h|^2>, twice that of a cut (Popov & Hess 2015,
-ch. 10).
+and a self-affine spectrum is a table of two or three points. The line of the MDR has
+the spectrum C_1D = pi q C, two-sided: it keeps <h^2>, and its mean square slope is the
+full <|grad h|^2>, twice that of a cut (Popov & Hess 2015, ch. 10).
 """
 
 from __future__ import annotations
@@ -45,7 +47,9 @@ CONVENTIONS = {
     "2d/4pi^2": "<h^2> = int C d^2q / (4 pi^2)",
     "1d": "of a straight cut, <h^2> = int C dq over all q, positive and negative",
     "1d one-sided": "of a straight cut, <h^2> = int C dq over q > 0",
-    "1d/2pi": "of a straight cut, <h^2> = int C dq / (2 pi) over all q, positive and negative",
+    "1d/2pi": (
+        "of a straight cut, <h^2> = int C dq / (2 pi) over all q, positive and negative"
+    ),
     "1d one-sided/2pi": "of a straight cut, <h^2> = int C dq / (2 pi) over q > 0",
 }
 
@@ -75,13 +79,17 @@ class AbstractSpectrum(Tree):
 
     @property
     def rms_slope(self) -> Scalar:
-        """Root of the mean of |grad h|^2; that of a straight cut is smaller by the root of 2."""
+        """Root of the mean of |grad h|^2; that of a straight cut is smaller by the root
+        of 2.
+        """
         return _plain((2 * np.pi * self.moment(3)) ** 0.5)
 
     @property
     def full_contact_length(self) -> Scalar:
-        """2 m_2/m_3, m_k = int q^k C dq [m]: with it p L is the line load whose friction in full contact is that of the
-        surface, for a loss modulus that does not depend on frequency (each wave has 2/q)."""
+        """2 m_2/m_3, m_k = int q^k C dq [m]: with it p L is the line load whose
+        friction in full contact is that of the surface, for a loss modulus that does
+        not depend on frequency (each wave has 2/q).
+        """
         return _plain(2 * self.moment(2) / self.moment(3))
 
     def at(self, q: ArrayLike) -> Float[np.ndarray, "..."]:
@@ -92,8 +100,12 @@ class AbstractSpectrum(Tree):
         inside = (q >= self.q_low * (1 - 1e-12)) & (q <= self.q_high * (1 + 1e-12))
         return np.where(inside, value, 0.0)
 
-    def moment(self, power: float, low: ArrayLike | None = None, high: ArrayLike | None = None) -> Array:
-        """int q^power C dq from `low` to `high` (default: the cutoffs), arrays of limits allowed."""
+    def moment(
+        self, power: float, low: ArrayLike | None = None, high: ArrayLike | None = None
+    ) -> Array:
+        """int q^power C dq from `low` to `high` (default: the cutoffs), arrays of
+        limits allowed.
+        """
         low = self.q_low if low is None else low
         high = self.q_high if high is None else high
         return self._until(power, high) - self._until(power, low)
@@ -106,29 +118,44 @@ class AbstractSpectrum(Tree):
         width = xp.clip(xp.log(q)[..., None] - start, 0.0, xp.diff(xp.log(self.q)))
         flat = xp.abs(slope * width) < 1e-9
         safe = xp.where(xp.abs(slope) < 1e-12, 1.0, slope)
-        part = xp.where(flat, width * (1 + 0.5 * slope * width), xp.expm1(slope * width) / safe)
+        part = xp.where(
+            flat, width * (1 + 0.5 * slope * width), xp.expm1(slope * width) / safe
+        )
         return xp.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
 
-    def line(self, seed: int = 0, periods: int = 1, samples: int | None = None) -> RoughLine:
-        """An `em.RoughLine` of this surface, for `em.slide` and `em.drive`, its phases from `seed`.
+    def line(
+        self, seed: int = 0, periods: int = 1, samples: int | None = None
+    ) -> RoughLine:
+        """An `em.RoughLine` of this surface, for `em.slide` and `em.drive`, its phases
+        from `seed`.
 
-        As in `em.friction`: C_1D(q) = pi q C(q), over `periods` of the longest wave (where `em.friction` takes 4), in
-        `samples` points (a power of 2 that resolves the shortest wave where none is given).
+        As in `em.friction`: C_1D(q) = pi q C(q), over `periods` of the longest wave
+        (where `em.friction` takes 4), in `samples` points (a power of 2 that resolves
+        the shortest wave where none is given).
         """
         from .synthesis import synthesise
 
         return synthesise(self, seed, periods, samples)
 
     def ended(self, q_high: Number) -> "Spectrum":
-        """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as its last power law."""
+        """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as
+        its last power law.
+        """
         end: Any = _plain(scalar("q_high", q_high))
-        require("q_high", end, f"above q_low, {self.q_low:g} rad/m", lambda q: q > self.q_low)
+        require(
+            "q_high",
+            end,
+            f"above q_low, {self.q_low:g} rad/m",
+            lambda q: q > self.q_low,
+        )
         log_q, log_c = np.log(self.q), np.log(self.c)
         piece = min(int(np.searchsorted(self.q, end)), len(log_q) - 1)
         slope = (log_c[piece] - log_c[piece - 1]) / (log_q[piece] - log_q[piece - 1])
         last = np.exp(log_c[piece - 1] + slope * (np.log(end) - log_q[piece - 1]))
         kept = np.asarray(self.q) < end * (1 - 1e-12)
-        return Spectrum(np.append(self.q[kept], end), np.append(self.c[kept], last), convention="2d")
+        return Spectrum(
+            np.append(self.q[kept], end), np.append(self.c[kept], last), convention="2d"
+        )
 
     def raised(self, factor: Number) -> "Spectrum":
         """The same surface with all heights times `factor`."""
@@ -136,8 +163,11 @@ class AbstractSpectrum(Tree):
         positive("factor", times)
         return Spectrum(self.q, self.c * times**2, convention="2d")
 
-    def draws(self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0) -> "list[Spectrum]":
-        """The same surface with another C and another upper cutoff, log-normal, for `em.friction` and `em.sweep`.
+    def draws(
+        self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0
+    ) -> "list[Spectrum]":
+        """The same surface with another C and another upper cutoff, log-normal, for
+        `em.friction` and `em.sweep`.
 
         Args:
             n: how many, 2 or more.
@@ -155,36 +185,54 @@ class AbstractSpectrum(Tree):
         not_negative("level", sizes[0])
         not_negative("cutoff", sizes[1])
         if not sizes.any():
-            raise InputError("level or cutoff must be above 0: nothing says how uncertain the surface is.")
+            raise InputError(
+                "level or cutoff must be above 0: nothing says how uncertain the "
+                "surface is."
+            )
         factors = np.exp(sizes * np.random.default_rng(seed).standard_normal((n, 2)))
         lowest = 1.001 * self.q_low
-        each = [self.raised(a**0.5).ended(max(self.q_high * b, lowest)) for a, b in factors]
+        each = [
+            self.raised(a**0.5).ended(max(self.q_high * b, lowest)) for a, b in factors
+        ]
         parts = {"C": sizes[0], "its upper cutoff": sizes[1]}
-        words = " and ".join(f"{name} to +- {size:.2g} (one sigma)" for name, size in parts.items() if size)
+        words = " and ".join(
+            f"{name} to +- {size:.2g} (one sigma)"
+            for name, size in parts.items()
+            if size
+        )
         return Draws(each, self.label, words)
 
-    def plot(self, axes: Sequence[Axes] | None = None, seed: int = 0) -> tuple[Axes, Axes]:
-        """The line made from `seed`, and the spectrum, side by side; returns the two matplotlib Axes."""
+    def plot(
+        self, axes: Sequence[Axes] | None = None, seed: int = 0
+    ) -> tuple[Axes, Axes]:
+        """The line made from `seed`, and the spectrum, side by side; returns the two
+        matplotlib Axes.
+        """
         from ..results.plotting import draw_surface
         from .synthesis import synthesise
 
-        return draw_surface(synthesise(self, seed), self, axes, f"Line of the method, seed {seed}")
+        return draw_surface(
+            synthesise(self, seed), self, axes, f"Line of the method, seed {seed}"
+        )
 
     def words(self) -> str:
         """rms values and both cutoffs, in a few words."""
         return (
-            f"rms height {self.rms_height:.4g} m, rms slope {self.rms_slope:.4g} (of the surface; of a cut "
-            f"{self.rms_slope / np.sqrt(2):.4g}), cutoffs {self.q_low:.4g} and {self.q_high:.4g} rad/m "
-            f"(wavelengths {2 * np.pi / self.q_low:.4g} and {2 * np.pi / self.q_high:.4g} m)"
+            f"rms height {self.rms_height:.4g} m, rms slope {self.rms_slope:.4g} (of "
+            f"the surface; of a cut {self.rms_slope / np.sqrt(2):.4g}), cutoffs "
+            f"{self.q_low:.4g} and {self.q_high:.4g} rad/m (wavelengths "
+            f"{2 * np.pi / self.q_low:.4g} and {2 * np.pi / self.q_high:.4g} m)"
         )
 
 
 class SelfAffine(AbstractSpectrum):
-    """A self-affine surface, C ~ q^(-2-2H) from q_rolloff to q_high and constant from q_low to q_rolloff.
+    """A self-affine surface, C ~ q^(-2-2H) from q_rolloff to q_high and constant from
+    q_low to q_rolloff.
 
-    Given by the Hurst exponent H (0 to 1), either the rms slope (of the surface, |grad h|) or the rms height [m], and
-    the cutoffs [rad/m]; without `q_rolloff` it is self-affine from q_low on. Differentiable with respect to all of
-    them. Raises `InputError`.
+    Given by the Hurst exponent H (0 to 1), either the rms slope (of the surface, |grad
+    h|) or the rms height [m], and the cutoffs [rad/m]; without `q_rolloff` it is
+    self-affine from q_low on. Differentiable with respect to all of them. Raises
+    `InputError`.
     """
 
     q: Float[np.ndarray, " n"]
@@ -206,24 +254,37 @@ class SelfAffine(AbstractSpectrum):
         require("hurst", hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         only_one(rms_slope=rms_slope, rms_height=rms_height)
         if q_low is None or q_high is None:
-            raise InputError("q_low and q_high must be given [rad/m]: friction depends on both cutoffs.")
+            raise InputError(
+                "q_low and q_high must be given [rad/m]: friction depends on both "
+                "cutoffs."
+            )
         low, high = scalar("q_low", q_low), scalar("q_high", q_high)
         knee = low if q_rolloff is None else scalar("q_rolloff", q_rolloff)
         positive("q_low", low)
         positive("q_high", high)
-        name, wanted = ("rms_slope", rms_slope) if rms_height is None else ("rms_height", rms_height)
+        name, wanted = (
+            ("rms_slope", rms_slope)
+            if rms_height is None
+            else ("rms_height", rms_height)
+        )
         value = scalar(name, wanted)
         positive(name, value)
         traced = is_traced(hurst, low, knee, high, value)
         if not is_traced(low, knee, high) and not low <= knee < high:
-            raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
+            raise InputError(
+                f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} "
+                f"and {high:g} rad/m."
+            )
         whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
         q, c = _power_law(hurst, [low, high] if whole else [low, knee, high], knee)
         fill(self, hurst=hurst, q=q, c=c)
         fill(self, c=_scaled(c, value, getattr(self, name)))
         if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
             said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
-            raise InputError(f"{name} must be of a surface whose power spectrum double precision holds, got {said}.")
+            raise InputError(
+                f"{name} must be of a surface whose power spectrum double "
+                f"precision holds, got {said}."
+            )
 
     def __repr__(self) -> str:
         if is_traced(self):
@@ -243,16 +304,19 @@ def _scaled(c: Any, value: Any, unscaled: Any) -> Array:
 
 
 class Spectrum(AbstractSpectrum):
-    """An isotropic surface by a table of its power spectrum; `convention` says how it is normalised, never guessed.
+    """An isotropic surface by a table of its power spectrum; `convention` says how it
+    is normalised, never guessed.
 
-    - "2d": C(q) [m^4] with <h^2> = int C d^2q;  "2d/4pi^2": with <h^2> = int C d^2q/(4 pi^2)
-    - "1d": spectrum of a straight cut [m^3], <h^2> = int C dq over all q;  "1d one-sided": over q > 0;
-      "1d/2pi": int C dq/(2 pi) over all q;  "1d one-sided/2pi": over q > 0. Turned
-      into the two-dimensional one of an isotropic surface,
-      C = -(1/pi) int_q^inf C_cut'(k)/sqrt(k^2 - q^2) dk, by pieces, exact for a table joined by straight lines.
+    - "2d": C(q) [m^4] with <h^2> = int C d^2q;  "2d/4pi^2": with <h^2> = int C d^2q/(4
+      pi^2)
+    - "1d": spectrum of a straight cut [m^3], <h^2> = int C dq over all q;  "1d
+      one-sided": over q > 0; "1d/2pi": int C dq/(2 pi) over all q;  "1d one-sided/2pi":
+      over q > 0. Turned into the two-dimensional one of an isotropic surface, C =
+      -(1/pi) int_q^inf C_cut'(k)/sqrt(k^2 - q^2) dk, by pieces, exact for a table
+      joined by straight lines.
 
-    `q` [rad/m] ascends, without repeats. Compare `rms_height` and `rms_slope` with what is known of the surface: a
-    wrong convention shows there. Raises `InputError`.
+    `q` [rad/m] ascends, without repeats. Compare `rms_height` and `rms_slope` with what
+    is known of the surface: a wrong convention shows there. Raises `InputError`.
     """
 
     q: Float[np.ndarray, " n"]
@@ -264,10 +328,14 @@ class Spectrum(AbstractSpectrum):
         check_convention(convention)
         q, c = np.asarray(as_float64("q", q)), as_float64("c", c)
         if is_traced(c) and not convention.startswith("2d"):
-            raise InputError(f"c must be a plain list under JAX's transformations for convention={convention!r}.")
+            raise InputError(
+                "c must be a plain list under JAX's transformations for "
+                f"convention={convention!r}."
+            )
         if c.ndim == 2:
             raise InputError(
-                f"c must be the spectrum of an isotropic surface, a list as long as q, got a map of shape {c.shape}: "
+                "c must be the spectrum of an isotropic surface, a list as long as "
+                f"q, got a map of shape {c.shape}: "
                 "average it over directions, or give the heights to em.read_surface."
             )
         alike(2, q=q, c=c)
@@ -277,20 +345,29 @@ class Spectrum(AbstractSpectrum):
         if convention == "2d/4pi^2":
             c = c / (4 * np.pi**2)
         elif convention != "2d":
-            factor = (0.5 if "one-sided" in convention else 1.0) / (2 * np.pi if "/2pi" in convention else 1.0)
+            factor = (0.5 if "one-sided" in convention else 1.0) / (
+                2 * np.pi if "/2pi" in convention else 1.0
+            )
             q, c = _from_cut(q, np.asarray(factor * c))
         fill(self, convention=convention, q=q, c=c)
 
     def __repr__(self) -> str:
-        return f"Spectrum({self.q.size} points, convention={self.convention!r}, {self.words()})"
+        return (
+            f"Spectrum({self.q.size} points, convention={self.convention!r}, "
+            f"{self.words()})"
+        )
 
 
 def check_convention(convention: Any) -> None:
     """Raises `InputError`, with all that there are, where it is none."""
     if not isinstance(convention, str) or convention not in CONVENTIONS:
         hint = closest(str(convention), CONVENTIONS)
-        listed = "; ".join(f"{name!r}: {meaning}" for name, meaning in CONVENTIONS.items())
-        raise InputError(f"convention must be one of {listed}; got {convention!r}.{hint}")
+        listed = "; ".join(
+            f"{name!r}: {meaning}" for name, meaning in CONVENTIONS.items()
+        )
+        raise InputError(
+            f"convention must be one of {listed}; got {convention!r}.{hint}"
+        )
 
 
 def _plain(value: Any) -> Any:
@@ -298,19 +375,27 @@ def _plain(value: Any) -> Any:
 
 
 def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The two-dimensional spectrum of an isotropic surface from that of its cuts, at all points but the last."""
+    """The two-dimensional spectrum of an isotropic surface from that of its cuts, at
+    all points but the last.
+    """
     if q.size < 3:
-        raise InputError(f"q must have three points at least where c is the spectrum of a cut, got {q.size}.")
+        raise InputError(
+            "q must have three points at least where c is the spectrum of a cut, "
+            "got "
+            f"{q.size}."
+        )
     slope = np.diff(cut) / np.diff(q)
     ratio = np.maximum(q[None, :] / q[:-1, None], 1.0)
     c = -(np.diff(np.arccosh(ratio), axis=1) @ slope) / np.pi
-    # Beyond the last point the cut falls to zero at once: its step there is that of the ring |q| = q_high.
+    # Beyond the last point the cut falls to zero at once: its step there is that of the
+    # ring |q| = q_high.
     c += cut[-1] / (np.pi * np.sqrt(q[-1] ** 2 - q[:-1] ** 2))
     if not (c > 0).all():
         where = q[:-1][c <= 0][0]
         raise InputError(
-            f"c must fall with q where it is the spectrum of a cut through an isotropic surface, which it does not "
-            f"about q = {where:g} rad/m: average it over wider bands of q, or leave the part below the roll-off out."
+            "c must fall with q where it is the spectrum of a cut through an "
+            f"isotropic surface, which it does not about q = {where:g} rad/m: average "
+            "it over wider bands of q, or leave the part below the roll-off out."
         )
     return q[:-1], c
 
@@ -318,5 +403,8 @@ def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def as_spectrum(name: str, value: Any) -> AbstractSpectrum:
     """`value` if it is a spectrum. Raises `InputError`."""
     if not isinstance(value, AbstractSpectrum):
-        raise InputError(f"{name} must be an em.SelfAffine, an em.Spectrum or a measured surface, got {value!r}.")
+        raise InputError(
+            f"{name} must be an em.SelfAffine, an em.Spectrum or a measured "
+            f"surface, got {value!r}."
+        )
     return value

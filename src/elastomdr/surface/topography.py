@@ -1,17 +1,19 @@
 """The isotropic spectrum C(q) of measured heights.
 
-With a Hann window w, <w^2> = 1, and heights h about their straight line or plane, the periodogram of a profile and of a
-map is
+With a Hann window w, <w^2> = 1, and heights h about their straight line or plane, the
+periodogram of a profile and of a map is
 
     P(k) = L/(2 pi) |a_k|^2,    P(k) = L_x L_y/(4 pi^2) |a_k|^2,    a_k = (1/n) sum w h exp(-i k x).
 
-C is a power law between nodes, ten per decade. It is the maximum of the likelihood of P, whose waves are exponentially
-distributed about their expectation E (Whittle 1953), and of a prior that bends ln C by 0.5 from node to node:
+C is a power law between nodes, ten per decade. It is the maximum of the likelihood of
+P, whose waves are exponentially distributed about their expectation E (Whittle 1953),
+and of a prior that bends ln C by 0.5 from node to node:
 
     sum N (ln E + P/E) + sum (d^2 ln C)^2/(2 0.5^2).
 
-E is C(|k|) for a map and 2 int_0^inf C(sqrt(k^2 + l^2)) dl for a profile, both smeared by the window. N is the number
-of independent waves. Nothing is scaled to the rms height of the data. Several scans add their likelihoods.
+E is C(|k|) for a map and 2 int_0^inf C(sqrt(k^2 + l^2)) dl for a profile, both smeared
+by the window. N is the number of independent waves. Nothing is scaled to the rms height
+of the data. Several scans add their likelihoods.
 """
 
 import warnings
@@ -28,17 +30,28 @@ from .spectrum import Spectrum
 _NODES = 10  # per decade of q
 _FINE = 40  # bands per decade in which waves are averaged
 _BEND = 0.5  # of ln C from node to node, standard deviation of the prior
-_BEYOND = 10  # nodes after the last wave used: they carry what a profile's cut has of shorter waves
-_FIRST = 2.0  # lowest wave used, in waves per length of the scan: window and plane hide longer ones
-_STEPS = 4.0  # steps in the shortest wave used; aliasing and the averaging over a pixel change C by less than 15 %
-_INDEPENDENT = 18 / 35  # share of waves that are independent under a Hann window, <w^2>^2/<w^4>, along each direction
-_TAPS, _SMEAR = np.array([-1, 0, 1]), np.array([1, 4, 1]) / 6  # |window|^2 in waves per length, and its weights
-_WHITE = -1.85  # exponent of C above which the shortest octave is taken for noise; aliasing gives -1.9 at H = 0.5
+# nodes after the last wave used: they carry what a profile's cut has of shorter waves
+_BEYOND = 10
+# lowest wave used, in waves per length of the scan: window and plane hide longer ones
+_FIRST = 2.0
+# steps in the shortest wave used; aliasing and the averaging over a pixel change C by
+# less than 15 %
+_STEPS = 4.0
+# share of waves that are independent under a Hann window, <w^2>^2/<w^4>, along each
+# direction
+_INDEPENDENT = 18 / 35
+# |window|^2 in waves per length, and its weights
+_TAPS, _SMEAR = np.array([-1, 0, 1]), np.array([1, 4, 1]) / 6
+# exponent of C above which the shortest octave is taken for noise; aliasing gives -1.9
+# at H = 0.5
+_WHITE = -1.85
 _NOISE = 8.0  # C over the noise that is kept
 _STEEP = -6.0  # exponent of C below which an instrument did not resolve the waves
-_CLIFF = 2.5  # change of the exponent from band to band at which a spectrum ends at once
+# change of the exponent from band to band at which a spectrum ends at once
+_CLIFF = 2.5
 _STEEPEST = 3.0  # rms slope above which units are doubted
-_UNEQUAL = 2.0  # factor between C of two directions from which there is a Python warning
+# factor between C of two directions from which there is a Python warning
+_UNEQUAL = 2.0
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
@@ -52,7 +65,8 @@ class Scan(NamedTuple):
     height: np.ndarray  # (n,) or (n_x, n_y), NaN in holes [m]
     steps: tuple[float, ...]  # distance of neighbours along each direction [m]
     report: tuple[str, ...] = ()  # what was mended before
-    holes: np.ndarray | None = None  # where holes are too large to hold short waves when they are bridged
+    # where holes are too large to hold short waves when they are bridged
+    holes: np.ndarray | None = None
 
 
 class _Waves(NamedTuple):
@@ -72,9 +86,13 @@ class _Waves(NamedTuple):
     def first(self) -> float:
         return _FIRST * max(self.lowest)
 
-    def banded(self, low: float, high: float, density: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def banded(
+        self, low: float, high: float, density: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """q, mean power and number of independent waves in bands that hold any."""
-        edges = np.geomspace(low * 0.999, high * 1.001, max(2, int(density * np.log10(high / low)) + 1))
+        edges = np.geomspace(
+            low * 0.999, high * 1.001, max(2, int(density * np.log10(high / low)) + 1)
+        )
         band = np.digitize(self.q, edges) - 1
         inside = (band >= 0) & (band < edges.size - 1)
         band, count = band[inside], self.copies[inside]
@@ -83,7 +101,11 @@ class _Waves(NamedTuple):
             for values in (1.0, np.log(self.q[inside]), self.power[inside])
         ]
         number, logs, power = (total[sums[0] > 0] for total in sums)
-        return np.exp(logs / number), power / number, number / 2 * _INDEPENDENT**self.dimensions
+        return (
+            np.exp(logs / number),
+            power / number,
+            number / 2 * _INDEPENDENT**self.dimensions,
+        )
 
 
 class _Limit(NamedTuple):
@@ -97,10 +119,13 @@ class _Fit(NamedTuple):
     q: np.ndarray
     c: np.ndarray
     error: np.ndarray  # standard error of ln C
-    expected: tuple[np.ndarray, np.ndarray]  # wave numbers, and the mean power that C lets expect there
+    # wave numbers, and the mean power that C lets expect there
+    expected: tuple[np.ndarray, np.ndarray]
 
 
-def surface(scans: Sequence[Scan], shortest: float | None, detrend: bool) -> MeasuredSurface:
+def surface(
+    scans: Sequence[Scan], shortest: float | None, detrend: bool
+) -> MeasuredSurface:
     """The measured surface of one scan or of several of the same surface.
 
     Args:
@@ -109,14 +134,25 @@ def surface(scans: Sequence[Scan], shortest: float | None, detrend: bool) -> Mea
         detrend: whether a straight line or plane is subtracted from each scan.
 
     Raises:
-        InputError: where a scan is too small, flat, not in metres, or shorter than `shortest`.
+        InputError: where a scan is too small, flat, not in metres, or shorter than
+            `shortest`.
     """
     ready = [_mended(scan, detrend) for scan in scans]
-    names = [""] if len(scans) == 1 else [f"scan {i}: " for i in range(1, len(scans) + 1)]
-    report = [name + text for name, scan in zip(names, ready, strict=True) for text in scan.report]
+    names = (
+        [""] if len(scans) == 1 else [f"scan {i}: " for i in range(1, len(scans) + 1)]
+    )
+    report = [
+        name + text
+        for name, scan in zip(names, ready, strict=True)
+        for text in scan.report
+    ]
     waves = [_waves(scan) for scan in ready]
     limits = [_limit(each, scan) for each, scan in zip(waves, ready, strict=True)]
-    report += [name + limit.reason for name, limit in zip(names, limits, strict=True) if limit.reason]
+    report += [
+        name + limit.reason
+        for name, limit in zip(names, limits, strict=True)
+        if limit.reason
+    ]
     highest = [limit.q for limit in limits]
     finest = int(np.argmax(highest))
     if shortest is not None:
@@ -124,8 +160,9 @@ def surface(scans: Sequence[Scan], shortest: float | None, detrend: bool) -> Mea
         longest = min(2 * np.pi / each.first for each in waves)
         if not least <= shortest <= longest / 2:
             raise InputError(
-                f"shortest must be two steps of the data or more and a quarter of their length or less, {least:.4g} to "
-                f"{longest / 2:.4g} m, got {shortest:.4g} m."
+                "shortest must be two steps of the data or more and a quarter of "
+                f"their length or less, {least:.4g} to {longest / 2:.4g} m, got "
+                f"{shortest:.4g} m."
             )
         highest = [min(q, 2 * np.pi / shortest) for q in highest]
         highest[finest] = 2 * np.pi / shortest
@@ -133,8 +170,9 @@ def surface(scans: Sequence[Scan], shortest: float | None, detrend: bool) -> Mea
         if high < 2 * each.first:
             why = f" ({limit.reason})" if limit.reason else ""
             raise InputError(
-                f"heights must hold waves from {2 * np.pi / each.first:.4g} m down to half of that or less, got none "
-                f"shorter than {2 * np.pi / high:.4g} m{why}."
+                f"heights must hold waves from {2 * np.pi / each.first:.4g} m down to "
+                f"half of that or less, got none shorter than {2 * np.pi / high:.4g} "
+                f"m{why}."
             )
     alone = [_fitted([each], [high]) for each, high in zip(waves, highest, strict=True)]
     fit = alone[0]
@@ -145,9 +183,19 @@ def surface(scans: Sequence[Scan], shortest: float | None, detrend: bool) -> Mea
     widest = int(np.argmin([each.first for each in waves]))
     height = float(ready[widest].height.std())
     report.append(_heights(fit, height))
-    for name, scan, each, one, high in zip(names, ready, waves, alone, highest, strict=True):
-        report += [name + text for text in (_slopes(scan, each, one), *_directions(each, high))]
-    return MeasuredSurface(q=fit.q, c=fit.c, relative_error=fit.error, measured_height=height, report=tuple(report))
+    for name, scan, each, one, high in zip(
+        names, ready, waves, alone, highest, strict=True
+    ):
+        report += [
+            name + text for text in (_slopes(scan, each, one), *_directions(each, high))
+        ]
+    return MeasuredSurface(
+        q=fit.q,
+        c=fit.c,
+        relative_error=fit.error,
+        measured_height=height,
+        report=tuple(report),
+    )
 
 
 def _mended(scan: Scan, detrend: bool) -> Scan:
@@ -158,7 +206,9 @@ def _mended(scan: Scan, detrend: bool) -> Scan:
     if min(height.shape) < least:
         size = " x ".join(map(str, height.shape))
         kind = (
-            f"a profile must have {least} points" if height.ndim == 1 else f"a map must have {least} x {least} points"
+            f"a profile must have {least} points"
+            if height.ndim == 1
+            else f"a map must have {least} x {least} points"
         )
         hint = "; give a profile as an array of shape (n,)" if 1 in height.shape else ""
         raise InputError(f"heights: {kind} or more, got {size}{hint}.")
@@ -168,43 +218,75 @@ def _mended(scan: Scan, detrend: bool) -> Scan:
     if missing.any() and height.ndim == 1:
         x = np.arange(height.size)
         height = np.interp(x, x[~missing], height[~missing])
-        report.append(f"{int(missing.sum())} of {missing.size} points without a value bridged by straight lines")
+        report.append(
+            f"{int(missing.sum())} of {missing.size} points without a value "
+            "bridged "
+            "by straight lines"
+        )
     elif missing.any():
-        report.append(f"{int(missing.sum())} of {missing.size} points without a value bridged smoothly")
+        report.append(
+            f"{int(missing.sum())} of {missing.size} points without a value "
+            "bridged "
+            "smoothly"
+        )
         height = _bridged(height)
     height = height - height.mean()
     if detrend:
-        for axis, n in enumerate(height.shape):  # even grids: the directions of a plane are orthogonal
-            x = np.expand_dims(np.arange(n) - (n - 1) / 2, [i for i in range(height.ndim) if i != axis])
-            height = height - x * (x * height).sum() / (x**2 * np.ones(height.shape)).sum()
+        # even grids: the directions of a plane are orthogonal
+        for axis, n in enumerate(height.shape):
+            x = np.expand_dims(
+                np.arange(n) - (n - 1) / 2, [i for i in range(height.ndim) if i != axis]
+            )
+            height = (
+                height - x * (x * height).sum() / (x**2 * np.ones(height.shape)).sum()
+            )
     # What rounding leaves of a plane is no roughness.
     if not height.std() > 1e-12 * np.abs(np.where(missing, 0, scan.height)).max():
-        raise InputError("heights must differ from a straight line or plane, got a flat surface.")
+        raise InputError(
+            "heights must differ from a straight line or plane, got a flat surface."
+        )
     holes = ndimage.binary_opening(missing, np.ones((_HOLE,) * height.ndim))
     if holes.all():
         raise InputError("heights must have values outside of holes, got hardly any.")
     if holes.mean() > _HOLLOW:
         report.append(
-            f"{holes.mean():.0%} of the scan are large holes, which hold no short waves: C is that of the rest"
+            f"{holes.mean():.0%} of the scan are large holes, which hold no short "
+            "waves: C is that of the rest"
         )
     return Scan(height, scan.steps, tuple(report), holes)
 
 
 def _waves(scan: Scan) -> _Waves:
-    window, holes = np.ones(()), np.zeros((), dtype=bool) if scan.holes is None else scan.holes
+    window, holes = (
+        np.ones(()),
+        np.zeros((), dtype=bool) if scan.holes is None else scan.holes,
+    )
     for n in scan.height.shape:
-        window = np.multiply.outer(window, np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2)
+        window = np.multiply.outer(
+            window, np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2
+        )
     height = scan.height * window / np.sqrt((window**2 * ~holes).sum() / window.size)
-    lowest = tuple(2 * np.pi / (n * step) for n, step in zip(height.shape, scan.steps, strict=True))
+    lowest = tuple(
+        2 * np.pi / (n * step) for n, step in zip(height.shape, scan.steps, strict=True)
+    )
     power = np.abs(np.fft.rfftn(height) / height.size) ** 2 / np.prod(lowest)
-    k = [2 * np.pi * np.fft.fftfreq(n, step) for n, step in zip(height.shape, scan.steps, strict=True)]
+    k = [
+        2 * np.pi * np.fft.fftfreq(n, step)
+        for n, step in zip(height.shape, scan.steps, strict=True)
+    ]
     k[-1] = np.abs(k[-1][: power.shape[-1]])
     copies = np.full(power.shape, 2.0)
     copies[..., 0] = 1
     grid = np.meshgrid(*k, indexing="ij")
     q = np.sqrt(sum(part**2 for part in grid))
     q.flat[0] = 1e-3 * min(lowest)  # the mean, below every band; its logarithm exists
-    return _Waves(tuple(part.ravel() for part in grid), q.ravel(), power.ravel(), copies.ravel(), lowest)
+    return _Waves(
+        tuple(part.ravel() for part in grid),
+        q.ravel(),
+        power.ravel(),
+        copies.ravel(),
+        lowest,
+    )
 
 
 def _limit(waves: _Waves, scan: Scan) -> _Limit:
@@ -216,16 +298,36 @@ def _limit(waves: _Waves, scan: Scan) -> _Limit:
     quiet = _above_noise(q, power, number, nyquist, waves.dimensions)
     default = 2 * nyquist / _STEPS
     limit = min(default, resolved, quiet)
-    wave = f"cut at a wavelength of {2 * np.pi / limit:.4g} m, unless `shortest` says otherwise: the spectrum of"
+    wave = (
+        f"cut at a wavelength of {2 * np.pi / limit:.4g} m, unless `shortest` says "
+        "otherwise: the spectrum of"
+    )
     if limit == default:
         return _Limit(limit)
     if limit == quiet:
-        return _Limit(limit, f"{wave} shorter waves flattens to white noise of the instrument")
-    return _Limit(limit, f"{wave} shorter waves falls faster than that of any surface, they were not resolved")
+        return _Limit(
+            limit, f"{wave} shorter waves flattens to white noise of the instrument"
+        )
+    return _Limit(
+        limit,
+        (
+            f"{wave} shorter waves falls faster than that of any surface, they were "
+            "not "
+            "resolved"
+        ),
+    )
 
 
-def _above_noise(q: np.ndarray, power: np.ndarray, number: np.ndarray, nyquist: float, dimensions: int) -> float:
-    """The last wave number at which the power is well above the level that the shortest waves flatten to."""
+def _above_noise(
+    q: np.ndarray,
+    power: np.ndarray,
+    number: np.ndarray,
+    nyquist: float,
+    dimensions: int,
+) -> float:
+    """The last wave number at which the power is well above the level that the shortest
+    waves flatten to.
+    """
     octave = q > nyquist / 2
     if octave.sum() < 3:
         return np.inf
@@ -238,25 +340,36 @@ def _above_noise(q: np.ndarray, power: np.ndarray, number: np.ndarray, nyquist: 
     return float(q[above - 1]) if above > 3 else np.inf
 
 
-def _unblurred(q: np.ndarray, power: np.ndarray, number: np.ndarray, dimensions: int) -> float:
-    """The last wave number before the spectrum falls faster than that of any surface, and does not come back.
+def _unblurred(
+    q: np.ndarray, power: np.ndarray, number: np.ndarray, dimensions: int
+) -> float:
+    """The last wave number before the spectrum falls faster than that of any surface,
+    and does not come back.
 
-    A Gaussian blur lowers C by 8 to 13 % at a quarter of the wave number from which on C falls as q^-6. Where the
-    spectrum ends at once, its end is taken.
+    A Gaussian blur lowers C by 8 to 13 % at a quarter of the wave number from which on
+    C falls as q^-6. Where the spectrum ends at once, its end is taken.
     """
     local = np.diff(np.log(power)) / np.diff(np.log(q))  # exponents from band to band
-    chance = np.sqrt(6 / number[1:-1]) / np.log(q[1] / q[0])  # standard error of their differences
-    ends = np.append(False, (np.diff(local) < -_CLIFF - 3 * chance) & (local[:-1] > _STEEP))
+    # standard error of their differences
+    chance = np.sqrt(6 / number[1:-1]) / np.log(q[1] / q[0])
+    ends = np.append(
+        False, (np.diff(local) < -_CLIFF - 3 * chance) & (local[:-1] > _STEEP)
+    )
     for i in range(q.size - 3):
         four = slice(i, i + 4)
         exponent, error = _exponent(q[four], power[four], number[four])
-        if exponent + 2 * error < _STEEP + 2 - dimensions and power[i + 3 :].max() == power[i + 3]:
+        if (
+            exponent + 2 * error < _STEEP + 2 - dimensions
+            and power[i + 3 :].max() == power[i + 3]
+        ):
             last = i + np.flatnonzero(ends[i : i + 3])
             return float(q[last[0]] if last.size else np.sqrt(q[i] * q[i + 3]) / 4)
     return np.inf
 
 
-def _exponent(q: np.ndarray, power: np.ndarray, number: np.ndarray) -> tuple[float, float]:
+def _exponent(
+    q: np.ndarray, power: np.ndarray, number: np.ndarray
+) -> tuple[float, float]:
     """The exponent of a power law through bands of waves, and its standard error."""
     x = np.log(q) - np.average(np.log(q), weights=number)
     spread = float((number * x**2).sum())
@@ -264,7 +377,9 @@ def _exponent(q: np.ndarray, power: np.ndarray, number: np.ndarray) -> tuple[flo
 
 
 def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
-    """C at nodes from the first wave used to the highest one, see the head of this file."""
+    """C at nodes from the first wave used to the highest one, see the head of this
+    file.
+    """
     low, high = min(max(each.lowest) for each in waves), max(highest)
     first = min(each.first for each in waves)
     count = int(np.ceil(_NODES * np.log10(high / first)))
@@ -280,7 +395,9 @@ def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
         terms.append((q, power, number, weight, hats))
     q = np.concatenate([term[0] for term in terms])
     shape = np.concatenate([term[1] / term[3].sum(axis=1) for term in terms])
-    log_c = np.polyval(np.polyfit(np.log(q), np.log(np.maximum(shape, 1e-300)), 1), nodes)
+    log_c = np.polyval(
+        np.polyfit(np.log(q), np.log(np.maximum(shape, 1e-300)), 1), nodes
+    )
     bend = np.diff(np.eye(nodes.size), 2, axis=0) / _BEND
     curvature, mean = bend.T @ bend, q
     for _ in range(200):
@@ -301,10 +418,14 @@ def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
 
 
 def _expected(waves: _Waves, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Wave numbers and weights whose sum over C is the mean power at `q`, each (len(q), terms)."""
+    """Wave numbers and weights whose sum over C is the mean power at `q`, each (len(q),
+    terms).
+    """
     if waves.dimensions == 2:
         angle = np.pi * (np.arange(16) + 0.5) / 16
-        x = (q[:, None] * np.cos(angle))[..., None, None] + waves.lowest[0] * _TAPS[:, None]
+        x = (q[:, None] * np.cos(angle))[..., None, None] + waves.lowest[0] * _TAPS[
+            :, None
+        ]
         y = (q[:, None] * np.sin(angle))[..., None, None] + waves.lowest[1] * _TAPS
         place, weight = np.hypot(x, y), _SMEAR[:, None] * _SMEAR / angle.size
     else:  # q = k cosh(u)
@@ -312,14 +433,17 @@ def _expected(waves: _Waves, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         k = np.abs(q[:, None, None] + waves.lowest[0] * _TAPS[:, None])
         place = k * np.cosh(u)
         weight = _SMEAR[:, None] * 2 * place * np.where(u > 0, step, step / 2)
-    return place.reshape(q.size, -1), np.broadcast_to(weight, place.shape).reshape(q.size, -1)
+    return place.reshape(q.size, -1), np.broadcast_to(weight, place.shape).reshape(
+        q.size, -1
+    )
 
 
 def _check_metres(fit: _Fit) -> None:
     slope = _moment(fit, 3) ** 0.5
     if slope > _STEEPEST:
         raise InputError(
-            f"heights must have an rms slope of {_STEEPEST:g} or less, got {slope:.3g}: heights or pixel_size may be "
+            f"heights must have an rms slope of {_STEEPEST:g} or less, got "
+            f"{slope:.3g}: heights or pixel_size may be "
             "in the wrong unit."
         )
 
@@ -337,50 +461,88 @@ def _overlap(alone: Sequence[_Fit]) -> str:
             q = one.q[(one.q >= other.q[0]) & (one.q <= other.q[-1])]
             if q.size == 0:
                 continue
-            values = [np.interp(np.log(q), np.log(fit.q), np.log(fit.c)) for fit in (one, other)]
+            values = [
+                np.interp(np.log(q), np.log(fit.q), np.log(fit.c))
+                for fit in (one, other)
+            ]
             apart = np.abs(values[0] - values[1])
             if apart.max() > worst:
                 worst, place = float(apart.max()), float(q[apart.argmax()])
     if place == 0:
         return f"{len(alone)} scans joined; their spectra do not overlap"
-    return (f"{len(alone)} scans joined; where they overlap their C differ by a factor of {np.exp(worst):.3g} or less "
-            f"(at a wavelength of {2 * np.pi / place:.3g} m)")  # fmt: skip
+    return (
+        f"{len(alone)} scans joined; where they overlap their C differ by a factor of "
+        f"{np.exp(worst):.3g} or less (at a wavelength of {2 * np.pi / place:.3g} m)"
+    )
 
 
 def _heights(fit: _Fit, measured: float) -> str:
     held = _moment(fit, 1) ** 0.5
     share = max(0.0, 1 - (held / measured) ** 2)
-    return (f"rms height {measured:.4g} m in the data, {held:.4g} m in the spectrum: {share:.0%} of <h^2> is in waves "
-            f"longer than {2 * np.pi / fit.q[0]:.4g} m, which the spectrum leaves out")  # fmt: skip
+    return (
+        f"rms height {measured:.4g} m in the data, {held:.4g} m in the spectrum: "
+        f"{share:.0%} of <h^2> is in waves longer than {2 * np.pi / fit.q[0]:.4g} m, "
+        "which the spectrum leaves out"
+    )
 
 
 def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
-    """The rms slope by differences of neighbours, and what the spectrum lets expect of it.
+    """The rms slope by differences of neighbours, and what the spectrum lets expect of
+    it.
 
-    A difference over a step d sees a wave times sin(k d/2)/(k d/2). Where C says nothing, the power of the data stands.
+    A difference over a step d sees a wave times sin(k d/2)/(k d/2). Where C says
+    nothing, the power of the data stands.
     """
-    measured = sum(np.mean(np.diff(scan.height, axis=i) ** 2) / d**2 for i, d in enumerate(scan.steps)) ** 0.5
-    part = sum((2 * np.sin(k * d / 2) / d) ** 2 for k, d in zip(waves.k, scan.steps, strict=True))
+    measured = (
+        sum(
+            np.mean(np.diff(scan.height, axis=i) ** 2) / d**2
+            for i, d in enumerate(scan.steps)
+        )
+        ** 0.5
+    )
+    part = sum(
+        (2 * np.sin(k * d / 2) / d) ** 2
+        for k, d in zip(waves.k, scan.steps, strict=True)
+    )
     part = part * np.prod(waves.lowest)
     q, mean = fit.expected
     inside = (waves.q >= q[0]) & (waves.q <= q[-1])
-    power = np.where(inside, np.exp(np.interp(np.log(waves.q), np.log(q), np.log(mean))), waves.power)
+    power = np.where(
+        inside, np.exp(np.interp(np.log(waves.q), np.log(q), np.log(mean))), waves.power
+    )
     square = float((waves.copies * part * power).sum())
-    scatter = float((2 * waves.copies * (part * power) ** 2).sum() / _INDEPENDENT**waves.dimensions) ** 0.5 / square
-    text = f"rms slope {measured:.4g} by differences of neighbours, {square**0.5:.4g} expected from the spectrum"
+    scatter = (
+        float(
+            (2 * waves.copies * (part * power) ** 2).sum()
+            / _INDEPENDENT**waves.dimensions
+        )
+        ** 0.5
+        / square
+    )
+    text = (
+        f"rms slope {measured:.4g} by differences of neighbours, {square**0.5:.4g} "
+        "expected from the spectrum"
+    )
     if abs(2 * np.log(measured) - np.log(square)) > 3 * scatter + 0.2:
-        text += ": they disagree by more than chance allows, the data may hold steps, spikes or regions of their own"
+        text += (
+            ": they disagree by more than chance allows, the data may hold steps, "
+            "spikes or regions of their own"
+        )
     return text
 
 
 def _directions(waves: _Waves, highest: float) -> list[str]:
-    """What there is to say of a map whose spectrum depends on direction: the worst of six pairs at right angles."""
+    """What there is to say of a map whose spectrum depends on direction: the worst of
+    six pairs at right angles.
+    """
     if waves.dimensions == 1:
         return []
     angle = np.arctan2(waves.k[1], waves.k[0]) % np.pi
     sector = (np.floor(angle / (np.pi / 12) + 0.5).astype(int)) % 12
     edges = np.geomspace(
-        4 * max(waves.lowest), highest, max(2, round(2 * np.log2(highest / 4 / max(waves.lowest))) + 1)
+        4 * max(waves.lowest),
+        highest,
+        max(2, round(2 * np.log2(highest / 4 / max(waves.lowest))) + 1),
     )
     band = np.digitize(waves.q, edges) - 1
     inside = (band >= 0) & (band < edges.size - 1)
@@ -400,8 +562,11 @@ def _directions(waves: _Waves, highest: float) -> list[str]:
     if factor < 1.5 or np.abs(mean[worst]) < 4 * error[worst]:
         return []
     along = 15 * (worst + (0 if mean[worst] > 0 else 6))
-    text = (f"the surface is not isotropic: C along {along} degrees from x is {factor:.2g} times that across; "
-            "its mean over directions is used")  # fmt: skip
+    text = (
+        f"the surface is not isotropic: C along {along} degrees from x is "
+        f"{factor:.2g} times that across; "
+        "its mean over directions is used"
+    )
     if factor > _UNEQUAL:
         warnings.warn(text, UserWarning, stacklevel=4)
     return [text]
@@ -413,13 +578,20 @@ def _coarse(height: np.ndarray) -> list[str]:
     if levels.size > _COARSE:
         return []
     step = float(np.diff(levels).min()) if levels.size > 1 else 0.0
-    return [f"heights are coarsely rounded: {levels.size} levels, {step:.3g} m apart; short waves are rounding noise"]
+    return [
+        (
+            f"heights are coarsely rounded: {levels.size} levels, {step:.3g} m apart; "
+            "short waves are rounding noise"
+        )
+    ]
 
 
 def _bridged(height: np.ndarray) -> np.ndarray:
-    """A map with its holes filled as by a membrane: each point there is about the mean of its four neighbours.
+    """A map with its holes filled as by a membrane: each point there is about the mean
+    of its four neighbours.
 
-    From a map of half the points, bridged in the same way, so that a hole of any size needs few passes.
+    From a map of half the points, bridged in the same way, so that a hole of any size
+    needs few passes.
     """
     missing = ~np.isfinite(height)
     if not missing.any():
@@ -427,18 +599,28 @@ def _bridged(height: np.ndarray) -> np.ndarray:
     padded = np.pad(height, [(0, n % 2) for n in height.shape], constant_values=np.nan)
     blocks = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2)
     count = np.isfinite(blocks).sum(axis=(1, 3))
-    coarse = np.where(count > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(count, 1), np.nan)
+    coarse = np.where(
+        count > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(count, 1), np.nan
+    )
     coarse = _bridged(coarse)
     for axis in (0, 1):  # between the middles of the blocks, by straight lines
-        at = np.clip((np.arange(2 * coarse.shape[axis]) - 0.5) / 2, 0, coarse.shape[axis] - 1)
+        at = np.clip(
+            (np.arange(2 * coarse.shape[axis]) - 0.5) / 2, 0, coarse.shape[axis] - 1
+        )
         low = np.minimum(at.astype(int), max(coarse.shape[axis] - 2, 0))
         high = np.minimum(low + 1, coarse.shape[axis] - 1)
         share = np.expand_dims(at - low, 1 - axis)
-        coarse = np.take(coarse, low, axis) * (1 - share) + np.take(coarse, high, axis) * share
+        coarse = (
+            np.take(coarse, low, axis) * (1 - share)
+            + np.take(coarse, high, axis) * share
+        )
     filled = np.where(missing, coarse[: height.shape[0], : height.shape[1]], height)
     i, j = np.nonzero(missing)
     last_i, last_j = height.shape[0] - 1, height.shape[1] - 1
-    around = [(np.clip(i + a, 0, last_i), np.clip(j + b, 0, last_j)) for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1))]
+    around = [
+        (np.clip(i + a, 0, last_i), np.clip(j + b, 0, last_j))
+        for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1))
+    ]
     for _ in range(_PASSES):
         filled[i, j] = sum(filled[at] for at in around) / 4
     return filled

@@ -23,12 +23,24 @@ from ..trees import Tree
 
 _BODIES = ("shape", "surface")
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature")
-_IMPACT = ("mass", "velocity", "temperature", "tangential_velocity", "friction", "inertia")
+_IMPACT = (
+    "mass",
+    "velocity",
+    "temperature",
+    "tangential_velocity",
+    "friction",
+    "inertia",
+)
 _UNITS = {
-    "velocity": "m/s", "load": "N", "depth": "m", "pressure": "Pa", "temperature": "K", "mass": "kg",
+    "velocity": "m/s",
+    "load": "N",
+    "depth": "m",
+    "pressure": "Pa",
+    "temperature": "K",
+    "mass": "kg",
     "inertia": "kg m^2",
     "tangential_velocity": "m/s",
-}  # fmt: skip
+}
 _POINTS = 10_000  # of a chunk: a second of work by Multiscale, 10 MB
 _FEWEST = 2_000  # of a chunk of several calls: to write one costs a few milliseconds
 _CHUNKS = 128  # if the points suffice, so that no worker waits long for the last one
@@ -51,8 +63,12 @@ class Axis(NamedTuple):
 
     @property
     def labels(self) -> np.ndarray:
-        """The coordinate of the axis: its numbers, or the names of its materials and surfaces."""
-        if all(isinstance(value, (bool, int, float, np.number)) for value in self.values):
+        """The coordinate of the axis: its numbers, or the names of its materials and
+        surfaces.
+        """
+        if all(
+            isinstance(value, (bool, int, float, np.number)) for value in self.values
+        ):
             return np.array(self.values)
         return np.array(distinct([_label(value) for value in self.values]))
 
@@ -70,11 +86,15 @@ class Grid(NamedTuple):
         return tuple(len(axis.values) for axis in self.axes)
 
     def sizes(self) -> tuple[int, ...]:
-        """How long a chunk is along each axis: arrays first, so that one call does as much as possible."""
+        """How long a chunk is along each axis: arrays first, so that one call does as
+        much as possible.
+        """
         most = _SLOW if self._slow() else _POINTS
         several = min(most, max(_FEWEST, math.prod(self.shape) // _CHUNKS))
         sizes = [1] * len(self.axes)
-        order = sorted(range(len(self.axes)), key=lambda i: (not self.axes[i].broadcast, -i))
+        order = sorted(
+            range(len(self.axes)), key=lambda i: (not self.axes[i].broadcast, -i)
+        )
         for i in order:
             left = (most if self.axes[i].broadcast else several) // math.prod(sizes)
             parts = math.ceil(self.shape[i] / max(1, left))
@@ -90,7 +110,9 @@ class Grid(NamedTuple):
         )
         names = {_name(model).lower().replace("-", "") for model in models}
         return (
-            self.call.__name__ == "impact" or "halfspace" in names or ("line" in names and any(map(is_rough, bodies)))
+            self.call.__name__ == "impact"
+            or "halfspace" in names
+            or ("line" in names and any(map(is_rough, bodies)))
         )
 
     def chunks(self) -> list[tuple[slice, ...]]:
@@ -101,7 +123,9 @@ class Grid(NamedTuple):
         ]
         return list(itertools.product(*along))
 
-    def calls(self, chunk: tuple[slice, ...]) -> Iterator[tuple[tuple[Any, ...], dict[str, Any]]]:
+    def calls(
+        self, chunk: tuple[slice, ...]
+    ) -> Iterator[tuple[tuple[Any, ...], dict[str, Any]]]:
         """The calls of a chunk: where their points lie in it, and their arguments."""
         together = [axis for axis in self.axes if axis.broadcast]
         arrays: dict[str, Any] = {}
@@ -109,9 +133,16 @@ class Grid(NamedTuple):
             part = chunk[self.axes.index(axis)]
             values = np.asarray(axis.values[part], dtype=float)
             arrays[axis.name] = values.reshape((-1,) + (1,) * (len(together) - 1 - i))
-        one_by_one = [(k, axis) for k, axis in enumerate(self.axes) if not axis.broadcast]
-        for places in itertools.product(*(range(*chunk[k].indices(self.shape[k])) for k, _ in one_by_one)):
-            given = {axis.name: axis.values[i] for (_, axis), i in zip(one_by_one, places, strict=True)}
+        one_by_one = [
+            (k, axis) for k, axis in enumerate(self.axes) if not axis.broadcast
+        ]
+        for places in itertools.product(
+            *(range(*chunk[k].indices(self.shape[k])) for k, _ in one_by_one)
+        ):
+            given = {
+                axis.name: axis.values[i]
+                for (_, axis), i in zip(one_by_one, places, strict=True)
+            }
             where: list[Any] = [slice(None)] * len(self.axes)
             for (k, _), i in zip(one_by_one, places, strict=True):
                 where[k] = i - chunk[k].start
@@ -122,49 +153,85 @@ class Grid(NamedTuple):
         if not self.draws:
             return arguments
         i = arguments.pop(_DRAW) - 1
-        exact = {"rtol": RTOL} if "rtol" in inspect.signature(self.call).parameters else {}
-        return exact | {name: value[i] if isinstance(value, Draws) else value for name, value in arguments.items()}
+        exact = (
+            {"rtol": RTOL} if "rtol" in inspect.signature(self.call).parameters else {}
+        )
+        return exact | {
+            name: value[i] if isinstance(value, Draws) else value
+            for name, value in arguments.items()
+        }
 
     def identity(self, version: str) -> dict[str, Any]:
-        """What a store has to have been made of to be gone on with: version, call and all values."""
+        """What a store has to have been made of to be gone on with: version, call and
+        all values.
+        """
         return {
             "elastomdr": version,
             "call": described(self.call),
             "axes": {axis.name: described(axis.values) for axis in self.axes},
-            "fixed": {name: described(value) for name, value in sorted(self.fixed.items())},
+            "fixed": {
+                name: described(value) for name, value in sorted(self.fixed.items())
+            },
         }
 
 
 def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
     """Checks the arguments of a sweep. Raises `InputError`."""
     if not callable(call) or not hasattr(call, "__name__"):
-        raise InputError(f"call must be em.friction, em.rolling, em.impact or a function like these, got {call!r}.")
+        raise InputError(
+            "call must be em.friction, em.rolling, em.impact or a function like "
+            f"these, got {call!r}."
+        )
     if not isinstance(axes, Mapping) or not axes:
-        raise InputError(f"axes must be a dict of one or more names to their values, got {axes!r}.")
+        raise InputError(
+            f"axes must be a dict of one or more names to their values, got {axes!r}."
+        )
     arrays = _IMPACT if call.__name__ == "impact" else _STEADY
     made = []
     for name, values in axes.items():
         if name in fixed:
             raise InputError(f"{name} must be an axis or fixed, got both.")
         if is_traced(values):
-            raise InputError(f"axes[{name!r}] must not be traced: a sweep writes numbers to a store.")
+            raise InputError(
+                f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
+            )
         listed = np.asarray(values).tolist() if hasattr(values, "__array__") else values
         if (
             isinstance(listed, (str, bytes, Mapping))
             or not hasattr(listed, "__len__")
             or not hasattr(listed, "__getitem__")
             or not len(listed)
-            or any(isinstance(value, list) and not isinstance(value, Draws) for value in listed)
+            or any(
+                isinstance(value, list) and not isinstance(value, Draws)
+                for value in listed
+            )
         ):
-            raise InputError(f"axes[{name!r}] must be a list or an array with one dimension, got {values!r}.")
+            raise InputError(
+                f"axes[{name!r}] must be a list or an array with one dimension, "
+                f"got {values!r}."
+            )
         if is_traced(*listed):
-            raise InputError(f"axes[{name!r}] must not be traced: a sweep writes numbers to a store.")
-        made.append(Axis(str(name), list(listed), name in arrays and None not in listed))
+            raise InputError(
+                f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
+            )
+        made.append(
+            Axis(str(name), list(listed), name in arrays and None not in listed)
+        )
     for name, value in fixed.items():
         if name in arrays and np.ndim(value):
-            raise InputError(f"{name} must be one value or an axis, got an array of the shape {np.shape(value)}.")
-        if name in ("material", *_BODIES) and isinstance(value, (list, tuple)) and not isinstance(value, Draws):
-            raise InputError(f"{name} must be one, draws of one, or an axis, got a list of {len(value)}.")
+            raise InputError(
+                f"{name} must be one value or an axis, got an array of the shape "
+                f"{np.shape(value)}."
+            )
+        if (
+            name in ("material", *_BODIES)
+            and isinstance(value, (list, tuple))
+            and not isinstance(value, Draws)
+        ):
+            raise InputError(
+                f"{name} must be one, draws of one, or an axis, got a list of "
+                f"{len(value)}."
+            )
     draws = _draws(made, fixed)
     made = [Axis(_DRAW, draws, False), *made] if draws else made
     found = Grid(call, made, fixed, bool(draws))
@@ -173,7 +240,9 @@ def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
         places, named = positional(arguments)
         inspect.signature(call).bind(*places, **named)
     except TypeError as error:
-        raise InputError(f"axes and fixed arguments must be those of {call.__name__}: {error}.") from error
+        raise InputError(
+            f"axes and fixed arguments must be those of {call.__name__}: {error}."
+        ) from error
     except ValueError:  # a function that has no signature
         pass
     return found
@@ -181,18 +250,28 @@ def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
 
 def _draws(axes: list[Axis], fixed: dict[str, Any]) -> list[int]:
     """The numbers of the draws, where there are any. Raises `InputError`."""
-    every = itertools.chain(fixed.items(), ((axis.name, value) for axis in axes for value in axis.values))
+    every = itertools.chain(
+        fixed.items(), ((axis.name, value) for axis in axes for value in axis.values)
+    )
     counts = {len(value): name for name, value in every if isinstance(value, Draws)}
     if len(counts) > 1:
         one, other = list(counts.items())[:2]
-        raise InputError(f"{other[1]} must have as many draws as {one[1]}, {one[0]}, got {other[0]}.")
-    if counts and any(name == _DRAW for name in (*fixed, *(axis.name for axis in axes))):
-        raise InputError(f"axes must not have one called {_DRAW!r} beside draws, which make it.")
+        raise InputError(
+            f"{other[1]} must have as many draws as {one[1]}, {one[0]}, got {other[0]}."
+        )
+    if counts and any(
+        name == _DRAW for name in (*fixed, *(axis.name for axis in axes))
+    ):
+        raise InputError(
+            f"axes must not have one called {_DRAW!r} beside draws, which make it."
+        )
     return [i for count in counts for i in range(1, count + 1)]
 
 
 def positional(arguments: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
-    """Material and body of a call, which have places, whatever the axes call a body; and the other arguments."""
+    """Material and body of a call, which have places, whatever the axes call a body;
+    and the other arguments.
+    """
     rest = dict(arguments)
     places = [rest.pop("material")] if "material" in rest else []
     body = [name for name in _BODIES if name in rest]
@@ -202,37 +281,71 @@ def positional(arguments: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
 
 
 def described(value: Any) -> Any:
-    """A value in JSON, exactly: two are equal if they say the same to a call; long ones by their digest."""
+    """A value in JSON, exactly: two are equal if they say the same to a call; long ones
+    by their digest.
+    """
     if isinstance(value, Draws):
-        return {"": "Draws", "name": value.name, "words": value.words, "each": described(list(value))}
+        return {
+            "": "Draws",
+            "name": value.name,
+            "words": value.words,
+            "each": described(list(value)),
+        }
     if isinstance(value, Tree) or hasattr(value, "__dataclass_fields__"):
-        return {"": type(value).__name__} | {key: described(each) for key, each in sorted(vars(value).items())}
+        return {"": type(value).__name__} | {
+            key: described(each) for key, each in sorted(vars(value).items())
+        }
     if isinstance(value, Mapping):
         return {str(key): described(each) for key, each in value.items()}
-    if isinstance(value, (list, tuple)) and not all(isinstance(each, (int, float)) for each in value):
+    if isinstance(value, (list, tuple)) and not all(
+        isinstance(each, (int, float)) for each in value
+    ):
         every = [described(each) for each in value]
-        return every if len(every) <= _LONG else f"{len(every)} entries, digest {_digest(json.dumps(every).encode())}"
+        return (
+            every
+            if len(every) <= _LONG
+            else f"{len(every)} entries, digest {_digest(json.dumps(every).encode())}"
+        )
     if isinstance(value, (list, tuple)) or hasattr(value, "shape"):
         array = np.ascontiguousarray(value)
         if array.size <= 12:
             return array.tolist() if np.ndim(value) else array.item()
         array = array.astype(float) if array.dtype.kind in "iu" else array
         ends = f"{array.flat[0]!s} to {array.flat[-1]!s}"
-        return f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest {_digest(array.tobytes())}"
+        return (
+            f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest "
+            f"{_digest(array.tobytes())}"
+        )
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    if hasattr(value, "__code__") and not str(value.__module__).startswith(f"{__name__.split('.')[0]}."):
-        inner = [cell.cell_contents for cell in value.__closure__ or () if cell.cell_contents is not value]
+    if hasattr(value, "__code__") and not str(value.__module__).startswith(
+        f"{__name__.split('.')[0]}."
+    ):
+        inner = [
+            cell.cell_contents
+            for cell in value.__closure__ or ()
+            if cell.cell_contents is not value
+        ]
         given = [value.__defaults__, value.__kwdefaults__, *inner]
-        return f"{value.__name__}, code {_digest(json.dumps([_code(value.__code__), described(given)]).encode())}"
-    if not hasattr(value, "__name__") and type(value).__repr__ is object.__repr__ and hasattr(value, "__dict__"):
+        return (
+            f"{value.__name__}, code "
+            f"{_digest(json.dumps([_code(value.__code__), described(given)]).encode())}"
+        )
+    if (
+        not hasattr(value, "__name__")
+        and type(value).__repr__ is object.__repr__
+        and hasattr(value, "__dict__")
+    ):
         return {"": type(value).__name__} | described(vars(value))
     return getattr(value, "__name__", None) or repr(value)
 
 
 def _code(code: CodeType) -> list[Any]:
     """What a function of a user does, without where it stands."""
-    constants = [_code(each) if isinstance(each, CodeType) else _constant(each) for each in code.co_consts]
+    constants = [
+        _code(each) if isinstance(each, CodeType) else _constant(each)
+        for each in code.co_consts
+    ]
     return [code.co_code.hex(), code.co_names, constants]
 
 
@@ -245,23 +358,39 @@ def _digest(data: bytes) -> str:
 
 
 def difference(made: Any, asked: Any, name: str = "") -> str:
-    """Where two identities differ first, in words that name both; an empty text where they do not."""
+    """Where two identities differ first, in words that name both; an empty text where
+    they do not.
+    """
     if isinstance(made, dict) and isinstance(asked, dict):
         for key in [*made, *(key for key in asked if key not in made)]:
-            text = difference(made.get(key), asked.get(key), f"{name}.{key}".strip(".") or name)
+            text = difference(
+                made.get(key), asked.get(key), f"{name}.{key}".strip(".") or name
+            )
             if text:
                 return text
         return ""
     if isinstance(made, list) and isinstance(asked, list) and len(made) == len(asked):
-        return next((t for i, pair in enumerate(zip(made, asked)) if (t := difference(*pair, f"{name}[{i}]"))), "")  # noqa: B905
-    short = [text if len(text) < 120 else f"{text[:117]}..." for text in (json.dumps(made), json.dumps(asked))]
+        return next(
+            (
+                t
+                for i, pair in enumerate(zip(made, asked))
+                if (t := difference(*pair, f"{name}[{i}]"))
+            ),
+            "",
+        )
+    short = [
+        text if len(text) < 120 else f"{text[:117]}..."
+        for text in (json.dumps(made), json.dumps(asked))
+    ]
     return "" if made == asked else f"{name} was {short[0]} and is {short[1]}"
 
 
 def _label(value: Any) -> str:
     if value is None or isinstance(value, (bool, int, float)):
         return str(value)
-    return str(getattr(value, "name", "") or getattr(value, "label", "") or _name(value))
+    return str(
+        getattr(value, "name", "") or getattr(value, "label", "") or _name(value)
+    )
 
 
 def _name(value: Any) -> str:

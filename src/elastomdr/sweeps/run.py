@@ -1,4 +1,6 @@
-"""`em.sweep`: the product of axes of a verb, on the cores of this machine or on a cluster."""
+"""`em.sweep`: the product of axes of a verb, on the cores of this machine or on a
+cluster.
+"""
 
 from __future__ import annotations
 
@@ -31,19 +33,22 @@ if TYPE_CHECKING:
 
 _NEEDED = ("dask", "distributed", "filelock", "tqdm", "xarray", "zarr")
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
-_CALM = {  # by default the processes of Dask look after themselves 50 times a second, for 5 % of a core
+# by default the processes of Dask look after themselves 50 times a second, for 5 % of a
+# core
+_CALM = {
     "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
     "DASK_DISTRIBUTED__WORKER__MEMORY__MONITOR_INTERVAL": "1s",
     "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
-    "DASK_LOGGING__DISTRIBUTED": "critical",  # a lost scheduler is said once, by the process that called
+    # a lost scheduler is said once, by the process that called
+    "DASK_LOGGING__DISTRIBUTED": "critical",
 }
 _LOGGED = 30  # seconds between two lines of progress in the log of a job
 _AHEAD = 4  # chunks under way or waiting for each thread of a worker
 _LEAST = 32  # under way or waiting: clusters that adapt themselves grow by what waits
 _LOOK = 5  # seconds between two looks at how large the cluster is
 _CLOSING = 5  # seconds for what is closed
-# Scheduler and workers of this machine end with the process that started them, even if that is killed, and leave what
-# is typed at its terminal, such as Ctrl-C, to it.
+# Scheduler and workers of this machine end with the process that started them, even if
+# that is killed, and leave what is typed at its terminal, such as Ctrl-C, to it.
 _BOUND = """
 import os, threading, time
 if os.getpgrp() != os.getpid():
@@ -66,52 +71,66 @@ def sweep(
     progress: bool = True,
     **fixed: Any,
 ) -> xarray.Dataset:
-    """Computes a verb at every combination of the values of several arguments, and keeps the results in a store.
+    """Computes a verb at every combination of the values of several arguments, and
+    keeps the results in a store.
 
-    Chunks of points are computed by worker processes; each is written to the store when it is done. Called again
-    with the same arguments and store, after an interruption say, it computes what is missing; what is damaged on the
-    disk, by the checksums of its files, as well, and warns of it.
+    Chunks of points are computed by worker processes; each is written to the store when
+    it is done. Called again with the same arguments and store, after an interruption
+    say, it computes what is missing; what is damaged on the disk, by the checksums of
+    its files, as well, and warns of it.
 
     Args:
-        call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that returns a result of one of these;
-            when its code has changed, it is another call.
-        axes: name of an argument to its values, in the order of the dimensions of the answer: numbers
-            (`velocity`, `load`, `pressure`, `temperature`, ...), materials, shapes and surfaces, models, or
-            whatever else the call accepts.
-        store: folder of the zarr store, new or of an earlier call with the same arguments.
-        client: a `dask.distributed.Client` of any cluster; None starts one process per core of this machine.
+        call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that
+            returns a result of one of these; when its code has changed, it is another
+            call.
+        axes: name of an argument to its values, in the order of the dimensions of the
+            answer: numbers (`velocity`, `load`, `pressure`, `temperature`, ...),
+            materials, shapes and surfaces, models, or whatever else the call accepts.
+        store: folder of the zarr store, new or of an earlier call with the same
+            arguments.
+        client: a `dask.distributed.Client` of any cluster; None starts one process per
+            core of this machine.
         progress: whether a bar shows the share that is done and the time that is left.
-        fixed: the other arguments of the call. Draws of a material, of a surface or of both, here or among the values
-            of an axis, make the first axis of the answer, `draw`: a material and a surface for each.
+        fixed: the other arguments of the call. Draws of a material, of a surface or of
+            both, here or among the values of an axis, make the first axis of the
+            answer, `draw`: a material and a surface for each.
 
     Returns:
-        An `xarray.Dataset` with the fields of the result that have one value per point; names and units are in its
-        attributes. Points that did not converge are NaN. `state` is 1 where a chunk is done and 2 where one of its
-        calls raised; the messages stand in the attribute `raised`.
+        An `xarray.Dataset` with the fields of the result that have one value per point;
+        names and units are in its attributes. Points that did not converge are NaN.
+        `state` is 1 where a chunk is done and 2 where one of its calls raised; the
+        messages stand in the attribute `raised`.
 
     Raises:
-        InputError: wrong axes; a store made with other inputs or by another version, in use by another process, or
-            whose metadata are damaged; a disk that is full; packages of `elastomdr[sweep]` that are not installed.
+        InputError: wrong axes; a store made with other inputs or by another version, in
+            use by another process, or whose metadata are damaged; a disk that is full;
+            packages of `elastomdr[sweep]` that are not installed.
         ConnectionError: the cluster was lost. What was done is kept.
     """
     missing = [name for name in _NEEDED if not _installed(name)]
     if missing:
-        raise InputError(f"em.sweep needs {', '.join(missing)}: pip install elastomdr[sweep]")
+        raise InputError(
+            f"em.sweep needs {', '.join(missing)}: pip install elastomdr[sweep]"
+        )
     if not isinstance(store, (str, os.PathLike)) or "://" in str(store):
         raise InputError(f"store must be a folder of this machine, got {store!r}.")
     path = Path(store).resolve()
     if not path.name:
         raise InputError(f"store must be a folder of this machine, got {store!r}.")
     if client is not None and not hasattr(client, "submit"):
-        raise InputError(f"client must be a dask.distributed.Client or None, got {client!r}.")
+        raise InputError(
+            f"client must be a dask.distributed.Client or None, got {client!r}."
+        )
     asked = grid(call, axes, fixed)
     with _alone(path):
         with _written(path):
             kept = Store(path, asked)
         if kept.damaged:
             warnings.warn(
-                f"{len(kept.damaged)} of {kept.state.size} chunks of store {str(path)!r} are damaged and computed "
-                f"again; the first: {next(iter(kept.damaged.values()))!r} is missing or not as it was written.",
+                f"{len(kept.damaged)} of {kept.state.size} chunks of store "
+                f"{str(path)!r} are damaged and computed again; the first: "
+                f"{next(iter(kept.damaged.values()))!r} is missing or not as it was "
+                "written.",
                 UserWarning,
                 stacklevel=2,
             )
@@ -120,14 +139,18 @@ def sweep(
             kept.finish()
     if raised := kept.raised():
         warnings.warn(
-            f"{len(raised)} of {kept.state.size} chunks hold calls that raised; their points are NaN. The first: "
-            f"{next(iter(raised.values()))} All are in the attribute 'raised'.",
+            f"{len(raised)} of {kept.state.size} chunks hold calls that raised; their "
+            f"points are NaN. The first: {next(iter(raised.values()))} All are in the "
+            "attribute 'raised'.",
             ConvergenceWarning,
             stacklevel=2,
         )
     elif failed := kept.not_converged():
         warnings.warn(
-            f"{failed} of {int(np.prod(asked.shape))} points did not converge; they are NaN.",
+            (
+                f"{failed} of {int(np.prod(asked.shape))} points did not converge; "
+                "they are NaN."
+            ),
             ConvergenceWarning,
             stacklevel=2,
         )
@@ -141,31 +164,56 @@ def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) ->
     chunks = asked.chunks()
     todo = [number for number in range(len(chunks)) if kept.state[number] == OPEN]
     total = int(np.prod(asked.shape))
-    sizes = [int(np.prod([place.stop - place.start for place in chunk])) for chunk in chunks]
+    sizes = [
+        int(np.prod([place.stop - place.start for place in chunk])) for chunk in chunks
+    ]
     left = sum(sizes[number] for number in todo)
     bar = tqdm(
-        total=total, initial=total - left, unit=" points", unit_scale=True, disable=not (progress and todo),
-        file=sys.stderr, delay=2, dynamic_ncols=True, mininterval=0.1 if sys.stderr.isatty() else _LOGGED,
-    )  # fmt: skip
-    apart = len(todo) > 1 or not kept.raised().keys().isdisjoint(todo)  # it may kill this process
+        total=total,
+        initial=total - left,
+        unit=" points",
+        unit_scale=True,
+        disable=not (progress and todo),
+        file=sys.stderr,
+        delay=2,
+        dynamic_ncols=True,
+        mininterval=0.1 if sys.stderr.isatty() else _LOGGED,
+    )
+    # it may kill this process
+    apart = len(todo) > 1 or not kept.raised().keys().isdisjoint(todo)
     with bar, _workers(client, len(todo) if apart else 0) as work:
         for number, found in work(asked, chunks, todo):
             with _written(kept.path):
-                if isinstance(found, str):  # it killed its workers, and is open for the next call
-                    kept.keep(number, {}, f"{_place(asked, chunks[number])}: {found}", [], OPEN)
+                # it killed its workers, and is open for the next call
+                if isinstance(found, str):
+                    kept.keep(
+                        number,
+                        {},
+                        f"{_place(asked, chunks[number])}: {found}",
+                        [],
+                        OPEN,
+                    )
                 else:
                     parts, message, models = found
-                    kept.keep(number, parts, message, models, RAISED if message else DONE)
+                    kept.keep(
+                        number, parts, message, models, RAISED if message else DONE
+                    )
             bar.update(sizes[number])
 
 
 @contextlib.contextmanager
-def _workers(client: Client | None, count: int) -> Iterator[Callable[..., Iterator[tuple[int, Any]]]]:
-    """What computes chunks: the client's cluster, one of up to `count` processes of this machine, or this process."""
+def _workers(
+    client: Client | None, count: int
+) -> Iterator[Callable[..., Iterator[tuple[int, Any]]]]:
+    """What computes chunks: the client's cluster, one of up to `count` processes of
+    this machine, or this process.
+    """
     if client is not None:
         yield lambda *work: _on_cluster(client, *work)
     elif not count or (cores := _cores()) < 2:
-        yield lambda asked, chunks, todo: ((number, compute(asked, chunks[number])) for number in todo)
+        yield lambda asked, chunks, todo: (
+            (number, compute(asked, chunks[number])) for number in todo
+        )
     else:
         with _local(min(count, cores)) as started:
             yield lambda *work: _on_cluster(started, *work)
@@ -173,7 +221,9 @@ def _workers(client: Client | None, count: int) -> Iterator[Callable[..., Iterat
 
 @contextlib.contextmanager
 def _local(workers: int) -> Iterator[Client]:
-    """A client of a cluster of this machine, which is closed also where its scheduler is gone."""
+    """A client of a cluster of this machine, which is closed also where its scheduler
+    is gone.
+    """
     from distributed import Client
 
     cluster = _cluster(workers)
@@ -203,11 +253,15 @@ def _close(cluster: Any) -> None:
 
 
 def _cluster(workers: int) -> Any:
-    """Processes of this machine that import nothing of the user's script, which therefore needs no main guard."""
+    """Processes of this machine that import nothing of the user's script, which
+    therefore needs no main guard.
+    """
     if sys.platform == "win32":
         from distributed import LocalCluster
 
-        return LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+        return LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address=None
+        )
     from distributed.deploy.subprocess import SubprocessCluster
 
     added = {name: text for name, text in _CALM.items() if name not in os.environ}
@@ -215,24 +269,34 @@ def _cluster(workers: int) -> Any:
     bound = _BOUND.format(parent=os.getpid())
     try:
         return SubprocessCluster(
-            host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=cast(str, None),
-            silence_logs=50, scheduler_kwargs={"preload": bound}, worker_kwargs={"preload_nanny": bound},
-        )  # fmt: skip
+            host="127.0.0.1",
+            n_workers=workers,
+            threads_per_worker=1,
+            dashboard_address=cast(str, None),
+            silence_logs=50,
+            scheduler_kwargs={"preload": bound},
+            worker_kwargs={"preload_nanny": bound},
+        )
     finally:
         for name in added:
             del os.environ[name]
 
 
-def _on_cluster(client: Client, asked: Grid, chunks: list[Any], todo: list[int]) -> Iterator[tuple[int, Any]]:
-    """Chunks as they are finished, in any order; a few per worker are under way at a time.
+def _on_cluster(
+    client: Client, asked: Grid, chunks: list[Any], todo: list[int]
+) -> Iterator[tuple[int, Any]]:
+    """Chunks as they are finished, in any order; a few per worker are under way at a
+    time.
 
-    When a worker dies, Dask suspects every chunk that it had, so those that are given up are computed once more, each
-    alone. What is given up again has killed workers by itself; what it did is answered in words.
+    When a worker dies, Dask suspects every chunk that it had, so those that are given
+    up are computed once more, each alone. What is given up again has killed workers by
+    itself; what it did is answered in words.
     """
     from distributed.scheduler import KilledWorker
     from distributed.utils import CancelledError, TimeoutError  # type: ignore[attr-defined]
 
-    shared = client.submit(_given, asked, pure=False) if todo else None  # unlike scattered data made again if lost
+    # unlike scattered data made again if lost
+    shared = client.submit(_given, asked, pure=False) if todo else None
     suspects: list[int] = []
     try:
         for number, found in _as_completed(client, shared, chunks, todo, alone=False):
@@ -240,36 +304,56 @@ def _on_cluster(client: Client, asked: Grid, chunks: list[Any], todo: list[int])
                 suspects.append(number)
             else:
                 yield number, found
-        for number, found in _as_completed(client, shared, chunks, suspects, alone=True):
+        for number, found in _as_completed(
+            client, shared, chunks, suspects, alone=True
+        ):
             killed = isinstance(found, KilledWorker)
-            yield number, "workers died over it, for want of memory perhaps." if killed else found
+            yield (
+                number,
+                "workers died over it, for want of memory perhaps."
+                if killed
+                else found,
+            )
     except (CancelledError, TimeoutError, OSError) as error:
-        why = "" if isinstance(error, CancelledError) else f" ({error or type(error).__name__})"
+        why = (
+            ""
+            if isinstance(error, CancelledError)
+            else f" ({error or type(error).__name__})"
+        )
         raise ConnectionError(
-            f"the cluster was lost{why}; what was finished is in the store, and the same call goes on from there."
+            f"the cluster was lost{why}; what was finished is in the store, and "
+            "the same call goes on from there."
         ) from error
 
 
 def _as_completed(
     client: Client, shared: Any, chunks: list[Any], todo: list[int], *, alone: bool
 ) -> Iterator[tuple[int, Any]]:
-    """The chunks of a list with what came of them, or that they killed their workers; at most so many under way."""
+    """The chunks of a list with what came of them, or that they killed their workers;
+    at most so many under way.
+    """
     from distributed import as_completed
     from distributed.scheduler import KilledWorker
 
-    name = f"compute-{uuid.uuid4()}"  # of one group of tasks, which wait at the scheduler until a worker is free
+    # of one group of tasks, which wait at the scheduler until a worker is free
+    name = f"compute-{uuid.uuid4()}"
     under_way: dict[Any, Any] = {}
     waiting = iter(todo)
     done, looked = as_completed(), -_LOOK
     most = 1
     try:
         while True:
-            if not alone and time.monotonic() > looked + _LOOK:  # clusters grow and shrink
+            # clusters grow and shrink
+            if not alone and time.monotonic() > looked + _LOOK:
                 workers = client.scheduler_info(n_workers=-1)["workers"].values()
-                most = max(_LEAST, _AHEAD * sum(worker["nthreads"] for worker in workers))
+                most = max(
+                    _LEAST, _AHEAD * sum(worker["nthreads"] for worker in workers)
+                )
                 looked = time.monotonic()
             for number in islice(waiting, most - len(under_way)):
-                future = client.submit(compute, shared, chunks[number], __version__, key=(name, number))
+                future = client.submit(
+                    compute, shared, chunks[number], __version__, key=(name, number)
+                )
                 under_way[future.key] = future
                 done.add(future)
             if not under_way:
@@ -291,10 +375,17 @@ def _given(asked: Grid) -> Grid:
     return asked
 
 
-def compute(asked: Grid, chunk: tuple[slice, ...], version: str = __version__) -> tuple[dict[str, Any], str, list[str]]:
-    """The calls of a chunk: arrays and attributes by field, what was raised, the models that were used."""
+def compute(
+    asked: Grid, chunk: tuple[slice, ...], version: str = __version__
+) -> tuple[dict[str, Any], str, list[str]]:
+    """The calls of a chunk: arrays and attributes by field, what was raised, the models
+    that were used.
+    """
     if version != __version__:
-        raise InputError(f"client must have workers with elastomdr {version}, got one with {__version__}.")
+        raise InputError(
+            f"client must have workers with elastomdr {version}, got one with "
+            f"{__version__}."
+        )
     _keep_memory()
     shape = tuple(place.stop - place.start for place in chunk)
     axes = [axis.name for axis in asked.axes]
@@ -306,20 +397,41 @@ def compute(asked: Grid, chunk: tuple[slice, ...], version: str = __version__) -
                 warnings.simplefilter("ignore")
                 places, named = positional(arguments)
                 result = asked.call(*places, **named)
-            fields = {q: values for q, values in result.fields().items() if q.key not in axes}
+            fields = {
+                q: values for q, values in result.fields().items() if q.key not in axes
+            }
             expected = np.zeros(shape, bool)[where].shape
-            if odd := next((q.key for q, values in fields.items() if values.shape != expected), None):
+            if odd := next(
+                (q.key for q, values in fields.items() if values.shape != expected),
+                None,
+            ):
                 got = next(values.shape for q, values in fields.items() if q.key == odd)
-                raise InputError(f"call must give one value per point, {expected}, got {odd} of the shape {got}.")
+                raise InputError(
+                    f"call must give one value per point, {expected}, got {odd} of "
+                    f"the shape {got}."
+                )
         except Exception as error:
-            messages.append(f"{_place(asked, chunk, where)}: {type(error).__name__}: {error}")
+            messages.append(
+                f"{_place(asked, chunk, where)}: {type(error).__name__}: {error}"
+            )
             continue
         models += [result.model] * (result.model not in models)
         for q, values in fields.items():
             if q.key not in parts:
-                about = {"long_name": q.label, "units": q.unit, "description": q.meaning}
-                empty = np.zeros(shape, bool) if values.dtype == bool else np.full(shape, np.nan)
-                parts[q.key] = (empty, {key: text for key, text in about.items() if text})
+                about = {
+                    "long_name": q.label,
+                    "units": q.unit,
+                    "description": q.meaning,
+                }
+                empty = (
+                    np.zeros(shape, bool)
+                    if values.dtype == bool
+                    else np.full(shape, np.nan)
+                )
+                parts[q.key] = (
+                    empty,
+                    {key: text for key, text in about.items() if text},
+                )
             parts[q.key][0][where] = values
     return parts, " | ".join(messages), models
 
@@ -328,8 +440,9 @@ def compute(asked: Grid, chunk: tuple[slice, ...], version: str = __version__) -
 def _keep_memory() -> None:
     """Lets a worker of Dask use its memory again.
 
-    Dask's MALLOC_TRIM_THRESHOLD_ makes glibc return each array of more than 128 KiB to the system, and ask for the
-    next one page by page: twice the work of the sums themselves.
+    Dask's MALLOC_TRIM_THRESHOLD_ makes glibc return each array of more than 128 KiB to
+    the system, and ask for the next one page by page: twice the work of the sums
+    themselves.
     """
     if "MALLOC_TRIM_THRESHOLD_" in os.environ:
         with contextlib.suppress(OSError, TypeError, AttributeError):  # no glibc
@@ -339,13 +452,22 @@ def _keep_memory() -> None:
 
 
 def _place(asked: Grid, chunk: tuple[slice, ...], where: tuple[Any, ...] = ()) -> str:
-    """Which points of a chunk they are, by the values of the axes along which they are not all."""
+    """Which points of a chunk they are, by the values of the axes along which they are
+    not all.
+    """
     named = []
     where = where or (slice(None),) * len(chunk)
     for axis, place, i in zip(asked.axes, chunk, where, strict=True):
-        labels = axis.labels[place] if isinstance(i, slice) else axis.labels[place.start + i : place.start + i + 1]
+        labels = (
+            axis.labels[place]
+            if isinstance(i, slice)
+            else axis.labels[place.start + i : place.start + i + 1]
+        )
         if len(labels) < len(axis.values) or len(labels) == 1:
-            named.append(f"{axis.name} {labels[0]}" + (f" to {labels[-1]}" if len(labels) > 1 else ""))
+            named.append(
+                f"{axis.name} {labels[0]}"
+                + (f" to {labels[-1]}" if len(labels) > 1 else "")
+            )
     return ", ".join(named) or "all"
 
 
@@ -356,14 +478,17 @@ def _written(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise InputError(
-            f"store {str(path)!r} cannot be written: {error.strerror or error}. What was finished is in it, and "
+            f"store {str(path)!r} cannot be written: {error.strerror or error}. What "
+            "was finished is in it, and "
             "the same call goes on from there."
         ) from error
 
 
 @contextlib.contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """Keeps other processes from the store; a lock that ends with the process that holds it."""
+    """Keeps other processes from the store; a lock that ends with the process that
+    holds it.
+    """
     from filelock import FileLock, Timeout
 
     lock = path.with_name(f".{path.name}.lock")
@@ -372,10 +497,14 @@ def _alone(path: Path) -> Iterator[None]:
         held = FileLock(lock, blocking=False)
         held.acquire()
     except Timeout as error:
-        raise InputError(f"store {str(path)!r} is in use by another process.") from error
+        raise InputError(
+            f"store {str(path)!r} is in use by another process."
+        ) from error
     except (OSError, NotImplementedError) as error:
         why = getattr(error, "strerror", None) or error
-        raise InputError(f"store must be a folder that can be written, got {str(path)!r}: {why}.") from error
+        raise InputError(
+            f"store must be a folder that can be written, got {str(path)!r}: {why}."
+        ) from error
     try:
         yield
     finally:

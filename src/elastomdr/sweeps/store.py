@@ -1,4 +1,6 @@
-"""The store of a sweep: a zarr group with one array per quantity, and which of its points are done."""
+"""The store of a sweep: a zarr group with one array per quantity, and which of its
+points are done.
+"""
 
 from __future__ import annotations
 
@@ -18,51 +20,75 @@ if TYPE_CHECKING:
 
 OPEN, DONE, RAISED = 0, 1, 2  # the state of a chunk
 _STATE, _RAISED, _MADE_OF, _MODEL = "state", "raised", "sweep", "model"
-_DIMENSIONS = "_ARRAY_DIMENSIONS"  # the attribute by which xarray knows the dimensions of an array
+# the attribute by which xarray knows the dimensions of an array
+_DIMENSIONS = "_ARRAY_DIMENSIONS"
 _ABOUT_STATE = {
-    "long_name": "state", "flag_values": [OPEN, DONE, RAISED], "flag_meanings": "open done raised",
+    "long_name": "state",
+    "flag_values": [OPEN, DONE, RAISED],
+    "flag_meanings": "open done raised",
     "description": "whether a point has been computed, or its call raised",
-}  # fmt: skip
+}
 
 
 class Store:
-    """A folder in zarr's second format. Each chunk is one file per quantity, put in place whole; its record comes last.
+    """A folder in zarr's second format. Each chunk is one file per quantity, put in
+    place whole; its record comes last.
 
-    What a process that was killed, or a full disk, leaves behind is never wrong: the store says first what it is made
-    of, an array or a chunk without a line in the record is made anew, and so is a chunk whose files are not those of
-    its line.
+    What a process that was killed, or a full disk, leaves behind is never wrong: the
+    store says first what it is made of, an array or a chunk without a line in the
+    record is made anew, and so is a chunk whose files are not those of its line.
     """
 
     def __init__(self, path: Path, grid: Grid):
         self.path, self._grid, self._chunks = path, grid, grid.chunks()
         self._group: Any = self._open_group(grid.identity(__version__))
-        for left in path.rglob("*.partial"):  # of a process that was killed while it wrote
+        # of a process that was killed while it wrote
+        for left in path.rglob("*.partial"):
             left.unlink(missing_ok=True)
         self._record = Record(path, _STATE)
-        there = [name for name in self._record.arrays if self._record.array_is_there(name)]
+        there = [
+            name for name in self._record.arrays if self._record.array_is_there(name)
+        ]
         self._arrays: dict[str, Any] = {name: self._group[name] for name in there}
         self.damaged = self._set_aside()
         if _STATE not in self._arrays:
-            self._arrays[_STATE] = self._new_array(_STATE, *self._points(np.dtype("u1")), _ABOUT_STATE)
+            self._arrays[_STATE] = self._new_array(
+                _STATE, *self._points(np.dtype("u1")), _ABOUT_STATE
+            )
         self._write_axes()
         chunks = self._record.chunks
-        self.state = np.array([chunks[n]["state"] if n in chunks else OPEN for n in range(len(self._chunks))])
+        self.state = np.array(
+            [
+                chunks[n]["state"] if n in chunks else OPEN
+                for n in range(len(self._chunks))
+            ]
+        )
 
     def _open_group(self, identity: dict[str, Any]) -> Any:
-        """The group, which says what it is made of. Raises `InputError` where that is something else, or not known."""
+        """The group, which says what it is made of. Raises `InputError` where that is
+        something else, or not known.
+        """
         import zarr
 
         path, root = self.path, self.path / ".zgroup"
-        if path.exists() and not root.is_file() and (not path.is_dir() or any(path.iterdir())):
+        if (
+            path.exists()
+            and not root.is_file()
+            and (not path.is_dir() or any(path.iterdir()))
+        ):
             raise _not_ours(path)
         try:
-            # Metadata collected by an earlier run may be older than what has been written since.
-            group: Any = zarr.open_group(path, mode="a", zarr_format=2, use_consolidated=False)
+            # Metadata collected by an earlier run may be older than what has been
+            # written since.
+            group: Any = zarr.open_group(
+                path, mode="a", zarr_format=2, use_consolidated=False
+            )
             made_of = group.attrs.get(_MADE_OF)
             told = None if made_of is None else json.loads(str(made_of))
         except OSError:
             raise
-        except Exception as error:  # zarr raises whatever its reader of JSON stumbles over
+        # zarr raises whatever its reader of JSON stumbles over
+        except Exception as error:
             raise damaged(path, path / ".zattrs" if _is_json(root) else root) from error
         if told is None:
             if _named(path, ".zarray"):
@@ -70,19 +96,29 @@ class Store:
             group.attrs[_MADE_OF] = json.dumps(identity)
         elif text := difference(told, identity):
             raise InputError(
-                f"store {str(path)!r} was made with other inputs: {text}. Give another store, or remove this one."
+                f"store {str(path)!r} was made with other inputs: {text}. Give "
+                "another store, or remove this one."
             )
         return group
 
     def _set_aside(self) -> dict[int, str]:
-        """The first damaged file of each chunk that has one; these chunks are open again, their files removed."""
-        lines = {number: line for number, line in self._record.chunks.items() if line["state"] != OPEN}
-        changed = {number: self._record.changed(number, self._arrays) for number in lines}
+        """The first damaged file of each chunk that has one; these chunks are open
+        again, their files removed.
+        """
+        lines = {
+            number: line
+            for number, line in self._record.chunks.items()
+            if line["state"] != OPEN
+        }
+        changed = {
+            number: self._record.changed(number, self._arrays) for number in lines
+        }
         changed = {number: file for number, file in changed.items() if file}
         for number in changed:
             for file in self._record.chunks.pop(number)["files"]:
                 (self.path / file).unlink(missing_ok=True)
-        if _STATE not in self._arrays:  # the record is in its folder, and is made anew with it
+        # the record is in its folder, and is made anew with it
+        if _STATE not in self._arrays:
             self._record.clear()
             self._arrays = {}
         return changed
@@ -91,51 +127,95 @@ class Store:
         """The coordinates, which are small and therefore written each time."""
         for axis in self._grid.axes:
             if axis.name not in self._arrays:
-                self._arrays[axis.name] = self._new_array(axis.name, (axis.name,), axis.labels, axis.about)
+                self._arrays[axis.name] = self._new_array(
+                    axis.name, (axis.name,), axis.labels, axis.about
+                )
             self._arrays[axis.name][...] = axis.labels
 
     def _points(self, dtype: np.dtype) -> tuple[list[str], np.ndarray]:
-        """Names of the dimensions, and an array like one with a value for each point."""
-        return [axis.name for axis in self._grid.axes], np.broadcast_to(np.zeros((), dtype), self._grid.shape)
+        """Names of the dimensions, and an array like one with a value for each
+        point.
+        """
+        return [axis.name for axis in self._grid.axes], np.broadcast_to(
+            np.zeros((), dtype), self._grid.shape
+        )
 
-    def _new_array(self, name: str, dims: Any, like: np.ndarray, about: dict[str, Any]) -> Any:
-        """A new array, NaN or zero where nothing is written; xarray takes the fill value of others for a mask."""
-        attributes = {_DIMENSIONS: list(dims), **about} | ({"dtype": "bool"} if like.dtype.kind == "b" else {})
+    def _new_array(
+        self, name: str, dims: Any, like: np.ndarray, about: dict[str, Any]
+    ) -> Any:
+        """A new array, NaN or zero where nothing is written; xarray takes the fill
+        value of others for a mask.
+        """
+        attributes = {_DIMENSIONS: list(dims), **about} | (
+            {"dtype": "bool"} if like.dtype.kind == "b" else {}
+        )
         array = self._group.create_array(
-            name, shape=like.shape, dtype=np.dtype("i1") if like.dtype.kind == "b" else like.dtype,
+            name,
+            shape=like.shape,
+            dtype=np.dtype("i1") if like.dtype.kind == "b" else like.dtype,
             chunks=self._grid.sizes() if like.shape == self._grid.shape else like.shape,
-            fill_value=np.nan if like.dtype.kind == "f" else None, overwrite=True, attributes=attributes,
-        )  # fmt: skip
+            fill_value=np.nan if like.dtype.kind == "f" else None,
+            overwrite=True,
+            attributes=attributes,
+        )
         self._record.add_array(name)
         return array
 
-    def keep(self, number: int, parts: dict[str, Any], message: str, models: list[str], state: int) -> None:
-        """Writes the arrays of a chunk, its state, and last its line; `parts` are arrays and attributes."""
+    def keep(
+        self,
+        number: int,
+        parts: dict[str, Any],
+        message: str,
+        models: list[str],
+        state: int,
+    ) -> None:
+        """Writes the arrays of a chunk, its state, and last its line; `parts` are
+        arrays and attributes.
+        """
         chunk = self._chunks[number]
         for name, (values, about) in parts.items():
             if name not in self._arrays:
-                self._arrays[name] = self._new_array(name, *self._points(values.dtype), about)
+                self._arrays[name] = self._new_array(
+                    name, *self._points(values.dtype), about
+                )
             self._arrays[name][chunk] = values
         self._arrays[_STATE][chunk] = state
-        place = [part.start // size for part, size in zip(chunk, self._grid.sizes(), strict=True)]
+        place = [
+            part.start // size
+            for part, size in zip(chunk, self._grid.sizes(), strict=True)
+        ]
         key = ".".join(map(str, place))
-        self._record.add_chunk(number, state, message, models, [f"{name}/{key}" for name in (*parts, _STATE)])
+        self._record.add_chunk(
+            number,
+            state,
+            message,
+            models,
+            [f"{name}/{key}" for name in (*parts, _STATE)],
+        )
         self.state[number] = state
 
     def raised(self) -> dict[int, str]:
         """The messages of what did not compute, by the number of their chunk."""
         lines = sorted(self._record.chunks.items())
-        return {number: line["message"] for number, line in lines if line["message"] and line["state"] != DONE}
+        return {
+            number: line["message"]
+            for number, line in lines
+            if line["message"] and line["state"] != DONE
+        }
 
     def not_converged(self) -> int:
         """How many points did not converge, in this run or in one before."""
         return int(np.count_nonzero(np.asarray(self._arrays["converged"][...]) == 0))
 
     def finish(self) -> None:
-        """Puts models and all that was raised into the attributes, and collects the metadata for readers."""
+        """Puts models and all that was raised into the attributes, and collects the
+        metadata for readers.
+        """
         import zarr
 
-        models = sorted({model for line in self._record.chunks.values() for model in line["models"]})
+        models = sorted(
+            {model for line in self._record.chunks.values() for model in line["models"]}
+        )
         if models:
             self._group.attrs[_MODEL] = " | ".join(models)
         if raised := self.raised():
@@ -152,7 +232,9 @@ class Store:
 
 
 def _named(path: Path, file: str) -> list[str]:
-    """The folders that hold such a file; zarr would warn of what a killed process has left."""
+    """The folders that hold such a file; zarr would warn of what a killed process has
+    left.
+    """
     return sorted(found.parent.name for found in path.glob(f"*/{file}"))
 
 
@@ -164,4 +246,6 @@ def _is_json(path: Path) -> bool:
 
 
 def _not_ours(path: Path) -> InputError:
-    return InputError(f"store must be a new folder or one that em.sweep has made, got {str(path)!r}.")
+    return InputError(
+        f"store must be a new folder or one that em.sweep has made, got {str(path)!r}."
+    )

@@ -1,15 +1,19 @@
-"""Adhesive contact (Johnson, Kendall & Roberts 1971) on the elements of the line: exact for an elastic half-space.
+"""Adhesive contact (Johnson, Kendall & Roberts 1971) on the elements of the line: exact
+for an elastic half-space.
 
-An element at the edge lets go when the energy it gives back, E delta^2/2 per element and side, is the work of adhesion
-of the area that opens: the edge is stretched by delta(a) = sqrt(2 pi a gamma/E) on the half-space, sqrt(2 gamma/E) on a
-layer (Hess 2011; Popov & Hess 2015, ch. 4). So d = g(a) - delta(a) and F = E [A(a) - W(a) delta(a)]. Of two radii at
-one depth, or load, the larger is stable; it ends where d, or F, is least.
+An element at the edge lets go when the energy it gives back, E delta^2/2 per element
+and side, is the work of adhesion of the area that opens: the edge is stretched by
+delta(a) = sqrt(2 pi a gamma/E) on the half-space, sqrt(2 gamma/E) on a layer (Hess
+2011; Popov & Hess 2015, ch. 4). So d = g(a) - delta(a) and F = E [A(a) - W(a)
+delta(a)]. Of two radii at one depth, or load, the larger is stable; it ends where d, or
+F, is least.
 
-Viscoelastic: contact that has rested until relaxed, then moved, its edge receding only. An element at the edge gives
-back at once what its glassy modulus allows, q^2/(2 E_0). Each element carries q = E_inf (D - g), with one D for all:
-E_inf (D - d_0) = int E(t-s) dd. So the edge is that of an elastic contact of modulus E_inf at the depth D whose work of
-adhesion is gamma E_0/E_inf, as long as it is inside the radius of rest. This is a rule, not a theorem: no process zone
-at the edge, no renewed adhesion.
+Viscoelastic: contact that has rested until relaxed, then moved, its edge receding only.
+An element at the edge gives back at once what its glassy modulus allows, q^2/(2 E_0).
+Each element carries q = E_inf (D - g), with one D for all: E_inf (D - d_0) = int E(t-s)
+dd. So the edge is that of an elastic contact of modulus E_inf at the depth D whose work
+of adhesion is gamma E_0/E_inf, as long as it is inside the radius of rest. This is a
+rule, not a theorem: no process zone at the edge, no renewed adhesion.
 """
 
 from typing import Any, NamedTuple
@@ -66,13 +70,21 @@ class Sticky(NamedTuple):
         return self.disc.profile(a) - self.stretch(a)
 
     def force(self, a: Array, depth: Array) -> Array:
-        """F at a radius and a depth, whether that is the edge or the contact holds there."""
-        return self.modulus * (self._area(a) + self.disc.width(a) * (depth - self.disc.profile(a)))
+        """F at a radius and a depth, whether that is the edge or the contact holds
+        there.
+        """
+        return self.modulus * (
+            self._area(a) + self.disc.width(a) * (depth - self.disc.profile(a))
+        )
 
     def potential(self, a: Array, depth: Array) -> Array:
-        """Elastic energy less the work of adhesion of the area in contact: its rate along d is the force."""
+        """Elastic energy less the work of adhesion of the area in contact: its rate
+        along d is the force.
+        """
         over = depth - self.disc.profile(a)
-        elastic = self._energy(a) + self._area(a) * over + 0.5 * self.disc.width(a) * over**2
+        elastic = (
+            self._energy(a) + self._area(a) * over + 0.5 * self.disc.width(a) * over**2
+        )
         area = self.disc.width(a) if self.disc.kind == "cylinder" else jnp.pi * a**2
         return self.modulus * elastic - self.gamma * area
 
@@ -81,7 +93,12 @@ class Sticky(NamedTuple):
         if isinstance(self.disc.shape, FlatPunch):
             a = jnp.asarray(self.disc.shape.radius)
         else:
-            a = _rising(lambda s, a: s._steepness(a, control), self, jnp.zeros(()), jnp.zeros(()))
+            a = _rising(
+                lambda s, a: s._steepness(a, control),
+                self,
+                jnp.zeros(()),
+                jnp.zeros(()),
+            )
         return Edge(a, self.depth(a), self.force(a, self.depth(a)))
 
     def radius(self, control: str, value: Array) -> Array:
@@ -94,9 +111,12 @@ class Sticky(NamedTuple):
         def level(s: "Sticky", a: Array) -> Array:
             return s.depth(a) if control == "depth" else s.force(a, s.depth(a))
 
-        # At the break itself the root is double, and rounding would move it by the square root of what it is.
+        # At the break itself the root is double, and rounding would move it by the
+        # square root of what it is.
         above = value > lowest + _DOUBLE * jnp.abs(lowest)
-        return jnp.where(above, jnp.maximum(_rising(level, self, value, least), least), least)
+        return jnp.where(
+            above, jnp.maximum(_rising(level, self, value, least), least), least
+        )
 
     def _steepness(self, a: Array, control: str) -> Array:
         """Of the sign of dd/da, or of dF/da along d = g(a) - delta(a)."""
@@ -104,7 +124,11 @@ class Sticky(NamedTuple):
         if control == "depth":
             return 2 * a * slope - self.stretch(a) if own else slope
         ratio = self.disc.width(a) / self.disc.weight(a)
-        return (2 * a * slope - 3 * self.stretch(a)) if own else ratio * slope - self.stretch(a)
+        return (
+            (2 * a * slope - 3 * self.stretch(a))
+            if own
+            else ratio * slope - self.stretch(a)
+        )
 
     def _area(self, a: Array) -> Array:
         return 0 * a if self.disc.flat else self.disc.area(a)
@@ -115,7 +139,9 @@ class Sticky(NamedTuple):
 
 @jax.jit
 def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesive:
-    """JKR for an elastic foundation, m instants; the load rules where `by_depth` is False. Exact."""
+    """JKR for an elastic foundation, m instants; the load rules where `by_depth` is
+    False. Exact.
+    """
     sticky = jax.tree.map(jnp.asarray, sticky)
     control = by_depth
     ends = {name: sticky.breaks(name) for name in ("depth", "load")}
@@ -124,14 +150,20 @@ def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesiv
     if sticky.disc.flat:
         d = jnp.where(control, depth, load / (sticky.modulus * sticky.disc.width(a)))
     force = jnp.where(control, sticky.force(a, d), load)
-    holds = jnp.where(control, _reaches(depth, ends["depth"].depth), _reaches(load, ends["load"].force))
+    holds = jnp.where(
+        control,
+        _reaches(depth, ends["depth"].depth),
+        _reaches(load, ends["load"].force),
+    )
     touches = jnp.where(control, depth >= 0, load >= 0)
     # First touch: at zero depth, or at zero load.
     zero = jnp.zeros(())
     first = {}
     for name in ("depth", "load"):
         r = sticky.radius(name, zero)
-        first[name] = sticky.potential(r, zero if name == "depth" or sticky.disc.flat else sticky.depth(r))
+        first[name] = sticky.potential(
+            r, zero if name == "depth" or sticky.disc.flat else sticky.depth(r)
+        )
     begin = jnp.where(control, first["depth"], first["load"])
     leave = jnp.where(
         control,
@@ -144,7 +176,11 @@ def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesiv
         contact, before, work = carry
         phi, holds, touches, begin, leave = now
         after = touches | (contact & holds)
-        gained = jnp.where(after, phi - jnp.where(contact, before, begin), jnp.where(contact, leave - before, 0.0))
+        gained = jnp.where(
+            after,
+            phi - jnp.where(contact, before, begin),
+            jnp.where(contact, leave - before, 0.0),
+        )
         return (after, phi, work + gained), (after, work + gained)
 
     start = (jnp.asarray(False), zero, zero)
@@ -162,19 +198,34 @@ def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesiv
 
 @jax.jit
 def receding(
-    law: Relaxation, modes: Modes, disc: Disc, gamma: Array, time: Array, depth: Array, load: Array, by_depth: Array
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    gamma: Array,
+    time: Array,
+    depth: Array,
+    load: Array,
+    by_depth: Array,
 ) -> Adhesive:
-    """The viscoelastic rule: relaxed at the first instant, receding from there. Work and energy are not computed.
+    """The viscoelastic rule: relaxed at the first instant, receding from there. Work
+    and energy are not computed.
 
-    NaN where the contact would grow beyond what it was at rest, since new adhesion is not part of the rule, and from
-    where a load is not carried any more.
+    NaN where the contact would grow beyond what it was at rest, since new adhesion is
+    not part of the rule, and from where a load is not carried any more.
     """
     law, modes, disc = jax.tree.map(jnp.asarray, (law, modes, disc))
     rest = Sticky(disc, law.equilibrium, jnp.asarray(gamma))
-    bond = rest._replace(gamma=gamma * (law.equilibrium + jnp.sum(law.moduli)) / law.equilibrium)
-    a0 = jnp.where(by_depth[0], rest.radius("depth", depth[0]), rest.radius("load", load[0]))
+    bond = rest._replace(
+        gamma=gamma * (law.equilibrium + jnp.sum(law.moduli)) / law.equilibrium
+    )
+    a0 = jnp.where(
+        by_depth[0], rest.radius("depth", depth[0]), rest.radius("load", load[0])
+    )
     ends = {name: (rest.breaks(name), bond.breaks(name)) for name in ("depth", "load")}
-    holds_depth, holds_load = _reaches(depth[0], ends["depth"][0].depth), _reaches(load[0], ends["load"][0].force)
+    holds_depth, holds_load = (
+        _reaches(depth[0], ends["depth"][0].depth),
+        _reaches(load[0], ends["load"][0].force),
+    )
     there = jnp.where(by_depth[0], holds_depth, holds_load)
     d0 = jnp.where(by_depth[0], depth[0], _depth_under(rest, a0, load[0]))
     h = jnp.diff(time)
@@ -183,52 +234,79 @@ def receding(
 
     def step(carry: tuple, now: tuple) -> tuple:
         a, d, level, held, f, z = (
-            carry  # level: D; f: branches of the half-space; z: Kelvin modes under E_inf (D - d_0)
+            # level: D; f: branches of the half-space; z: Kelvin modes under E_inf (D -
+            # d_0)
+            carry
         )
         h, depth, load, control = now
         x, y = h * modes.rate, h / law.times
         ramp = law.moduli * phi1(y)
-        # D by the motion where the depth rules, by the load at the radius found where that does.
-        moved = depth + (jnp.sum(jnp.exp(-y) * f + ramp * (depth - d)) / law.equilibrium)
+        # D by the motion where the depth rules, by the load at the radius found where
+        # that does.
+        moved = depth + (
+            jnp.sum(jnp.exp(-y) * f + ramp * (depth - d)) / law.equilibrium
+        )
         stays = jnp.where(control, moved, _depth_under(bond, a, load)) >= bond.depth(a)
-        stable = jnp.where(control, _reaches(moved, end_depth.depth), _reaches(load, end_load.force))
+        stable = jnp.where(
+            control, _reaches(moved, end_depth.depth), _reaches(load, end_load.force)
+        )
         wide = a >= jnp.where(control, end_depth.radius, end_load.radius)
         held = held & (stays | (stable & wide))
-        edge = jnp.where(control, bond.radius("depth", moved), bond.radius("load", load))
+        edge = jnp.where(
+            control, bond.radius("depth", moved), bond.radius("load", load)
+        )
         a_new = jnp.where(stays, a, jnp.minimum(a, edge))
         new = jnp.where(control, moved, _depth_under(bond, a_new, load))
         before, after = law.equilibrium * (level - d0), law.equilibrium * (new - d0)
-        z = jnp.exp(-x) * z + modes.gain * h * (before * phi1(x) + (after - before) * phi2(x))
+        z = jnp.exp(-x) * z + modes.gain * h * (
+            before * phi1(x) + (after - before) * phi2(x)
+        )
         d_new = jnp.where(control, depth, d0 + modes.instantaneous * after + jnp.sum(z))
         f = jnp.exp(-y) * f + ramp * (d_new - d)
         size = 1e-9 * (jnp.abs(d0) + rest.stretch(a0))
         grows = (d_new > d0 + size) | ((a_new < a0) & (d_new > d + size))
         force = jnp.where(control, bond.force(a_new, moved), load)
-        kept = d_new, jnp.where(held, force, 0.0), jnp.where(held, a_new, 0.0), control | held, grows & held
+        kept = (
+            d_new,
+            jnp.where(held, force, 0.0),
+            jnp.where(held, a_new, 0.0),
+            control | held,
+            grows & held,
+        )
         return (a_new, d_new, new, held, f, z), kept
 
     start = (a0, d0, d0, there, jnp.zeros_like(law.times), jnp.zeros_like(modes.rate))
-    _, (d, force, a, known, grows) = jax.lax.scan(step, start, (h, depth[1:], load[1:], by_depth[1:]))
+    _, (d, force, a, known, grows) = jax.lax.scan(
+        step, start, (h, depth[1:], load[1:], by_depth[1:])
+    )
     first = (d0, jnp.where(by_depth[0], rest.force(a0, d0), load[0]), a0)
     known = jnp.append(there, there & known & ~(jnp.cumsum(grows) > 0))
     nan = jnp.full(time.shape, jnp.nan)
-    d, force, a = (jnp.append(one, many) for one, many in zip(first, (d, force, a), strict=True))
+    d, force, a = (
+        jnp.append(one, many) for one, many in zip(first, (d, force, a), strict=True)
+    )
     d, force, a = (jnp.where(known, part, jnp.nan) for part in (d, force, a))
     return Adhesive(d, force, a, nan, nan)
 
 
 def _reaches(value: Array, end: Array) -> Array:
-    """Whether a depth or load is not below that of the break, or below it by rounding only."""
+    """Whether a depth or load is not below that of the break, or below it by rounding
+    only.
+    """
     return value >= end - _ROUNDING * jnp.abs(end)
 
 
 def _depth_under(sticky: Sticky, a: Array, load: Array) -> Array:
     """The depth at which a contact held at radius a carries a load."""
-    return sticky.disc.profile(a) + (load / sticky.modulus - sticky._area(a)) / sticky.disc.width(a)
+    return sticky.disc.profile(a) + (
+        load / sticky.modulus - sticky._area(a)
+    ) / sticky.disc.width(a)
 
 
 def _rising(level: Any, sticky: Sticky, value: Array, least: Array) -> Array:
-    """The largest a with level(a) = value on a branch that rises with a: halvings of log a, then a Newton step."""
+    """The largest a with level(a) = value on a branch that rises with a: halvings of
+    log a, then a Newton step.
+    """
     fixed, goal, least = jax.lax.stop_gradient((sticky, jnp.asarray(value), least))
     top = jnp.log(jnp.minimum(fixed.disc.largest, _WIDEST))
     low = jnp.broadcast_to(jnp.log(jnp.maximum(least, 1 / _WIDEST)), goal.shape)
@@ -239,8 +317,14 @@ def _rising(level: Any, sticky: Sticky, value: Array, least: Array) -> Array:
         below = level(fixed, jnp.exp(middle)) < goal
         return jnp.where(below, middle, low), jnp.where(below, high, middle)
 
-    low, high = jax.lax.fori_loop(0, _HALVINGS, halve, (low, jnp.broadcast_to(top, goal.shape)))
+    low, high = jax.lax.fori_loop(
+        0, _HALVINGS, halve, (low, jnp.broadcast_to(top, goal.shape))
+    )
     a = jnp.exp(0.5 * (low + high))
     now, slope = jax.jvp(lambda a: level(sticky, a), (a,), (jnp.ones_like(a),))
     step = (value - now) / jax.lax.stop_gradient(jnp.where(slope > 0, slope, jnp.inf))
-    return a + jnp.where(jnp.abs(jax.lax.stop_gradient(step)) < 1e-3 * a, step, step - jax.lax.stop_gradient(step))
+    return a + jnp.where(
+        jnp.abs(jax.lax.stop_gradient(step)) < 1e-3 * a,
+        step,
+        step - jax.lax.stop_gradient(step),
+    )

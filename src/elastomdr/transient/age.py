@@ -1,10 +1,12 @@
 """Which instants of a history use a material beyond the range of its data.
 
-What was pressed in at s shows at t by the modulus at the age t - s, and data up to a frequency w say nothing of ages
-below 1/w, as a file's range of times has it. An instant in contact lies beyond where half of its depth or load, or of
-what was there before, came or went within the youngest known age, or where a tenth of it was there before the oldest
-one: for a parabola's passage nearly the rule for steady sliding (`steady_beyond`). A tangential displacement changes
-its sign, and is compared with the largest so far.
+What was pressed in at s shows at t by the modulus at the age t - s, and data up to a
+frequency w say nothing of ages below 1/w, as a file's range of times has it. An instant
+in contact lies beyond where half of its depth or load, or of what was there before,
+came or went within the youngest known age, or where a tenth of it was there before the
+oldest one: for a parabola's passage nearly the rule for steady sliding
+(`steady_beyond`). A tangential displacement changes its sign, and is compared with the
+largest so far.
 """
 
 from typing import Any
@@ -24,17 +26,27 @@ _ROUNDING = 1e-6
 
 
 def history_beyond(
-    known: Range | None, time: Any, pressed: Any, temperature: Any, factor: Any, *, slid: Any = None,
-    at_once: bool = True, stacklevel: int,
-) -> Beyond:  # fmt: skip
-    """Instants [s] along the last axis of depths [m] or loads [N] `pressed`, and displacements [m] `slid`, all of the
-    shape of `time`. `at_once`: whether what is put on at once at the first instant is looked at there.
+    known: Range | None,
+    time: Any,
+    pressed: Any,
+    temperature: Any,
+    factor: Any,
+    *,
+    slid: Any = None,
+    at_once: bool = True,
+    stacklevel: int,
+) -> Beyond:
+    """Instants [s] along the last axis of depths [m] or loads [N] `pressed`, and
+    displacements [m] `slid`, all of the shape of `time`. `at_once`: whether what is put
+    on at once at the first instant is looked at there.
     """
     if known is None or is_traced(time, pressed, slid, temperature, factor):
         return NOT_KNOWN
     ages = _ages(known, factor)
     young, old = np.zeros((2, *np.shape(time)), bool)
-    for where, t, f in zip(np.ndindex(young.shape[:-1]), _rows(time), _rows(pressed), strict=True):
+    for where, t, f in zip(
+        np.ndindex(young.shape[:-1]), _rows(time), _rows(pressed), strict=True
+    ):
         young[where], old[where] = _pressed(t, f, ages)
     if slid is not None:
         largest = np.maximum.accumulate(np.abs(slid))
@@ -45,12 +57,19 @@ def history_beyond(
 
 
 def sliding_beyond(
-    history: GivenHistory, body: RoughLine | AbstractLines, depth: Any, course: Any, *, stacklevel: int
+    history: GivenHistory,
+    body: RoughLine | AbstractLines,
+    depth: Any,
+    course: Any,
+    *,
+    stacklevel: int,
 ) -> Beyond:
-    """Instants of a body that slides, `depth` [m] deep, under a `course` of depths [m] or loads [N, or N/m].
+    """Instants of a body that slides, `depth` [m] deep, under a `course` of depths [m]
+    or loads [N, or N/m].
 
-    An element is as old as the path over which the contact has passed it, or as the contact, if that never left it. The
-    body is put down at once at the first instant, of which nothing is looked at.
+    An element is as old as the path over which the contact has passed it, or as the
+    contact, if that never left it. The body is put down at once at the first instant,
+    of which nothing is looked at.
     """
     known, time, position = history.range, history.time, history.position
     if known is None or history.traced or is_traced(body, depth, history.factor):
@@ -70,7 +89,9 @@ def sliding_beyond(
 
 
 def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
-    """Of the contact [m]: of an indenter so deep, or a quarter of the wavelength of a wave as high and as steep."""
+    """Of the contact [m]: of an indenter so deep, or a quarter of the wavelength of a
+    wave as high and as steep.
+    """
     if isinstance(body, RoughLine):
         slope = float(body.rms_slope)
         return 0.5 * np.pi * float(body.rms_height) / slope if slope > 0 else np.inf
@@ -79,7 +100,9 @@ def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
 
 
 def _ages(known: Range, factor: Any) -> tuple[float, float]:
-    """The youngest and the oldest age [s] that the data speak of at the temperature where times are `factor` longer."""
+    """The youngest and the oldest age [s] that the data speak of at the temperature
+    where times are `factor` longer.
+    """
     low, high = known.omega or (0.0, np.inf)
     return float(factor) / high, float(factor) / low if low > 0 else np.inf
 
@@ -88,10 +111,14 @@ def _rows(values: Any) -> np.ndarray:
     return np.reshape(values, (-1, np.shape(values)[-1]))
 
 
-def _pressed(time: np.ndarray, course: Any, ages: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+def _pressed(
+    time: np.ndarray, course: Any, ages: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
     """Where a depth or load is too young, and where too old, to be known."""
     course = np.maximum(np.nan_to_num(course), 0.0)
-    young = _came(time, course, ages[0]) > _YOUNG * np.maximum(course, _before(time, course, ages[0] * (1 - _ROUNDING)))
+    young = _came(time, course, ages[0]) > _YOUNG * np.maximum(
+        course, _before(time, course, ages[0] * (1 - _ROUNDING))
+    )
     old = _before(time, course, ages[1] * (1 + _ROUNDING)) > _OLD * course
     return young & (course > 0), old & (course > 0)
 
@@ -108,15 +135,28 @@ def _before(time: np.ndarray, course: np.ndarray, age: float) -> np.ndarray:
 
 
 def _instants(
-    known: Range, young: np.ndarray, old: np.ndarray, ages: tuple[float, float], temperature: Any, stacklevel: int
+    known: Range,
+    young: np.ndarray,
+    old: np.ndarray,
+    ages: tuple[float, float],
+    temperature: Any,
+    stacklevel: int,
 ) -> Beyond:
     none = np.zeros(young.shape)
     kelvin = None if temperature is None else np.broadcast_to(temperature, young.shape)
     elsewhere, nowhere = known._replace(omega=None), known.omega == ()
     points = young | old | nowhere | elsewhere.outside(none, kelvin)
     within, after = (significant(age, 3) for age in ages)
-    what = [f"its answer within {within} s decides, range from {within} s"] if young.any() else []
-    what += [f"its answer after more than {after} s decides, range to {after} s"] if old.any() else []
+    what = (
+        [f"its answer within {within} s decides, range from {within} s"]
+        if young.any()
+        else []
+    )
+    what += (
+        [f"its answer after more than {after} s decides, range to {after} s"]
+        if old.any()
+        else []
+    )
     what += ["the data determine the loss modulus nowhere"] if nowhere else []
     what += elsewhere.findings(none, kelvin)
     return told(points, "; ".join(what), known.illustrative, stacklevel + 1)

@@ -1,19 +1,23 @@
-"""Masses on springs and dampers coupled to a line of elements: one step for bodies and contact.
+"""Masses on springs and dampers coupled to a line of elements: one step for bodies and
+contact.
 
-The body stands at X along the line, at depth d. A drive at D(t) pulls it, a load P(t) presses it:
+The body stands at X along the line, at depth d. A drive at D(t) pulls it, a load P(t)
+presses it:
 
     m_t X'' = k_t (D - X) + c_t (D' - X') - F_x,        or X = D without a tangential mount,
     m_n d'' = P - k_n d - c_n d' - F_N,                 or F_N = P without a normal one,
 
-F_x and F_N being those of the elements (`transient.body_over_line`). Bodies take the trapezoidal rule, elements the exact
-contact step, both of second order, and they are solved together. The force of an element is linear in its displacement
-at the end, and so is its mean over the step, which is what accelerates a body: with d+ = d + h (d' + d'+)/2 the normal
-equation is
+F_x and F_N being those of the elements (`transient.body_over_line`). Bodies take the
+trapezoidal rule, elements the exact contact step, both of second order, and they are
+solved together. The force of an element is linear in its displacement at the end, and
+so is its mean over the step, which is what accelerates a body: with d+ = d + h (d' +
+d'+)/2 the normal equation is
 
     A d+ + sum W S max(0, d+ - l) = known,        A = 2 m/h^2 + k/2 + c/h,
 
-piecewise linear, solved exactly (`transient.depth_from_load`); the tangential one takes a fixed number of Newton steps. The
-work of the mean forces is that of the elements but for those whose contact begins or ends within the step.
+piecewise linear, solved exactly (`transient.depth_from_load`); the tangential one takes
+a fixed number of Newton steps. The work of the mean forces is that of the elements but
+for those whose contact begins or ends within the step.
 """
 
 from __future__ import annotations
@@ -32,7 +36,8 @@ from .mount import Mount
 from .slide_march import Line, energy, felt_by, press, untouched
 
 _NEWTON = 4  # steps for the place of a body that is pulled through a spring, under JAX
-_SECANTS, _CLOSE = 40, 1e-12  # steps at most on NumPy, to a balance of forces relative to the largest of them
+# steps at most on NumPy, to a balance of forces relative to the largest of them
+_SECANTS, _CLOSE = 40, 1e-12
 _INSTANT = 1e-12  # duration of the first touch, over the shortest time
 
 
@@ -62,7 +67,9 @@ class Motion(NamedTuple):
 
 
 def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motion:
-    """The body at rest, put down at once with its load on rubber that was never touched."""
+    """The body at rest, put down at once with its load on rubber that was never
+    touched.
+    """
     c = coefficients(scene.law, _INSTANT * shortest)
     rise, slope = scene.surface.rise_and_slope(position)
     line, weight = untouched(scene.law, scene.surface, position), scene.surface.weight
@@ -75,35 +82,68 @@ def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motio
     zero = xp.zeros(())
     normal, drag = felt_by(weight, line.q, slope, depth - level if between else None)
     held = spring * depth**2 / 2
-    return Motion(line, position + zero, zero, depth, zero, drag, normal, work, zero, work + held, zero)
+    return Motion(
+        line,
+        position + zero,
+        zero,
+        depth,
+        zero,
+        drag,
+        normal,
+        work,
+        zero,
+        work + held,
+        zero,
+    )
 
 
 def _advance(
-    scene: Scene, c: Any, y: Motion, before: tuple[Array, Array], after: tuple[Array, Array], h: Any
+    scene: Scene,
+    c: Any,
+    y: Motion,
+    before: tuple[Array, Array],
+    after: tuple[Array, Array],
+    h: Any,
 ) -> Motion:
     (drive, load), (drive_end, load_end) = before, after
     weight, up, along = scene.surface.weight, scene.normal, scene.tangential
     between = scene.surface.between
     fading = fade(c, y.line.f)
     u_free = released(c, y.line.u, fading.seen)
-    # Mean force of an element over the step, if it follows the surface: mean S (w+ - idle).
+    # Mean force of an element over the step, if it follows the surface: mean S (w+ -
+    # idle).
     mean = (0.5 * c.equilibrium + c.drag)[0]
     idle = y.line.u - (c.equilibrium * y.line.u + fading.mean) / mean
 
     def depth_at(rise: Array, guess: Array) -> Array:
         if up is None:
-            return settle(u_free - rise, weight * c.stiffness[0], 0.0, load_end, guess, between)
+            return settle(
+                u_free - rise, weight * c.stiffness[0], 0.0, load_end, guess, between
+            )
         inertia = 2 * up.mass / h**2 + up.stiffness / 2 + up.damping / h
-        known = 2 * up.mass * y.sinking / h + (load + load_end) / 2 - up.stiffness * y.depth
-        return settle(idle - rise, weight * mean, inertia, known + inertia * y.depth, guess, between)
+        known = (
+            2 * up.mass * y.sinking / h + (load + load_end) / 2 - up.stiffness * y.depth
+        )
+        return settle(
+            idle - rise,
+            weight * mean,
+            inertia,
+            known + inertia * y.depth,
+            guess,
+            between,
+        )
 
     def forces(moved: Array, guess: Array) -> tuple[Array, tuple[Array, Array]]:
-        """Mean F_x of the step in which the body moves so far; mean F_N, and the depth at the end."""
+        """Mean F_x of the step in which the body moves so far; mean F_N, and the depth
+        at the end.
+        """
         rise = scene.surface.rise(y.position + moved)
         _, slope = scene.surface.rise_and_slope(y.position + moved / 2)
         depth = depth_at(rise, guess)
         excess = depth + rise - idle
-        normal, drag = felt_by(weight, mean * xp.maximum(excess, 0.0), slope, excess if between else None)
+        normal, drag = felt_by(
+            weight, mean * xp.maximum(excess, 0.0), slope, excess if between else None
+        )
         return drag, (normal, depth)
 
     guess = y.depth + h * y.sinking
@@ -111,7 +151,10 @@ def _advance(
         moved = drive_end - y.position
     else:
         inertia = 2 * along.mass / h**2 + along.stiffness / 2 + along.damping / h
-        pull = along.stiffness * ((drive + drive_end) / 2 - y.position) + along.damping * (drive_end - drive) / h
+        pull = (
+            along.stiffness * ((drive + drive_end) / 2 - y.position)
+            + along.damping * (drive_end - drive) / h
+        )
         known = 2 * along.mass * y.velocity / h + pull
 
         search = _by_secants if on_numpy() else _by_newton
@@ -122,7 +165,9 @@ def _advance(
     rise = scene.surface.rise(position)
     _, slope = scene.surface.rise_and_slope(position - lag(c) * moved)
     line, work = press(c, y.line, fading, rise, depth)
-    normal, drag = felt_by(weight, line.q, slope, depth + rise - u_free if between else None)
+    normal, drag = felt_by(
+        weight, line.q, slope, depth + rise - u_free if between else None
+    )
     sunk, driven, damped = depth - y.depth, drag_mean * moved, xp.zeros(())
     if along is not None:
         stretch = along.stiffness * ((drive + drive_end) / 2 - y.position - moved / 2)
@@ -152,12 +197,20 @@ def _by_newton(
     """Where inertia moved + F_x(moved) = known, and a guess for the depth there."""
     import jax
 
-    def improve(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], None]:
+    def improve(
+        state: tuple[Array, Array], _: None
+    ) -> tuple[tuple[Array, Array], None]:
         moved, guess = state
         drag, steepness, (_, guess) = jax.jvp(
-            functools.partial(forces, guess=guess), (moved,), (xp.ones_like(moved),), has_aux=True
+            functools.partial(forces, guess=guess),
+            (moved,),
+            (xp.ones_like(moved),),
+            has_aux=True,
         )
-        return (moved - (inertia * moved + drag - known) / _tangent(inertia, steepness), guess), None
+        return (
+            moved - (inertia * moved + drag - known) / _tangent(inertia, steepness),
+            guess,
+        ), None
 
     # A loop, not four copies: compiling takes far longer than most motions.
     return jax.lax.scan(improve, (moved, guess), None, length=_NEWTON)[0]
@@ -183,7 +236,9 @@ def _by_secants(
 
 
 def _tangent(inertia: Array, steepness: Array | float) -> Array:
-    """Where the contact pulls ahead the more the body moves, the tangent is not taken below half the inertia."""
+    """Where the contact pulls ahead the more the body moves, the tangent is not taken
+    below half the inertia.
+    """
     return inertia + xp.maximum(steepness, -0.5 * inertia)
 
 
@@ -200,7 +255,9 @@ def energies(scene: Scene, y: Motion, drive: Array) -> tuple[Array, Array]:
 
 
 class History(NamedTuple):
-    """What a motion leaves behind at each instant; the first three are what `transient.refinement` looks at."""
+    """What a motion leaves behind at each instant; the first three are what
+    `transient.refinement` looks at.
+    """
 
     depth: Array
     normal: Array
@@ -219,13 +276,22 @@ class History(NamedTuple):
 
 @compiled("samples", "early")
 def run(
-    scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int, used: Any, early: int = 0
+    scene: Scene,
+    time: Array,
+    drive: Array,
+    load: Array,
+    shortest: Any,
+    samples: int,
+    used: Any,
+    early: int = 0,
 ) -> tuple[History, Line]:
-    """The whole motion: what is known at the instants, and the line at the end. `used` contact steps are made between
-    two instants, in a program that has room for `samples`.
+    """The whole motion: what is known at the instants, and the line at the end. `used`
+    contact steps are made between two instants, in a program that has room for
+    `samples`.
 
-    A load that is put on at once is answered on all time scales of the rubber: the first interval is divided by `early`
-    further instants in geometric series, from the `shortest` time on.
+    A load that is put on at once is answered on all time scales of the rubber: the
+    first interval is divided by `early` further instants in geometric series, from the
+    `shortest` time on.
     """
     number = xp.arange(samples + 1)
 
@@ -240,19 +306,33 @@ def run(
 
         def one(state: Motion, now: Any) -> tuple[Motion, None]:
             going, before, after = now
-            step = functools.partial(_advance, scene, c, before=before, after=after, h=h)
+            step = functools.partial(
+                _advance, scene, c, before=before, after=after, h=h
+            )
             return cond(going, step, lambda y: y, state), None
 
-        ends = [tuple(part[at] for part in now) for at in (slice(None, -1), slice(1, None))]
+        ends = [
+            tuple(part[at] for part in now) for at in (slice(None, -1), slice(1, None))
+        ]
         return in_steps(one, start, (number[:-1] < used, *ends))[0]
 
     def seen(t: Any, y: Motion) -> History:
         kinetic, spring = energies(scene, y, given(t)[0])
         return History(
-            y.depth, y.normal, y.drag, y.position, y.velocity, y.sinking, y.work,
-            energy(scene.law, y.line, scene.surface.weight), y.driven, y.pressed, y.damped,
-            kinetic, spring,
-        )  # fmt: skip
+            y.depth,
+            y.normal,
+            y.drag,
+            y.position,
+            y.velocity,
+            y.sinking,
+            y.work,
+            energy(scene.law, y.line, scene.surface.weight),
+            y.driven,
+            y.pressed,
+            y.damped,
+            kinetic,
+            spring,
+        )
 
     def step(y: Motion, ends: tuple[Array, Array]) -> tuple[Motion, History]:
         y = interval(scene, y, *ends)
@@ -261,7 +341,13 @@ def run(
     start = put_down(scene, drive[0], load[0], shortest)
     first = time[1] - time[0]
     ratio = fixed(xp.minimum(shortest / first, 0.5)) ** (1 / max(early, 1))
-    instants = xp.concatenate([time[:1], time[0] + first * ratio ** xp.arange(early, 0, -1), time[1:]])
+    instants = xp.concatenate(
+        [time[:1], time[0] + first * ratio ** xp.arange(early, 0, -1), time[1:]]
+    )
     last, history = in_steps(step, start, (instants[:-1], instants[1:]))
-    history = mapped(lambda begin, kept: xp.concatenate([begin[None], kept[early:]]), seen(instants[0], start), history)
+    history = mapped(
+        lambda begin, kept: xp.concatenate([begin[None], kept[early:]]),
+        seen(instants[0], start),
+        history,
+    )
     return history, last.line

@@ -1,11 +1,13 @@
-"""A rigid body above elements at fixed material points: where its surface is, and what it does to each of them.
+"""A rigid body above elements at fixed material points: where its surface is, and what
+it does to each of them.
 
 The body stands at X along the line, at depth d. Over the element at x its surface is at
 
     w = d + b(x - X),    b = -g(x - X) for an indenter,    b = h(x - X) - max h for a rough line,
 
-and dw = dd + (db/dX) dX: with the force q of the elements, F_N = sum q W and F_x = sum q (db/dX) W are the forces that
-do work on d and on X, W the weight of an element. F_x is positive where it resists a motion towards +x.
+and dw = dd + (db/dX) dX: with the force q of the elements, F_N = sum q W and F_x = sum
+q (db/dX) W are the forces that do work on d and on X, W the weight of an element. F_x
+is positive where it resists a motion towards +x.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from ..trees import Tree
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-_NOTHING = -1e3  # where the surface is beyond the end of a body: far above any rubber [m]
+# where the surface is beyond the end of a body: far above any rubber [m]
+_NOTHING = -1e3
 
 
 class AbstractOverLine(Tree):
@@ -39,28 +42,37 @@ class AbstractOverLine(Tree):
     @property
     @abc.abstractmethod
     def between(self) -> bool:
-        """Whether the elements are neighbours, all of one weight, and the contact is taken to end between them."""
+        """Whether the elements are neighbours, all of one weight, and the contact is
+        taken to end between them.
+        """
 
     @abc.abstractmethod
     def rise(self, position: Array) -> Float[Array, " n"]:
-        """b [m], the surface over each element when the body stands at X [m] with d = 0."""
+        """b [m], the surface over each element when the body stands at X [m] with d =
+        0.
+        """
 
     @abc.abstractmethod
-    def rise_and_slope(self, position: Array) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
+    def rise_and_slope(
+        self, position: Array
+    ) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
         """b [m] and db/dX."""
 
 
 class Indenter(AbstractOverLine):
-    """An indenter above the line of a half-space, or above the strips of a layer; `weight` is dx, or dx dy.
+    """An indenter above the line of a half-space, or above the strips of a layer;
+    `weight` is dx, or dx dy.
 
-    `track` is b of a rough track fixed to the line [m], added to that of the body: zero where the line is smooth.
-    db/dX is its mean over the element, (b(x - dx/2) - b(x + dx/2))/dx: at the tip of a cone, where it jumps, its value
-    in the middle would make F_x first order in dx.
+    `track` is b of a rough track fixed to the line [m], added to that of the body: zero
+    where the line is smooth. db/dX is its mean over the element, (b(x - dx/2) - b(x +
+    dx/2))/dx: at the tip of a cone, where it jumps, its value in the middle would make
+    F_x first order in dx.
     """
 
     shape: AbstractShape
     x: Float[Array, " n"]  # places of the elements [m]
-    y: Float[Array, " n"] | None  # distance of each element's strip from the middle [m]; None for a single line
+    # distance of each element's strip from the middle [m]; None for a single line
+    y: Float[Array, " n"] | None
     spacing: Array  # dx [m]
     track: Array  # height of the track at the elements, scalar or (n,) [m]
 
@@ -80,13 +92,17 @@ class Indenter(AbstractOverLine):
         inside = self._distance(x) < self.shape.largest_contact
         slope = (self._height(x + half) - self._height(x - half)) / self.spacing
         # Beyond the end of the body there is nothing to touch.
-        return xp.where(inside, self.track - self._height(x), _NOTHING), xp.where(inside, slope, 0.0)
+        return xp.where(inside, self.track - self._height(x), _NOTHING), xp.where(
+            inside, slope, 0.0
+        )
 
     def _distance(self, x: Array) -> Array:
         return xp.abs(x) if self.y is None else xp.hypot(x, self.y)
 
     def _height(self, x: Array) -> Array:
-        """g over the line, or the height of the body over a strip, at x from the middle; level beyond its end."""
+        """g over the line, or the height of the body over a strip, at x from the
+        middle; level beyond its end.
+        """
         end = self.shape.largest_contact
         r = self._distance(x)
         r = xp.where(r < end, r, xp.where(xp.isinf(end), 0.0, end * (1 - 1e-12)))
@@ -94,7 +110,9 @@ class Indenter(AbstractOverLine):
 
 
 class Rough(AbstractOverLine):
-    """A rough line above one period of the rubber; the weight 1/n makes means per length of all sums."""
+    """A rough line above one period of the rubber; the weight 1/n makes means per
+    length of all sums.
+    """
 
     coefficients: Float[Array, " n"]  # of its spline [m]
     spacing: Array  # of elements and points [m]
@@ -117,20 +135,45 @@ class Rough(AbstractOverLine):
 
 
 def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
-    """One element under each point of a rough line; `highest` is what the depth counts from."""
-    return Rough(xp.asarray(1 / height.shape[0]), spline_coefficients(height), xp.asarray(spacing), highest)
+    """One element under each point of a rough line; `highest` is what the depth counts
+    from.
+    """
+    return Rough(
+        xp.asarray(1 / height.shape[0]),
+        spline_coefficients(height),
+        xp.asarray(spacing),
+        highest,
+    )
 
 
 @compiled("count")
-def indenter(lines: AbstractLines, first: Any, spacing: Any, count: int, width: Any) -> Indenter:
-    """Elements at `first` + i `spacing`, i < `count`, under an indenter; on a layer also across, up to `width`."""
+def indenter(
+    lines: AbstractLines, first: Any, spacing: Any, count: int, width: Any
+) -> Indenter:
+    """Elements at `first` + i `spacing`, i < `count`, under an indenter; on a layer
+    also across, up to `width`.
+    """
     x, zero = first + spacing * xp.arange(count), xp.zeros(())
     if isinstance(lines, SingleLine):
         weight = spacing * lines.weight(xp.ones(1))[0, 0]
-        return Indenter(shape=lines.shape, x=x, y=None, spacing=xp.asarray(spacing), weight=weight, track=zero)
+        return Indenter(
+            shape=lines.shape,
+            x=x,
+            y=None,
+            spacing=xp.asarray(spacing),
+            weight=weight,
+            track=zero,
+        )
     strips = -(-count // 2)
     across = width / strips
     y = (xp.arange(strips) + 0.5) * across
     x, y = (part.reshape(-1) for part in xp.broadcast_arrays(x[None], y[:, None]))
     weight = 2 * spacing * across
-    return Indenter(shape=lines.shape, x=x, y=y, spacing=xp.asarray(spacing), weight=weight, track=zero)
+    return Indenter(
+        shape=lines.shape,
+        x=x,
+        y=y,
+        spacing=xp.asarray(spacing),
+        weight=weight,
+        track=zero,
+    )

@@ -1,14 +1,19 @@
-"""Load-controlled indentation while the contact grows: exact, in closed form (Lee & Radok 1960).
+"""Load-controlled indentation while the contact grows: exact, in closed form (Lee &
+Radok 1960).
 
-Every element that is in contact has been so since it was first touched, so that F(t) = int E(t-s) dA(d(s)) and, turned
-round, A(d(t)) = int J(t-s) dF(s), with A(d) the force of an elastic contact of unit modulus. For a load that is linear
-between instants this is a sum of exponentials of the Kelvin chain. It holds until the contact shrinks for the first
-time, that is, while A has not fallen. Elements of a flat punch all share one history; for them it holds always.
+Every element that is in contact has been so since it was first touched, so that F(t) =
+int E(t-s) dA(d(s)) and, turned round, A(d(t)) = int J(t-s) dF(s), with A(d) the force
+of an elastic contact of unit modulus. For a load that is linear between instants this
+is a sum of exponentials of the Kelvin chain. It holds until the contact shrinks for the
+first time, that is, while A has not fallen. Elements of a flat punch all share one
+history; for them it holds always.
 
-Energies: the work is int F dd. A branch stores E_k P_k/2 with P_k = int weight (f_k/E_k)^2 dx, which obeys
-P_k' = -2 P_k/tau_k + 2 B_k d', B_k = int weight f_k/E_k dx being the branch's share of A (derived here, by
-differentiating under the integral). d(t) is no sum of exponentials; both are integrated by Gauss' rule on panels that
-narrow towards both ends of each interval, as far as the shortest time of the spectrum needs it.
+Energies: the work is int F dd. A branch stores E_k P_k/2 with P_k = int weight
+(f_k/E_k)^2 dx, which obeys P_k' = -2 P_k/tau_k + 2 B_k d', B_k = int weight f_k/E_k dx
+being the branch's share of A (derived here, by differentiating under the integral).
+d(t) is no sum of exponentials; both are integrated by Gauss' rule on panels that narrow
+towards both ends of each interval, as far as the shortest time of the spectrum needs
+it.
 """
 
 from __future__ import annotations
@@ -55,20 +60,23 @@ def creep(
     *,
     levels: int,
 ) -> Creep:
-    """Depth, contact radius and energies under a load, exact while the contact grows; NaN where no contact can carry
-    it. `levels` as from `levels_for`.
+    """Depth, contact radius and energies under a load, exact while the contact grows;
+    NaN where no contact can carry it. `levels` as from `levels_for`.
     """
     law, modes, disc = arrays((law, modes, disc))
     h, rise = xp.diff(time), xp.diff(load)
     y = h[:, None] * modes.rate
-    gain = modes.gain * h[:, None] * (load[:-1, None] * phi1(y) + rise[:, None] * phi2(y))
+    gain = (
+        modes.gain * h[:, None] * (load[:-1, None] * phi1(y) + rise[:, None] * phi2(y))
+    )
 
     def relax(z: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
         z = step[0] * z + step[1]
         return z, z
 
     _, z = in_steps(relax, xp.zeros_like(modes.rate), (xp.exp(-y), gain))
-    z = xp.concatenate([xp.zeros((1, modes.rate.size)), z])  # retarded part of A, per mode
+    # retarded part of A, per mode
+    z = xp.concatenate([xp.zeros((1, modes.rate.size)), z])
     area = modes.instantaneous * load + xp.sum(z, axis=1)
     depth = disc.depth_of_area(area)
     radius = disc.radius_of_area(area)
@@ -79,7 +87,8 @@ def creep(
     ramp = h[:, None] * s
     force = load[:-1, None] + rise[:, None] * s
     z_in = xp.exp(-inner) * z[:-1, None] + ramp[..., None] * modes.gain * (
-        load[:-1, None, None] * phi1(inner) + (force - load[:-1, None])[..., None] * phi2(inner)
+        load[:-1, None, None] * phi1(inner)
+        + (force - load[:-1, None])[..., None] * phi2(inner)
     )
     area_in = modes.instantaneous * force + xp.sum(z_in, axis=-1)
     rate = modes.instantaneous * rise[:, None] + h[:, None] * xp.sum(
@@ -90,12 +99,17 @@ def creep(
     else:
         width = disc.width(disc.radius_of_area(area_in))
         depth_rate = xp.where(width > 0, rate / xp.where(width > 0, width, 1.0), 0.0)
-    growing = xp.all(rate >= -_ROUNDING * xp.abs(area_in), axis=1) & (area[1:] >= area[:-1] * (1 - _ROUNDING))
+    growing = xp.all(rate >= -_ROUNDING * xp.abs(area_in), axis=1) & (
+        area[1:] >= area[:-1] * (1 - _ROUNDING)
+    )
     growing = xp.concatenate([xp.ones(1, bool), (xp.cumprod(growing) > 0) | disc.flat])
 
-    # Energies. At the first instant the contact is elastic and glassy; a parallel dashpot lets nothing happen there.
+    # Energies. At the first instant the contact is elastic and glassy; a parallel
+    # dashpot lets nothing happen there.
     start = _elastic(disc, radius[0], depth[0])
-    glassy = xp.where(modes.instantaneous > 0, law.equilibrium + xp.sum(law.moduli), 0.0)
+    glassy = xp.where(
+        modes.instantaneous > 0, law.equilibrium + xp.sum(law.moduli), 0.0
+    )
     work = xp.cumsum(xp.append(glassy * start, xp.sum(ds * force * depth_rate, axis=1)))
     share = area_in[..., None] - z_in @ modes.shape  # B_k
     fading = xp.exp(-2 * h[:, None, None] * (1 - s)[:, None] / law.times)
@@ -103,22 +117,37 @@ def creep(
     first = xp.broadcast_to(2 * start, law.times.shape)
     _, squares = in_steps(relax, first, (xp.exp(-2 * h[:, None] / law.times), gained))
     squares = xp.concatenate([first[None], squares])
-    stored = law.equilibrium * _elastic(disc, radius, depth) + 0.5 * squares @ law.moduli
-    # What goes into each branch, less what it holds; what goes into the dashpot, whose force is eta d' over the width.
+    stored = (
+        law.equilibrium * _elastic(disc, radius, depth) + 0.5 * squares @ law.moduli
+    )
+    # What goes into each branch, less what it holds; what goes into the dashpot, whose
+    # force is eta d' over the width.
     into = xp.sum(ds[:, None] * share * depth_rate[..., None], axis=1)
-    spread = xp.cumsum(xp.concatenate([0.5 * first[None], into]), axis=0) - 0.5 * squares
-    width = disc.width(xp.asarray(disc.shape.largest_contact) if disc.flat else disc.radius_of_area(area_in))
+    spread = (
+        xp.cumsum(xp.concatenate([0.5 * first[None], into]), axis=0) - 0.5 * squares
+    )
+    width = disc.width(
+        xp.asarray(disc.shape.largest_contact)
+        if disc.flat
+        else disc.radius_of_area(area_in)
+    )
     damped = xp.sum(ds * width * depth_rate**2, axis=1) / h
     heat = spread @ law.moduli + law.viscosity * xp.append(0.0, xp.cumsum(damped))
     return Creep(depth, radius, work, stored, heat, growing)
 
 
 def levels_for(law: Relaxation, modes: Modes, time: Array) -> int:
-    """How many times the panels narrow, so that they see the shortest time of the spectrum in every interval."""
-    times = [np.asarray(law.times), 1 / np.asarray(modes.rate)[np.asarray(modes.rate) > 0]]
+    """How many times the panels narrow, so that they see the shortest time of the
+    spectrum in every interval.
+    """
+    times = [
+        np.asarray(law.times),
+        1 / np.asarray(modes.rate)[np.asarray(modes.rate) > 0],
+    ]
     shortest = min((float(t.min()) for t in times if t.size), default=math.inf)
     longest = float(np.diff(time).max(initial=0.0))
-    # A dashpot lets a load sink in from nothing, d ~ t^(2/3), and its heat begins with t^(-1/3).
+    # A dashpot lets a load sink in from nothing, d ~ t^(2/3), and its heat begins with
+    # t^(-1/3).
     least = 22 if np.asarray(law.viscosity) > 0 else 3
     if not 0 < longest / shortest < math.inf:
         return least

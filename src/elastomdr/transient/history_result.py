@@ -17,12 +17,15 @@ if TYPE_CHECKING:
     from .._types import Style
 
 _LATE = 0.8  # part of the time from which on a summary looks at the velocity
-_STANDS, _STEADY = 0.1, 0.5  # velocities over the drive's below which a body stands, and within which of 1 it slides
+# velocities over the drive's below which a body stands, and within which of 1 it slides
+_STANDS, _STEADY = 0.1, 0.5
 
 
 @record
 class AbstractHistory(Result):
-    """A motion at the instants asked for; an instant that did not converge is NaN with `converged=False`."""
+    """A motion at the instants asked for; an instant that did not converge is NaN with
+    `converged=False`.
+    """
 
     time: Array = quantity("time", "s")
 
@@ -36,14 +39,20 @@ class AbstractHistory(Result):
 class _OverSurface(AbstractHistory):
     """A body that moves over rubber; forces and energies per metre for a rough line."""
 
-    error: Array = quantity("estimated error of the coefficient", "-", "of mu, absolute")
+    error: Array = quantity(
+        "estimated error of the coefficient", "-", "of mu, absolute"
+    )
     per_length: bool = setting()  # whether forces and energies are per metre of line
 
     error_of: ClassVar[str] = "mu"
 
     def describe(self, q: Quantity) -> Quantity:
         """Forces and energies of a rough line are per metre of it."""
-        return q._replace(unit=f"{q.unit}/m") if self.per_length and q.unit in ("N", "J") else q
+        return (
+            q._replace(unit=f"{q.unit}/m")
+            if self.per_length and q.unit in ("N", "J")
+            else q
+        )
 
     def spectrum(
         self,
@@ -52,21 +61,27 @@ class _OverSurface(AbstractHistory):
         since: float | None = None,
         period: float | None = None,
     ) -> "ForceSpectrum":
-        """The spectrum of a force, such as a wheel puts into its axle when it rolls over a rough track.
+        """The spectrum of a force, such as a wheel puts into its axle when it rolls
+        over a rough track.
 
         Args:
             force: which one; "pull" of `em.drive` only.
-            since: time [s] from which on the motion counts, so that its start is left out; by default all of it.
-            period: of the motion [s], such as the length of a periodic track over the velocity. The spectrum is then of
-                as many whole periods as there are after `since`, and its lines have the amplitudes of the force's
-                waves. Without it the force is multiplied by a Hann window, and its density is the quantity to read.
+            since: time [s] from which on the motion counts, so that its start is left
+                out; by default all of it.
+            period: of the motion [s], such as the length of a periodic track over the
+                velocity. The spectrum is then of as many whole periods as there are
+                after `since`, and its lines have the amplitudes of the force's waves.
+                Without it the force is multiplied by a Hann window, and its density is
+                the quantity to read.
 
         Returns:
-            An `em.ForceSpectrum`. Its `error` is the difference of the amplitudes between the first and the second half
-            of that time, with a period, where it has two or more; NaN else.
+            An `em.ForceSpectrum`. Its `error` is the difference of the amplitudes
+            between the first and the second half of that time, with a period, where it
+            has two or more; NaN else.
 
         Raises:
-            InputError: unless the instants are evenly spaced, divide the period into whole steps and all converged.
+            InputError: unless the instants are evenly spaced, divide the period into
+                whole steps and all converged.
 
         Source: Bendat and Piersol, Random Data, ch. 11.
         """
@@ -75,10 +90,12 @@ class _OverSurface(AbstractHistory):
 
 @record
 class ForceSpectrum(Result):
-    """Amplitude and power of a force over frequency: `Slide.spectrum`, `Drive.spectrum`.
+    """Amplitude and power of a force over frequency: `Slide.spectrum`,
+    `Drive.spectrum`.
 
-    `density` is one-sided: its sum over the frequencies times their step is the mean square of the force about its mean
-    (with a window, divided by the window's mean square).
+    `density` is one-sided: its sum over the frequencies times their step is the mean
+    square of the force about its mean (with a window, divided by the window's mean
+    square).
     """
 
     frequency: Array = quantity("frequency", "Hz")
@@ -115,18 +132,35 @@ class ForceSpectrum(Result):
         """Mean, rms and the largest amplitude."""
         unit = "N/m" if self.per_length else "N"
         largest = int(np.argmax(self.amplitude))
-        yield "force", f"mean {significant(float(self.mean))} {unit}, rms about it {significant(self.rms)} {unit}"
+        yield (
+            "force",
+            (
+                f"mean {significant(float(self.mean))} {unit}, rms about it "
+                f"{significant(self.rms)} {unit}"
+            ),
+        )
         at = significant(float(self.frequency[largest]))
-        yield "largest amplitude", f"{significant(float(self.amplitude[largest]))} {unit} at {at} Hz"
+        yield (
+            "largest amplitude",
+            f"{significant(float(self.amplitude[largest]))} {unit} at {at} Hz",
+        )
 
 
-def force_spectrum(motion: Any, force: str, since: float | None, period: float | None) -> ForceSpectrum:
+def force_spectrum(
+    motion: Any, force: str, since: float | None, period: float | None
+) -> ForceSpectrum:
     """`Slide.spectrum` and `Drive.spectrum`; see there."""
     if is_traced(motion):
         raise InputError("spectrum is for numbers: call it outside jit, grad and vmap.")
     if motion.origins:
-        raise InputError("spectrum is of one material: take that of result.select(name).")
-    known = [name for name in ("normal_force", "friction_force", "pull") if hasattr(motion, name)]
+        raise InputError(
+            "spectrum is of one material: take that of result.select(name)."
+        )
+    known = [
+        name
+        for name in ("normal_force", "friction_force", "pull")
+        if hasattr(motion, name)
+    ]
     if force not in known:
         raise InputError(f"force must be one of {', '.join(known)}, got {force!r}.")
     time, values = np.asarray(motion.time), np.asarray(getattr(motion, force))
@@ -134,12 +168,21 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
     later = time >= since - 1e-9 * np.ptp(time)
     time, values = time[later], values[later]
     if time.size < 8:
-        raise InputError(f"since must leave eight instants or more, got {since:g} s with {time.size} after it.")
+        raise InputError(
+            f"since must leave eight instants or more, got {since:g} s with "
+            f"{time.size} after it."
+        )
     step, each, count = np.ptp(time) / (time.size - 1), 0, 0
     if np.abs(np.diff(time) - step).max() > 1e-6 * step:
-        raise InputError("spectrum needs evenly spaced instants: give em.slide or em.drive np.linspace(...) as time.")
+        raise InputError(
+            "spectrum needs evenly spaced instants: give em.slide or em.drive "
+            "np.linspace(...) as time."
+        )
     if not np.isfinite(values).all():
-        raise InputError("spectrum needs a motion of which every instant after `since` has converged.")
+        raise InputError(
+            "spectrum needs a motion of which every instant after `since` has "
+            "converged."
+        )
     if period is None:
         values = values[:-1] if values.size % 2 else values
         window = np.hanning(values.size + 1)[:-1]
@@ -150,8 +193,9 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
         count = int((time.size - 1) // each) if each else 0
         if each < 4 or count < 1 or abs(each * step / length - 1) > 1e-6:
             raise InputError(
-                f"period must be four steps of the time ({step:g} s) or more, a whole number of them, and fit into "
-                f"what is left after since ({np.ptp(time):g} s), got {length:g} s."
+                f"period must be four steps of the time ({step:g} s) or more, a whole "
+                "number of them, and fit into what is left after since "
+                f"({np.ptp(time):g} s), got {length:g} s."
             )
         values = values[values.size - 1 - count * each : -1]
         window = np.ones(values.size)
@@ -159,7 +203,10 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
     error = np.full(amplitude.shape, np.nan)
     if count > 1:
         half = (count // 2) * each
-        parts = [_waves(part, np.ones(half), step)[0] for part in (values[:half], values[-half:])]
+        parts = [
+            _waves(part, np.ones(half), step)[0]
+            for part in (values[:half], values[-half:])
+        ]
         stride = values.size / half  # of the frequencies that the halves have
         near = np.arange(1, amplitude.size + 1) / stride
         error = np.interp(near, np.arange(1, half // 2 + 1), abs(parts[1] - parts[0]))
@@ -168,15 +215,28 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
         beyond = np.full(amplitude.shape, np.asarray(beyond)[later].any())
     kind = "of whole periods" if period is not None else "with a Hann window"
     return ForceSpectrum(
-        frequency=np.fft.rfftfreq(values.size, step)[1:], amplitude=amplitude, density=density, error=error,
-        mean=np.asarray(values.mean()), converged=np.ones(amplitude.size, bool),
-        extrapolated=beyond, per_length=motion.per_length,
-        shows_density=period is None, model=motion.model, plan=f"Fourier transform {kind}, {values.size} instants",
-        inputs=(*motion.inputs, ("force", force.replace("_", " ")), ("since", f"{significant(float(time[0]))} s")),
-    )  # fmt: skip
+        frequency=np.fft.rfftfreq(values.size, step)[1:],
+        amplitude=amplitude,
+        density=density,
+        error=error,
+        mean=np.asarray(values.mean()),
+        converged=np.ones(amplitude.size, bool),
+        extrapolated=beyond,
+        per_length=motion.per_length,
+        shows_density=period is None,
+        model=motion.model,
+        plan=f"Fourier transform {kind}, {values.size} instants",
+        inputs=(
+            *motion.inputs,
+            ("force", force.replace("_", " ")),
+            ("since", f"{significant(float(time[0]))} s"),
+        ),
+    )
 
 
-def _waves(values: np.ndarray, window: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+def _waves(
+    values: np.ndarray, window: np.ndarray, step: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Amplitudes, and the one-sided density, of all frequencies but zero."""
     n = values.size
     found = np.abs(np.fft.rfft(window * (values - values.mean())))[1:]
@@ -186,14 +246,18 @@ def _waves(values: np.ndarray, window: np.ndarray, step: float) -> tuple[np.ndar
 
 @record
 class Slide(_OverSurface):
-    """A body that moves over a viscoelastic foundation; forces and energies per metre for a rough line.
+    """A body that moves over a viscoelastic foundation; forces and energies per metre
+    for a rough line.
 
-    `friction_force` is the force on the body against +x, positive where it resists a motion towards +x, and `mu` its
-    ratio to the normal force (NaN without contact). `dissipated` is `work` less `stored`, all since the start.
+    `friction_force` is the force on the body against +x, positive where it resists a
+    motion towards +x, and `mu` its ratio to the normal force (NaN without contact).
+    `dissipated` is `work` less `stored`, all since the start.
     """
 
     position: Array = quantity("position", "m", "X(t)")
-    velocity: Array = quantity("velocity", "m/s", "dX/dt over the interval that ends here")
+    velocity: Array = quantity(
+        "velocity", "m/s", "dX/dt over the interval that ends here"
+    )
     mu: Array = quantity("friction coefficient", "-", "F_x/F_N")
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x")
@@ -216,7 +280,13 @@ class Slide(_OverSurface):
             yield "result", f"largest mu = {most} at {when} s, last {end} at {then} s"
             unit = "J/m" if self.per_length else "J"
             names = ("work", "dissipated", "stored")
-            yield "energy", ", ".join(f"{k} {significant(float(getattr(self, k)[last]))} {unit}" for k in names)
+            yield (
+                "energy",
+                ", ".join(
+                    f"{k} {significant(float(getattr(self, k)[last]))} {unit}"
+                    for k in names
+                ),
+            )
 
     def plot(
         self,
@@ -227,7 +297,9 @@ class Slide(_OverSurface):
         label: str | None = None,
         against: Literal["time", "position"] = "time",
     ) -> "Axes":
-        """Draws mu `against` "time" or "position"; the rest as of every result, `Result.plot`."""
+        """Draws mu `against` "time" or "position"; the rest as of every result,
+        `Result.plot`.
+        """
         if against not in ("time", "position"):
             raise InputError(f"against must be 'time' or 'position', got {against!r}.")
         from ..results.plotting import Ask, draw
@@ -237,17 +309,21 @@ class Slide(_OverSurface):
     def png(
         self, title: str | None = None, style: "Style | None" = None, **options: Any
     ) -> bytes:  # as of every result
-        """The figure as a PNG image: against position where it moves, since a rest may take most of the time."""
+        """The figure as a PNG image: against position where it moves, since a rest may
+        take most of the time.
+        """
         against = "position" if np.ptp(self.position) > 0 else "time"
         return super().png(title, style, **{"against": against, **options})
 
 
 @record
 class Drive(_OverSurface):
-    """A body driven over rubber through springs and dampers; forces and energies per metre for a rough line.
+    """A body driven over rubber through springs and dampers; forces and energies per
+    metre for a rough line.
 
-    `given` is the work of drive and load since the body was put down. It is in motion, springs and rubber (`kinetic`,
-    `stored`) or `dissipated`, but for `imbalance`, the error of the time integration, held against rtol as well.
+    `given` is the work of drive and load since the body was put down. It is in motion,
+    springs and rubber (`kinetic`, `stored`) or `dissipated`, but for `imbalance`, the
+    error of the time integration, held against rtol as well.
     """
 
     drive: Array = quantity("place of the drive", "m", "D(t)")
@@ -257,7 +333,11 @@ class Drive(_OverSurface):
     mu: Array = quantity("friction coefficient", "-", "F_x/F_N")
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x")
-    pull: Array = quantity("pull of the drive", "N", "of the tangential spring; F_x where the drive is rigid")
+    pull: Array = quantity(
+        "pull of the drive",
+        "N",
+        "of the tangential spring; F_x where the drive is rigid",
+    )
     given: Array = quantity("work of drive and load", "J")
     kinetic: Array = quantity("kinetic energy", "J")
     stored: Array = quantity("stored energy", "J", "in rubber and springs")
@@ -268,20 +348,27 @@ class Drive(_OverSurface):
     shows: ClassVar[str] = "pull"
 
     def swing(self, period: float) -> Array:
-        """(max X' - min X')/|mean D'| in each whole `period` [s] since the start: 0 when the body follows the drive.
+        """(max X' - min X')/|mean D'| in each whole `period` [s] since the start: 0
+        when the body follows the drive.
 
-        It dies out where the drive damps; a body that sticks and slips swings on, by more than 1 as a rule. Take the
-        period of the mass on its spring, 2 pi sqrt(m/k), and instants enough to see it. NaN in a period with an
-        instant that did not converge, or in which the drive stands. Works under `jax.vmap` over what is driven. Raises
-        `InputError`.
+        It dies out where the drive damps; a body that sticks and slips swings on, by
+        more than 1 as a rule. Take the period of the mass on its spring, 2 pi
+        sqrt(m/k), and instants enough to see it. NaN in a period with an instant that
+        did not converge, or in which the drive stands. Works under `jax.vmap` over what
+        is driven. Raises `InputError`.
         """
         length, time = plain("period", period), np.asarray(self.time)
         positive("period", length)
-        number = np.ceil((time - time[0]) / length * (1 - 1e-12)).astype(int)  # 1 for the first, its end included
+        # 1 for the first, its end included
+        number = np.ceil((time - time[0]) / length * (1 - 1e-12)).astype(int)
         count = int((time[-1] - time[0]) / length * (1 + 1e-12))
-        if not 1 <= count < time.size or np.bincount(number, minlength=count + 1)[1 : count + 1].min() < 2:
+        if (
+            not 1 <= count < time.size
+            or np.bincount(number, minlength=count + 1)[1 : count + 1].min() < 2
+        ):
             raise InputError(
-                f"period must leave two instants or more in each, and be no longer than the motion, got {length:g} s."
+                "period must leave two instants or more in each, and be no "
+                f"longer than the motion, got {length:g} s."
             )
         xp: Any = np
         if is_traced(self):
@@ -291,20 +378,34 @@ class Drive(_OverSurface):
         for first, last in pairwise(ends):
             speed = (self.drive[last] - self.drive[first]) / (time[last] - time[first])
             part = self.velocity[first + 1 : last + 1]
-            found.append((part.max() - part.min()) / xp.where(speed == 0, xp.nan, abs(speed)))
+            found.append(
+                (part.max() - part.min()) / xp.where(speed == 0, xp.nan, abs(speed))
+            )
         return xp.stack(found)
 
     def stick_slip(self, normal_force: float | None = None) -> str:
-        """Whether the body sticks and slips in the last fifth of the time, in a sentence that begins with yes or no.
+        """Whether the body sticks and slips in the last fifth of the time, in a
+        sentence that begins with yes or no.
 
-        Yes: it stands (below a tenth of the drive's velocity) and jumps; no: its velocity stays within half of the
-        drive's. What lies between is not decided. Friction is in newtons, of a rough line per metre or, given the
-        `normal_force` [N] of the whole body, of that body. Raises `InputError`.
+        Yes: it stands (below a tenth of the drive's velocity) and jumps; no: its
+        velocity stays within half of the drive's. What lies between is not decided.
+        Friction is in newtons, of a rough line per metre or, given the `normal_force`
+        [N] of the whole body, of that body. Raises `InputError`.
         """
-        late = np.flatnonzero(self.converged & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0])))
-        mean = np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]]) if late.size > 1 else 0.0
+        late = np.flatnonzero(
+            self.converged
+            & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0]))
+        )
+        mean = (
+            np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]])
+            if late.size > 1
+            else 0.0
+        )
         if not mean:
-            return "not decided: the drive stands in the last fifth of the time, or nothing converged there"
+            return (
+                "not decided: the drive stands in the last fifth of the time, or "
+                "nothing converged there"
+            )
         share, unit = 1.0, "N/m" if self.per_length else "N"
         if normal_force is not None:
             whole = plain("normal_force", normal_force)
@@ -320,7 +421,9 @@ class Drive(_OverSurface):
         return f"not decided: its velocity is {at}, so compute a longer motion; {force}"
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """Ranges of friction and normal force, the energy balance, the velocity late in the motion, stick-slip."""
+        """Ranges of friction and normal force, the energy balance, the velocity late in
+        the motion, stick-slip.
+        """
         yield "computed", str(self.plan)
         good = np.flatnonzero(self.converged)
         if good.size:
@@ -328,11 +431,29 @@ class Drive(_OverSurface):
             yield "friction", span(self.friction_force[good], unit)
             yield "normal force", span(self.normal_force[good], unit)
             names = ("given", "kinetic", "stored", "dissipated", "imbalance")
-            yield "energy", ", ".join(f"{k} {significant(getattr(self, k)[good[-1]])} {joule}" for k in names)
-        late = np.flatnonzero(self.converged & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0])))
-        if late.size > 1 and (speed := np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]])):
-            low, high = (significant(float(x(self.velocity[late])) / speed, 3) for x in (np.min, np.max))
-            yield "velocity", f"{low} to {high} times the drive's in the last fifth of the time"
+            yield (
+                "energy",
+                ", ".join(
+                    f"{k} {significant(getattr(self, k)[good[-1]])} {joule}"
+                    for k in names
+                ),
+            )
+        late = np.flatnonzero(
+            self.converged
+            & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0]))
+        )
+        if late.size > 1 and (
+            speed := np.ptp(self.drive[late[[0, -1]]])
+            / np.ptp(self.time[late[[0, -1]]])
+        ):
+            low, high = (
+                significant(float(x(self.velocity[late])) / speed, 3)
+                for x in (np.min, np.max)
+            )
+            yield (
+                "velocity",
+                f"{low} to {high} times the drive's in the last fifth of the time",
+            )
             yield "stick-slip", self.stick_slip()
 
     def plot(
@@ -344,7 +465,9 @@ class Drive(_OverSurface):
         label: str | None = None,
         show: str = "pull",
     ) -> "Axes":
-        """Draws one field against time, by default the pull of the drive; the rest as of every result."""
+        """Draws one field against time, by default the pull of the drive; the rest as
+        of every result.
+        """
         fields = [q.path for q in self.quantities() if q.unit and q.path != "time"]
         if show not in fields:
             raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
@@ -357,15 +480,27 @@ class Drive(_OverSurface):
 class Shear(AbstractHistory):
     """Tangential loading with stick and slip."""
 
-    displacement: Array = quantity("tangential displacement", "m", "of the body", shown="µm")
+    displacement: Array = quantity(
+        "tangential displacement", "m", "of the body", shown="µm"
+    )
     force: Array = quantity("tangential force", "N", "on the body's side that moves it")
     normal_force: Array = quantity("normal force", "N")
     depth: Array = quantity("depth", "m")
     contact_radius: Array = quantity("contact radius", "m")
-    stick_radius: Array = quantity("stick radius", "m", "inside, nothing slipped in the last step")
-    work: Array = quantity("tangential work", "J", "done by the tangential force since the start")
-    slip_loss: Array = quantity("lost by slip", "J", "of the work, turned into heat by slip")
-    stored: Array = quantity("stored tangentially", "J", "of the work, elastic energy; the rest heats the rubber")
+    stick_radius: Array = quantity(
+        "stick radius", "m", "inside, nothing slipped in the last step"
+    )
+    work: Array = quantity(
+        "tangential work", "J", "done by the tangential force since the start"
+    )
+    slip_loss: Array = quantity(
+        "lost by slip", "J", "of the work, turned into heat by slip"
+    )
+    stored: Array = quantity(
+        "stored tangentially",
+        "J",
+        "of the work, elastic energy; the rest heats the rubber",
+    )
     error: Array = quantity("estimated error of the tangential force", "N")
 
     title: ClassVar[str] = "Tangential loading with friction"
@@ -380,6 +515,21 @@ class Shear(AbstractHistory):
             force = np.abs(np.asarray(self.force)[good])
             largest = int(force.argmax())
             when = np.asarray(self.time)[good][largest]
-            yield "largest force", f"{significant(float(force[largest]))} N at {significant(float(when))} s"
-            work, slip, stored = (float(np.asarray(x)[good][-1]) for x in (self.work, self.slip_loss, self.stored))
-            yield "work", f"{significant(work)} J: slip {significant(slip)} J, stored {significant(stored)} J"
+            yield (
+                "largest force",
+                (
+                    f"{significant(float(force[largest]))} N at "
+                    f"{significant(float(when))} s"
+                ),
+            )
+            work, slip, stored = (
+                float(np.asarray(x)[good][-1])
+                for x in (self.work, self.slip_loss, self.stored)
+            )
+            yield (
+                "work",
+                (
+                    f"{significant(work)} J: slip {significant(slip)} J, stored "
+                    f"{significant(stored)} J"
+                ),
+            )

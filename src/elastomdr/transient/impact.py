@@ -38,11 +38,22 @@ if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Indenter, Materials
 
-_WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
-_PASSAGE = 4.0  # frequency times duration of the passage that `material/validity.py` speaks of
-HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
-LAYER = "independent springs, exact for them (rubber of that thickness: em.layer); quasi-static rubber, no adhesion"
-FINITE = "rubber of finite thickness on a rigid base, exact: approach and rebound; quasi-static rubber, no adhesion"
+# numbers of branches that are filled up to, so that few are compiled
+_WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)
+# frequency times duration of the passage that `material/validity.py` speaks of
+_PASSAGE = 4.0
+HALF_SPACE = (
+    "MDR, exact for the half-space: approach and rebound (Ting's solution), "
+    "quasi-static rubber, no adhesion"
+)
+LAYER = (
+    "independent springs, exact for them (rubber of that thickness: em.layer); "
+    "quasi-static rubber, no adhesion"
+)
+FINITE = (
+    "rubber of finite thickness on a rigid base, exact: approach and rebound; "
+    "quasi-static rubber, no adhesion"
+)
 
 
 @numpy_unless_traced
@@ -59,38 +70,43 @@ def impact(
     tangential: Foundation | None = None,
     rtol: float = 1e-6,
 ) -> Impact:
-    """Impact of a rigid body that touches at `velocity`, until it leaves: m d'' = -F(history of d).
+    """Impact of a rigid body that touches at `velocity`, until it leaves: m d'' =
+    -F(history of d).
 
-    F is the force of the viscoelastic foundation; gravity and adhesion are left out. `mass`, `velocity` and
-    `temperature` broadcast.
+    F is the force of the viscoelastic foundation; gravity and adhesion are left out.
+    `mass`, `velocity` and `temperature` broadcast.
 
     Args:
-        material: a material (then a half-space of it), a `Foundation`, or a list of either: the result then has one
-            more axis, in front, for them.
+        material: a material (then a half-space of it), a `Foundation`, or a list of
+            either: the result then has one more axis, in front, for them.
         shape: the body, such as `em.Sphere`.
         mass: mass [kg].
         velocity: velocity at touch [m/s].
         temperature: temperature [K], for a material with a shift law.
-        tangential_velocity: for an oblique impact, velocity of the point of contact at touch [m/s], spin included.
-        friction: Coulomb's coefficient of an oblique impact, zero and infinity included.
-        inertia: moment of inertia about the centre [kg m^2]; by default that of a homogeneous ball or cylinder, and
-            infinite for a body that does not roll.
-        tangential: the `Foundation` of G* of an oblique impact, needed where `material` is a `Foundation`.
+        tangential_velocity: for an oblique impact, velocity of the point of contact at
+            touch [m/s], spin included.
+        friction: Coulomb's coefficient of an oblique impact, zero and infinity
+            included.
+        inertia: moment of inertia about the centre [kg m^2]; by default that of a
+            homogeneous ball or cylinder, and infinite for a body that does not roll.
+        tangential: the `Foundation` of G* of an oblique impact, needed where `material`
+            is a `Foundation`.
         rtol: relative error of restitution and depth to be met, 1e-2 to 1e-10.
 
     Returns:
-        An `em.Impact`; of an oblique one `oblique` has the velocity of the point of contact afterwards, with its error.
-        A body that never comes back (a liquid too viscous for it) has restitution 0, an infinite duration and
-        `stuck=True`. A point whose restitution or depth misses `rtol` is NaN with `converged=False`; a duration that
-        misses 100 `rtol` (restitution below 1e-4) is NaN alone.
+        An `em.Impact`; of an oblique one `oblique` has the velocity of the point of
+        contact afterwards, with its error. A body that never comes back (a liquid too
+        viscous for it) has restitution 0, an infinite duration and `stuck=True`. A
+        point whose restitution or depth misses `rtol` is NaN with `converged=False`; a
+        duration that misses 100 `rtol` (restitution below 1e-4) is NaN alone.
 
     Raises:
-        InputError: for a mass or velocity that is not positive, a cylinder on a half-space, or a temperature without a
-            shift law.
+        InputError: for a mass or velocity that is not positive, a cylinder on a
+            half-space, or a temperature without a shift law.
 
-    Exact for the half-space and every shape whose contact grows as a disc; the rubber's own inertia (waves) is left
-    out. Oblique impacts are of second order in the step. Differentiable with respect to moduli, times, shape, mass and
-    velocity.
+    Exact for the half-space and every shape whose contact grows as a disc; the rubber's
+    own inertia (waves) is left out. Oblique impacts are of second order in the step.
+    Differentiable with respect to moduli, times, shape, mass and velocity.
 
     Source: Popov & Hess 2015, ch. 7; Ting 1966 for the rebound.
     """
@@ -114,14 +130,25 @@ def impact(
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
     if not traced and not good.all():
-        text = f"{int((~good).sum())} of {good.size} impacts did not converge to rtol={rtol:g}; they are NaN."
+        text = (
+            f"{int((~good).sum())} of {good.size} impacts did not converge to "
+            f"rtol={rtol:g}; they are NaN."
+        )
         if isinstance(material, Layer) and (found.converged & ~good).any():
-            text += f" The body would go deeper than the layer is thick, {float(material.thickness):.4g} m."
+            text += (
+                " The body would go deeper than the layer is thick, "
+                f"{float(material.thickness):.4g} m."
+            )
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     motion = found.motion
     duration = shaped(nan_unless(found.timed, motion.duration))
     beyond = NOT_KNOWN if traced else _beyond(scene, duration)
-    history = History(series(motion.time), series(motion.depth), series(motion.speed), series(motion.force))
+    history = History(
+        series(motion.time),
+        series(motion.depth),
+        series(motion.speed),
+        series(motion.force),
+    )
     return Impact(
         mass=scene.mass,
         velocity=scene.velocity,
@@ -129,14 +156,25 @@ def impact(
         duration=duration,
         max_depth=shaped(motion.max_depth),
         max_force=shaped(motion.max_force),
-        lost=shaped(0.5 * scene.mass.reshape(-1) * scene.velocity.reshape(-1) ** 2 * (1 - motion.restitution**2)),
+        lost=shaped(
+            0.5
+            * scene.mass.reshape(-1)
+            * scene.velocity.reshape(-1) ** 2
+            * (1 - motion.restitution**2)
+        ),
         history=history,
-        oblique=None if slips is None else on_jax(solve_oblique, slips, scene, shape, history, found),
+        oblique=None
+        if slips is None
+        else on_jax(solve_oblique, slips, scene, shape, history, found),
         error=nan_unless(good, found.error).reshape(scene.shape),
         stuck=found.stuck.reshape(scene.shape),
         converged=good.reshape(scene.shape),
         temperature=scene.temperature,
-        model=FINITE if isinstance(material, Layer) else LAYER if scene.per_area else HALF_SPACE,
+        model=FINITE
+        if isinstance(material, Layer)
+        else LAYER
+        if scene.per_area
+        else HALF_SPACE,
         plan="velocities as the grid, extrapolated in the number of steps",
         inputs=scene.inputs + beyond.said,
         extrapolated=beyond.points,
@@ -147,9 +185,14 @@ def impact(
 def _origins(scene: "_Scene") -> tuple[Origin, ...]:
     """The materials along the first axis."""
     model = LAYER if scene.per_area else HALF_SPACE
-    names = distinct([f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)])
+    names = distinct(
+        [f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)]
+    )
     rest = tuple(pair for pair in scene.inputs if pair[0] != "material")
-    return tuple(Origin(name, model, (("material", name), *rest), frozenset(), None) for name in names)
+    return tuple(
+        Origin(name, model, (("material", name), *rest), frozenset(), None)
+        for name in names
+    )
 
 
 class _Scene(NamedTuple):
@@ -165,46 +208,75 @@ class _Scene(NamedTuple):
 
 
 def _scene(
-    material: Any, shape: Any, mass: Any, velocity: Any, temperature: Any, rtol: Any, extra: tuple = ()
+    material: Any,
+    shape: Any,
+    mass: Any,
+    velocity: Any,
+    temperature: Any,
+    rtol: Any,
+    extra: tuple = (),
 ) -> _Scene:
     many = isinstance(material, Sequence) and not isinstance(material, str)
     if many and not material:
-        raise InputError("material must be a material or a list of them, got an empty list.")
+        raise InputError(
+            "material must be a material or a list of them, got an empty list."
+        )
     if not isinstance(shape, AbstractShape):
-        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+        raise InputError(
+            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
+            f"like, got {shape!r}."
+        )
     hint_at_metres(shape)
     struck: Any = shape
     if isinstance(material, Layer):
         if extra:
-            raise InputError("tangential_velocity must be left out on an em.layer: only its normal impact is known.")
+            raise InputError(
+                "tangential_velocity must be left out on an em.layer: only its "
+                "normal impact is known."
+            )
         struck, foundation = of_layer(material, shape)
         foundations, per_area = [foundation], False
     else:
         if many and any(isinstance(m, Layer) for m in material):
-            raise InputError("material must be one em.layer, not a list of them, in an impact.")
-        foundations = [as_foundation(m) for m in material] if many else [as_foundation(material)]
+            raise InputError(
+                "material must be one em.layer, not a list of them, in an impact."
+            )
+        foundations = (
+            [as_foundation(m) for m in material] if many else [as_foundation(material)]
+        )
         per_area = _standing(foundations, shape)
-    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-2:
+    if (
+        isinstance(rtol, bool)
+        or not isinstance(rtol, (int, float))
+        or not 1e-10 <= rtol <= 1e-2
+    ):
         raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
     mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
     positive("mass", mass)
     positive("velocity", velocity)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
     oblique = dict(zip(("tangential_velocity", "friction"), extra, strict=False))
-    points = broadcast_shape(mass=mass, velocity=velocity, temperature=kelvin, **oblique)
+    points = broadcast_shape(
+        mass=mass, velocity=velocity, temperature=kelvin, **oblique
+    )
     result = (len(foundations), *points) if many else points
     laws = [_at(foundation, kelvin, points) for foundation in foundations]
     most = max(law.moduli.shape[0] for law in laws)
     width = next((n for n in _WIDTHS if n >= most), most)
     lanes = [_lanes(law, width) for law in laws]
-    rates, moduli, viscosity = (xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True))
+    rates, moduli, viscosity = (
+        xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True)
+    )
 
     def flat(array: Any) -> Any:
         return xp.broadcast_to(array, result).reshape(-1)
 
-    if many and rates.shape[-1] == len(foundations):  # one column per material: one per point
+    # one column per material: one per point
+    if many and rates.shape[-1] == len(foundations):
         count = int(np.prod(points))
-        rates, moduli, viscosity = (xp.repeat(x, count, axis=-1) for x in (rates, moduli, viscosity))
+        rates, moduli, viscosity = (
+            xp.repeat(x, count, axis=-1) for x in (rates, moduli, viscosity)
+        )
     names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
     inputs = [("material", names), ("shape", describe(shape))]
     inputs += [("mass", brief(mass, "kg")), ("velocity", brief(velocity, "m/s"))]
@@ -213,9 +285,16 @@ def _scene(
     inputs.append(("relative tolerance", f"{rtol:g}"))
     body = Body(struck, rates, moduli, viscosity, flat(mass), flat(velocity))
     return _Scene(
-        body, per_area, xp.broadcast_to(mass, result), xp.broadcast_to(velocity, result),
-        None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs), foundations, many,
-    )  # fmt: skip
+        body,
+        per_area,
+        xp.broadcast_to(mass, result),
+        xp.broadcast_to(velocity, result),
+        None if kelvin is None else xp.broadcast_to(kelvin, result),
+        result,
+        tuple(inputs),
+        foundations,
+        many,
+    )
 
 
 def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
@@ -223,54 +302,94 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
     if all(foundation.range is None for foundation in scene.foundations):
         return NOT_KNOWN
     points, what, illustrative = (
-        np.zeros((len(scene.foundations), duration.size // len(scene.foundations)), bool),
+        np.zeros(
+            (len(scene.foundations), duration.size // len(scene.foundations)), bool
+        ),
         [],
         True,
     )
-    kelvin = None if scene.temperature is None else np.reshape(scene.temperature, points.shape)
-    for i, (foundation, times) in enumerate(zip(scene.foundations, duration.reshape(points.shape), strict=True)):
+    kelvin = (
+        None
+        if scene.temperature is None
+        else np.reshape(scene.temperature, points.shape)
+    )
+    for i, (foundation, times) in enumerate(
+        zip(scene.foundations, duration.reshape(points.shape), strict=True)
+    ):
         known, there = foundation.range, None if kelvin is None else kelvin[i]
         if known is None:
             continue
-        factor = 1.0 if there is None else np.asarray(thermal_factors(foundation, there)[0])
+        factor = (
+            1.0 if there is None else np.asarray(thermal_factors(foundation, there)[0])
+        )
         rate = _PASSAGE * factor / times
         points[i] = known.outside(rate, there)
         if points[i].any():
             what += known.findings(rate, there, "a_T/t to 4 a_T/t, t the contact time,")
             illustrative &= known.illustrative
-    return told(points.reshape(scene.shape), "; ".join(dict.fromkeys(what)), illustrative, stacklevel=4)
+    return told(
+        points.reshape(scene.shape),
+        "; ".join(dict.fromkeys(what)),
+        illustrative,
+        stacklevel=4,
+    )
 
 
 def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
-    """Whether the scene is one on a layer. Raises `InputError` where half-space and shape do not go together."""
+    """Whether the scene is one on a layer. Raises `InputError` where half-space and
+    shape do not go together.
+    """
     cylinder = isinstance(shape, Cylinder)
     kinds = {cylinder if f.per_area is None else f.per_area for f in foundations}
     if len(kinds) > 1:
-        raise InputError("material must be a list of half-spaces or a list of layers, got both.")
+        raise InputError(
+            "material must be a list of half-spaces or a list of layers, got both."
+        )
     per_area = kinds.pop()
     if cylinder and not per_area:
         raise InputError(
-            "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness, ...). "
-            "A cylinder on a half-space is no MDR problem."
+            "material must be a layer under a Cylinder, got a half-space: use "
+            "em.springs(material, thickness, ...). A cylinder on a half-space is no "
+            "MDR problem."
         )
     return per_area
 
 
 def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...]) -> Relaxation:
-    """The law, with one column per point where a temperature gives each its own times and moduli."""
+    """The law, with one column per point where a temperature gives each its own times
+    and moduli.
+    """
     law = foundation.law()
     if kelvin is None:
         return law
-    a, b = (xp.broadcast_to(xp.asarray(x), points).reshape(-1) for x in thermal_factors(foundation, kelvin))
-    return Relaxation(law.equilibrium * b, law.moduli[:, None] * b, law.times[:, None] * a, law.viscosity * a * b)
+    a, b = (
+        xp.broadcast_to(xp.asarray(x), points).reshape(-1)
+        for x in thermal_factors(foundation, kelvin)
+    )
+    return Relaxation(
+        law.equilibrium * b,
+        law.moduli[:, None] * b,
+        law.times[:, None] * a,
+        law.viscosity * a * b,
+    )
 
 
 def _lanes(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
-    """(rates, moduli, viscosity), the spring as a branch with rate zero, `width` more branches, equal columns."""
+    """(rates, moduli, viscosity), the spring as a branch with rate zero, `width` more
+    branches, equal columns.
+    """
     times = law.times if law.times.ndim == 2 else law.times[:, None]
     columns = times.shape[-1]
     viscosity = xp.broadcast_to(law.viscosity, (columns,))
     filled = xp.zeros((width - law.moduli.shape[0], columns))
-    own = xp.broadcast_to(law.moduli if law.moduli.ndim == 2 else law.moduli[:, None], times.shape)
-    moduli = xp.concatenate([xp.broadcast_to(law.equilibrium, (1, columns)), own, filled])
-    return xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]), moduli, viscosity
+    own = xp.broadcast_to(
+        law.moduli if law.moduli.ndim == 2 else law.moduli[:, None], times.shape
+    )
+    moduli = xp.concatenate(
+        [xp.broadcast_to(law.equilibrium, (1, columns)), own, filled]
+    )
+    return (
+        xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]),
+        moduli,
+        viscosity,
+    )

@@ -1,23 +1,28 @@
-"""Free normal impact of a rigid body: m d'' = -F, d(0) = 0, d'(0) = v0, until the contact force has gone.
+"""Free normal impact of a rigid body: m d'' = -F, d(0) = 0, d'(0) = v0, until the
+contact force has gone.
 
-While the contact grows every element has been pressed in since it was touched, at t_1(x), so that with the measure
-A(d) of `surface.reach`
+While the contact grows every element has been pressed in since it was touched, at
+t_1(x), so that with the measure A(d) of `surface.reach`
 
     F = E_inf A(d) + sum_k F_k + eta A'(d) d',    F_k' = E_k A'(d) d' - F_k/tau_k.
 
-After the turn, d' = 0, the contact shrinks. Elements touched after the instant t_1(t) have left; t_1 is where
+After the turn, d' = 0, the contact shrinks. Elements touched after the instant t_1(t)
+have left; t_1 is where
 
     int_{t_1}^t E(t - s) d'(s) ds + eta d'(t) = 0,  and then  F = E_inf A(d(t_1)) + sum_k exp(-(t - t_1)/tau_k) F_k(t_1)
 
-(Ting 1966; on the line each element leaves at zero force). Nothing else
-can happen in a free impact: F >= 0 lets the velocity only fall, so that it changes sign once, and the body retreats
-ever faster from a surface that recovers ever more slowly. All of this is exact for the half-space.
+(Ting 1966; on the line each element leaves at zero force). Nothing else can happen in a
+free impact: F >= 0 lets the velocity only fall, so that it changes sign once, and the
+body retreats ever faster from a surface that recovers ever more slowly. All of this is
+exact for the half-space.
 
-Discretised by a grid of velocities, v_i = v0 (1 - s_i^6)^3 with s_i = i/n, so that no time scale has to be known: in
-the approach the length of each step is the unknown; in the rebound step j ends when the elements touched at node j
-leave. d and C_k = int E_k exp(-(t - s)/tau_k) d'(s) ds follow from d' linear over the step, F_k from A'(d) d' linear
-over it, with exact exponentials, the momentum from the trapezoidal rule. Each step is symmetric in time, so the error
-is a series in n^-2, and Richardson's extrapolation takes it away, term by term (`transient/impact_levels.py`). Short
+Discretised by a grid of velocities, v_i = v0 (1 - s_i^6)^3 with s_i = i/n, so that no
+time scale has to be known: in the approach the length of each step is the unknown; in
+the rebound step j ends when the elements touched at node j leave. d and C_k = int E_k
+exp(-(t - s)/tau_k) d'(s) ds follow from d' linear over the step, F_k from A'(d) d'
+linear over it, with exact exponentials, the momentum from the trapezoidal rule. Each
+step is symmetric in time, so the error is a series in n^-2, and Richardson's
+extrapolation takes it away, term by term (`transient/impact_levels.py`). Short
 relaxation times need no short steps: their branches become dashpots exactly.
 """
 
@@ -41,11 +46,14 @@ if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
 COARSEST = 16  # n of the first grid, and half the intervals of a history
-_START, _TURN = 6, 3  # powers of the grid at both ends: steps shrink where the motion is not smooth in time
+# powers of the grid at both ends: steps shrink where the motion is not smooth in time
+_START, _TURN = 6, 3
 
 
 class Grid(NamedTuple):
-    """n steps of the approach, filled up with steps that are not taken; so that grids of one size compile once."""
+    """n steps of the approach, filled up with steps that are not taken; so that grids
+    of one size compile once.
+    """
 
     taken: Bool[Array, " size"]
     kept: Float[Array, " size"]  # v/v0 at the end of the step
@@ -59,7 +67,8 @@ class Body(NamedTuple):
     """What strikes, and on what; lanes run over the last axis."""
 
     shape: AbstractShape | Disc  # a body, or its contact on rubber of finite thickness
-    rates: Float[Array, "k lanes"]  # 1/tau_k, the first one zero: the equilibrium spring [1/s]
+    # 1/tau_k, the first one zero: the equilibrium spring [1/s]
+    rates: Float[Array, "k lanes"]
     moduli: Float[Array, "k lanes"]  # [Pa, or Pa/m]
     viscosity: Float[Array, " lanes"]  # [Pa s, or Pa s/m]
     mass: Float[Array, " lanes"]  # [kg]
@@ -67,7 +76,9 @@ class Body(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """An impact from one grid. Histories: n + 1 nodes from touch to turn, then n to the end."""
+    """An impact from one grid. Histories: n + 1 nodes from touch to turn, then n to the
+    end.
+    """
 
     restitution: Float[Array, " lanes"]
     duration: Float[Array, " lanes"]  # [s]
@@ -98,8 +109,14 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     """One impact per lane on one grid; differentiable in both modes."""
     zero = xp.zeros(body.velocity.shape)
     none = xp.zeros((body.rates.shape[0], *zero.shape))
-    punch = body.shape.flat if isinstance(body.shape, Disc) else isinstance(body.shape, FlatPunch)
-    rate = contact_measure(body.shape, zero, per_area) * body.velocity if punch else zero
+    punch = (
+        body.shape.flat
+        if isinstance(body.shape, Disc)
+        else isinstance(body.shape, FlatPunch)
+    )
+    rate = (
+        contact_measure(body.shape, zero, per_area) * body.velocity if punch else zero
+    )
     start = _Node(zero, zero, body.velocity, rate, none, none, body.viscosity * rate)
     turn, nodes, steps, good = _approach(body, per_area, start, grid)
     path = mapped(lambda first, rest: xp.concatenate([first[None], rest]), start, nodes)
@@ -109,7 +126,9 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     size = grid.kept.shape[0]
 
     def joined(before: Array, after: Array) -> Array:
-        return xp.concatenate([before[grid.shown], after[size - 1 - grid.shown[-2::-1]]])
+        return xp.concatenate(
+            [before[grid.shown], after[size - 1 - grid.shown[-2::-1]]]
+        )
 
     return Motion(
         restitution=-end.speed / body.velocity,
@@ -146,8 +165,12 @@ def grid(n: int, size: int) -> Grid:
     )
 
 
-def _approach(body: Body, per_area: bool, start: _Node, grid: Grid) -> tuple[_Node, _Node, Array, Array]:
-    """From touch to the turn: the turn, the node after each step, step lengths, and which lanes were solved."""
+def _approach(
+    body: Body, per_area: bool, start: _Node, grid: Grid
+) -> tuple[_Node, _Node, Array, Array]:
+    """From touch to the turn: the turn, the node after each step, step lengths, and
+    which lanes were solved.
+    """
 
     def after(node: _Node, log_h: Array, speed: Array) -> _Node:
         h = xp.exp(log_h)
@@ -166,9 +189,14 @@ def _approach(body: Body, per_area: bool, start: _Node, grid: Grid) -> tuple[_No
         speed = body.velocity * step.kept
 
         def residual(log_h: Array) -> Array:
-            return log_h + xp.log(0.5 * (node.force + after(node, log_h, speed).force)) - momentum
+            return (
+                log_h
+                + xp.log(0.5 * (node.force + after(node, log_h, speed).force))
+                - momentum
+            )
 
-        # The mean force over a step is nearly a power of s: that gives the first guess of the step's length.
+        # The mean force over a step is nearly a power of s: that gives the first guess
+        # of the step's length.
         log_h, found = root(residual, momentum - (log_force + slope * step.stride))
         mean = momentum - fixed(log_h)
         slope = xp.clip((mean - log_force) / step.stride, -20, 20)
@@ -181,9 +209,13 @@ def _approach(body: Body, per_area: bool, start: _Node, grid: Grid) -> tuple[_No
         carry, h = cond(step.taken, take, skip, carry, step)
         return carry, (carry[0], h)
 
-    log_force = fixed(xp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(body, per_area, grid)
+    log_force = fixed(xp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(
+        body, per_area, grid
+    )
     carry = (start, log_force, xp.zeros_like(log_force), xp.ones(log_force.shape, bool))
-    steps = grid._replace(last=xp.zeros(grid.kept.shape), shown=xp.zeros(grid.kept.shape))
+    steps = grid._replace(
+        last=xp.zeros(grid.kept.shape), shown=xp.zeros(grid.kept.shape)
+    )
     (turn, _, _, good), (nodes, lengths) = in_steps(step, carry, steps)
     return turn, nodes, lengths, good
 
@@ -195,9 +227,19 @@ def _first_step(body: Body, per_area: bool, grid: Grid) -> Array:
 
     def residual(log_h: Array) -> Array:
         h = xp.exp(log_h)
-        measure = contact_measure(body.shape, body.velocity * h, per_area) * body.velocity
+        measure = (
+            contact_measure(body.shape, body.velocity * h, per_area) * body.velocity
+        )
         _, _, late = ramp_weights(h * body.rates)
-        return log_h + xp.log(0.5 * measure * (h * xp.sum(body.moduli * late, axis=0) + body.viscosity)) - momentum
+        return (
+            log_h
+            + xp.log(
+                0.5
+                * measure
+                * (h * xp.sum(body.moduli * late, axis=0) + body.viscosity)
+            )
+            - momentum
+        )
 
     return search(residual, xp.full(body.velocity.shape, -7.0))[0]
 
@@ -215,7 +257,9 @@ class _Rebound(NamedTuple):
 def _retreat(
     body: Body, per_area: bool, path: _Node, turn: _Node, lengths: Array, grid: Grid
 ) -> tuple[_Rebound, _Rebound, Array]:
-    """From the turn to the end: step j ends when the elements touched at node j of the approach leave."""
+    """From the turn to the end: step j ends when the elements touched at node j of the
+    approach leave.
+    """
 
     def after(node: _Rebound, touched: _Node, log_h: Array) -> tuple[Array, _Rebound]:
         h = xp.exp(log_h)
@@ -223,15 +267,28 @@ def _retreat(
         since = xp.exp(-body.rates * (node.time + h - touched.time))
         force = xp.sum(since * touched.forces, axis=0)
         speed = node.speed - 0.5 * h * (node.force + force) / body.mass
-        centre = decay * node.centre + h * body.moduli * (early * node.speed + late * speed)
-        density = xp.sum(centre - since * touched.centre, axis=0) + body.viscosity * speed
-        return density, _Rebound(node.time + h, node.depth + 0.5 * h * (node.speed + speed), speed, centre, force)
+        centre = decay * node.centre + h * body.moduli * (
+            early * node.speed + late * speed
+        )
+        density = (
+            xp.sum(centre - since * touched.centre, axis=0) + body.viscosity * speed
+        )
+        return density, _Rebound(
+            node.time + h,
+            node.depth + 0.5 * h * (node.speed + speed),
+            speed,
+            centre,
+            force,
+        )
 
     def take(carry: tuple, step: tuple) -> tuple:
         node, log_ratio, trend, good = carry
         touched, log_length, _, _ = step
         since = xp.exp(-body.rates * (node.time - touched.time))
-        held = xp.sum(node.centre - since * touched.centre, axis=0) + body.viscosity * node.speed
+        held = (
+            xp.sum(node.centre - since * touched.centre, axis=0)
+            + body.viscosity * node.speed
+        )
 
         def residual(log_h: Array) -> Array:  # rises as a power of the step does
             return xp.log((held - after(node, touched, log_h)[0]) / held)
@@ -252,21 +309,27 @@ def _retreat(
     first = xp.arange(log_lengths.shape[0])[::-1] == 0
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
     carry = (node, zero, zero, xp.ones(zero.shape, bool))
-    (end, _, _, good), states = in_steps(step, carry, (touched, log_lengths, grid.taken[::-1], first))
+    (end, _, _, good), states = in_steps(
+        step, carry, (touched, log_lengths, grid.taken[::-1], first)
+    )
     return end, states, good
 
 
 def _retreat_of_punch(
     body: Body, per_area: bool, path: _Node, turn: _Node, lengths: Array, grid: Grid
 ) -> tuple[_Rebound, _Rebound, Array]:
-    """All elements of a flat punch leave together: step j ends when the force is F_turn (1 - (1 - j/n)^2)."""
+    """All elements of a flat punch leave together: step j ends when the force is F_turn
+    (1 - (1 - j/n)^2).
+    """
     measure = contact_measure(body.shape, turn.depth, per_area)
 
     def after(node: _Rebound, target: Array, log_h: Array) -> tuple[Array, _Rebound]:
         h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
         speed = node.speed - 0.5 * h * (node.force + target) / body.mass
-        centre = decay * node.centre + h * body.moduli * (early * node.speed + late * speed)
+        centre = decay * node.centre + h * body.moduli * (
+            early * node.speed + late * speed
+        )
         depth = node.depth + 0.5 * h * (node.speed + speed)
         force = measure * (xp.sum(centre, axis=0) + body.viscosity * speed)
         return force, _Rebound(node.time + h, depth, speed, centre, target)
@@ -276,7 +339,9 @@ def _retreat_of_punch(
         target = turn.force * step[0]
 
         def residual(log_h: Array) -> Array:
-            return xp.log((node.force - after(node, target, log_h)[0]) / (node.force - target))
+            return xp.log(
+                (node.force - after(node, target, log_h)[0]) / (node.force - target)
+            )
 
         log_h, found = root(residual, fixed(log_h))
         return after(node, target, log_h)[1], log_h, good & found
@@ -289,5 +354,7 @@ def _retreat_of_punch(
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
     guess = xp.log(turn.time / grid.last)
     carry = (node, guess, xp.ones(guess.shape, bool))
-    (end, _, good), states = in_steps(step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1]))
+    (end, _, good), states = in_steps(
+        step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1])
+    )
     return end, states, good

@@ -42,13 +42,20 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Number
     from ..call.types import Indenter, Materials
 
-_SHOWN = 0.1  # relative error from which a number is not handed out under a transformation either
-HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
+# relative error from which a number is not handed out under a transformation either
+_SHOWN = 0.1
+HALF_SPACE = (
+    "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
+)
 RULE = (
-    "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a rule, for contact that only recedes)"
+    "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a "
+    "rule, for contact that only recedes)"
 )
 LAYER = "independent springs (exact for them; rubber of that thickness: em.layer)"
-FINITE = "rubber of finite thickness on a rigid base (exact: normal contact, small slopes, no friction)"
+FINITE = (
+    "rubber of finite thickness on a rigid base (exact: normal contact, small slopes, "
+    "no friction)"
+)
 
 
 @over_materials
@@ -64,36 +71,45 @@ def indent(
     temperature: Number | None = None,
     rtol: float = 1e-6,
 ) -> Indentation:
-    """Indentation of a surface that remembers, under any history of depth or load: contact gained, lost and regained.
+    """Indentation of a surface that remembers, under any history of depth or load:
+    contact gained, lost and regained.
 
-    Histories are linear between the given instants. At the first instant depth or load may be a step from zero, to
-    which the material answers with its glassy modulus. Where both `depth` and `load` are given, one is NaN at each
-    instant and the other rules, from the instant before up to that one.
+    Histories are linear between the given instants. At the first instant depth or load
+    may be a step from zero, to which the material answers with its glassy modulus.
+    Where both `depth` and `load` are given, one is NaN at each instant and the other
+    rules, from the instant before up to that one.
 
     Args:
-        material: a material (then a half-space of it), or a `Foundation` (two bodies, a layer).
+        material: a material (then a half-space of it), or a `Foundation` (two bodies, a
+            layer).
         shape: the indenter, such as `em.Sphere`.
-        time: instants [s], ascending along the last axis; leading axes are histories of their own.
+        time: instants [s], ascending along the last axis; leading axes are histories of
+            their own.
         depth: indentation depth [m] at these instants; arguments broadcast.
         load: normal force [N] at these instants.
         adhesion: work of adhesion [J/m^2]; loads may then be negative.
         temperature: one temperature for all [K], for a material with a shift law.
-        rtol: error to be met, relative to the largest force (or depth) of the history, 1e-2 to 1e-10.
+        rtol: error to be met, relative to the largest force (or depth) of the history,
+            1e-2 to 1e-10.
 
     Returns:
-        An `em.Indentation`. Instants that did not converge, and loads that adhesion cannot carry, are NaN with
-        `converged=False`; one `ConvergenceWarning` counts them. Under `jax.jit`, `vmap` and `grad` the steps under a
-        load that falls are fixed: what they give is handed out, with its `error`, and `converged` says if that is met.
+        An `em.Indentation`. Instants that did not converge, and loads that adhesion
+        cannot carry, are NaN with `converged=False`; one `ConvergenceWarning` counts
+        them. Under `jax.jit`, `vmap` and `grad` the steps under a
+        load that falls are fixed: what they give is handed out, with its `error`, and
+            `converged` says if that is met.
 
     Raises:
-        InputError: for instants that do not ascend, for neither depth nor load, and for a step of depth on a
-            material with a parallel dashpot.
+        InputError: for instants that do not ascend, for neither depth nor load, and for
+            a step of depth on a material with a parallel dashpot.
 
-    Exact for the half-space and for layers. A given depth, and a load under which the contact grows, are solved without
-    a time step; other loads by steps of second order, refined until `rtol` is met. Adhesion is exact for elastic
-    foundations (JKR). On viscoelastic ones it is a rule for a contact that is relaxed at the first instant and then
-    recedes, without work and energies (`elastomdr.transient.adhesive_contact`). Differentiable with respect to moduli, times,
-    geometry, time, depth and load.
+    Exact for the half-space and for layers. A given depth, and a load under which the
+    contact grows, are solved without a time step; other loads by steps of second order,
+    refined until `rtol` is met. Adhesion is exact for elastic foundations (JKR). On
+    viscoelastic ones it is a rule for a contact that is relaxed at the first instant
+    and then recedes, without work and energies
+    (`elastomdr.transient.adhesive_contact`). Differentiable with respect to moduli,
+    times, geometry, time, depth and load.
 
     Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
@@ -103,12 +119,17 @@ def indent(
     rtol = _tolerance(rtol)
     if course.depth is not None and not is_traced(disc, course.depth) and not disc.flat:
         deepest = _deepest(disc)
-        accepted = f"below {deepest:.4g} m, where the contact reaches the end of the profile"
+        accepted = (
+            f"below {deepest:.4g} m, where the contact reaches the end of the profile"
+        )
         require("depth", np.nan_to_num(course.depth), accepted, lambda d: d < deepest)
     gamma = None
     if isinstance(disc, LayerDisc):
         if adhesion is not None:
-            raise InputError("adhesion must be left out on an em.layer: it is known for half-spaces and springs only.")
+            raise InputError(
+                "adhesion must be left out on an em.layer: it is known for "
+                "half-spaces and springs only."
+            )
         if course.depth is not None and not is_traced(disc, course.depth):
             h = float(disc.thickness)
             accepted = f"below the thickness of the layer, {h:.4g} m"
@@ -117,7 +138,9 @@ def indent(
         found = indent_under(law, recovery_modes(law), disc, course, rtol)
     else:
         gamma = _work_of_adhesion(law, shape, adhesion)
-        found = on_jax(indent_with_adhesion, law, recovery_modes(law), disc, course, gamma)
+        found = on_jax(
+            indent_with_adhesion, law, recovery_modes(law), disc, course, gamma
+        )
     traced = is_traced(found.depth, found.force)
     numpy = xp if traced else np
     if isinstance(disc, LayerDisc):
@@ -126,27 +149,52 @@ def indent(
         incompressible_enough(layer, disc, found.radius, found.force)
     if not traced and not found.converged.all():
         failed = int((~found.converged).sum())
-        text = f"{failed} of {found.converged.size} instants did not converge to rtol={rtol:g}; they are NaN."
+        text = (
+            f"{failed} of {found.converged.size} instants did not converge to "
+            f"rtol={rtol:g}; they are NaN."
+        )
         if found.reason:
             text += f" {found.reason}"
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
-    if not traced and (lost := int(np.sum(found.converged & np.isnan(found.heat)))) and adhesion is None:
-        text = f"the heat at {lost} of {found.converged.size} instants did not converge to rtol={rtol:g}; it is NaN."
+    if (
+        not traced
+        and (lost := int(np.sum(found.converged & np.isnan(found.heat))))
+        and adhesion is None
+    ):
+        text = (
+            f"the heat at {lost} of {found.converged.size} instants did not converge "
+            f"to rtol={rtol:g}; it is NaN."
+        )
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
-    inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
-    inputs += [(name, brief(value, unit)) for name, value, unit in course.words() if value is not None]
+    inputs = [
+        ("material", foundation.name or "given directly"),
+        ("shape", describe(shape)),
+    ]
+    inputs += [
+        (name, brief(value, unit))
+        for name, value, unit in course.words()
+        if value is not None
+    ]
     if adhesion is not None:
         inputs.append(("work of adhesion", brief(gamma, "J/m^2")))
     if kelvin is not None:
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
 
-    ruled = found.depth if course.load is None or course.depth is not None else course.load
+    ruled = (
+        found.depth if course.load is None or course.depth is not None else course.load
+    )
     beyond = history_beyond(
-        foundation.range, numpy.broadcast_to(course.time, found.depth.shape), ruled, kelvin, factor, stacklevel=3
+        foundation.range,
+        numpy.broadcast_to(course.time, found.depth.shape),
+        ruled,
+        kelvin,
+        factor,
+        stacklevel=3,
     )
 
-    # Under a transformation the steps are fixed: what they give is handed out, with its error.
+    # Under a transformation the steps are fixed: what they give is handed out, with its
+    # error.
     shown = found.converged | (found.error <= _SHOWN) if traced else found.converged
 
     def known(field: Any) -> Any:
@@ -174,7 +222,9 @@ def indent(
 
 @numpy_unless_traced
 def _deepest(disc: Disc) -> float:
-    """Depth [m] at which the contact reaches the end of the profile, on NumPy where JAX traces the material only."""
+    """Depth [m] at which the contact reaches the end of the profile, on NumPy where JAX
+    traces the material only.
+    """
     return float(disc.profile(disc.largest)) if np.isfinite(disc.largest) else np.inf
 
 
@@ -190,20 +240,29 @@ def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
 
 
 def _within(found: Found, disc: LayerDisc) -> Found:
-    """Instants at which the body is less deep than the layer is thick; no small strain gives an answer beyond."""
+    """Instants at which the body is less deep than the layer is thick; no small strain
+    gives an answer beyond.
+    """
     numpy = xp if is_traced(found.depth, disc) else np
     deep = numpy.asarray(found.depth) >= disc.thickness
     reason = found.reason
     if not is_traced(deep) and deep.any():
         h = float(disc.thickness)
-        reason = f"No depth below the thickness of the layer, {h:.4g} m, carries the load."
+        reason = (
+            f"No depth below the thickness of the layer, {h:.4g} m, carries the load."
+        )
     return found._replace(converged=found.converged & ~deep, reason=reason)
 
 
 def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
-    """The elements of a contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
+    """The elements of a contact, and what they are made of. Raises `InputError` for a
+    pair that does not fit.
+    """
     if not isinstance(shape, AbstractShape):
-        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+        raise InputError(
+            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
+            f"like, got {shape!r}."
+        )
     hint_at_metres(shape)
     if isinstance(material, Layer):
         return of_layer(material, shape)
@@ -211,15 +270,20 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness). "
-                "A cylinder on a half-space is no MDR problem."
+                "material must be a layer under a Cylinder, got a half-space: use "
+                "em.springs(material, thickness). A cylinder on a half-space is no "
+                "MDR problem."
             )
         return Disc(shape, "cylinder"), foundation
     return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
 
 
-def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation, Any, Any]:
-    """The law with times and moduli shifted to a temperature [K], that as an array, and a_T; None leaves it."""
+def at_temperature(
+    foundation: Foundation, temperature: Any
+) -> tuple[Relaxation, Any, Any]:
+    """The law with times and moduli shifted to a temperature [K], that as an array, and
+    a_T; None leaves it.
+    """
     law = foundation.law()
     if temperature is None:
         return law, None, 1.0
@@ -227,10 +291,17 @@ def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation
     factor, vertical = thermal_factors(foundation, kelvin)
     if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
         raise InputError(
-            f"temperature must be near where the shift law was measured, got {float(kelvin):g} K, a_T = {factor:.3g}."
+            "temperature must be near where the shift law was measured, got "
+            f"{float(kelvin):g} K, a_T = {factor:.3g}."
         )
     law = scaled(law, vertical)
-    return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin, factor
+    return (
+        Relaxation(
+            law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor
+        ),
+        kelvin,
+        factor,
+    )
 
 
 def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
@@ -239,14 +310,18 @@ def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
     if not is_traced(law):
         if law.viscosity > 0:
             raise InputError(
-                "adhesion needs a material without a parallel dashpot: its edge could never let go at once."
+                "adhesion needs a material without a parallel dashpot: its edge "
+                "could never let go at once."
             )
         if law.equilibrium == 0:
             raise InputError(
-                "adhesion needs a solid (equilibrium above 0): a liquid has no relaxed contact to start from."
+                "adhesion needs a solid (equilibrium above 0): a liquid has no "
+                "relaxed contact to start from."
             )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
-        raise InputError(f"exponent must be 1 or more with adhesion, got {shape.exponent:g}.")
+        raise InputError(
+            f"exponent must be 1 or more with adhesion, got {shape.exponent:g}."
+        )
     return gamma
 
 
@@ -257,10 +332,15 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
     time = as_float64("time", time)
     finite("time", time)
     if time.ndim == 0 or time.shape[-1] < 2:
-        raise InputError(f"time must be a list of two instants or more, got shape {time.shape}.")
+        raise InputError(
+            f"time must be a list of two instants or more, got shape {time.shape}."
+        )
     if not is_traced(time) and not (np.diff(time) > 0).all():
         i = np.unravel_index(int(np.argmin(np.diff(time))), np.diff(time).shape)
-        raise InputError(f"time must be ascending, got {time[i]:g} followed by {time[(*i[:-1], i[-1] + 1)]:g}.")
+        raise InputError(
+            f"time must be ascending, got {time[i]:g} followed by "
+            f"{time[(*i[:-1], i[-1] + 1)]:g}."
+        )
     parts: dict[str, Any] = {}
     both = depth is not None and load is not None
     for name, value in (("depth", depth), ("load", load)):
@@ -284,16 +364,29 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
     by_depth = None
     if both:
         if is_traced(*parts.values()):
-            raise InputError("depth and load together must be plain numbers: where each rules is read from their NaNs.")
+            raise InputError(
+                "depth and load together must be plain numbers: where each rules "
+                "is read from their NaNs."
+            )
         by_depth = ~np.isnan(parts["depth"])
         if not (by_depth ^ ~np.isnan(parts["load"])).all():
-            raise InputError("depth and load: at every instant one of them must be NaN, and the other a number.")
+            raise InputError(
+                "depth and load: at every instant one of them must be NaN, and the "
+                "other a number."
+            )
     course = Course(time, parts.get("depth"), parts.get("load"), by_depth)
-    if not is_traced(law, course.depth) and law.viscosity > 0 and course.depth is not None:
+    if (
+        not is_traced(law, course.depth)
+        and law.viscosity > 0
+        and course.depth is not None
+    ):
         require(
             "depth",
             np.nan_to_num(course.depth[..., 0]),
-            "zero or negative at the first instant, since a parallel dashpot cannot be pressed down at once",
+            (
+                "zero or negative at the first instant, since a parallel dashpot "
+                "cannot be pressed down at once"
+            ),
             lambda d: d <= 0,
         )
     return course
@@ -302,6 +395,10 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
 def _tolerance(rtol: Any) -> float:
     if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
         rtol = rtol.item()
-    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-2:
+    if (
+        isinstance(rtol, bool)
+        or not isinstance(rtol, (int, float))
+        or not 1e-10 <= rtol <= 1e-2
+    ):
         raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
     return float(rtol)

@@ -1,4 +1,6 @@
-"""Which way an indentation is solved: by depth, by load in closed form, or by load in steps."""
+"""Which way an indentation is solved: by depth, by load in closed form, or by load in
+steps.
+"""
 
 from __future__ import annotations
 
@@ -24,24 +26,38 @@ if TYPE_CHECKING:
 _LEVELS = (1, 3, 6, LAYERS)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
 _ROUNDING = 1e-14
-_BLIND_STEPS = 8  # per interval, in the first of three marches whose values cannot be looked at
+# per interval, in the first of three marches whose values cannot be looked at
+_BLIND_STEPS = 8
 _BLIND_EARLY = 4  # and within the first of them
 _MOST_STEPS = 8192  # of a history: a minute and a half
 _MARCHED_AT_ONCE = 8
-_OF_A_STEP = 14_000  # elements and branches that take NumPy as long as what it does besides in a step
-_MUCH = 6e7  # of them and steps that are marched on NumPy, as long as JAX takes to compile
-_FEW = 64  # instants of all histories together that NumPy follows sooner than JAX compiles, under a given depth
-_MANY = 4096  # and under a load, as long as contact grows: 0.2 ms each when this was chosen
-_KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
+# elements and branches that take NumPy as long as what it does besides in a step
+_OF_A_STEP = 14_000
+# of them and steps that are marched on NumPy, as long as JAX takes to compile
+_MUCH = 6e7
+# instants of all histories together that NumPy follows sooner than JAX compiles, under
+# a given depth
+_FEW = 64
+# and under a load, as long as contact grows: 0.2 ms each when this was chosen
+_MANY = 4096
+# instants to which a solved history is refined before pressures are computed from it
+_KNOTS = 400
 STEPS = "exact contact steps at the load, extrapolated from halved steps"
 JKR = "JKR in closed form, root by root"
-STICKY = "relaxed at first, then receding by the glassy energy of the edge, in closed form"
-BY_DEPTH = "elements exact in time under the given depth, Gauss' rule between the edges of all instants"
+STICKY = (
+    "relaxed at first, then receding by the glassy energy of the edge, in closed form"
+)
+BY_DEPTH = (
+    "elements exact in time under the given depth, Gauss' rule between the edges of "
+    "all instants"
+)
 GROWING = "closed form of Lee and Radok: the contact only grows"
 
 
 class Course(NamedTuple):
-    """Histories of one shape (..., m): depth or load, or both with `by_depth` saying which rules at each instant."""
+    """Histories of one shape (..., m): depth or load, or both with `by_depth` saying
+    which rules at each instant.
+    """
 
     time: Any  # (..., m)
     depth: Any  # None, or of the shape of `time`
@@ -50,7 +66,11 @@ class Course(NamedTuple):
 
     def words(self) -> list[tuple[str, Any, str]]:
         """Name, values and unit of what was given."""
-        return [("time", self.time, "s"), ("depth", self.depth, "m"), ("load", self.load, "N")]
+        return [
+            ("time", self.time, "s"),
+            ("depth", self.depth, "m"),
+            ("load", self.load, "N"),
+        ]
 
 
 class Found(NamedTuple):
@@ -69,7 +89,9 @@ class Found(NamedTuple):
     reason: str  # why some did not converge
 
 
-def indent_under(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
+def indent_under(
+    law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
+) -> Found:
     """Solves all histories of a course."""
     if course.load is None:
         if on_numpy() and course.time.size > _FEW:
@@ -78,8 +100,12 @@ def indent_under(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol
     return _by_load(law, modes, disc, course, rtol)
 
 
-def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Course, gamma: Array) -> Found:
-    """JKR for an elastic foundation; for a viscoelastic one the rule of `transient.adhesive_contact`."""
+def indent_with_adhesion(
+    law: Relaxation, modes: Modes, disc: Disc, course: Course, gamma: Array
+) -> Found:
+    """JKR for an elastic foundation; for a viscoelastic one the rule of
+    `transient.adhesive_contact`.
+    """
     import jax
 
     from .adhesive_contact import Sticky, elastic, receding
@@ -91,7 +117,10 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
     by_depth = course.by_depth
     if by_depth is None:
         by_depth = numpy.full(shape, course.load is None)
-    depth, load = (zero if part is None else numpy.nan_to_num(part) for part in (course.depth, course.load))
+    depth, load = (
+        zero if part is None else numpy.nan_to_num(part)
+        for part in (course.depth, course.load)
+    )
     rows = tuple(a.reshape(-1, shape[-1]) for a in (course.time, depth, load, by_depth))
     simple = law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any())
     sticky = Sticky(disc, law.equilibrium, gamma)
@@ -99,31 +128,61 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
         out = jax.vmap(elastic, in_axes=(None, 0, 0, 0))(sticky, *rows[1:])
         plan = JKR
     else:
-        out = jax.vmap(receding, in_axes=(None, None, None, None, 0, 0, 0, 0))(law, modes, disc, gamma, *rows)
-        sticky = sticky._replace(gamma=gamma * (law.equilibrium + law.moduli.sum()) / law.equilibrium)
+        out = jax.vmap(receding, in_axes=(None, None, None, None, 0, 0, 0, 0))(
+            law, modes, disc, gamma, *rows
+        )
+        sticky = sticky._replace(
+            gamma=gamma * (law.equilibrium + law.moduli.sum()) / law.equilibrium
+        )
         plan = STICKY
     depth, force, radius, work, stored = (numpy.asarray(a).reshape(shape) for a in out)
     if not traced:
         for name in ("load", "depth"):
-            a, d, f = (float(x) for x in jax.jit(Sticky.breaks, static_argnums=1)(sticky, name))
-            plan += f"; breaks under falling {name} at F = {f:.6g} N, d = {d:.6g} m, a = {a:.6g} m"
+            a, d, f = (
+                float(x) for x in jax.jit(Sticky.breaks, static_argnums=1)(sticky, name)
+            )
+            plan += (
+                f"; breaks under falling {name} at F = {f:.6g} N, d = {d:.6g} m, a = "
+                f"{a:.6g} m"
+            )
     known = numpy.isfinite(force)
     error = numpy.where(known, _ROUNDING, numpy.nan)
     reason = (
         ""
         if traced or known.all()
         else "A load pulled the body off"
-        + ("." if simple else ", or the contact would have grown, for which there is no rule.")
+        + (
+            "."
+            if simple
+            else ", or the contact would have grown, for which there is no rule."
+        )
     )
-    return Found(depth, force, radius, work, stored, zero, work - stored, error, known, plan, reason)
+    return Found(
+        depth,
+        force,
+        radius,
+        work,
+        stored,
+        zero,
+        work - stored,
+        error,
+        known,
+        plan,
+        reason,
+    )
 
 
-def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
+def _by_depth(
+    law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
+) -> Found:
     shape = course.time.shape
-    time, depth = (a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth))
+    time, depth = (
+        a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth)
+    )
     given = (law, modes, disc, time, depth)
     numpy = xp if is_traced(given) else np
-    frozen = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
+    # values, unless under jit or vmap
+    frozen = fixed(given) if is_traced(given) else given
     growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
     radius = over_histories(edges_of_growth if growing else edges, *frozen)
     found, levels = None, _LEVELS[1]
@@ -136,7 +195,14 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
             if not which.size:
                 break
             levels = finer
-            again = indent_all(*frozen[:3], frozen[3][which], frozen[4][which], radius[which], levels, size)
+            again = indent_all(
+                *frozen[:3],
+                frozen[3][which],
+                frozen[4][which],
+                radius[which],
+                levels,
+                size,
+            )
             for field, better in zip(found, again, strict=True):
                 field[which] = better
     if found is None or is_traced(given):  # with derivatives
@@ -145,19 +211,32 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     largest = abs(found.force).max(axis=-1, keepdims=True)
     error = found.error / (largest + (largest == 0)) + _ROUNDING
     good = numpy.isfinite(found.force) & (error <= rtol)
-    fields = (found.force, found.radius, found.work, found.stored, found.locked, found.heat, error, good)
+    fields = (
+        found.force,
+        found.radius,
+        found.work,
+        found.stored,
+        found.locked,
+        found.heat,
+        error,
+        good,
+    )
     fields = (_unpadded(a, shape) for a in fields)
     return Found(course.depth, *fields, BY_DEPTH, "")
 
 
-def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
+def _by_load(
+    law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
+) -> Found:
     """In closed form as long as the contact grows, in steps where it does not."""
     shape = course.time.shape
     load = course.load
     by_depth = np.zeros(shape, bool) if course.by_depth is None else course.by_depth
     depth = np.zeros(shape) if course.depth is None else np.nan_to_num(course.depth)
     load = load if course.by_depth is None else np.nan_to_num(load)
-    time, load, depth, by_depth = (a.reshape(-1, shape[-1]) for a in (course.time, load, depth, by_depth))
+    time, load, depth, by_depth = (
+        a.reshape(-1, shape[-1]) for a in (course.time, load, depth, by_depth)
+    )
     traced = is_traced(law, modes, disc, time, load)
     numpy = xp if traced else np
     if course.by_depth is None:
@@ -168,10 +247,15 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
         known = fixed(growing) if traced else growing
     else:
         fields, known = (depth,) * 8, np.zeros(time.shape, bool)
-    # A contact under a load that never falls only grows, whatever the material; that of a flat punch has one size.
-    rises = disc.flat or (not is_traced(load) and bool((np.diff(load, axis=1) >= 0).all()))
+    # A contact under a load that never falls only grows, whatever the material; that of
+    # a flat punch has one size.
+    rises = disc.flat or (
+        not is_traced(load) and bool((np.diff(load, axis=1) >= 0).all())
+    )
     simple = course.by_depth is None and rises
-    rest = np.ones(len(time), bool) if is_traced(known) else ~np.asarray(known).all(axis=1)
+    rest = (
+        np.ones(len(time), bool) if is_traced(known) else ~np.asarray(known).all(axis=1)
+    )
     plan = GROWING
     if rest.any() and not simple:
         plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
@@ -180,24 +264,48 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
         stepped = _stepped(law, modes, disc, rows, rtol)
         back = np.zeros(len(time), int)
         back[which] = np.arange(len(which))
-        fields = tuple(numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True))
-    depth, force, radius, work, stored, locked, heat, error = (a.reshape(shape) for a in fields)
+        fields = tuple(
+            numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True)
+        )
+    depth, force, radius, work, stored, locked, heat, error = (
+        a.reshape(shape) for a in fields
+    )
     good = numpy.isfinite(depth) & (error <= rtol)
     reason = ""
     if not traced and not np.isfinite(depth).all():
-        reason = f"Where no finite number came out, the contact would be wider than the {disc.shape.label} is."
-    return Found(depth, force, radius, work, stored, locked, heat, error, good, plan, reason)
+        reason = (
+            "Where no finite number came out, the contact would be wider than the "
+            f"{disc.shape.label} is."
+        )
+    return Found(
+        depth, force, radius, work, stored, locked, heat, error, good, plan, reason
+    )
 
 
-def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) -> tuple[tuple[Array, ...], Array]:
-    """The closed form: depth, force, radius, work, stored, locked, heat, error; where the contact has only grown."""
+def _grown(
+    law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array
+) -> tuple[tuple[Array, ...], Array]:
+    """The closed form: depth, force, radius, work, stored, locked, heat, error; where
+    the contact has only grown.
+    """
     numpy = xp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
-    found: Creep = over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
+    found: Creep = over_histories(
+        creep, law, modes, disc, *padded(time, load), levels=levels
+    )
     found = mapped(lambda a: _unpadded(a, time.shape), found)
     nothing = numpy.zeros(time.shape)
     error = numpy.where(numpy.isfinite(found.depth), _ROUNDING, numpy.nan)
-    return (found.depth, load, found.radius, found.work, found.stored, nothing, found.heat, error), found.growing
+    return (
+        found.depth,
+        load,
+        found.radius,
+        found.work,
+        found.stored,
+        nothing,
+        found.heat,
+        error,
+    ), found.growing
 
 
 def _stepped(
@@ -208,43 +316,61 @@ def _stepped(
     rtol: float,
     kept: int = 1,
 ) -> tuple[Array, ...]:
-    """Depth, force, radius, work, stored, locked, heat and relative error, extrapolated from marches with ever more
-    steps.
+    """Depth, force, radius, work, stored, locked, heat and relative error, extrapolated
+    from marches with ever more steps.
 
-    Two limits that agree, and an energy balance that closes, end the series, which is extrapolated once more; what was
-    left of their difference in the finer one is about a sixteenth, a third of it counts as the error; of limits that go
-    on by a steady ratio (`steady_ratio`) the whole difference. It may vanish by chance at an instant, so it is not
-    taken smaller than at its neighbours. The series ends also where nothing will come of it, since every march takes
-    four times as long as the one before. Under jit or vmap, where nothing can be looked at, three marches
-    are made.
+    Two limits that agree, and an energy balance that closes, end the series, which is
+    extrapolated once more; what was left of their difference in the finer one is about
+    a sixteenth, a third of it counts as the error; of limits that go on by a steady
+    ratio (`steady_ratio`) the whole difference. It may vanish by chance at an instant,
+    so it is not taken smaller than at its neighbours. The series ends also where
+    nothing will come of it, since every march takes four times as long as the one
+    before. Under jit or vmap, where nothing can be looked at, three marches are made.
     """
     from .load_steps import early_steps, extrapolated, limit, steady_ratio, unaccounted
 
     given = (law, modes, disc, *histories)
-    frozen = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
+    # values, unless under jit or vmap
+    frozen = fixed(given) if is_traced(given) else given
     instants = histories[0].shape[-1]
     blind = is_traced(frozen)
     error: Any = None
     edges: Any = None  # of the march before
     ratio: Any = None
-    levels, marches, limits, misses = max(kept, _BLIND_STEPS if blind else 4), [], [], []
+    levels, marches, limits, misses = (
+        max(kept, _BLIND_STEPS if blind else 4),
+        [],
+        [],
+        [],
+    )
     early = _BLIND_EARLY if blind else early_steps(frozen[0], *frozen[3:], levels)
     sizes: Any = {"kept": kept, "early": early, "coarsest": levels}
     while True:
-        found, edges = _marched(*(given if blind else frozen), before=edges, levels=levels, **sizes)
+        found, edges = _marched(
+            *(given if blind else frozen), before=edges, levels=levels, **sizes
+        )
         marches.append(found)
         if len(marches) > 1:
             limits.append(limit(marches[-2:], (2,)))
         if len(limits) > 1:
-            error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
+            error = _change(limits[1].depth, limits[0].depth) + _change(
+                limits[1].force, limits[0].force
+            )
             if blind:
                 break
             last, ratio = ratio, steady_ratio(marches)
             if last is not None:
-                new, old = extrapolated(marches, ratio), extrapolated(marches[:-1], last)
+                new, old = (
+                    extrapolated(marches, ratio),
+                    extrapolated(marches[:-1], last),
+                )
                 agree = _change(new.depth, old.depth) + _change(new.force, old.force)
-                error = np.where(np.isnan(ratio + last), error, np.fmin(error, 3 * agree))
-            missed = np.fmax(error / 3, unaccounted(extrapolated(marches, ratio))) / rtol
+                error = np.where(
+                    np.isnan(ratio + last), error, np.fmin(error, 3 * agree)
+                )
+            missed = (
+                np.fmax(error / 3, unaccounted(extrapolated(marches, ratio))) / rtol
+            )
             misses.append(float(np.fmax.reduce(missed, axis=None, initial=0.0)))
             steps = levels * (instants - 1) + levels // sizes["coarsest"] * early
             if misses[-1] <= 1 or _hopeless(misses, int(np.log2(_MOST_STEPS / steps))):
@@ -252,18 +378,34 @@ def _stepped(
             limits.pop(0)
         levels *= 2
     if is_traced(given) and not blind:  # once more, with derivatives
-        marches = [_marched(*given, levels=n, **sizes)[0] for n in (levels // 4, levels // 2, levels)]
+        marches = [
+            _marched(*given, levels=n, **sizes)[0]
+            for n in (levels // 4, levels // 2, levels)
+        ]
     last = extrapolated(marches, ratio)
     fits = xp.where(last.fits, 1.0, xp.nan)
     heat = nan_unless(unaccounted(last) <= rtol, last.heat)
-    parts = (last.depth, last.force, xp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, heat)
+    parts = (
+        last.depth,
+        last.force,
+        xp.maximum(last.radius, 0.0),
+        last.work,
+        last.stored,
+        last.locked,
+        heat,
+    )
     error = beside(error / 3, 1) + _ROUNDING
-    return tuple(a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error))
+    return tuple(
+        a if is_traced(a) else np.asarray(a)
+        for a in (*(part * fits for part in parts), error)
+    )
 
 
 def _hopeless(misses: list[float], left: int) -> bool:
-    """Whether the last miss, a multiple of what is asked, does not become 1 when the steps are halved `left` times,
-    each time with twice the gain of the best of the last halvings."""
+    """Whether the last miss, a multiple of what is asked, does not become 1 when the
+    steps are halved `left` times, each time with twice the gain of the best of the last
+    halvings.
+    """
     gains = [before / after for before, after in itertools.pairwise(misses[-3:])]
     return left < 1 or (len(gains) > 1 and misses[-1] > (2 * max(gains)) ** left)
 
@@ -275,9 +417,16 @@ def _change(new: Array, old: Array) -> Array:
 
 
 def _marched(
-    law: Any, modes: Modes, disc: Disc, *histories: Array, before: Edges | None = None, **sizes: int
+    law: Any,
+    modes: Modes,
+    disc: Disc,
+    *histories: Array,
+    before: Edges | None = None,
+    **sizes: int,
 ) -> tuple[Marched, Edges]:
-    """`march` for every history; a few at once, since each takes memory for all of its elements."""
+    """`march` for every history; a few at once, since each takes memory for all of its
+    elements.
+    """
     from .load_steps import Edges, march
 
     count, instants = histories[0].shape
@@ -293,35 +442,60 @@ def _marched(
     for i in range(0, count, size):
         which = np.minimum(np.arange(i, i + size), count - 1)
         rows = [numpy.asarray(a)[which] for a in histories]
-        known = None if before is None or numpy is not np else Edges(*(a[which] for a in before))
+        known = (
+            None
+            if before is None or numpy is not np
+            else Edges(*(a[which] for a in before))
+        )
         out.append(march(law, modes, disc, *rows, room=room, before=known, **sizes))
-    return mapped(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
+    return mapped(
+        lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count],
+        *out,
+    )
 
 
 def refined(
     law: Relaxation, modes: Modes, disc: Disc, course: Course, depth: Array, rtol: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Time and depth of one history, between which the depth is close to linear: as given, or solved in between."""
+    """Time and depth of one history, between which the depth is close to linear: as
+    given, or solved in between.
+    """
     if course.load is None:
         return np.asarray(course.time), np.asarray(depth)
     from .load_steps import places
 
     kept = 2 ** int(np.clip(np.log2(_KNOTS / len(course.time)), 0, 5))
     part = places(kept)[1:]
-    time = np.append(course.time[0], course.time[:-1, None] + np.diff(course.time)[:, None] * part)
+    time = np.append(
+        course.time[0], course.time[:-1, None] + np.diff(course.time)[:, None] * part
+    )
     if course.by_depth is None:
-        load = np.append(course.load[0], course.load[:-1, None] + np.diff(course.load)[:, None] * part)
+        load = np.append(
+            course.load[0],
+            course.load[:-1, None] + np.diff(course.load)[:, None] * part,
+        )
         found = creep(law, modes, disc, *padded(time, load), levels=3)
         found = mapped(lambda a: _unpadded(np.asarray(a), time.shape), found)
         if found.growing.all():
             return time, found.depth
-    by_depth = np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth
-    given = np.zeros(len(depth)) if course.depth is None else np.nan_to_num(course.depth)
-    row = (course.time[None], given[None], np.nan_to_num(course.load)[None], by_depth[None])
+    by_depth = (
+        np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth
+    )
+    given = (
+        np.zeros(len(depth)) if course.depth is None else np.nan_to_num(course.depth)
+    )
+    row = (
+        course.time[None],
+        given[None],
+        np.nan_to_num(course.load)[None],
+        by_depth[None],
+    )
     return time, np.asarray(_stepped(law, modes, disc, row, rtol, kept)[0][0])
 
 
 def _unpadded(a: Array, shape: tuple[int, ...]) -> Array:
-    """Back to the instants asked for: the last one, and those before the interval that was divided."""
+    """Back to the instants asked for: the last one, and those before the interval that
+    was divided.
+    """
     kept = [*range(shape[-1] - 1), a.shape[-1] - 1]
     return a[..., np.array(kept)].reshape(shape)

@@ -1,19 +1,22 @@
-"""Axisymmetric contact on a layer as a line of independent elements, exact where W does not depend on time.
+"""Axisymmetric contact on a layer as a line of independent elements, exact where W does
+not depend on time.
 
 On a layer the elements of the MDR line push each other through a smooth kernel,
 
     q(x) + (2/pi) int_0^a M(x, s) q(s) ds = E* o (d - g(x)),
     M(x, s) = (1/h) int_0^inf (W - 1) cos(zx/h) cos(zs/h) dz,
 
-P = 2 int_0^a q. The operator 1 + M = L L' factorises for all contacts at once (Krein), with L causal in x: under it the
-elements are independent again, whatever the history, since contact is a disc. Element x has the weight of what a flat
-punch gains in stiffness, and the profile is the depth at which an elastic contact has that radius:
+P = 2 int_0^a q. The operator 1 + M = L L' factorises for all contacts at once (Krein),
+with L causal in x: under it the elements are independent again, whatever the history,
+since contact is a disc. Element x has the weight of what a flat punch gains in
+stiffness, and the profile is the depth at which an elastic contact has that radius:
 
     W(a) = 2 int_0^a q_1(s; a) ds,    (1 + M) q_1 = 1 on [0, a],    dW/da = 2 q_1(a; a)^2
     d(a) = [g(a) - int_0^a R(s; a) g(s) ds]/q_1(a; a),              (1 + M) R = M(., a)
 
-so that whatever solves the line of a half-space solves the layer with another `Disc`. Both functions are smooth in a/h:
-they are Chebyshev series on panels of doubling a/h. Derived here; W(a) against Hayes et al. 1972.
+so that whatever solves the line of a half-space solves the layer with another `Disc`.
+Both functions are smooth in a/h: they are Chebyshev series on panels of doubling a/h.
+Derived here; W(a) against Hayes et al. 1972.
 """
 
 from __future__ import annotations
@@ -44,7 +47,9 @@ _TAIL = 17.0  # z = kh beyond which 1 - W is below rounding
 
 
 class Resolvents(NamedTuple):
-    """The elastic layer at the nodes of a panel of a/h: contacts of radius a/h = `alpha`, lengths in h."""
+    """The elastic layer at the nodes of a panel of a/h: contacts of radius a/h =
+    `alpha`, lengths in h.
+    """
 
     alpha: Float[Array, " k"]
     s: Float[Array, "k n"]  # Gauss nodes on [0, alpha]
@@ -55,7 +60,9 @@ class Resolvents(NamedTuple):
 
 
 def kernel_line(squeeze: Any, bonded: bool, reach: float) -> tuple[np.ndarray, Array]:
-    """Nodes in z = kh and weights, which hold -(2/pi)(1 - W), of integrals over z up to x/h = `reach`."""
+    """Nodes in z = kh and weights, which hold -(2/pi)(1 - W), of integrals over z up to
+    x/h = `reach`.
+    """
     panels = math.ceil(2 + 1.1 * reach)
     z, dz = _on_panels(np.linspace(0.0, _TAIL, panels + 1), 24)
     return z, -2 / math.pi * dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
@@ -86,7 +93,9 @@ def _of_numbers(squeeze: float, bonded: bool, panel: int) -> Resolvents:
 
 
 class LayerDisc(Disc):
-    """The contact of an axisymmetric body on a layer, as elements that are independent."""
+    """The contact of an axisymmetric body on a layer, as elements that are
+    independent.
+    """
 
     thickness: Float[Array, ""]
     stiffness: Float[Array, "panels n"]  # W(a)/(2a)
@@ -104,7 +113,9 @@ class LayerDisc(Disc):
         if self.flat:
             return xp.zeros_like(x)
         inside = self._inside(x)
-        return (self.shape._profile(inside) - self._pull(inside)[0]) / self._read(self.edge, inside)[0] + (x - inside)
+        return (self.shape._profile(inside) - self._pull(inside)[0]) / self._read(
+            self.edge, inside
+        )[0] + (x - inside)
 
     def slope(self, x: Array) -> Array:
         """dd/da."""
@@ -127,7 +138,9 @@ class LayerDisc(Disc):
     def area(self, a: Array) -> Array:
         """A(a): an elastic contact carries E* A."""
         inside = self._inside(a)
-        held = self._read(self.held, inside)[0] * inside * _raised(inside, self._tip_power)
+        held = (
+            self._read(self.held, inside)[0] * inside * _raised(inside, self._tip_power)
+        )
         return self.width(inside) * self.profile(inside) - 2 * held
 
     def energy(self, a: Array) -> Array:
@@ -145,11 +158,16 @@ class LayerDisc(Disc):
         return own * (1 - 1e-12)
 
     def radius_of_depth(self, depth: Array) -> Array:
-        """a at which an elastic contact has this depth; zero for d <= 0, NaN beyond the table."""
+        """a at which an elastic contact has this depth; zero for d <= 0, NaN beyond the
+        table.
+        """
         if self.flat:
             return xp.where(depth > 0, self.shape.largest_contact, 0.0)
         return self._inverse(
-            xp.asarray(depth), self.depths, self._tip_power, lambda a: (self.profile(a), self.slope(a))
+            xp.asarray(depth),
+            self.depths,
+            self._tip_power,
+            lambda a: (self.profile(a), self.slope(a)),
         )
 
     def radius_of_area(self, area: Array) -> Array:
@@ -157,7 +175,10 @@ class LayerDisc(Disc):
         if self.flat:
             return xp.where(area > 0, self.shape.largest_contact, 0.0)
         return self._inverse(
-            xp.asarray(area), self.areas, 1 + self._tip_power, lambda a: (self.area(a), self.width(a) * self.slope(a))
+            xp.asarray(area),
+            self.areas,
+            1 + self._tip_power,
+            lambda a: (self.area(a), self.width(a) * self.slope(a)),
         )
 
     def _inverse(self, value: Array, levels: Array, power: float, level: Any) -> Array:
@@ -172,7 +193,9 @@ class LayerDisc(Disc):
             a = fixed(xp.minimum(a, top))
             height, rise = level(a)
             if i < _STEPS - 1:  # on logarithms, where it is nearly straight
-                a = a * xp.exp(xp.clip((log - xp.log(height)) * height / (a * rise), -1.0, 1.0))
+                a = a * xp.exp(
+                    xp.clip((log - xp.log(height)) * height / (a * rise), -1.0, 1.0)
+                )
             else:
                 a = a + (value - height) / fixed(rise)
         beyond = value > levels[-1] * (1 + 1e-12)
@@ -183,7 +206,9 @@ class LayerDisc(Disc):
         return tip_power(self.shape)
 
     def _power(self) -> tuple[float | None, Any]:
-        """A power at the axis, where panels of the line begin; its coefficient is not asked for."""
+        """A power at the axis, where panels of the line begin; its coefficient is not
+        asked for.
+        """
         return (self.shape.exponent if isinstance(self.shape, PowerLaw) else None), None
 
     def _inside(self, x: Array) -> Array:
@@ -193,13 +218,21 @@ class LayerDisc(Disc):
         """int R g ds and its derivative by the radius."""
         value, rise = self._read(self.pull, x)
         p = self._tip_power
-        return value * _raised(x, p), rise * _raised(x, p) + value * p * _raised(x, p - 1)
+        return value * _raised(x, p), rise * _raised(x, p) + value * p * _raised(
+            x, p - 1
+        )
 
     def _read(self, table: Array, a: Array) -> tuple[Array, Array]:
-        """A function at radii a, and its derivative: Clenshaw's sum on the panel of each."""
+        """A function at radii a, and its derivative: Clenshaw's sum on the panel of
+        each.
+        """
         table = xp.asarray(table)
         alpha = a / self.thickness
-        i = xp.clip(xp.ceil(xp.log2(xp.maximum(fixed(alpha), 1e-9))).astype(int) + 1, 0, _ENDS.size - 2)
+        i = xp.clip(
+            xp.ceil(xp.log2(xp.maximum(fixed(alpha), 1e-9))).astype(int) + 1,
+            0,
+            _ENDS.size - 2,
+        )
         ends = xp.asarray(_ENDS)
         half = 0.5 * (ends[i + 1] - ends[i])
         y = (alpha - ends[i]) / half - 1
@@ -212,16 +245,26 @@ class LayerDisc(Disc):
 
 
 @numpy_unless_traced
-def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool) -> LayerDisc:
-    """The contact of a body on a layer whose kernel W is that of a constant 1 - 2 nu = `squeeze`."""
+def layer_disc(
+    shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool
+) -> LayerDisc:
+    """The contact of a body on a layer whose kernel W is that of a constant 1 - 2 nu =
+    `squeeze`.
+    """
     traced = is_traced(shape, thickness, squeeze)
     numpy: Any = xp if traced else np
     power = tip_power(shape)
-    top = np.inf if traced else float(np.asarray(shape.largest_contact) / np.asarray(thickness))
+    top = (
+        np.inf
+        if traced
+        else float(np.asarray(shape.largest_contact) / np.asarray(thickness))
+    )
     columns: list = []
     for panel in range(_ENDS.size - 1):
         if is_traced(squeeze):
-            at = _resolvents(squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1]))
+            at = _resolvents(
+                squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1])
+            )
         else:
             at = _of_numbers(float(np.asarray(squeeze)), bonded, panel)
         total = numpy.sum(at.ds * at.unit, axis=1)
@@ -231,26 +274,53 @@ def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool)
             if isinstance(shape, Profile):  # its pieces are panels of the rule
                 pull, held = _over_pieces(shape, thickness, at, squeeze, bonded)
             else:
-                g = shape._profile(numpy.minimum(at.s * thickness, shape.largest_contact * (1 - 1e-12)))
+                g = shape._profile(
+                    numpy.minimum(at.s * thickness, shape.largest_contact * (1 - 1e-12))
+                )
                 pull = numpy.sum(at.ds * at.row * g, axis=1)
                 held = numpy.sum(at.ds * at.unit * g, axis=1) * thickness
             pull, held = pull / a**power, held / a ** (power + 1)
-        columns.append([_series(numpy, values) for values in (total / at.alpha, at.edge, pull, held)])
+        columns.append(
+            [
+                _series(numpy, values)
+                for values in (total / at.alpha, at.edge, pull, held)
+            ]
+        )
         if at.alpha[-1] > top:
             columns += [columns[-1]] * (_ENDS.size - 2 - panel)
             break
-    stiffness, edge, pull, held = (numpy.stack(list(column)) for column in zip(*columns, strict=True))
+    stiffness, edge, pull, held = (
+        numpy.stack(list(column)) for column in zip(*columns, strict=True)
+    )
     places = np.minimum(
-        np.concatenate([0.5 * (l + h) + 0.5 * (h - l) * _places() for l, h in itertools.pairwise(_ENDS)]), 0.999 * top
+        np.concatenate(
+            [
+                0.5 * (l + h) + 0.5 * (h - l) * _places()
+                for l, h in itertools.pairwise(_ENDS)
+            ]
+        ),
+        0.999 * top,
     )
     places = numpy.minimum(places * thickness, 0.999 * shape.largest_contact)
     disc = LayerDisc(
-        shape, "half-space", numpy.asarray(thickness), stiffness, edge, pull, held, places, places, places, squeeze,
+        shape,
+        "half-space",
+        numpy.asarray(thickness),
+        stiffness,
+        edge,
+        pull,
+        held,
+        places,
+        places,
+        places,
+        squeeze,
         bonded,
-    )  # fmt: skip
+    )
     if disc.flat:
         return disc
-    depths, areas = fixed((disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places))))
+    depths, areas = fixed(
+        (disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places)))
+    )
     return replaced(disc, depths=depths, areas=areas)
 
 
@@ -264,7 +334,9 @@ def tip_power(shape: AbstractShape) -> float:
     return 2.0
 
 
-def _over_pieces(shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: bool) -> tuple[Array, Array]:
+def _over_pieces(
+    shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: bool
+) -> tuple[Array, Array]:
     numpy: Any = xp if is_traced(shape, h, squeeze) else np
     z, weight = kernel_line(squeeze, bonded, float(at.alpha[-1]))
     rule, places = np.polynomial.legendre.leggauss(6), numpy.asarray(shape.r) / h
@@ -272,7 +344,10 @@ def _over_pieces(shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: b
     for k, alpha in enumerate(at.alpha):
         edges = numpy.minimum(places, numpy.minimum(alpha, places[-1] * (1 - 1e-12)))
         half = 0.5 * numpy.diff(edges)[:, None]
-        s, ds = (edges[:-1, None] + half * (1 + rule[0])).ravel(), (half * rule[1]).ravel()
+        s, ds = (
+            (edges[:-1, None] + half * (1 + rule[0])).ravel(),
+            (half * rule[1]).ravel(),
+        )
         wave = numpy.cos(s[:, None] * z) * weight
         inner = np.cos(at.s[k][:, None] * z)
         unit = 1 - wave @ (inner.T @ (at.ds[k] * at.unit[k]))
@@ -297,10 +372,14 @@ class ElasticLine(NamedTuple):
         return wave @ np.cos(s[:, None] / self.thickness * self.z).T / self.thickness
 
     def of_unit(self, x: np.ndarray, a: float) -> np.ndarray:
-        """q_1(x; a) at places x <= a: the force density under a flat punch of radius a."""
+        """q_1(x; a) at places x <= a: the force density under a flat punch of radius
+        a.
+        """
         node, share = np.polynomial.legendre.leggauss(self.nodes)
         s, ds = 0.5 * a * (1 + node), 0.5 * a * share
-        unit = np.linalg.solve(np.eye(self.nodes) + self.kernel(s, s) * ds, np.ones(self.nodes))
+        unit = np.linalg.solve(
+            np.eye(self.nodes) + self.kernel(s, s) * ds, np.ones(self.nodes)
+        )
         return (1 - self.kernel(x.ravel(), s) @ (ds * unit)).reshape(x.shape)
 
 
@@ -309,7 +388,9 @@ def line_of(disc: LayerDisc) -> ElasticLine:
     reach = float(disc.largest / disc.thickness)
     alpha = min(reach, WIDEST)
     z, weight = kernel_line(float(disc.squeeze), disc.bonded, alpha + 14.0)
-    return ElasticLine(z, weight, float(disc.thickness), 18 + math.ceil(2.5 * min(alpha, 4.0)))
+    return ElasticLine(
+        z, weight, float(disc.thickness), 18 + math.ceil(2.5 * min(alpha, 4.0))
+    )
 
 
 @functools.cache
@@ -333,4 +414,8 @@ def _on_panels(edges: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _raised(x: Array, n: float) -> Array:
     """x^n for x >= 0 with finite derivatives at zero."""
-    return x ** int(n) if n == int(n) else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
+    return (
+        x ** int(n)
+        if n == int(n)
+        else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
+    )

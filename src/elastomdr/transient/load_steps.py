@@ -1,14 +1,17 @@
-"""Indentation under a load that lets the contact shrink, or under depth and load in turn: marched by the exact contact
-step.
+"""Indentation under a load that lets the contact shrink, or under depth and load in
+turn: marched by the exact contact step.
 
-Each interval is divided into steps that narrow towards its ends, where the material answers fastest and where a contact
-begins or ends; after a load that is put on at once geometrically, down to the shortest relaxation time, since the depth
-then follows every branch, and what branches turn into heat is lost from the balance where that is not resolved. In a
-step an element carries q = S (w - u_free) wherever that is positive (`element.contact_step`), so that the force is a convex,
-piecewise linear function of the depth at the end of the step: Newton's method finds the depth that carries the load in
-finitely many steps. The elements are Gauss nodes on panels that end at the edges of the contact at all instants; these
-are found by marching a few times, each time on the edges of the march before. Of second order in the step; the limit is
-extrapolated from halved steps.
+Each interval is divided into steps that narrow towards its ends, where the material
+answers fastest and where a contact begins or ends; after a load that is put on at once
+geometrically, down to the shortest relaxation time, since the depth then follows every
+branch, and what branches turn into heat is lost from the balance where that is not
+resolved. In a step an element carries q = S (w - u_free) wherever that is positive
+(`element.contact_step`), so that the force is a convex, piecewise linear function of
+the depth at the end of the step: Newton's method finds the depth that carries the load
+in finitely many steps. The elements are Gauss nodes on panels that end at the edges of
+the contact at all instants; these are found by marching a few times, each time on the
+edges of the march before. Of second order in the step; the limit is extrapolated from
+halved steps.
 """
 
 from __future__ import annotations
@@ -40,18 +43,25 @@ if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
 _NODES = 3  # per panel between the edges
-_INNER = 16  # per panel of what never parts: few panels, whatever the steps, and a profile may rise as r^40
+# per panel of what never parts: few panels, whatever the steps, and a profile may rise
+# as r^40
+_INNER = 16
 _MARCHES, _AGAIN = 4, 2  # to find the edges; and from those of a march with fewer steps
 _GRADING = 3  # power by which steps narrow
 _TIP = np.concatenate([[0.0], 0.3 ** np.arange(12.0, -1.0, -1)])
-_EARLY = 4.0  # ratio of the first steps after a sudden load, and share of the shortest time with which they begin
+# ratio of the first steps after a sudden load, and share of the shortest time with
+# which they begin
+_EARLY = 4.0
 _MOST_EARLY = 24
-_STEADY, _SLOW = 0.1, (0.15, 0.5)  # relative change of a ratio that is taken as it is, and the ratios
+# relative change of a ratio that is taken as it is, and the ratios
+_STEADY, _SLOW = 0.1, (0.15, 0.5)
 _SIZES = (128, 512)  # numbers of steps that short marches are filled up to
 
 
 class Steps(NamedTuple):
-    """What rules in each of the steps of a history, and how far they are on their way to the next instant."""
+    """What rules in each of the steps of a history, and how far they are on their way
+    to the next instant.
+    """
 
     h: Float[Array, " s"]  # [s]
     part: Float[Array, " s"]  # of the interval, at the end of the step
@@ -91,24 +101,36 @@ def march(
     *,
     levels: int,  # steps per interval
     kept: int = 1,  # instants per interval that are kept, a divisor of `levels`
-    early: int = 0,  # by how many more the first step of the coarsest march of the series is divided
-    coarsest: int | None = None,  # steps per interval of that march, if it is not this one
+    # by how many more the first step of the coarsest march of the series is divided
+    early: int = 0,
+    # steps per interval of that march, if it is not this one
+    coarsest: int | None = None,
     room: bool = False,  # steps are added at the end, so that few sizes are compiled
     before: Edges | None = None,  # of a march with fewer steps
 ) -> tuple[Marched, Edges]:
-    """One march of b histories at a given number of steps. Differentiable in both modes."""
+    """One march of b histories at a given number of steps. Differentiable in both
+    modes.
+    """
     coarsest = coarsest or levels
-    numpy: Any = xp if is_traced(law, time, depth, load) else np  # NumPy has nothing to compile for a new size
+    # NumPy has nothing to compile for a new size
+    numpy: Any = xp if is_traced(law, time, depth, load) else np
     target = numpy.where(by_depth, depth, load)
     batch, intervals = time.shape[0], time.shape[1] - 1
     part = np.tile(places(levels), (batch, intervals, 1))
     early_ends = _early(numpy, law, time[:, 1:2] - time[:, :1], levels, coarsest, early)
-    rest_of_first, others = part[:, 0, 1 + levels // coarsest :], part[:, 1:, 1:].reshape(batch, -1)
+    rest_of_first, others = (
+        part[:, 0, 1 + levels // coarsest :],
+        part[:, 1:, 1:].reshape(batch, -1),
+    )
     share = numpy.concatenate([early_ends, rest_of_first, others], axis=1)
     more = early * (levels // coarsest)
-    interval = np.repeat(np.arange(intervals), [levels + more] + [levels] * (intervals - 1))
+    interval = np.repeat(
+        np.arange(intervals), [levels + more] + [levels] * (intervals - 1)
+    )
     first = np.append(True, np.diff(interval) > 0)
-    start = numpy.where(first, 0.0, numpy.concatenate([share[:, :1], share[:, :-1]], axis=1))
+    start = numpy.where(
+        first, 0.0, numpy.concatenate([share[:, :1], share[:, :-1]], axis=1)
+    )
     steps = Steps(
         h=numpy.diff(time)[:, interval] * (share - start),
         part=share,
@@ -124,26 +146,37 @@ def march(
     frozen = fixed((law, disc, steps, (target[:, 0], by_depth[:, 0]), reach))
     place = numpy.concatenate([numpy.zeros((batch, 1)), interval + share], axis=1)
     place = numpy.concatenate(
-        [place, numpy.repeat(place[:, -1:], steps.h.shape[1] + 1 - place.shape[1], axis=1)], axis=1
+        [
+            place,
+            numpy.repeat(place[:, -1:], steps.h.shape[1] + 1 - place.shape[1], axis=1),
+        ],
+        axis=1,
     )
     radius = reach[:, None] * np.linspace(0.0, 1.0, steps.h.shape[1] + 2)[1:]
     if before is not None:
         radius = np.stack([np.interp(*row) for row in zip(place, *before, strict=True)])
     if is_traced(frozen):  # a loop, since there the code of every march is compiled
-        radius = fori_loop(0, _MARCHES - 1, lambda _, radius: _all(*frozen, radius)[1], radius)
+        radius = fori_loop(
+            0, _MARCHES - 1, lambda _, radius: _all(*frozen, radius)[1], radius
+        )
     else:
         for _ in range((_MARCHES if before is None else _AGAIN) - 1):
             radius = _all(*frozen, radius)[1]
-    sums, radius, fits = _all(law, disc, steps, (target[:, 0], by_depth[:, 0]), reach, radius)
+    sums, radius, fits = _all(
+        law, disc, steps, (target[:, 0], by_depth[:, 0]), reach, radius
+    )
     every = np.arange(intervals * kept + 1) * (levels // kept)
     every[1:] += more
-    found = Marched(*(numpy.asarray(a)[:, every] for a in (*sums[:2], radius, *sums[2:], fits)))
+    found = Marched(
+        *(numpy.asarray(a)[:, every] for a in (*sums[:2], radius, *sums[2:], fits))
+    )
     return found, Edges(place, fixed(radius))
 
 
 def extrapolated(marches: list[Marched], ratio: Array | None = None) -> Marched:
     """The limit of marches of ever more steps; `ratio` as in `steady_ratio`."""
-    # An element that is touched or lost within a step errs by the cube of the step in what it receives.
+    # An element that is touched or lost within a step errs by the cube of the step in
+    # what it receives.
     found = limit(marches, (2, 4, 6))._replace(heat=limit(marches, (2, 3, 4)).heat)
     if ratio is None or np.isnan(ratio).all():
         return found
@@ -156,35 +189,49 @@ def extrapolated(marches: list[Marched], ratio: Array | None = None) -> Marched:
 
 
 def steady_ratio(marches: list[Marched]) -> Array:
-    """By what each change of the limit without the square of the step is smaller than the one before, (b, 1), where
-    that hardly changes any more; else NaN.
+    """By what each change of the limit without the square of the step is smaller than
+    the one before, (b, 1), where that hardly changes any more; else NaN.
 
-    Branches that are shorter than a step act as dashpots do, whose force is a mean over the step, so that they err by
-    the step itself. With many times in a broad spectrum there are the fewer of these the shorter the step is, and the
-    error falls by a power that is not whole.
+    Branches that are shorter than a step act as dashpots do, whose force is a mean over
+    the step, so that they err by the step itself. With many times in a broad spectrum
+    there are the fewer of these the shorter the step is, and the error falls by a power
+    that is not whole.
     """
     ratios = [_ratio(marches[: len(marches) - back]) for back in (1, 0)]
-    steady = (abs(ratios[1] - ratios[0]) < _STEADY * ratios[1]) & (ratios[1] > _SLOW[0]) & (ratios[1] < _SLOW[1])
+    steady = (
+        (abs(ratios[1] - ratios[0]) < _STEADY * ratios[1])
+        & (ratios[1] > _SLOW[0])
+        & (ratios[1] < _SLOW[1])
+    )
     return np.where(steady, ratios[1], np.nan)
 
 
 def _ratio(marches: list[Marched]) -> Array:
     if len(marches) < 4:
         return np.full((len(marches[0].work), 1), np.nan)
-    limits = [limit(marches[i : i + 2], (2,)).work for i in range(len(marches) - 4, len(marches) - 1)]
+    limits = [
+        limit(marches[i : i + 2], (2,)).work
+        for i in range(len(marches) - 4, len(marches) - 1)
+    ]
     older, newer = np.diff(limits, axis=0)
     square = (older**2).sum(axis=1, keepdims=True)
     return (older * newer).sum(axis=1, keepdims=True) / (square + (square == 0))
 
 
 def unaccounted(found: Marched) -> Array:
-    """Work that was neither stored nor turned into heat, relative to the largest work of the history."""
+    """Work that was neither stored nor turned into heat, relative to the largest work
+    of the history.
+    """
     largest = abs(found.work).max(axis=-1, keepdims=True)
-    return abs(found.work - found.stored - found.locked - found.heat) / (largest + (largest == 0))
+    return abs(found.work - found.stored - found.locked - found.heat) / (
+        largest + (largest == 0)
+    )
 
 
 def limit(marches: list[Marched], powers: tuple[int, ...]) -> Marched:
-    """The last marches, each with twice the steps of the one before, without the given powers of the step."""
+    """The last marches, each with twice the steps of the one before, without the given
+    powers of the step.
+    """
     rows = marches[-1 - len(powers) :]
     for power in powers[: len(rows) - 1]:
         gain = 2**power - 1
@@ -196,56 +243,108 @@ def limit(marches: list[Marched], powers: tuple[int, ...]) -> Marched:
 
 
 def places(levels: int) -> np.ndarray:
-    """Divisions of [0, 1] that narrow towards both ends; those of `levels` are among those of twice as many."""
+    """Divisions of [0, 1] that narrow towards both ends; those of `levels` are among
+    those of twice as many.
+    """
     place = np.linspace(0.0, 1.0, levels + 1) ** _GRADING
     return place / (place + place[::-1])
 
 
-def early_steps(law: Relaxation, time: Any, depth: Any, load: Any, by_depth: Any, coarsest: int) -> int:
-    """How many more steps the first one after a sudden load is divided into, in the coarsest march; values known."""
+def early_steps(
+    law: Relaxation, time: Any, depth: Any, load: Any, by_depth: Any, coarsest: int
+) -> int:
+    """How many more steps the first one after a sudden load is divided into, in the
+    coarsest march; values known.
+    """
     times = np.asarray(law.times)[np.asarray(law.moduli) > 0]
     sudden = np.where(by_depth, depth, load)[:, 0] > 0
     if not times.size or not sudden.any():
         return 0
     first = places(coarsest)[1] * float(np.max(time[:, 1] - time[:, 0]))
-    return int(np.clip(np.ceil(np.log(_EARLY * first / times.min()) / np.log(_EARLY)), 0, _MOST_EARLY))
-
-
-def _early(numpy: Any, law: Relaxation, h: Array, levels: int, coarsest: int, early: int) -> Array:
-    """Ends of the steps within the first one of the coarsest march, as parts of the first interval; (b, steps)."""
-    first, finer = places(coarsest)[1], levels // coarsest
-    if not early:
-        return np.tile(places(levels)[1 : 1 + finer], (h.shape[0], 1))
-    moduli, times, h = fixed((law.moduli, law.times, h)) if numpy is not np else (law.moduli, law.times, h)
-    shortest = numpy.min(numpy.where(numpy.asarray(moduli) > 0, numpy.asarray(times), numpy.inf), initial=numpy.inf)
-    # Not above 1/_EARLY: no step may be without length where no branch is short.
-    ratio = numpy.minimum(shortest / (_EARLY * first * numpy.asarray(h)), 1 / _EARLY) ** (1 / early)
-    knots = first * ratio ** np.arange(early, -1.0, -1)
-    knots = numpy.concatenate([numpy.zeros_like(ratio), knots], axis=1)
-    return (knots[:, :-1, None] + numpy.diff(knots)[..., None] * np.arange(1, finer + 1) / finer).reshape(
-        h.shape[0], -1
+    return int(
+        np.clip(
+            np.ceil(np.log(_EARLY * first / times.min()) / np.log(_EARLY)),
+            0,
+            _MOST_EARLY,
+        )
     )
 
 
+def _early(
+    numpy: Any, law: Relaxation, h: Array, levels: int, coarsest: int, early: int
+) -> Array:
+    """Ends of the steps within the first one of the coarsest march, as parts of the
+    first interval; (b, steps).
+    """
+    first, finer = places(coarsest)[1], levels // coarsest
+    if not early:
+        return np.tile(places(levels)[1 : 1 + finer], (h.shape[0], 1))
+    moduli, times, h = (
+        fixed((law.moduli, law.times, h))
+        if numpy is not np
+        else (law.moduli, law.times, h)
+    )
+    shortest = numpy.min(
+        numpy.where(numpy.asarray(moduli) > 0, numpy.asarray(times), numpy.inf),
+        initial=numpy.inf,
+    )
+    # Not above 1/_EARLY: no step may be without length where no branch is short.
+    ratio = numpy.minimum(
+        shortest / (_EARLY * first * numpy.asarray(h)), 1 / _EARLY
+    ) ** (1 / early)
+    knots = first * ratio ** np.arange(early, -1.0, -1)
+    knots = numpy.concatenate([numpy.zeros_like(ratio), knots], axis=1)
+    return (
+        knots[:, :-1, None]
+        + numpy.diff(knots)[..., None] * np.arange(1, finer + 1) / finer
+    ).reshape(h.shape[0], -1)
+
+
 def _once(
-    law: Relaxation, disc: Disc, steps: Steps, start: tuple[Array, Array], reach: Array, edges: Array
+    law: Relaxation,
+    disc: Disc,
+    steps: Steps,
+    start: tuple[Array, Array],
+    reach: Array,
+    edges: Array,
 ) -> tuple[tuple[Array, ...], Array, Array]:
-    """(depth, force, work, stored, locked, heat), contact radius, whether the shape was wide enough, at every step."""
-    tip = xp.min(xp.where(edges > 0, edges, reach)) * _TIP  # a light load is carried near the axis
+    """(depth, force, work, stored, locked, heat), contact radius, whether the shape was
+    wide enough, at every step.
+    """
+    # a light load is carried near the axis
+    tip = xp.min(xp.where(edges > 0, edges, reach)) * _TIP
     outer = xp.sort(xp.append(fixed(edges), tip[-1]))
     rules = (np.polynomial.legendre.leggauss(n) for n in (_INNER, _NODES))
-    parts = [gauss(ends, *rule) for ends, rule in zip((tip, xp.maximum(outer, tip[-1])), rules, strict=True)]
+    parts = [
+        gauss(ends, *rule)
+        for ends, rule in zip((tip, xp.maximum(outer, tip[-1])), rules, strict=True)
+    ]
     x, dx = (xp.concatenate(part) for part in zip(*parts, strict=True))
     weight, g = disc.weight(x) * dx, disc.profile(x)
-    strength = xp.where(law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0)
+    strength = xp.where(
+        law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0
+    )
 
-    def measure(state: Elements, d: Array, total: Array, work: Array) -> tuple[Array, ...]:
+    def measure(
+        state: Elements, d: Array, total: Array, work: Array
+    ) -> tuple[Array, ...]:
         held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
         touching = state.q > 0
-        stored, locked = (xp.sum(weight * xp.where(is_in, held, 0.0)) for is_in in (touching, ~touching))
-        return d, total, work, stored, locked, xp.sum(weight * state.work) - stored - locked
+        stored, locked = (
+            xp.sum(weight * xp.where(is_in, held, 0.0))
+            for is_in in (touching, ~touching)
+        )
+        return (
+            d,
+            total,
+            work,
+            stored,
+            locked,
+            xp.sum(weight * state.work) - stored - locked,
+        )
 
-    # A step at the first instant meets a glassy foundation; a dashpot lets nothing happen at once.
+    # A step at the first instant meets a glassy foundation; a dashpot lets nothing
+    # happen at once.
     value, depth_rules = start
     glassy, damped = law.equilibrium + xp.sum(law.moduli), law.viscosity > 0
     viscous = not on_numpy() or bool(damped)
@@ -256,75 +355,134 @@ def _once(
     q = xp.where(damped, 0.0, glassy * u)
     branches = strength @ f**2
     first = rest(law, x.size)._replace(
-        u=u, f=f, q=q, work=branches + 0.5 * law.equilibrium * u**2, inelastic=branches, stored=branches
+        u=u,
+        f=f,
+        q=q,
+        work=branches + 0.5 * law.equilibrium * u**2,
+        inelastic=branches,
+        stored=branches,
     )
-    total, work = xp.where(depth_rules, xp.sum(weight * q), value), xp.sum(weight * first.work)
+    total, work = (
+        xp.where(depth_rules, xp.sum(weight * q), value),
+        xp.sum(weight * first.work),
+    )
 
     def step(carry: tuple, entry: tuple[Steps, Coefficients]) -> tuple[tuple, tuple]:
         (state, d, total, work, d_start, total_start), (now, c) = carry, entry
-        c = c if viscous else c._replace(seen=c.decay)  # so that sums over both are made once
-        d_start, total_start = xp.where(now.first, d, d_start), xp.where(now.first, total, total_start)
+        # so that sums over both are made once
+        c = c if viscous else c._replace(seen=c.decay)
+        d_start, total_start = (
+            xp.where(now.first, d, d_start),
+            xp.where(now.first, total, total_start),
+        )
         end = total_start + (now.target - total_start) * now.part
         fading = fade(c, state.f)
         free = released(c, state.u, fading.seen)
-        # With a dashpot q is a mean over the end of the step: the load is averaged in the same way.
+        # With a dashpot q is a mean over the end of the step: the load is averaged in
+        # the same way.
         carried = end - (end - total) * lag(c)
         found = settle(g + free, weight * c.stiffness, 0.0, xp.maximum(carried, 0.0), d)
-        found = xp.where(carried > 0, found, xp.min(g + free))  # without a load it lies on the surface
+        # without a load it lies on the surface
+        found = xp.where(carried > 0, found, xp.min(g + free))
         new = xp.where(now.by_depth, d_start + (now.target - d_start) * now.part, found)
         received, state = state.work, advance(c, state, d - g, new - g, fading)
-        force = law.equilibrium * state.u + xp.sum(state.f, axis=0) + law.viscosity * (new - d) / now.h
-        before, total = total, xp.where(now.by_depth, xp.sum(weight * xp.where(state.q > 0, force, 0.0)), end)
-        # int F dd of the body, apart from what elements receive; a dashpot's force jumps with the rate of the depth.
+        force = (
+            law.equilibrium * state.u
+            + xp.sum(state.f, axis=0)
+            + law.viscosity * (new - d) / now.h
+        )
+        before, total = (
+            total,
+            xp.where(
+                now.by_depth, xp.sum(weight * xp.where(state.q > 0, force, 0.0)), end
+            ),
+        )
+        # int F dd of the body, apart from what elements receive; a dashpot's force
+        # jumps with the rate of the depth.
         done = 0.5 * (before + total) * (new - d)
-        work = work + xp.where(now.by_depth & damped, xp.sum(weight * (state.work - received)), done)
+        work = work + xp.where(
+            now.by_depth & damped, xp.sum(weight * (state.work - received)), done
+        )
         kept = measure(state, new, total, work), _edge(x, new - g - free, state.q > 0)
         return (state, new, total, work, d_start, total_start), kept
 
     over = steps, coefficients_of_steps(law, steps.h, viscous=viscous)
     _, (sums, radius) = in_steps(step, (first, d, total, work, d, total), over)
     radius = xp.append(_edge(x, d - g, u > 0), radius)
-    sums = tuple(xp.append(a, b) for a, b in zip(measure(first, d, total, work), sums, strict=True))
+    sums = tuple(
+        xp.append(a, b)
+        for a, b in zip(measure(first, d, total, work), sums, strict=True)
+    )
     if disc.flat:
         radius = xp.where(radius > 0, disc.shape.largest_contact, 0.0)
     return sums, xp.minimum(radius, disc.largest), radius < disc.largest
 
 
 def _edge(x: Array, excess: Array, touching: Array) -> Array:
-    """Where w - u_free, which is smooth across the edge, passes zero; beyond the last node by continuation."""
+    """Where w - u_free, which is smooth across the edge, passes zero; beyond the last
+    node by continuation.
+    """
     count = xp.sum(touching)
-    # 32 bits, since the caller's `jax.jit` may transpose what follows under its own setting.
+    # 32 bits, since the caller's `jax.jit` may transpose what follows under its own
+    # setting.
     i = xp.clip(count - 1, 0, x.size - 2).astype("int32")
     low, high = excess[i], excess[i + 1]
     fall = xp.where(low > high, low - high, xp.inf)
-    return xp.where(count > 0, xp.maximum(x[i] + (x[i + 1] - x[i]) * low / fall, 0.0), 0.0)
+    return xp.where(
+        count > 0, xp.maximum(x[i] + (x[i + 1] - x[i]) * low / fall, 0.0), 0.0
+    )
 
 
 @compiled()
-def _reach(modes: Modes, disc: Disc, time: Array, depth: Array, load: Array, by_depth: Array) -> Array:
-    """A radius that no contact of a history exceeds: that of the largest load, kept, or of the largest depth."""
+def _reach(
+    modes: Modes, disc: Disc, time: Array, depth: Array, load: Array, by_depth: Array
+) -> Array:
+    """A radius that no contact of a history exceeds: that of the largest load, kept, or
+    of the largest depth.
+    """
     span = (time[:, -1] - time[:, 0])[:, None]
-    creep = modes.instantaneous + xp.sum(modes.gain * span * phi1(modes.rate * span), axis=1)
-    largest = [xp.max(xp.where(rules, value, 0.0), axis=1) for rules, value in ((~by_depth, load), (by_depth, depth))]
+    creep = modes.instantaneous + xp.sum(
+        modes.gain * span * phi1(modes.rate * span), axis=1
+    )
+    largest = [
+        xp.max(xp.where(rules, value, 0.0), axis=1)
+        for rules, value in ((~by_depth, load), (by_depth, depth))
+    ]
     radii = disc.radius_of_area(creep * largest[0]), disc.radius_of_depth(largest[1])
-    return xp.maximum(*(xp.where(radius < disc.largest, radius, disc.largest) for radius in radii))
+    return xp.maximum(
+        *(xp.where(radius < disc.largest, radius, disc.largest) for radius in radii)
+    )
 
 
 def _all(
-    law: Relaxation, disc: Disc, steps: Steps, start: tuple[Array, Array], reach: Array, edges: Array
+    law: Relaxation,
+    disc: Disc,
+    steps: Steps,
+    start: tuple[Array, Array],
+    reach: Array,
+    edges: Array,
 ) -> tuple[tuple[Array, ...], Array, Array]:
     """`_once` for every history."""
     if not on_numpy():
         return _together(law, disc, steps, start, reach, edges)
     rows = [
-        _once(law, disc, Steps(*(a[i] for a in steps)), (start[0][i], start[1][i]), reach[i], edges[i])
+        _once(
+            law,
+            disc,
+            Steps(*(a[i] for a in steps)),
+            (start[0][i], start[1][i]),
+            reach[i],
+            edges[i],
+        )
         for i in range(len(reach))
     ]
     return mapped(lambda *a: np.stack(a), *rows)
 
 
 @compiled()
-def _together(law: Relaxation, disc: Disc, *histories: Any) -> tuple[tuple[Array, ...], Array, Array]:
+def _together(
+    law: Relaxation, disc: Disc, *histories: Any
+) -> tuple[tuple[Array, ...], Array, Array]:
     import jax
 
     return jax.vmap(_once, in_axes=(None, None, 0, 0, 0, 0))(law, disc, *histories)

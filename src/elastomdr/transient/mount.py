@@ -28,10 +28,11 @@ class Mount(Tree):
         fill(self, mass=mass, stiffness=stiffness, damping=damping)
 
     def for_line(self, load: Number, normal_force: Number) -> "Mount":
-        """The share that a metre of rough line has of this mount of a whole body, load/normal_force of it.
+        """The share that a metre of rough line has of this mount of a whole body,
+        load/normal_force of it.
 
-        `load` [N/m] of the line, `normal_force` [N] of the whole body on the rubber, for which the line stands. Raises
-        `InputError`.
+        `load` [N/m] of the line, `normal_force` [N] of the whole body on the rubber,
+        for which the line stands. Raises `InputError`.
         """
         given = scalar("load", load), scalar("normal_force", normal_force)
         positive("load", given[0])

@@ -1,4 +1,6 @@
-"""The oblique part of `em.impact`: arguments, and the tangential motion of every point."""
+"""The oblique part of `em.impact`: arguments, and the tangential motion of every
+point.
+"""
 
 from typing import Any, NamedTuple
 
@@ -26,39 +28,61 @@ class Slips(NamedTuple):
     tangential: Foundation
 
 
-def check_oblique(material: Any, velocity: Any, friction: Any, inertia: Any, tangential: Any) -> Slips | None:
-    """The oblique part's arguments, or None without one. Raises `InputError` for what has no meaning."""
+def check_oblique(
+    material: Any, velocity: Any, friction: Any, inertia: Any, tangential: Any
+) -> Slips | None:
+    """The oblique part's arguments, or None without one. Raises `InputError` for what
+    has no meaning.
+    """
     if velocity is None:
         given = {"friction": friction, "inertia": inertia, "tangential": tangential}
         for name, value in given.items():
             if value is not None:
-                raise InputError(f"{name} belongs to an oblique impact: give tangential_velocity as well.")
+                raise InputError(
+                    f"{name} belongs to an oblique impact: give "
+                    "tangential_velocity "
+                    "as well."
+                )
         return None
     if friction is None:
         raise InputError("friction must be given with tangential_velocity.")
     if isinstance(material, (list, tuple)):
-        raise InputError("material must be one material in an oblique impact, got a list.")
-    velocity, friction = as_float64("tangential_velocity", velocity), as_float64("friction", friction)
+        raise InputError(
+            "material must be one material in an oblique impact, got a list."
+        )
+    velocity, friction = (
+        as_float64("tangential_velocity", velocity),
+        as_float64("friction", friction),
+    )
     finite("tangential_velocity", velocity)
-    require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
+    require(
+        "friction", friction, "zero or positive, infinity included", lambda x: x >= 0
+    )
     if inertia is not None:
         inertia = scalar("inertia", inertia)
         positive("inertia", inertia)
     if tangential is None and not isinstance(material, Prony):
         raise InputError(
-            "tangential must be given with a Foundation, which only knows the normal direction: "
-            "em.half_space(material, tangential=True), or an em.Foundation of G*."
+            "tangential must be given with a Foundation, which only knows the normal "
+            "direction: em.half_space(material, tangential=True), or an em.Foundation "
+            "of G*."
         )
     tangential = material if tangential is None else tangential
     if isinstance(tangential, Prony):
         tangential = half_space(tangential, tangential=True)
     if not isinstance(tangential, Foundation):
-        raise InputError(f"tangential must be an em.Foundation of G*, got {tangential!r}.")
+        raise InputError(
+            f"tangential must be an em.Foundation of G*, got {tangential!r}."
+        )
     return Slips(velocity, friction, inertia, tangential)
 
 
-def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: History, found: Any) -> Oblique:
-    """The tangential motion of every point of an impact that is solved already; NaN where that failed."""
+def solve_oblique(
+    slips: Slips, scene: Any, shape: AbstractShape, history: History, found: Any
+) -> Oblique:
+    """The tangential motion of every point of an impact that is solved already; NaN
+    where that failed.
+    """
     import jax
     import jax.numpy as jnp
 
@@ -73,13 +97,19 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
     body = jax.tree.map(jnp.asarray, scene.body)
     mass, u = flat(scene.mass), flat(slips.velocity)
     lever = shape.rolling_radius
-    rotation = 0.0 if lever is None else 1 / ((0.5 if isinstance(shape, Cylinder) else 0.4) * mass)
+    rotation = (
+        0.0
+        if lever is None
+        else 1 / ((0.5 if isinstance(shape, Cylinder) else 0.4) * mass)
+    )
     if slips.inertia is not None:
         rotation = (0.0 if lever is None else lever) ** 2 / slips.inertia
     effective = 1 / (1 / mass + rotation)
     law = slips.tangential.law()
     factor, vertical, own = jnp.ones(count), jnp.ones(count), slips.tangential
-    if scene.temperature is not None and (own.shift is not None or own.vertical is not None):
+    if scene.temperature is not None and (
+        own.shift is not None or own.vertical is not None
+    ):
         factor, vertical = (flat(x) for x in thermal_factors(own, scene.temperature))
     deepest = jnp.asarray(found.motion.max_depth)
     ring = scene.per_area and not isinstance(shape, Cylinder)
@@ -102,21 +132,46 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
         )
         place = Scene(shape, normal, sheared, mu, reach)
         elements, steps = _ELEMENTS * finer // 2, _STEPS * finer // 2
-        return deflect(place, course, elements=elements, steps=steps, per_area=scene.per_area)
+        return deflect(
+            place, course, elements=elements, steps=steps, per_area=scene.per_area
+        )
 
     def series(field: Any) -> Any:
         return jnp.asarray(field).reshape(count, -1)
 
     course = Course(
-        series(history.time), series(history.depth), series(history.velocity), series(history.force), mass, effective, u
+        series(history.time),
+        series(history.depth),
+        series(history.velocity),
+        series(history.force),
+        mass,
+        effective,
+        u,
     )
-    points = (rates.T, moduli.T, viscosity, factor, vertical, reach, flat(slips.friction), course)
-    coarse, fine = (jax.lax.map(lambda point, n=n: one(point, n), points) for n in (1, 2))
+    points = (
+        rates.T,
+        moduli.T,
+        viscosity,
+        factor,
+        vertical,
+        reach,
+        flat(slips.friction),
+        course,
+    )
+    coarse, fine = (
+        jax.lax.map(lambda point, n=n: one(point, n), points) for n in (1, 2)
+    )
     # Where nothing slips until it lets go the scheme is of first order, else of second.
     limit = jax.tree.map(lambda a, b: b + (b - a) / 3, coarse, fine)
     after = limit.velocity[:, -1]
-    error = jnp.where(jnp.isinf(flat(slips.friction)), 2, 1) * jnp.abs(after - coarse.velocity[:, -1]) * 0.75
-    good = jnp.asarray(found.converged) & ~jnp.asarray(found.stuck) & jnp.isfinite(after)
+    error = (
+        jnp.where(jnp.isinf(flat(slips.friction)), 2, 1)
+        * jnp.abs(after - coarse.velocity[:, -1])
+        * 0.75
+    )
+    good = (
+        jnp.asarray(found.converged) & ~jnp.asarray(found.stuck) & jnp.isfinite(after)
+    )
 
     def shaped(field: Any) -> Any:
         field = nan_unless(good.reshape(-1, *[1] * (field.ndim - 1)), field)

@@ -1,13 +1,16 @@
-"""Oblique impact: the tangential motion of a body during an impact, with Coulomb friction element by element.
+"""Oblique impact: the tangential motion of a body during an impact, with Coulomb
+friction element by element.
 
-Normal motion does not feel the tangential one, so that d(t) is that of `transient.impact_motion`; in between its instants it is
-the quintic through depth, velocity and acceleration. The point of contact has the velocity u = v_x + R omega, and
+Normal motion does not feel the tangential one, so that d(t) is that of
+`transient.impact_motion`; in between its instants it is the quintic through depth,
+velocity and acceleration. The point of contact has the velocity u = v_x + R omega, and
 
     m_t u' = -F_x,    1/m_t = 1/m + R^2/I        (m_t = 2/7 m for a homogeneous ball),
 
-F_x from `transient.shear_motion`. The momentum is changed by the trapezoidal rule, the displacement of a step is found together
-with the force at its end, which rises with it. Second order in the step. For an elastic ball this is the problem of
-Maw, Barber & Fawcett (1976), in MDR Lyashenko & Popov (2015).
+F_x from `transient.shear_motion`. The momentum is changed by the trapezoidal rule, the
+displacement of a step is found together with the force at its end, which rises with it.
+Second order in the step. For an elastic ball this is the problem of Maw, Barber &
+Fawcett (1976), in MDR Lyashenko & Popov (2015).
 """
 
 from __future__ import annotations
@@ -50,7 +53,9 @@ class Deflection(NamedTuple):
 
 
 @functools.partial(jax.jit, static_argnames=("elements", "steps", "per_area"))
-def deflect(scene: Scene, course: Course, *, elements: int, steps: int, per_area: bool) -> Deflection:
+def deflect(
+    scene: Scene, course: Course, *, elements: int, steps: int, per_area: bool
+) -> Deflection:
     """The tangential motion, with `steps` contact steps between two instants."""
     grid = line(scene, elements, per_area)
     mass = course.tangential_mass
@@ -59,13 +64,20 @@ def deflect(scene: Scene, course: Course, *, elements: int, steps: int, per_area
         start, end = ends
         span = end[0] - start[0]
         h = span / steps
-        normal, tangential = coefficients(scene.normal, h), coefficients(scene.tangential, h)
+        normal, tangential = (
+            coefficients(scene.normal, h),
+            coefficients(scene.tangential, h),
+        )
 
         def advance(carry: tuple, i: Array) -> tuple:
             state, speed, force = carry
             depth = _quintic(start, end, course.mass, (i + 1) / steps)
-            following = functools.partial(_displacement, speed * h, force, 0.25 * h**2 / mass)
-            state, ((after, *_), _) = step(scene, grid, normal, tangential, state, depth, following, False)
+            following = functools.partial(
+                _displacement, speed * h, force, 0.25 * h**2 / mass
+            )
+            state, ((after, *_), _) = step(
+                scene, grid, normal, tangential, state, depth, following, False
+            )
             return (state, speed - 0.5 * h * (force + after) / mass, after), None
 
         carry, _ = jax.lax.scan(advance, carry, jnp.arange(steps))
@@ -75,12 +87,16 @@ def deflect(scene: Scene, course: Course, *, elements: int, steps: int, per_area
     carry = (untouched(scene, grid), course.tangential_velocity, jnp.zeros(()))
     _, (speed, force, loss) = jax.lax.scan(interval, carry, (rows[:-1], rows[1:]))
     return Deflection(
-        jnp.concatenate([course.tangential_velocity[None], speed]), jnp.concatenate([jnp.zeros(1), force]), loss[-1]
+        jnp.concatenate([course.tangential_velocity[None], speed]),
+        jnp.concatenate([jnp.zeros(1), force]),
+        loss[-1],
     )
 
 
 def _quintic(start: Array, end: Array, mass: Array, s: Array) -> Array:
-    """Depth at a fraction s of an interval, from depth, velocity and acceleration at its ends."""
+    """Depth at a fraction s of an interval, from depth, velocity and acceleration at
+    its ends.
+    """
     h = end[0] - start[0]
     p0, p1, v0, v1 = start[1], end[1], h * start[2], h * end[2]
     a0, a1 = -(h**2) * start[3] / mass, -(h**2) * end[3] / mass
@@ -95,7 +111,9 @@ def _quintic(start: Array, end: Array, mass: Array, s: Array) -> Array:
 
 
 def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> Array:
-    """x with x = free - compliance (F_before + F(x)): Newton in a bracket, since F rises in straight pieces."""
+    """x with x = free - compliance (F_before + F(x)): Newton in a bracket, since F
+    rises in straight pieces.
+    """
 
     def residual(x: Array) -> Array:
         return x - free + compliance * (before + force(x))
@@ -107,14 +125,24 @@ def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> 
         value, slope = _value_and_slope(residual, x)
         low, high = jnp.where(value < 0, x, low), jnp.where(value < 0, high, x)
         newton = x - value / slope
-        following = jnp.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+        following = jnp.where(
+            (newton >= low) & (newton <= high), newton, 0.5 * (low + high)
+        )
         done = jnp.abs(following - x) <= _MET * (jnp.abs(free) + jnp.abs(following))
         return following, low, high, done, count + 1
 
     edge = jnp.abs(free) + compliance * jnp.abs(before) + 1e-300
-    edge = edge + compliance * jnp.abs(fixed(force(edge))) + compliance * jnp.abs(fixed(force(-edge)))
+    edge = (
+        edge
+        + compliance * jnp.abs(fixed(force(edge)))
+        + compliance * jnp.abs(fixed(force(-edge)))
+    )
     start = (free, -2 * edge, 2 * edge, jnp.zeros((), bool), 0)
-    x = fixed(jax.lax.while_loop(lambda s: ~s[3] & (s[4] < _ITERATIONS), advance, fixed(start))[0])
+    x = fixed(
+        jax.lax.while_loop(
+            lambda s: ~s[3] & (s[4] < _ITERATIONS), advance, fixed(start)
+        )[0]
+    )
     value, slope = _value_and_slope(residual, x)
     return x - value / fixed(slope)
 

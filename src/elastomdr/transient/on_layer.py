@@ -1,4 +1,6 @@
-"""Bodies pressed straight down on rubber of finite thickness: from a layer to the elements that stand for it."""
+"""Bodies pressed straight down on rubber of finite thickness: from a layer to the
+elements that stand for it.
+"""
 
 from __future__ import annotations
 
@@ -17,35 +19,54 @@ from .layer_disc import LayerDisc, layer_disc
 if TYPE_CHECKING:
     from ..checks import Array
 
-_STIFFER = 0.01  # (a/h)^2 G/K below which rubber of a bulk modulus K is incompressible on a layer
+# (a/h)^2 G/K below which rubber of a bulk modulus K is incompressible on a layer
+_STIFFER = 0.01
 
 
 def of_layer(material: Layer, shape: AbstractShape) -> tuple[LayerDisc, Foundation]:
-    """The elements of an axisymmetric contact on a layer and what they are made of. Raises `InputError`."""
+    """The elements of an axisymmetric contact on a layer and what they are made of.
+    Raises `InputError`.
+    """
     if isinstance(shape, Cylinder):
         raise InputError(
-            "shape must be axisymmetric in a normal contact on an em.layer, got a Cylinder: em.rolling and em.friction "
-            "take it, or em.springs(material, thickness) here."
+            "shape must be axisymmetric in a normal contact on an em.layer, got a "
+            "Cylinder: em.rolling and em.friction take it, or em.springs(material, "
+            "thickness) here."
         )
     if material.other is not None:
-        raise InputError("material must be one em.layer under an axisymmetric body, got two covers.")
+        raise InputError(
+            "material must be one em.layer under an axisymmetric body, got two covers."
+        )
     solid: Any = material.material
     if not isinstance(solid, Prony):
-        raise InputError("material must be a series (em.Prony) for a history in time, got a table of moduli.")
-    if not material.constant:  # incompressible, as far as `incompressible_enough` allows
+        raise InputError(
+            "material must be a series (em.Prony) for a history in time, got a "
+            "table of moduli."
+        )
+    # incompressible, as far as `incompressible_enough` allows
+    if not material.constant:
         shear = solid.shear()
         solid = Prony(
-            shear.equilibrium, shear.moduli, shear.times, viscosity=shear.viscosity, shift=shear.shift,
-            vertical=shear.vertical, name=shear.name,
-        )  # fmt: skip
+            shear.equilibrium,
+            shear.moduli,
+            shear.times,
+            viscosity=shear.viscosity,
+            shift=shear.shift,
+            vertical=shear.vertical,
+            name=shear.name,
+        )
     squeeze = 0.0 if not material.constant else material.squeeze()
     squeeze = squeeze if is_traced(squeeze) else float(np.asarray(squeeze))
     foundation = half_space(solid)
     return layer_disc(shape, material.thickness, squeeze, material.bonded), foundation
 
 
-def incompressible_enough(material: Layer, disc: LayerDisc, radius: Array, force: Array) -> None:
-    """Refuses a constant bulk modulus where it would show, since W then depends on time. Raises `InputError`."""
+def incompressible_enough(
+    material: Layer, disc: LayerDisc, radius: Array, force: Array
+) -> None:
+    """Refuses a constant bulk modulus where it would show, since W then depends on
+    time. Raises `InputError`.
+    """
     bulk: Any = getattr(material.material, "bulk", None)
     if bulk is None or is_traced(bulk, disc, radius, force):
         return
@@ -57,7 +78,10 @@ def incompressible_enough(material: Layer, disc: LayerDisc, radius: Array, force
     share = float(np.max((a / float(disc.thickness)) ** 2 * shear / float(bulk)))
     if share > _STIFFER:
         raise InputError(
-            f"bulk must be left out, or so large that (a/h)^2 G/K stays below {_STIFFER:g} in a history on a layer; it "
-            f"reaches {share:.2g} here with K = {float(bulk):.4g} Pa. Give a constant Poisson's ratio in its place, or "
-            "use em.springs(material, thickness) where the contact is much wider than the layer is thick."
+            "bulk must be left out, or so large that (a/h)^2 G/K stays below "
+            f"{_STIFFER:g} in a history on a layer; it reaches {share:.2g} here with "
+            f"K = {float(bulk):.4g} Pa. Give a constant Poisson's ratio in its place, "
+            "or "
+            "use em.springs(material, thickness) where the contact is much wider than "
+            "the layer is thick."
         )

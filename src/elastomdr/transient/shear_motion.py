@@ -1,19 +1,25 @@
-"""Tangential loading with Coulomb friction, element by element, for any history of normal and tangential motion.
+"""Tangential loading with Coulomb friction, element by element, for any history of
+normal and tangential motion.
 
-Each element has a normal law E* and a tangential law G* (Radok's operators). In the normal direction it follows
-Signorini's conditions by the exact contact step (`element.contact_step`). In the tangential direction it sticks to the body,
-whose displacement U(t) is linear over a step, as long as that needs no more than |tau| <= mu q; otherwise it slips,
+Each element has a normal law E* and a tangential law G* (Radok's operators). In the
+normal direction it follows Signorini's conditions by the exact contact step
+(`element.contact_step`). In the tangential direction it sticks to the body, whose
+displacement U(t) is linear over a step, as long as that needs no more than |tau| <= mu
+q; otherwise it slips,
 
     tau+ = min(max(tau_stick, -mu q+), mu q+),    tau_stick = tau_rest + S dU,
 
-with tau_rest the traction that would be left without motion and S the stiffness of the step. Since the step is linear
-in the displacement, the slipping element's own displacement follows without iteration. An element that is touched
-within the step sticks from then on. In an elastic contact all of this is exact for motion along straight lines in
-(depth, displacement), whatever the length of the step (Cattaneo 1938, Mindlin 1949, Jaeger 1993 by the method of
-dimensionality reduction: Popov & Hess 2015, ch. 5); otherwise the error is of second order in the step. What remains
-is the sum over elements, of second order in their width where stick ends between two elements: the midpoint rule misses
-at most h^2/8 of the total variation of the integrand's slope, which is the sum of its second differences times h/8. By
-Gauss' rule on panels that end where stick or contact ended at any instant (`panels`) the sum is as good as exact in an
+with tau_rest the traction that would be left without motion and S the stiffness of the
+step. Since the step is linear in the displacement, the slipping element's own
+displacement follows without iteration. An element that is touched within the step
+sticks from then on. In an elastic contact all of this is exact for motion along
+straight lines in (depth, displacement), whatever the length of the step (Cattaneo 1938,
+Mindlin 1949, Jaeger 1993 by the method of dimensionality reduction: Popov & Hess 2015,
+ch. 5); otherwise the error is of second order in the step. What remains is the sum over
+elements, of second order in their width where stick ends between two elements: the
+midpoint rule misses at most h^2/8 of the total variation of the integrand's slope,
+which is the sum of its second differences times h/8. By Gauss' rule on panels that end
+where stick or contact ended at any instant (`panels`) the sum is as good as exact in an
 elastic contact.
 """
 
@@ -51,11 +57,13 @@ class Sheared(NamedTuple):
     normal_force: Float[Array, " times"]  # [N]
     depth: Float[Array, " times"]  # [m]
     contact_radius: Float[Array, " times"]  # [m]
-    stick_radius: Float[Array, " times"]  # elements inside did not slip in the last step [m]
+    # elements inside did not slip in the last step [m]
+    stick_radius: Float[Array, " times"]
     work: Float[Array, " times"]  # done by the tangential force [J]
     slip_loss: Float[Array, " times"]  # turned into heat by slip [J]
     stored: Float[Array, " times"]  # tangential elastic energy [J]
-    missed: Float[Array, " times"]  # bound on what a sum over equal elements misses of the tangential force [N]
+    # bound on what a sum over equal elements misses of the tangential force [N]
+    missed: Float[Array, " times"]
 
 
 class State(NamedTuple):
@@ -72,7 +80,9 @@ class State(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """Shape, laws, friction coefficient, and the radius that the elements reach to [m]."""
+    """Shape, laws, friction coefficient, and the radius that the elements reach to
+    [m].
+    """
 
     shape: AbstractShape
     normal: Relaxation
@@ -87,31 +97,57 @@ class Grid(NamedTuple):
     x: Array
     weight: Array  # [m], or [m^2] on a layer
     profile: Array  # g [m]
-    width: Array  # between two of equal width; NaN if they differ, and then there is no radius of contact or stick
+    # between two of equal width; NaN if they differ, and then there is no radius of
+    # contact or stick
+    width: Array
 
 
 @compiled("steps", "by_load")
 def shear_history(
-    scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool, used: Any = None
+    scene: Scene,
+    history: History,
+    grid: Grid,
+    *,
+    steps: int,
+    by_load: bool,
+    used: Any = None,
 ) -> Sheared:
-    """The whole history of the elements of a grid, with `steps` contact steps between two instants, or `used` of them
-    in the same program."""
+    """The whole history of the elements of a grid, with `steps` contact steps between
+    two instants, or `used` of them in the same program.
+    """
     used = steps if used is None else used
 
     def interval(state: State, ends: tuple) -> tuple:
         (t0, v0, s0), (t1, v1, s1) = ends
         h, dv, ds = (t1 - t0) / used, (v1 - v0) / used, (s1 - s0) / used
-        normal, tangential = coefficients(scene.normal, h), coefficients(scene.tangential, h)
+        normal, tangential = (
+            coefficients(scene.normal, h),
+            coefficients(scene.tangential, h),
+        )
 
         def advance(carry: tuple, i: Array) -> tuple:
             def one(carry: tuple) -> tuple:
-                return step(scene, grid, normal, tangential, carry[0], v0 + (i + 1) * dv, ds, by_load)
+                return step(
+                    scene,
+                    grid,
+                    normal,
+                    tangential,
+                    carry[0],
+                    v0 + (i + 1) * dv,
+                    ds,
+                    by_load,
+                )
 
             return cond(i < used, one, lambda carry: carry, carry), None
 
         none = xp.zeros_like(grid.x)
-        (state, seen), _ = in_steps(advance, (state, ((xp.zeros(()),) * 6, none)), xp.arange(steps))
-        return state, ((state.work, state.slip_loss, state.depth), _measured(grid, state, seen, by_load))
+        (state, seen), _ = in_steps(
+            advance, (state, ((xp.zeros(()),) * 6, none)), xp.arange(steps)
+        )
+        return state, (
+            (state.work, state.slip_loss, state.depth),
+            _measured(grid, state, seen, by_load),
+        )
 
     start, first = _start(scene, grid, history, by_load)
     before = tuple(x[:-1] for x in history)
@@ -120,10 +156,13 @@ def shear_history(
     first = _measured(grid, start, first, by_load)
     seen = tuple(xp.concatenate([a[None], b]) for a, b in zip(first, seen, strict=True))
     work, loss, depth = (
-        xp.concatenate([getattr(start, name)[None], states[i]]) for i, name in enumerate(("work", "slip_loss", "depth"))
+        xp.concatenate([getattr(start, name)[None], states[i]])
+        for i, name in enumerate(("work", "slip_loss", "depth"))
     )
     force, normal_force, contact, stick, stored, missed = seen
-    return Sheared(force, normal_force, depth, contact, stick, work, loss, stored, missed)
+    return Sheared(
+        force, normal_force, depth, contact, stick, work, loss, stored, missed
+    )
 
 
 @compiled("elements", "per_area")
@@ -135,15 +174,21 @@ def line(scene: Scene, elements: int, per_area: bool) -> Grid:
 
 @compiled("parts", "nodes", "per_area")
 def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -> Grid:
-    """Gauss' rule with `nodes` points on `parts` parts of each panel between neighbouring `radii` [m].
+    """Gauss' rule with `nodes` points on `parts` parts of each panel between
+    neighbouring `radii` [m].
 
-    Between two radii at which stick or contact ended at some instant all elements have the same history of stick and
-    slip, so that all is smooth there. The places carry no derivative, since the sums do not depend on them.
+    Between two radii at which stick or contact ended at some instant all elements have
+    the same history of stick and slip, so that all is smooth there. The places carry no
+    derivative, since the sums do not depend on them.
     """
-    edges = xp.concatenate([xp.zeros(1), xp.sort(xp.clip(radii, 0.0, scene.reach)), scene.reach[None]])
+    edges = xp.concatenate(
+        [xp.zeros(1), xp.sort(xp.clip(radii, 0.0, scene.reach)), scene.reach[None]]
+    )
     edges = fixed(edges)
     inner = edges[:-1, None] + xp.diff(edges)[:, None] * (np.arange(parts) / parts)
-    x, dx = gauss(xp.append(inner.reshape(-1), edges[-1]), *np.polynomial.legendre.leggauss(nodes))
+    x, dx = gauss(
+        xp.append(inner.reshape(-1), edges[-1]), *np.polynomial.legendre.leggauss(nodes)
+    )
     return _grid(scene, x, dx, xp.asarray(xp.nan), per_area)
 
 
@@ -162,20 +207,33 @@ def untouched(scene: Scene, grid: Grid) -> State:
     def rest(law: Relaxation) -> Array:
         return xp.zeros((law.moduli.shape[0], grid.x.shape[0]))
 
-    return State(zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none)
+    return State(
+        zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none
+    )
 
 
-def _start(scene: Scene, grid: Grid, history: History, by_load: bool) -> tuple[State, tuple]:
-    """The first instant: depth or load, then displacement, put on at once, to which the glassy moduli respond.
+def _start(
+    scene: Scene, grid: Grid, history: History, by_load: bool
+) -> tuple[State, tuple]:
+    """The first instant: depth or load, then displacement, put on at once, to which the
+    glassy moduli respond.
 
     Dashpots carry what is put on at once without moving.
     """
     none, state = xp.zeros(()), untouched(scene, grid)
-    still = state, ((none, history.value[0] if by_load else none, none, none, none, none), state.u)
+    still = (
+        state,
+        (
+            (none, history.value[0] if by_load else none, none, none, none, none),
+            state.u,
+        ),
+    )
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
 
     def put(state: State, ds: Array) -> tuple[State, tuple]:
-        return step(scene, grid, normal, tangential, state, history.value[0], ds, by_load)
+        return step(
+            scene, grid, normal, tangential, state, history.value[0], ds, by_load
+        )
 
     put_down, seen = in_steps(put, state, xp.stack([none, history.displacement[0]]))
     moved = put_down, mapped(lambda x: x[-1], seen)
@@ -192,32 +250,75 @@ def _sudden(law: Relaxation) -> Coefficients:
     zero, equilibrium = xp.zeros(1), xp.atleast_1d(xp.asarray(law.equilibrium))
     drag = 0.5 * xp.sum(moduli, axis=0)
     energy = xp.where(moduli > 0, 0.5 / xp.where(moduli > 0, moduli, 1.0), 0.0)
-    return Coefficients(xp.ones(1), equilibrium, zero, one, one, moduli, energy, one, glassy, glassy, drag, zero)
+    return Coefficients(
+        xp.ones(1),
+        equilibrium,
+        zero,
+        one,
+        one,
+        moduli,
+        energy,
+        one,
+        glassy,
+        glassy,
+        drag,
+        zero,
+    )
 
 
 def step(
-    scene: Scene, grid: Grid, cn: Coefficients, ct: Coefficients, state: State, value: Array, ds: Any, by_load: bool
+    scene: Scene,
+    grid: Grid,
+    cn: Coefficients,
+    ct: Coefficients,
+    state: State,
+    value: Array,
+    ds: Any,
+    by_load: bool,
 ) -> tuple[State, tuple]:
-    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius, energy, error of F_N), and tau.
+    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius,
+    energy, error of F_N), and tau.
 
-    `ds` is the body's tangential displacement in the step, or finds it from the force as a function of it.
+    `ds` is the body's tangential displacement in the step, or finds it from the force
+    as a function of it.
     """
     seen = xp.sum(cn.seen * state.f, axis=0)
     depth = value
     if by_load:
-        depth = settle(grid.profile + released(cn, state.u, seen), grid.weight * cn.stiffness, 0.0, value, state.depth)
-    pushed, recovery, contact, change, q = pressed(cn, state.u, seen, depth - grid.profile - state.u)
+        depth = settle(
+            grid.profile + released(cn, state.u, seen),
+            grid.weight * cn.stiffness,
+            0.0,
+            value,
+            state.depth,
+        )
+    pushed, recovery, contact, change, q = pressed(
+        cn, state.u, seen, depth - grid.profile - state.u
+    )
 
-    # A surface that comes from a distance carries the element with it from when it touches, one that leaves it carries
-    # it until the normal force, linear in the step, is gone.
-    gap = xp.where(state.q > 0, 0.0, xp.maximum(state.u + grid.profile - state.depth, 0.0))
+    # A surface that comes from a distance carries the element with it from when it
+    # touches, one that leaves it carries it until the normal force, linear in the step,
+    # is gone.
+    gap = xp.where(
+        state.q > 0, 0.0, xp.maximum(state.u + grid.profile - state.depth, 0.0)
+    )
     fresh, left = contact & (gap > 0), ~contact & (state.q > 0)
-    share = xp.where(fresh, xp.maximum(pushed, 0.0) / xp.where(fresh, pushed + gap, 1.0), 1.0)
-    share = xp.where(left, state.q / xp.where(left, state.q - cn.stiffness * (pushed - recovery), 1.0), share)
+    share = xp.where(
+        fresh, xp.maximum(pushed, 0.0) / xp.where(fresh, pushed + gap, 1.0), 1.0
+    )
+    share = xp.where(
+        left,
+        state.q / xp.where(left, state.q - cn.stiffness * (pushed - recovery), 1.0),
+        share,
+    )
     limit = xp.where(q > 0, scene.friction * xp.where(q > 0, q, 1.0), 0.0)
     rest = ct.equilibrium * state.s + xp.sum(ct.seen * state.p, axis=0)
     if callable(ds):
-        ds = ds(lambda ds: xp.sum(grid.weight * xp.clip(rest + ct.stiffness * share * ds, -limit, limit)))
+        ds = ds(
+            lambda ds: xp.sum(
+                grid.weight * xp.clip(rest + ct.stiffness * share * ds, -limit, limit)
+            )
+        )
     carried = ds * share
     trial = rest + ct.stiffness * carried
     slips = xp.abs(trial) > limit
@@ -225,16 +326,26 @@ def step(
     tau = xp.where(slips, bound, trial)
     moved = xp.where(slips, (bound - rest) / ct.stiffness, carried)
     slid = xp.where(slips, xp.abs(carried - moved), 0.0)
-    # Slip begins where traction and limit, both linear in the step, meet: at once if the element slipped before.
-    before = xp.where(state.q > 0, scene.friction * xp.where(state.q > 0, state.q, 1.0), 0.0)
+    # Slip begins where traction and limit, both linear in the step, meet: at once if
+    # the element slipped before.
+    before = xp.where(
+        state.q > 0, scene.friction * xp.where(state.q > 0, state.q, 1.0), 0.0
+    )
     known = slips & xp.isfinite(before)
     last, now = xp.where(known, before, 0.0), xp.where(slips, limit, 0.0)
-    room = xp.maximum(last - xp.sign(trial) * (ct.equilibrium * state.s + xp.sum(state.p, axis=0)), 0.0)
+    room = xp.maximum(
+        last - xp.sign(trial) * (ct.equilibrium * state.s + xp.sum(state.p, axis=0)),
+        0.0,
+    )
     over = xp.where(known, xp.abs(trial) - now, 1.0)
     first = xp.where(known, last + (now - last) * room / (room + over), xp.abs(trial))
     heat = xp.where(slips, 0.5 * (first + now) * slid, 0.0)
 
-    mean = ct.equilibrium * (state.s + 0.5 * moved) + xp.sum(ct.mean * state.p, axis=0) + ct.drag * moved
+    mean = (
+        ct.equilibrium * (state.s + 0.5 * moved)
+        + xp.sum(ct.mean * state.p, axis=0)
+        + ct.drag * moved
+    )
     p = ct.decay * state.p + ct.gain * moved
     s = state.s + moved
     stored = 0.5 * ct.equilibrium * s**2 + xp.sum(ct.energy * p**2, axis=0)
@@ -250,19 +361,47 @@ def step(
         slip_loss=state.slip_loss + loss,
     )
     radius = _edge(grid, pushed - recovery)
-    stick = xp.minimum(_edge(grid, xp.where(q > 0, limit - xp.abs(trial), -1e-300)), radius)
+    stick = xp.minimum(
+        _edge(grid, xp.where(q > 0, limit - xp.abs(trial), -1e-300)), radius
+    )
     late = xp.zeros(())  # what a given load misses of the normal force at the end
     if not callable(ds):
-        tau, end = _at_end(scene, cn, ct, state, (pushed, depth - state.depth), (carried, ds), (tau, q), slips)
-        late, q = (xp.abs(xp.sum(grid.weight * (end - q))), q) if by_load else (late, end)
-    seen = (xp.sum(grid.weight * tau), xp.sum(grid.weight * q), radius, stick, xp.sum(grid.weight * stored), late)
+        tau, end = _at_end(
+            scene,
+            cn,
+            ct,
+            state,
+            (pushed, depth - state.depth),
+            (carried, ds),
+            (tau, q),
+            slips,
+        )
+        late, q = (
+            (xp.abs(xp.sum(grid.weight * (end - q))), q) if by_load else (late, end)
+        )
+    seen = (
+        xp.sum(grid.weight * tau),
+        xp.sum(grid.weight * q),
+        radius,
+        stick,
+        xp.sum(grid.weight * stored),
+        late,
+    )
     return after, (seen, tau)
 
 
 def _at_end(
-    scene: Scene, cn: Coefficients, ct: Coefficients, state: State, down: tuple, along: tuple, mean: tuple, slips: Array
+    scene: Scene,
+    cn: Coefficients,
+    ct: Coefficients,
+    state: State,
+    down: tuple,
+    along: tuple,
+    mean: tuple,
+    slips: Array,
 ) -> tuple[Array, Array]:
-    """Tractions at the end of a step: with a dashpot the conditions are put on means, which do not see the rate there.
+    """Tractions at the end of a step: with a dashpot the conditions are put on means,
+    which do not see the rate there.
 
     `down` and `along`: by how much the element and the body have moved.
     """
@@ -280,24 +419,45 @@ def _at_end(
 def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> tuple:
     """What a step has seen, and a bound on what its tangential force misses."""
     (force, normal_force, *rest, late), tau = seen
-    # Under a load the depth carries the error of the normal sum over to F_x, in proportion.
-    ratio = xp.abs(force) / xp.where(normal_force > 0, normal_force, 1.0) if by_load else 0.0
-    return force, normal_force, *rest, _missed(grid.weight * tau) + ratio * (_missed(grid.weight * state.q) + late)
+    # Under a load the depth carries the error of the normal sum over to F_x, in
+    # proportion.
+    ratio = (
+        xp.abs(force) / xp.where(normal_force > 0, normal_force, 1.0)
+        if by_load
+        else 0.0
+    )
+    return (
+        force,
+        normal_force,
+        *rest,
+        _missed(grid.weight * tau) + ratio * (_missed(grid.weight * state.q) + late),
+    )
 
 
 def _missed(parts: Array) -> Array:
-    """Bound on the error of the midpoint rule whose terms are `parts`, of the total variation of their slope, with that
-    at the axis and at the outer end: of a jump within an element half is missed, of a bend half as much as this."""
+    """Bound on the error of the midpoint rule whose terms are `parts`, of the total
+    variation of their slope, with that at the axis and at the outer end: of a jump
+    within an element half is missed, of a bend half as much as this.
+    """
     change = xp.diff(fixed(parts))
     ends = xp.abs(change[:1]) + xp.abs(change[-1:]) if change.size else xp.zeros(1)
     return 0.25 * (xp.sum(xp.abs(xp.diff(change))) + ends[0])
 
 
 def _edge(grid: Grid, value: Array) -> Array:
-    """Where a function of the distance from the axis that is positive inside first turns negative [m]."""
+    """Where a function of the distance from the axis that is positive inside first
+    turns negative [m].
+    """
     n = value.shape[0]
     i = xp.where(xp.any(value < 0), argmax(value < 0), n)
     inner, outer = value[xp.clip(i - 1, 0, n - 1)], value[xp.clip(i, 0, n - 1)]
-    part = xp.where(inner > outer, inner / xp.where(inner > outer, inner - outer, 1.0), 0.0)
-    between = grid.x[xp.clip(i - 1, 0, n - 1)] + xp.clip(xp.where(xp.isfinite(part), part, 1.0), 0, 1) * grid.width
-    return xp.where(i == 0, 0.0, xp.where(i == n, grid.x[-1] + 0.5 * grid.width, between))
+    part = xp.where(
+        inner > outer, inner / xp.where(inner > outer, inner - outer, 1.0), 0.0
+    )
+    between = (
+        grid.x[xp.clip(i - 1, 0, n - 1)]
+        + xp.clip(xp.where(xp.isfinite(part), part, 1.0), 0, 1) * grid.width
+    )
+    return xp.where(
+        i == 0, 0.0, xp.where(i == n, grid.x[-1] + 0.5 * grid.width, between)
+    )

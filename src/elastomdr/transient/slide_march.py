@@ -1,6 +1,8 @@
-"""Marching a line of elements under a moving body: the exact contact step, all elements at once, and the depth.
+"""Marching a line of elements under a moving body: the exact contact step, all elements
+at once, and the depth.
 
-At a given load the depth of the body follows from the step itself (`transient.depth_from_load`).
+At a given load the depth of the body follows from the step itself
+(`transient.depth_from_load`).
 """
 
 from __future__ import annotations
@@ -37,7 +39,9 @@ _BLOCK = 64  # steps between two states that are kept for reverse mode
 
 
 class Line(NamedTuple):
-    """What n elements remember from one step to the next; see `element.contact_step.Elements`."""
+    """What n elements remember from one step to the next; see
+    `element.contact_step.Elements`.
+    """
 
     u: Float[Array, " n"]  # [m]
     f: Float[Array, "k n"]  # [Pa m]
@@ -57,17 +61,22 @@ class Forces(NamedTuple):
     stored: Array  # in the elements [J]
 
 
-def untouched(law: Relaxation, surface: AbstractOverLine, position: Array, *, viscous: bool = True) -> Line:
+def untouched(
+    law: Relaxation, surface: AbstractOverLine, position: Array, *, viscous: bool = True
+) -> Line:
     """A line at rest, the body just above it."""
     rise = surface.rise(position)
     zero, f = xp.zeros_like(rise), xp.zeros((law.moduli.shape[0], rise.size))
     return Line(zero, f, zero, zero if viscous else None, zero, rise - xp.max(rise))
 
 
-def felt_by(weight: Array, q: Array, slope: Array, excess: Array | None) -> tuple[Array, Array]:
+def felt_by(
+    weight: Array, q: Array, slope: Array, excess: Array | None
+) -> tuple[Array, Array]:
     """F_N and F_x of the forces q of the elements, db/dX at each of them being `slope`.
 
-    `excess` is what q is in proportion to where it is positive, if the contact ends between two elements (`carried`).
+    `excess` is what q is in proportion to where it is positive, if the contact ends
+    between two elements (`carried`).
     """
     normal, drag = total(weight, q), total(weight, q * slope)
     if excess is None:
@@ -81,9 +90,11 @@ def felt_by(weight: Array, q: Array, slope: Array, excess: Array | None) -> tupl
 
 
 def kept(holds: Array, function: Callable[..., Any], *args: Any) -> Any:
-    """`function(*args)` behind a condition that always holds, so that the compiler computes it once.
+    """`function(*args)` behind a condition that always holds, so that the compiler
+    computes it once.
 
-    Otherwise it would put sums over the branches, and what each branch needs, into every place that uses them.
+    Otherwise it would put sums over the branches, and what each branch needs, into
+    every place that uses them.
     """
 
     if on_numpy():
@@ -91,18 +102,27 @@ def kept(holds: Array, function: Callable[..., Any], *args: Any) -> Any:
     import jax
 
     def nothing(*args: Any) -> Any:
-        return jax.tree.map(lambda x: xp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args))
+        return jax.tree.map(
+            lambda x: xp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args)
+        )
 
     return jax.lax.cond(holds, function, nothing, *args)
 
 
-def press(c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array) -> tuple[Line, Array]:
-    """The line after a step at whose end the body stands at `depth`, and the work done on each element [Pa m^2]."""
+def press(
+    c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array
+) -> tuple[Line, Array]:
+    """The line after a step at whose end the body stands at `depth`, and the work done
+    on each element [Pa m^2].
+    """
     zero = xp.zeros_like(line.u)
     w = depth + rise
-    # The integrals of `advance` count from zero in each step and are summed at once: an element carries few numbers.
+    # The integrals of `advance` count from zero in each step and are summed at once: an
+    # element carries few numbers.
     velocity = zero if line.velocity is None else line.velocity
-    before = Elements(line.u, line.f, line.q, velocity, zero, zero, zero, line.stored, zero)
+    before = Elements(
+        line.u, line.f, line.q, velocity, zero, zero, zero, line.stored, zero
+    )
     after = advance(c, before, line.w, w, fading, functools.partial(kept, c.h[0] >= 0))
     work = after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)
     velocity = None if line.velocity is None else after.velocity
@@ -116,40 +136,76 @@ def energy(law: Relaxation, line: Line, weight: Array) -> Array:
 
 @compiled("control", "viscous")
 def march(
-    law: Relaxation, surface: AbstractOverLine, steps: Steps, *, control: Control, viscous: bool = True
+    law: Relaxation,
+    surface: AbstractOverLine,
+    steps: Steps,
+    *,
+    control: Control,
+    viscous: bool = True,
 ) -> tuple[Forces, Line]:
-    """All steps from an untouched line: the forces at the end of each, the work up to it, and the line at the end.
+    """All steps from an untouched line: the forces at the end of each, the work up to
+    it, and the line at the end.
 
     `viscous=False` saves some work for a law whose viscosity is known to be zero.
     """
     weight, between = xp.asarray(surface.weight), surface.between
 
-    def felt(line: Line, slope: Array, done: Array, depth: Array, excess: Array | None) -> tuple[Forces, Array]:
-        """The forces, and the depth once more: what needs that one comes after all that has been read here."""
+    def felt(
+        line: Line, slope: Array, done: Array, depth: Array, excess: Array | None
+    ) -> tuple[Forces, Array]:
+        """The forces, and the depth once more: what needs that one comes after all that
+        has been read here.
+        """
         normal, drag = felt_by(weight, line.q, slope, excess)
-        return Forces(depth, normal, drag, total(weight, done), energy(law, line, weight)), depth
+        return Forces(
+            depth, normal, drag, total(weight, done), energy(law, line, weight)
+        ), depth
 
     def step(state: Any, now: Steps) -> tuple[Any, Forces]:
-        line, last, guess, before = state  # forces at the end of the last step, a guess for this depth, and X
+        # forces at the end of the last step, a guess for this depth, and X
+        line, last, guess, before = state
         c = coefficients(law, now.h, viscous=viscous)
         rise, slope = surface.rise_and_slope(now.position)
         if viscous:
-            _, slope = surface.rise_and_slope(now.position - lag(c) * (now.position - before))
+            _, slope = surface.rise_and_slope(
+                now.position - lag(c) * (now.position - before)
+            )
         fading = kept(now.h >= 0, functools.partial(fade, c), line.f)
         level = released(c, line.u, fading.seen) - rise
         if control == "load":
-            depth = settle(level, weight * c.stiffness[0], 0.0, now.value, guess, between)
+            depth = settle(
+                level, weight * c.stiffness[0], 0.0, now.value, guess, between
+            )
         else:
             depth = now.value
         line, done = press(c, line, fading, rise, depth)
         excess = depth - level if between else None
-        # Sums of what is being computed take far longer than sums of what is there, and a line that something still
-        # reads is copied before the next one is put in its place: hence `kept`, and w last.
-        seen, depth = kept(now.h >= 0, felt, line._replace(f=None, w=None, velocity=None), slope, done, depth, excess)
-        return (line._replace(w=depth + rise), seen, 2 * depth - last.depth, now.position), seen
+        # Sums of what is being computed take far longer than sums of what is there, and
+        # a line that something still reads is copied before the next one is put in its
+        # place: hence `kept`, and w last.
+        seen, depth = kept(
+            now.h >= 0,
+            felt,
+            line._replace(f=None, w=None, velocity=None),
+            slope,
+            done,
+            depth,
+            excess,
+        )
+        return (
+            line._replace(w=depth + rise),
+            seen,
+            2 * depth - last.depth,
+            now.position,
+        ), seen
 
     zero = xp.zeros(())
-    start = (untouched(law, surface, steps.position[0], viscous=viscous), Forces(*[zero] * 5), zero, steps.position[0])
+    start = (
+        untouched(law, surface, steps.position[0], viscous=viscous),
+        Forces(*[zero] * 5),
+        zero,
+        steps.position[0],
+    )
     if on_numpy():
         end, forces = in_steps(step, start, steps)
         return forces._replace(work=np.cumsum(forces.work)), end[0]
@@ -158,7 +214,9 @@ def march(
     @jax.checkpoint
     def block(state: Any, part: Steps) -> tuple[Any, Forces]:
         def nothing(state: Any, part: Steps) -> tuple[Any, Forces]:
-            return state, Forces(*(xp.full(_BLOCK, field) for field in state[1]._replace(work=0.0)))
+            return state, Forces(
+                *(xp.full(_BLOCK, field) for field in state[1]._replace(work=0.0))
+            )
 
         going = functools.partial(jax.lax.scan, step)
         return jax.lax.cond(part.h[0] > 0, going, nothing, state, part)
@@ -170,14 +228,25 @@ def march(
 
 
 def padded(steps: Steps, most: int) -> Steps:
-    """The steps with room for `most` of them, rounded up to a number that few histories differ in.
+    """The steps with room for `most` of them, rounded up to a number that few histories
+    differ in.
 
-    The last block is filled up with steps at rest; those of further blocks have no length and are not made.
+    The last block is filled up with steps at rest; those of further blocks have no
+    length and are not made.
     """
     count = steps.h.shape[0]
     whole, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
     grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
     numpy = xp if is_traced(steps) else np
-    long = Steps(*(numpy.concatenate([numpy.asarray(x), numpy.repeat(numpy.asarray(x)[-1:], missing)]) for x in steps))
-    return long._replace(h=numpy.where(np.arange(count + missing) < _BLOCK * whole, long.h, 0.0))
+    long = Steps(
+        *(
+            numpy.concatenate(
+                [numpy.asarray(x), numpy.repeat(numpy.asarray(x)[-1:], missing)]
+            )
+            for x in steps
+        )
+    )
+    return long._replace(
+        h=numpy.where(np.arange(count + missing) < _BLOCK * whole, long.h, 0.0)
+    )

@@ -1,8 +1,10 @@
-"""Back to three dimensions: pressure and displacement over the radius, from the elements of the line.
+"""Back to three dimensions: pressure and displacement over the radius, from the
+elements of the line.
 
-p(r) = -(1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx and u(r) = (2/pi) int_0^r u(x)/sqrt(r^2 - x^2) dx (Popov & Hess 2015,
-ch. 3). On every panel q and u are the polynomials through their Gauss nodes; with x = sqrt(r^2 + t^2), or x = r sin(t),
-the weights are smooth, and Gauss' rule does the rest, panel by panel.
+p(r) = -(1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx and u(r) = (2/pi) int_0^r
+u(x)/sqrt(r^2 - x^2) dx (Popov & Hess 2015, ch. 3). On every panel q and u are the
+polynomials through their Gauss nodes; with x = sqrt(r^2 + t^2), or x = r sin(t), the
+weights are smooth, and Gauss' rule does the rest, panel by panel.
 """
 
 from typing import NamedTuple
@@ -30,26 +32,38 @@ _RTOL = 1e-6  # of a depth that is solved again in between
 
 
 class Elements(NamedTuple):
-    """The elements of an indentation and what was asked for: what a result carries along to find its surface."""
+    """The elements of an indentation and what was asked for: what a result carries
+    along to find its surface.
+    """
 
     law: Relaxation  # at the temperature
     disc: Disc
     course: Course
 
-    def at(self, depth: np.ndarray, r: np.ndarray, time: float, what: str) -> np.ndarray:
-        """The "pressure" or "displacement" at radii r [m] and one time [s], after the axes of the histories.
+    def at(
+        self, depth: np.ndarray, r: np.ndarray, time: float, what: str
+    ) -> np.ndarray:
+        """The "pressure" or "displacement" at radii r [m] and one time [s], after the
+        axes of the histories.
 
-        `depth` are the depths that were found, time along the last axis. Raises `InputError`.
+        `depth` are the depths that were found, time along the last axis. Raises
+        `InputError`.
         """
         modes = recovery_modes(self.law)
         leading, instants = depth.shape[:-1], depth.shape[-1]
-        rows = [None if part is None else np.reshape(part, (-1, instants)) for part in self.course]
+        rows = [
+            None if part is None else np.reshape(part, (-1, instants))
+            for part in self.course
+        ]
         values = []
         for i, row in enumerate(depth.reshape(-1, instants)):
             history = Course(*(None if part is None else part[i] for part in rows))
             first, last = history.time[0], history.time[-1]
             if not first <= time <= last:
-                raise InputError(f"time must be within the history, {first:g} to {last:g} s, got {time:g}.")
+                raise InputError(
+                    f"time must be within the history, {first:g} to {last:g} s, "
+                    f"got {time:g}."
+                )
             if not np.isfinite(row).all():
                 values.append(np.full(r.shape, np.nan))
                 continue
@@ -65,7 +79,9 @@ class Surface(NamedTuple):
     edges: np.ndarray  # (panels + 1,) [m]
     q: np.ndarray  # (panels, n) coefficients
     u: np.ndarray  # (panels, n)
-    jump: np.ndarray  # places where q falls to zero at once: the edge of a flat punch [m], and by how much
+    # places where q falls to zero at once: the edge of a flat punch [m], and by how
+    # much
+    jump: np.ndarray
     local: bool  # a layer: pressure and displacement are those of the element
 
     def pressure(self, r: np.ndarray) -> np.ndarray:
@@ -74,19 +90,30 @@ class Surface(NamedTuple):
             return _value(self.edges, self.q, r)
         slope = legendre.legder(self.q, axis=1) * (2 / np.diff(self.edges))[:, None]
         total = np.zeros(r.shape)
-        for left, right, series in zip(self.edges[:-1], self.edges[1:], slope, strict=True):
+        for left, right, series in zip(
+            self.edges[:-1], self.edges[1:], slope, strict=True
+        ):
             low = np.maximum(left, r)
             t0 = np.sqrt(np.maximum((low - r) * (low + r), 0.0))
             t1 = np.sqrt(np.maximum((right - r) * (right + r), 0.0))
             half = np.where(right > r, 0.5 * (t1 - t0), 0.0)[..., None]
             t = t0[..., None] + half * (1 + _POINTS)
             x = np.sqrt(r[..., None] ** 2 + t**2)
-            inner = legendre.legval(np.clip(2 * (x - left) / (right - left) - 1, -1, 1), series)
-            total -= np.sum(half * _WEIGHTS * inner / np.where(x > 0, x, 1.0), axis=-1) / np.pi
+            inner = legendre.legval(
+                np.clip(2 * (x - left) / (right - left) - 1, -1, 1), series
+            )
+            total -= (
+                np.sum(half * _WEIGHTS * inner / np.where(x > 0, x, 1.0), axis=-1)
+                / np.pi
+            )
         edge, fall = self.jump
         outside = (edge - r) * (edge + r)
         with np.errstate(divide="ignore"):
-            return total + np.where(outside > 0, fall / np.pi / np.sqrt(np.where(outside > 0, outside, 1.0)), 0.0)
+            return total + np.where(
+                outside > 0,
+                fall / np.pi / np.sqrt(np.where(outside > 0, outside, 1.0)),
+                0.0,
+            )
 
     def displacement(self, r: np.ndarray) -> np.ndarray:
         """u [m] at radii r [m], any shape."""
@@ -94,29 +121,48 @@ class Surface(NamedTuple):
             return _value(self.edges, self.u, r)
         total = np.zeros(r.shape)
         safe = np.where(r > 0, r, 1.0)
-        for left, right, series in zip(self.edges[:-1], self.edges[1:], self.u, strict=True):
-            t0, t1 = np.arcsin(np.minimum(left / safe, 1.0)), np.arcsin(np.minimum(right / safe, 1.0))
+        for left, right, series in zip(
+            self.edges[:-1], self.edges[1:], self.u, strict=True
+        ):
+            t0, t1 = (
+                np.arcsin(np.minimum(left / safe, 1.0)),
+                np.arcsin(np.minimum(right / safe, 1.0)),
+            )
             half = 0.5 * (t1 - t0)[..., None]
             x = safe[..., None] * np.sin(t0[..., None] + half * (1 + _POINTS))
-            inner = legendre.legval(np.clip(2 * (x - left) / (right - left) - 1, -1, 1), series)
+            inner = legendre.legval(
+                np.clip(2 * (x - left) / (right - left) - 1, -1, 1), series
+            )
             total += 2 / np.pi * np.sum(half * _WEIGHTS * inner, axis=-1)
         return np.where(r > 0, total, _value(self.edges, self.u, np.zeros(r.shape)))
 
 
-def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, depth: np.ndarray, at: float) -> Surface:
+def surface_at(
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    time: np.ndarray,
+    depth: np.ndarray,
+    at: float,
+) -> Surface:
     """The line at one instant of a history, from all that happened before it."""
     at = max(
         at, time[0] + 1e-14 * (time[-1] - time[0])
     )  # what a step at the first instant leaves is looked at after it
     before = time < at
-    t, d = np.append(time[before], at), np.append(depth[before], np.interp(at, time, depth))
+    t, d = (
+        np.append(time[before], at),
+        np.append(depth[before], np.interp(at, time, depth)),
+    )
     if (np.diff(d) >= 0).all():
         edges, q, u = _grown(law, disc, t, d)
         radius = edges[-1]
     else:
         t, d = padded(t, d, like=time.size)  # one compiled size for every instant
         reached = over_histories(edges_of, law, modes, disc, t[None], d[None])
-        _, row = over_histories(indent_between, law, modes, disc, t[None], d[None], reached, _CUTS)
+        _, row = over_histories(
+            indent_between, law, modes, disc, t[None], d[None], reached, _CUTS
+        )
         edges, q, u = row.edges[0], row.q[0], row.u[0]
         radius = float(reached[0, -1])
     wide = np.diff(edges) > 1e-13 * max(edges[-1], 1e-300)
@@ -125,20 +171,34 @@ def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, dept
         np.arange(q.shape[1])[:, None] + 0.5
     )
     kept = np.concatenate([[0.0], edges[1:][wide]])
-    jump = np.array([radius, float(q[0, 0])]) if disc.flat and radius > 0 else np.zeros(2)
+    jump = (
+        np.array([radius, float(q[0, 0])]) if disc.flat and radius > 0 else np.zeros(2)
+    )
     if isinstance(disc, LayerDisc):
         return _on_layer(disc, kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump)
-    return Surface(kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump, disc.kind != "half-space")
+    return Surface(
+        kept,
+        q[wide] @ to_series.T,
+        u[wide] @ to_series.T,
+        jump,
+        disc.kind != "half-space",
+    )
 
 
-def _grown(law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Panels, q and u under a depth that has never fallen: elements touched at t0, when g = d(t0), and held since.
+def _grown(
+    law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Panels, q and u under a depth that has never fallen: elements touched at t0, when
+    g = d(t0), and held since.
 
-    With C_k(t) = int exp(-(t - s)/tau_k) dd(s), branch k of an element carries E_k [C_k(t) - exp(-(t - t0)/tau_k)
-    C_k(t0)], and g in place of C_k(0) where it was touched at once.
+    With C_k(t) = int exp(-(t - s)/tau_k) dd(s), branch k of an element carries E_k
+    [C_k(t) - exp(-(t - t0)/tau_k) C_k(t0)], and g in place of C_k(0) where it was
+    touched at once.
     """
     between = np.sort(np.append(disc.radius_of_depth(depth), 0.0))
-    edges = np.append(between[:-1, None] + np.diff(between)[:, None] * _CUTS[0, :-1], between[-1])
+    edges = np.append(
+        between[:-1, None] + np.diff(between)[:, None] * _CUTS[0, :-1], between[-1]
+    )
     nodes = legendre.leggauss(NODES)[0]
     x = edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (1 + nodes)
     g = np.asarray(disc.profile(x))
@@ -148,11 +208,14 @@ def _grown(law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray) -> 
     held = [np.full(np.shape(law.times), depth[0])]
     for faded, more in zip(np.exp(-y), gained, strict=True):
         held.append(held[-1] * faded + more)
-    i = np.clip(np.searchsorted(depth, g) - 1, 0, h.size - 1)  # the interval in which each element was touched
-    wait = np.clip((g - depth[i]) / np.where(rate[i] > 0, rate[i], 1.0), 0.0, h[i])[..., None]
-    then = np.stack(held)[i] * np.exp(-wait / law.times) + rate[i][..., None] * wait * np.asarray(
-        phi1(wait / law.times)
-    )
+    # the interval in which each element was touched
+    i = np.clip(np.searchsorted(depth, g) - 1, 0, h.size - 1)
+    wait = np.clip((g - depth[i]) / np.where(rate[i] > 0, rate[i], 1.0), 0.0, h[i])[
+        ..., None
+    ]
+    then = np.stack(held)[i] * np.exp(-wait / law.times) + rate[i][
+        ..., None
+    ] * wait * np.asarray(phi1(wait / law.times))
     then = np.where((g <= depth[0])[..., None], g[..., None], then)
     since = (time[-1] - time[i])[..., None] - wait
     branches = (held[-1] - np.exp(-since / law.times) * then) @ law.moduli
@@ -160,27 +223,38 @@ def _grown(law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray) -> 
     return edges, law.equilibrium * u + branches + law.viscosity * rate[-1], u
 
 
-def _on_layer(disc: LayerDisc, edges: np.ndarray, q: np.ndarray, u: np.ndarray, jump: np.ndarray) -> Surface:
-    """From the independent elements of a layer to q and u of the line, on more panels beyond the contact.
+def _on_layer(
+    disc: LayerDisc, edges: np.ndarray, q: np.ndarray, u: np.ndarray, jump: np.ndarray
+) -> Surface:
+    """From the independent elements of a layer to q and u of the line, on more panels
+    beyond the contact.
 
-    A contact of radius b that goes deeper by dd gains q_1(s; b) dd, so that q(s) = -int_s^a q_1(s; b) dq(b); the same
-    sum of the elements' displacements is what u would be without the kernel.
+    A contact of radius b that goes deeper by dd gains q_1(s; b) dd, so that q(s) =
+    -int_s^a q_1(s; b) dq(b); the same sum of the elements' displacements is what u
+    would be without the kernel.
     """
     layer = line_of(disc)
     nodes, weights = legendre.leggauss(NODES)
-    to_series = (legendre.legvander(nodes, NODES - 1) * weights[:, None]).T * (np.arange(NODES)[:, None] + 0.5)
+    to_series = (legendre.legvander(nodes, NODES - 1) * weights[:, None]).T * (
+        np.arange(NODES)[:, None] + 0.5
+    )
     h = float(disc.thickness)
-    far = edges[-1] + h * np.array([0.1, 0.25, 0.5, 0.8, 1.2, 1.7, 2.3, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0])
+    far = edges[-1] + h * np.array(
+        [0.1, 0.25, 0.5, 0.8, 1.2, 1.7, 2.3, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0]
+    )
     every = np.append(edges, far)
     s = every[:-1, None] + 0.5 * np.diff(every)[:, None] * (1 + nodes)
     inner, ds = s[: len(q)], 0.5 * np.diff(edges)[:, None] * weights
 
     def gathered(series: np.ndarray, at: np.ndarray, fall: float) -> np.ndarray:
-        """-int_s^a q_1(s; b) dv(b) on all panels, v(b) being a series that falls to zero at its end by `fall`."""
+        """-int_s^a q_1(s; b) dv(b) on all panels, v(b) being a series that falls to
+        zero at its end by `fall`.
+        """
         total = fall * layer.of_unit(at, edges[-1]) if fall else np.zeros(at.shape)
         slope = legendre.legder(series, axis=1) * (2 / np.diff(edges))[:, None]
         for left, right, rise in zip(edges[:-1], edges[1:], slope, strict=True):
-            # the part of this panel that lies beyond s: Gauss points of its own for the panel that holds s
+            # the part of this panel that lies beyond s: Gauss points of its own for the
+            # panel that holds s
             b = left + 0.5 * (right - left) * (1 + _POINTS)
             rate = legendre.legval(_POINTS, rise)
             share = 0.5 * (right - left) * _WEIGHTS
@@ -192,7 +266,9 @@ def _on_layer(disc: LayerDisc, edges: np.ndarray, q: np.ndarray, u: np.ndarray, 
                 half = 0.5 * (right - low)
                 own = low + half * (1 + _OWN)
                 value = legendre.legval(2 * (own - left) / (right - left) - 1, rise)
-                parts = [float(layer.of_unit(np.array([low]), place)[0]) for place in own]
+                parts = [
+                    float(layer.of_unit(np.array([low]), place)[0]) for place in own
+                ]
                 total[tuple(i)] -= half * np.sum(_OWN_WEIGHTS * value * parts)
         return total
 
@@ -203,7 +279,12 @@ def _on_layer(disc: LayerDisc, edges: np.ndarray, q: np.ndarray, u: np.ndarray, 
     moved[: len(q)] += free
     pressure = np.concatenate([line, np.zeros((len(far), NODES))])
     if jump[1]:
-        jump = np.array([jump[0], jump[1] * float(layer.of_unit(np.array([edges[-1]]), edges[-1])[0])])
+        jump = np.array(
+            [
+                jump[0],
+                jump[1] * float(layer.of_unit(np.array([edges[-1]]), edges[-1])[0]),
+            ]
+        )
     return Surface(every, pressure @ to_series.T, moved @ to_series.T, jump, False)
 
 
@@ -213,4 +294,8 @@ def _value(edges: np.ndarray, series: np.ndarray, x: Array) -> np.ndarray:
         return np.zeros(np.shape(x))
     i = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(series) - 1)
     place = np.clip(2 * (x - edges[i]) / (edges[i + 1] - edges[i]) - 1, -1, 1)
-    return np.where(x <= edges[-1], legendre.legval(place, np.moveaxis(series[i], -1, 0), tensor=False), 0.0)
+    return np.where(
+        x <= edges[-1],
+        legendre.legval(place, np.moveaxis(series[i], -1, 0), tensor=False),
+        0.0,
+    )

@@ -10,17 +10,22 @@ from ..material.prony import Prony
 
 
 def both_laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:
-    """E* of a material or `Foundation`, and G* of it or of what is given. Raises `InputError`."""
+    """E* of a material or `Foundation`, and G* of it or of what is given. Raises
+    `InputError`.
+    """
     normal = as_foundation(material)
     if tangential is None:
         if not isinstance(material, Prony):
             raise InputError(
-                "tangential must be given with a Foundation, which only knows the normal direction: "
-                "em.half_space(material, tangential=True), or an em.Foundation of G*."
+                "tangential must be given with a Foundation, which only knows the "
+                "normal direction: em.half_space(material, tangential=True), or an "
+                "em.Foundation of G*."
             )
         return normal, half_space(material, tangential=True)
     if isinstance(tangential, Prony):
         return normal, half_space(tangential, tangential=True)
     if not isinstance(tangential, Foundation):
-        raise InputError(f"tangential must be an em.Foundation of G*, got {tangential!r}.")
+        raise InputError(
+            f"tangential must be an em.Foundation of G*, got {tangential!r}."
+        )
     return normal, tangential

@@ -1,15 +1,19 @@
-"""The brush on a layer under a cylinder: the exact pressure, and elements with the shear stiffness of the layer.
+"""The brush on a layer under a cylinder: the exact pressure, and elements with the
+shear stiffness of the layer.
 
-A tangential load on a bonded layer displaces its surface, wave by wave, by u(k) = (2/k) W_t(kh) tau(k)/E*,
+A tangential load on a bonded layer displaces its surface, wave by wave, by u(k) = (2/k)
+W_t(kh) tau(k)/E*,
 
     W_t = (2 kap sinh 2z + 4z)/(2 kap cosh 2z + 1 + kap^2 + 4z^2),      kap = 3 - 4 nu, z = kh,
 
-the normal kernel with the other sign (same source), which is G/h for long waves. Elements that know nothing of each
-other have one stiffness, taken at k = pi/(2L), L the half-length of the contact: G/h of a thin layer, exact where the
-contact is wide, and on a half-space pi E*/(4L), with which the traction at small creepage is that of Carter.
+the normal kernel with the other sign (same source), which is G/h for long waves.
+Elements that know nothing of each other have one stiffness, taken at k = pi/(2L), L the
+half-length of the contact: G/h of a thin layer, exact where the contact is wide, and on
+a half-space pi E*/(4L), with which the traction at small creepage is that of Carter.
 
-An element sticks from the leading edge on until its traction, that of a ramp (`tyre.brush`), reaches mu p. Whether it
-sticks again is found by a march, whose force counts there.
+An element sticks from the leading edge on until its traction, that of a ramp
+(`tyre.brush`), reaches mu p. Whether it sticks again is found by a march, whose force
+counts there.
 """
 
 from __future__ import annotations
@@ -42,10 +46,17 @@ def shear_compliance(k: np.ndarray, thickness: float, poisson: float) -> np.ndar
 
 
 def pull(
-    law: Relaxation, stiffness: np.ndarray, velocity: np.ndarray, half: np.ndarray, terms: np.ndarray,
-    friction: np.ndarray, creepage: np.ndarray,
-) -> Pulled:  # fmt: skip
-    """Traction of points: `law` is G(t) [Pa], `stiffness` per G [1/m], `terms` of the pressure; numbers only."""
+    law: Relaxation,
+    stiffness: np.ndarray,
+    velocity: np.ndarray,
+    half: np.ndarray,
+    terms: np.ndarray,
+    friction: np.ndarray,
+    creepage: np.ndarray,
+) -> Pulled:
+    """Traction of points: `law` is G(t) [Pa], `stiffness` per G [1/m], `terms` of the
+    pressure; numbers only.
+    """
     order = np.arange(1, terms.shape[1] + 1)
     length, steep = 2 * half, creepage * stiffness
 
@@ -56,13 +67,19 @@ def pull(
     def carried(r: np.ndarray) -> np.ndarray:
         """int p from the leading edge to r."""
         angle = np.arccos(np.clip(1 - r / half, -1, 1))[:, None]
-        less = np.where(order == 1, angle, np.sin((order - 1) * angle) / np.maximum(order - 1, 1))
-        return half * np.sum(terms * 0.5 * (less - np.sin((order + 1) * angle) / (order + 1)), axis=1)
+        less = np.where(
+            order == 1, angle, np.sin((order - 1) * angle) / np.maximum(order - 1, 1)
+        )
+        return half * np.sum(
+            terms * 0.5 * (less - np.sin((order + 1) * angle) / (order + 1)), axis=1
+        )
 
     def ramp(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         _, early, late = ramp_weights(r / (velocity * law.times[:, None]))
         traction = law.equilibrium * r + law.moduli @ (early + late) * r
-        return steep * traction, steep * (0.5 * law.equilibrium * r**2 + law.moduli @ late * r**2)
+        return steep * traction, steep * (
+            0.5 * law.equilibrium * r**2 + law.moduli @ late * r**2
+        )
 
     def limit(r: np.ndarray) -> np.ndarray:
         p = pressure(r)
@@ -72,8 +89,16 @@ def pull(
         s = np.arange(steps + 1) / steps
         place = s**2 * (3 - 2 * s)
         held, shear = np.zeros((law.moduli.size, half.size)), np.zeros_like(half)
-        tau, total, stuck = np.zeros_like(half), np.zeros_like(half), np.zeros_like(half)
-        first, slipped, again = np.full(half.size, steps), np.zeros(half.size, bool), np.zeros(half.size, bool)
+        tau, total, stuck = (
+            np.zeros_like(half),
+            np.zeros_like(half),
+            np.zeros_like(half),
+        )
+        first, slipped, again = (
+            np.full(half.size, steps),
+            np.zeros(half.size, bool),
+            np.zeros(half.size, bool),
+        )
         for i in range(steps):
             h = length * (place[i + 1] - place[i])
             kept, early, late = ramp_weights(h / (velocity * law.times[:, None]))
@@ -98,16 +123,24 @@ def pull(
         middle = 0.5 * (low + high)
         sticks = ramp(middle)[0] < limit(middle)
         low, high = np.where(sticks, middle, low), np.where(sticks, high, middle)
-    end = np.where(np.isinf(friction) | (creepage == 0), length, np.where(friction == 0, 0.0, 0.5 * (low + high)))
+    end = np.where(
+        np.isinf(friction) | (creepage == 0),
+        length,
+        np.where(friction == 0, 0.0, 0.5 * (low + high)),
+    )
     slid = np.maximum(carried(length) - carried(end), 0.0)
-    slid = np.where(end < length, np.where(np.isinf(friction), 0.0, friction) * slid, 0.0)
+    slid = np.where(
+        end < length, np.where(np.isinf(friction), 0.0, friction) * slid, 0.0
+    )
     smooth = ramp(end)[1] + slid
     if again.any():
         coarse = march(_STEPS // 2)[0]
         error = np.where(again, np.abs(total - coarse), 1e-9 * smooth)
     else:
         error = 1e-9 * smooth
-    return Pulled(np.where(again, total, smooth), np.where(again, stuck, end / length), error)
+    return Pulled(
+        np.where(again, total, smooth), np.where(again, stuck, end / length), error
+    )
 
 
 def typical_wave(half: np.ndarray) -> np.ndarray:

@@ -1,9 +1,11 @@
-"""Units of arguments: what carries a unit becomes a plain number in SI units, or is refused by the argument's name.
+"""Units of arguments: what carries a unit becomes a plain number in SI units, or is
+refused by the argument's name.
 
-`UNITS` says once in which unit each argument is; an argument that it does not name has none. Public functions are
-marked by `in_si` (`numpy_unless_traced` and `in_float64` do so), constructors by `Tree`, so that nothing behind them
-meets a unit. Quantities are pint's, bare, in lists, in xarray or in pandas; pint itself is loaded only to read a unit
-that is given as a text, `attrs["units"]`.
+`UNITS` says once in which unit each argument is; an argument that it does not name has
+none. Public functions are marked by `in_si` (`numpy_unless_traced` and `in_float64` do
+so), constructors by `Tree`, so that nothing behind them meets a unit. Quantities are
+pint's, bare, in lists, in xarray or in pandas; pint itself is loaded only to read a
+unit that is given as a text, `attrs["units"]`.
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ R = TypeVar("R")
 
 _DIFFERENCE = "K of difference"  # of temperatures: 10 degC is no such thing
 _MODULUS = ("Pa", "Pa/m")  # of a foundation: of a half-space, or of a layer per area
-UNITS: dict[str, Any] = {  # argument -> unit; a tuple: any of these; a list: one for each entry
+# argument -> unit; a tuple: any of these; a list: one for each entry
+UNITS: dict[str, Any] = {
     "adhesion": "J/m^2",
     "ambient": "K",
     "area": "m^2",
@@ -95,7 +98,8 @@ UNITS: dict[str, Any] = {  # argument -> unit; a tuple: any of these; a list: on
     "x": "m",
     "z": "m",
 }
-_ELSEWHERE: dict[str, Any] = {  # where an argument has another unit than of that name elsewhere
+# where an argument has another unit than of that name elsewhere
+_ELSEWHERE: dict[str, Any] = {
     "Foundation.__init__ equilibrium": _MODULUS,
     "Foundation.__init__ moduli": _MODULUS,
     "Foundation.__init__ viscosity": ("Pa*s", "Pa*s/m"),
@@ -114,7 +118,8 @@ _ELSEWHERE: dict[str, Any] = {  # where an argument has another unit than of tha
     "friction_spectrum load": "N/m",
     "full_contact_sliding load": "N/m",
     "line_contact load": "N/m",
-    "calibrate parameters": "",  # logarithms and exponents, whatever their names are elsewhere
+    # logarithms and exponents, whatever their names are elsewhere
+    "calibrate parameters": "",
     "calibrate widths": "",
 }
 _PLAIN = {float, int, bool, str, type(None)}  # without a unit
@@ -122,7 +127,9 @@ _ANGLES = ("radian", "degree", "turn", "cycle", "revolution", "gradian")
 
 
 def carries_unit(value: Any) -> bool:
-    """Whether a value, or an entry of a list or dict, says in which unit it is. The type is looked at, not the data."""
+    """Whether a value, or an entry of a list or dict, says in which unit it is. The
+    type is looked at, not the data.
+    """
     kind = type(value)
     if kind in _PLAIN or kind.__module__ == "numpy":
         return False
@@ -134,12 +141,17 @@ def carries_unit(value: Any) -> bool:
         return True
     if not hasattr(kind, "__array__"):
         return hasattr(kind, "m_as")
-    inside = getattr(value, "data", None), getattr(value, "dtype", None)  # of pint-xarray, of pint-pandas
-    return any(hasattr(type(one), "m_as") or hasattr(one, "units") for one in (value, *inside)) or hasattr(kind, "unit")
+    # of pint-xarray, of pint-pandas
+    inside = getattr(value, "data", None), getattr(value, "dtype", None)
+    return any(
+        hasattr(type(one), "m_as") or hasattr(one, "units") for one in (value, *inside)
+    ) or hasattr(kind, "unit")
 
 
 def in_si(function: Callable[P, R]) -> Callable[P, R]:
-    """Marks a public function: arguments with units become SI numbers, and an unknown keyword is answered."""
+    """Marks a public function: arguments with units become SI numbers, and an unknown
+    keyword is answered.
+    """
     to_numbers = arguments_in_si(function)
     plain: Callable[..., R] = function
 
@@ -157,8 +169,12 @@ def constructor_in_si(cls: type[R]) -> type[R]:
     return cls
 
 
-def arguments_in_si(function: Callable[..., Any]) -> Callable[[Any, Any], tuple[Any, Any]]:
-    """What turns the arguments of one function, positional and by name, into numbers in SI units."""
+def arguments_in_si(
+    function: Callable[..., Any],
+) -> Callable[[Any, Any], tuple[Any, Any]]:
+    """What turns the arguments of one function, positional and by name, into numbers in
+    SI units.
+    """
     inner = inspect.unwrap(function)
     code = inner.__code__
     names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
@@ -172,20 +188,28 @@ def arguments_in_si(function: Callable[..., Any]) -> Callable[[Any, Any], tuple[
             called = inner.__qualname__.removesuffix(".__init__")
             hint = closest(word, accepted) or f" Arguments are {', '.join(accepted)}."
             raise TypeError(f"{called}() has no argument {word!r}.{hint}")
-        if not any(map(carries_unit, args)) and not any(map(carries_unit, kwargs.values())):
+        if not any(map(carries_unit, args)) and not any(
+            map(carries_unit, kwargs.values())
+        ):
             return args, kwargs
         of = {**dict(zip(names, args, strict=False)), **kwargs}
         given = [number_in_si(name, of[name], inner, of) for name in names[: len(args)]]
-        named = {name: number_in_si(name, value, inner, of) for name, value in kwargs.items()}
+        named = {
+            name: number_in_si(name, value, inner, of) for name, value in kwargs.items()
+        }
         return (*given, *args[len(given) :]), named
 
     return to_numbers
 
 
-def number_in_si(name: str, value: Any, function: Any = None, of: Mapping[str, Any] | None = None) -> Any:
-    """An argument of a function as a number in SI units, or as it is where it has no unit.
+def number_in_si(
+    name: str, value: Any, function: Any = None, of: Mapping[str, Any] | None = None
+) -> Any:
+    """An argument of a function as a number in SI units, or as it is where it has no
+    unit.
 
-    `of` are all arguments, on some of which the unit of another depends. Raises `InputError`.
+    `of` are all arguments, on some of which the unit of another depends. Raises
+    `InputError`.
     """
     if not carries_unit(value):
         return value
@@ -193,7 +217,9 @@ def number_in_si(name: str, value: Any, function: Any = None, of: Mapping[str, A
     if isinstance(value, Mapping):  # its entries are arguments by their own names
         alike = f"{called} {name}" in _ELSEWHERE
         return {
-            _plain_key(name, key): number_in_si(name if alike else str(key), entry, function, of)
+            _plain_key(name, key): number_in_si(
+                name if alike else str(key), entry, function, of
+            )
             for key, entry in value.items()
         }
     return _converted(name, value, _unit(called, name, of or {}))
@@ -201,7 +227,9 @@ def number_in_si(name: str, value: Any, function: Any = None, of: Mapping[str, A
 
 def _plain_key(name: str, key: Any) -> Any:
     if carries_unit(key):
-        raise InputError(f"{name} must have plain numbers in SI units as its keys, got {key}.")
+        raise InputError(
+            f"{name} must have plain numbers in SI units as its keys, got {key}."
+        )
     return key
 
 
@@ -222,7 +250,10 @@ def _unit(called: str, name: str, of: Mapping[str, Any]) -> Any:
 def _of_power_law(exponent: Any) -> str:
     """Of c in f = c r^n, which is a length."""
     if not isinstance(exponent, (int, float)):
-        raise InputError(f"exponent must be a plain number where coefficient has a unit, got {exponent!r}.")
+        raise InputError(
+            "exponent must be a plain number where coefficient has a unit, got "
+            f"{exponent!r}."
+        )
     power = 1 - exponent
     return f"m^{power:.12g}" if power >= 0 else f"1/m^{-power:.12g}"
 
@@ -230,11 +261,16 @@ def _of_power_law(exponent: Any) -> str:
 def _of_load(of: Mapping[str, Any]) -> str:
     """N of a body, N/m of a rough line or surface, which say so themselves."""
     every = {**of, **of.get("axes", {})}  # those of a sweep are arguments too
-    bodies = next((every[key] for key in ("shape", "surface", "line") if key in every), None)
+    bodies = next(
+        (every[key] for key in ("shape", "surface", "line") if key in every), None
+    )
     listed = bodies if isinstance(bodies, (list, tuple)) and bodies else [bodies]
     units = {getattr(body, "load_unit", "N") for body in listed}
     if len(units) > 1:
-        raise InputError("load must be a plain number where shape is a list of bodies [N] and of rough surfaces [N/m].")
+        raise InputError(
+            "load must be a plain number where shape is a list of bodies [N] and "
+            "of rough surfaces [N/m]."
+        )
     return units.pop()
 
 
@@ -243,7 +279,9 @@ def _converted(name: str, value: Any, unit: Any) -> Any:
         return value
     if type(value) in (list, tuple):
         each = unit if isinstance(unit, list) else [unit] * len(value)
-        return type(value)(_converted(name, entry, one) for entry, one in zip(value, each, strict=True))
+        return type(value)(
+            _converted(name, entry, one) for entry, one in zip(value, each, strict=True)
+        )
     quantity = _quantity(name, value)
     accepted = unit if isinstance(unit, (tuple, list)) else (unit,)
     for one in accepted:
@@ -253,20 +291,25 @@ def _converted(name: str, value: Any, unit: Any) -> Any:
 
 
 def _quantity(name: str, value: Any) -> Any:
-    """A value with its unit as pint's quantity. Raises `InputError` for units that pint does not know."""
+    """A value with its unit as pint's quantity. Raises `InputError` for units that pint
+    does not know.
+    """
     if hasattr(type(value), "m_as"):
         return value
     if hasattr(getattr(value, "dtype", None), "units"):  # pandas, by pint-pandas
         import numpy as np
 
         quantity = getattr(value, "array", value).quantity
-        return type(quantity)(np.asarray(quantity.magnitude, dtype=np.float64), quantity.units)
+        return type(quantity)(
+            np.asarray(quantity.magnitude, dtype=np.float64), quantity.units
+        )
     if hasattr(getattr(value, "data", None), "m_as"):  # xarray, by pint-xarray
         return value.data
     if not hasattr(type(value), "attrs"):
         raise InputError(
-            f"{name} must be a plain number in SI units or a quantity of pint, got a {type(value).__name__} of "
-            f"{type(value).__module__.partition('.')[0]}, whose units are not known here."
+            f"{name} must be a plain number in SI units or a quantity of pint, got a "
+            f"{type(value).__name__} of {type(value).__module__.partition('.')[0]}, "
+            "whose units are not known here."
         )
     import numpy as np
 
@@ -275,7 +318,10 @@ def _quantity(name: str, value: Any) -> Any:
     text = value.attrs["units"]
     quantity = quantity_of(np.asarray(value), text)
     if quantity is None:
-        raise InputError(f"{name} must have a unit that is known in its attrs['units'], got {text!r}.")
+        raise InputError(
+            f"{name} must have a unit that is known in its attrs['units'], got "
+            f"{text!r}."
+        )
     return quantity
 
 

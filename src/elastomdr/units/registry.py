@@ -1,10 +1,14 @@
-"""Units as they stand in the titles of tables, by pint: a text and a kind of quantity to factor and offset to SI."""
+"""Units as they stand in the titles of tables, by pint: a text and a kind of quantity
+to factor and offset to SI.
+"""
 
 import functools
 import re
 from typing import Any
 
-KINDS = {  # kind of quantity -> its SI unit, and units that are recognised in capitals and small letters alike
+# kind of quantity -> its SI unit, and units that are recognised in capitals and small
+# letters alike
+KINDS = {
     "frequency": ("rad/s", "Hz kHz mHz rad/s"),
     "angular frequency": ("rad/s", "rad/s"),
     "modulus": ("Pa", "Pa kPa MPa GPa"),
@@ -23,16 +27,57 @@ KINDS = {  # kind of quantity -> its SI unit, and units that are recognised in c
     "m^4": ("m^4", "m^4 mm^4 um^4"),
     "m^3": ("m^3", "m^3 mm^3 um^3"),
 }
-_SPELLED = str.maketrans({"μ": "µ", "⁻": "-", "¹": "1", "²": "2", "³": "3", "⁴": "4", "·": "*", "⋅": "*", "\u2212": "-",
-                          "º": "°", "\u00d7": "*"})  # fmt: skip
+_SPELLED = str.maketrans(
+    {
+        "μ": "µ",
+        "⁻": "-",
+        "¹": "1",
+        "²": "2",
+        "³": "3",
+        "⁴": "4",
+        "·": "*",
+        "⋅": "*",
+        "\u2212": "-",
+        "º": "°",
+        "\u00d7": "*",
+    }
+)
 _ALIASES = {  # in small letters, without blanks
-    "c": "degC", "°c": "degC", "℃": "degC", "oc": "degC", "degc": "degC", "deg_c": "degC", "celsius": "degC",
-    "°f": "degF", "℉": "degF", "degf": "degF", "deg_f": "degF", "k": "kelvin", "kelvin": "kelvin",
-    "pas": "Pa*s", "mpas": "mPa*s", "kpas": "kPa*s", "pct": "percent", "prozent": "percent",
-    "°": "degree", "deg": "degree", "sec": "second", "hr": "hour", "rads": "rad/s", "rad_s": "rad/s",
-    "rad_per_s": "rad/s", "rad/sec": "rad/s", "rads**-1": "rad/s", "hertz": "Hz", "dyne/cm**2": "dyn/cm**2",
-    "kg/cm**2": "kgf/cm**2", "kg/mm**2": "kgf/mm**2", "-": "", "1": "", "none": "",
-}  # fmt: skip
+    "c": "degC",
+    "°c": "degC",
+    "℃": "degC",
+    "oc": "degC",
+    "degc": "degC",
+    "deg_c": "degC",
+    "celsius": "degC",
+    "°f": "degF",
+    "℉": "degF",
+    "degf": "degF",
+    "deg_f": "degF",
+    "k": "kelvin",
+    "kelvin": "kelvin",
+    "pas": "Pa*s",
+    "mpas": "mPa*s",
+    "kpas": "kPa*s",
+    "pct": "percent",
+    "prozent": "percent",
+    "°": "degree",
+    "deg": "degree",
+    "sec": "second",
+    "hr": "hour",
+    "rads": "rad/s",
+    "rad_s": "rad/s",
+    "rad_per_s": "rad/s",
+    "rad/sec": "rad/s",
+    "rads**-1": "rad/s",
+    "hertz": "Hz",
+    "dyne/cm**2": "dyn/cm**2",
+    "kg/cm**2": "kgf/cm**2",
+    "kg/mm**2": "kgf/mm**2",
+    "-": "",
+    "1": "",
+    "none": "",
+}
 _OTHERS = ("N", "N*m")  # units of columns that are passed over
 
 
@@ -45,10 +90,12 @@ def registry() -> Any:
 
 
 def to_si(text: str, kind: str) -> tuple[float, float] | None:
-    """Factor and offset that turn numbers in a unit into SI; None for a text that is no unit of this kind.
+    """Factor and offset that turn numbers in a unit into SI; None for a text that is no
+    unit of this kind.
 
-    Hz counts turns. Of a frequency, 1/s leaves open whether turns or radians are counted, and is no unit; of an
-    angular frequency it can only be rad/s, and Hz is no unit.
+    Hz counts turns. Of a frequency, 1/s leaves open whether turns or radians are
+    counted, and is no unit; of an angular frequency it can only be rad/s, and Hz is no
+    unit.
     """
     unit = _parsed(text, kind)
     if unit is None:
@@ -58,21 +105,31 @@ def to_si(text: str, kind: str) -> tuple[float, float] | None:
         return None
     if kind == "angular frequency" and re.search("hz|hertz", word):
         return None
-    turns = 2 * 3.141592653589793 if kind == "frequency" and re.search("hz|hertz", word) else 1.0
+    turns = (
+        2 * 3.141592653589793
+        if kind == "frequency" and re.search("hz|hertz", word)
+        else 1.0
+    )
     si = _pint(KINDS[kind][0])
-    zero, one = (float(registry().Quantity(x, unit).to(si).magnitude) for x in (0.0, 1.0))
+    zero, one = (
+        float(registry().Quantity(x, unit).to(si).magnitude) for x in (0.0, 1.0)
+    )
     return (round(one - zero, 12) if zero else one) * turns, zero
 
 
 def quantity_of(values: Any, text: str) -> Any:
-    """Values in a unit that is given as a text, as pint's quantity; None for a text that is no unit."""
+    """Values in a unit that is given as a text, as pint's quantity; None for a text
+    that is no unit.
+    """
     unit = _pint(str(text))
     return None if unit is None else registry().Quantity(values, unit)
 
 
 def is_unit(text: str) -> bool:
     """Whether a cell holds a unit and nothing else; an empty one does not."""
-    return any(_parsed(text, kind) is not None for kind in KINDS) or any(_alike(text, unit) for unit in _OTHERS)
+    return any(_parsed(text, kind) is not None for kind in KINDS) or any(
+        _alike(text, unit) for unit in _OTHERS
+    )
 
 
 def usual(kind: str) -> str:
@@ -81,11 +138,14 @@ def usual(kind: str) -> str:
 
 
 _LONGEST = 100  # characters of a unit: pint takes minutes for a million
-_TOWER = re.compile(r"\*\*[\s(+-]*(\d{3,}|[\w.]+[\s)]*\*\*)")  # an exponent of three digits, or one that has its own
+# an exponent of three digits, or one that has its own
+_TOWER = re.compile(r"\*\*[\s(+-]*(\d{3,}|[\w.]+[\s)]*\*\*)")
 
 
 def harmless(unit: str) -> bool:
-    """Whether pint may see it: it would compute 9**9**9**9, and read a million characters for minutes."""
+    """Whether pint may see it: it would compute 9**9**9**9, and read a million
+    characters for minutes.
+    """
     return len(unit) <= _LONGEST and not _TOWER.search(unit.replace("^", "**"))
 
 
@@ -105,7 +165,10 @@ def _alike(text: str, unit: str) -> bool:
     return (
         found is not None
         and dict(found.dimensionality) == dict(wanted.dimensionality)
-        and (bool(dict(wanted.dimensionality)) or angular == any(word in str(found) for word in ("radian", "degree")))
+        and (
+            bool(dict(wanted.dimensionality))
+            or angular == any(word in str(found) for word in ("radian", "degree"))
+        )
     )
 
 
@@ -117,7 +180,10 @@ def _plain(text: str) -> str:
 def _pint(text: str) -> Any:
     if not harmless(text):
         return None
-    word = re.sub(r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(text).replace("^", "**"))  # N.m, Pa-s
+    # N.m, Pa-s
+    word = re.sub(
+        r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(text).replace("^", "**")
+    )
     word = re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", word)  # mm2, s-1
     bare = re.sub(r"\s+", "", word)
     word = _ALIASES.get(bare.lower(), word)

@@ -7,7 +7,14 @@ import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ParamSpec
 
-from ..call.model_choice import CELLS, hint_at_line, is_rough, of_rough, of_smooth, only_rough
+from ..call.model_choice import (
+    CELLS,
+    hint_at_line,
+    is_rough,
+    of_rough,
+    of_smooth,
+    only_rough,
+)
 from ..call.several_materials import over_materials
 from ..checks import needs_64_bit_types, numpy_unless_traced, only_one
 from ..element.layer import Layer
@@ -29,13 +36,19 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 
 
-def _surfaces_in_64_bits(function: Callable[P, FrictionCurve]) -> Callable[P, FrictionCurve]:
-    """Refuses surfaces and layers under jit, grad or vmap without 64-bit types: JAX would mix both."""
+def _surfaces_in_64_bits(
+    function: Callable[P, FrictionCurve],
+) -> Callable[P, FrictionCurve]:
+    """Refuses surfaces and layers under jit, grad or vmap without 64-bit types: JAX
+    would mix both.
+    """
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> FrictionCurve:
         shape = args[1] if len(args) > 1 else kwargs.get("shape")
-        surface = isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None
+        surface = (
+            isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None
+        )
         if surface or is_on_layer(args[0] if args else kwargs.get("material"), shape):
             return needs_64_bit_types(function)(*args, **kwargs)
         return function(*args, **kwargs)
@@ -64,73 +77,113 @@ def friction(
     progress: Callable[[int, int], None] | None = None,
     store: Store | None = None,
 ) -> FrictionCurve:
-    """Friction coefficient of an indenter or a rough surface in steady sliding against velocity, load and temperature.
+    """Friction coefficient of an indenter or a rough surface in steady sliding against
+    velocity, load and temperature.
 
-    Arguments broadcast against each other; every field of the result has the broadcast shape.
+    Arguments broadcast against each other; every field of the result has the broadcast
+    shape.
 
     Args:
-        material: `Prony` (then a half-space of it), or `Foundation` (two bodies, a layer).
-        shape: a smooth body (`em.Sphere`, ...), an `em.RoughLine`, or a surface (`em.SelfAffine`, `em.Spectrum`,
-            measured).
+        material: `Prony` (then a half-space of it), or `Foundation` (two bodies, a
+            layer).
+        shape: a smooth body (`em.Sphere`, ...), an `em.RoughLine`, or a surface
+            (`em.SelfAffine`, `em.Spectrum`, measured).
         velocity: sliding velocity [m/s].
-        load: normal force [N]; on a rough line or surface force per length of line [N/m].
-        depth: indentation depth [m], in place of a load; that of the highest point of a rough line.
+        load: normal force [N]; on a rough line or surface force per length of line
+            [N/m].
+        depth: indentation depth [m], in place of a load; that of the highest point of a
+            rough line.
         pressure: nominal pressure on a surface [Pa].
         temperature: [K], for a material with a shift law.
-        model: what the contact is computed with, an object or its name. For a smooth body `em.Averaged()`, the default,
-            `em.Line()` or `em.HalfSpace()`; on layers every line is exact, and the model makes no difference. For a
-            rough line `em.Line()`. For a surface under a pressure `em.Multiscale()`, the default, `em.Persson()`,
-            `em.HalfSpace()` or `em.Line()`; under a load or a depth `em.Line()`.
-        rtol: relative error of mu to be met, 1e-3 to 1e-10. With `em.Line` on a rough line or surface it is that of the
-            solution on its samples; `curve.lines.numerical` has the error for the sampling too, and a point
+        model: what the contact is computed with, an object or its name. For a smooth
+            body `em.Averaged()`, the default, `em.Line()` or `em.HalfSpace()`; on
+            layers every line is exact, and the model makes no difference. For a rough
+            line `em.Line()`. For a surface under a pressure `em.Multiscale()`, the
+            default, `em.Persson()`, `em.HalfSpace()` or `em.Line()`; under a load or a
+            depth `em.Line()`.
+        rtol: relative error of mu to be met, 1e-3 to 1e-10. With `em.Line` on a rough
+            line or surface it is that of the solution on its samples;
+            `curve.lines.numerical` has the error for the sampling too, and a point
             where it exceeds a tenth of mu is NaN.
         skip: False computes also what the plan would leave out.
-        heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its friction, from `temperature`, that of
-            the body, on, until friction and temperature agree: `mu` is then the hot curve, `cold` the one without
-            heating, `temperature_rise` the mean where the heat arises. With `em.Multiscale()` and `em.Persson()` each
-            length scale has a temperature of its own (`elastomdr.rough.temperature_by_scale`), `contact_rise` that of the shortest
-            waves; with others there is one (`elastomdr.rough.heat`). Points where none is found are NaN.
-        adhesion: `em.AdhesiveShear(...)` adds the shear stress of dry contact on the area of real contact: `mu` is then
-            the sum of `hysteresis` and `adhesion`. On a surface under a pressure that is its `area_ratio`; under a
-            smooth body `contact_area`, from the edges of its contact or, with `em.HalfSpace()`, from its cells. A line
-            (`em.Line` on a rough line or surface) has none.
-        strain_share: of a material with a softening on a surface: strain amplitude at wave number q over the rms slope
-            of the waves up to q, above 0 and at most 2. `linear` is mu without softening. `em.Line()` and
-            `em.HalfSpace()` on a surface are linear and say so.
-        progress: `progress(done, total)` is called after each batch on a rough line or surface.
+        heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its
+            friction, from `temperature`, that of the body, on, until friction and
+            temperature agree: `mu` is then the hot curve, `cold` the one without
+            heating, `temperature_rise` the mean where the heat arises. With
+            `em.Multiscale()` and `em.Persson()` each length scale has a temperature of
+            its own (`elastomdr.rough.temperature_by_scale`), `contact_rise` that of the
+            shortest waves; with others there is one (`elastomdr.rough.heat`). Points
+            where none is found are NaN.
+        adhesion: `em.AdhesiveShear(...)` adds the shear stress of dry contact on the
+            area of real contact: `mu` is then the sum of `hysteresis` and `adhesion`.
+            On a surface under a pressure that is its `area_ratio`; under a smooth body
+            `contact_area`, from the edges of its contact or, with `em.HalfSpace()`,
+            from its cells. A line (`em.Line` on a rough line or surface) has none.
+        strain_share: of a material with a softening on a surface: strain amplitude at
+            wave number q over the rms slope of the waves up to q, above 0 and at most
+            2. `linear` is mu without softening. `em.Line()` and `em.HalfSpace()` on a
+            surface are linear and say so.
+        progress: `progress(done, total)` is called after each batch on a rough line or
+            surface.
         store: keeps finished batches of lines (`get(key)`, `put(key, arrays)`).
 
     Returns:
-        An `em.FrictionCurve`. `error` is numerical, with the scatter of random lines; `model_error` bounds the distance
-        to the half-space. With `em.Averaged` depth, normal force and contact edges are those of the line at the
-        velocity itself. Points that do not converge are NaN and counted in one `ConvergenceWarning`.
+        An `em.FrictionCurve`. `error` is numerical, with the scatter of random lines;
+        `model_error` bounds the distance to the half-space. With `em.Averaged` depth,
+        normal force and contact edges are those of the line at the velocity itself.
+        Points that do not converge are NaN and counted in one `ConvergenceWarning`.
 
     Raises:
         InputError: for arguments that have no meaning.
 
-    Exact for the line and for layers; for the half-space see `elastomdr.surface.direction`. Differentiable with respect
-    to moduli, times, geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7 and 10, and
-    `docs/theory.md`.
+    Exact for the line and for layers; for the half-space see
+    `elastomdr.surface.direction`. Differentiable with respect to moduli, times,
+    geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7
+    and 10, and `docs/theory.md`.
     """
     if is_rough(shape):
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
-            no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")
+            no_area(
+                adhesion,
+                f"a {chosen.label} on a rough line or surface",
+                "use em.Multiscale() under a pressure",
+            )
             hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
             from ..rough.line import rough_friction
 
             return rough_friction(
-                material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-                model=chosen, rtol=rtol, skip=skip, heat=heat, progress=progress, store=store,
-            )  # fmt: skip
+                material,
+                shape,
+                velocity=velocity,
+                load=load,
+                depth=depth,
+                pressure=pressure,
+                temperature=temperature,
+                model=chosen,
+                rtol=rtol,
+                skip=skip,
+                heat=heat,
+                progress=progress,
+                store=store,
+            )
         from ..rough.surface import surface_friction
 
         assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
         only_one(pressure=pressure, load=load, depth=depth)
         return surface_friction(
-            material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol,
-            heat=heat, adhesion=adhesion, strain_share=strain_share, progress=progress,
-        )  # fmt: skip
+            material,
+            shape,
+            chosen,
+            velocity=velocity,
+            pressure=pressure,
+            temperature=temperature,
+            rtol=rtol,
+            heat=heat,
+            adhesion=adhesion,
+            strain_share=strain_share,
+            progress=progress,
+        )
     only_rough(heat)
     check_adhesion(adhesion, temperature)
     if isinstance(shape, AbstractShape):
@@ -140,27 +193,58 @@ def friction(
             from ..reference import half_space_sliding, layer_sliding
 
             one: Any = material  # `over_materials` has taken lists apart
-            solver = layer_sliding if isinstance(material, Layer) else half_space_sliding
+            solver = (
+                layer_sliding if isinstance(material, Layer) else half_space_sliding
+            )
             curve: Any = solver(
-                one, shape, velocity=velocity, load=load, depth=depth, temperature=temperature,
+                one,
+                shape,
+                velocity=velocity,
+                load=load,
+                depth=depth,
+                temperature=temperature,
                 points=model.cells or CELLS,
-            )  # fmt: skip
+            )
             if getattr(one, "softening", None) is not None:
                 curve = dataclasses.replace(curve, model=curve.model + LINEAR)
             return curve if adhesion is None else on_cells(curve, adhesion)
     if is_on_layer(material, shape):
         found, kelvin, name, plan = on_layer(
-            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-            temperature=temperature, model=model, rtol=rtol,
-        )  # fmt: skip
+            "friction",
+            material,
+            shape,
+            velocity=velocity,
+            load=load,
+            depth=depth,
+            pressure=pressure,
+            temperature=temperature,
+            model=model,
+            rtol=rtol,
+        )
         layer = True
     else:
         scene = set_up(
-            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-            temperature=temperature, model=model, rtol=rtol, skip=skip,
-        )  # fmt: skip
-        found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
-        found = beside_layer(found, material, shape, load=load, depth=depth, temperature=temperature)
+            "friction",
+            material,
+            shape,
+            velocity=velocity,
+            load=load,
+            depth=depth,
+            pressure=pressure,
+            temperature=temperature,
+            model=model,
+            rtol=rtol,
+            skip=skip,
+        )
+        found, kelvin, name, plan = (
+            solve(scene),
+            scene.temperature,
+            scene.plan.model,
+            scene.plan,
+        )
+        found = beside_layer(
+            found, material, shape, load=load, depth=depth, temperature=temperature
+        )
         layer = bool(scene.foundation.per_area)
     curve = FrictionCurve(
         velocity=found.velocity,

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..call.model_choice import CELLS, hint_at_line, is_rough, of_rough, of_smooth, only_rough
+from ..call.model_choice import (
+    CELLS,
+    hint_at_line,
+    is_rough,
+    of_rough,
+    of_smooth,
+    only_rough,
+)
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced, only_one
 from ..errors import InputError
@@ -44,33 +51,57 @@ def plan(
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
 ) -> "Plan | RoughPlan | SurfacePlan | Plans | str":
-    """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it says what is skipped and why.
+    """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it
+    says what is skipped and why.
 
-    Arguments and errors as for `friction`; `adhesion` adds nothing to the work. With `em.HalfSpace` on a smooth body it
-    is a line of text. Of a list of materials it is a tuple of plans, one for each.
+    Arguments and errors as for `friction`; `adhesion` adds nothing to the work. With
+    `em.HalfSpace` on a smooth body it is a line of text. Of a list of materials it is a
+    tuple of plans, one for each.
     """
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
     check_adhesion(adhesion, temperature)
     if is_rough(shape):
         if quantity != "friction":
-            raise InputError(f"quantity must be 'friction' on a rough surface, got {quantity!r}.")
+            raise InputError(
+                f"quantity must be 'friction' on a rough surface, got {quantity!r}."
+            )
         hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
-            no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")
+            no_area(
+                adhesion,
+                f"a {chosen.label} on a rough line or surface",
+                "use em.Multiscale() under a pressure",
+            )
             from ..rough.line import rough_plan
 
             return rough_plan(
-                material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-                model=chosen, rtol=rtol, skip=skip, heat=heat,
-            )  # fmt: skip
+                material,
+                shape,
+                velocity=velocity,
+                load=load,
+                depth=depth,
+                pressure=pressure,
+                temperature=temperature,
+                model=chosen,
+                rtol=rtol,
+                skip=skip,
+                heat=heat,
+            )
         from ..rough.surface import surface_plan
 
         assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
         only_one(pressure=pressure, load=load, depth=depth)
         return surface_plan(
-            material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol, heat=heat
+            material,
+            shape,
+            chosen,
+            velocity=velocity,
+            pressure=pressure,
+            temperature=temperature,
+            rtol=rtol,
+            heat=heat,
         )
     only_rough(heat)
     if isinstance(shape, AbstractShape):
@@ -81,10 +112,28 @@ def plan(
             return grid_words(model.cells or CELLS)
     if is_on_layer(material, shape):
         return on_layer(
-            quantity, material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-            temperature=temperature, model=model, rtol=rtol, solved=False,
-        ).plan  # fmt: skip
+            quantity,
+            material,
+            shape,
+            velocity=velocity,
+            load=load,
+            depth=depth,
+            pressure=pressure,
+            temperature=temperature,
+            model=model,
+            rtol=rtol,
+            solved=False,
+        ).plan
     return set_up(
-        quantity, material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, model=model, rtol=rtol, skip=skip,
-    ).plan  # fmt: skip
+        quantity,
+        material,
+        shape,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        pressure=pressure,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
+        skip=skip,
+    ).plan

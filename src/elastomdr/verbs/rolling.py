@@ -22,8 +22,12 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 
 
-def _layers_in_64_bits(function: Callable[P, RollingCurve]) -> Callable[P, RollingCurve]:
-    """Refuses a layer under jit, grad or vmap without 64-bit types: JAX would mix both."""
+def _layers_in_64_bits(
+    function: Callable[P, RollingCurve],
+) -> Callable[P, RollingCurve]:
+    """Refuses a layer under jit, grad or vmap without 64-bit types: JAX would mix
+    both.
+    """
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> RollingCurve:
@@ -50,29 +54,59 @@ def rolling(
     rtol: float = 1e-6,
     skip: bool = True,
 ) -> RollingCurve:
-    """Rolling resistance of a sphere, or the indentation rolling resistance of a belt under a cylinder.
+    """Rolling resistance of a sphere, or the indentation rolling resistance of a belt
+    under a cylinder.
 
-    Without friction in the contact a rolling body solves the same pressure problem as a sliding one. The resistance is
-    taken from the power that the rubber dissipates, F = P/v, and the moment is M = R F. (The moment of the MDR line's
-    own forces is half of that, since the line is not the half-space's pressure; the power is right in both models.)
-    `coefficient` is the resisting force over the normal force. `model` is `em.Averaged(...)`, by default with its
-    correction, or `em.Line()`. Arguments, errors and limits as for `friction`;
-    raises `InputError` for bodies that do not roll.
+    Without friction in the contact a rolling body solves the same pressure problem as a
+    sliding one. The resistance is taken from the power that the rubber dissipates, F =
+    P/v, and the moment is M = R F. (The moment of the MDR line's own forces is half of
+    that, since the line is not the half-space's pressure; the power is right in both
+    models.) `coefficient` is the resisting force over the normal force. `model` is
+    `em.Averaged(...)`, by default with its correction, or `em.Line()`. Arguments,
+    errors and limits as for `friction`; raises `InputError` for bodies that do not
+    roll.
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
-        raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
+        raise InputError(
+            "shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a "
+            f"{shape.label}."
+        )
     if is_on_layer(material, shape):
         found, kelvin, name, plan = on_layer(
-            "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-            temperature=temperature, model=model, rtol=rtol,
-        )  # fmt: skip
+            "rolling",
+            material,
+            shape,
+            velocity=velocity,
+            load=load,
+            depth=depth,
+            pressure=pressure,
+            temperature=temperature,
+            model=model,
+            rtol=rtol,
+        )
     else:
         scene = set_up(
-            "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-            temperature=temperature, model=model, rtol=rtol, skip=skip,
-        )  # fmt: skip
-        found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
-        found = beside_layer(found, material, shape, load=load, depth=depth, temperature=temperature)
+            "rolling",
+            material,
+            shape,
+            velocity=velocity,
+            load=load,
+            depth=depth,
+            pressure=pressure,
+            temperature=temperature,
+            model=model,
+            rtol=rtol,
+            skip=skip,
+        )
+        found, kelvin, name, plan = (
+            solve(scene),
+            scene.temperature,
+            scene.plan.model,
+            scene.plan,
+        )
+        found = beside_layer(
+            found, material, shape, load=load, depth=depth, temperature=temperature
+        )
     radius = shape.rolling_radius
     assert radius is not None  # refused above
     return RollingCurve(
