@@ -12,6 +12,7 @@ what is drawn, and the rest, which is the start of Python and imports; of a comm
 imports are measured and what is computed is the rest. Last, what a warm call takes.
 """
 
+import functools
 import os
 import shutil
 import statistics
@@ -318,7 +319,9 @@ def warm() -> list[dict[str, Any]]:
     ):
         times = [
             timed(
-                lambda: em.friction(foundation, shape, velocity=velocity, load=1.0)
+                functools.partial(
+                    em.friction, foundation, shape, velocity=velocity, load=1.0
+                )
             ).cpu
             for _ in range(200)
         ]

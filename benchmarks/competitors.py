@@ -199,7 +199,7 @@ def _in_units(lines: Callable) -> Lines:
         )
         return (
             drag / normal * size / scene.RADIUS,
-            scene.EQUILIBRIUM * size** 3 / scene.RADIUS * normal,
+            scene.EQUILIBRIUM * size**3 / scene.RADIUS * normal,
         )
 
     return solved

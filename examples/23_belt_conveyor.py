@@ -193,7 +193,9 @@ def first_order(cover: em.Foundation, velocity: float, load_per_width: float) ->
         end = min(2 * a, 40 * s)
         total += (
             modulus
-            * quad(lambda r: correlation(r) * np.exp(-r / s), 0, end, epsrel=1e-10)[0]
+            * quad(
+                lambda r, s=s: correlation(r) * np.exp(-r / s), 0, end, epsrel=1e-10
+            )[0]
         )
     return total / load_per_width
 

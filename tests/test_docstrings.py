@@ -39,9 +39,9 @@ def test_docstring_has_the_arguments_of_the_call(name):
         inspect.getdoc(CALLS[name]),
         inspect.signature(CALLS[name]).parameters,
     )
-    first, _, rest = text.partition("\n")
+    first = text.partition("\n\n")[0]
     assert first.endswith(".")
-    assert not rest or rest.startswith("\n")
+    assert "Args:" not in first
     assert re.findall(r"^    (\w+): ", section(text, "Args"), re.MULTILINE) == list(
         parameters
     )

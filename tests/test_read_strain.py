@@ -30,7 +30,7 @@ def written(*sweeps, title="Strain [%]"):
     rows = [
         (s, *row)
         for strain, sweep in sweeps
-        for s, row in zip(np.broadcast_to(strain, len(sweep)), sweep)
+        for s, row in zip(np.broadcast_to(strain, len(sweep)), sweep, strict=True)
     ]
     return "\n".join(
         [f"{title},{TITLES}", *(",".join(f"{x:.12g}" for x in row) for row in rows)]

@@ -6,6 +6,7 @@ from .belt.conveyor import Idlers as Idlers
 from .belt.conveyor import conveyor as conveyor
 from .belt.conveyor_result import Conveyor as Conveyor
 from .belt.heat_build_up import heat_build_up as heat_build_up
+from .belt.heat_build_up_result import HeatBuildUp as HeatBuildUp
 from .belt.stability import stability as stability
 from .belt.stability_result import Stability as Stability
 from .element.contact_step_solver import ContactStep as ContactStep

@@ -31,10 +31,8 @@ Scalar: TypeAlias = "float | jax.Array"
 # one number; arrays without a shape
 Plain: TypeAlias = "float | np.number | np.ndarray | jax.Array"
 Number: TypeAlias = "Plain | HasUnit"
-ArrayLike: TypeAlias = (
-    "Number | HasArray | Sequence[Number] | Sequence[Sequence[Number]] | "
-    "Sequence[HasArray]"
-)
+Rows: TypeAlias = "Sequence[Number] | Sequence[Sequence[Number]] | Sequence[HasArray]"
+ArrayLike: TypeAlias = "Number | HasArray | Rows"
 
 Kind: TypeAlias = Literal["shear", "tensile"]
 

@@ -199,10 +199,15 @@ class ComputedStage:
     def _draw_form(self) -> None:
         table = _TABLES.get(self._key, SurfaceFriction)
         screen, session = self._screen, self._session
-        rubbers = lambda: material_names(session)  # noqa: E731
-        files = lambda: [
-            name for name in session.folder.names() if not name.endswith(".toml")
-        ]
+
+        def rubbers() -> list[str]:
+            return material_names(session)
+
+        def files() -> list[str]:
+            return [
+                name for name in session.folder.names() if not name.endswith(".toml")
+            ]
+
         choices: Mapping[str, Any] = {
             "material": rubbers,
             "other": rubbers,

@@ -373,7 +373,7 @@ def difference(made: Any, asked: Any, name: str = "") -> str:
         return next(
             (
                 t
-                for i, pair in enumerate(zip(made, asked))
+                for i, pair in enumerate(zip(made, asked, strict=True))
                 if (t := difference(*pair, f"{name}[{i}]"))
             ),
             "",
