@@ -1,8 +1,9 @@
-"""The floors of docs/structure.md: each package imports only from those above it;
-figures, files have their rooms.
+"""The rooms of docs/structure.md: each imports only from those above it; figures and
+files have their rooms.
 """
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -87,6 +88,24 @@ def test_floors():
             ]
             wrong = [module for module in inside if below & {*module[1:2]}]
             assert not wrong, f"{path.relative_to(SOURCE)} imports {wrong}"
+
+
+def test_structure_shows_the_rooms_in_their_order():
+    page = Path(__file__).parents[1] / "docs" / "structure.md"
+    section = page.read_text(encoding="utf-8").partition("## Rooms\n")[2]
+    table = section.partition("\n## ")[0]
+    rows = re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)
+    assert tuple(re.findall(r"`(\w+)`", " ".join(rows))) == FLOORS
+
+
+def test_files_of_structure_exist():
+    """`smooth/plan.py` of a table or a sentence, the first one of a list in full."""
+    page = Path(__file__).parents[1] / "docs" / "structure.md"
+    named = re.findall(r"`(\w+/[\w/]+\.py)`", page.read_text(encoding="utf-8"))
+    assert len(named) > 50
+    for name in named:
+        place = page.parents[1] / name if name.startswith("docs/") else SOURCE / name
+        assert place.exists(), name
 
 
 def test_only_io_reads_files_of_others():
