@@ -200,7 +200,7 @@ class ComputedStage:
         table = _TABLES.get(self._key, SurfaceFriction)
         screen, session = self._screen, self._session
 
-        def rubbers() -> list[str]:
+        def rubbers() -> dict[str, str]:
             return material_names(session)
 
         def files() -> list[str]:

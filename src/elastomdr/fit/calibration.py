@@ -425,9 +425,10 @@ def _search(
             [np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)]
         )
 
+    slope: Any = derivative  # scipy's types know no function here
     return least_squares(
-        residuals, point, jac=derivative, xtol=close, ftol=close, max_nfev=60
-    )  # pyright: ignore[reportArgumentType]
+        residuals, point, jac=slope, xtol=close, ftol=close, max_nfev=60
+    )
 
 
 def _judge(
