@@ -93,8 +93,10 @@ def sheet_of_frame(frame: Any) -> Sheet:
     for i, kind in enumerate(frame.dtypes):
         if (unit := getattr(kind, "units", None)) is not None:
             titles[-1][i] += f" [{unit:~}]"
-    values = frame.to_numpy()
-    cells = titles + [[_frame_cell(value) for value in row] for row in values]
+    columns = map(_column, _columns_of(frame))
+    cells = titles + [
+        [_frame_cell(value) for value in row] for row in zip(*columns, strict=True)
+    ]
     return Sheet(
         "the table",
         [*(Row(i, row) for i, row in enumerate(cells, start=1)), Row(0, [])],
@@ -102,8 +104,21 @@ def sheet_of_frame(frame: Any) -> Sheet:
     )
 
 
+def _columns_of(frame: Any) -> list[Any]:
+    """The columns of a table of pandas, whose titles need not differ, or of polars."""
+    if hasattr(frame, "iloc"):
+        return [frame.iloc[:, i] for i in range(frame.shape[1])]
+    return list(frame)
+
+
+def _column(column: Any) -> np.ndarray:
+    """The numbers of a column, without the unit that pint-pandas keeps beside them."""
+    if hasattr(column.dtype, "units"):
+        return np.asarray(column.array.quantity.magnitude)
+    return column.to_numpy()
+
+
 def _frame_cell(value: Any) -> str:
-    value = getattr(value, "magnitude", value)  # of pint
     if isinstance(value, (int, float, np.number)):
         return "" if np.isnan(value) else repr(float(value))
     return "" if value is None else str(value).strip()
