@@ -14,7 +14,9 @@ class Fields(griffe.Extension):
     """Adds the label, unit and meaning of each field to the docstring of its class."""
 
     def on_package(self, *, pkg: griffe.Module, **_: Any) -> None:
-        for module in pkg["results"].modules.values():
+        # rooms have the classes of their verbs beside those of `results`
+        rooms = [room for room in pkg.modules.values() if not room.is_alias]
+        for module in [module for room in rooms for module in room.modules.values()]:
             for cls in module.classes.values():
                 found = {}
                 for owner in [*reversed(cls.mro()), cls]:
