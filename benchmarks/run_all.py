@@ -1,14 +1,14 @@
 """Runs every benchmark, each in its own process, and records how long it took: `python
 benchmarks/run_all.py`.
 
-The stress tests, the coverage of fits and the damaged files run in part here, and such
-a run is not recorded; run in full they are `robustness/stress.py`,
-`robustness/stress_motion.py`, `fit_coverage.py` and `robustness/fuzz.py`. The
-half-space solutions of the validity map are kept from its own run (`validity_map.py
---fresh`, five minutes). With `--data DIR`, a folder of the measured data, fits are
-compared with other tools too (`fit_peers.py`). Three long scripts that measure no time
-are left out: `robustness/sliding_matrix.py`, `fit_held_out.py`, `fit_relaxation.py`.
-`fit_library.py` makes the library.
+The stress tests, the coverage of fits and of hot friction and the damaged files run in
+part here, and such a run is not recorded; run in full they are `robustness/stress.py`,
+`robustness/stress_motion.py`, `fit_coverage.py`, `heat_coverage.py` and
+`robustness/fuzz.py`. The half-space solutions of the validity map are kept from its own
+run (`validity_map.py --fresh`, five minutes). With `--data DIR`, a folder of the
+measured data, fits are compared with other tools too (`fit_peers.py`). Three long
+scripts that measure no time are left out: `robustness/sliding_matrix.py`,
+`fit_held_out.py`, `fit_relaxation.py`. `fit_library.py` makes the library.
 """
 
 import argparse
@@ -42,6 +42,7 @@ SCRIPTS = (
     "robustness/rough_scenes",
     "topography",
     "fit_coverage --sets 50",
+    "heat_coverage --scenes 50",
     "robustness/stress --scenes 100 --family paraboloid --family cone",
     "robustness/stress_motion --scenes 200 --family traction --family impact",
     "robustness/fuzz --files 500",

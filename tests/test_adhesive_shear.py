@@ -56,7 +56,8 @@ def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(m
     # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of
     # 30 apart, inside the map.
     off = np.expm1(0.03 - 0.07 * np.log(bare.area_ratio))
-    assert both.model_error == pytest.approx(bare.model_error + shear * off, rel=1e-10)
+    bound = np.where(shear > 1, np.nan, bare.model_error + shear * off)
+    assert both.model_error == pytest.approx(bound, rel=1e-10, nan_ok=True)
     assert np.all(both.error >= bare.error)
     assert np.all(both.error < 1e-5 * both.mu)
     assert "adhesive shear" in both.model
@@ -69,24 +70,67 @@ def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(m
 
 def test_the_area_of_a_map_of_cells_carries_the_shear_too():
     road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
+    # its shear is below the pressure
+    law = em.AdhesiveShear(5e5, 3e-3, 0.12, shift=LAW.shift)
     cells = em.friction(
         RUBBER,
         road,
         velocity=0.01,
         pressure=2e5,
         temperature=293.15,
-        adhesion=LAW,
+        adhesion=law,
         rtol=1e-2,
         model=em.HalfSpace(seeds=2, cells=128),
     )
     smooth = em.friction(
-        RUBBER, road, velocity=0.01, pressure=2e5, temperature=293.15, adhesion=LAW
+        RUBBER, road, velocity=0.01, pressure=2e5, temperature=293.15, adhesion=law
     )
-    shear = formula(0.01, 293.15) / 2e5
+    shear = formula(0.01, 293.15, 5e5) / 2e5
     assert cells.adhesion == pytest.approx(shear * cells.area_ratio, rel=1e-12)
     assert cells.mu == pytest.approx(cells.hysteresis + cells.adhesion, rel=1e-15)
     assert abs(cells.mu - smooth.mu) < smooth.model_error + cells.error
     assert cells.error > 1e-3 * cells.adhesion  # the scatter of the area, of two maps
+
+
+def test_shear_above_the_pressure_is_no_prediction():
+    both = em.friction(RUBBER, ROAD, adhesion=LAW, **SCENE)
+    over = both.adhesion > 1
+    assert 0 < over.sum() < over.size
+    np.testing.assert_array_equal(np.isnan(both.model_error), over)
+    least = (SCENE["pressure"] / LAW.shear_stress(both.velocity, both.temperature))[
+        over
+    ].min()
+    assert (
+        f"{over.sum()} of 10 points: the shear of the contact exceeds its pressure"
+        in both.summary()
+    )
+    assert f"from a real contact of {least:.2g} on" in both.summary()
+    weak = em.friction(
+        RUBBER, ROAD, adhesion=em.AdhesiveShear(5e4, 3e-3, 0.12), **SCENE
+    )
+    assert np.isfinite(weak.model_error).all()
+    assert "no prediction" not in weak.summary()
+    ball = em.friction(
+        em.Prony(1e6, [1.0], [1e-3]),
+        em.Paraboloid(0.01),
+        velocity=1e-2,
+        load=2.0,
+        adhesion=em.AdhesiveShear(2e6, 1e-2, 0.1),
+    )
+    assert ball.adhesion > 1
+    assert np.isnan(ball.model_error)
+    cells = em.friction(
+        RUBBER,
+        em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3),
+        velocity=0.01,
+        pressure=2e5,
+        temperature=293.15,
+        adhesion=LAW,
+        rtol=1e-2,
+        model=em.HalfSpace(seeds=1, cells=64),
+    )
+    assert cells.adhesion > 1
+    assert np.isnan(cells.model_error)
 
 
 def test_of_several_materials_each_has_its_parts():

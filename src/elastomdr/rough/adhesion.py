@@ -7,14 +7,19 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
-from ..arrays import xp
+import numpy as np
+
+from ..arrays import is_traced, xp
+from ..checks import significant
 from ..errors import InputError
 from ..results.curve import FrictionCurve
+from ..results.words import in_words
 from ..surface.shapes import Cylinder
 
 if TYPE_CHECKING:
     from .adhesive_shear import AdhesiveShear
 
+MOST_SHEAR = 1.0  # tau A/F_N above which the sum is no prediction (docs/rough.md)
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
 # relative error of an area of 64 by 64 cells about the contact, its border corrected
 _STAIRCASE = 0.01
@@ -47,9 +52,6 @@ def sheared(
         kelvin = kelvin + xp.where(xp.isnan(rise), 0.0, rise)
     added = adhesion.shear_stress(curve.velocity, kelvin) * share
     mu = curve.mu + added
-    model_error = curve.model_error
-    if bound is not None:
-        model_error = (0.0 if model_error is None else model_error) + added * bound
     return dataclasses.replace(
         curve,
         mu=mu,
@@ -57,11 +59,54 @@ def sheared(
         adhesion=added,
         friction_force=mu * curve.normal_force,
         error=curve.error + added * error,
-        model_error=model_error,
+        model_error=_bounded(curve.model_error, added, bound),
         model=curve.model + _ADDED.format(area=area),
-        inputs=(*curve.inputs, ("adhesion", adhesion.words())),
+        inputs=(
+            *curve.inputs,
+            ("adhesion", adhesion.words()),
+            *_no_prediction(curve, added),
+        ),
         **more,
     )
+
+
+def _bounded(model_error: Any, added: Any, bound: Any) -> Any:
+    """The bound of hysteresis and that of the area, NaN where the shear exceeds the
+    pressure; None where none is.
+    """
+    if bound is None:
+        if is_traced(added) or not (added > MOST_SHEAR).any():
+            return model_error
+        bound = 0.0
+    total = (0.0 if model_error is None else model_error) + added * bound
+    return xp.where(added > MOST_SHEAR, xp.nan, total)
+
+
+def _no_prediction(curve: FrictionCurve, added: Any) -> tuple[tuple[str, str], ...]:
+    """In words, where the shear exceeds the pressure, and from which real contact
+    on.
+    """
+    if is_traced(added):
+        return ()
+    over = np.asarray(added > MOST_SHEAR)
+    if not over.any():
+        return ()
+    text = (
+        f"{int(over.sum())} of {over.size} points: the shear of the contact exceeds "
+        "its pressure"
+    )
+    if curve.area_ratio is not None:
+        least = (curve.area_ratio[over] / added[over]).min()
+        text += (
+            f", from a real contact of {significant(float(least), 2)} on, p over the "
+            "shear stress"
+        )
+    most = significant(float(added[over].max()))
+    text += (
+        f"; it is up to {most} times that and would change the contact, which the sum "
+        "leaves out"
+    )
+    return (("no prediction", f"{text}; model_error is NaN there"),)
 
 
 def on_contact(
@@ -114,3 +159,41 @@ def no_area(adhesion: Any, what: str, instead: str) -> None:
             f"adhesion acts on the area of real contact, which {what} does not "
             f"have: {instead}."
         )
+
+
+def why_hotter(
+    curve: FrictionCurve, cold_area: Any, cold_stress: Any
+) -> tuple[tuple[str, str], ...]:
+    """In words, why friction is higher on hot than on cold rubber, where it is.
+
+    Args:
+        curve: of both parts, at the temperatures that they make.
+        cold_area: real contact over nominal area without heating, of the curve's shape.
+        cold_stress: shear stress at the temperature of the body [Pa], likewise.
+    """
+    assert curve.cold is not None
+    assert curve.adhesion is not None
+    assert curve.hysteresis is not None
+    assert curve.pressure is not None
+    assert curve.area_ratio is not None
+    higher = curve.mu > curve.cold + curve.error
+    if not higher.any():
+        return ()
+    i = np.unravel_index(
+        np.argmax(np.where(higher, curve.mu / curve.cold, 0.0)), higher.shape
+    )
+    stress, area = np.broadcast_to(cold_stress, higher.shape)[i], cold_area[i]
+    before = stress * area / curve.pressure[i]
+    softer = curve.area_ratio[i] / area
+    stronger = curve.adhesion[i] / before / softer
+    lossier = curve.hysteresis[i] / (curve.cold[i] - before)
+    shear = f"the shear stress there {significant(float(stronger))} times"
+    if stronger > 1:
+        shear += ", since warmth moves it towards its maximum"
+    text = (
+        f"{int(higher.sum())} of {higher.size} points, most at "
+        f"{in_words('velocity', float(curve.velocity[i]))}: of what cold rubber has, "
+        f"the real contact is {significant(float(softer))} times, since warm rubber "
+        f"is softer, {shear}, hysteresis {significant(float(lossier))} times"
+    )
+    return (("hot above cold", text),)

@@ -15,6 +15,7 @@ of contact edges, strain and temperature are those of q_high.
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,9 @@ from ..material.vertical import thermal_factors
 from .psd_integrals import namespace
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
+_ONSET = 0.1  # c of `place_of`
+# of the way from q_low to q_high; the root of zero has no derivative
+_LEAST_SHARE = 1e-300
 # relative distance to q_low within which the strain is not told from zero
 _NEAREST = 1e-6
 
@@ -57,24 +61,33 @@ class Softened(NamedTuple):
 
 
 class Warmed(NamedTuple):
-    """Rises of temperature at stations on the scale of lengths, joined by natural cubic
-    splines over log q.
+    """Rises of temperature at stations on the scale of lengths, joined by cubic splines
+    over `place_of`.
+
+    Nothing is heated at q_low, where P = 1: the rise is zero there, and needs no
+    station.
     """
 
-    log_q: Any  # ascending, the last one that of q_high (stations,)
-    rise: Any  # (points, stations) [K]
+    ends: Any  # log q_low and log q_high (2,)
+    rise: Any  # at the stations, `log_stations` (points, stations) [K]
+    highest: Any  # the largest rise between stations [K]
     kelvin: Any  # of the body (points,)
     body: Any  # the foundation, with its shift laws
 
+    def log_q(self) -> Any:
+        """Where the stations are."""
+        return log_stations(self.rise.shape[1], self.ends)
+
     def at(self, q: Any) -> Any:
-        """The rise [K] at wave numbers q (...), in the shape (points, ...); held below
-        the first station.
+        """The rise [K] at wave numbers q (...), in the shape (points, ...); that of
+        q_high beyond it.
         """
-        xp = namespace(self.log_q, self.rise, q)
-        spline = basis(self.log_q, namespace(self.log_q, q).log(q).reshape(-1))
-        rise = (self.rise @ spline.T).reshape(self.rise.shape[0], *np.shape(q))
-        top = xp.max(self.rise, axis=-1).reshape(-1, *[1] * np.ndim(q))
-        return xp.clip(rise, 0.0, top)
+        xp = namespace(self.ends, self.rise, q)
+        place = place_of(namespace(self.ends, q).log(q).reshape(-1), self.ends)
+        rise = self.rise @ basis(self.rise.shape[1], place).T
+        return xp.clip(
+            rise.reshape(self.rise.shape[0], *np.shape(q)), 0.0, self.highest
+        )
 
     def factors(self, rise: Any) -> tuple[Any, Any]:
         """a_T and b_T at rises (points, ...), over those at the body's temperature."""
@@ -153,33 +166,50 @@ class Local(NamedTuple):
         )
 
 
-def basis(knots: Any, at: Any) -> Any:
-    """Values at places (n,) of the natural cubic splines that are 1 at one knot and 0
-    at the others: (n, knots).
+def place_of(log_q: Any, ends: Any) -> Any:
+    """The place of log q between q_low and q_high, from 0 to 1, held beyond them.
+
+    With u the share of the way from log q_low to log q_high the place s has u = (1 + c)
+    s^4/(s^2 + c). Contact is lost from q_low on, often within a thousandth of the way,
+    and as 1/P ~ sqrt(pi G) the rise then grows as sqrt(u), which is smooth over s,
+    while splines over log q would be of order 1.5. Further on s goes with the root of
+    u.
     """
-    xp = namespace(knots, at)
-    knots, count = xp.asarray(knots), np.shape(knots)[0]
-    h, unit = xp.diff(knots), xp.asarray(np.eye(count))
-    inner = np.arange(1, count - 1)
-    slope = (unit[1:] - unit[:-1]) / h[:, None]
-    system = xp.asarray(np.eye(count))
-    rows = (
-        (h[:-1] / 6)[:, None] * unit[inner - 1]
-        + ((h[:-1] + h[1:]) / 3)[:, None] * unit[inner]
-        + (h[1:] / 6)[:, None] * unit[inner + 1]
+    xp = namespace(log_q, ends)
+    u = xp.clip((log_q - ends[0]) / (ends[1] - ends[0]), _LEAST_SHARE, 1.0) / (
+        1 + _ONSET
     )
-    system = xp.concatenate([system[:1], rows, system[-1:]])
-    bend = xp.linalg.solve(
-        system, xp.concatenate([0 * unit[:1], slope[1:] - slope[:-1], 0 * unit[:1]])
+    return xp.sqrt(0.5 * (u + xp.sqrt(u * (u + 4 * _ONSET))))
+
+
+def log_stations(count: int, ends: Any) -> Any:
+    """log q of stations at even places, 1/count to 1."""
+    square = (np.arange(1, count + 1) / count) ** 2
+    return ends[0] + (ends[1] - ends[0]) * (
+        (1 + _ONSET) * square**2 / (square + _ONSET)
     )
-    at = xp.clip(at, knots[0], knots[-1])
-    left = xp.clip(xp.searchsorted(knots, at, side="right") - 1, 0, count - 2)
-    width = h[left][:, None]
-    s = ((at - knots[left])[:, None]) / width
-    return (
-        (1 - s) * unit[left]
-        + s * unit[left + 1]
-        + width**2
-        / 6
-        * (((1 - s) ** 3 - (1 - s)) * bend[left] + (s**3 - s) * bend[left + 1])
-    )
+
+
+@functools.lru_cache(maxsize=16)
+def _splines(count: int) -> np.ndarray:
+    """Coefficients of the splines of `basis`: (powers from 3 to 0, pieces,
+    stations).
+    """
+    from scipy.interpolate import CubicSpline
+
+    knots = np.arange(count + 1) / count
+    return CubicSpline(knots, np.eye(count + 1)).c[..., 1:]
+
+
+def basis(count: int, place: Any) -> Any:
+    """Values at places (n,) of the cubic splines, zero at place 0, that are 1 at one
+    station and 0 at the others.
+
+    Their end pieces are those of their neighbours ("not a knot"), of fourth order up to
+    the ends: (n, count).
+    """
+    xp = namespace(place)
+    left = xp.clip(xp.floor(place * count).astype(int), 0, count - 1)
+    s = (place - left / count)[:, None]
+    cubic = xp.asarray(_splines(count))[:, left]
+    return ((cubic[0] * s + cubic[1]) * s + cubic[2]) * s + cubic[3]

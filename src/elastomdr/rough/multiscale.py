@@ -185,12 +185,7 @@ def _in_batches(
     per_decade: int,
     local: Local,
 ) -> Any:
-    later = (
-        ()
-        if isinstance(model, Persson)
-        else (float(spectrum.q_high) * np.exp(-form.shift),)
-    )
-    at = nodes(spectrum, per_decade, (*later, *local.bends()))
+    at = nodes(spectrum, per_decade, bends(spectrum, model, local, form))
     step = np.log(10.0) / per_decade
     table = _table(modulus, at, velocity, step, local)
     batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]
@@ -208,6 +203,20 @@ def _in_batches(
         for some in batches
     ]
     return tuple(np.concatenate(part) for part in zip(*out, strict=True))
+
+
+def bends(
+    spectrum: Any, model: Any, local: Local, form: Form = FORM
+) -> tuple[float, ...]:
+    """Wave numbers at which an integrand may bend: where P_s becomes A, and where
+    factors of the moduli do.
+    """
+    later = (
+        ()
+        if isinstance(model, Persson)
+        else (float(spectrum.q_high) * np.exp(-form.shift),)
+    )
+    return (*later, *local.bends())
 
 
 def _table(

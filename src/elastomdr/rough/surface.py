@@ -22,7 +22,7 @@ from ..results.curve import FrictionCurve
 from ..smooth.softening import LINEAR
 from ..surface.spectrum import AbstractSpectrum
 from . import multiscale
-from .adhesion import sheared
+from .adhesion import sheared, why_hotter
 from .adhesive_shear import AdhesiveShear, check_adhesion
 from .heat import Heat, check_heat
 from .local_modulus import Local, Softened
@@ -39,7 +39,6 @@ _HOT_BY_SCALE = (
 _SOFTENED = "; moduli softened by the strain of each length scale"
 _STRAIN_SHARE = 2.0  # factor within which the strain at a scale is taken to be known
 _MOST_SHARE = 2.0
-_OFF = 1 / 3  # of what temperatures with half as many stations change, which is left
 
 
 @dataclasses.dataclass(frozen=True)
@@ -261,16 +260,12 @@ def surface_friction(
         return curve
     area, of_area, more = field(found.area), field(found.area_error), {}
     if heat is not None:
-        before = (
-            adhesion.shear_stress(scene.full(scene.velocity), scene.full(kelvin))
-            * field(cold.area)
-            / pressures
-        )
-        more = {"cold": curve.cold + before}
+        stress = adhesion.shear_stress(scene.full(scene.velocity), scene.full(kelvin))
+        more = {"cold": curve.cold + stress * field(cold.area) / pressures}
     bound = _model_error(
         model, foundation, surface, found, reduced, spread[1], field, of_area=True
     )
-    return sheared(
+    both = sheared(
         curve,
         adhesion,
         area / pressures,
@@ -278,6 +273,11 @@ def surface_friction(
         bound,
         "area of real contact",
         **more,
+    )
+    if heat is None or traced:
+        return both
+    return dataclasses.replace(
+        both, inputs=(*both.inputs, *why_hotter(both, field(cold.area), stress))
     )
 
 
@@ -326,13 +326,8 @@ def _heated(
     by_scale = warmed(problem, model, highest)
     hot = local._replace(warmed=by_scale.warmed)
     found = solved(reduced, carried, hot)
-    error, area_error = found.error, found.area_error
-    if not scene.traced:
-        other = solved(reduced, carried, local._replace(warmed=by_scale.coarse))
-        error = error + _OFF * abs(found.mu - other.mu)
-        area_error = area_error + _OFF * abs(found.area - other.area)
     good = found.good & cold.good & by_scale.good
-    return found._replace(error=error, area_error=area_error, good=good), by_scale, hot
+    return found._replace(error=found.error + by_scale.error, good=good), by_scale, hot
 
 
 def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
@@ -341,7 +336,7 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
     if good.any():
         i = int(np.argmax(np.where(good, by_scale.contact, -np.inf)))
         length, rise = (
-            2 * np.pi / np.exp(by_scale.warmed.log_q),
+            2 * np.pi / np.exp(by_scale.warmed.log_q()),
             by_scale.warmed.rise[i],
         )
         parts = [

@@ -37,20 +37,29 @@ import numpy as np
 
 from ..arrays import as_numpy, fixed, is_traced, while_loop
 from .heat import Heat
-from .local_modulus import Local, Softened, Warmed, basis
-from .multiscale import Waves, _table, contact, waves
+from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
+from .multiscale import Waves, _table, bends, contact, waves
 from .psd_integrals import Nodes, namespace, nodes, until
 
 HIGHEST = 1000.0  # largest rise that is looked for [K]
-_LEVELS = ((12, 4), (24, 8))  # cells and stations per decade of q
-_SCAN = 8  # cells per decade where a first temperature is looked for
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
-# decades of distance below half the shortest wave, nodes over them
-_NEAR, _NEAR_NODES = 3.0, 24
-_K = 6  # nodes per decade over the depth
+_NEAR_NODES = 24  # over the distances below half the shortest wave
 # relative change of temperatures at which they have settled; most rounds
-_SETTLED, _ROUNDS = 1e-10, 80
+_SETTLED, _ROUNDS = 1e-8, 80
 _NOTHING = 1e-9  # rise that is none [K]
+
+
+_CELLS, _STATIONS = 6, 2  # of q per decade on the coarsest level
+_LEVELS = (1, 2, 4, 8, 16)  # how many times finer each is
+# the number of the level that all points reach; further ones only where they ask for it
+_USUAL = 2
+_ASKED = 1e-3  # relative error of friction up to which no finer level is asked for
+_MOST = 1e-2  # and that above which a point has not converged
+# what the change before the last one is divided by: splines are of fourth order
+_ORDER_4 = 16
+# cells per decade and level of the stations where a first temperature is looked for
+_SCAN, _SCAN_STATIONS = 8, 2
+_K = 6  # nodes per decade over the depth
 
 
 class Problem(NamedTuple):
@@ -67,12 +76,17 @@ class Problem(NamedTuple):
     pressure: Any  # [Pa]
     carried: Any  # p/b_T at the body's temperature
 
+    def of(self, points: Any) -> Problem:
+        """The same for some of the points."""
+        names = ("velocity", "reduced", "kelvin", "pressure", "carried")
+        return self._replace(**{name: getattr(self, name)[points] for name in names})
+
 
 class Warm(NamedTuple):
     """Temperatures by scale, as `Local` takes them, and what they come from."""
 
     warmed: Warmed
-    coarse: Warmed  # found with half as many stations
+    error: Any  # of mu, for the stations and cells
     mean: Any  # rise, by where the heat arises [K]
     contact: Any  # rise of real contact, at q_high [K]
     flux: Any  # heat per time and nominal area [W/m^2]
@@ -85,6 +99,8 @@ class Conduction(NamedTuple):
     """Kernels of conduction at the nodes of a surface."""
 
     at: Nodes
+    per_decade: int  # cells
+    ends: Any  # log q_low and log q_high (2,)
     log_q: Any  # of the stations
     cell: Any  # in which each station lies
     place: Any  # where in it, 0 to 1
@@ -104,27 +120,58 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
     """
     if namespace(*_leaves(problem)) is not np:
         return _of_traced(problem, model, highest)
-    log_q, rise, seen, several = _first(problem, model, _LEVELS[0][1], highest)
-    found: list[Warmed] = []
-    of: Any = None
-    good: Any = True
-    for cells, stations in _LEVELS:
-        own = _stations(problem.spectrum, stations)
-        rise = np.clip(rise @ basis(log_q, own).T, 0.0, highest)
-        log_q, of = own, _state(problem, model, _conduction(problem, cells, own))
-        rise, good = _settle(of, rise, highest)
-        found.append(Warmed(own, rise, problem.kelvin, problem.body))
-    state = of(rise)
-    coarse, fine = found
-    return Warm(
-        fine,
-        coarse,
-        state.mean,
-        rise[:, -1],
-        state.flux,
-        state.to_road,
-        good & seen,
-        several,
+    rise, seen, several = _first(
+        problem, model, _count(problem.spectrum, _SCAN_STATIONS), highest
+    )
+    size, left = seen.size, np.arange(seen.size)
+    good = seen
+    error, mean, flux, to_road = (np.full(size, np.nan) for _ in range(4))
+    # of all points, level by level; of those that are left out that of the level before
+    mus: list[np.ndarray] = []
+    for number, level in enumerate(_LEVELS):
+        rise = _at_stations(rise, _count(problem.spectrum, level), highest)
+        own = problem.of(left)
+        of = _state(
+            own, model, _conduction(own, model, _CELLS * level, rise.shape[1]), highest
+        )
+        rise[left], good[left] = _settled(of, rise[left], good[left], highest)
+        state = of(rise[left])
+        mean[left], flux[left], to_road[left] = state.mean, state.flux, state.to_road
+        mus.append(flux / (problem.pressure * problem.velocity))
+        if number >= _USUAL:
+            error[left] = _error(*(mu[left] for mu in mus[-3:]))
+            left = left[good[left] & ~(error[left] <= _ASKED * abs(mus[-1][left]))]
+            if not left.size:
+                break
+    good = good & (error <= _MOST * abs(mus[-1]))
+    found = Warmed(_ends(problem.spectrum), rise, highest, problem.kelvin, problem.body)
+    return Warm(found, error, mean, rise[:, -1], flux, to_road, good, several)
+
+
+def _settled(
+    of: Callable[[Any], State], rise: Any, seen: Any, highest: float
+) -> tuple[Any, Any]:
+    """`_settle`, where a steady state has been seen before."""
+    rise, good = _settle(of, rise, highest)
+    return rise, good & seen
+
+
+def _error(coarsest: Any, coarse: Any, fine: Any) -> Any:
+    """The last change, or what is left of the one before by the order of the splines,
+    if that is more.
+
+    The whole change: where the rise begins it has a kink too narrow for any station, of
+    order 1.4.
+    """
+    return np.maximum(abs(fine - coarse), abs(coarse - coarsest) / _ORDER_4)
+
+
+def _at_stations(rise: Any, count: int, highest: float) -> Any:
+    """Rises at `count` stations; exactly the same splines where those are twice as
+    many.
+    """
+    return np.clip(
+        rise @ basis(rise.shape[1], np.arange(1, count + 1) / count).T, 0.0, highest
     )
 
 
@@ -137,7 +184,7 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
     """
     import jax
 
-    cells, stations = _LEVELS[-1]
+    level = _LEVELS[_USUAL]
     leaves, tree = jax.tree.flatten(problem)
     traced = [is_traced(leaf) for leaf in leaves]
 
@@ -153,20 +200,32 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
 
     def solve(values: list[Any]) -> tuple[Any, ...]:
         moving, still = whole(values), whole([fixed(value) for value in values])
-        log_q, rise, seen, several = _first(still, model, stations, highest)
-        of_still = _state(still, model, _conduction(still, cells, log_q))
+        count = _count(moving.spectrum, level)
+        rise, seen, several = _first(still, model, count, highest)
+        of_still = _state(
+            still, model, _conduction(still, model, _CELLS * level, count), highest
+        )
         rise, good = _settle(of_still, rise, highest)
-        log_q = _stations(moving.spectrum, stations)
-        of = _state(moving, model, _conduction(moving, cells, log_q))
+        of = _state(
+            moving, model, _conduction(moving, model, _CELLS * level, count), highest
+        )
         rise = _newton(of, of_still, rise)
         state = of(rise)
-        return log_q, rise, state.mean, state.flux, state.to_road, good & seen, several
+        return (
+            _ends(moving.spectrum),
+            rise,
+            state.mean,
+            state.flux,
+            state.to_road,
+            good & seen,
+            several,
+        )
 
-    log_q, rise, mean, flux, to_road, good, several = solve(
+    ends, rise, mean, flux, to_road, good, several = solve(
         [leaf for leaf, own in zip(leaves, traced, strict=True) if own]
     )
-    own = Warmed(log_q, rise, problem.kelvin, problem.body)
-    return Warm(own, own, mean, rise[:, -1], flux, to_road, good, several)
+    own = Warmed(ends, rise, highest, problem.kelvin, problem.body)
+    return Warm(own, 0.0 * mean, mean, rise[:, -1], flux, to_road, good, several)
 
 
 class State(NamedTuple):
@@ -178,13 +237,16 @@ class State(NamedTuple):
     to_road: Any
 
 
-def _state(problem: Problem, model: Any, conduct: Conduction) -> Callable[[Any], State]:
+def _state(
+    problem: Problem, model: Any, conduct: Conduction, highest: float
+) -> Callable[[Any], State]:
     """The temperatures that friction makes at temperatures (points, stations)."""
-    table = _tables(problem, conduct.at, _LEVELS[-1][0], HIGHEST)
+    table = _tables(problem, conduct.at, conduct.per_decade, highest)
 
     def of(rise: Any) -> State:
         local = Local(
-            problem.softened, Warmed(conduct.log_q, rise, problem.kelvin, problem.body)
+            problem.softened,
+            Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body),
         )
         found = waves(
             problem.body.complex_modulus,
@@ -204,16 +266,18 @@ def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any
     """Tables for temperatures up to a rise, None where JAX traces."""
     if namespace(problem.reduced, *_leaves(problem)) is not np:
         return None
-    top = Warmed(
-        None, np.full((problem.kelvin.size, 1), 0.0), problem.kelvin, problem.body
+    hottest = np.full(
+        (problem.kelvin.size, 1), min(highest, reach(problem.body, problem.kelvin))
     )
-    limit = min(highest, reach(problem.body, problem.kelvin))
+    local = Local(
+        problem.softened, Warmed(None, hottest, highest, problem.kelvin, problem.body)
+    )
     return _table(
         problem.body.complex_modulus,
         at,
         problem.reduced,
         np.log(10.0) / per_decade,
-        Local(problem.softened, top._replace(rise=top.rise + limit)),
+        local,
     )
 
 
@@ -234,6 +298,7 @@ def _heated(
         + shear[:, None]
     )
     depth = depth / whole[:, None]  # S(k)
+    on_surface = shear / whole  # of it
     excess = 1 / contact(until(found.rate, c.at.weight), model) - 1
     ends = 1 / contact(_until_stations(found.rate, c.at, c.cell, c.place), model) - 1
     # int r dr c_q(r) I0 K0 of each station: beyond its half wave by the nodes, below it
@@ -245,27 +310,39 @@ def _heated(
     factor = 2 / (np.pi * problem.heat.conductivity)
     of_volume = factor * xp.einsum("nks,sk,nk->ns", inner, c.depth, depth)  # <D_q S>_q
     of_surface = factor * xp.einsum("nks,sk->ns", inner, c.depth)  # <D_q>_q
-    top = factor * (inner[..., -1] * depth * c.weight).sum(-1)  # <S>_Q
     flux = whole * problem.pressure * problem.velocity
     road = 0.0 * flux
     if problem.heat.road is not None:
         line = (c.line * excess * c.at.weight).sum((-2, -1)) + ends[:, -1] * c.line_near
+        # <1>_Q, since int K0 dk = (pi/2) exp(-w r)/r
+        line = line / problem.heat.conductivity
+        below = factor * (
+            inner[..., -1] * (depth - on_surface[:, None]) * c.weight
+        ).sum(-1)
+        top = below + on_surface * line  # <S>_Q
         still = (np.pi / c.at.q * excess * c.at.weight).sum((-2, -1)) + ends[
             :, -1
         ] * np.pi / c.at.end
-        resistance = line / problem.heat.conductivity + still / problem.heat.road[0]
+        resistance = line + still / problem.heat.road[0]
         road = xp.where(top > 0, top / xp.where(top > 0, resistance, 1.0), 0.0)
     made = flux[:, None] * (of_volume - road[:, None] * of_surface)
     # the mean by where heat arises, at nodes from the stations
     share = found.each / whole[:, None, None]
-    spline = basis(c.log_q, namespace(c.log_q, c.at.q).log(c.at.q).reshape(-1))
+    log_q = namespace(c.at.q).log(c.at.q).reshape(-1)
+    spline = basis(rise.shape[1], place_of(log_q, c.ends))
     weight = share.reshape(share.shape[0], -1) @ spline
     mean = (rise * weight).sum(-1) + (found.edges + shear) / whole * rise[:, -1]
     return State(made, mean, flux, road)
 
 
-def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
-    at = nodes(problem.spectrum, per_decade)
+def _conduction(
+    problem: Problem, model: Any, per_decade: int, count: int
+) -> Conduction:
+    """Kernels on cells of q, for `count` stations."""
+    traced = namespace(problem.spectrum.q, problem.spectrum.c) is not np
+    bent = () if traced else bends(problem.spectrum, model, Local(problem.softened))
+    at, ends = nodes(problem.spectrum, per_decade, bent), _ends(problem.spectrum)
+    log_q = log_stations(count, ends)
     xp = namespace(
         at.q,
         log_q,
@@ -280,14 +357,21 @@ def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
         of_q.searchsorted(start, log_q, side="right") - 1, 0, width.shape[0] - 1
     )
     place = of_q.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
-    low, high = 1e-2 * at.q[0, 0], 1e3 * at.end
-    count = int(_K * (5 + _decades(problem.spectrum))) + 1
-    k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, count))
-    dk = k * xp.log(k[1] / k[0]) * np.concatenate([[0.5], np.ones(count - 2), [0.5]])
+    low, high = 1e-3 * at.q[0, 0], 1e3 * at.end
+    waves_down = int(_K * (6 + _decades(problem.spectrum))) + 1
+    k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, waves_down))
+    dk = (
+        k
+        * xp.log(k[1] / k[0])
+        * np.concatenate([[0.5], np.ones(waves_down - 2), [0.5]])
+    )
     # what lies below counts as even
-    dk = dk + k * np.concatenate([[1.0], np.zeros(count - 1)])
-    x, gauss = np.polynomial.legendre.leggauss(_NEAR_NODES)
-    x, gauss = 0.5 * _NEAR * np.log(10.0) * (x - 1), 0.5 * _NEAR * np.log(10.0) * gauss
+    dk = dk + k * np.concatenate([[1.0], np.zeros(waves_down - 1)])
+    # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
+    # dlog r = 4 dy/y.
+    y, gauss = np.polynomial.legendre.leggauss(_NEAR_NODES)
+    y, gauss = 0.5 * (y + 1), 0.5 * gauss
+    gauss = 4 * gauss / y
     # The kernel of points that share a velocity is made once.
     velocity, again = problem.velocity, None
     if xp is np:
@@ -306,7 +390,7 @@ def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
             * r**2
         )
 
-    far, close = np.pi / at.q, np.pi / at.end * np.exp(x)
+    far, close = np.pi / at.q, np.pi / at.end * y**4
     own, below = kernel(far), kernel(close) @ gauss
     parts = own * at.weight
     inside = parts.sum((-2, -1))[..., None] - _until_stations(own, at, cell, place)
@@ -323,6 +407,8 @@ def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
     q = xp.exp(log_q)
     return Conduction(
         at,
+        per_decade,
+        ends,
         log_q,
         cell,
         place,
@@ -364,21 +450,22 @@ def _decades(spectrum: Any) -> float:
     return _TRACED_DECADES if namespace(q) is not np else float(np.log10(q[-1] / q[0]))
 
 
-def _stations(spectrum: Any, per_decade: int) -> Any:
-    """log q of the stations: even steps down from q_high, the last one half a step
-    above q_low.
-    """
+def _count(spectrum: Any, level: int) -> int:
+    """How many stations a surface has."""
+    return level * max(2, round(_STATIONS * _decades(spectrum)))
+
+
+def _ends(spectrum: Any) -> Any:
+    """log q_low and log q_high."""
     xp = namespace(spectrum.q)
-    count = max(4, round(per_decade * _decades(spectrum)))
-    low, high = xp.log(spectrum.q[0]), xp.log(spectrum.q[-1])
-    return high - (high - low) * np.arange(count - 1, -1, -1) / (count - 0.5)
+    return xp.log(xp.stack([spectrum.q[0], spectrum.q[-1]]))
 
 
 def _first(
     problem: Problem, model: Any, stations: int, highest: float
-) -> tuple[Any, Any, Any, Any]:
-    """Stations, rises near the lowest steady state, where there is one, and where there
-    is another.
+) -> tuple[Any, Any, Any]:
+    """Rises of `stations` near the lowest steady state, where there is one, and where
+    there is another.
 
     Of a profile over the stations, the height is looked for at which friction makes it.
     The profile is that of a steady state on coarse cells: the one that cold rubber
@@ -386,11 +473,10 @@ def _first(
     is reached in a few rounds, it is the profile of cold rubber after all.
     """
     xp = namespace(problem.reduced, *_leaves(problem))
-    log_q = _stations(problem.spectrum, stations)
-    conduct = _conduction(problem, _SCAN, log_q)
+    conduct = _conduction(problem, model, _SCAN, stations)
     count = problem.reduced.shape[0]
-    of = _state(problem, model, conduct)
-    cold = xp.zeros((count, log_q.shape[0]))
+    of = _state(problem, model, conduct, highest)
+    cold = xp.zeros((count, stations))
     rise, steady = _settle(of, cold, highest)
     state = of(xp.where(steady[:, None], rise, cold))
     top = xp.maximum(state.rise.max(-1), _NOTHING)
@@ -408,18 +494,16 @@ def _first(
             for i in range(1, n + 1)
         ]
     tried = xp.stack(steps)  # (steps, points)
-    flat = {
-        name: xp.concatenate([getattr(problem, name)] * len(steps))
-        for name in ("velocity", "reduced", "kelvin", "pressure", "carried")
-    }
-    many = problem._replace(**flat)
-    rise = (tried[..., None] * shape).reshape(-1, log_q.shape[0])
-    local = Local(problem.softened, Warmed(log_q, rise, many.kelvin, many.body))
+    many = problem.of(np.tile(np.arange(count), len(steps)))
+    rise = (tried[..., None] * shape).reshape(-1, stations)
+    local = Local(
+        problem.softened, Warmed(conduct.ends, rise, highest, many.kelvin, many.body)
+    )
     batch = 512 if xp is np else rise.shape[0]
     power = []
     for i in range(0, rise.shape[0], batch):
         some = slice(i, i + batch)
-        part = many._replace(**{name: values[some] for name, values in flat.items()})
+        part = many.of(some)
         found = waves(
             problem.body.complex_modulus,
             conduct.at,
@@ -453,9 +537,13 @@ def _first(
     if xp is np and several.any():
         last = crossed.shape[0] - np.argmax(crossed[::-1], axis=0)
         lowest, settled = _settle(of, start, highest)
-        hotter, hot = _settle(of, tried[last, every, None] * shape, highest)
+        height = tried[last, every, None]
+        # of hot rubber, which is not that of the lowest state
+        profile = of(height * shape).rise
+        profile = profile / np.maximum(profile.max(-1, keepdims=True), _NOTHING)
+        hotter, hot = _settle(of, height * profile, highest)
         several &= settled & hot & (hotter.max(-1) > 1.01 * lowest.max(-1))
-    return log_q, start, below.any(0) | steady, several
+    return start, below.any(0) | steady, several
 
 
 def _settle(of: Callable[[Any], State], rise: Any, highest: float) -> tuple[Any, Any]:
