@@ -2,7 +2,7 @@
 temperature at every wave number.
 
 The equations are those of docs/theory.md, sections 21, 23 and 24. Nothing of
-`elastomdr.solve` is used, only the constants of Multiscale. The way from q_low to
+the solution in `elastomdr.rough` is used, only the constants of Multiscale. The way from q_low to
 q_high is log(q/q_low) = log(q_high/q_low) t^4 with even steps of t within each piece of
 the spectrum, since a rise that begins as the root of log(q/q_low) is smooth over t. All
 integrals are Simpson's, the distances r are those of half the waves, pi/q, the moduli
