@@ -9,7 +9,7 @@ are compared under bodies given as points too, which takes half an hour. Bodies:
 from 1.5 to 8, and five with a length r_0 of their own, pressed to relaxed contacts of
 1.15 to 3 r_0. Spectra: one branch, and two branches 3 to 6 decades apart. Glassy over
 relaxed modulus 10 to 1000. Four speeds are drawn for each, down to 0.1 % of the peak's
-friction. The rule of `mapping.direction.asymmetry` was fitted to this map and to that
+friction. The rule of `surface.direction.asymmetry` was fitted to this map and to that
 of validity_map.py, without the bodies r^1.5, r^2.5 and r^5.
 """
 
