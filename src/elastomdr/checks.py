@@ -337,7 +337,8 @@ def written(module: Any) -> str:
     """A module as its class and its fields, numbers with six digits: what `repr` shows
     of shapes and shift laws.
     """
-    return f"{type(module).__name__}({', '.join(f'{key}={_brief(value)}' for key, value in vars(module).items())})"
+    fields = (f"{key}={_brief(value)}" for key, value in vars(module).items())
+    return f"{type(module).__name__}({', '.join(fields)})"
 
 
 def _brief(value: Any) -> str:

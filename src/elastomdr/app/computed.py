@@ -66,8 +66,11 @@ _LABELS = {
     "traction": "Slip curve of a tyre (.tir)",
 }
 _ABOUT = {
-    "traction": f'Friction "{COMPUTED}" is that of this rubber on the road of the friction screen, with its heat and '
-    "adhesion, where the wheel needs it. A number or the name of a table does as well."
+    "traction": (
+        f'Friction "{COMPUTED}" is that of this rubber on the road of the friction '
+        "screen, with its heat and adhesion, where the wheel needs it. A number or the "
+        "name of a table does as well."
+    ),
 }
 _MOST_CURVES = 8  # temperatures up to which those of dropped measurements are added
 

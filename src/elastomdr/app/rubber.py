@@ -27,7 +27,8 @@ from .stage import BUTTON, Notes, Picture, Words, drop, mark_of_age, worked
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _INNER = r"(?:[^()]|\([^()]*\))*"
 _ADVICE = re.compile(  # for Python, then for the command line
-    rf"(?:(?<=as )|(?<=: )|(?<=give )|(?<=or )|(?<=compare ))\w+=(?:(?!\. )[^()]|\([^()]*\))*? \((--{_INNER})\)"
+    r"(?:(?<=as )|(?<=: )|(?<=give )|(?<=or )|(?<=compare ))"
+    rf"\w+=(?:(?!\. )[^()]|\([^()]*\))*? \((--{_INNER})\)"
     rf"|\bem\.\w+\([^()]*\) \((--{_INNER})\)"
 )
 # as the command line takes it

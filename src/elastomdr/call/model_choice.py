@@ -114,9 +114,10 @@ def hint_at_line(model: Any, surface: Any, **given: Any) -> None:
         "a force per length of line [N/m]" if name == "load" else "the depth of a line"
     )
     warnings.warn(
-        f"{name} on a surface is {unit}, and is computed with em.Line(), whose friction may be fifty times too low: "
-        "give pressure= [Pa], the load over the nominal area, for em.Multiscale(), or model=em.Line() where the line "
-        'is meant (in a scene model = "line").',
+        f"{name} on a surface is {unit}, and is computed with em.Line(), whose "
+        "friction may be fifty times too low: give pressure= [Pa], the load over the "
+        "nominal area, for em.Multiscale(), or model=em.Line() where the line is meant "
+        '(in a scene model = "line").',
         ModelWarning,
         stacklevel=6,
     )

@@ -20,7 +20,8 @@ def hint_at_metres(shape: Any) -> None:
         return
     radius = float(shape.radius)
     warnings.warn(
-        f"The radius of the {shape.label} is {radius:g} m. Radii are in metres: {radius:g} mm are {1e-3 * radius:g} m "
+        f"The radius of the {shape.label} is {radius:g} m. Radii are in metres: "
+        f"{radius:g} mm are {1e-3 * radius:g} m "
         f'(in a scene "{radius:g} mm").',
         ModelWarning,
         stacklevel=6,

@@ -165,8 +165,8 @@ class TabulatedFoundation(AbstractTable):
     """A half-space by a table of E*(omega), for steady models of surfaces;
     `em.half_space(tabulated)` makes it.
 
-    It answers what such models ask of a `Foundation`: `complex_modulus`, `shift`, `vertical`, `softening`,
-    `range`, `name` and     `per_area`.
+    It answers what such models ask of a `Foundation`: `complex_modulus`, `shift`,
+    `vertical`, `softening`, `range`, `name` and `per_area`.
     """
 
     omega: Float[Array, " n"]

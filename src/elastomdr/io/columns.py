@@ -688,7 +688,10 @@ def _letter(quantity: Quantity, name: str) -> str:
         return "G"
     if re.match(r"((storage|loss)[ _])?(tensile|young)", name, re.IGNORECASE):
         return "E"
-    behind = r"[_'*12(]|pp?\b|[ ]?(?:abs|stor|loss|relax|(?:d|double[_ -]?)?prime)|-(?:stor|loss)|\*?\)"
+    behind = (
+        r"[_'*12(]|pp?\b|[ ]?(?:abs|stor|loss|relax|(?:d|double[_ -]?)?prime)"
+        r"|-(?:stor|loss)|\*?\)"
+    )
     match = re.search(rf"(?<![a-z])([ge])(?={behind})", name, re.IGNORECASE)
     match = (
         match

@@ -29,8 +29,8 @@ QUANTITIES = (
         "mu",
         "ratio",
         (
-            r"mu|µ|μ|cof|friction|(friction|frictional) coefficient|coefficient of friction|reib(wert|ungszahl)|"
-            r"reibungskoeffizient",
+            r"mu|µ|μ|cof|friction|(friction|frictional) coefficient|"
+            r"coefficient of friction|reib(wert|ungszahl)|reibungskoeffizient",
         ),
         valid="not negative",
         limits=(0.0, 8.0),
@@ -52,7 +52,8 @@ QUANTITIES = (
         "error",
         "ratio",
         (
-            r"error|std|sigma|standard deviation|(error|std|standard deviation) of (mu|friction)|mu (error|std)",
+            r"error|std|sigma|standard deviation|"
+            r"(error|std|standard deviation) of (mu|friction)|mu (error|std)",
         ),
     ),
 )

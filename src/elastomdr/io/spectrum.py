@@ -246,8 +246,9 @@ def _given(name: str, head: Head, said: str, user: Any, key: str, *kinds: str) -
     if said or user:
         return said or str(user)
     raise InputError(
-        f"path: {name!r} has no unit that is known in column {head.place + 1} {head.title!r}; write titles such as "
-        f'"q [rad/m], C [m^4]", or give {key}, such as {example!r}.'
+        f"path: {name!r} has no unit that is known in column {head.place + 1} "
+        f'{head.title!r}; write titles such as "q [rad/m], C [m^4]", or give {key}, '
+        f"such as {example!r}."
     )
 
 

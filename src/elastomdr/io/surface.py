@@ -386,8 +386,9 @@ def _metres(head: Head, unit: str | None, name: str) -> float:
     given = next((said for said in ways if to_si(said, "length")), unit)
     if given is None:
         raise InputError(
-            f"path: {name!r} has no unit of length in column {head.place + 1} {head.title!r}; write titles such as "
-            '"x [mm], height [um]", or give unit, such as "um".'
+            f"path: {name!r} has no unit of length in column {head.place + 1} "
+            f'{head.title!r}; write titles such as "x [mm], height [um]", or give '
+            'unit, such as "um".'
         )
     return _length(given, name)
 

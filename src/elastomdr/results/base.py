@@ -183,9 +183,17 @@ class Result:
     # why `extrapolated` is None
     unflagged: ClassVar[str] = "not known: no point is marked as extrapolated"
     from_zero: ClassVar[bool] = True  # whether the vertical axis begins at zero
+    # after which an axis may be called: of several quantities that change along it, the
+    # first
     coordinates: ClassVar[tuple[str, ...]] = (
-        "time", "velocity", "temperature", "pressure", "normal_force", "force", "depth",
-    )  # fmt: skip  # after which an axis may be called: of several quantities that change along it, the first
+        "time",
+        "velocity",
+        "temperature",
+        "pressure",
+        "normal_force",
+        "force",
+        "depth",
+    )
 
     # ------------------------------------------------------------------------------------------
     # numbers

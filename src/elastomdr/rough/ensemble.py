@@ -43,7 +43,8 @@ class Ask(NamedTuple):
 
 
 Solver = Callable[[list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[Line]]
-"""Lanes of several lines at once, each a line with its velocities, its line loads or depths, and which they are."""
+# Lanes of several lines at once, each a line with its velocities, its line loads or
+# depths, and which they are.
 
 
 def mean_of_lines(

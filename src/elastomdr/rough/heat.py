@@ -12,7 +12,8 @@ of the surface to the depth 1/2q, by exp(-2 q z). Split in depth into cosines of
 number k, the source at the distance r warms as I0(w r) K0(r sqrt(w^2 + k^2)), so that a
 pattern of heated spots has the mean temperature
 
-    dT = (2/(pi lambda)) int_0^inf dk S(k)^2 int_0^inf r dr [j(r) - j] I0(w r) K0(r sqrt(w^2 + k^2)),
+    dT = (2/(pi lambda)) int_0^inf dk S(k)^2
+         int_0^inf r dr [j(r) - j] I0(w r) K0(r sqrt(w^2 + k^2)),
     S(k) = sum_q s_q 4 q^2/(k^2 + 4 q^2),        j(r) = j/P(pi/r),
 
 with j = mu p v the mean heat flux, s_q the share of the friction that the waves q have,
@@ -192,7 +193,8 @@ class Heat(Tree):
         """Steady temperature rise [K], mean over a disc of `radius` a [m] and even
         `flux` q [W/m^2], moving at v.
 
-            dT = (2 q a/lambda) int_0^1 (2/pi) [acos s - s sqrt(1 - s^2)] I0(2 w a s) exp(-2 w a s) ds,
+            dT = (2 q a/lambda) int_0^1 (2/pi) [acos s - s sqrt(1 - s^2)]
+                 I0(2 w a s) exp(-2 w a s) ds,
             w = v/2D,
 
         exact at every Peclet number w a: the bracket is the overlap of two discs at the

@@ -155,7 +155,8 @@ def branch_losses(
     e^{-r/s_k}) g'(r-b) dr, and u_b = g(a) - g(b), the work on a branch less what it
     holds at the edge is
 
-        E_k int e^{-r/s_k} C dr - E_k (u_b - Y_k)^2/2 = E_k [u_b Y_k - int (1 - e^{-r/s_k}) C dr - Y_k^2/2],
+        E_k int e^{-r/s_k} C dr - E_k (u_b - Y_k)^2/2
+        = E_k [u_b Y_k - int (1 - e^{-r/s_k}) C dr - Y_k^2/2],
 
     the first for fast branches, the second for slow ones, each without cancellation.
     What all springs hold at the edge is lost in free recovery, where y_k = sum_j Y_jk

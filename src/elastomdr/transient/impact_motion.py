@@ -9,7 +9,8 @@ t_1(x), so that with the measure A(d) of `surface.reach`
 After the turn, d' = 0, the contact shrinks. Elements touched after the instant t_1(t)
 have left; t_1 is where
 
-    int_{t_1}^t E(t - s) d'(s) ds + eta d'(t) = 0,  and then  F = E_inf A(d(t_1)) + sum_k exp(-(t - t_1)/tau_k) F_k(t_1)
+    int_{t_1}^t E(t - s) d'(s) ds + eta d'(t) = 0,
+    F = E_inf A(d(t_1)) + sum_k exp(-(t - t_1)/tau_k) F_k(t_1)
 
 (Ting 1966; on the line each element leaves at zero force). Nothing else can happen in a
 free impact: F >= 0 lets the velocity only fall, so that it changes sign once, and the
