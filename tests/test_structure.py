@@ -4,8 +4,10 @@ files have their rooms.
 
 import ast
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import FrameType
 
 import elastomdr as em
 
@@ -106,6 +108,29 @@ def test_files_of_structure_exist():
     for name in named:
         place = page.parents[1] / name if name.startswith("docs/") else SOURCE / name
         assert place.exists(), name
+
+
+def test_a_call_passes_the_files_of_its_walk():
+    page = Path(__file__).parents[1] / "docs" / "structure.md"
+    walk = page.read_text(encoding="utf-8").partition("`em.friction` of a ball")[2]
+    rows = re.findall(r"^\| (`.*?) \|", walk.partition("\n\n`em.")[0], re.MULTILINE)
+    named = re.findall(r"`(\w+/\w+\.py)`", " ".join(rows))
+    passed = set()
+
+    def note(frame: FrameType, _event: str, _arg: object) -> None:
+        passed.add(Path(frame.f_code.co_filename))
+
+    rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
+    before = sys.gettrace()
+    # once beforehand, so that a file that is only imported does not count
+    em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    sys.settrace(note)
+    try:
+        em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    finally:
+        sys.settrace(before)
+    assert len(named) > 10
+    assert not {SOURCE / name for name in named} - passed
 
 
 def test_only_io_reads_files_of_others():
