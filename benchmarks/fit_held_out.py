@@ -27,7 +27,7 @@ import numpy as np
 from common import heading, one_core, save, table, verdict
 
 import elastomdr as em
-from elastomdr.fit.misfit import deviations
+from elastomdr.fit.pipeline import deviations
 
 FOLDS = 4
 
@@ -88,7 +88,7 @@ def delivered(name: str, dma: em.fit.Dma) -> tuple[Any, ...]:
     data as measured.
     """
     fits = [em.fit.material(dma, vertical=vertical) for vertical in (None, False)]
-    sizes = [100 * size for fit in fits for size in fit.misfit.values()]
+    sizes = [100 * size for fit in fits for size in fit.pipeline.values()]
     return name, fits[0].master.reference - 273.15, *sizes
 
 

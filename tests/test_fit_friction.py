@@ -8,8 +8,7 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 from elastomdr.fit import calibration
-from elastomdr.fit.compiled import with_jacobian
-from elastomdr.fit.parameters import applied
+from elastomdr.fit.calibration import applied, with_jacobian
 
 LAW = em.WLF(6.0, 110.0, 293.15)
 KELVIN = np.array([268.15, 278.15, 288.15, 293.15, 303.15, 318.15])

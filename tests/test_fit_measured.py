@@ -12,7 +12,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
-from elastomdr.fit.swapped import look_swapped
+from elastomdr.fit.isotherms import look_swapped
 
 DATA = Path(
     os.environ.get(

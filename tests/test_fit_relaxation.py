@@ -7,7 +7,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.fit.from_relaxation import _widest
+from elastomdr.fit.series import _widest
 from elastomdr.material.check import check_material
 from elastomdr.material.validity import Range, as_range, shared
 

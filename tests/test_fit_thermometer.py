@@ -7,7 +7,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.fit.thermometer import USUAL, slopes, thermometer
+from elastomdr.fit.laws import USUAL, slopes, thermometer
 
 from .dma_files import KNOWN, data
 

@@ -635,7 +635,7 @@ def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(
     )
     glass = em.Prony(1e9, np.full(25, 1e7), times, shift=law)  # tan delta of 0.01
     filled = em.Prony(4e6, 4e5 * times**-0.05, times, shift=law)
-    from elastomdr.fit.swapped import look_swapped
+    from elastomdr.fit.isotherms import look_swapped
 
     for material in (melt, glass, filled, KNOWN):
         for decades, noise in ((1.0, 0.002), (3.0, 0.05)):

@@ -255,7 +255,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
     """Writes a material that is known by its hardness only."""
-    from ..fit.hardness import from_hardness, save_hardness
+    from ..fit.pipeline import from_hardness, save_hardness
 
     material = from_hardness(
         options.shore_a, like=options.like, name=options.name or ""

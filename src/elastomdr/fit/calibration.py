@@ -1,21 +1,19 @@
 """Chosen parameters of a material, or of a rough surface, adjusted to measured friction
-or rolling resistance.
-
-Least squares with Gaussian priors; Jacobians through the contact solution (under an
-indenter) or by central differences (on a rough surface, whose friction is found by a
-search over batches and levels of sampling).
+or rolling resistance: `em.fit.calibrate`.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
@@ -31,20 +29,210 @@ from ..errors import (
     closest,
 )
 from ..material.prony import Prony
+from ..material.shift import WLF
 from ..material.tabulated import needs_series
-from ..models import Line
+from ..models import Line, Model, as_model
 from ..rough.line_bound import missed
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.synthesis import PER_WAVE, line_count
-from .compiled import with_jacobian
 from .findings import TWO_SIGMA, AbstractFindings
-from .parameters import MEANINGS, Change, applied, check
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
     from .._types import ArrayLike, Motion
     from ..call.types import Indenter, Surface
+
+# --------------------------------------------------------------------------------------
+# What a calibration may adjust: parameters of a material, of a surface, and of what
+# turns one into a coefficient.
+#
+# All but `slope`, `cutoff` and `offset` are log10 of a factor, so that 0 leaves
+# everything as it is. The parameters of a surface act on its spectrum C(q): `q_high`
+# moves where it ends, C below stays as it was (beyond a table it goes on as its last
+# power law), `heights` scales all heights, `length` scales the length that turns a
+# pressure into a line load.
+# --------------------------------------------------------------------------------------
+
+MEANINGS = {
+    "modulus": "log10 of a factor on all moduli",
+    "equilibrium": "log10 of a factor on the equilibrium modulus",
+    "slope": "exponent s of a factor (tau/tau_middle)^s on the moduli of the spectrum",
+    "cutoff": (
+        "log10 of a time tau_c [s]; moduli of branches are divided by 1 + (tau_c/tau)^2"
+    ),
+    "time": "log10 of a factor on all relaxation times",
+    "c1": "log10 of a factor on the WLF constant c1",
+    "c2": "log10 of a factor on the WLF constant c2",
+    "q_high": "log10 of a factor on the upper cutoff of the surface's spectrum",
+    "heights": "log10 of a factor on the heights of the surface",
+    "length": (
+        "log10 of a factor on equivalent_length of em.Line, the length that turns a "
+        "pressure into a line load"
+    ),
+    "offset": "a constant added to the computed coefficient, such as adhesion",
+    "gain": "log10 of a factor on the computed coefficient",
+}
+OF_SURFACE = ("q_high", "heights", "length")
+
+Change = Callable[[Prony, Any, dict[str, Any]], tuple[Prony, Any]]
+
+
+def check(
+    names: Mapping[str, Any], material: Prony, shape: Any, scene: Mapping[str, Any]
+) -> None:
+    """Raises `InputError` for parameters that material, shape or scene do not have."""
+    if {"c1", "c2"} & names.keys() and not isinstance(material.shift, WLF):
+        raise InputError(
+            "parameters c1 and c2 need a material with a WLF law, got "
+            f"{material.shift!r}."
+        )
+    if {"q_high", "heights"} & names.keys() and not isinstance(shape, AbstractSpectrum):
+        raise InputError(
+            "parameters q_high and heights need a surface with a spectrum, got "
+            f"{shape!r}."
+        )
+    if "length" in names:
+        model = as_model(scene.get("model"))
+        if not isinstance(model, Line) or not isinstance(
+            model.equivalent_length, (int, float)
+        ):
+            raise InputError(
+                "parameter length needs a number [m] to start from, in "
+                "model=em.Line(equivalent_length=...), got "
+                f"model={model!r}."
+            )
+
+
+def applied(
+    material: Prony,
+    shape: Any,
+    scene: Mapping[str, Any],
+    values: dict[str, Any],
+    change: Change | None,
+) -> tuple[Prony, Any, dict[str, Any]]:
+    """Material, shape and scene with the parameters in them; those of the material are
+    differentiable.
+    """
+    if change is not None:
+        material, shape = change(material, shape, values)
+    scene = dict(scene)
+    if "q_high" in values:
+        shape = shape.ended(shape.q_high * 10.0 ** values["q_high"])
+    if "heights" in values:
+        shape = shape.raised(10.0 ** values["heights"])
+    if "length" in values:
+        model = as_model(scene["model"])
+        assert isinstance(model, Line)
+        length = model.equivalent_length * 10.0 ** values["length"]
+        scene["model"] = dataclasses.replace(model, equivalent_length=length)
+    return _of_material(material, values), shape, scene
+
+
+def _of_material(material: Prony, values: dict[str, Any]) -> Prony:
+    times, moduli = jnp.asarray(material.times), jnp.asarray(material.moduli)
+    equilibrium = jnp.asarray(material.equilibrium)
+    if "slope" in values and times.size:
+        middle = jnp.exp(jnp.mean(jnp.log(times)))
+        moduli = moduli * (times / middle) ** values["slope"]
+    if "cutoff" in values:
+        moduli = moduli / (1 + (10.0 ** values["cutoff"] / times) ** 2)
+    equilibrium = equilibrium * 10.0 ** (
+        values.get("equilibrium", 0.0) + values.get("modulus", 0.0)
+    )
+    moduli, times = (
+        moduli * 10.0 ** values.get("modulus", 0.0),
+        times * 10.0 ** values.get("time", 0.0),
+    )
+    material = eqx.tree_at(
+        lambda m: (m.equilibrium, m.moduli, m.times),
+        material,
+        (equilibrium, moduli, times),
+    )
+    if {"c1", "c2"} & values.keys():
+        law: Any = material.shift
+        factors = (10.0 ** values.get("c1", 0.0), 10.0 ** values.get("c2", 0.0))
+        law = eqx.tree_at(
+            lambda s: (s.c1, s.c2), law, (law.c1 * factors[0], law.c2 * factors[1])
+        )
+        material = eqx.tree_at(lambda m: m.shift, material, law)
+    return material
+
+
+# --------------------------------------------------------------------------------------
+# A function of parameters and its Jacobian as one compiled program, kept for other
+# measurements of the same scene.
+#
+# Compiling takes some fifty times longer than computing. What a program has as constants
+# (material, shape, velocities, temperatures ...) are its key: where any of it differs,
+# another one is compiled.
+# --------------------------------------------------------------------------------------
+
+_MOST = 8  # programs that are kept
+_PROGRAMS: dict[Any, Any] = {}  # the least recently used one first
+
+
+def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, Any]:
+    """The value and the Jacobian of `compute` as functions of parameters, a vector.
+
+    `constants` is a pytree of all that `compute` depends on; None where that is not
+    known: nothing is kept then.
+    """
+    both = _program(compute, None if constants is None else _key(constants))
+    last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+
+    def at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        key = p.tobytes()
+        if key not in last:
+            jacobian, value = both(p)
+            last.clear()
+            last[key] = np.asarray(value), np.asarray(jacobian)
+        return last[key]
+
+    return lambda p: at(p)[0], lambda p: at(p)[1]
+
+
+def _program(compute: Callable[[Any], Any], key: Any) -> Any:
+    found = None if key is None else _PROGRAMS.pop(key, None)
+    if found is None:
+        found = jax.jit(jax.jacfwd(lambda p: 2 * (compute(p),), has_aux=True))
+    if key is not None:
+        _PROGRAMS[key] = found
+        while len(_PROGRAMS) > _MOST:
+            _PROGRAMS.pop(next(iter(_PROGRAMS)))
+    return found
+
+
+def _key(constants: Any) -> Any:
+    """What is the same for the same constants; None where anything but numbers, texts
+    and models is in them.
+    """
+    leaves, structure = jax.tree.flatten(constants)
+    parts = []
+    for leaf in leaves:
+        if isinstance(leaf, (np.ndarray, np.generic, jax.Array)):
+            array = np.asarray(leaf)
+            parts.append((array.shape, array.dtype.str, array.tobytes()))
+        elif isinstance(leaf, (bool, int, float, str, Model)):
+            parts.append((type(leaf), leaf))
+        else:
+            return None
+    key = structure, tuple(parts)
+    try:
+        hash(key)
+    except TypeError:  # a static field that is no constant
+        return None
+    return key
+
+
+# --------------------------------------------------------------------------------------
+# Chosen parameters of a material, or of a rough surface, adjusted to measured friction
+# or rolling resistance.
+#
+# Least squares with Gaussian priors; Jacobians through the contact solution (under an
+# indenter) or by central differences (on a rough surface, whose friction is found by a
+# search over batches and levels of sampling).
+# --------------------------------------------------------------------------------------
 
 # standard deviation of the prior of a parameter, about its start, where none is given
 _WIDTH = 1.0
@@ -167,7 +355,7 @@ def calibrate(
         shape: the indenter or surface to begin with.
         velocity: sliding velocities [m/s].
         measured: measured coefficients, of the shape that the scene has.
-        parameters: names from `elastomdr.fit.parameters.MEANINGS`, or a dict of names
+        parameters: names from `elastomdr.fit.calibration.MEANINGS`, or a dict of names
             and starting values (0 where none is given; the cutoff starts at the
             shortest relaxation time).
         quantity: "friction", or "rolling" for the resistance.

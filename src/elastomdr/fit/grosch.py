@@ -16,11 +16,9 @@ from ..checks import as_float64, in_kelvin, in_si, positive, require, scalar
 from ..errors import InputError
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import alike, group
-from .laws import LawFit, fit_laws
-from .posterior import Posterior, Prior, infer
-from .reference import locate
+from .laws import LawFit, fit_laws, locate
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
-from .spectrum import STORAGE, Points
+from .spectrum import STORAGE, Points, Posterior, Prior, infer
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int

@@ -1,4 +1,6 @@
-"""WLF, Arrhenius and VFT laws through measured shift factors."""
+"""Shift laws: WLF, Arrhenius and VFT through shift factors, the place of a reference
+temperature, the error of the thermometer, and laws that the user gives.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +10,25 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..material.shift import GAS_CONSTANT, VFT, WLF, Arrhenius
+from ..checks import significant
+from ..errors import InputError
+from ..io.data import Dma
+from ..material.shift import (
+    GAS_CONSTANT,
+    VFT,
+    WLF,
+    AbstractShift,
+    Arrhenius,
+    ShiftTable,
+)
+from .spectrum import closest_passive
 
 if TYPE_CHECKING:
     from jaxtyping import Float
+
+# --------------------------------------------------------------------------------------
+# WLF, Arrhenius and VFT laws through measured shift factors.
+# --------------------------------------------------------------------------------------
 
 _LN10 = float(np.log(10.0))
 _LEAST = 0.003  # standard deviation by which any such law may be off [decades]
@@ -208,4 +225,385 @@ def derivatives(form: Form, p: np.ndarray, temperature: np.ndarray) -> np.ndarra
             axis=1,
         )
         / step
+    )
+
+
+# --------------------------------------------------------------------------------------
+# Where a reference temperature lies among the isotherms: log10 a_T of it, and what is
+# known of that.
+#
+# Between isotherms a law bends the straight line between neighbours; beyond them it
+# carries on from the last isotherm,
+#
+#     x(T_ref) = sum_i w_i x_i + f(T_ref; p) - sum_i w_i f(T_i; p),     x = log10 a_T,
+#
+# f the WLF law (Arrhenius' through two isotherms), p its parameters by generalised least
+# squares, w the weights of linear interpolation. p is made of the same x_i: their
+# covariance passes through it. What the law is off by at the isotherms, and what
+# Arrhenius' law would say instead with the weight that the data leave to it, come on top
+# beyond the data.
+# --------------------------------------------------------------------------------------
+
+# half a 95 % interval of an extrapolated log10 a_T above which it is refused [decades]
+_FARTHEST = 2.0
+_STRANGE = 100.0  # distance of a reference that makes one think of a unit mixed up [K]
+# of rubbers, below the coldest of two isotherms, which leave it open [K]
+_USUAL_POLE = 150.0
+
+
+class Place(NamedTuple):
+    """The state at a reference temperature, seen from the isotherms."""
+
+    # of the reference temperature, in the frame of the isotherms' shifts [decades]
+    log10_a: float
+    weights: np.ndarray  # its derivatives by the isotherms' log10 a_T
+    # weights of linear interpolation, all on the last isotherm beyond the ends
+    near: np.ndarray
+    # of log10_a beyond what follows from the weights: the law's own [decades^2]
+    variance: float
+    # half a 95 % interval of the step from the last isotherm, where it is extrapolated
+    # [decades], or 0
+    half: float
+
+
+def locate(
+    temperature: np.ndarray,
+    log10_a: np.ndarray,
+    covariance: np.ndarray,
+    reference: float,
+) -> Place:
+    """log10 a_T at `reference` [K] from that of isotherms at ascending temperatures
+    [K], with its uncertainty.
+
+    Raises `InputError` for a reference temperature so far outside that the law cannot
+    carry the isotherms there: at or below its pole, or where the step from the last
+    isotherm is not known to a factor of 100.
+    """
+    n, near = temperature.size, _interpolation(temperature, reference)
+    centre = int(np.argmin(np.abs(temperature - reference)))
+    distance = float(abs(temperature[centre] - reference))
+    if n == 1 or distance < 1e-9:  # there is nothing to bend
+        return Place(float(near @ log10_a), near, near, 0.0, 0.0)
+    change = np.eye(n)
+    change[:, centre] -= 1
+    value, spread = change @ log10_a, change @ covariance @ change.T
+    known = forms(float(temperature[centre]), float(temperature[0]))
+    form = known["WLF" if n > 2 else "Arrhenius"]
+    p, of_p, own = fit_form(form, temperature, value, spread)
+    precision = np.linalg.inv(spread + own**2 * np.eye(n))
+
+    def bend(form: Form, p: np.ndarray) -> float:
+        return float(form.value(p, reference) - near @ form.value(p, temperature))
+
+    at = float(near @ log10_a) + bend(form, p)
+    by_p = derivatives(form, p, np.array([reference]))[0] - near @ derivatives(
+        form, p, temperature
+    )
+    by_value = by_p @ of_p @ derivatives(form, p, temperature).T @ precision
+    weights = near + by_value @ change
+    if temperature[0] <= reference <= temperature[-1]:
+        return Place(at, weights, near, 0.0, 0.0)
+    arrhenius = known["Arrhenius"]
+    if n > 2:
+        q = fit_form(arrhenius, temperature, value, spread)[0]
+        off = [
+            value - one.value(parameters, temperature)
+            for one, parameters in ((arrhenius, q), (form, p))
+        ]
+        # Akaike: a parameter costs 2
+        worse = off[0] @ precision @ off[0] - off[1] @ precision @ off[1] - 2.0
+        chance = 1 / (1 + np.exp(np.clip(worse / 2, -50, 50)))
+        difference = bend(arrhenius, q) - bend(form, p)
+    else:
+        pole = temperature[0] - _USUAL_POLE
+        rise = 1 / (np.append(temperature, reference) - pole)
+        difference = (value[1] - value[0]) * (rise[2] - near @ rise[:2]) / (
+            rise[1] - rise[0]
+        ) - bend(form, p)
+        chance = 1.0
+    # the law's own error grows as isotherms are away
+    steps = distance / float(np.diff(temperature).mean())
+    variance = (own * steps) ** 2 * (
+        1 + float(by_value @ by_value)
+    ) + chance * difference**2
+    step = weights - np.eye(n)[centre]
+    half = 1.96 * float(np.sqrt(max(step @ covariance @ step, 0.0) + variance))
+    pole = float(temperature[0]) - float(np.exp(p[1])) - POLE if n > 2 else 0.0
+    if reference <= pole or not half < _FARTHEST:
+        why = (
+            f"with +- {half:.2g} decades only"
+            if reference > pole
+            else f"past its pole, {pole - 273.15:.4g} degC"
+        )
+        raise InputError(
+            "reference must be within reach of the data, "
+            f"{temperature[0] - 273.15:.4g} to {temperature[-1] - 273.15:.4g} degC, "
+            f"got {reference - 273.15:.4g} degC: the law of the shift factors would "
+            f"have to carry {distance:.3g} K beyond them "
+            f"{why}.{' Are the units of temperature right?' if distance > _STRANGE else ''}"
+        )
+    return Place(at, weights, near, variance, half)
+
+
+def of_law(log10_a: float, temperature: np.ndarray, reference: float) -> Place:
+    """The place of a reference temperature that a given law has at `log10_a`: nothing
+    about it is uncertain.
+    """
+    near = _interpolation(temperature, reference)
+    return Place(log10_a, near, near, 0.0, 0.0)
+
+
+def _interpolation(temperature: np.ndarray, reference: float) -> np.ndarray:
+    """Weights of linear interpolation between neighbours, all on the last isotherm
+    beyond the ends.
+    """
+    n = temperature.size
+    weights = np.zeros(n)
+    place = np.interp(reference, temperature, np.arange(n))
+    low = min(int(place), max(n - 2, 0))
+    weights[low] = 1 - (place - low)
+    if n > 1:
+        weights[low + 1] = place - low
+    return weights
+
+
+# --------------------------------------------------------------------------------------
+# How far the temperatures of isotherms are off, by how their shift factors scatter
+# about a smooth law.
+#
+# An isotherm that was measured at T + dT has a shift factor that is off by dT d(log10
+# a_T)/dT, whatever its moduli say. Shift factors x about a WLF law f(T; p) therefore
+# scatter by
+#
+#     V(s) = C + s^2 diag(f'(T)^2),
+#     C what the moduli leave open, s the standard error of a temperature,
+#
+# and the restricted likelihood of V (Patterson & Thompson 1971: p is found from the same
+# shift factors) says which s is likely. Before any data s is expected to be that of usual
+# instruments, half normal with 0.3 K, or, with one chance in three, none that matters: a
+# thermometer may be off by the same at all temperatures. Its mean square over the
+# posterior is what enters the uncertainty. Few isotherms leave the expectation as it is,
+# many a clear answer. Shift factors that follow no WLF law say nothing of thermometers.
+# --------------------------------------------------------------------------------------
+
+# standard error of the temperature of an isotherm, of furnaces with a forced flow of
+# gas [K]
+USUAL = 0.3
+_GRID = np.linspace(0.0, 5.0, 101)  # of s, in usual ones
+_OWN = 1e-3  # by how much the best law is off at any rate [decades]
+
+
+def thermometer(
+    temperature: np.ndarray,
+    log10_a: np.ndarray,
+    covariance: np.ndarray,
+    usual: float = USUAL,
+) -> float:
+    """The standard error of an isotherm's temperature [K]: the root of its mean square
+    over the posterior.
+
+    `log10_a` at ascending temperatures [K], with the `covariance` that it has without
+    such an error.
+    """
+    if temperature.size < 4:
+        return usual
+    slope, bends, off, own = _law(temperature, log10_a, covariance, usual)
+    if own > MISSES:
+        return usual
+    scale = usual * _GRID
+    chance = np.array([_restricted(covariance, slope * s, bends, off) for s in scale])
+    before = np.exp(-0.5 * _GRID**2)
+    before[0] = 0.5 * before[1:].sum()
+    weight = before * np.exp(chance - chance.max())
+    return float(np.sqrt((weight * scale**2).sum() / weight.sum()))
+
+
+def slopes(temperature: np.ndarray, log10_a: np.ndarray) -> np.ndarray:
+    """d(log10 a_T)/dT at each isotherm [1/K]."""
+    return np.gradient(log10_a, temperature) if temperature.size > 1 else np.zeros(1)
+
+
+def _law(
+    temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray, usual: float
+) -> tuple:
+    """Of a WLF law its slopes, its derivatives by its constants and its level, what it
+    misses, and by how much that is more than usual thermometers are off.
+    """
+    centre = temperature.size // 2
+    form = forms(float(temperature[centre]), float(temperature[0]))["WLF"]
+    change = np.eye(temperature.size)
+    change[:, centre] -= 1
+    expected = covariance + np.diag((usual * slopes(temperature, log10_a)) ** 2)
+    p, _, own = fit_form(
+        form, temperature, change @ log10_a, change @ expected @ change.T
+    )
+    bends = np.column_stack(
+        [derivatives(form, p, temperature), np.ones(temperature.size)]
+    )
+    step = 1e-4
+    slope = (form.value(p, temperature + step) - form.value(p, temperature - step)) / (
+        2 * step
+    )
+    return slope, bends, log10_a - form.value(p, temperature), own
+
+
+def _restricted(
+    covariance: np.ndarray, thermal: np.ndarray, bends: np.ndarray, off: np.ndarray
+) -> float:
+    """ln of the restricted likelihood of residuals `off`, after a fit with the
+    derivatives `bends`.
+    """
+    whole = covariance + np.diag(thermal**2 + _OWN**2)
+    inverse = np.linalg.inv(whole)
+    by_law = inverse @ bends
+    normal = bends.T @ by_law
+    left = off @ inverse @ off - off @ by_law @ np.linalg.solve(normal, by_law.T @ off)
+    return -0.5 * float(
+        np.linalg.slogdet(whole)[1] + np.linalg.slogdet(normal)[1] + left
+    )
+
+
+# --------------------------------------------------------------------------------------
+# Shift laws that the user brings: a law, factors shifted by hand, or the universal law
+# of Williams, Landel and Ferry.
+#
+# The universal law is log10 a_T = -17.44 (T - T_g)/(51.6 K + T - T_g). A material that is
+# passive has a storage modulus that rises with frequency as its loss modulus demands: a
+# sweep of temperature at one frequency therefore tells how fast a_T falls, and T_g is
+# where the closest passive material (`closest_passive`) is closest.
+# --------------------------------------------------------------------------------------
+
+UNIVERSAL = 17.44, 51.6  # of C1 and C2 [K] about T_g (Williams, Landel & Ferry 1955)
+_STEP = 1.0  # between the T_g that are tried [K],
+_COLDEST = 80.0  # from so far below the data on [K]
+_POLE = 1.0  # least distance of the data from the law's pole [K]
+# rms relative misfit of the closest passive material above which the law is not that of
+# the data
+_MISFIT = 0.3
+_MOST = 80  # points that are looked at
+# by how much data may lie beyond a table [K]: its temperatures are rounded ones
+_BEYOND = 3.0
+
+
+def given_law(shift: Any, dma: Dma) -> tuple[AbstractShift | None, str]:
+    """The law that a user gives, and where it comes from in words; (None, "") for None.
+
+    Raises `InputError` for what is no law, and for "universal" where the data show no
+    peak of the loss modulus.
+    """
+    if shift is None:
+        return None, ""
+    if isinstance(shift, AbstractShift):
+        return shift, "as given"
+    if isinstance(shift, str) and shift == "universal":
+        glass = _glass_temperature(dma)
+        at = (
+            f"T_g = {glass - 273.15:.3g} degC, where storage and loss modulus suit "
+            "each other best"
+        )
+        return WLF(
+            *UNIVERSAL, round(glass, 1)
+        ), f"estimated: universal constants about {at}"
+    raise InputError(
+        "shift must be a shift law (em.WLF, Arrhenius, VFT, ShiftTable, or "
+        f"em.read_shifts of a file) or 'universal', got {shift!r:.80}."
+    )
+
+
+def log10_a(law: AbstractShift, temperature: np.ndarray) -> np.ndarray:
+    """log10 a_T at temperatures [K]; a table goes on straight by some kelvin, since its
+    temperatures are rounded.
+    """
+    temperature = np.asarray(temperature, dtype=float)
+    if not isinstance(law, ShiftTable):
+        return np.asarray(law.log10_a(temperature))
+    known, slopes = np.asarray(law.temperature), np.asarray(law.slopes)
+    inside = np.clip(temperature, known[0], known[-1])
+    beyond = temperature - inside
+    if (np.abs(beyond) > _BEYOND).any():
+        far = temperature[np.abs(beyond).argmax()] - 273.15
+        raise InputError(
+            f"shift must reach over the data: its table has {known[0] - 273.15:.4g} "
+            f"to {known[-1] - 273.15:.4g} degC, got data at {far:.4g} degC."
+        )
+    return np.asarray(law.log10_a(inside)) + beyond * np.where(
+        beyond < 0, slopes[0], slopes[-1]
+    )
+
+
+def law_about(
+    law: AbstractShift, reference: float, ends: tuple[float, float]
+) -> AbstractShift:
+    """The same law about another reference temperature; a table has entries there and
+    at the `ends` of the data [K].
+    """
+    if isinstance(law, WLF):
+        return law.at_reference(reference)
+    if isinstance(law, VFT):
+        return VFT(law.b, law.t0, reference)
+    if isinstance(law, Arrhenius):
+        return Arrhenius(law.energy, reference)
+    known = np.asarray(law.temperature)  # pyright: ignore[reportAttributeAccessIssue]
+    more = [
+        kelvin for kelvin in (reference, *ends) if np.abs(known - kelvin).min() > 1e-6
+    ]
+    inside = [
+        kelvin
+        for kelvin in more
+        if kelvin == reference or not known[0] < kelvin < known[-1]
+    ]
+    every = np.unique(np.append(known, inside))
+    value = log10_a(law, every) - log10_a(law, np.array([reference]))
+    return ShiftTable(every, np.minimum.accumulate(value))
+
+
+def words(law: AbstractShift) -> str:
+    """A law in a few words."""
+    if isinstance(law, ShiftTable):
+        known = np.asarray(law.temperature) - 273.15
+        return f"table of {known.size} factors, {known[0]:.4g} to {known[-1]:.4g} degC"
+    constants = [
+        f"{name} = {significant(float(getattr(law, name)), 4)}"
+        for name in law.__dataclass_fields__
+    ]
+    return f"{type(law).__name__}({', '.join(constants)})"
+
+
+def _glass_temperature(dma: Dma) -> float:
+    """T_g [K] of the universal law with which storage and loss modulus are closest to
+    those of a passive material.
+    """
+    if not dma.omega.size:
+        raise InputError(
+            "shift must be a law for data in time, which tell no T_g: "
+            "em.WLF(17.44, 51.6, T_g)."
+        )
+    order = np.argsort(dma.temperature, kind="stable")
+    at = order[np.linspace(0, order.size - 1, min(order.size, _MOST)).astype(int)]
+    coldest = float(dma.temperature.min())
+    value = np.log(np.concatenate([dma.storage[at], dma.loss[at]]))
+    tried = np.arange(coldest - _COLDEST, coldest + UNIVERSAL[1] - _POLE, _STEP)
+    misfits = np.full(tried.size, np.inf)
+    for i, kelvin in enumerate(tried):
+        rate = np.log(dma.omega[at]) + np.log(10) * log10_a(
+            WLF(*UNIVERSAL, kelvin), dma.temperature[at]
+        )
+        found = closest_passive(
+            np.tile(rate, 2), value, np.arange(2 * at.size) < at.size
+        )
+        misfits[i] = np.inf if found is None else found.misfit
+    best = int(misfits.argmin())
+    if not misfits[best] < _MISFIT or best in (0, tried.size - 1):
+        raise InputError(
+            "shift must be a law with its reference temperature for these data, whose "
+            "storage and loss modulus suit the universal law with no T_g: "
+            "em.WLF(17.44, 51.6, T_g) (--shift 'WLF(17.44, 51.6, -50degC)') with T_g "
+            "of the material, got 'universal'."
+        )
+    near = slice(best - 1, best + 2)
+    curve = np.polyfit(tried[near] - tried[best], misfits[near], 2)
+    return float(
+        tried[best] - np.clip(curve[1] / (2 * curve[0]), -_STEP, _STEP)
+        if curve[0] > 0
+        else tried[best]
     )

@@ -1,5 +1,5 @@
-"""Time-temperature superposition: isotherms become one master curve, with the
-uncertainty of every shift.
+"""Time-temperature superposition, from isotherms to a `MasterCurve`: other responses
+as relaxation, the joint fit, the shift law and the table that a material carries.
 """
 
 from __future__ import annotations
@@ -16,22 +16,37 @@ from ..arrays import one_thread
 from ..checks import in_kelvin, in_si, not_negative, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
-from ..material.shift import AbstractShift, Arrhenius
+from ..material.prony import Prony
+from ..material.shift import AbstractShift, Arrhenius, ShiftTable
 from ..material.tabulated import TabulatedModulus
-from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law, vertical_law
-from .findings import TWO_SIGMA, AbstractFindings, of_shifts
-from .given_law import given_law, words
-from .isotherms import isotherms
-from .joint import AtReference, Joint, about, entropic, fit_jointly, without_vertical
-from .judge import judge
-from .laws import LawFit
-from .responses import as_relaxation
-from .separable import separable
-from .shifting import LN10
+from ..material.validity import Range, misfit_bands
+from ..material.vertical import AbstractVertical, EntropicVertical, VerticalTable
+from ..trees import replaced
+from .doubts import judge
+from .findings import (
+    TWO_SIGMA,
+    AbstractFindings,
+    Band,
+    RelaxationBand,
+    dynamic_band,
+    of_shifts,
+    relaxation_band,
+)
+from .isotherms import Isotherms, group, isotherms, refuse_swapped
+from .laws import LawFit, given_law, law_about, words
+from .shifting import (
+    LN10,
+    AtReference,
+    Joint,
+    Shifts,
+    at_reference,
+    entropic,
+    fit_jointly,
+    rough_shifts,
+    separable,
+    without_vertical,
+)
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
-from .swapped import refuse_swapped
-from .tabulate import tabulate
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float, Int
@@ -39,6 +54,296 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike, Kind, LawName, Number, Style
     from ..material.shift import VFT, WLF
+
+# --------------------------------------------------------------------------------------
+# The shift law that a material made from a master curve carries: the given one, or the
+# one that the data follow.
+# --------------------------------------------------------------------------------------
+
+LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
+# decimals of a material's range and of its table of shift factors, which have to agree
+# [K]
+TEMPERATURE_DIGITS = 2
+_NONE = 1e-4  # log10 b_T below which it is none
+# by how much a table of vertical shifts reaches beyond the data, as entropy elasticity
+# [K]
+_ONWARD = 100.0
+# of a law in the material: what follows is rounding, and differs between machines
+_DIGITS = 8
+
+
+def check_law(law: Any) -> None:
+    """Raises `InputError` unless `law` is one of `LAWS`."""
+    if law not in LAWS:
+        raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")
+
+
+def shift_law(master: "MasterCurve", law: str) -> tuple[str, Any]:
+    """The name of a law and the law itself, None for "none"; `law` is one of `LAWS`."""
+    if master.joint.law is not None and law == "auto":
+        return "given", law_about(
+            master.joint.law, master.reference, master.measured_at
+        )
+    chosen = _choose(master) if law == "auto" else law
+    return chosen, None if chosen == "none" else _table(
+        master
+    ) if chosen == "table" else _law(master, chosen)
+
+
+def _choose(master: "MasterCurve") -> str:
+    if master.temperature.size < 2:
+        return "none"
+    if master.temperature.size == 2:
+        return "Arrhenius"
+    return "WLF" if master.laws["WLF"].holds else "table"
+
+
+def _law(master: "MasterCurve", name: str) -> Any:
+    if name not in master.laws:
+        raise InputError(
+            "law must be one that these data allow "
+            f"({', '.join([*master.laws, 'none'])}), got {name!r}: there are "
+            f"{master.temperature.size} temperatures."
+        )
+    law = master.laws[name].law
+    return type(law)(
+        *(
+            rounded(float(getattr(law, field)), _DIGITS)
+            for field in law.__dataclass_fields__
+        )
+    )
+
+
+def _table(master: "MasterCurve") -> ShiftTable:
+    """The shift factors as a table, with the reference temperature as one of its
+    entries.
+    """
+    if master.temperature.size < 2:
+        raise InputError("law must be 'none' for data of one temperature, got 'table'.")
+    away = np.abs(master.temperature - master.reference) > 0.5
+    temperature = np.append(master.temperature[away], master.reference).round(
+        TEMPERATURE_DIGITS
+    )
+    log10_a = np.append(master.log10_a[away], 0.0).round(_DIGITS)
+    order = np.argsort(temperature)
+    return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
+
+
+def vertical_law(master: "MasterCurve") -> AbstractVertical | None:
+    """The law of vertical shifts that a material carries: none, entropy elasticity
+    where the shifts are those, a table.
+
+    Beyond the data a table goes on by entropy elasticity: the range of the material
+    says where they end.
+    """
+    reference, kelvin, log10_b = (
+        float(master.reference),
+        master.temperature,
+        -master.log10_b,
+    )
+    if np.abs(log10_b).max() < _NONE:
+        return None
+    if np.abs(log10_b - np.log10(kelvin / reference)).max() < _NONE:
+        return EntropicVertical(reference)
+    away = np.abs(kelvin - reference) > 0.5
+    temperature = np.append(kelvin[away], reference).round(TEMPERATURE_DIGITS)
+    order = np.argsort(temperature)
+    temperature, factor = (
+        temperature[order],
+        (10 ** np.append(log10_b[away], 0.0))[order],
+    )
+    beyond = np.array(
+        [max(temperature[0] - _ONWARD, temperature[0] / 2), temperature[-1] + _ONWARD]
+    )
+    ends = beyond / temperature[[0, -1]] * factor[[0, -1]]
+    temperature = np.concatenate([beyond[:1], temperature, beyond[1:]]).round(
+        TEMPERATURE_DIGITS
+    )
+    return VerticalTable(
+        temperature, np.concatenate([ends[:1], factor, ends[1:]]).round(_DIGITS)
+    )
+
+
+def rounded(value: float, digits: int) -> float:
+    """A number to so many significant digits."""
+    return float(f"{value:.{digits - 1}e}")
+
+
+# --------------------------------------------------------------------------------------
+# Other responses than relaxation as relaxation: creep compliance, stress after a ramp,
+# a storage modulus alone.
+#
+# What was measured, M(t), is a functional of the relaxation modulus G(t):
+#
+#     creep            M = 1/J(t)                                  with int_0^t G(t - s) dJ(s) = 1
+#     ramp of r
+#     M = (1/r) int_(t-r)^t G(s) ds
+#     t from the start of the ramp, ln s at its mean
+#     storage modulus  M = G'(omega)                               with t = 1/omega
+#
+# G/M depends on the shape of the spectrum only, and little on that. It is taken from the
+# smooth spectrum through G, found from the ratio before, until it settles. After a ramp G
+# is not sought at t but at the mean of ln s over the ramp, where the ratio is nearly 1
+# for any spectrum: just behind the ramp, that is well before t.
+# --------------------------------------------------------------------------------------
+
+_ROUNDS = 12
+_SETTLED = 2e-3  # change of ln(ratio) at which it counts as found
+_DEGREE = 3  # of the polynomial whose slope gives the first ratio
+_STEEPEST = 0.9  # slope d(ln M)/d(ln t) that the first ratio is made for
+
+
+def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
+    """The same measurement with its response turned into relaxation; itself where it is
+    relaxation.
+    """
+    if (dma.response == "relaxation" and not dma.ramp) or not dma.time.size:
+        return dma
+    ratio, time = _first(dma, tolerance), _middle(dma.time, dma.ramp)
+    near = None
+    for _ in range(_ROUNDS):
+        found = replace(
+            dma,
+            time=time,
+            relaxation=dma.relaxation * ratio,
+            response="relaxation",
+            ramp=0.0,
+        )
+        data = isotherms(found, tolerance, law)
+        near = rough_shifts(data, law, near)
+        before, ratio = ratio, _ratio(dma, time, data, near)
+        if np.abs(np.log(ratio / before)).max() < _SETTLED:
+            break
+    words = f"{dma.described}, as relaxation by the spectrum"
+    return replace(
+        dma,
+        time=time,
+        relaxation=dma.relaxation * ratio,
+        response="relaxation",
+        ramp=0.0,
+        columns=tuple(f"{text}; {words}" for text in dma.columns),
+    )
+
+
+def _first(dma: Dma, tolerance: float) -> np.ndarray:
+    """G/M of a power law with the slope that each isotherm has."""
+    number, mean = group(dma.time_temperature, tolerance)
+    ratio = np.ones(dma.time.size)
+    for i in range(mean.size):
+        at = np.flatnonzero(number == i)
+        u = np.log(dma.time[at])
+        if np.unique(u).size < _DEGREE + 2:
+            continue
+        curve = np.polynomial.Polynomial.fit(u, np.log(dma.relaxation[at]), _DEGREE)
+        m = np.clip(-curve.deriv()(u), 1e-3, _STEEPEST)
+        if dma.response == "creep":
+            ratio[at] = np.sinc(m)
+    return ratio
+
+
+def _middle(time: np.ndarray, ramp: float) -> np.ndarray:
+    """The mean of ln s between t - ramp and t, as a time."""
+    if not ramp:
+        return time
+    early = time - ramp
+    return np.exp((time * np.log(time) - early * np.log(early)) / ramp - 1)
+
+
+def _ratio(dma: Dma, time: np.ndarray, data: Isotherms, shifts: Shifts) -> np.ndarray:
+    """G/M of a smooth spectrum at the times of all points."""
+    p = shifts.posterior.mean
+    times = np.exp(shifts.log_times + p[shifts.places])
+    order = np.argsort(times)
+    series = Prony(
+        float(np.exp(p[shifts.equilibrium])),
+        np.exp(p[shifts.spectrum])[order],
+        times[order],
+    )
+    timed = slice(2 * dma.omega.size, None)
+    shift = (
+        shifts.horizontal(p)[0][data.points.isotherm[timed]] + data.points.offset[timed]
+    )
+    factor = np.exp(-LN10 * shift)
+    reduced = dma.time * factor
+    wanted = np.asarray(series.relaxation(time * factor))
+    if dma.response == "creep":
+        return wanted * np.asarray(series.creep_compliance(reduced))
+    if dma.response == "storage":
+        return wanted / np.asarray(series.storage(1 / reduced))
+    return wanted / _after_ramp(series, reduced, dma.ramp * factor)
+
+
+def _after_ramp(series: Prony, time: np.ndarray, ramp: np.ndarray) -> np.ndarray:
+    """(1/r) int_(t-r)^t G(s) ds."""
+    x, r = time[:, None] / series.times, ramp[:, None] / series.times
+    mean = np.exp(-(x - r)) * -np.expm1(-r) / r
+    return float(series.equilibrium) + mean @ np.asarray(series.moduli)
+
+
+# --------------------------------------------------------------------------------------
+# From the points of a master curve, which overlap and scatter, to a table of
+# moduli.
+# --------------------------------------------------------------------------------------
+
+_MOST = 100  # bands per decade
+
+
+def tabulate(
+    master: "MasterCurve",
+    per_decade: int,
+    shift: Any,
+    vertical: Any,
+    poisson: Any,
+    name: str,
+    citation: str,
+) -> TabulatedModulus:
+    """A table from the shifted data: in each band of log omega the means of log omega,
+    log storage and log loss.
+    """
+    whole = isinstance(per_decade, int) and not isinstance(per_decade, bool)
+    if not whole or not 1 <= per_decade <= _MOST:
+        raise InputError(
+            f"per_decade must be a whole number from 1 to {_MOST}, got {per_decade!r}."
+        )
+    logs = np.log([master.omega, master.storage, master.loss])
+    band = np.floor(
+        per_decade * (logs[0] - logs[0].min(initial=np.inf)) / np.log(10)
+    ).astype(int)
+    numbers = np.unique(band)
+    if numbers.size < 3:
+        raise InputError(
+            "master must have storage and loss moduli in three bands of frequency at "
+            "least, "
+            f"got {master.omega.size} points in {numbers.size}."
+        )
+    omega, storage, loss = np.exp(
+        [logs[:, band == number].mean(axis=1) for number in numbers]
+    ).T
+    table = TabulatedModulus(
+        omega,
+        storage,
+        loss,
+        kind=master.kind,
+        poisson=poisson,
+        shift=shift,
+        vertical=vertical,
+        name=name,
+        citation=citation,
+    )
+    stored, lost = table.storage(master.omega), table.loss(master.omega)
+    scatter = misfit_bands(
+        master.omega, stored / master.storage - 1, lost / master.loss - 1
+    )
+    known = Range(
+        (float(omega[0]), float(omega[-1])), master.measured_at, misfit=scatter
+    )
+    return replaced(table, range=known)
+
+
+# --------------------------------------------------------------------------------------
+# Time-temperature superposition: isotherms become one master curve, with the
+# uncertainty of every shift.
+# --------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -372,7 +677,7 @@ def _assemble(
     ambiguous: np.ndarray | None = None,
     given: str = "",
 ) -> MasterCurve:
-    shifts, state = joint.shifts, about(joint, reference)
+    shifts, state = joint.shifts, at_reference(joint, reference)
     points = shifts.points
     reduced = points.log_rate + LN10 * (state.log10_a[points.isotherm] + points.offset)
     lifted = np.exp(points.log_value + state.ln_b[points.isotherm])

@@ -1,4 +1,6 @@
-"""From measured isotherms to a material in one call, and the files that come of it."""
+"""From measured isotherms (`em.fit.material`), or from a hardness alone, to a material:
+misfit, random draws, and the files that come of it.
+"""
 
 from __future__ import annotations
 
@@ -13,26 +15,224 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import __version__
-from ..checks import in_si
+from ..checks import in_si, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, strains
-from ..material.library import save_material
+from ..material.draws import Draws, by_moduli, changed, check_draws, root_of
+from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
+from ..material.shift import ShiftTable
 from ..material.tabulated import TabulatedModulus
-from ..material.validity import Range
-from ..material.vertical import EntropicVertical
-from .cards import abaqus_card, ansys_card, plain_card
-from .chosen_law import check_law, rounded, shift_law, vertical_law
+from ..material.validity import Range, misfit_bands
+from ..material.vertical import EntropicVertical, VerticalTable
+from ..trees import replaced
 from .findings import TWO_SIGMA, AbstractFindings
-from .master import MasterCurve, master_curve
-from .misfit import misfit, with_misfit
+from .laws import derivatives, fit_form, forms
+from .master import (
+    MasterCurve,
+    check_law,
+    master_curve,
+    rounded,
+    shift_law,
+    tabulate,
+    vertical_law,
+)
 from .series import PronyFit, prony
-from .tables import master_csv, prony_csv, shifts_csv
-from .tabulate import tabulate
+from .shifting import LN10, moved, sensitivity
+from .spectrum import LOSS, STORAGE
+from .tables import (
+    abaqus_card,
+    ansys_card,
+    master_csv,
+    plain_card,
+    prony_csv,
+    shifts_csv,
+)
 
 if TYPE_CHECKING:
-    from .._types import LawName
+    from .._types import LawName, Number
     from ..material.shift import AbstractShift
+
+# --------------------------------------------------------------------------------------
+# How far a material with its laws of shifts is from moduli as they were measured.
+# --------------------------------------------------------------------------------------
+
+
+def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
+    """Relative deviations at each measured point, prediction over data minus one, by
+    the name of the modulus.
+
+    `material` is of the kind of the data, and has a shift law.
+    """
+    times, moduli, level = (
+        np.asarray(material.times),
+        np.asarray(material.moduli),
+        float(material.equilibrium),
+    )
+    parts = {}
+    if dma.omega.size:
+        b = _lift(material.vertical, dma.temperature)
+        x = (dma.omega * _factor(material.shift, dma.temperature))[:, None] * times
+        parts["storage modulus"] = (
+            b * (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
+        )
+        parts["loss modulus"] = b * (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
+    if dma.time.size:
+        x = (dma.time / _factor(material.shift, dma.time_temperature))[:, None] / times
+        b = _lift(material.vertical, dma.time_temperature)
+        parts["relaxation modulus"] = (
+            b * (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
+        )
+    return parts
+
+
+def misfit(material: Prony, dma: Dma) -> dict[str, float]:
+    """Root mean squares of `deviations`; none without a shift law."""
+    if material.shift is None:
+        return {}
+    return {
+        name: float(np.sqrt(np.mean(part**2)))
+        for name, part in deviations(material, dma).items()
+    }
+
+
+def with_misfit(material: Prony, dma: Dma) -> Prony:
+    """The material with its deviations from the data as measured, at reduced
+    frequencies, as its record of misfit.
+    """
+    if material.shift is None or material.range is None or not dma.omega.size:
+        return material
+    parts = deviations(material, dma)
+    rows = misfit_bands(
+        dma.omega * _factor(material.shift, dma.temperature),
+        parts["storage modulus"],
+        parts["loss modulus"],
+    )
+    return replaced(material, range=material.range._replace(misfit=rows))
+
+
+def _lift(law: Any, temperature: np.ndarray) -> Any:
+    """b_T; 1 without a law."""
+    return 1.0 if law is None else np.asarray(law.b(temperature))
+
+
+def _factor(law: Any, temperature: np.ndarray) -> np.ndarray:
+    """a_T; a table ends at the mean of its last isotherm, and holds a little beyond."""
+    try:
+        return 10 ** np.asarray(law.log10_a(temperature))
+    except InputError:
+        low, high = (float(law.temperature[i]) for i in (0, -1))
+        return 10 ** np.asarray(law.log10_a(np.clip(temperature, low, high)))
+
+
+# --------------------------------------------------------------------------------------
+# Materials drawn from a fit: spectrum and laws of shifts together, as the intervals of
+# the fit report them.
+#
+# The unknowns of the joint fit, the errors of the thermometers and the doubts
+# (`fit/shifting.py`) are drawn together. They move the common curve, to which the moduli of
+# the series follow in least squares, and the shift factors, to which the constants of the
+# law follow as they did in their fit. The distance between series and curve is one more
+# direction.
+# --------------------------------------------------------------------------------------
+
+_PER_DECADE = 6
+# from the reference temperature up to which an isotherm is not in a table beside it [K]
+_NEAR = 0.5
+
+
+def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
+    """`n` materials, in which everything that the data leave open differs."""
+    check_draws(n, seed)
+    joint, state = fit.master.joint, fit.master.state
+    low, high = np.log(fit.prony.window)
+    at = np.linspace(low, high, max(int(_PER_DECADE * (high - low) / LN10), 8))
+    curve = sensitivity(
+        joint, state, np.tile(at, 2), np.repeat([STORAGE, LOSS], at.size)
+    )
+    of_a, of_others, of_b = moved(joint, state)
+    rng = np.random.default_rng(seed)
+    unknowns = (
+        rng.standard_normal((n, of_a.shape[1]))
+        @ root_of(joint.shifts.posterior.covariance).T
+    )
+    others = rng.standard_normal((n, of_others.shape[1]))
+    off = np.log(np.concatenate(fit.prony.moduli_at(np.exp(at)))) - curve.log_value
+    spectrum = (
+        unknowns @ curve.by_unknowns.T
+        + others @ curve.by_others.T
+        + np.outer(rng.standard_normal(n), off)
+    )
+    log10_a, ln_b = unknowns @ of_a.T + others @ of_others.T, unknowns @ of_b.T
+    changes = spectrum @ by_moduli(fit.material, np.exp(at)).T
+    shift = _shifts(fit, log10_a, rng)
+    each = [
+        changed(
+            fit.material,
+            change,
+            i + 1,
+            shift=shift(i),
+            vertical=_vertical(fit, ln_b[i]),
+        )
+        for i, change in enumerate(changes)
+    ]
+    words = "spectrum" + (
+        "" if fit.material.shift is None or fit.master.given else " and shift factors"
+    )
+    return Draws(each, fit.material.name, f"{words}, as the fit leaves them open")
+
+
+def _shifts(fit: MaterialFit, log10_a: np.ndarray, rng: np.random.Generator) -> Any:
+    """A function from the number of a draw to its shift law."""
+    own, master = fit.material.shift, fit.master
+    if own is None or fit.law == "given":
+        return lambda _: own
+    if isinstance(own, ShiftTable):
+        return lambda i: ShiftTable(own.temperature, _along(fit, own, log10_a[i]))
+    reference, temperature = master.reference, master.temperature
+    form = forms(reference, float(min(temperature.min(), reference)))[fit.law]
+    start, spread, law_own = fit_form(
+        form, temperature, master.log10_a, master.covariance
+    )
+    precision = np.linalg.inv(master.covariance + law_own**2 * np.eye(temperature.size))
+    gain = spread @ derivatives(form, start, temperature).T @ precision
+    off = log10_a + law_own * rng.standard_normal(log10_a.shape)
+    low, high = np.array(form.limits).T
+    return lambda i: form.constants(np.clip(start + gain @ off[i], low, high))[0]
+
+
+def _along(fit: MaterialFit, own: Any, change: np.ndarray) -> np.ndarray:
+    """The shift factors of a table with their changes, zero at the reference
+    temperature, falling.
+    """
+    at = np.asarray(own.temperature)
+    away = np.abs(fit.master.temperature - fit.master.reference) > _NEAR
+    x = np.append(fit.master.temperature[away], fit.master.reference)
+    order = np.argsort(x)
+    moved = np.asarray(own.log10_a_table) + np.interp(
+        at, x[order], np.append(change[away], 0.0)[order]
+    )
+    return np.minimum.accumulate(moved)
+
+
+def _vertical(fit: MaterialFit, change: np.ndarray) -> Any:
+    """The vertical shifts with their changes; those of entropy elasticity have no
+    constant that could differ.
+    """
+    own = fit.material.vertical
+    if not isinstance(own, VerticalTable):
+        return own
+    # A modulus at T is that of the common curve over exp(ln b).
+    return replaced(
+        own,
+        factor=np.asarray(own.factor)
+        * np.exp(-np.interp(own.temperature, fit.master.temperature, change)),
+    )
+
+
+# --------------------------------------------------------------------------------------
+# From measured isotherms to a material in one call, and the files that come of it.
+# --------------------------------------------------------------------------------------
 
 # chance that there are no vertical shifts above which the material has none
 _OPEN = 0.05
@@ -127,7 +327,6 @@ class MaterialFit(AbstractFindings):
         Raises:
             InputError: for numbers that are not whole.
         """
-        from .draws import draws
 
         return draws(self, n, seed)
 
@@ -434,3 +633,101 @@ def _met(fit: MaterialFit) -> str:
 
 def _names(fit: MaterialFit) -> str:
     return ", ".join(name.removesuffix(" modulus") for name in fit.misfit)
+
+
+# --------------------------------------------------------------------------------------
+# A material from its hardness alone: a library spectrum scaled to the modulus that
+# Shore A stands for.
+# --------------------------------------------------------------------------------------
+
+FACTOR = 2.0  # within which the moduli lie
+_SHORE = (20.0, 90.0)  # where Gent's relation is of use
+_READ = 3.0  # time after which a durometer is read [s],
+_TEMPERATURE = 296.15  # and temperature [K] (ISO 48-4)
+_SHIFTED = "moduli scaled from a library spectrum to Shore A by Gent's relation"
+
+
+@in_si
+def from_hardness(
+    shore_a: Number,
+    *,
+    like: str | os.PathLike[str] | Prony = "sbr-gum-like",
+    name: str = "",
+) -> Prony:
+    """A material known by its hardness only: the spectrum of another one, scaled to
+    Gent's modulus for Shore A.
+
+    An estimate: moduli lie within a factor of two, which the material's record of
+    misfit holds for every band of friction, and the loss tangent is that of the other
+    material.
+
+    Args:
+        shore_a: hardness [Shore A], 20 to 90.
+        like: the material whose spectrum, shift law and Poisson's ratio it has: a name
+            in the library, a file, or one.
+        name: name of the material.
+
+    Returns:
+        A `Prony` of the kind of `like`.
+
+    Raises:
+        InputError: for a hardness outside of the relation, and for a material that is
+            no series.
+
+    Source: A. N. Gent, Rubber Chemistry and Technology 31 (1958) 896-906: E = 0.0981
+    (56 + 7.62336 S)/(0.137505 (254 - 2.54 S)) MPa, here the relaxation modulus after 3
+    s at 23 degC.
+    """
+    hardness = float(scalar("shore_a", shore_a))
+    if not _SHORE[0] <= hardness <= _SHORE[1]:
+        raise InputError(
+            f"shore_a must be between {_SHORE[0]:g} and {_SHORE[1]:g}, got "
+            f"{hardness:g}."
+        )
+    other = like if isinstance(like, Prony) else load_material(like)
+    if not isinstance(other, Prony):
+        raise InputError(
+            "like must be a Prony series, or the name of one in the library, got "
+            f"{like!r:.80}."
+        )
+    factor = _gent(hardness) / float(
+        np.asarray(other.at(_TEMPERATURE).tensile().relaxation(_READ))
+    )
+    known = other.range if other.range is not None else Range(None, None)
+    low, high = known.omega or (
+        0.1 / float(other.times.max()),
+        10 / float(other.times.min()),
+    )
+    bands = np.geomspace(low, high, int(np.ceil(4 * np.log10(high / low))) + 1)
+    rows = tuple((float(f"{omega:.4g}"), FACTOR - 1, FACTOR - 1) for omega in bands)
+    return replaced(
+        other,
+        equilibrium=other.equilibrium * factor,
+        moduli=other.moduli * factor,
+        viscosity=other.viscosity * factor,
+        range=known._replace(misfit=rows),
+        name=name or f"shore-{significant(hardness)}-a",
+        citation=f"{_SHIFTED}; spectrum of {other.name or 'another material'}",
+    )
+
+
+def _gent(hardness: float) -> float:
+    """Young's modulus [Pa]."""
+    return 0.0981e6 * (56 + 7.62336 * hardness) / (0.137505 * (254 - 2.54 * hardness))
+
+
+def save_hardness(material: Prony, hardness: float, like: str, path: Path) -> None:
+    """Writes such a material with its sources, graded as an estimate."""
+    known: dict[str, Any] = dict(material_info(like).get("source", {}))
+    note = (
+        f"Gent's relation for {hardness:g} Shore A; moduli within a factor of "
+        f"{FACTOR:g}, loss tangent of {like}."
+    )
+    sources = known | {
+        "moduli": {"citation": material.citation, "grade": "estimated", "note": note}
+    }
+    info = {
+        "description": f"Rubber of {hardness:g} Shore A: the spectrum of {like}, scaled",
+        "source": sources,
+    }
+    save_material(material, path, info=info)

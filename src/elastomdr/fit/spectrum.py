@@ -1,19 +1,32 @@
-"""A smooth relaxation spectrum on log-spaced times, and what it predicts: storage and
-loss modulus, relaxation.
-
-G(t) = G_eq + sum_k H_k exp(-t/tau_k) with H_k > 0, four tau_k per decade: fine enough
-for the sum to stand for a continuous spectrum (the ripples are of 1e-7), and each may
-move a little, so that it can stand for a sharp line. The unknowns are logarithms, so
-that every answer is passive.
+"""A smooth relaxation spectrum: what it predicts, the passive material closest to
+moduli, the Bayesian least squares that finds it, the prior for its fast end.
 """
 
-from collections.abc import Iterator
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.linalg.blas import dsyrk
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
+from scipy.optimize import nnls
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
+# --------------------------------------------------------------------------------------
+# A smooth relaxation spectrum on log-spaced times, and what it predicts: storage and
+# loss modulus, relaxation.
+#
+# G(t) = G_eq + sum_k H_k exp(-t/tau_k) with H_k > 0, four tau_k per decade: fine enough
+# for the sum to stand for a continuous spectrum (the ripples are of 1e-7), and each may
+# move a little, so that it can stand for a sharp line. The unknowns are logarithms, so
+# that every answer is passive.
+# --------------------------------------------------------------------------------------
 
 STORAGE, LOSS, RELAXATION = 0, 1, 2  # what a measured value is
 CHANNELS = ("storage modulus", "loss modulus", "relaxation modulus")
@@ -158,3 +171,433 @@ def _bend(channel: int, x: np.ndarray, kernel: np.ndarray, out: np.ndarray) -> N
         out *= 2
         out -= 1
         out *= kernel
+
+
+# --------------------------------------------------------------------------------------
+# The passive material closest to storage and loss modulus: a non-negative spectrum by
+# their relative errors.
+#
+# G' = G_eq + sum_k H_k x_k^2/(1 + x_k^2) and G'' = eta omega + sum_k H_k x_k/(1 + x_k^2),
+# x_k = omega tau_k, H_k >= 0, on a grid of relaxation times that reaches beyond the data.
+# A check of data, not a fit: that is `fit.terms`.
+# --------------------------------------------------------------------------------------
+
+_PASSIVE_PER_DECADE = 4  # relaxation times,
+_PASSIVE_MARGIN = 2.3  # how far beyond the data ln(tau) goes on either side,
+_MOST_TIMES = 200  # and how many at most
+# |ln| of a modulus over the median one, and of omega tau: what is beyond is damaged
+_DAMAGED = 100.0
+
+
+class Passive(NamedTuple):
+    """Rates ln(1/tau_k), the moduli at them and at rest over exp(level), and the rms
+    relative misfit.
+    """
+
+    log_rates: Float[np.ndarray, " k"]
+    moduli: Float[np.ndarray, " k"]
+    equilibrium: float
+    level: float  # median ln(modulus)
+    misfit: float
+    storage: float  # rms relative misfit of the storage modulus,
+    loss: float  # and of the loss modulus
+
+    def log_relaxation(
+        self, log_rate: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, " n"]:
+        """ln G(t) at ln(1/t)."""
+        past = np.exp(np.clip(self.log_rates - log_rate[:, None], -_DAMAGED, _DAMAGED))
+        return self.level + np.log(
+            np.maximum(np.exp(-past) @ self.moduli + self.equilibrium, 1e-300)
+        )
+
+
+def closest_passive(
+    log_rate: Float[np.ndarray, " m"],
+    log_value: Float[np.ndarray, " m"],
+    storage: Bool[np.ndarray, " m"],
+    balance: float = 1.0,
+) -> Passive | None:
+    """The closest one to ln(modulus) at ln(omega), `storage` or else loss; None where
+    none is found.
+
+    `balance` is by how much more a relative deviation of the storage modulus counts.
+    """
+    low, high = log_rate.min() - _PASSIVE_MARGIN, log_rate.max() + _PASSIVE_MARGIN
+    count = min(
+        int(np.ceil(_PASSIVE_PER_DECADE * (high - low) / np.log(10.0))) + 1, _MOST_TIMES
+    )
+    rates = np.linspace(high, low, count)
+    x = np.exp(np.clip(log_rate[:, None] - rates, -_DAMAGED, _DAMAGED))
+    storage = storage[:, None]
+    spring, dashpot = storage * 1.0, ~storage * x[:, -1:] / x[:, -1].max()
+    level = float(np.median(log_value))
+    scale = np.exp(np.clip(level - log_value, -_DAMAGED, _DAMAGED))[:, None]
+    matrix = (
+        np.hstack(
+            [np.where(storage, x / (x + 1 / x), 1 / (x + 1 / x)), spring, dashpot]
+        )
+        * scale
+    )
+    largest, weight = matrix.max(axis=0), np.where(storage, balance, 1.0)
+    try:
+        moduli, _ = nnls(matrix / largest * weight, weight[:, 0])
+    except RuntimeError:  # too many iterations
+        return None
+    moduli = moduli / largest
+    off, at = (matrix @ moduli - 1) ** 2, storage[:, 0]
+    parts = (
+        float(np.sqrt(part.mean())) if part.size else 0.0
+        for part in (off, off[at], off[~at])
+    )
+    return Passive(rates, moduli[:count], float(moduli[count]), level, *parts)
+
+
+# --------------------------------------------------------------------------------------
+# Least squares with Gaussian priors whose widths the data choose: the machinery behind
+# master curves.
+#
+# Unknowns p with prior precision sum_j w_j P_j, residuals r = (data - model(p))/sigma.
+# The most probable p is found by damped Gauss-Newton, noise and prior widths by MacKay's
+# fixed point (D. J. C. MacKay, Neural Computation 4 (1992) 415-447), the covariance is
+# the inverse of the Hessian there.
+# --------------------------------------------------------------------------------------
+
+# limits of a noise that is found: what rounding leaves is no statistics
+_NOISE = (1e-4, 1.0)
+_HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
+# largest ratio of two groups' noise: a misfit of one must not leave it to the others
+# alone
+_RATIO = 5.0
+_ROUNDS = 40
+# added to curvatures where they scale the damping: unknowns are logarithms, a step of 1
+# is large
+_STIFF = 1.0
+# change of the logarithms of noise and widths at which they count as found
+SETTLED = 0.03
+GAIN = 3e-3  # of a step, in twice the logarithm of probability, at which climbing stops
+_STEPS = 12  # of Gauss-Newton before the widths are looked at again
+
+
+class Prior(NamedTuple):
+    """A group of unknowns seen through rows @ p, each row zero with standard deviation
+    `width`.
+    """
+
+    rows: np.ndarray  # (m, n)
+    width: float
+    # bounds of the width where the data choose it; None: it is fixed
+    limits: tuple[float, float] | None = None
+    target: np.ndarray | float = 0.0  # what rows @ p is expected to be
+    loosen: float = 1.0  # factor on a width that the data chose
+    # width expected before any data, and how many rows that counts for
+    usual: tuple[float, float] = (0.0, 0.0)
+
+
+class Posterior(NamedTuple):
+    """The most probable unknowns and what is known about them."""
+
+    mean: np.ndarray  # (n,)
+    covariance: np.ndarray  # (n, n)
+    noise: np.ndarray  # standard deviation per noise group
+    weights: np.ndarray  # 1, or less for outliers, per data point
+    residuals: np.ndarray  # data minus model, not scaled
+    widths: tuple[float, ...]  # of the priors
+    evidence: float  # ln of the marginal likelihood, up to a constant
+    converged: bool
+
+
+# p -> (values, their Jacobian's function)
+Model = Callable[[np.ndarray], tuple[np.ndarray, Callable[[], np.ndarray]]]
+# p -> the Jacobian that the covariance is computed with
+Wary = Callable[[np.ndarray], np.ndarray]
+
+
+class _Place(NamedTuple):
+    """Unknowns, and the model there."""
+
+    p: np.ndarray
+    residuals: np.ndarray  # data minus model
+    jacobian: np.ndarray
+
+
+def infer(
+    model: Model,
+    data: np.ndarray,
+    group: np.ndarray,
+    start: np.ndarray,
+    priors: Sequence[Prior],
+    noise: np.ndarray,
+    *,
+    temper: float = 1.0,
+    wary: Wary | None = None,
+    noise_limits: tuple[float, float] | None = _NOISE,
+    weights: np.ndarray | None = None,
+    gain: float = GAIN,
+    settled_at: float = SETTLED,
+) -> Posterior:
+    """The posterior of a model whose values have Gaussian noise of unknown size, one
+    size per `group` of points.
+
+    With `noise_limits=None` the noise stays as it is given. `temper` above 1 says that
+    residuals resemble their neighbours: so many points count as one. `wary` replaces
+    the Jacobian in the covariance. `weights` of the points are found, unless they are
+    given: 1, and less for outliers. Climbing stops where a step gains less than `gain`,
+    and all of it where logarithms of noise and widths change by less than `settled_at`.
+    """
+    noise, robust = noise.copy(), weights is None
+    weights = np.ones(data.size) if weights is None else weights
+    widths = [prior.width for prior in priors]
+    grams = [prior.rows.T @ prior.rows for prior in priors]
+    pulls = [
+        prior.rows.T @ np.broadcast_to(prior.target, prior.rows.shape[0])
+        for prior in priors
+    ]
+    members = [np.flatnonzero(group == g) for g in range(noise.size)]
+    there = np.array([at.size > 0 for at in members])
+    value, jacobian = model(start)
+    place, converged = _Place(start, data - value, jacobian()), False
+    factor = covariance = np.eye(start.size)
+    for _ in range(_ROUNDS):
+        # its transpose is itself, in the order of LAPACK
+        precision = _weighted(grams, widths).T
+        pull = _weighted(pulls, widths)
+        scale = np.sqrt(weights / temper) / noise[group]
+        place, settled = _climb(model, data, scale, precision, pull, place, gain)
+        p, residuals = place.p, place.residuals
+        scaled = place.jacobian * scale[:, None]
+        curvatures = [_gram(scaled[at]) for at in members]
+        factor = _cholesky(sum(curvatures) + precision)
+        covariance = _inverse(factor)
+        before = np.log(np.concatenate([noise, widths]))
+        for g, at in enumerate(members):
+            if at.size and noise_limits is not None:
+                freedom = max(
+                    at.size - _trace(covariance, curvatures[g]), 0.1 * at.size
+                )
+                size = np.sqrt((weights[at] * residuals[at] ** 2).sum() / freedom)
+                noise[g] = np.clip(size, *noise_limits)
+        if noise_limits is not None:
+            noise = np.maximum(noise, noise[there].max() / _RATIO)
+        for j, prior in enumerate(priors):
+            if prior.limits is None:
+                continue
+            seen = prior.rows @ p - prior.target
+            known = len(seen) - (grams[j] * covariance).sum() / widths[j] ** 2
+            usual, count = prior.usual
+            squares = seen @ seen + count * usual**2 + 1e-12
+            estimate = prior.loosen * np.sqrt(squares / max(known + count, 0.1))
+            widths[j] = float(np.clip(estimate, *prior.limits))
+        if robust:
+            size = np.abs(residuals) / noise[group]
+            weights = np.minimum(1.0, (_HUBER / np.maximum(size, 1e-12)) ** 2)
+        cost = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
+        if settled and cost < settled_at:
+            converged = True
+            break
+    if wary is not None:
+        scaled = wary(place.p) * (np.sqrt(weights / temper) / noise[group])[:, None]
+        covariance = _inverse(_cholesky(_gram(scaled) + _weighted(grams, widths)))
+    p, residuals = place.p, place.residuals
+    log_evidence = (
+        -0.5 * (weights * (residuals / noise[group]) ** 2).sum() / temper
+        - np.log(noise[group]).sum() / temper
+        - np.log(np.diag(factor)).sum()
+    )
+    for prior, width in zip(priors, widths, strict=True):
+        seen = prior.rows @ p - prior.target
+        log_evidence -= 0.5 * (seen @ seen) / width**2 + len(seen) * np.log(width)
+    return Posterior(
+        p,
+        covariance,
+        noise,
+        weights,
+        residuals,
+        tuple(widths),
+        float(log_evidence),
+        converged,
+    )
+
+
+def _weighted(parts: list[np.ndarray], widths: list[float]) -> np.ndarray:
+    total = parts[0] / widths[0] ** 2
+    for part, width in zip(parts[1:], widths[1:], strict=True):
+        total = total + part / width**2
+    return total
+
+
+def _climb(
+    model: Model,
+    data: np.ndarray,
+    scale: np.ndarray,
+    precision: np.ndarray,
+    pull: np.ndarray,
+    place: _Place,
+    least: float,
+) -> tuple[_Place, bool]:
+    """Damped Gauss-Newton to the most probable unknowns, and whether they are
+    reached.
+    """
+    damping = 1e-3
+
+    def penalty(p: np.ndarray, residuals: np.ndarray) -> float:
+        r = residuals * scale
+        return float(r @ r + p @ precision @ p - 2 * pull @ p)
+
+    now = penalty(place.p, place.residuals)
+    for _ in range(_STEPS):
+        p = place.p
+        scaled = place.jacobian * scale[:, None]
+        gradient = (place.residuals * scale) @ scaled - precision @ p + pull
+        hessian = _gram(scaled) + precision
+        diagonal, calm = np.diag(hessian) + _STIFF, True
+        while True:
+            damped = hessian.copy(order="K")
+            np.einsum("ii->i", damped)[:] += damping * diagonal
+            step = dpotrs(_cholesky(damped), gradient, lower=1)[0]
+            trial = p + step * min(1.0, 3.0 / max(np.abs(step).max(), 1e-12))
+            value, jacobian = model(trial)
+            new = penalty(trial, data - value)
+            if np.isfinite(new) and new <= now + 1e-12 * abs(now):
+                break
+            damping, calm = 8 * damping, False
+            if damping > 1e8:
+                return place, True
+        gain = now - new
+        place, now = _Place(trial, data - value, jacobian()), new
+        if calm:
+            damping = max(damping / 8, 1e-9)
+        if gain < least:
+            return place, True
+    return place, False
+
+
+def _gram(rows: np.ndarray) -> np.ndarray:
+    """The lower triangle of rows.T @ rows, the upper one zero, in the order that LAPACK
+    takes without a copy.
+    """
+    return (
+        dsyrk(1.0, rows.T, lower=1)
+        if len(rows)
+        else np.zeros((rows.shape[1],) * 2, order="F")
+    )
+
+
+def _trace(covariance: np.ndarray, gram: np.ndarray) -> float:
+    """Trace of the product of a symmetric matrix and one given by its lower
+    triangle.
+    """
+    return float(
+        2 * np.vdot(covariance.T, gram.T) - np.diag(covariance) @ np.diag(gram)
+    )
+
+
+def _cholesky(matrix: np.ndarray) -> np.ndarray:
+    """The lower factor, by LAPACK itself: SciPy's checks take longer than a matrix of a
+    hundred rows.
+    """
+    factor, failed = dpotrf(matrix, lower=1)  # reads the lower triangle only
+    jitter = 1e-14 * np.abs(np.diag(matrix)).max() if failed else 0.0
+    while failed:
+        factor, failed = dpotrf(matrix + jitter * np.eye(len(matrix)), lower=1)
+        jitter *= 10
+    return factor
+
+
+def _inverse(factor: np.ndarray) -> np.ndarray:
+    # the upper triangle stays that of the factor, zero
+    lower = dpotri(factor, lower=1)[0]
+    full = lower + lower.T
+    np.einsum("ii->i", full)[:] *= 0.5
+    return full
+
+
+# --------------------------------------------------------------------------------------
+# A prior for what relaxed before the first instant of relaxation data: roughly a power
+# law.
+#
+# Relaxation from t_0 on says next to nothing of relaxation times below t_0/4, but they
+# are a part of the loss at angular frequencies a decade or two below 1/t_0. A spectrum
+# that is free there goes on with whatever slope its last ripple has, to nothing as a
+# rule, and what is nothing has no uncertainty. It is expected to continue H = -dG/d(ln t)
+# of the first two decades of data,
+#
+#     ln H(tau) = ln H(t_0) + n ln(t_0/tau) +- sqrt(A^2 + B^2 ln(t_0/tau)^2),
+#
+# at all times together too high or too low, too steep or too flat. How smooth the
+# spectrum is has to be learnt from the times that are seen: second differences of the
+# others would all be small.
+#
+# What is known to a factor only may be larger by more than it may be smaller: an interval
+# takes the step of one standard deviation up, e^s - 1, not its tangent s.
+# --------------------------------------------------------------------------------------
+
+_LN10 = float(np.log(10.0))
+_SEEN = 0.25  # times t_0, the shortest relaxation time that data say enough of
+_DECADES = 2.0  # of the data that level and slope are taken from
+_LEVEL = 0.5  # A: standard deviation of ln H at the first instant
+_SLOPE = 0.25  # B: standard deviation of n
+_EACH = 0.5  # standard deviation of each ln H for itself
+_WIDEST = 1.5  # standard deviation of ln H beyond which it is no better than unknown
+_FEWEST = 6  # instants that a level and a slope are taken from,
+_NARROW = 0.3  # and the least number of decades that they have to span
+# of their span, by how much inside of its ends a parabola's slope is taken
+_INWARD = 0.15
+_FLAT = 1e-3  # least -d(ln G)/d(ln t)
+# largest n, least one 0: a steeper one would have no bounds to its loss
+_STEEPEST = 0.8
+
+
+def hidden(points: Points, reduced: np.ndarray, log_times: np.ndarray) -> np.ndarray:
+    """Which relaxation times are too short for relaxation data to see; none for other
+    data.
+
+    `reduced` is ln(1/t) of the points at the anchor's temperature.
+    """
+    fastest = reduced.argmax()
+    relaxed = points.channel[fastest] == RELAXATION
+    return (log_times < np.log(_SEEN) - reduced[fastest]) & relaxed
+
+
+def skewed(std: np.ndarray) -> np.ndarray:
+    """Factor on a derivative by ln H where that is known to `std`: H may be larger by
+    more than it may be smaller.
+    """
+    std = np.clip(std, 1e-3, _WIDEST)
+    return np.expm1(std) / std
+
+
+def early(
+    points: Points, reduced: np.ndarray, log_times: np.ndarray, size: int
+) -> list[Prior]:
+    """The expectation of ln H_k (the first of `size` unknowns) at times too short to be
+    seen; none for other data.
+
+    `reduced` as for `hidden`.
+    """
+    if points.channel[reduced.argmax()] != RELAXATION:
+        return []
+    start = -reduced.max()
+    unmeasured = np.flatnonzero(hidden(points, reduced, log_times))
+    at = (points.channel == RELAXATION) & (-reduced <= start + _DECADES * _LN10)
+    u = -reduced[at] - start
+    if np.unique(u).size < _FEWEST or np.ptp(u) < _NARROW * _LN10:
+        return []
+    curve = np.polynomial.Polynomial.fit(u, points.log_value[at], 2)
+    ends = np.array([_INWARD, 1 - _INWARD]) * np.ptp(u)
+    # ln H per unit of ln(tau)
+    fall = np.log(np.maximum(-curve.deriv()(ends), _FLAT)) + curve(ends)
+    steepness = float(
+        np.clip((fall[0] - fall[1]) / (ends[1] - ends[0]), 0.0, _STEEPEST)
+    )
+    away = start - log_times[unmeasured]
+    target = fall[0] + steepness * (ends[0] + away) + np.log(_LN10 / PER_DECADE)
+    spread = (
+        _LEVEL**2
+        + _SLOPE**2 * np.outer(away, away)
+        + _EACH**2 * np.eye(unmeasured.size)
+    )
+    whiten = np.linalg.inv(np.linalg.cholesky(spread))
+    rows = np.zeros((unmeasured.size, size))
+    rows[:, unmeasured] = whiten
+    return [Prior(rows, 1.0, None, whiten @ target)]

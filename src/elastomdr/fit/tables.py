@@ -1,12 +1,20 @@
-"""The tables of a fit: shifted data, shift factors, series."""
+"""What a fit writes: tables of shifted data, shift factors and series, and material
+cards for finite-element programs.
+"""
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__
+from ..checks import in_si
+from ..errors import InputError
 from ..files import csv_text
+from ..material.prony import Prony
+from ..material.shift import VFT, WLF, Arrhenius
+from ..material.tabulated import needs_series
 from .findings import PLUS_MINUS
 
 if TYPE_CHECKING:
@@ -14,6 +22,10 @@ if TYPE_CHECKING:
     from .payne import Sweeps
     from .series import PronyFit
     from .shear_law import AdhesionFit
+
+# --------------------------------------------------------------------------------------
+# The tables of a fit: shifted data, shift factors, series.
+# --------------------------------------------------------------------------------------
 
 
 def master_csv(master: "MasterCurve") -> str:
@@ -122,3 +134,217 @@ def _csv(
         *(f"{name.strip()}: {text}" for name, text in findings),
     ]
     return csv_text(header, columns)
+
+
+# --------------------------------------------------------------------------------------
+# Material cards of a Prony series for finite-element programs: text, in SI units (Pa,
+# s, K).
+#
+# Formats as in the Abaqus Keywords Guide (*ELASTIC, *HYPERELASTIC, *VISCOELASTIC, *TRS)
+# and the Mechanical APDL command reference (TB,PRONY: pairs of relative modulus and time,
+# at most 100; TB,SHIFT). Written from the documentation; not run in either program.
+# --------------------------------------------------------------------------------------
+
+# equilibrium part that stands for zero where a program wants the sum of the parts below
+# 1
+_FLOOR = 1e-6
+_NO_TABLE = (
+    "only at this temperature: the shift law of the material has no place in this card"
+)
+_LABEL = 70  # characters of a name; Abaqus takes 80, and wants a letter first
+_INCOMPRESSIBLE = 0.499  # Poisson's ratio above which bulk parts are left out
+
+
+def abaqus_card(material: Prony) -> str:
+    """Abaqus keywords *ELASTIC or *HYPERELASTIC, *VISCOELASTIC and *TRS for a material
+    at its reference temperature.
+
+    Parts are relative to the instantaneous modulus. A constant Poisson's ratio below
+    0.5 gives shear and bulk the same parts; an incompressible material gets none in
+    bulk and a neo-Hookean law.
+
+    Args:
+        material: the material, a `Prony`.
+
+    Returns:
+        The lines of the card.
+
+    Raises:
+        InputError: for a parallel dashpot, and for a constant bulk modulus.
+    """
+    name, glassy, parts, notes = _parts(material)
+    lines = [f"** {note}" for note in notes] + [f"*MATERIAL, NAME={name}"]
+    poisson = _poisson(material)
+    shear = glassy / (2 * (1 + poisson)) if material.kind == "tensile" else glassy
+    bulk = np.zeros_like(parts) if poisson > _INCOMPRESSIBLE else parts
+    if poisson > _INCOMPRESSIBLE:
+        lines += [
+            "*HYPERELASTIC, NEO HOOKE, MODULI=INSTANTANEOUS",
+            f"{shear / 2:.8g}, 0.",
+        ]
+    else:
+        lines += [
+            "*ELASTIC, MODULI=INSTANTANEOUS",
+            f"{2 * (1 + poisson) * shear:.8g}, {poisson:.6g}",
+        ]
+    lines.append("*VISCOELASTIC, TIME=PRONY")
+    for g, k, time in zip(parts, bulk, material.times, strict=True):
+        lines.append(f"{g:.12g}, {k:.12g}, {float(time):.8g}")
+    law = _as_wlf(material)
+    if law is not None:
+        values = [f"{float(v):.8g}" for v in (law.reference, law.c1, law.c2)]
+        lines += [
+            "** log10 a_T = -C1 (T - T_0)/(C2 + T - T_0), T in K",
+            "*TRS, DEFINITION=WLF",
+            ", ".join(values),
+        ]
+    elif isinstance(material.shift, Arrhenius):
+        energy, reference = (
+            float(material.shift.energy),
+            float(material.shift.reference),
+        )
+        lines += [
+            (
+                "** energy [J/mol]; set the gas constant and absolute zero with "
+                "*PHYSICAL CONSTANTS"
+            ),
+            "*TRS, DEFINITION=ARRHENIUS",
+            f"{reference:.8g}, {energy:.8g}",
+        ]
+    elif material.shift is not None:
+        lines.insert(0, f"** {_NO_TABLE}")
+    return "\n".join(lines) + "\n"
+
+
+@in_si
+def ansys_card(material: Prony, number: int = 1) -> str:
+    """Mechanical APDL commands MP, TB,PRONY and TB,SHIFT for a material at its
+    reference temperature.
+
+    Args:
+        material: the material, a `Prony`.
+        number: number of the material in the model.
+
+    Returns:
+        The lines of the card.
+
+    Raises:
+        InputError: as `abaqus_card`.
+    """
+    name, glassy, parts, notes = _parts(material)
+    poisson = _poisson(material)
+    young = glassy if material.kind == "tensile" else 2 * (1 + poisson) * glassy
+    lines = [f"! {note}" for note in (name, *notes)]
+    if poisson > _INCOMPRESSIBLE:
+        lines.append(
+            "! incompressible: nu = 0.4999 stands for 0.5; use elements with a "
+            "mixed formulation"
+        )
+    lines += [
+        f"MP,EX,{number},{young:.8g}",
+        f"MP,PRXY,{number},{min(poisson, 0.4999):.6g}",
+    ]
+    for which in ("SHEAR", "BULK") if poisson <= _INCOMPRESSIBLE else ("SHEAR",):
+        lines.append(f"TB,PRONY,{number},1,{parts.size},{which}")
+        for i, (part, time) in enumerate(zip(parts, material.times, strict=True)):
+            lines.append(f"TBDATA,{2 * i + 1},{part:.12g},{float(time):.8g}")
+    law = _as_wlf(material)
+    if law is not None:
+        lines += [
+            (
+                "! reduced time is A t, log10 A = C1 (T - Tref)/(C2 + T - Tref), T in "
+                "K: A = 1/a_T"
+            ),
+            f"TB,SHIFT,{number},1,3,WLF",
+            f"TBDATA,1,{float(law.reference):.8g},{float(law.c1):.8g},{float(law.c2):.8g}",
+        ]
+    elif material.shift is not None:
+        lines.insert(0, f"! {_NO_TABLE}")
+    return "\n".join(lines) + "\n"
+
+
+def plain_card(material: Prony) -> str:
+    """Relaxation times and moduli as a comma-separated table, with the rest of the
+    material in header lines.
+
+    Args:
+        material: the material, a `Prony`.
+
+    Returns:
+        The lines of the table.
+    """
+    needs_series("material", material, "a table of relaxation times")
+    symbol = "G" if material.kind == "shear" else "E"
+    lines = [f"# {note}" for note in (material.name or "unnamed", *_describe(material))]
+    lines.append(f"# {symbol}(t) = {symbol}_inf + sum_k {symbol}_k exp(-t/tau_k)")
+    lines.append(f"# {symbol}_inf [Pa]: {float(material.equilibrium):.10g}")
+    lines.append(f"tau [s],{symbol} [Pa]")
+    lines += [
+        f"{float(t):.10g},{float(m):.10g}"
+        for t, m in zip(material.times, material.moduli, strict=True)
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _parts(material: Prony) -> tuple[str, float, np.ndarray, list[str]]:
+    """Name, instantaneous modulus as given, relative parts, and notes for a card."""
+    needs_series("material", material, "a card of Prony terms")
+    if not isinstance(material, Prony):
+        raise InputError(f"material must be a Prony, got {type(material).__name__}.")
+    if float(material.viscosity) > 0:
+        raise InputError(
+            "viscosity must be 0 for a card of Prony terms, got "
+            f"{float(material.viscosity):g}."
+        )
+    moduli = np.asarray(material.moduli, dtype=float)
+    equilibrium, notes = float(material.equilibrium), list(_describe(material))
+    if equilibrium == 0:
+        equilibrium = _FLOOR * float(moduli.sum())
+        notes.append(
+            f"a liquid: {_FLOOR:g} of the modulus stays, since the parts must sum "
+            "to "
+            "less than 1"
+        )
+    glassy = equilibrium + float(moduli.sum())
+    label = re.sub(r"[^A-Z0-9_]+", "_", (material.name or "rubber").upper())[:_LABEL]
+    return label if label[0].isalpha() else f"M_{label}", glassy, moduli / glassy, notes
+
+
+def _poisson(material: Prony) -> float:
+    if material.poisson is not None:
+        return float(material.poisson)
+    raise InputError(
+        "material must have a constant Poisson's ratio for a card, got a constant "
+        "bulk modulus."
+    )
+
+
+def _describe(material: Prony) -> Iterator[str]:
+    yield (
+        f"{'shear' if material.kind == 'shear' else 'tensile'} Prony series; units "
+        "Pa, s, K"
+    )
+    if material.shift is not None:
+        yield f"relaxation times at {float(material.shift.reference):.6g} K"
+    if material.vertical is not None:
+        yield (
+            "moduli only at this temperature: the vertical shifts of the material "
+            "have no place here"
+        )
+    if material.softening is not None:
+        last, left = (
+            float(material.softening.strain[-1]),
+            float(material.softening.storage[-1]),
+        )
+        yield (
+            f"small strains: softening (storage modulus times {left:.3g} at "
+            f"{last:.3g}) has no place in this card"
+        )
+    if material.citation:
+        yield " ".join(material.citation.split())
+
+
+def _as_wlf(material: Prony) -> WLF | None:
+    if isinstance(material.shift, WLF):
+        return material.shift
+    return material.shift.to_wlf() if isinstance(material.shift, VFT) else None

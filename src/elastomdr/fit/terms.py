@@ -1,5 +1,5 @@
-"""The few terms of a Prony series: how many, where, and whether there is an equilibrium
-modulus.
+"""The few terms of a Prony series: how many and where, how moduli count against each
+other, and between which values the equilibrium modulus lies.
 """
 
 from collections.abc import Callable
@@ -9,8 +9,23 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..errors import InputError
-from .posterior import GAIN, Posterior, Prior, infer
-from .spectrum import LOSS, RELAXATION, Points, predict
+from .spectrum import (
+    GAIN,
+    LOSS,
+    RELAXATION,
+    STORAGE,
+    Points,
+    Posterior,
+    Prior,
+    closest_passive,
+    infer,
+    predict,
+)
+
+# --------------------------------------------------------------------------------------
+# The few terms of a Prony series: how many, where, and whether there is an equilibrium
+# modulus.
+# --------------------------------------------------------------------------------------
 
 _LN10 = float(np.log(10.0))
 _BEYOND = 0.5  # decades by which the first and last term may start beyond the data
@@ -366,3 +381,240 @@ def _first(data: Data, log_times: np.ndarray, solid: bool) -> tuple[np.ndarray, 
         matrix = np.column_stack([matrix, points.channel != LOSS])
     solution, _ = nnls(matrix * (weight * np.exp(-points.log_value))[:, None], weight)
     return solution[: log_times.size], float(solution[-1]) if solid else 0.0
+
+
+# --------------------------------------------------------------------------------------
+# How much storage modulus, loss modulus and relaxation count against each other in a
+# Prony series.
+#
+# Each counts by its scatter. A passive material's moduli determine each other (Kramers
+# and Kronig), so that data may contradict themselves: then no weights meet both, and
+# relative deviations of both count alike, which is what foretells points that were left
+# out best (`benchmarks/fit_balance.py`). What other weights would give is in `trade_off`.
+# --------------------------------------------------------------------------------------
+
+# largest ratio between the weights of two kinds of modulus: a series has to meet all of
+# them
+_RATIO = 3.0
+# misfit of a smooth spectrum above which storage and loss modulus contradict each
+# other, if
+_CONTRADICTION = 0.1
+_SYSTEMATIC = 2.0  # it is so many times the scatter between neighbouring points
+# misfit of a series over that of the closest passive material up to which none comes
+# closer
+_CLOSEST = 1.2
+_BALANCES = (0.1, 1.0, 5.0, 20.0)  # of which the trade-off is shown
+# relative standard deviation below which residuals are not trusted to be noise
+_LEAST_NOISE = 0.002
+
+
+def weigh(
+    noise: np.ndarray, points: Points, balance: float | None
+) -> tuple[np.ndarray, bool]:
+    """Standard deviations that the kinds of modulus are weighed with, and whether the
+    moduli contradict each other.
+
+    They are the scatter between neighbouring points, where that is less than the misfit
+    of a smooth spectrum, within limits. Where the misfit is large and not scatter,
+    storage and loss modulus may contradict each other.
+    """
+    present, scatter = np.unique(points.channel), _scatter(points)
+    both, worst = (
+        LOSS in present and STORAGE in present,
+        present[noise[present].argmax()],
+    )
+    systematic = bool(
+        both and noise[worst] > max(_CONTRADICTION, _SYSTEMATIC * scatter[worst])
+    )
+    if systematic and balance is None:
+        balance = 1.0
+    if both and balance is not None:
+        noise = noise.copy()
+        noise[LOSS] = noise[[STORAGE, LOSS]].max()
+        noise[STORAGE] = noise[LOSS] / balance
+        return noise, systematic
+    noise = np.maximum(np.fmin(noise, scatter), _LEAST_NOISE)
+    return np.maximum(noise, noise[present].max() / _RATIO), systematic
+
+
+class Met(NamedTuple):
+    """How closely a passive material can meet both moduli: rms relative deviations,
+    with `balance` as the weight.
+    """
+
+    balance: float
+    storage: float
+    loss: float
+
+    @property
+    def whole(self) -> float:
+        return float(np.hypot(self.storage, self.loss))
+
+
+def trade_off(points: Points) -> tuple[Met, ...]:
+    """Of all passive materials those closest to storage and loss modulus, by the weight
+    of the storage modulus.
+    """
+    at = points.channel <= LOSS
+    found = []
+    for balance in _BALANCES:
+        near = closest_passive(
+            points.log_rate[at],
+            points.log_value[at],
+            points.channel[at] == STORAGE,
+            balance,
+        )
+        if near is not None:
+            found.append(Met(balance, near.storage, near.loss))
+    return tuple(found)
+
+
+def verdict(met: tuple[Met, ...], storage: float, loss: float) -> str:
+    """What the trade-off says of a series with these rms deviations; "" without one."""
+    alike = next((one for one in met if one.balance == 1.0), None)
+    if alike is None:
+        return ""
+    closest_passive = f"{100 * alike.storage:.2g} and {100 * alike.loss:.2g} %"
+    if np.hypot(storage, loss) > _CLOSEST * alike.whole:
+        return (
+            "; the closest passive material meets storage and loss modulus to "
+            f"{closest_passive}, more terms may help."
+        )
+    return (
+        ": storage and loss modulus contradict each other, no passive material comes "
+        f"closer to both than {closest_passive}; "
+        "balance=... favours one of them."
+    )
+
+
+def _scatter(points: Points) -> np.ndarray:
+    """Standard deviation of ln(value) about the line between its neighbours in
+    frequency, by channel, or NaN.
+    """
+    found = np.full(3, np.nan)
+    for channel in np.unique(points.channel):
+        at = np.flatnonzero(points.channel == channel)
+        at = at[np.argsort(points.log_rate[at], kind="stable")]
+        if at.size < 5:
+            continue
+        x, y = points.log_rate[at], points.log_value[at]
+        part = (x[1:-1] - x[:-2]) / np.maximum(x[2:] - x[:-2], 1e-12)
+        off = (y[1:-1] - (1 - part) * y[:-2] - part * y[2:]) / np.sqrt(
+            1 + part**2 + (1 - part) ** 2
+        )
+        found[channel] = 1.4826 * np.median(np.abs(off))  # an outlier is not scatter
+    return found
+
+
+# --------------------------------------------------------------------------------------
+# The equilibrium modulus from the slow end of the data: how far the modulus may still
+# fall below the window.
+#
+# Relaxation slower than the data shows at their slow end: it makes loss there, and keeps
+# the modulus falling. A power law, as of a fractional element (spring-pot) beside a
+# spring, carries the end on (omega: lowest angular frequency, t: longest time):
+#
+#     G_eq = G' - G''/tan(m pi/2),  G'' ~ omega^m   or   G_eq = G - D/m,  D = -dG/d(ln t) ~ t^-m.
+#
+# m = 1 is the end of all relaxation, G' = G_eq; m -> 0, a loss as large at every
+# frequency, leaves nothing for sure. The lower limit of the interval takes the least m
+# that the slowest decade of the data allows.
+# --------------------------------------------------------------------------------------
+
+_FEWEST = 6  # points that a slope is taken from, or all there are
+_SURE = 2.0  # standard deviations
+# part of the modulus at the slow end that may still relax, above which the window sets
+# the level
+_OPEN = 0.1
+
+
+class SlowEnd(NamedTuple):
+    """Between which values the modulus ends that the data leave at `end`."""
+
+    low: float  # least equilibrium modulus [Pa]
+    end: float  # modulus at the slow end of the data [Pa]
+    rate: float  # lowest angular frequency, or inverse of the longest time [rad/s]
+    kind: str  # of the modulus that is followed: "storage" or "relaxation"
+
+    @property
+    def open(self) -> bool:
+        """Whether the level is set by where the data end, and not by the material."""
+        return self.end - self.low > _OPEN * self.end
+
+
+class _Line(NamedTuple):
+    value: float  # ln(modulus) at its slow end
+    slope: float  # d(ln modulus)/d(ln rate)
+    slope_std: float
+    value_std: float
+
+
+def slow_end(points: Points, noise: np.ndarray) -> SlowEnd:
+    """What may still relax below the data; `noise` is the standard deviation of
+    ln(modulus) per channel.
+    """
+    slowest = {
+        c: points.log_rate[points.channel == c].min(initial=np.inf)
+        for c in (STORAGE, RELAXATION)
+    }
+    dynamic = slowest[STORAGE] <= slowest[RELAXATION]
+    start = min(slowest.values())
+    low, end = (_from_loss if dynamic else _from_relaxation)(points, noise, start)
+    return SlowEnd(
+        float(np.clip(low, 0.0, end)),
+        end,
+        float(np.exp(start)),
+        "storage" if dynamic else "relaxation",
+    )
+
+
+def _from_loss(points: Points, noise: np.ndarray, start: float) -> tuple[float, float]:
+    storage, loss = (
+        _line(points, which, noise[which], start) for which in (STORAGE, LOSS)
+    )
+    end = float(np.exp(storage.value))
+    sure = end * np.exp(-_SURE * storage.value_std)
+    power = min(loss.slope - _SURE * loss.slope_std, 1.0)
+    if power <= 0:
+        return 0.0, end
+    return sure - float(np.exp(loss.value)) / np.tan(power * np.pi / 2), end
+
+
+def _from_relaxation(
+    points: Points, noise: np.ndarray, start: float
+) -> tuple[float, float]:
+    last, before = (
+        _line(points, RELAXATION, noise[RELAXATION], start + by) for by in (0.0, _LN10)
+    )
+    end = float(np.exp(last.value))
+    sure = np.exp(-_SURE * last.value_std)
+    level = float(np.exp(before.value)) / end
+    # of d(ln G)/d(ln rate), in moduli at the slow end
+    most = max(last.slope + _SURE * last.slope_std, 0.0)
+    # flat within the scatter: what it may hide within one decade
+    if last.slope < _SURE * last.slope_std:
+        return end * (sure - most), end
+    least = level * (before.slope - _SURE * before.slope_std)
+    power = np.log10(least / most) if least > most else 0.0
+    return (end * (sure - most * 10 ** (-power / 2) / power) if power > 0 else 0.0), end
+
+
+def _line(points: Points, channel: int, noise: float, start: float) -> _Line:
+    """A straight line through ln(modulus) over the decade from ln(rate) `start` on."""
+    at = np.flatnonzero((points.channel == channel) & (points.log_rate >= start - 1e-9))
+    at = at[np.argsort(points.log_rate[at], kind="stable")]
+    inside = int((points.log_rate[at] <= start + _LN10).sum())
+    at = at[: max(inside, _FEWEST)]
+    u = points.log_rate[at] - start
+    if np.unique(u).size < 2:
+        return _Line(
+            float(points.log_value[at].mean()) if at.size else 0.0, 0.0, np.inf, noise
+        )
+    design = np.stack([np.ones(u.size), u], axis=1)
+    inverse = np.linalg.inv(design.T @ design)
+    p = inverse @ design.T @ points.log_value[at]
+    off = points.log_value[at] - design @ p
+    size = max(noise, float(np.sqrt(off @ off / max(u.size - 2, 1))))
+    return _Line(
+        float(p[0]), float(p[1]), *(size * np.sqrt(np.diag(inverse))[::-1]).tolist()
+    )
