@@ -1,18 +1,489 @@
-"""What cannot be relied on in a master curve or a series, in plain words."""
+"""What cannot be relied on in a master curve or a series: a table of checks.
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+A `Check` says what it looks at, above which limit it speaks, and with which sentence.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..io.data import describe_list
-from .isotherms import contradicting_repeats
-from .shifting import LN10, Joint
-from .spectrum import CHANNELS, RELAXATION, STORAGE, Points, closest_passive
+from ..io.data import Dma, describe_list
+from .shifting import LN10, AtReference, Joint
+from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE, Points, closest_passive
 from .terms import Data, SlowEnd
 
-if TYPE_CHECKING:
-    from .master import MasterCurve
+Facts = dict[str, Any]  # what a sentence has to name
+
+
+class Check(NamedTuple):
+    """One thing that may be wrong with a fit."""
+
+    looks_at: str
+    limit: float  # above which it speaks; 0 where it is a matter of yes or no
+    # what the sentence names, once per sentence, from what is judged and the limit
+    test: Callable[[Any, float], Iterator[Facts]]
+    sentence: str
+    # other checks that explain this one: where they have spoken, it is silent
+    unless: tuple[str, ...] = ()
+
+
+def doubts(checks: Sequence[Check], judged: Any) -> tuple[str, ...]:
+    """The sentences of all checks that speak, in the order of the table."""
+    sentences: dict[str, list[str]] = {}
+    for check in checks:
+        if any(sentences[other] for other in check.unless):
+            sentences[check.looks_at] = []
+            continue
+        sentences[check.looks_at] = [
+            check.sentence.format(**facts) for facts in check.test(judged, check.limit)
+        ]
+    return tuple(sentence for each in sentences.values() for sentence in each)
+
+
+# --------------------------------------------------------------------------------------
+# Master curves.
+# --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class JudgedShifts:
+    """What is judged of a master curve."""
+
+    dma: Dma
+    joint: Joint
+    state: AtReference
+    reference: float  # [K]
+    ambiguous: np.ndarray  # isotherms whose two shifts cannot be separated
+    noise: dict[str, float]  # scatter about the curve per modulus
+    log_reduced: np.ndarray  # ln of the reduced angular frequency, or of 1/t, per point
+
+    @property
+    def points(self) -> Points:
+        return self.joint.shifts.points
+
+    @property
+    def temperature(self) -> np.ndarray:
+        """Of each isotherm [K]."""
+        return self.joint.shifts.temperature
+
+    @cached_property
+    def celsius(self) -> np.ndarray:
+        return self.temperature - 273.15
+
+
+def _not_converged(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    if not judged.joint.shifts.posterior.converged:
+        yield {}
+
+
+def _relaxation_contradicts(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    if ratio := relaxation_excess(judged.joint, limit):
+        yield {"ratio": ratio}
+
+
+_SAME_RATE = 0.01  # of ln(omega), within which two frequencies are one,
+_SAME_PLACE = 0.3  # and two temperatures [K]: modulus may change by a tenth per kelvin
+_FEWEST_REPEATS = 3  # repeated points of an isotherm that say anything
+_SURE = 3.0  # standard errors beyond which a mean difference is no noise
+
+
+def _repeats_differ(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    """Isotherms whose repeated points differ on the whole by more than `limit`, in the
+    mean of ln(last/first), and not by noise.
+    """
+    largest: dict[float, float] = {}
+    for number, ratios in _repeats(judged).items():
+        if len(ratios) < _FEWEST_REPEATS:
+            continue
+        mean = np.mean(ratios, axis=0)
+        error = np.std(ratios, axis=0, ddof=1) / np.sqrt(len(ratios))
+        differs = np.abs(mean) > np.maximum(limit, _SURE * error)
+        if differs.any():
+            difference = np.abs(np.expm1(mean[differs])).max()
+            largest[float(judged.celsius[number])] = float(difference)
+    if largest:
+        yield {
+            "places": describe_list(sorted(largest), "degC"),
+            "percent": 100 * max(largest.values()),
+        }
+
+
+def _repeats(judged: JudgedShifts) -> dict[int, list[np.ndarray]]:
+    """Number of an isotherm to ln(last/first) of storage and loss modulus, for each
+    point that was measured again.
+    """
+    dma = judged.dma
+    isotherm = judged.points.isotherm[judged.points.channel == STORAGE]
+    rate = np.round(np.log(dma.omega) / _SAME_RATE)
+    level = np.log(np.stack([dma.storage, dma.loss]))
+    earlier: dict[tuple[int, int], list[int]] = {}
+    ratios: dict[int, list[np.ndarray]] = {}
+    for i in range(dma.omega.size):
+        known = earlier.setdefault((int(isotherm[i]), int(rate[i])), [])
+        away = np.abs(dma.temperature[i] - dma.temperature[known])
+        repeated = np.flatnonzero(away <= _SAME_PLACE)
+        if repeated.size:
+            first = known[repeated[0]]
+            ratios.setdefault(int(isotherm[i]), []).append(
+                level[:, i] - level[:, first]
+            )
+        else:
+            known.append(i)
+    return ratios
+
+
+_WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
+
+
+def _not_simple(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    misfit, worst = judged.joint.misfit, max(judged.noise.values())
+    if misfit > limit and worst > _WORTH_SAYING and judged.temperature.size > 1:
+        yield {"misfit": misfit, "percent": 100 * worst}
+
+
+def _not_separable(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    celsius = judged.celsius[judged.ambiguous]
+    if celsius.size:
+        yield {"places": describe_list(celsius, "degC")}
+
+
+def _choice_moves(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    if judged.joint.law is not None:
+        return
+    choice = judged.joint.doubts[0].by_isotherm
+    at_reference = np.interp(judged.reference, judged.temperature, choice)
+    moved = np.abs(choice - at_reference)
+    if moved.max() > limit:
+        celsius = judged.temperature[moved.argmax()] - 273.15
+        yield {"decades": moved.max(), "celsius": celsius}
+
+
+def _no_overlap(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    if judged.joint.law is not None:
+        return
+    log_rate, isotherm = judged.log_reduced, judged.points.isotherm
+    celsius = judged.celsius
+    gaps = []
+    for i in range(celsius.size - 1):
+        cold, warm = log_rate[isotherm == i], log_rate[isotherm == i + 1]
+        if cold.size and warm.size and cold.min() - warm.max() > limit:
+            decades = (cold.min() - warm.max()) / LN10
+            gaps.append(
+                f"{celsius[i]:.4g} and {celsius[i + 1]:.4g} degC "
+                f"({decades:.1f} decades)"
+            )
+    if gaps:
+        yield {"gaps": ", ".join(gaps)}
+
+
+def _one_temperature(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    if judged.temperature.size == 1:
+        yield {}
+
+
+_USELESS = (
+    0.3  # half a 95 % interval of a shift that is no longer of much use [decades]
+)
+
+
+def _reference_outside(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    temperature = judged.temperature
+    low, high = temperature.min() - limit, temperature.max() + limit
+    if temperature.size == 1 or low <= judged.reference <= high:
+        return
+    half = judged.state.place.half
+    yield {
+        "reference": judged.reference - 273.15,
+        "low": temperature.min() - 273.15,
+        "high": temperature.max() - 273.15,
+        "half": half,
+        "advice": "; give a reference within the data" if half > _USELESS else "",
+    }
+
+
+def _two_temperatures(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    if judged.temperature.size == 2:
+        yield {}
+
+
+def _copied_points(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    if copies := judged.dma.copies:
+        yield {"copies": copies, "all": judged.dma.size + copies}
+
+
+_NAMED = 6  # outliers that are named one by one
+
+
+def _outliers(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    points = judged.points
+    outliers = np.flatnonzero(judged.joint.shifts.posterior.weights < 1)
+    if not outliers.size:
+        return
+    names = []
+    for i in outliers[:_NAMED]:
+        log_rate = points.log_rate[i]
+        when = f"{np.exp(log_rate):.3g} rad/s"
+        if points.channel[i] == RELAXATION:
+            when = f"{np.exp(-log_rate):.3g} s"
+        celsius = judged.celsius[points.isotherm[i]]
+        names.append(f"{CHANNELS[points.channel[i]]} at {celsius:.4g} degC and {when}")
+    more = " ..." if outliers.size > _NAMED else ""
+    yield {
+        "count": outliers.size,
+        "all": points.log_rate.size,
+        "names": "; ".join(names) + more,
+    }
+
+
+def _wlf_misses(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
+    wlf = judged.state.laws.get("WLF")
+    if wlf is not None and not wlf.holds:
+        yield {"rms": wlf.rms}
+
+
+CONTRADICTION = 1.25  # ratio of relaxation to what dynamic moduli make of it
+
+# most important first
+OF_SHIFTS = (
+    Check(
+        "convergence of the joint fit",
+        0.0,
+        _not_converged,
+        "The joint fit did not converge: look at the figure before using anything of "
+        "it.",
+    ),
+    Check(
+        "relaxation over what dynamic moduli make of it",
+        CONTRADICTION,
+        _relaxation_contradicts,
+        "Relaxation and dynamic moduli contradict each other: the relaxation modulus "
+        "is {ratio:.2g} times what storage and loss modulus make of it (median where "
+        "both were measured). Check unit, kind and sample of both measurements; what "
+        "is fitted to both is a compromise between them.",
+    ),
+    Check(
+        "repeated points: mean ln of last over first",
+        0.04,
+        _repeats_differ,
+        "Points are repeated at {places}, and differ from those before by up to "
+        "{percent:.2g} % on average: another sample, strain or pass? All are taken for "
+        "one material, whose shifts and moduli are a compromise; leave out what does "
+        "not belong to it.",
+    ),
+    Check(
+        "scatter about the common curve over that of the isotherms alone",
+        2.0,
+        _not_simple,
+        "Not thermorheologically simple: the isotherms scatter {misfit:.1f} times as "
+        "much about one common curve as each about a smooth curve of its own "
+        "({percent:.2g} % in the worst modulus). No shift makes them one.",
+        # the scatter of measurements that disagree is no isotherm's
+        unless=(
+            "relaxation over what dynamic moduli make of it",
+            "repeated points: mean ln of last over first",
+        ),
+    ),
+    Check(
+        "isotherms whose horizontal and vertical shift cannot be separated",
+        0.0,
+        _not_separable,
+        "Horizontal and vertical shift cannot be separated at {places}: the isotherms "
+        "are too flat or too much alike there. Their log10 a_T rests on the prior for "
+        "the vertical shift; see the intervals, and compare vertical=False "
+        "(--no-vertical).",
+    ),
+    Check(
+        "what the choice of shift model moves [decades]",
+        0.1,
+        _choice_moves,
+        "These data leave open whether there are vertical shifts, which moves log10 "
+        "a_T by about {decades:.2g} decades (at {celsius:.4g} degC); the intervals "
+        "contain that.",
+    ),
+    Check(
+        "gaps between neighbouring isotherms [ln of reduced frequency]",
+        0.0,
+        _no_overlap,
+        "Isotherms do not overlap: {gaps}. The shift across the gap rests on the "
+        "assumption of a smooth spectrum.",
+    ),
+    Check(
+        "one temperature",
+        0.0,
+        _one_temperature,
+        "There is one temperature only: no shift law.",
+    ),
+    Check(
+        "distance of the reference temperature from the data [K]",
+        1.5,
+        _reference_outside,
+        "The reference temperature, {reference:.4g} degC, lies outside the data "
+        "({low:.4g} to {high:.4g} degC): it is reached by extrapolating the shift law, "
+        "which knows that step to +- {half:.2g} decades (95 %). Every log10 a_T and "
+        "the band contain that{advice}.",
+    ),
+    Check(
+        "two temperatures",
+        0.0,
+        _two_temperatures,
+        "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT "
+        "cannot.",
+    ),
+    Check(
+        "points that repeat others in all their numbers",
+        0.0,
+        _copied_points,
+        "{copies} of {all} points repeat others in all their numbers, and are left "
+        "out.",
+    ),
+    Check(
+        "outliers",
+        0.0,
+        _outliers,
+        "{count} of {all} values are outliers (beyond 3 standard deviations) and count "
+        "for less: {names}.",
+    ),
+    Check(
+        "WLF law through the shift factors",
+        0.0,
+        _wlf_misses,
+        "The WLF law misses the shift factors by {rms:.2f} decades rms, more than they "
+        "are uncertain by: use the table of shift factors instead.",
+    ),
+)
+
+# --------------------------------------------------------------------------------------
+# Prony series.
+# --------------------------------------------------------------------------------------
+
+
+class JudgedSeries(NamedTuple):
+    """What is judged of a Prony series."""
+
+    data: Data
+    residuals: np.ndarray  # relative, per point
+    contradiction: str  # of storage and loss modulus, as the closest material shows it
+    excess: float | None  # of relaxation over what dynamic moduli make of it
+    converged: bool
+    level: float  # equilibrium modulus [Pa]
+    interval: tuple[float, float]  # 95 % of it [Pa]
+    end: SlowEnd
+    limits: tuple[float, ...]  # of the angular frequencies of the material [rad/s]
+    omega: np.ndarray  # of dynamic data [rad/s]
+
+
+def _times_not_converged(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
+    if not judged.converged:
+        yield {}
+
+
+_NAMES = {STORAGE: "storage", LOSS: "loss", RELAXATION: "relaxation"}
+
+
+def _moduli_missed(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
+    """Moduli that the series does not meet; single outliers are not held against it."""
+    for channel, name in _NAMES.items():
+        measured = judged.data.points.channel == channel
+        if not measured.any():
+            continue
+        weights = judged.data.weights[measured]
+        squares = weights * judged.residuals[measured] ** 2
+        size = float(np.sqrt(squares.sum() / weights.sum()))
+        if size > limit:
+            reason = _why_missed(judged, size, judged.data.noise[channel])
+            yield {"name": name, "percent": 100 * size, "reason": reason}
+
+
+def _why_missed(judged: JudgedSeries, size: float, noise: float) -> str:
+    if judged.excess is not None:
+        factor = max(judged.excess, 1 / judged.excess)
+        return (
+            ": relaxation and dynamic moduli contradict each other, by a factor of "
+            f"{factor:.2g}."
+        )
+    if judged.contradiction:
+        return judged.contradiction
+    if size > 1.5 * noise:
+        return "; more terms may help (terms=...)."
+    return ", by which the data scatter."
+
+
+def _level_open(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
+    """Whether the data say where the equilibrium modulus is, or only where they end."""
+    end = judged.end
+    if judged.level and end.end - end.low > limit * end.end:
+        low, high = judged.interval
+        yield {
+            "kind": end.kind,
+            "rate": end.rate,
+            "level": judged.level,
+            "low": low,
+            "high": high,
+        }
+
+
+def _gap_in_range(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
+    omega, limits = judged.omega, judged.limits
+    if not limits or not omega.size:
+        return
+    below = omega.min() < (1 - limit) * limits[0]
+    above = omega.max() > (1 + limit) * limits[1]
+    if below or above:
+        yield {
+            "low": limits[0],
+            "high": limits[1],
+            "lowest": omega.min(),
+            "highest": omega.max(),
+        }
+
+
+def _empty_range(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
+    if not judged.limits:
+        yield {}
+
+
+OF_SERIES = (
+    Check(
+        "convergence of the relaxation times",
+        0.0,
+        _times_not_converged,
+        "The refinement of the times did not converge: look at the figure before using "
+        "the series.",
+    ),
+    Check(
+        "relative residual of each modulus, rms",
+        0.1,
+        _moduli_missed,
+        "The {name} modulus is met to {percent:.2g} % rms only{reason}",
+    ),
+    Check(
+        "part of the modulus at the slow end that may still relax",
+        0.1,
+        _level_open,
+        "The {kind} modulus still falls at the slow end of the data ({rate:.3g} "
+        "rad/s): where they end sets the equilibrium modulus, {level:.4g} Pa; they "
+        "allow {low:.3g} to {high:.3g} Pa.",
+    ),
+    Check(
+        "dynamic data outside the range of the material, relative",
+        0.01,
+        _gap_in_range,
+        "The data leave a gap in which the loss modulus is not known to 6 %: the range "
+        "of the material is the widest part beside it, {low:.3g} to {high:.3g} rad/s "
+        "of {lowest:.3g} to {highest:.3g}. Measure between them, or closer isotherms.",
+    ),
+    Check(
+        "range of the material",
+        0.0,
+        _empty_range,
+        "Relaxation with so little fall, or so much noise, determines the loss modulus "
+        "at no frequency: the range of the material is empty, and all friction from it "
+        "is flagged as extrapolated. Measure dynamic moduli.",
+    ),
+)
 
 # --------------------------------------------------------------------------------------
 # Whether relaxation agrees with the storage and loss modulus that were measured beside
@@ -24,12 +495,11 @@ if TYPE_CHECKING:
 # --------------------------------------------------------------------------------------
 
 _FEWEST = 6  # values of storage and loss modulus of an isotherm that say anything
-_FACTOR = 1.25  # between both, above which they contradict each other
 
 
-def relaxation_excess(joint: Joint) -> float | None:
+def relaxation_excess(joint: Joint, limit: float = CONTRADICTION) -> float | None:
     """By which factor relaxation is above what storage and loss modulus make of it;
-    None where they agree, or where nothing is to be compared.
+    None where they agree within a factor of `limit`, or where nothing is to be compared.
 
     Isotherms are compared each by itself, so that no shift enters; where none has both,
     they are after the shift along the frequency: a vertical shift may have made up for
@@ -52,7 +522,7 @@ def relaxation_excess(joint: Joint) -> float | None:
         excess = np.concatenate(found)
         if excess.size:
             ratio = float(np.exp(np.median(excess)))
-            return ratio if max(ratio, 1 / ratio) > _FACTOR else None
+            return ratio if max(ratio, 1 / ratio) > limit else None
     return None
 
 
@@ -77,243 +547,3 @@ def _excess(
         if found is None
         else log_value[slow] - found.log_relaxation(log_rate[slow])
     )
-
-
-# --------------------------------------------------------------------------------------
-# What cannot be relied on in a master curve or a series, in plain words.
-# --------------------------------------------------------------------------------------
-
-_NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
-_WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
-# half a 95 % interval of an extrapolated shift above which it is no longer of much use
-# [decades]
-_FAR = 0.3
-_NAMED = 6  # outliers that a warning names one by one
-_POOR = 0.1  # relative residual of a series worth a warning
-# what the choice of shift model may move before it is worth saying [decades]
-_CHOICE = 0.1
-
-
-def judge(master: "MasterCurve") -> tuple[str, ...]:
-    """The warnings of a master curve, most important first."""
-    repeats = contradicting_repeats(master.dma, master.isotherm, master.temperature)
-    # The scatter of measurements that disagree is no isotherm's.
-    whole = [*_disagree(master), *repeats] or _simple(master)
-    return (
-        *_failed(master),
-        *whole,
-        *_ambiguous(master),
-        *_choice(master),
-        *_gaps(master),
-        *_details(master),
-    )
-
-
-def _failed(master: "MasterCurve") -> Iterator[str]:
-    if not master.converged:
-        yield (
-            "The joint fit did not converge: look at the figure before using anything "
-            "of it."
-        )
-
-
-def _disagree(master: "MasterCurve") -> Iterator[str]:
-    if ratio := relaxation_excess(master.joint):
-        yield (
-            "Relaxation and dynamic moduli contradict each other: the relaxation "
-            f"modulus is {ratio:.2g} times what "
-            "storage and loss modulus make of it (median where both were measured). "
-            "Check unit, kind and sample of both measurements; what is fitted to both "
-            "is a compromise between them."
-        )
-
-
-def _simple(master: "MasterCurve") -> Iterator[str]:
-    misfit, worst = master.joint.misfit, max(master.noise.values())
-    if misfit > _NOT_SIMPLE and worst > _WORTH_SAYING and master.temperature.size > 1:
-        yield (
-            f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} "
-            "times as much about one common curve as each about a smooth curve of "
-            f"its own ({100 * worst:.2g} % in the worst modulus). No shift makes them "
-            "one."
-        )
-
-
-def _ambiguous(master: "MasterCurve") -> Iterator[str]:
-    celsius = master.temperature[master.ambiguous] - 273.15
-    if celsius.size:
-        yield (
-            "Horizontal and vertical shift cannot be separated at "
-            f"{describe_list(celsius, 'degC')}: the isotherms are "
-            "too flat or too much alike there. Their log10 a_T rests on the prior for "
-            "the vertical shift; see the intervals, and compare vertical=False "
-            "(--no-vertical)."
-        )
-
-
-def _choice(master: "MasterCurve") -> Iterator[str]:
-    if master.joint.law is not None:
-        return
-    choice = master.joint.doubts[0].by_isotherm
-    moved = np.abs(choice - np.interp(master.reference, master.temperature, choice))
-    if moved.max() > _CHOICE:
-        celsius = master.temperature[moved.argmax()] - 273.15
-        yield (
-            "These data leave open whether there are vertical shifts, which moves "
-            "log10 a_T by about "
-            f"{moved.max():.2g} decades (at {celsius:.4g} degC); the intervals "
-            "contain that."
-        )
-
-
-def _gaps(master: "MasterCurve") -> Iterator[str]:
-    if master.joint.law is not None:
-        return
-    rates = np.concatenate([master.omega, 1 / master.time])
-    number = np.concatenate([master.isotherm, master.time_isotherm])
-    celsius = master.temperature - 273.15
-    lonely = []
-    for i in range(celsius.size - 1):
-        cold, warm = rates[number == i], rates[number == i + 1]
-        if cold.size and warm.size and cold.min() > warm.max():
-            lonely.append(
-                f"{celsius[i]:.4g} and {celsius[i + 1]:.4g} degC "
-                f"({np.log10(cold.min() / warm.max()):.1f} decades)"
-            )
-    if lonely:
-        yield (
-            f"Isotherms do not overlap: {', '.join(lonely)}. The shift across the gap "
-            "rests on the assumption of a "
-            "smooth spectrum."
-        )
-
-
-def _details(master: "MasterCurve") -> Iterator[str]:
-    temperature, reference = master.temperature, master.reference
-    if temperature.size == 1:
-        yield "There is one temperature only: no shift law."
-    elif not temperature.min() - 1.5 <= reference <= temperature.max() + 1.5:
-        half = master.state.place.half
-        yield (
-            f"The reference temperature, {reference - 273.15:.4g} degC, lies outside "
-            f"the data ({temperature.min() - 273.15:.4g} to "
-            f"{temperature.max() - 273.15:.4g} degC): it is reached by extrapolating "
-            f"the shift law, which knows that step to +- {half:.2g} decades (95 %). "
-            "Every log10 a_T and the band contain "
-            f"that{'; give a reference within the data' if half > _FAR else ''}."
-        )
-    if temperature.size == 2:
-        yield (
-            "There are two temperatures only: Arrhenius' law can be fitted, WLF and "
-            "VFT cannot."
-        )
-    if copies := master.dma.copies:
-        yield (
-            f"{copies} of {master.dma.size + copies} points repeat others in all "
-            "their numbers, and are left out."
-        )
-    points, outliers = (
-        master.joint.shifts.points,
-        np.flatnonzero(master.joint.shifts.posterior.weights < 1),
-    )
-    if outliers.size:
-        names = []
-        for i in outliers[:_NAMED]:
-            channel, celsius, rate = (
-                points.channel[i],
-                temperature[points.isotherm[i]] - 273.15,
-                points.log_rate[i],
-            )
-            when = (
-                f"{np.exp(-rate):.3g} s"
-                if channel == RELAXATION
-                else f"{np.exp(rate):.3g} rad/s"
-            )
-            names.append(f"{CHANNELS[channel]} at {celsius:.4g} degC and {when}")
-        yield (
-            f"{outliers.size} of {points.log_rate.size} values are outliers (beyond 3 "
-            "standard deviations) and count for less: "
-            f"{'; '.join(names)}{' ...' if outliers.size > _NAMED else ''}."
-        )
-    if "WLF" in master.laws and not master.laws["WLF"].holds:
-        yield (
-            f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} "
-            "decades rms, more than they are "
-            "uncertain by: use the table of shift factors instead."
-        )
-
-
-def judge_series(
-    points: Points,
-    residuals: np.ndarray,
-    data: Data,
-    contradiction: str,
-    excess: float | None,
-    converged: bool,
-) -> Iterator[str]:
-    """Warnings on what a series does not meet; single outliers are not held against it.
-
-    `contradiction` says what the closest passive material shows of storage and loss
-    modulus, `excess` is that of relaxation and both.
-    """
-    if not converged:
-        yield (
-            "The refinement of the times did not converge: look at the figure before "
-            "using the series."
-        )
-    for channel, key in enumerate(("storage", "loss", "relaxation")):
-        at = points.channel == channel
-        if not at.any():
-            continue
-        size = float(
-            np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum())
-        )
-        if size <= _POOR:
-            continue
-        met = f"The {key} modulus is met to {100 * size:.2g} % rms only"
-        if excess is not None:
-            yield (
-                f"{met}: relaxation and dynamic moduli contradict each other, by a "
-                f"factor of {max(excess, 1 / excess):.2g}."
-            )
-        elif contradiction:
-            yield f"{met}{contradiction}"
-        elif size > 1.5 * data.noise[channel]:
-            yield f"{met}; more terms may help (terms=...)."
-        else:
-            yield f"{met}, by which the data scatter."
-
-
-def judge_level(
-    level: float, end: SlowEnd, interval: tuple[float, float]
-) -> Iterator[str]:
-    """Whether the data say where the equilibrium modulus is, or only where they end."""
-    if level and end.open:
-        yield (
-            f"The {end.kind} modulus still falls at the slow end of the data "
-            f"({end.rate:.3g} rad/s): where they end sets the equilibrium modulus, "
-            f"{level:.4g} Pa; they allow {interval[0]:.3g} to {interval[1]:.3g} Pa."
-        )
-
-
-def judge_range(limits: tuple[float, ...], dynamic: np.ndarray) -> Iterator[str]:
-    """Whether there is a range of frequencies at all, and one of all `dynamic` data
-    [rad/s].
-    """
-    if (
-        limits
-        and dynamic.size
-        and (dynamic.min() < 0.99 * limits[0] or dynamic.max() > 1.01 * limits[1])
-    ):
-        yield (
-            "The data leave a gap in which the loss modulus is not known to 6 %: the "
-            f"range of the material is the widest part beside it, {limits[0]:.3g} to "
-            f"{limits[1]:.3g} rad/s of {dynamic.min():.3g} to {dynamic.max():.3g}. "
-            "Measure between them, or closer isotherms."
-        )
-    if not limits:
-        yield (
-            "Relaxation with so little fall, or so much noise, determines the loss "
-            "modulus at no frequency: the range of the material is empty, and all "
-            "friction from it is flagged as extrapolated. Measure dynamic moduli."
-        )

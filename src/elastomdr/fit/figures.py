@@ -2,8 +2,11 @@
 matplotlib only when drawn.
 """
 
+from __future__ import annotations
+
 import warnings
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -21,12 +24,11 @@ from ..results.plotting import (
 )
 
 if TYPE_CHECKING:
-    from .grosch import FrictionMaster
-    from .master import MasterCurve
-    from .payne import SofteningFit
-    from .pipeline import MaterialFit
-    from .series import PronyFit
-    from .shear_law import AdhesionFit
+    from .._types import ArrayLike
+    from ..io.data import Dma
+    from ..material.prony import Prony
+    from .findings import Band, RelaxationBand
+    from .laws import LawFit
 
 _BLUE, _RED, _BAND = PALETTE[0], PALETTE[4], "#e08214"
 # standard deviation of log10 b_T below which a fit had no vertical shifts to find
@@ -35,18 +37,190 @@ _SHOWN = 12  # temperatures that a legend names
 _SAME = 0.5  # distance from the reference up to which an isotherm is called that [K]
 
 
-def figures(fit: "MaterialFit") -> dict[str, bytes]:
+# The classes below say what a figure takes from a result. The results themselves import
+# this file where they draw, so that it cannot import them.
+
+
+class MeasuredModuli(Protocol):
+    """What a figure needs of data at one temperature, and of a curve through them."""
+
+    @property
+    def kind(self) -> str: ...
+
+    @property
+    def window(self) -> tuple[float, float]: ...
+
+    @property
+    def omega(self) -> np.ndarray: ...
+
+    @property
+    def storage(self) -> np.ndarray: ...
+
+    @property
+    def loss(self) -> np.ndarray: ...
+
+    @property
+    def time(self) -> np.ndarray: ...
+
+    @property
+    def relaxation(self) -> np.ndarray: ...
+
+    def band(self, omega: ArrayLike) -> Band: ...
+
+    def relaxation_band(self, time: ArrayLike) -> RelaxationBand: ...
+
+
+class ShiftedModuli(MeasuredModuli, Protocol):
+    """What a figure needs of a master curve."""
+
+    @property
+    def reference(self) -> float: ...
+
+    @property
+    def temperature(self) -> np.ndarray: ...
+
+    @property
+    def log10_a(self) -> np.ndarray: ...
+
+    @property
+    def log10_a_std(self) -> np.ndarray: ...
+
+    @property
+    def log10_b(self) -> np.ndarray: ...
+
+    @property
+    def log10_b_std(self) -> np.ndarray: ...
+
+    @property
+    def ambiguous(self) -> np.ndarray: ...
+
+    @property
+    def laws(self) -> Mapping[str, LawFit]: ...
+
+    @property
+    def isotherm(self) -> np.ndarray: ...
+
+    @property
+    def time_isotherm(self) -> np.ndarray: ...
+
+    @property
+    def source(self) -> str: ...
+
+    @property
+    def dma(self) -> Dma: ...
+
+
+class FittedSeries(MeasuredModuli, Protocol):
+    """What a figure needs of a Prony series."""
+
+    @property
+    def material(self) -> Prony: ...
+
+    @property
+    def terms(self) -> int: ...
+
+    @property
+    def master(self) -> ShiftedModuli | None: ...
+
+    @property
+    def moduli_std(self) -> np.ndarray: ...
+
+    @property
+    def residuals(self) -> Mapping[str, np.ndarray]: ...
+
+    @property
+    def storage_residual(self) -> float: ...
+
+    @property
+    def loss_residual(self) -> float: ...
+
+    @property
+    def relaxation_residual(self) -> float: ...
+
+    def moduli_at(self, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]: ...
+
+    def relaxation_at(self, time: ArrayLike) -> np.ndarray: ...
+
+
+class ShiftedFriction(Protocol):
+    """What a figure needs of friction shifted to one temperature."""
+
+    @property
+    def reference(self) -> float: ...
+
+    @property
+    def temperature(self) -> np.ndarray: ...
+
+    @property
+    def velocity(self) -> np.ndarray: ...
+
+    @property
+    def mu(self) -> np.ndarray: ...
+
+    @property
+    def number(self) -> np.ndarray: ...
+
+    def curve(
+        self, velocity: ArrayLike
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+
+
+class SeparatedFriction(Protocol):
+    """What a figure needs of friction split into hysteresis and adhesive shear."""
+
+    @property
+    def velocity(self) -> np.ndarray: ...
+
+    @property
+    def temperature(self) -> np.ndarray | None: ...
+
+    @property
+    def measured(self) -> np.ndarray: ...
+
+    @property
+    def hysteresis(self) -> np.ndarray: ...
+
+    @property
+    def adhesion(self) -> np.ndarray: ...
+
+    @property
+    def used(self) -> np.ndarray: ...
+
+    @property
+    def parameters(self) -> Mapping[str, float]: ...
+
+    @property
+    def interval(self) -> Mapping[str, tuple[float, float]]: ...
+
+
+class StrainSweeps(Protocol):
+    """What a figure needs of strain sweeps."""
+
+    @property
+    def strain(self) -> np.ndarray: ...
+
+    @property
+    def storage(self) -> np.ndarray: ...
+
+    @property
+    def loss(self) -> np.ndarray: ...
+
+    @property
+    def omega(self) -> np.ndarray: ...
+
+
+def figures(master: ShiftedModuli, series: FittedSeries) -> dict[str, bytes]:
     """Name to PNG image of everything there is to see of a material's fit."""
-    found = {"master": saved(draw_prony(fit.prony))}
-    if fit.master.temperature.size > 1:
-        found["shifts"] = saved(draw_shifts(fit.master))
-    if fit.master.omega.size:
-        found["cole-cole"] = saved(draw_cole_cole(fit.prony))
-        found["van-gurp-palmen"] = saved(draw_van_gurp_palmen(fit.master))
-    return found
+    images = {"master": saved(draw_prony(series))}
+    if master.temperature.size > 1:
+        images["shifts"] = saved(draw_shifts(master))
+    if master.omega.size:
+        images["cole-cole"] = saved(draw_cole_cole(series))
+        images["van-gurp-palmen"] = saved(draw_van_gurp_palmen(master))
+    return images
 
 
-def draw_master(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
+def draw_master(master: ShiftedModuli, ax: Any = None, style: str | None = None) -> Any:
     """Shifted data, one colour per isotherm, with the smooth curve and its 95 %
     band.
     """
@@ -64,7 +238,7 @@ def draw_master(master: "MasterCurve", ax: Any = None, style: str | None = None)
     return ax
 
 
-def draw_prony(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
+def draw_prony(fit: FittedSeries, ax: Any = None, style: str | None = None) -> Any:
     """Data and series over frequency (or time), with the 95 % band; the series beyond
     the data is dashed.
     """
@@ -150,7 +324,7 @@ def draw_prony(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any
     return ax
 
 
-def draw_spectrum(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
+def draw_spectrum(fit: FittedSeries, ax: Any = None, style: str | None = None) -> Any:
     """Moduli of the series over their relaxation times with 95 % intervals, and below
     them the relative residuals.
     """
@@ -223,7 +397,7 @@ def draw_spectrum(fit: "PronyFit", ax: Any = None, style: str | None = None) -> 
     return ax
 
 
-def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
+def draw_shifts(master: ShiftedModuli, ax: Any = None, style: str | None = None) -> Any:
     """Horizontal shift factors with 95 % intervals and the laws through them; vertical
     ones below, where there are.
     """
@@ -295,7 +469,7 @@ def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None)
     return ax
 
 
-def draw_cole_cole(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
+def draw_cole_cole(fit: FittedSeries, ax: Any = None, style: str | None = None) -> Any:
     """Loss against storage modulus: shifts of frequency drop out, what remains off the
     line is misfit.
     """
@@ -326,7 +500,7 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None, style: str | None = None) ->
 
 
 def draw_van_gurp_palmen(
-    master: "MasterCurve", ax: Any = None, style: str | None = None
+    master: ShiftedModuli, ax: Any = None, style: str | None = None
 ) -> Any:
     """Phase angle against modulus as measured, unshifted: one curve means
     thermorheologically simple.
@@ -348,7 +522,7 @@ def draw_van_gurp_palmen(
 
 
 def draw_friction_master(
-    master: "FrictionMaster", ax: Any = None, style: str | None = None
+    master: ShiftedFriction, ax: Any = None, style: str | None = None
 ) -> Any:
     """Measured friction over reduced velocity, one colour per temperature, with the
     smooth curve and its band.
@@ -386,7 +560,9 @@ def draw_friction_master(
     return ax
 
 
-def draw_adhesion(fit: "AdhesionFit", ax: Any = None, style: str | None = None) -> Any:
+def draw_adhesion(
+    fit: SeparatedFriction, ax: Any = None, style: str | None = None
+) -> Any:
     """Measured friction over velocity, one colour per temperature, with the fitted sum
     and hysteresis alone.
     """
@@ -441,23 +617,25 @@ def draw_adhesion(fit: "AdhesionFit", ax: Any = None, style: str | None = None) 
 
 
 def draw_softening(
-    fit: "SofteningFit", ax: Any = None, style: str | None = None
+    sweeps: StrainSweeps,
+    factors: Callable[[np.ndarray], tuple[Any, Any]],
+    ax: Any = None,
+    style: str | None = None,
 ) -> Any:
     """Factors on both moduli over the strain amplitude, and the measured points about
     their own sweeps.
     """
     ax = _axes(ax, style)
-    found = fit.found
-    strain = np.geomspace(found.strain.min() / 3, found.strain.max(), 200)
+    strain = np.geomspace(sweeps.strain.min() / 3, sweeps.strain.max(), 200)
     for values, factor, colour, mark, name in (
-        (found.storage, fit.factors(strain)[0], _BLUE, "o", "storage"),
-        (found.loss, fit.factors(strain)[1], _RED, "s", "loss"),
+        (sweeps.storage, factors(strain)[0], _BLUE, "o", "storage"),
+        (sweeps.loss, factors(strain)[1], _RED, "s", "loss"),
     ):
         ax.semilogx(
             100 * strain, factor, color=colour, linewidth=1.3, label=f"{name} modulus"
         )
         ax.semilogx(
-            100 * found.strain,
+            100 * sweeps.strain,
             values,
             mark,
             color=colour,
@@ -471,15 +649,15 @@ def draw_softening(
     ax.set_ylim(0.0, None)
     frame(ax)
     ax.legend(frameon=False, fontsize=_size(ax), loc="best")
-    sweeps = (
-        f"{found.omega.size} sweep{'s' * (found.omega.size > 1)}, {found.strain.size} "
+    size = (
+        f"{sweeps.omega.size} sweep{'s' * (sweeps.omega.size > 1)}, {sweeps.strain.size} "
         "points"
     )
-    _title(ax, "Softening with strain", sweeps)
+    _title(ax, "Softening with strain", size)
     return ax
 
 
-def _data(ax: Any, master: "MasterCurve") -> None:
+def _data(ax: Any, master: ShiftedModuli) -> None:
     if master.omega.size:
         colours = _colours(master, master.isotherm)
         ax.scatter(
@@ -579,7 +757,7 @@ def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
             first.set_clip_on(False)  # else no room is left for it
 
 
-def _legend(ax: Any, master: "MasterCurve | None") -> None:
+def _legend(ax: Any, master: ShiftedModuli | None) -> None:
     """Temperatures outside the axes, some twelve of them, and the isotherm of the
     reference among these.
     """
@@ -630,7 +808,7 @@ def _celsius(kelvin: float) -> str:
     return f"{round(kelvin - 273.15, 1) + 0.0:g} °C"  # without the sign of -0
 
 
-def _colours(master: "MasterCurve", number: np.ndarray) -> np.ndarray:
+def _colours(master: ShiftedModuli, number: np.ndarray) -> np.ndarray:
     return _scale(master.temperature.size)[number]
 
 

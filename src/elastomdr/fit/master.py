@@ -22,7 +22,7 @@ from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
 from ..material.vertical import AbstractVertical, EntropicVertical, VerticalTable
 from ..trees import replaced
-from .doubts import judge
+from .doubts import OF_SHIFTS, JudgedShifts, doubts
 from .findings import (
     TWO_SIGMA,
     AbstractFindings,
@@ -47,6 +47,7 @@ from .shifting import (
     without_vertical,
 )
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
+from .tables import table_csv
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float, Int
@@ -588,7 +589,6 @@ class MasterCurve(AbstractFindings):
         that start with "# ".
         """
         from ..files import write_files
-        from .tables import master_csv
 
         write_files({Path(path): master_csv(self).encode()})
 
@@ -682,7 +682,15 @@ def _assemble(
     reduced = points.log_rate + LN10 * (state.log10_a[points.isotherm] + points.offset)
     lifted = np.exp(points.log_value + state.ln_b[points.isotherm])
     at = [points.channel == which for which in (STORAGE, LOSS, RELAXATION)]
-    master = MasterCurve(
+    noise = {
+        name: float(np.sqrt(np.mean(shifts.posterior.residuals[where] ** 2)))
+        for name, where in zip(CHANNELS, at, strict=True)
+        if where.any()
+    }
+    if ambiguous is None:
+        ambiguous = ~separable(joint)
+    judged = JudgedShifts(dma, joint, state, reference, ambiguous, noise, reduced)
+    return MasterCurve(
         reference=reference,
         kind=dma.kind,
         temperature=shifts.temperature,
@@ -691,7 +699,7 @@ def _assemble(
         log10_b=state.ln_b / LN10,
         log10_b_std=state.ln_b_std / LN10,
         covariance=state.covariance,
-        ambiguous=~separable(joint) if ambiguous is None else ambiguous,
+        ambiguous=ambiguous,
         laws=state.laws,
         omega=np.exp(reduced[at[STORAGE]]),
         storage=lifted[at[STORAGE]],
@@ -700,12 +708,8 @@ def _assemble(
         time=np.exp(-reduced[at[RELAXATION]]),
         relaxation=lifted[at[RELAXATION]],
         time_isotherm=points.isotherm[at[RELAXATION]],
-        noise={
-            name: float(np.sqrt(np.mean(shifts.posterior.residuals[where] ** 2)))
-            for name, where in zip(CHANNELS, at, strict=True)
-            if where.any()
-        },
-        warnings=(),
+        noise=noise,
+        warnings=doubts(OF_SHIFTS, judged),
         converged=shifts.posterior.converged,
         source=dma.source,
         dma=dma,
@@ -713,4 +717,45 @@ def _assemble(
         joint=joint,
         state=state,
     )
-    return replace(master, warnings=judge(master))
+
+
+def master_csv(master: MasterCurve) -> str:
+    """Shifted data, one row per point, as comma-separated text with the shifts in
+    header lines.
+    """
+    symbol = "G" if master.kind == "shear" else "E"
+    columns: dict[str, Any]
+    if master.omega.size:
+        order = np.argsort(master.omega, kind="stable")
+        columns = {
+            "reduced angular frequency [rad/s]": master.omega[order],
+            f"storage modulus {symbol}' times b_T [Pa]": master.storage[order],
+            f"loss modulus {symbol}'' times b_T [Pa]": master.loss[order],
+            "isotherm [K]": master.temperature[master.isotherm[order]],
+        }
+    else:
+        order = np.argsort(master.time, kind="stable")
+        columns = {
+            "reduced time [s]": master.time[order],
+            f"relaxation modulus {symbol} times b_T [Pa]": master.relaxation[order],
+            "isotherm [K]": master.temperature[master.time_isotherm[order]],
+        }
+    left_out = (("row left out", text) for text in master.dma.bad_rows)
+    return table_csv("MasterCurve", [*master.findings(), *left_out], columns)
+
+
+def shifts_csv(master: MasterCurve) -> str:
+    """Shift factors with their standard deviations, one row per isotherm."""
+    columns = {
+        "temperature [K]": master.temperature,
+        "log10 a_T [-]": master.log10_a,
+        "standard deviation of log10 a_T [-]": master.log10_a_std,
+        "log10 b_T [-]": master.log10_b,
+        "standard deviation of log10 b_T [-]": master.log10_b_std,
+        "separable": ~master.ambiguous,
+    }
+    return table_csv(
+        "shift factors",
+        [("reference", f"{master.reference:.10g} K"), ("source", master.source)],
+        columns,
+    )

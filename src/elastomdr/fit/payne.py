@@ -27,6 +27,7 @@ from ..material.softening import Softening
 from ..trees import fill, static
 from .findings import AbstractFindings
 from .isotherms import group
+from .tables import table_csv
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int
@@ -130,8 +131,6 @@ class SofteningFit(Softening):
         """Writes the measured factors as comma-separated text, the findings in header
         lines.
         """
-        from .tables import softening_csv
-
         write_files({Path(path): softening_csv(self.found).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
@@ -140,7 +139,7 @@ class SofteningFit(Softening):
         """
         from .figures import draw_softening
 
-        return draw_softening(self, ax, style)
+        return draw_softening(self.found, self.factors, ax, style)
 
     def __repr__(self) -> str:
         return f"SofteningFit\n{self.summary()}"
@@ -440,3 +439,15 @@ def _judge(
                 f"The sweep{where} does not follow the factors of the others: they "
                 "depend on it."
             )
+
+
+def softening_csv(sweeps: Sweeps) -> str:
+    """Measured factors on both moduli, one row per point."""
+    columns = {
+        "strain amplitude [-]": sweeps.strain,
+        "factor on storage modulus [-]": sweeps.storage,
+        "factor on loss modulus [-]": sweeps.loss,
+        "temperature [K]": sweeps.temperature[sweeps.number],
+        "angular frequency [rad/s]": sweeps.omega[sweeps.number],
+    }
+    return table_csv("strain softening", sweeps.findings(), columns, sweeps.intervals)

@@ -31,22 +31,21 @@ from .laws import derivatives, fit_form, forms
 from .master import (
     MasterCurve,
     check_law,
+    master_csv,
     master_curve,
     rounded,
     shift_law,
+    shifts_csv,
     tabulate,
     vertical_law,
 )
-from .series import PronyFit, prony
+from .series import PronyFit, prony, prony_csv
 from .shifting import LN10, moved, sensitivity
 from .spectrum import LOSS, STORAGE
 from .tables import (
     abaqus_card,
     ansys_card,
-    master_csv,
     plain_card,
-    prony_csv,
-    shifts_csv,
 )
 
 if TYPE_CHECKING:
@@ -460,7 +459,8 @@ class MaterialFit(AbstractFindings):
         }
         content |= {name: text.encode() for name, text in texts.items()}
         return content | {
-            f"{stem}-{name}.png": image for name, image in figures(self).items()
+            f"{stem}-{name}.png": image
+            for name, image in figures(self.master, self.prony).items()
         }
 
     def save(

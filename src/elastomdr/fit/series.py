@@ -19,7 +19,7 @@ from ..errors import InputError
 from ..io.data import KINDS, lists
 from ..material.prony import Prony
 from ..material.validity import Range, misfit_bands
-from .doubts import judge_level, judge_range, judge_series, relaxation_excess
+from .doubts import OF_SERIES, JudgedSeries, doubts, relaxation_excess
 from .findings import (
     TWO_SIGMA,
     AbstractFindings,
@@ -32,6 +32,7 @@ from .isotherms import alike
 from .master import MasterCurve
 from .shifting import AtReference, Joint, at_reference, curve, join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
+from .tables import table_csv
 from .terms import (
     Data,
     Met,
@@ -390,7 +391,6 @@ class PronyFit(AbstractFindings):
         lines that start with "# ".
         """
         from ..files import write_files
-        from .tables import prony_csv
 
         write_files({Path(path): prony_csv(self).encode()})
 
@@ -622,6 +622,18 @@ def prony(
         if level
         else (0.0, 0.0)
     )
+    judged = JudgedSeries(
+        data=data,
+        residuals=residuals,
+        contradiction=verdict(met, rms["storage"], rms["loss"]),
+        excess=relaxation_excess(joint),
+        converged=found.posterior.converged,
+        level=level,
+        interval=interval,
+        end=end,
+        limits=limits,
+        omega=omega,
+    )
     return PronyFit(
         material=material,
         storage_residual=rms["storage"],
@@ -640,16 +652,7 @@ def prony(
         relaxation=relaxation,
         kind=kind,
         warnings=(
-            *judge_series(
-                points,
-                residuals,
-                data,
-                verdict(met, rms["storage"], rms["loss"]),
-                relaxation_excess(joint),
-                found.posterior.converged,
-            ),
-            *judge_level(level, end, interval),
-            *judge_range(limits, omega),
+            *doubts(OF_SERIES, judged),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,
@@ -669,3 +672,26 @@ def _smooth(points: Points) -> Joint:
             points, np.array([293.15]), np.zeros(1), "none", count, near=shifts
         )
     return Joint(shifts, (), count, 1.0, shifts, 1.0)
+
+
+def prony_csv(fit: PronyFit) -> str:
+    """The series with standard deviations, one row per term; the equilibrium modulus
+    has an infinite time.
+    """
+    symbol = "G" if fit.kind == "shear" else "E"
+    material = fit.material
+    columns = {
+        "relaxation time [s]": [*np.asarray(material.times).tolist(), np.inf],
+        "standard deviation of it [s]": [*fit.times_std.tolist(), 0.0],
+        f"modulus {symbol} [Pa]": [
+            *np.asarray(material.moduli).tolist(),
+            float(material.equilibrium),
+        ],
+        "standard deviation of modulus [Pa]": [
+            *fit.moduli_std.tolist(),
+            fit.equilibrium_std,
+        ],
+    }
+    return table_csv(
+        "Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns
+    )

@@ -29,6 +29,7 @@ from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesive_shear import AdhesiveShear
 from .findings import AbstractFindings
+from .tables import table_csv
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -137,8 +138,6 @@ class AdhesionFit(AbstractFindings):
         """Writes the points with both parts as comma-separated text, the findings in
         header lines.
         """
-        from .tables import adhesion_csv
-
         write_files({Path(path): adhesion_csv(self).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
@@ -745,3 +744,19 @@ def _judge(
             "Measured at one temperature: how the adhesion shifts with temperature is "
             "not known."
         )
+
+
+def adhesion_csv(fit: AdhesionFit) -> str:
+    """Measured points with both parts of the friction, one row per point."""
+    columns: dict[str, Any] = {"velocity [m/s]": fit.velocity}
+    if fit.temperature is not None:
+        columns["temperature [K]"] = fit.temperature
+    columns |= {
+        "measured friction coefficient [-]": fit.measured,
+        "hysteresis [-]": fit.hysteresis,
+        "adhesive shear [-]": fit.adhesion,
+        "residual [-]": fit.residuals,
+        "standard deviation of a measurement [-]": fit.error,
+        "used": fit.used,
+    }
+    return table_csv("adhesive shear", fit.findings(), columns, fit.intervals)

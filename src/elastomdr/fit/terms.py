@@ -523,9 +523,6 @@ def _scatter(points: Points) -> np.ndarray:
 
 _FEWEST = 6  # points that a slope is taken from, or all there are
 _SURE = 2.0  # standard deviations
-# part of the modulus at the slow end that may still relax, above which the window sets
-# the level
-_OPEN = 0.1
 
 
 class SlowEnd(NamedTuple):
@@ -535,11 +532,6 @@ class SlowEnd(NamedTuple):
     end: float  # modulus at the slow end of the data [Pa]
     rate: float  # lowest angular frequency, or inverse of the longest time [rad/s]
     kind: str  # of the modulus that is followed: "storage" or "relaxation"
-
-    @property
-    def open(self) -> bool:
-        """Whether the level is set by where the data end, and not by the material."""
-        return self.end - self.low > _OPEN * self.end
 
 
 class _Line(NamedTuple):
