@@ -209,7 +209,7 @@ def test_results_import_no_jax():
 
 
 def circle(paths: list[Path], types: bool = False) -> list[str]:
-    """Files that import each other in a circle, or are imported by those."""
+    """Files that import each other in a circle, and files that import those."""
     modules = {
         (*path.relative_to(SOURCE).with_suffix("").parts,): path for path in paths
     }
