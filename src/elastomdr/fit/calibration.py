@@ -256,10 +256,10 @@ class Calibration(AbstractFindings):
     # the indenter or surface, with the parameters that act on it
     shape: Indenter | Surface
     parameters: dict[str, float]
-    std: dict[
-        str, float
-    ]  # standard deviation of each parameter, prior included; 1.96 times it holds 95 %, and where the
-    # error of the data is estimated from few points, is as much wider as Student's t
+    # standard deviation of each parameter, prior included; 1.96 times it holds 95 %, and
+    # where the error of the data is estimated from few points, is as much wider as
+    # Student's t
+    std: dict[str, float]
     prior: dict[str, float]  # standard deviation of each parameter without the data
     covariance: Float[np.ndarray, "p p"]  # in the order of `parameters`
     measured: Float[np.ndarray, "..."]

@@ -270,8 +270,8 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
                 ) from problem
     else:
         raise InputError(
-            'strain_sweep must be a Dma with strain amplitudes, or a mapping with "strain", "storage" and "loss", got '
-            f"{type(sweep).__name__}."
+            "strain_sweep must be a Dma with strain amplitudes, or a mapping with "
+            f'"strain", "storage" and "loss", got {type(sweep).__name__}.'
         )
     for name in ("strain", "storage", "loss"):
         positive(name, values[name])
