@@ -46,6 +46,8 @@ _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
 _NEAR_NODES = 24  # over the distances below half the shortest wave
 # relative change of temperatures at which they have settled; most rounds
 _SETTLED, _ROUNDS = 1e-8, 80
+# the same where only the profile of a first temperature is wanted
+_PROFILE = 1e-4
 _NOTHING = 1e-9  # rise that is none [K]
 
 
@@ -477,7 +479,7 @@ def _first(
     count = problem.reduced.shape[0]
     of = _state(problem, model, conduct, highest)
     cold = xp.zeros((count, stations))
-    rise, steady = _settle(of, cold, highest)
+    rise, steady = _settle(of, cold, highest, _PROFILE)
     state = of(xp.where(steady[:, None], rise, cold))
     top = xp.maximum(state.rise.max(-1), _NOTHING)
     shape = state.rise / top[:, None]
@@ -536,17 +538,19 @@ def _first(
     # another height is a steady state only where its temperatures settle
     if xp is np and several.any():
         last = crossed.shape[0] - np.argmax(crossed[::-1], axis=0)
-        lowest, settled = _settle(of, start, highest)
+        lowest, settled = _settle(of, start, highest, _PROFILE)
         height = tried[last, every, None]
         # of hot rubber, which is not that of the lowest state
         profile = of(height * shape).rise
         profile = profile / np.maximum(profile.max(-1, keepdims=True), _NOTHING)
-        hotter, hot = _settle(of, height * profile, highest)
+        hotter, hot = _settle(of, height * profile, highest, _PROFILE)
         several &= settled & hot & (hotter.max(-1) > 1.01 * lowest.max(-1))
     return start, below.any(0) | steady, several
 
 
-def _settle(of: Callable[[Any], State], rise: Any, highest: float) -> tuple[Any, Any]:
+def _settle(
+    of: Callable[[Any], State], rise: Any, highest: float, within: float = _SETTLED
+) -> tuple[Any, Any]:
     """Fixed point of temperatures, and where it was found: Anderson's method with one
     step of memory.
     """
@@ -562,7 +566,7 @@ def _settle(of: Callable[[Any], State], rise: Any, highest: float) -> tuple[Any,
     def rest(x: Any) -> tuple[Any, Any]:
         off = of(x).rise - x
         size = xp.maximum(xp.abs(x).max(-1), 1e4 * _NOTHING)
-        return off, xp.abs(off).max(-1) <= _SETTLED * size
+        return off, xp.abs(off).max(-1) <= within * size
 
     def body(step: Any) -> Any:
         off, good = rest(step.x)
