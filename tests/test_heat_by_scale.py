@@ -103,17 +103,16 @@ def test_conduction_is_what_plain_sums_make_of_it(heat, adhesion):
         adhesion=law,
     )
     body, at = surface_foundation(rubber), nodes(ROAD, 64)
-    found = multiscale.waves(
+    found = em.Multiscale().waves(
         body.complex_modulus,
         at,
         np.array([0.3]),
         np.array([2e5]),
-        em.Multiscale(),
         None,
         multiscale.Local(),
     )
     shares = np.append(
-        multiscale.contact(until(found.rate, at.weight), em.Multiscale())[0].ravel(),
+        em.Multiscale().contact(until(found.rate, at.weight))[0].ravel(),
         found.area[0],
     )
     shear = 0.0 if law is None else float(law.shear_stress(0.3)) * found.area[0] / 2e5

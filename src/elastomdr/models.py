@@ -1,20 +1,36 @@
 """Models: what a body or a surface is computed with, as objects that carry their own
-options.
+options and answer for themselves.
+
+A verb checks its arguments, asks the model and hands on. The numbers of a model stand
+in its room, which its methods import where they are called: this file is ground.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
+from .checks import is_traced, only_one
 from .errors import InputError, closest
 from .units.arguments import constructor_in_si
 
 if TYPE_CHECKING:
-    from ._types import Number
+    from ._types import ArrayLike, Number, Store
+    from .arrays import Array
+    from .call.types import Indenter, Materials, Surface
+    from .element.law import Foundation, TabulatedFoundation
+    from .results.curve import FrictionCurve
+    from .rough.adhesive_shear import AdhesiveShear
+    from .rough.local_modulus import Local
+    from .rough.multiscale import Waves
+    from .rough.periodic_plan import RoughPlan
+    from .rough.psd_integrals import Nodes, Tables
+    from .rough.surface import SurfacePlan
+    from .surface.spectrum import AbstractSpectrum
 
 _MOST_LINES = 1000  # of an ensemble
+_CELLS = 64  # along each side of the grid of a smooth body, by default
 
 
 class Model:
@@ -23,6 +39,238 @@ class Model:
     """
 
     label: ClassVar[str]
+    # on a smooth body: whether it is solved on the MDR line, whether averaged over the
+    # directions of sliding, and then whether corrected for asymmetric contacts
+    on_line: ClassVar[bool] = False
+    over_directions: ClassVar[bool] = False
+    corrected: bool = False
+
+    def smooth_friction(
+        self, material: Materials, shape: Indenter, **scene: Any
+    ) -> FrictionCurve:
+        """`em.friction` of a smooth body with a model that is not solved on a line."""
+        raise NotImplementedError
+
+    def smooth_plan(self) -> str:
+        """`em.plan` of a smooth body with a model that is not solved on a line."""
+        raise NotImplementedError
+
+    def for_changes(self, surface: Surface, finer: float) -> Model:
+        """The model for many surfaces close to this one, with the same samples on each;
+        `finer` is by how much their cutoffs grow.
+        """
+        return self
+
+    def doubt(self, surface: Surface) -> str | None:
+        """What the model misses on a surface under a pressure, for a warning; None
+        where that is little.
+        """
+        return None
+
+    def rough_friction(
+        self, material: Materials, surface: Surface, **scene: Any
+    ) -> FrictionCurve:
+        """`em.friction` of a rough line or surface; `scene` holds its other
+        arguments.
+        """
+        raise NotImplementedError
+
+    def rough_plan(
+        self, material: Materials, surface: Surface, **scene: Any
+    ) -> RoughPlan | SurfacePlan:
+        """`em.plan` of a rough line or surface; `scene` holds its other arguments."""
+        raise NotImplementedError
+
+
+class SurfaceFriction(NamedTuple):
+    """What a `SurfaceModel` finds at each point, arrays of shape (points,)."""
+
+    mu: Array
+    area: Array  # real contact area over nominal area
+    error: Array  # numerical error of mu
+    good: Array  # whether the point has an answer
+    area_error: Array  # numerical error of the area
+    said: str = ""  # about the solution, for the result
+
+
+class SurfaceModel(Model):
+    """A model of a surface under a pressure: derive a class from it to add another.
+
+    It needs `label`, `words` and `solve`; everything else has a default. A test
+    (`tests/test_models.py`) shows one that stands outside of this package.
+    """
+
+    # whether `solve` follows the softening of the material from scale to scale; a model
+    # that does not is linear, and its results say so
+    softens: ClassVar[bool] = False
+    # whether each length scale has a temperature of its own under `em.Heat`, for which
+    # the model needs `waves` and `contact`; otherwise all scales have one
+    heats_by_scale: ClassVar[bool] = False
+
+    def words(self) -> str:
+        """The model in a few words, for results."""
+        raise NotImplementedError
+
+    def work(self, surface: AbstractSpectrum) -> tuple[str, str]:
+        """What a solution of the surface computes and what it leaves out, for plans."""
+        return self.words(), "nothing"
+
+    def solve(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        pressure: Array,
+        local: Local,
+        rtol: float,
+        progress: Callable[[int, int], None] | None,
+    ) -> SurfaceFriction:
+        """Friction and real contact at many points.
+
+        Args:
+            foundation: the rubber; `foundation.complex_modulus(omega)` is E* [Pa] at
+                omega [rad/s].
+            surface: an `AbstractSpectrum`.
+            velocity: reduced velocity v a_T [m/s], shape (points,).
+            pressure: nominal pressure [Pa] at the reference temperature, (points,).
+            local: how moduli differ from scale to scale
+                (`elastomdr.rough.local_modulus.Local`).
+            rtol: relative error of mu to be met.
+            progress: `progress(done, total)`, or None.
+        """
+        raise NotImplementedError
+
+    def bound(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        area: Array,
+        of_area: bool = False,
+    ) -> Array | None:
+        """Bound on the relative distance of mu, or of the area, from three dimensions,
+        shape (points,); NaN, the default, where none is established, None for a model
+        that is the three-dimensional one.
+        """
+        return float("nan") * area
+
+    def waves(
+        self,
+        modulus: Callable[[Array], Array],
+        nodes: Nodes,
+        velocity: Array,
+        pressure: Array,
+        table: tuple[Tables, float] | None,
+        local: Local,
+    ) -> Waves:
+        """Friction wave by wave, `elastomdr.rough.multiscale.Waves`."""
+        raise NotImplementedError
+
+    def contact(self, stress_variance: Array) -> Array:
+        """The share of contact from R, the integral of `waves(...).rate`."""
+        raise NotImplementedError
+
+    def rough_friction(
+        self,
+        material: Materials,
+        surface: Surface,
+        *,
+        load: ArrayLike | None,
+        depth: ArrayLike | None,
+        skip: bool,
+        store: Store | None,
+        **scene: Any,
+    ) -> FrictionCurve:
+        from .rough.surface import surface_friction
+
+        only_one(pressure=scene["pressure"], load=load, depth=depth)
+        spectrum: Any = surface  # a line of heights has been refused
+        return surface_friction(material, spectrum, self, **scene)
+
+    def rough_plan(
+        self,
+        material: Materials,
+        surface: Surface,
+        *,
+        load: ArrayLike | None,
+        depth: ArrayLike | None,
+        skip: bool,
+        adhesion: AdhesiveShear | None,
+        **scene: Any,
+    ) -> RoughPlan | SurfacePlan:
+        from .rough.surface import surface_plan
+
+        only_one(pressure=scene["pressure"], load=load, depth=depth)
+        spectrum: Any = surface  # a line of heights has been refused
+        return surface_plan(material, spectrum, self, **scene)
+
+
+class _ClosedIntegrals(SurfaceModel):
+    """What Multiscale and Persson's theory share: integrals over the waves of a
+    surface, each with moduli of its own.
+    """
+
+    softens: ClassVar[bool] = True
+    heats_by_scale: ClassVar[bool] = True
+
+    def energy_factor(self) -> tuple[float, bool]:
+        """gamma of the factor S, and whether S is in the integral for the contact
+        area.
+        """
+        raise NotImplementedError
+
+    def bends(self, surface: AbstractSpectrum) -> tuple[float, ...]:
+        """Wave numbers [rad/m] at which the integrand bends."""
+        return ()
+
+    def bound_terms(self, of_area: bool) -> tuple[float, float] | None:
+        """a and b of the bound a + b (-ln A) on |ln(mu/mu_3D)|; None where it is not
+        known.
+        """
+        from .rough.multiscale import bound_terms
+
+        return bound_terms(self.label, of_area)
+
+    def work(self, surface: AbstractSpectrum) -> tuple[str, str]:
+        from .rough.multiscale import WORK
+
+        return WORK
+
+    def solve(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        pressure: Array,
+        local: Local,
+        rtol: float,
+        progress: Callable[[int, int], None] | None,
+    ) -> SurfaceFriction:
+        from .rough.multiscale import friction
+
+        return friction(
+            self, foundation, surface, velocity, pressure, local, rtol, progress
+        )
+
+    def bound(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        area: Array,
+        of_area: bool = False,
+    ) -> Array | None:
+        from .rough.multiscale import bound, contrast
+
+        ratio = surface.q_high / surface.q_low
+        return bound(
+            self, area, ratio, contrast(foundation, surface, velocity), of_area
+        )
+
+    def contact(self, stress_variance: Array) -> Array:
+        from .rough.multiscale import contact
+
+        return contact(stress_variance, *self.energy_factor())
 
 
 @constructor_in_si
@@ -41,6 +289,8 @@ class Averaged(Model):
 
     corrected: bool = True
     label: ClassVar[str] = "averaged"
+    on_line: ClassVar[bool] = True
+    over_directions: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         _flag("corrected", self.corrected)
@@ -85,15 +335,63 @@ class Line(Model):
     samples: int | None = None
     periods: int = 4
     label: ClassVar[str] = "line"
+    on_line: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         _flag("average", self.average)
         seeds_of(self.seeds)
 
+    def rough_friction(
+        self,
+        material: Materials,
+        surface: Surface,
+        *,
+        adhesion: AdhesiveShear | None,
+        strain_share: Number,
+        **scene: Any,
+    ) -> FrictionCurve:
+        from .rough.line import rough_friction
+
+        self._has_no_area(adhesion)
+        return rough_friction(material, surface, model=self, **scene)
+
+    def rough_plan(
+        self,
+        material: Materials,
+        surface: Surface,
+        *,
+        adhesion: AdhesiveShear | None,
+        **scene: Any,
+    ) -> RoughPlan | SurfacePlan:
+        from .rough.line import rough_plan
+
+        self._has_no_area(adhesion)
+        return rough_plan(material, surface, model=self, **scene)
+
+    def for_changes(self, surface: Surface, finer: float) -> Line:
+        from .surface.synthesis import PER_WAVE, line_count
+
+        if self.samples is not None:
+            return self
+        spectrum: Any = surface
+        samples = line_count(spectrum, self.periods, PER_WAVE * finer)
+        return dataclasses.replace(self, samples=samples)
+
+    def doubt(self, surface: Surface) -> str | None:
+        from .rough.line_bound import missed
+
+        return missed(surface, self)
+
+    def _has_no_area(self, adhesion: AdhesiveShear | None) -> None:
+        from .rough.adhesion import no_area
+
+        what = f"a {self.label} on a rough line or surface"
+        no_area(adhesion, what, "use em.Multiscale() under a pressure")
+
 
 @constructor_in_si
 @dataclasses.dataclass(frozen=True)
-class Multiscale(Model):
+class Multiscale(_ClosedIntegrals):
     """Friction of a randomly rough surface in closed integrals: the default for a
     surface under a pressure.
 
@@ -103,10 +401,36 @@ class Multiscale(Model):
 
     label: ClassVar[str] = "multiscale"
 
+    def words(self) -> str:
+        return (
+            "Multiscale (Persson's contact shares, weights from three-dimensional maps)"
+        )
+
+    def energy_factor(self) -> tuple[float, bool]:
+        return 0.5, True
+
+    def bends(self, surface: AbstractSpectrum) -> tuple[float, ...]:
+        from .rough.multiscale import bend
+
+        return (bend(surface),)
+
+    def waves(
+        self,
+        modulus: Callable[[Array], Array],
+        nodes: Nodes,
+        velocity: Array,
+        pressure: Array,
+        table: tuple[Tables, float] | None,
+        local: Local,
+    ) -> Waves:
+        from .rough.multiscale import waves_of_multiscale
+
+        return waves_of_multiscale(modulus, nodes, velocity, pressure, table, local)
+
 
 @constructor_in_si
 @dataclasses.dataclass(frozen=True)
-class Persson(Model):
+class Persson(_ClosedIntegrals):
     """Persson's theory of rubber friction.
 
     Args:
@@ -131,10 +455,37 @@ class Persson(Model):
         ):
             raise InputError(f"gamma must be a number from 0 to 1, got {self.gamma!r}.")
 
+    def words(self) -> str:
+        where = "in mu and in G" if self.stored else "in mu"
+        return f"Persson's theory, S with gamma = {self.gamma:g} {where}"
+
+    def energy_factor(self) -> tuple[float, bool]:
+        return self.gamma, self.stored
+
+    def bound_terms(self, of_area: bool) -> tuple[float, float] | None:
+        if self.energy_factor() != Persson().energy_factor():
+            return None
+        return super().bound_terms(of_area)
+
+    def waves(
+        self,
+        modulus: Callable[[Array], Array],
+        nodes: Nodes,
+        velocity: Array,
+        pressure: Array,
+        table: tuple[Tables, float] | None,
+        local: Local,
+    ) -> Waves:
+        from .rough.multiscale import waves_of_persson
+
+        return waves_of_persson(
+            modulus, nodes, velocity, pressure, self.energy_factor(), table, local
+        )
+
 
 @constructor_in_si
 @dataclasses.dataclass(frozen=True)
-class HalfSpace(Model):
+class HalfSpace(SurfaceModel):
     """The three-dimensional half-space on a grid of cells, without reduction: for
     smooth bodies and for surfaces.
 
@@ -157,6 +508,67 @@ class HalfSpace(Model):
             whole_number("cells", self.cells, 16)
         if self.periods is not None:
             whole_number("periods", self.periods, 1)
+
+    def smooth_friction(
+        self, material: Materials, shape: Indenter, **scene: Any
+    ) -> FrictionCurve:
+        from .reference.on_cells import friction_on_cells
+
+        return friction_on_cells(material, shape, self.cells or _CELLS, **scene)
+
+    def smooth_plan(self) -> str:
+        from .reference.half_space import grid_words
+
+        return grid_words(self.cells or _CELLS)
+
+    def words(self) -> str:
+        return "half-space in three dimensions, random maps of cells (no reduction)"
+
+    def work(self, surface: AbstractSpectrum) -> tuple[str, str]:
+        from .rough.random_maps import work
+
+        return work(surface, self.cells, self.periods, len(seeds_of(self.seeds)))
+
+    def solve(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        pressure: Array,
+        local: Local,
+        rtol: float,
+        progress: Callable[[int, int], None] | None,
+    ) -> SurfaceFriction:
+        import numpy as np
+
+        from .rough import random_maps
+
+        grid = random_maps.grid_of(surface, self.cells, self.periods)
+        if is_traced(surface, velocity, pressure, foundation):
+            raise InputError(
+                "model must be em.Multiscale() or em.Persson() under jit, grad and "
+                "vmap."
+            )
+        return random_maps.friction(
+            foundation.complex_modulus,
+            surface,
+            np.asarray(velocity),
+            np.asarray(pressure),
+            grid,
+            seeds_of(self.seeds),
+            rtol,
+            progress,
+        )
+
+    def bound(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        area: Array,
+        of_area: bool = False,
+    ) -> Array | None:
+        return None
 
 
 KINDS: dict[str, type[Model]] = {

@@ -10,7 +10,6 @@ from ..models import Averaged, HalfSpace, Line, Model, Multiscale, as_model
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 
-CELLS = 64  # along each side of the grid of a smooth body, by default
 # options of em.Line that smooth bodies do not have
 _OF_SURFACES = "equivalent_length", "seeds", "samples", "periods"
 

@@ -181,7 +181,6 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
     if (
         curve.materials
         or getattr(curve, "lines", None) is None
-        or not isinstance(model, em.Line)
         or not curve.converged.any()
     ):
         return None

@@ -31,10 +31,8 @@ from ..errors import (
 from ..material.prony import Prony
 from ..material.shift import WLF
 from ..material.tabulated import needs_series
-from ..models import Line, Model, as_model
-from ..rough.line_bound import missed
+from ..models import as_model
 from ..surface.spectrum import AbstractSpectrum
-from ..surface.synthesis import PER_WAVE, line_count
 from .findings import TWO_SIGMA, AbstractFindings
 
 if TYPE_CHECKING:
@@ -94,9 +92,8 @@ def check(
         )
     if "length" in names:
         model = as_model(scene.get("model"))
-        if not isinstance(model, Line) or not isinstance(
-            model.equivalent_length, (int, float)
-        ):
+        length = getattr(model, "equivalent_length", None)
+        if not isinstance(length, (int, float)):
             raise InputError(
                 "parameter length needs a number [m] to start from, in "
                 "model=em.Line(equivalent_length=...), got "
@@ -122,8 +119,7 @@ def applied(
     if "heights" in values:
         shape = shape.raised(10.0 ** values["heights"])
     if "length" in values:
-        model = as_model(scene["model"])
-        assert isinstance(model, Line)
+        model: Any = as_model(scene["model"])
         length = model.equivalent_length * 10.0 ** values["length"]
         scene["model"] = dataclasses.replace(model, equivalent_length=length)
     return _of_material(material, values), shape, scene
@@ -213,7 +209,10 @@ def _key(constants: Any) -> Any:
         if isinstance(leaf, (np.ndarray, np.generic, jax.Array)):
             array = np.asarray(leaf)
             parts.append((array.shape, array.dtype.str, array.tobytes()))
-        elif isinstance(leaf, (bool, int, float, str, Model)):
+        # a dataclass that is a leaf is a model
+        elif isinstance(leaf, (bool, int, float, str)) or dataclasses.is_dataclass(
+            leaf
+        ):
             parts.append((type(leaf), leaf))
         else:
             return None
@@ -415,15 +414,9 @@ def calibrate(
         pressed = {name: scene.get(name) for name in ("pressure", "load", "depth")}
         hint_at_line(scene.get("model"), shape, **pressed)
         model = of_rough(scene.get("model"), shape, scene.get("pressure"))
-        if isinstance(model, Line) and model.samples is None:
-            model = dataclasses.replace(
-                model, samples=line_count(shape, model.periods, PER_WAVE * finer)
-            )
-        if (
-            isinstance(model, Line)
-            and scene.get("pressure") is not None
-            and (text := missed(shape, model)) is not None
-        ):
+        model = model.for_changes(shape, finer)
+        text = None if scene.get("pressure") is None else model.doubt(shape)
+        if text is not None:
             warnings.warn(text, ModelWarning, stacklevel=2)
         scene["model"] = model
     compute = _computer(material, shape, quantity, names, change, scene)

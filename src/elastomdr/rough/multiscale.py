@@ -18,11 +18,14 @@ the friction in light contact. Exact in full contact; for small loss mu is linea
 loss, and for p -> 0 it does not depend on p.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..models import Persson
+from ..checks import is_traced
+from ..material.tabulated import LEFT_OUT
+from ..models import SurfaceFriction
 from .local_modulus import Local
 from .psd_integrals import (
     PER_DECADE,
@@ -96,7 +99,6 @@ def solve(
     pressure: Any,
     model: Any,
     rtol: float,
-    form: Form = FORM,
     local: Local = _LINEAR,
 ) -> Found:
     """Points (velocity [m/s], pressure [Pa]), flat; `modulus(omega)` is E* [Pa] at
@@ -118,7 +120,6 @@ def solve(
                 velocity,
                 pressure,
                 model,
-                form,
                 None,
                 local,
             )
@@ -134,7 +135,6 @@ def solve(
             velocity,
             pressure,
             model,
-            form,
             per_decade // part,
             local,
         )
@@ -147,7 +147,6 @@ def solve(
             velocity[left],
             pressure[left],
             model,
-            form,
             per_decade,
             local.of(left),
         )
@@ -181,11 +180,10 @@ def _in_batches(
     velocity: Any,
     pressure: Any,
     model: Any,
-    form: Form,
     per_decade: int,
     local: Local,
 ) -> Any:
-    at = nodes(spectrum, per_decade, bends(spectrum, model, local, form))
+    at = nodes(spectrum, per_decade, bends(spectrum, model, local))
     step = np.log(10.0) / per_decade
     table = _table(modulus, at, velocity, step, local)
     batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]
@@ -196,7 +194,6 @@ def _in_batches(
             velocity[some],
             pressure[some],
             model,
-            form,
             table,
             local.of(some),
         )
@@ -205,18 +202,11 @@ def _in_batches(
     return tuple(np.concatenate(part) for part in zip(*out, strict=True))
 
 
-def bends(
-    spectrum: Any, model: Any, local: Local, form: Form = FORM
-) -> tuple[float, ...]:
+def bends(spectrum: Any, model: Any, local: Local) -> tuple[float, ...]:
     """Wave numbers at which an integrand may bend: where P_s becomes A, and where
     factors of the moduli do.
     """
-    later = (
-        ()
-        if isinstance(model, Persson)
-        else (float(spectrum.q_high) * np.exp(-form.shift),)
-    )
-    return (*later, *local.bends())
+    return (*model.bends(spectrum), *local.bends())
 
 
 def _table(
@@ -234,16 +224,12 @@ def _evaluate(
     velocity: Any,
     pressure: Any,
     model: Any,
-    form: Form,
     table: Any,
     local: Local,
 ) -> tuple[Any, Any]:
     """mu and area of real contact at each point."""
-    if isinstance(model, Persson):
-        each, _, area = _persson(modulus, at, velocity, pressure, model, table, local)
-        return each.sum((-2, -1)), area
-    found = parts(modulus, at, velocity, pressure, table, local)
-    return weighed(found, form), found.area
+    found = model.waves(modulus, at, velocity, pressure, table, local)
+    return found.each.sum((-2, -1)) + found.edges, found.area
 
 
 class Waves(NamedTuple):
@@ -255,30 +241,21 @@ class Waves(NamedTuple):
     area: Any  # of real contact
 
 
-def waves(
-    modulus: Any,
-    at: Nodes,
-    velocity: Any,
-    pressure: Any,
-    model: Any,
-    table: Any,
-    local: Local,
+def waves_of_multiscale(
+    modulus: Any, at: Nodes, velocity: Any, pressure: Any, table: Any, local: Local
 ) -> Waves:
     """Friction wave by wave, at points (velocity [m/s], pressure [Pa]), flat."""
-    if isinstance(model, Persson):
-        each, rate, area = _persson(
-            modulus, at, velocity, pressure, model, table, local
-        )
-        return Waves(each, 0.0 * area, rate, area)
     found = parts(modulus, at, velocity, pressure, table, local)
     return Waves(*_weighed(found, FORM), found.rate, found.area)
 
 
-def contact(rate: Any, model: Any) -> Any:
+def bend(spectrum: Any) -> float:
+    """The wave number q_high e^-s [rad/m], from which on P_s is held."""
+    return float(spectrum.q_high) * np.exp(-FORM.shift)
+
+
+def contact(rate: Any, gamma: float, stored: bool) -> Any:
     """The share of contact from R."""
-    gamma, stored = (
-        (model.gamma, model.stored) if isinstance(model, Persson) else (_GAMMA, True)
-    )
     return share(spread_of(rate, gamma, stored))
 
 
@@ -307,23 +284,24 @@ def _averages(
     return loss * drag, stiffness * (storage**2 + (loss**2 - storage**2) * lost)
 
 
-def _persson(
+def waves_of_persson(
     modulus: Any,
     at: Nodes,
     velocity: Any,
     pressure: Any,
-    model: Persson,
+    energy_factor: tuple[float, bool],
     table: Any,
     local: Local,
-) -> tuple[Any, Any, Any]:
-    """Friction of each node, dR/dlog q there, and the area of real contact."""
+) -> Waves:
+    """Friction wave by wave, by Persson's theory; none of contact edges."""
     p = pressure[:, None, None]
     drag, stiffness = _averages(modulus, velocity, at.q, table, local)
     rate = at.power * stiffness / (8 * p**2)
-    shares = share(spread_of(until(rate, at.weight), model.gamma, model.stored))
+    shares = contact(until(rate, at.weight), *energy_factor)
     full = at.weight * at.power * drag / (2 * p)
-    area = share(spread_of((rate * at.weight).sum((-2, -1)), model.gamma, model.stored))
-    return full * factor(shares, model.gamma) * shares, rate, area
+    area = contact((rate * at.weight).sum((-2, -1)), *energy_factor)
+    gamma, _ = energy_factor
+    return Waves(full * factor(shares, gamma) * shares, 0.0 * area, rate, area)
 
 
 def parts(
@@ -410,12 +388,84 @@ def _later(found: Parts, shift: float) -> Any:
     return share(spread_of(xp.exp(later), _GAMMA, True)).reshape(found.rate.shape)
 
 
+WORK = (
+    f"integrals over {PER_DECADE} cells per decade of q, or more until rtol is met",
+    "no lines, no maps, no random numbers; integrals over the angle are tabulated once "
+    "for all points",
+)
+
+
+def friction(
+    model: Any,
+    foundation: Any,
+    surface: Any,
+    velocity: Any,
+    pressure: Any,
+    local: Local,
+    rtol: float,
+    progress: Callable[[int, int], None] | None,
+) -> SurfaceFriction:
+    """`solve` with the error of a table of moduli, and which points met `rtol`."""
+    found = solve(
+        foundation.complex_modulus,
+        surface,
+        velocity,
+        pressure,
+        model,
+        rtol,
+        local=local,
+    )
+    traced = is_traced(found.mu)
+    good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
+    if traced:
+        good = found.mu == found.mu
+    if progress is not None and not is_traced(velocity):
+        progress(velocity.size, velocity.size)
+    # The friction of the halves of a table shows the error of its interpolation.
+    change = 0.0
+    for half in () if traced else _half_tables(foundation):
+        other = solve(
+            half.complex_modulus,
+            surface,
+            velocity,
+            pressure,
+            model,
+            max(rtol, 1e-3),
+            local=local,
+        )
+        change = np.maximum(change, LEFT_OUT * np.abs(other.mu - found.mu))
+    return SurfaceFriction(
+        found.mu, found.area, found.error + change, good, found.area_error
+    )
+
+
+def _half_tables(foundation: Any) -> tuple[Any, ...]:
+    """The halves of a table of moduli; none for a series."""
+    if not hasattr(foundation, "thinned") or is_traced(foundation):
+        return ()
+    return tuple(foundation.thinned())
+
+
 # |ln(mu/mu_3D)| <= a + b (-ln A) for 95 % of the map's points, each predicted without
 # its surface or its material.
 _BOUND = {"multiscale": (0.02, 0.04), "persson": (0.098, 0.149)}
 _AREA_BOUND = (0.03, 0.07)  # of the real contact area, alike: benchmarks/rough_fit.py
 # of the map: cutoff ratios, largest contrast, least contact
 _RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.004
+
+
+def bound_terms(label: str, of_area: bool) -> tuple[float, float]:
+    """a and b of `bound`, of mu by a model's label or of the area."""
+    return _AREA_BOUND if of_area else _BOUND[label]
+
+
+def contrast(foundation: Any, surface: Any, velocity: Any) -> Any:
+    """|E*| at q_high v over that at q_low v."""
+    high, low = (
+        abs(foundation.complex_modulus(q * velocity))
+        for q in (surface.q_high, surface.q_low)
+    )
+    return high / low
 
 
 def bound(
@@ -426,13 +476,13 @@ def bound(
 
     Outside the map it is wider by a factor: 1 + log10 of how many times the cutoff
     ratio, the contrast of the moduli and the real contact area lie beyond its range,
-    all three added. Of Persson's theory with other options than the default it is not
-    known: NaN.
+    all three added. NaN where it is not known for the options of the model.
     """
     xp = namespace(area, ratio, contrast)
-    if isinstance(model, Persson) and (model.gamma, model.stored) != (_GAMMA, True):
+    terms = model.bound_terms(of_area)
+    if terms is None:
         return area + np.nan
-    a, b = _AREA_BOUND if of_area else _BOUND[model.label]
+    a, b = terms
     beyond = sum(
         xp.log10(xp.maximum(x, 1.0))
         for x in (

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..models import SurfaceFriction
 from ..surface.rough_map import rough_map
 from .half_space import solve, waves
 from .psd_integrals import nodes, read, share, spread_of, tables, until
@@ -31,19 +32,6 @@ _OF_SUMMITS = 0.3
 # Half of the change from a grid half as fine: a grid of 4 cells per shortest wave is
 # within 0.8 % of ever finer ones.
 _OF_HALF = 0.5
-
-
-class Found(NamedTuple):
-    """Answers at each point: means over the maps."""
-
-    mu: np.ndarray
-    area: np.ndarray
-    # of the grid and the size of the cell, and twice the standard error of the mean
-    # over maps; NaN for one map
-    error: np.ndarray
-    good: np.ndarray
-    said: str  # how it was computed
-    area_error: np.ndarray  # numerical
 
 
 class Grid(NamedTuple):
@@ -88,7 +76,7 @@ def friction(
     seeds: tuple[int, ...],
     rtol: float,
     progress: Callable[[int, int], None] | None,
-) -> Found:
+) -> SurfaceFriction:
     """Points (velocity [m/s], pressure [Pa]), flat, each on every map; neighbours begin
     with each other's contact.
     """
@@ -158,7 +146,7 @@ def friction(
     error = off.mean(axis=0) + _OF_SUMMITS * np.abs(mean) / enough + 2 * scatter
     touching = area.mean(axis=0)
     of_area = missed.mean(axis=0) + _OF_SUMMITS * touching / enough + 2 * scattered
-    return Found(mean, touching, error, good, said, of_area)
+    return SurfaceFriction(mean, touching, error, good, of_area, said)
 
 
 def summits(
@@ -198,3 +186,18 @@ def full_contact_of_map(
     on = waves(modulus, velocity, heights.shape, sides)
     spread = np.abs(np.fft.rfft2(heights) / heights.size) ** 2
     return float((on.loss * spread * np.abs(on.inverse) ** 2).sum()) / pressure
+
+
+def work(
+    surface: Any, cells: int | None, periods: int | None, seeds: int
+) -> tuple[str, str]:
+    """What is computed on how many maps of which grid and what is left out, in
+    words.
+    """
+    grid = grid_of(surface, cells, periods)
+    return (
+        f"{seeds} maps of {grid.cells} by {grid.cells} cells, {grid.periods} longest "
+        "waves to a side",
+        "cells out of contact; contact from a grid half as fine, then from the "
+        "neighbouring velocity",
+    )

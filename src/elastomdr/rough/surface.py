@@ -1,11 +1,12 @@
-"""Steady friction of a surface under a pressure: by Multiscale, by Persson's theory, on
-a half-space of cells.
+"""Steady friction of a surface under a pressure, by any `SurfaceModel`: check, solve,
+pack.
 """
 
 import dataclasses
 import warnings
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -14,14 +15,12 @@ from ..call.problem import Scene, rough_scene
 from ..checks import is_traced, nan_unless, require, scalar
 from ..element.law import surface_foundation
 from ..errors import ConvergenceWarning, InputError, ModelWarning
-from ..material.tabulated import LEFT_OUT
 from ..material.validity import misfit
 from ..material.vertical import thermal_factors
-from ..models import HalfSpace, Model, Persson, seeds_of
+from ..models import SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
 from ..smooth.softening import LINEAR
 from ..surface.spectrum import AbstractSpectrum
-from . import multiscale
 from .adhesion import sheared, why_hotter
 from .adhesive_shear import AdhesiveShear, check_adhesion
 from .heat import Heat, check_heat
@@ -67,7 +66,7 @@ class SurfacePlan:
 def surface_friction(
     material: Any,
     surface: AbstractSpectrum,
-    model: Model,
+    model: SurfaceModel,
     *,
     velocity: Any,
     pressure: Any,
@@ -93,17 +92,18 @@ def surface_friction(
     pressures = scene.full(scene.value)  # [Pa]
     # by the material at its reference temperature
     carried = (pressures / scene.vertical).ravel()
-    solved = _solver(model, foundation, surface, float(rtol), progress)
-    linear = isinstance(model, HalfSpace)
+    solved = partial(
+        model.solve, foundation, surface, rtol=float(rtol), progress=progress
+    )
     softened = None
-    if foundation.softening is not None and not linear:
+    if foundation.softening is not None and model.softens:
         softened = Softened(foundation.softening, surface, strain_share)
     local = Local(softened)
-    found = solved(scene.reduced.ravel(), carried, local)
+    found = solved(scene.reduced.ravel(), carried, local=local)
     if not traced:
         _doubt_unit(found, pressures.ravel())
     reduced, warm, cold, by_scale = scene.reduced, None, found, None
-    if heat is not None and not linear:
+    if heat is not None and model.heats_by_scale:
         found, by_scale, local = _heated(
             heat, adhesion, foundation, surface, model, scene, found, local, solved
         )
@@ -119,14 +119,14 @@ def surface_friction(
         if adhesion is not None:
             raise InputError(
                 "heat with adhesion needs em.Multiscale() or em.Persson(), got "
-                "em.HalfSpace()."
+                f"{model!r}."
             )
         v, t, p = (scene.full(a).ravel() for a in (scene.velocity, kelvin, pressures))
 
         from .flash import SETTLED, warmed
 
         def again(reduced: np.ndarray, pressure: np.ndarray, coarse: bool) -> Mean:
-            return _as_mean(solved(reduced, pressure))
+            return _as_mean(solved(reduced, pressure, local=local))
 
         warm = warmed(heat, foundation, surface, v, t, p, _as_mean(found), again)
         reduced = warm.reduced.reshape(shape)
@@ -168,7 +168,9 @@ def surface_friction(
             ("heat", heat.words(None if traced else float(2 * np.pi / surface.q_low)))
         )
     inputs += (
-        [] if by_scale is None or traced else _scales_in_words(by_scale, found.good)
+        []
+        if by_scale is None or traced
+        else _scales_in_words(by_scale, np.asarray(found.good))
     )
     straight, spread = None, (0.0, 0.0)
     if softened is not None:
@@ -231,7 +233,7 @@ def surface_friction(
         error=field(found.error + series * abs(found.mu)),
         converged=found.good.reshape(shape),
         temperature=scene.full(kelvin),
-        model=_name(model) + kind + _hot(model, heat),
+        model=model.words() + kind + _hot(model, heat),
         plan=_plan(foundation, scene, surface, model, heat),
         inputs=tuple(inputs),
         extrapolated=beyond.points,
@@ -297,12 +299,12 @@ def _heated(
     adhesion: AdhesiveShear | None,
     foundation: Any,
     surface: Any,
-    model: Model,
+    model: SurfaceModel,
     scene: Scene,
-    cold: "_Found",
+    cold: SurfaceFriction,
     local: Local,
-    solved: Callable[..., "_Found"],
-) -> tuple["_Found", Any, Local]:
+    solved: Callable[..., SurfaceFriction],
+) -> tuple[SurfaceFriction, Any, Local]:
     """Friction at the temperatures that it makes, and those."""
     from .temperature_by_scale import HIGHEST, Problem, reach, warmed
 
@@ -325,7 +327,7 @@ def _heated(
     )
     by_scale = warmed(problem, model, highest)
     hot = local._replace(warmed=by_scale.warmed)
-    found = solved(reduced, carried, hot)
+    found = solved(reduced, carried, local=hot)
     good = found.good & cold.good & by_scale.good
     return found._replace(error=found.error + by_scale.error, good=good), by_scale, hot
 
@@ -363,9 +365,9 @@ def _softening(
     softened: Softened,
     foundation: Any,
     surface: Any,
-    model: Model,
+    model: SurfaceModel,
     scene: Scene,
-    found: "_Found",
+    found: SurfaceFriction,
     local: Local,
     carried: Any,
     rtol: Any,
@@ -378,15 +380,15 @@ def _softening(
     """
     if scene.traced:
         return None, (np.nan, np.nan), []
-    modulus, v = foundation.complex_modulus, scene.reduced.ravel()
+    v = scene.reduced.ravel()
     carried = (scene.full(scene.value) / scene.vertical).ravel()
 
     def at(share: Any) -> Any:
         other = local._replace(
             softened=None if share is None else softened._replace(share=share)
         )
-        return multiscale.solve(
-            modulus, surface, v, carried, model, max(rtol, 1e-3), local=other
+        return model.solve(
+            foundation, surface, v, carried, other, max(float(rtol), 1e-3), None
         )
 
     straight, here = at(None), at(softened.share)
@@ -438,7 +440,7 @@ def _strained_beyond(
 def surface_plan(
     material: Any,
     surface: AbstractSpectrum,
-    model: Model,
+    model: SurfaceModel,
     *,
     velocity: Any,
     pressure: Any,
@@ -457,62 +459,30 @@ def _plan(
     foundation: Any,
     scene: Scene,
     surface: AbstractSpectrum,
-    model: Model,
+    model: SurfaceModel,
     heat: Heat | None,
 ) -> SurfacePlan:
     name = foundation.name or "a foundation given directly"
-    if isinstance(model, HalfSpace):
-        from . import random_maps as maps
-
-        grid, seeds = (
-            maps.grid_of(surface, model.cells, model.periods),
-            len(seeds_of(model.seeds)),
-        )
-        work = (
-            f"{seeds} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
-            "longest waves to a side"
-        )
-        skipped = (
-            "cells out of contact; contact from a grid half as fine, then from the "
-            "neighbouring velocity"
-        )
-    else:
-        work = (
-            f"integrals over {multiscale.PER_DECADE} cells per decade of q, or more "
-            "until rtol is met"
-        )
-        skipped = (
-            "no lines, no maps, no random numbers; integrals over the angle are "
-            "tabulated once for all points"
-        )
+    work, skipped = model.work(surface)
     points = int(np.prod(scene.shape))
     label = (
         surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
     )
     return SurfacePlan(
-        f"{label} on {name}", _name(model) + _hot(model, heat), points, work, skipped
+        f"{label} on {name}", model.words() + _hot(model, heat), points, work, skipped
     )
 
 
-def _hot(model: Model, heat: Heat | None) -> str:
-    return (
-        "" if heat is None else _HOT if isinstance(model, HalfSpace) else _HOT_BY_SCALE
-    )
-
-
-def _name(model: Model) -> str:
-    if isinstance(model, Persson):
-        where = "in mu and in G" if model.stored else "in mu"
-        return f"Persson's theory, S with gamma = {model.gamma:g} {where}"
-    if isinstance(model, HalfSpace):
-        return "half-space in three dimensions, random maps of cells (no reduction)"
-    return "Multiscale (Persson's contact shares, weights from three-dimensional maps)"
+def _hot(model: SurfaceModel, heat: Heat | None) -> str:
+    if heat is None:
+        return ""
+    return _HOT_BY_SCALE if model.heats_by_scale else _HOT
 
 
 def _set_up(
     material: Any,
     surface: Any,
-    model: Model,
+    model: SurfaceModel,
     velocity: Any,
     pressure: Any,
     temperature: Any,
@@ -533,7 +503,7 @@ def _set_up(
         heat,
         temperature,
         scene.traced or is_traced(heat),
-        not isinstance(model, HalfSpace),
+        model.heats_by_scale,
     )
     if not scene.traced:  # averages over directions look far below a frequency
         low, high = 1e-89 / float(surface.q_low), 1e97 / float(surface.q_high)
@@ -545,115 +515,12 @@ def _set_up(
     return foundation, scene
 
 
-class _Found(NamedTuple):
-    """What any of the models finds at each point."""
-
-    mu: Any
-    area: Any
-    error: Any
-    good: Any
-    area_error: Any
-    said: str = ""  # of the maps that were solved
-
-
-def _solver(
-    model: Model,
-    foundation: Any,
-    surface: Any,
-    rtol: float,
-    progress: Callable[[int, int], None] | None,
-) -> Callable[..., _Found]:
-    """Solves points (v a_T [m/s], p [Pa]), flat, with what differs from scale to
-    scale.
-    """
-    if isinstance(model, HalfSpace):
-        from . import random_maps as maps
-
-        grid, seeds = (
-            maps.grid_of(surface, model.cells, model.periods),
-            seeds_of(model.seeds),
-        )
-
-        def on_maps(reduced: Any, pressure: Any, _local: Local | None = None) -> _Found:
-            if is_traced(surface, reduced, pressure, foundation):
-                raise InputError(
-                    "model must be em.Multiscale() or em.Persson() under jit, grad "
-                    "and vmap."
-                )
-            found = maps.friction(
-                foundation.complex_modulus,
-                surface,
-                reduced,
-                pressure,
-                grid,
-                seeds,
-                rtol,
-                progress,
-            )
-            return _Found(
-                found.mu,
-                found.area,
-                found.error,
-                found.good,
-                found.area_error,
-                found.said,
-            )
-
-        return on_maps
-    tables = _half_tables(foundation)
-
-    def closed(reduced: Any, pressure: Any, local: Local) -> _Found:
-        found = multiscale.solve(
-            foundation.complex_modulus,
-            surface,
-            reduced,
-            pressure,
-            model,
-            rtol,
-            local=local,
-        )
-        good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
-        if is_traced(found.mu):
-            good = found.mu == found.mu
-        if progress is not None and not is_traced(reduced):
-            progress(reduced.size, reduced.size)
-        change = 0.0
-        for half in () if is_traced(found.mu) else tables:
-            coarse = max(rtol, 1e-3)
-            other = multiscale.solve(
-                half.complex_modulus,
-                surface,
-                reduced,
-                pressure,
-                model,
-                coarse,
-                local=local,
-            )
-            change = np.maximum(change, LEFT_OUT * np.abs(other.mu - found.mu))
-        return _Found(
-            found.mu, found.area, found.error + change, good, found.area_error
-        )
-
-    return closed
-
-
-def _half_tables(foundation: Any) -> tuple[Any, ...]:
-    """The halves of a table of moduli, whose friction shows the error of its
-    interpolation; none for a series.
-    """
-    return (
-        ()
-        if not hasattr(foundation, "thinned") or is_traced(foundation)
-        else tuple(foundation.thinned())
-    )
-
-
-def _as_mean(found: _Found) -> Mean:
+def _as_mean(found: SurfaceFriction) -> Mean:
     unknown = np.full(np.shape(found.mu), np.nan)
     return Mean(found.mu, found.error, unknown, unknown, found.area, found.good, None)
 
 
-def _doubt_unit(found: _Found, pressure: np.ndarray) -> None:
+def _doubt_unit(found: SurfaceFriction, pressure: np.ndarray) -> None:
     """Warns of a pressure that is likely to be meant in MPa: a small number, under
     which hardly anything touches.
     """
@@ -688,10 +555,10 @@ def _misfit(
 
 
 def _model_error(
-    model: Model,
+    model: SurfaceModel,
     foundation: Any,
     surface: AbstractSpectrum,
-    found: _Found,
+    found: SurfaceFriction,
     reduced: Any,
     spread: Any,
     field: Callable[[Any], Any],
@@ -704,16 +571,9 @@ def _model_error(
     two, adds to it. The bound itself holds with softening as without: each scale is
     linear, and moduli that change with the wave number are what it was established for.
     """
-    if isinstance(model, HalfSpace):
-        return (
-            None
-            if foundation.softening is None
-            else field(np.full(np.shape(found.mu), np.nan))
-        )
-    stiff = [
-        abs(foundation.complex_modulus(q * reduced.ravel()))
-        for q in (surface.q_high, surface.q_low)
-    ]
-    ratio = surface.q_high / surface.q_low
-    bound = multiscale.bound(model, found.area, ratio, stiff[0] / stiff[1], of_area)
+    if foundation.softening is not None and not model.softens:
+        return field(np.full(np.shape(found.mu), np.nan))
+    bound = model.bound(foundation, surface, reduced.ravel(), found.area, of_area)
+    if bound is None:
+        return None
     return field((bound if of_area else abs(found.mu) * bound) + spread)

@@ -38,7 +38,7 @@ import numpy as np
 from ..arrays import as_numpy, fixed, is_traced, while_loop
 from .heat import Heat
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
-from .multiscale import Waves, _table, bends, contact, waves
+from .multiscale import Waves, _table, bends
 from .psd_integrals import Nodes, namespace, nodes, until
 
 HIGHEST = 1000.0  # largest rise that is looked for [K]
@@ -250,12 +250,11 @@ def _state(
             problem.softened,
             Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body),
         )
-        found = waves(
+        found = model.waves(
             problem.body.complex_modulus,
             conduct.at,
             problem.reduced,
             problem.carried,
-            model,
             table,
             local,
         )
@@ -301,8 +300,8 @@ def _heated(
     )
     depth = depth / whole[:, None]  # S(k)
     on_surface = shear / whole  # of it
-    excess = 1 / contact(until(found.rate, c.at.weight), model) - 1
-    ends = 1 / contact(_until_stations(found.rate, c.at, c.cell, c.place), model) - 1
+    excess = 1 / model.contact(until(found.rate, c.at.weight)) - 1
+    ends = 1 / model.contact(_until_stations(found.rate, c.at, c.cell, c.place)) - 1
     # int r dr c_q(r) I0 K0 of each station: beyond its half wave by the nodes, below it
     # by the share of its own
     inner = (
@@ -506,12 +505,11 @@ def _first(
     for i in range(0, rise.shape[0], batch):
         some = slice(i, i + batch)
         part = many.of(some)
-        found = waves(
+        found = model.waves(
             problem.body.complex_modulus,
             conduct.at,
             part.reduced,
             part.carried,
-            model,
             table,
             local.of(some),
         )

@@ -22,7 +22,6 @@ from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import KelvinChain, to_kelvin
 from ..material.table_chain import to_chain
 from ..material.tabulated import TabulatedModulus
-from ..models import Averaged
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe
 from ..surface.direction import directions, lagrange, layer_asymmetry, shared_grid
@@ -153,7 +152,7 @@ def ball_on_layer(
             f"below {float(thick):.4g} m, the thickness of the layer",
             lambda d: d < thick,
         )
-    averaged = isinstance(chosen, Averaged)
+    averaged = chosen.over_directions
     corrected = averaged and chosen.corrected
     label = CORRECTED if corrected else AVERAGED if averaged else BARE
     label += "" if material.softening is None else LINEAR

@@ -24,7 +24,6 @@ from ..material.prony import Prony
 from ..material.relaxation import to_kelvin
 from ..material.table_chain import to_chain
 from ..material.tabulated import TabulatedModulus
-from ..models import HalfSpace
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe, significant
 from ..surface.shapes import Cylinder
@@ -142,7 +141,7 @@ def cylinder_on_layer(
     solved: bool = True,
 ) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
-    if isinstance(of_smooth(model, quantity, shape.label), HalfSpace):
+    if not of_smooth(model, quantity, shape.label).on_line:
         raise InputError(
             f"model must be left out under a cylinder in plane strain, got {model!r}."
         )

@@ -16,7 +16,6 @@ from ..checks import Array, is_traced, nan_unless, require
 from ..element.law import Foundation, as_foundation
 from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import Relaxation
-from ..models import Averaged, HalfSpace
 from ..results.curve import Contact
 from ..results.words import describe
 from ..surface.direction import BARE_LINE
@@ -119,7 +118,7 @@ def set_up(
     foundation = replaced(foundation, softening=None) if small else foundation
     no_pressure(shape, pressure)
     chosen = of_smooth(model, quantity, shape.label)
-    if isinstance(chosen, HalfSpace):
+    if not chosen.on_line:
         raise InputError(
             "model must be em.Averaged() or em.Line() on the line of a "
             f"{shape.label}, got {chosen!r}."
@@ -139,8 +138,8 @@ def set_up(
     if not points.traced:
         _check_size(lines, control, value)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
-    averaged = isinstance(chosen, Averaged) and not layer
-    corrected = averaged and isinstance(chosen, Averaged) and chosen.corrected
+    averaged = chosen.over_directions and not layer
+    corrected = averaged and chosen.corrected
     words = (
         LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
     )

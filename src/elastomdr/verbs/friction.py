@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, ParamSpec
 
 from ..call.model_choice import (
-    CELLS,
     hint_at_line,
     is_rough,
     of_rough,
@@ -16,16 +14,14 @@ from ..call.model_choice import (
     only_rough,
 )
 from ..call.several_materials import over_materials
-from ..checks import needs_64_bit_types, numpy_unless_traced, only_one
-from ..element.layer import Layer
-from ..models import HalfSpace, Line
+from ..checks import needs_64_bit_types, numpy_unless_traced
 from ..results.curve import FrictionCurve
-from ..rough.adhesion import no_area, on_cells, on_contact
+from ..rough.adhesion import on_contact
 from ..rough.adhesive_shear import AdhesiveShear, check_adhesion
 from ..rough.heat import Heat
 from ..smooth.on_layer import beside_layer, is_on_layer, on_layer
-from ..smooth.problem import no_pressure, set_up, solve
-from ..smooth.softening import LINEAR, SOFTENED
+from ..smooth.problem import set_up, solve
+from ..smooth.softening import SOFTENED
 from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 
@@ -143,16 +139,29 @@ def friction(
     """
     if is_rough(shape):
         chosen = of_rough(model, shape, pressure)
-        if isinstance(chosen, Line):
-            no_area(
-                adhesion,
-                f"a {chosen.label} on a rough line or surface",
-                "use em.Multiscale() under a pressure",
-            )
-            hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
-            from ..rough.line import rough_friction
-
-            return rough_friction(
+        hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
+        return chosen.rough_friction(
+            material,
+            shape,
+            velocity=velocity,
+            load=load,
+            depth=depth,
+            pressure=pressure,
+            temperature=temperature,
+            rtol=rtol,
+            skip=skip,
+            heat=heat,
+            adhesion=adhesion,
+            strain_share=strain_share,
+            progress=progress,
+            store=store,
+        )
+    only_rough(heat)
+    check_adhesion(adhesion, temperature)
+    if isinstance(shape, AbstractShape):
+        model = of_smooth(model, "friction", shape.label)
+        if not model.on_line:
+            return model.smooth_friction(
                 material,
                 shape,
                 velocity=velocity,
@@ -160,54 +169,8 @@ def friction(
                 depth=depth,
                 pressure=pressure,
                 temperature=temperature,
-                model=chosen,
-                rtol=rtol,
-                skip=skip,
-                heat=heat,
-                progress=progress,
-                store=store,
+                adhesion=adhesion,
             )
-        from ..rough.surface import surface_friction
-
-        assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
-        only_one(pressure=pressure, load=load, depth=depth)
-        return surface_friction(
-            material,
-            shape,
-            chosen,
-            velocity=velocity,
-            pressure=pressure,
-            temperature=temperature,
-            rtol=rtol,
-            heat=heat,
-            adhesion=adhesion,
-            strain_share=strain_share,
-            progress=progress,
-        )
-    only_rough(heat)
-    check_adhesion(adhesion, temperature)
-    if isinstance(shape, AbstractShape):
-        model = of_smooth(model, "friction", shape.label)
-        if isinstance(model, HalfSpace):
-            no_pressure(shape, pressure)
-            from ..reference import half_space_sliding, layer_sliding
-
-            one: Any = material  # `over_materials` has taken lists apart
-            solver = (
-                layer_sliding if isinstance(material, Layer) else half_space_sliding
-            )
-            curve: Any = solver(
-                one,
-                shape,
-                velocity=velocity,
-                load=load,
-                depth=depth,
-                temperature=temperature,
-                points=model.cells or CELLS,
-            )
-            if getattr(one, "softening", None) is not None:
-                curve = dataclasses.replace(curve, model=curve.model + LINEAR)
-            return curve if adhesion is None else on_cells(curve, adhesion)
     if is_on_layer(material, shape):
         found, kelvin, name, plan = on_layer(
             "friction",

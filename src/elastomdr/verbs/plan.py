@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..call.model_choice import (
-    CELLS,
     hint_at_line,
     is_rough,
     of_rough,
@@ -13,17 +12,14 @@ from ..call.model_choice import (
     only_rough,
 )
 from ..call.several_materials import over_materials
-from ..checks import numpy_unless_traced, only_one
+from ..checks import numpy_unless_traced
 from ..errors import InputError
-from ..models import HalfSpace, Line
-from ..rough.adhesion import no_area
 from ..rough.adhesive_shear import AdhesiveShear, check_adhesion
 from ..rough.heat import Heat
 from ..smooth.on_layer import is_on_layer, on_layer
 from ..smooth.plan import Plan
 from ..smooth.problem import set_up
 from ..surface.shapes import AbstractShape
-from ..surface.spectrum import AbstractSpectrum
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Motion
@@ -68,48 +64,24 @@ def plan(
             )
         hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
         chosen = of_rough(model, shape, pressure)
-        if isinstance(chosen, Line):
-            no_area(
-                adhesion,
-                f"a {chosen.label} on a rough line or surface",
-                "use em.Multiscale() under a pressure",
-            )
-            from ..rough.line import rough_plan
-
-            return rough_plan(
-                material,
-                shape,
-                velocity=velocity,
-                load=load,
-                depth=depth,
-                pressure=pressure,
-                temperature=temperature,
-                model=chosen,
-                rtol=rtol,
-                skip=skip,
-                heat=heat,
-            )
-        from ..rough.surface import surface_plan
-
-        assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
-        only_one(pressure=pressure, load=load, depth=depth)
-        return surface_plan(
+        return chosen.rough_plan(
             material,
             shape,
-            chosen,
             velocity=velocity,
+            load=load,
+            depth=depth,
             pressure=pressure,
             temperature=temperature,
             rtol=rtol,
+            skip=skip,
             heat=heat,
+            adhesion=adhesion,
         )
     only_rough(heat)
     if isinstance(shape, AbstractShape):
         model = of_smooth(model, quantity, shape.label)
-        if isinstance(model, HalfSpace):
-            from ..reference.half_space import grid_words
-
-            return grid_words(model.cells or CELLS)
+        if not model.on_line:
+            return model.smooth_plan()
     if is_on_layer(material, shape):
         return on_layer(
             quantity,
