@@ -8,6 +8,9 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 RUBBER = em.load_material("tread-passenger-synthetic")
 ROAD = em.SelfAffine(0.8, rms_slope=0.7, q_low=1.26e3, q_high=3.1e5)
 TRUTH = {"stress": 6e6, "velocity": 4e-3, "width": 0.1, "energy": 9e4}

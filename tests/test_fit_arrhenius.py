@@ -3,11 +3,15 @@ intervals hold them.
 """
 
 import numpy as np
+import pytest
 from scipy.stats import binom
 
 import elastomdr as em
 
 from .dma_files import measure
+
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 
 LAW = em.Arrhenius(2e5, 293.15)
 RUBBER = em.Prony(4e5, np.geomspace(4e7, 3e5, 9), np.geomspace(1e-8, 1.0, 9), shift=LAW)

@@ -9,6 +9,9 @@ import elastomdr as em
 
 from .dma_files import LAW, RUBBER, STEPS, SWEEP, data, measure
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 
 def test_a_plateau_is_not_separable():
     """On a plateau with a constant loss tangent a horizontal shift is a vertical

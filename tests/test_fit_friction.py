@@ -10,6 +10,9 @@ from elastomdr.errors import InputError
 from elastomdr.fit import calibration
 from elastomdr.fit.calibration import applied, with_jacobian
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 LAW = em.WLF(6.0, 110.0, 293.15)
 KELVIN = np.array([268.15, 278.15, 288.15, 293.15, 303.15, 318.15])
 VELOCITY = np.geomspace(1e-4, 1e-1, 12)

@@ -12,6 +12,9 @@ from elastomdr.material.check import check_material
 
 from .dma_files import data, measure
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 GLASS = 213.15  # K
 LAW = em.WLF(17.44, 51.6, GLASS)
 TAU = np.geomspace(1e-10, 1e3, 14)

@@ -9,6 +9,9 @@ from elastomdr.fit.laws import fit_laws, forms
 
 from .dma_files import KNOWN, LAW, RUBBER, STEPS, data
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 
 @pytest.fixture(scope="module")
 def master():

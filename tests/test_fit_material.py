@@ -18,6 +18,9 @@ from elastomdr.material.check import check_material
 
 from .dma_files import CELSIUS, HERTZ, KNOWN, WRITERS, measure, plain_csv, two_rows
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 ROWS = measure(KNOWN)
 BALL = em.Paraboloid(5e-3)
 # v a_T/(2a) to 2 v a_T/a, 0.03 to 3e4 rad/s at 0 to 40 degC: within the window

@@ -8,6 +8,9 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 SOLID = em.Prony(1e6, [8e6, 2e6, 1e6, 5e5], [1e-4, 3e-3, 5e-2, 1.0])
 LIQUID = em.Prony(0.0, [2e5, 1e5, 3e4], [1e-3, 1e-2, 2e-1])
 OMEGA = np.geomspace(0.05, 5e4, 60)

@@ -11,6 +11,9 @@ from elastomdr.fit.series import _widest
 from elastomdr.material.check import check_material
 from elastomdr.material.validity import Range, as_range, shared
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 KELVIN = np.arange(263.15, 334.0, 10.0)
 TIME = np.geomspace(0.01, 1e3, 24)  # [s]
 

@@ -10,6 +10,9 @@ from elastomdr.cli.main import main
 
 from .test_read_instruments import RUBBER, table
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 CELSIUS = np.arange(-30.0, 41.0, 10.0)
 INSTANTS = np.geomspace(1.1, 1000, 16)
 T, TIME = (grid.ravel() for grid in np.meshgrid(CELSIUS, INSTANTS, indexing="ij"))

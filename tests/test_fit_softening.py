@@ -13,6 +13,9 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 TRUTH = {"drop": 0.6, "strain": 0.01, "exponent": 0.55, "rise": 0.8}
 DATA = Path(
     os.environ.get(

@@ -11,6 +11,9 @@ from elastomdr.fit.laws import USUAL, slopes, thermometer
 
 from .dma_files import KNOWN, data
 
+# What is doubted is asserted where a test is about it.
+pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
+
 KELVIN = np.array(
     [253.15, 263.15, 273.15, 283.15, 293.15, 303.15, 313.15, 323.15, 333.15]
 )

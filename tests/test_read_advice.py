@@ -105,6 +105,7 @@ CASES = {  # what is written, and where it differs from the usual places and uni
 
 
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_advice_leads_to_the_truth(name, write):
     text, elsewhere = CASES[name]
     truth = {"places": PLACES | elsewhere, "units": STEMS}

@@ -325,6 +325,7 @@ def test_rows_of_which_nobody_knows_the_temperature_are_refused(text, line, writ
         em.read_dma(write("f [Hz],G' [Pa],G'' [Pa]\n" + text))
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_rows_that_are_no_measurement_are_counted_and_named(write, tmp_path):
     rows = [
         "1,20,2e6,1e5",

@@ -60,6 +60,7 @@ def test_a_sweep_of_strain(title, write):
         em.fit.master_curve(dma)
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_a_sweep_of_strain_and_sweeps_of_frequency_in_one_file(write):
     both = em.read_dma(write(written((0.1, SMALL), (AMPLITUDES, PAYNE))))
     np.testing.assert_allclose(np.sort(both.strain_sweeps().strain), AMPLITUDES / 100)
@@ -73,6 +74,7 @@ def test_a_sweep_of_strain_and_sweeps_of_frequency_in_one_file(write):
     assert ("strain", "0.1 %") in list(master.findings())
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_sweeps_at_two_strains_are_not_one_sample(write, tmp_path, monkeypatch, capsys):
     path = write(written((0.1, SMALL), (5.0, LARGE)), "two.csv")
     two = em.read_dma(path)
@@ -132,6 +134,7 @@ def test_joining_and_copies_keep_the_strain(write):
 
 
 @pytest.mark.parametrize("strain", [True, False])
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_steps_of_a_file_are_told_apart(strain, write):
     """An amplitude sweep as step 1, sweeps of frequency after it; without strains it is
     left out when read.

@@ -524,6 +524,7 @@ def test_every_quantity_has_the_unit_of_what_it_is():
     assert count > 100
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
     curve = dataclasses.replace(
         friction_curve(), inputs=(("material", "<b>"), *INPUTS[1:])

@@ -605,6 +605,7 @@ def test_a_tensile_master_curve_is_a_tensile_table():
     )
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_relaxation_makes_no_table():
     time = np.geomspace(1e-2, 1e2, 20)
     relaxing = em.fit.relaxation(time, RUBBER.relaxation(time), KELVIN, kind="shear")
@@ -637,6 +638,7 @@ def test_from_measured_data_to_friction(file, kelvin, low, high):
 
 
 @pytest.mark.parametrize("kind", ["shear", "tensile"])
+@pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
 def test_what_a_table_does_not_know_is_advised_and_the_advice_works(kind):
     found = sampled(RUBBER, 10, -2, 6, kind=kind)
     for name in ("relaxation", "creep_compliance", "instantaneous"):

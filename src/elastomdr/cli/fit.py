@@ -190,6 +190,7 @@ def run(options: argparse.Namespace) -> int:
     import elastomdr as em
 
     from .compute import output_folder
+    from .parts import Bar
 
     folder = output_folder(options.out)
     reference = _kelvin("--reference", options.reference)
@@ -226,7 +227,13 @@ def run(options: argparse.Namespace) -> int:
         fitted = {key: getattr(options, key) for key in _FITTED} | {
             "shift": law_of(options.shift)
         }
-        found = em.fit.material(dma, reference, name=options.name or "", **fitted)
+        bar = Bar()
+        try:
+            found = em.fit.material(
+                dma, reference, name=options.name or "", progress=bar, **fitted
+            )
+        finally:
+            bar.end()
         folder.mkdir(parents=True, exist_ok=True)
         paths = found.save(folder)
     print(found.summary())

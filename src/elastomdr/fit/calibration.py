@@ -33,7 +33,7 @@ from ..material.shift import WLF
 from ..material.tabulated import needs_series
 from ..models import as_model
 from ..surface.spectrum import AbstractSpectrum
-from .findings import TWO_SIGMA, AbstractFindings
+from .findings import TWO_SIGMA, AbstractFindings, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -480,7 +480,7 @@ def calibrate(
     concrete = jax.tree.map(
         lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, changed
     )
-    return Calibration(
+    found = Calibration(
         material=concrete,
         shape=shape,
         parameters=values,
@@ -496,6 +496,8 @@ def calibrate(
         warnings=tuple(_judge(names, std, spread, covariance, used, answer.success)),
         converged=bool(answer.success),
     )
+    tell(found.warnings, stacklevel=3)
+    return found
 
 
 def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -26,6 +26,14 @@ if TYPE_CHECKING:
 PLUS_MINUS = "+- is half a 95 % interval: 1.96 standard deviations"
 # a 95 % interval is the value plus and minus this many standard deviations
 TWO_SIGMA = 1.96
+
+
+def tell(doubts: Iterable[str], stacklevel: int) -> None:
+    """Issues each doubt of a result, which its summary prints, as a `FitWarning` too;
+    `stacklevel` as `warn` has it.
+    """
+    for text in doubts:
+        warnings.warn(text, FitWarning, stacklevel=stacklevel + 1)
 
 
 class AbstractFindings(abc.ABC):

@@ -14,7 +14,7 @@ from scipy.interpolate import BSpline
 from ..arrays import one_thread
 from ..checks import as_float64, in_kelvin, in_si, positive, require, scalar
 from ..errors import InputError
-from .findings import TWO_SIGMA, AbstractFindings, of_shifts
+from .findings import TWO_SIGMA, AbstractFindings, of_shifts, tell
 from .isotherms import alike, group
 from .laws import LawFit, fit_laws, locate
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
@@ -369,7 +369,7 @@ def _assemble(
             0,
             "The fit did not converge: look at the figure before using anything of it.",
         )
-    return FrictionMaster(
+    found = FrictionMaster(
         reference=reference,
         temperature=kelvin,
         log10_a=log10_a,
@@ -386,3 +386,5 @@ def _assemble(
         _spline=spline,
         _anchor=place.log10_a,
     )
+    tell(found.warnings, stacklevel=5)
+    return found

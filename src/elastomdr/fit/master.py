@@ -31,7 +31,9 @@ from .findings import (
     dynamic_band,
     of_shifts,
     relaxation_band,
+    tell,
 )
+from .gathered import gathered
 from .isotherms import Isotherms, group, isotherms, refuse_swapped
 from .laws import LawFit, given_law, law_about, words
 from .shifting import (
@@ -650,6 +652,7 @@ def master_curve(
         reference = float(scalar("reference", reference))
         # liquid nitrogen is colder than any reference
         in_kelvin("reference", reference, 70.0)
+    dma, means = gathered(dma)
     dma, left = of_one_strain(dma)
     if shift is not None and not isinstance(shift, AbstractShift):
         # whether there are temperatures at all
@@ -664,10 +667,12 @@ def master_curve(
         reference = float(
             sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))]
         )
-    dma = replace(dma, warnings=(*dma.warnings, *left))
+    dma = replace(dma, warnings=(*dma.warnings, *means, *left))
     given = f"{words(law)}, {origin}" if law is not None else ""
     joint = fit_jointly(sorted_dma, bool(vertical), law, temperature_error)
-    return _assemble(dma, joint, reference, None, given)
+    master = _assemble(dma, joint, reference, None, given)
+    tell((*means, *left, *master.warnings), stacklevel=4)
+    return master
 
 
 def _assemble(

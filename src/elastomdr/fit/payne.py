@@ -25,7 +25,7 @@ from ..files import write_files
 from ..io.data import Dma, lists
 from ..material.softening import Softening
 from ..trees import fill, static
-from .findings import AbstractFindings
+from .findings import AbstractFindings, tell
 from .isotherms import group
 from .tables import table_csv
 
@@ -233,6 +233,7 @@ def softening(
         warnings=tuple([*told, *_judge(data, p, spread, sigma)]),
     )
     strain, table = _table(found) if form == "table" else _of_kraus(data, p[:4])
+    tell(found.warnings, stacklevel=3)
     return SofteningFit(strain, np.minimum(table[:, 0], 1.0), table[:, 1], found)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +18,7 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, scalar, significant
 from ..errors import InputError
-from ..io.data import Dma, strains
+from ..io.data import Dma, FitWarning, strains
 from ..material.draws import Draws, by_moduli, changed, check_draws, root_of
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
@@ -26,7 +27,7 @@ from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
 from ..material.vertical import EntropicVertical, VerticalTable
 from ..trees import replaced
-from .findings import TWO_SIGMA, AbstractFindings
+from .findings import TWO_SIGMA, AbstractFindings, tell
 from .laws import derivatives, fit_form, forms
 from .master import (
     MasterCurve,
@@ -49,6 +50,8 @@ from .tables import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from .._types import LawName, Number
     from ..material.shift import AbstractShift
 
@@ -233,6 +236,7 @@ def _vertical(fit: MaterialFit, change: np.ndarray) -> Any:
 # From measured isotherms to a material in one call, and the files that come of it.
 # --------------------------------------------------------------------------------------
 
+_STEPS = 3  # of a fit: shifts, vertical shifts, series
 # chance that there are no vertical shifts above which the material has none
 _OPEN = 0.05
 _MISSED = 0.1  # misfit of the data as measured that is worth a warning
@@ -494,6 +498,7 @@ def material(
     name: str = "",
     citation: str = "",
     description: str = "",
+    progress: Callable[[int, int], None] | None = None,
 ) -> MaterialFit:
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift
     law.
@@ -523,6 +528,8 @@ def material(
         name: name of the material.
         citation: source of the data.
         description: a line about the material.
+        progress: `progress(done, total)` is called after shifting, vertical shifts and
+            series.
 
     Returns:
         A `MaterialFit`; `save(folder)` writes the material, tables, cards and figures.
@@ -569,15 +576,25 @@ def material(
             about,
         )
 
-    free = master_curve(
-        dma,
-        reference,
-        vertical is not False,
-        shift=shift,
-        temperature_error=temperature_error,
-    )
-    found = fitted(_shifted(free, vertical))
-    return replace(found, warnings=(*found.warnings, *_misses(found)))
+    done = progress or (lambda _done, _total: None)
+    with warnings.catch_warnings():
+        # what is doubted in the end is told below
+        warnings.simplefilter("ignore", FitWarning)
+        free = master_curve(
+            dma,
+            reference,
+            vertical is not False,
+            shift=shift,
+            temperature_error=temperature_error,
+        )
+        done(1, _STEPS)
+        shifted = _shifted(free, vertical)
+        done(2, _STEPS)
+        found = fitted(shifted)
+        done(3, _STEPS)
+    found = replace(found, warnings=(*found.warnings, *_misses(found)))
+    tell((text for text in found.warnings if text not in dma.warnings), stacklevel=3)
+    return found
 
 
 def _shifted(free: MasterCurve, vertical: bool | None) -> MasterCurve:

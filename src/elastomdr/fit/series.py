@@ -27,6 +27,7 @@ from .findings import (
     RelaxationBand,
     dynamic_band,
     relaxation_band,
+    tell,
 )
 from .isotherms import alike
 from .master import MasterCurve
@@ -634,7 +635,7 @@ def prony(
         limits=limits,
         omega=omega,
     )
-    return PronyFit(
+    fit = PronyFit(
         material=material,
         storage_residual=rms["storage"],
         loss_residual=rms["loss"],
@@ -661,6 +662,8 @@ def prony(
         joint=joint,
         master=master,
     )
+    tell(fit.warnings, stacklevel=4)
+    return fit
 
 
 def _smooth(points: Points) -> Joint:

@@ -28,7 +28,7 @@ from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesive_shear import AdhesiveShear
-from .findings import AbstractFindings
+from .findings import AbstractFindings, tell
 from .tables import table_csv
 
 if TYPE_CHECKING:
@@ -279,9 +279,11 @@ def adhesion(
     freedom = points.mu.size - p.size
     scale = 1.0 if known else np.sqrt(chi / freedom)
     bounds = _intervals(points, size, p, chi, scale, freedom, known)
-    return _packed(
+    found = _packed(
         every, data, computed, used, p, bounds, size * scale, reference, known, success
     )
+    tell(found.warnings, stacklevel=3)
+    return found
 
 
 def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
