@@ -55,6 +55,9 @@ class Model:
         """`em.plan` of a smooth body with a model that is not solved on a line."""
         raise NotImplementedError
 
+    def check_adhesion(self, adhesion: AdhesiveShear | None) -> None:
+        """Raises `InputError` for adhesion where a rough surface has no known area."""
+
     def for_changes(self, surface: Surface, finer: float) -> Model:
         """The model for many surfaces close to this one, with the same samples on each;
         `finer` is by how much their cutoffs grow.
@@ -352,7 +355,6 @@ class Line(Model):
     ) -> FrictionCurve:
         from .rough.line import rough_friction
 
-        self._has_no_area(adhesion)
         return rough_friction(material, surface, model=self, **scene)
 
     def rough_plan(
@@ -365,7 +367,6 @@ class Line(Model):
     ) -> RoughPlan | SurfacePlan:
         from .rough.line import rough_plan
 
-        self._has_no_area(adhesion)
         return rough_plan(material, surface, model=self, **scene)
 
     def for_changes(self, surface: Surface, finer: float) -> Line:
@@ -382,7 +383,7 @@ class Line(Model):
 
         return missed(surface, self)
 
-    def _has_no_area(self, adhesion: AdhesiveShear | None) -> None:
+    def check_adhesion(self, adhesion: AdhesiveShear | None) -> None:
         from .rough.adhesion import no_area
 
         what = f"a {self.label} on a rough line or surface"

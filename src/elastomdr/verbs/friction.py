@@ -139,6 +139,7 @@ def friction(
     """
     if is_rough(shape):
         chosen = of_rough(model, shape, pressure)
+        chosen.check_adhesion(adhesion)
         hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
         return chosen.rough_friction(
             material,

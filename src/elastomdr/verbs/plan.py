@@ -64,6 +64,7 @@ def plan(
             )
         hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
         chosen = of_rough(model, shape, pressure)
+        chosen.check_adhesion(adhesion)
         return chosen.rough_plan(
             material,
             shape,
