@@ -61,6 +61,7 @@ def test_gathered_points_are_the_curve_and_passes_stay_apart():
     found, words = gathered(em.fit.join(up, down))
     assert found.size <= MOST
     assert "60000 points are fitted as" in words[0]
+    np.testing.assert_array_equal(np.unique(found.omega), 2 * np.pi * HERTZ)
     reduced = found.omega * 10 ** np.asarray(LAW.log10_a(found.temperature))
     ratio = found.storage / np.asarray(RUBBER.storage(reduced))
     passes = np.split(ratio, 2)  # in the order in which they were measured
