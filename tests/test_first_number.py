@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr import checks
 from elastomdr import trees as _trees
 from elastomdr.arrays import on_numpy, xp
 
@@ -181,13 +182,13 @@ def test_small_histories_load_nothing_heavy():
 def large(monkeypatch):
     """As if every problem were so large that it is compiled."""
     for limit in (
-        "control._FEW",
-        "control._MANY",
-        "control._MUCH",
-        "refine._MUCH",
-        "extrapolate._SMALL",
+        "indentation_route._FEW",
+        "indentation_route._MANY",
+        "indentation_route._MUCH",
+        "refinement._MUCH",
+        "impact_levels._SMALL",
     ):
-        monkeypatch.setattr(f"elastomdr.solve.{limit}", 0)
+        monkeypatch.setattr(f"elastomdr.transient.{limit}", 0)
     monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)
 
 
@@ -288,7 +289,7 @@ def test_outside_of_a_call_nothing_is_numpys():
 
 
 def test_a_tracer_that_reaches_numpy_raises():
-    inside = em._runtime.numpy_unless_traced(lambda function: function(1.0))
+    inside = checks.numpy_unless_traced(lambda function: function(1.0))
     with pytest.raises(jax.errors.TracerArrayConversionError):
         inside(jax.jit(lambda x: xp.sin(x)))
 

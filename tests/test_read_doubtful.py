@@ -227,11 +227,16 @@ def test_durations_in_a_spreadsheet(tmp_path):
     )
 
 
-def test_times_of_day_are_refused(tmp_path):
-    cells = [clock(t, start=50_000) for t in TIMES]
+@pytest.mark.parametrize(
+    ("start", "hour"),
+    [(50_000, r"13\.89"), (5_000, r"1\.389"), (85_800, r"23\.83")],
+    ids=["afternoon", "longer than its start", "across midnight"],
+)
+def test_times_of_day_are_refused(start, hour, tmp_path):
+    cells = [clock((t + start) % 86_400) for t in TIMES]
     path = written(tmp_path / "a.csv", "time,G(t) [MPa]", cells, 1 + TIMES**-0.2)
     with pytest.raises(
-        em.InputError, match=r"begins at 13\.89 h and lasts 7199 s: a time of day"
+        em.InputError, match=rf"begins at {hour} h and lasts .* s: a time of day"
     ):
         read(path, temperature=293.15)
 

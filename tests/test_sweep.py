@@ -346,7 +346,9 @@ def test_what_is_damaged_is_computed_again_and_said(spoilt, tmp_path, monkeypatc
     assert len(done) == count
 
 
-@pytest.mark.parametrize("change", [b"", b"{", b"[]", b'{"zarr_format": 2}'])
+@pytest.mark.parametrize(
+    "change", [b"", b"{", b"[]", b'{"zarr_format": 2}', b'{"zarr_format": 3}']
+)
 @pytest.mark.parametrize(
     "place",
     [".zgroup", ".zattrs", "mu/.zarray", "mu/.zattrs", "load/.zarray", "state/.record"],

@@ -155,15 +155,16 @@ def only_checked(computed: int) -> Iterator[None]:
     import elastomdr.transient.slide
     from elastomdr.fit import pipeline
 
-    scenes = elastomdr.scenes
+    smooth, rough = elastomdr.smooth, elastomdr.rough
+    transient = elastomdr.transient
     stops = (
-        (scenes.steady, "make_plan"),
-        (scenes.rough, "solve_lines"),
-        (scenes.slide, "contact_sizes"),
-        (scenes.cylinder, "_refined"),
-        (scenes.drive, "refine"),
-        (scenes.indent, "indent_under"),
-        (scenes.indent, "indent_with_adhesion"),
+        (smooth.problem, "make_plan"),
+        (rough.line, "solve_lines"),
+        (transient.slide, "contact_sizes"),
+        (smooth.cylinder, "_refined"),
+        (transient.drive, "refine"),
+        (transient.indent, "indent_under"),
+        (transient.indent, "indent_with_adhesion"),
         (pipeline, "master_curve"),
     )
     places: list[tuple[Any, str, Any]] = []

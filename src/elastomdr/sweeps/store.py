@@ -77,6 +77,8 @@ class Store:
             and (not path.is_dir() or any(path.iterdir()))
         ):
             raise _not_ours(path)
+        if root.is_file() and not _is_group(root):
+            raise damaged(path, root)
         try:
             # Metadata collected by an earlier run may be older than what has been
             # written since.
@@ -236,6 +238,13 @@ def _named(path: Path, file: str) -> list[str]:
     left.
     """
     return sorted(found.parent.name for found in path.glob(f"*/{file}"))
+
+
+def _is_group(path: Path) -> bool:
+    """Whether a `.zgroup` says what zarr writes there: another format would be taken for
+    an empty group.
+    """
+    return _is_json(path) and json.loads(path.read_bytes()).get("zarr_format") == 2
 
 
 def _is_json(path: Path) -> bool:
