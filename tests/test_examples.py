@@ -16,6 +16,11 @@ import pytest
 
 FOLDER = Path(__file__).parents[1] / "examples"
 EXAMPLES = sorted(FOLDER.glob("[0-9][0-9]_*.py"))
+LONG = ("26_models_beside_each_other", "27_seal_drive")  # half a minute and more
+TO_RUN = [
+    pytest.param(path, marks=pytest.mark.slow if path.stem in LONG else ())
+    for path in EXAMPLES
+]
 LONGEST = 30.0  # s
 
 
@@ -30,7 +35,7 @@ def no_window():
     matplotlib.use(backend)
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", TO_RUN, ids=[path.stem for path in EXAMPLES])
 def test_runs_and_draws(path, tmp_path, monkeypatch):
     runs_and_draws(path, tmp_path, monkeypatch)
 

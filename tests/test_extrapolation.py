@@ -392,6 +392,7 @@ class TestHistories:
         assert not found.extrapolated[(time < 0.999) | (time > 2.5)].any()
         assert {line.get_linestyle() for line in found.plot().lines} == {"-", ":"}
 
+    @pytest.mark.slow  # marched on NumPy for the better part of a minute
     def test_driven(self):
         time = np.linspace(0, 2.0, 41)
         scene = {
