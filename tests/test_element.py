@@ -13,8 +13,15 @@ from scipy.linalg import eigvals
 
 from elastomdr.arrays import numpy_unless_traced
 from elastomdr.element.contact_step import contact_step, rest
-from elastomdr.element.episode import energies, follow, force, pressed
-from elastomdr.element.modes import recovery_modes, to_branches, to_modes
+from elastomdr.element.episode import (
+    energies,
+    follow,
+    force,
+    pressed,
+    recovery_modes,
+    to_branches,
+    to_modes,
+)
 from elastomdr.element.moments import panel_sums
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.rough.branch_reduction import lanes as every

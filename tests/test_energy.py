@@ -9,8 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
-from elastomdr.element.episode import energies, follow, pressed
-from elastomdr.element.modes import recovery_modes
+from elastomdr.element.episode import energies, follow, pressed, recovery_modes
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import indentation_route as control

@@ -9,7 +9,7 @@ import pytest
 import elastomdr as em
 from elastomdr.rough.bearing import least_conductance
 from elastomdr.rough.half_space import solve
-from elastomdr.surface.rough_map import rough_map
+from elastomdr.surface.spectrum import rough_map
 
 RUBBER = em.Foundation(1e6, [3e6], [0.1])
 SOLID = em.Foundation(1e6, [], [])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.surface.synthesis import synthesise
+from elastomdr.surface.spectrum import synthesise
 
 SURFACE = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=8e3)
 LINE = synthesise(SURFACE, 0, 4, 64)

@@ -9,8 +9,13 @@ import pytest
 from scipy.special import dawsn
 
 import elastomdr as em
-from elastomdr.element.episode import follow, pressed
-from elastomdr.element.modes import recovery_modes, to_branches, to_modes
+from elastomdr.element.episode import (
+    follow,
+    pressed,
+    recovery_modes,
+    to_branches,
+    to_modes,
+)
 from elastomdr.surface.disc import Disc
 from elastomdr.transient.batches import indent_all, over_histories
 from elastomdr.transient.depth_history import edges

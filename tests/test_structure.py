@@ -15,7 +15,6 @@ SOURCE = Path(em.__file__).parent
 FLOORS = (
     "errors",
     "_types",
-    "compiled_code",
     "units",
     "notebook_tables",
     "trees",

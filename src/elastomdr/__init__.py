@@ -20,8 +20,14 @@ _HOMES = {
     "models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
     "material.tabulated": ("TabulatedModulus",),
-    "material.shift": ("WLF", "Arrhenius", "VFT", "ShiftTable"),
-    "material.vertical": ("EntropicVertical", "VerticalTable"),
+    "material.shift": (
+        "WLF",
+        "Arrhenius",
+        "VFT",
+        "ShiftTable",
+        "EntropicVertical",
+        "VerticalTable",
+    ),
     "material.softening": ("Softening",),
     "material.library": ("materials", "load_material", "save_material"),
     "surface.shapes": (

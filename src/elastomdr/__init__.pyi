@@ -35,11 +35,11 @@ from .material.prony import StandardSolid as StandardSolid
 from .material.shift import VFT as VFT
 from .material.shift import WLF as WLF
 from .material.shift import Arrhenius as Arrhenius
+from .material.shift import EntropicVertical as EntropicVertical
 from .material.shift import ShiftTable as ShiftTable
+from .material.shift import VerticalTable as VerticalTable
 from .material.softening import Softening as Softening
 from .material.tabulated import TabulatedModulus as TabulatedModulus
-from .material.vertical import EntropicVertical as EntropicVertical
-from .material.vertical import VerticalTable as VerticalTable
 from .models import Averaged as Averaged
 from .models import HalfSpace as HalfSpace
 from .models import Line as Line

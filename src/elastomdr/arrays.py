@@ -1,5 +1,5 @@
-"""One source for numbers and for what JAX transforms: the array namespace `xp`, and
-what differs besides.
+"""One source for numbers and for what JAX transforms: the array namespace `xp`, what
+differs besides, and JAX's cache of compiled code.
 
 While a public call of numbers runs, `xp` stands for NumPy; if one of its arguments is
 traced, or the call belongs to what only JAX computes, for `jax.numpy`. A formula is
@@ -11,14 +11,16 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
+import os
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from .compiled_code import keep_compiled_code
 from .trees import Tree
 from .units.arguments import arguments_in_si
 
@@ -32,6 +34,13 @@ else:
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+# JAX by itself leaves out what compiles in less than a second, which is most of what a
+# scene needs
+_SETTINGS = {
+    "jax_persistent_cache_min_compile_time_secs": 0.0,
+    "jax_persistent_cache_min_entry_size_bytes": -1,
+}
 
 
 class _Mode(threading.local):
@@ -60,6 +69,15 @@ xp: Any = _Namespace()
 def on_numpy() -> bool:
     """Whether `xp` is NumPy at the moment."""
     return _mode.numpy
+
+
+def namespace(*trees: Any) -> Any:
+    """`jax.numpy` where JAX traces one of the arguments, NumPy otherwise."""
+    if not is_traced(*trees):
+        return np
+    import jax.numpy as jnp
+
+    return jnp
 
 
 def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
@@ -416,3 +434,51 @@ def _entries(tree: Any) -> Iterator[Any]:
         return iter(tree)
     rows = zip(*map(_entries, tree))  # noqa: B905  None has no length
     return itertools.starmap(type(tree), rows) if hasattr(tree, "_fields") else rows
+
+
+@functools.cache
+def keep_compiled_code() -> None:
+    """Lets JAX keep compiled code between runs, in the user's cache folder.
+
+    Nothing is changed where JAX has been given a cache already, by
+    `JAX_COMPILATION_CACHE_DIR` or in its configuration, where it has been told to keep
+    none, or where the folder cannot be written.
+    """
+    import jax
+
+    config: Any = jax.config  # its attributes are made at run time
+    if (
+        config.jax_compilation_cache_dir is not None
+        or not config.jax_enable_compilation_cache
+    ):
+        return
+    if (folder := _usable(_default_folder())) is None:
+        return
+    config.update("jax_compilation_cache_dir", folder)
+    for name, value in _SETTINGS.items():
+        if name.upper() not in os.environ:
+            config.update(name, value)
+
+
+def _default_folder() -> str | None:
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA")
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    folder = os.path.expanduser(os.path.join(base, "elastomdr", "jax")) if base else ""
+    # no home folder: "~" stays as it is
+    return folder if os.path.isabs(folder) else None
+
+
+def _usable(folder: str | None) -> str | None:
+    """The folder, made if need be, or None where nothing can be written in it."""
+    if folder is None:
+        return None
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except (OSError, ValueError):
+        return None

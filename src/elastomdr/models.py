@@ -370,7 +370,7 @@ class Line(Model):
         return rough_plan(material, surface, model=self, **scene)
 
     def for_changes(self, surface: Surface, finer: float) -> Line:
-        from .surface.synthesis import PER_WAVE, line_count
+        from .surface.spectrum import PER_WAVE, line_count
 
         if self.samples is not None:
             return self

@@ -4,19 +4,23 @@ surfaces and the references.
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import xp
 from ..checks import as_float64, broadcast_shape, is_traced, only_one, positive
-from ..errors import InputError
-from ..material.vertical import thermal_factors
+from ..errors import InputError, ModelWarning
+from ..material.shift import thermal_factors
 from ..results.words import brief
+from ..surface.shapes import Paraboloid, Sphere
 
 # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _FASTEST = 1e60
 _UNITS = {"depth": "m", "pressure": "Pa"}
+
+_LARGEST = 2.0  # radius of a ball above which a hint is given [m]
 
 
 class Scene(NamedTuple):
@@ -136,3 +140,21 @@ def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
             f"{float(reduced[bad].flat[0]):.3g} m/s: too far from where "
             "the shift law was measured."
         )
+
+
+def hint_at_metres(shape: Any) -> None:
+    """Warns of a ball of more than two metres in radius."""
+    if (
+        not isinstance(shape, (Sphere, Paraboloid))
+        or is_traced(shape)
+        or not shape.radius > _LARGEST
+    ):
+        return
+    radius = float(shape.radius)
+    warnings.warn(
+        f"The radius of the {shape.label} is {radius:g} m. Radii are in metres: "
+        f"{radius:g} mm are {1e-3 * radius:g} m "
+        f'(in a scene "{radius:g} mm").',
+        ModelWarning,
+        stacklevel=6,
+    )

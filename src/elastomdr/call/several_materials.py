@@ -15,7 +15,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from ..arrays import one_thread
 from ..errors import InputError
-from ..material.draws import Draws
+from ..material.validity import Draws
 from ..results.base import Result, distinct
 
 P = ParamSpec("P")

@@ -272,7 +272,7 @@ class OfBodies(Scene):
 
 def made(of: list[Any], parts: list[Any]) -> list[Any]:
     """What was made of each material, still draws where these are."""
-    from ..material.draws import Draws
+    from ..material.validity import Draws
 
     return Draws(parts, of.name, of.words) if isinstance(of, Draws) else parts
 
@@ -324,7 +324,7 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
     """
     import numpy as np
 
-    from ..material.vertical import same_thermal
+    from ..material.shift import same_thermal
 
     if same_thermal(material, other):
         return found | {"material": em.half_space(material, other)}

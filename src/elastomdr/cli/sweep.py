@@ -67,7 +67,7 @@ class Varied:
     ) -> Any:
         import numpy as np
 
-        from ..material.draws import Draws
+        from ..material.validity import Draws
 
         given |= {} if material is None else {"material": material}
         place = [
@@ -119,7 +119,7 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
     """
     import numpy as np
 
-    from ..material.draws import Draws
+    from ..material.validity import Draws
 
     asked = decode(_Sweeping, {"sweep": content.get("sweep", {})}).sweep
     scene = {key: value for key, value in content.items() if key != "sweep"}
@@ -289,7 +289,7 @@ def _inputs(
 
 def _in_words(body: Any) -> str:
     """A body or a surface, or draws of one."""
-    from ..material.draws import Draws
+    from ..material.validity import Draws
     from ..results.words import describe
 
     if isinstance(body, Draws):

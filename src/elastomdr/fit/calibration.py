@@ -18,9 +18,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
+from ..arrays import keep_compiled_code
 from ..call.model_choice import hint_at_line, is_rough, of_rough
 from ..checks import as_float64, in_si, positive, require
-from ..compiled_code import keep_compiled_code
 from ..errors import (
     ConvergenceWarning,
     ExtrapolationWarning,

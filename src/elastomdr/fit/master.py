@@ -17,10 +17,16 @@ from ..checks import in_kelvin, in_si, not_negative, positive, scalar, significa
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.prony import Prony
-from ..material.shift import AbstractShift, Arrhenius, ShiftTable
+from ..material.shift import (
+    AbstractShift,
+    AbstractVertical,
+    Arrhenius,
+    EntropicVertical,
+    ShiftTable,
+    VerticalTable,
+)
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
-from ..material.vertical import AbstractVertical, EntropicVertical, VerticalTable
 from ..trees import replaced
 from .doubts import OF_SHIFTS, JudgedShifts, doubts
 from .findings import (

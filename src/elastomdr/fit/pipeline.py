@@ -19,13 +19,19 @@ from .. import __version__
 from ..checks import in_si, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, FitWarning, strains
-from ..material.draws import Draws, by_moduli, changed, check_draws, root_of
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
-from ..material.shift import ShiftTable
+from ..material.shift import EntropicVertical, ShiftTable, VerticalTable
 from ..material.tabulated import TabulatedModulus
-from ..material.validity import Range, misfit_bands
-from ..material.vertical import EntropicVertical, VerticalTable
+from ..material.validity import (
+    Draws,
+    Range,
+    by_moduli,
+    changed,
+    check_draws,
+    misfit_bands,
+    root_of,
+)
 from ..trees import replaced
 from .findings import TWO_SIGMA, AbstractFindings, tell
 from .laws import derivatives, fit_form, forms

@@ -50,8 +50,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Kind, Style
-    from ..material.shift import AbstractShift
-    from ..material.vertical import AbstractVertical
+    from ..material.shift import AbstractShift, AbstractVertical
 
 # --------------------------------------------------------------------------------------
 # The loss modulus, which makes friction, from relaxation: a smooth estimate for the

@@ -16,8 +16,8 @@ import numpy as np
 
 from ..checks import in_si, plain, positive
 from ..errors import InputError
-from ..surface.measured import MeasuredSpectrum, from_spectrum
 from ..surface.spectrum import check_convention
+from ..surface.topography import MeasuredSpectrum, from_spectrum
 from ..units.registry import to_si
 from .columns import logarithm
 from .sheets import read_sheet

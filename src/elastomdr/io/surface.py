@@ -17,8 +17,7 @@ import numpy as np
 from ..checks import in_si, plain, positive
 from ..errors import InputError
 from ..files import read_bytes
-from ..surface.measured import MeasuredSurface
-from ..surface.topography import Scan, surface
+from ..surface.topography import MeasuredSurface, Scan, surface
 from ..units.registry import to_si, usual
 from .data import FitWarning
 from .dropouts import LEFT_OUT, without_dropouts

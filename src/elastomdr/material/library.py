@@ -42,10 +42,9 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     path = locate(name_or_path)
     document = read_document(path)
     from .prony import Prony
-    from .shift import VFT, WLF, Arrhenius, ShiftTable
+    from .shift import VFT, WLF, Arrhenius, EntropicVertical, ShiftTable, VerticalTable
     from .softening import Softening
     from .tabulated import TabulatedModulus
-    from .vertical import EntropicVertical, VerticalTable
 
     kind, keys = Prony, ("equilibrium", "moduli", "times")
     if is_tabulated(document):
@@ -376,7 +375,7 @@ def _shift_table(shift: Any) -> dict[str, Any] | None:
 
 
 def _vertical_table(vertical: Any) -> dict[str, Any] | None:
-    from .vertical import EntropicVertical, VerticalTable
+    from .shift import EntropicVertical, VerticalTable
 
     if isinstance(vertical, EntropicVertical):
         return {"law": "entropic", "reference": float(vertical.reference)}

@@ -32,10 +32,9 @@ from .relaxation import (
     to_kelvin,
     to_relaxation,
 )
-from .shift import AbstractShift
+from .shift import AbstractShift, AbstractVertical, check_vertical, thermal_factors
 from .softening import Softening, as_softening
 from .validity import Range, RangeLike, as_range
-from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -246,7 +245,7 @@ class Prony(AbstractRelaxation):
             InputError: for a material without a record of its misfit, and for numbers
                 that are not whole.
         """
-        from .draws import drawn_from_misfit
+        from .validity import drawn_from_misfit
 
         return drawn_from_misfit(self, n, seed)
 

@@ -21,6 +21,7 @@ back within 0.04 % at ten points per decade, and within 0.7 % by straight lines.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -40,15 +41,16 @@ from ..checks import (
 )
 from ..errors import InputError
 from ..trees import Tree, fill, replaced, static
-from .shift import AbstractShift
+from .relaxation import KelvinChain
+from .shift import AbstractShift, AbstractVertical, check_vertical, thermal_factors
 from .softening import Softening, as_softening
 from .validity import Range, RangeLike, as_range
-from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, ComplexArray, Kind, Number
+
 
 _STORAGE, _LOSS = (0.0, 2.0), (-1.0, 1.0)  # least and largest slope in logarithms
 # times h: how far a slope may be from that of the straight line across a neighbouring
@@ -60,6 +62,9 @@ _APART = 0.25  # times h^2: how far a solid may be from the cubic, in logarithms
 # points shows where they are evenly spaced, 0.47 at most where they lie at random.
 # Hence the share of that difference which is stated as the error:
 LEFT_OUT = 0.5
+
+_PER_DECADE = 6  # retardation times
+_BESIDE = 10.0  # how far they reach beyond the table
 
 
 class AbstractTable(Tree):
@@ -430,3 +435,42 @@ def _left_out(x: Array, y: Array, slopes: tuple[float, float]) -> Array:
         parts.append(_cubic(x[kept], y[kept], slopes, x[out]) - y[out])
         places.append(out)
     return xp.concatenate(parts)[np.argsort(np.concatenate(places))]
+
+
+def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
+    """The chain of positive compliances that is nearest to the table, and how far it is
+    from it.
+
+    The distance is the root mean square, over the logarithm of frequency, of the
+    difference of the complex compliances over the loss compliance: about what a loss
+    computed with the chain is off. Raises `InputError` under a transformation of JAX
+    with respect to the table.
+    """
+    if is_traced(table):
+        raise InputError(
+            "material must be an em.Prony to be differentiated here, got a traced "
+            "table."
+        )
+    from scipy.optimize import nnls
+
+    ends = float(table.omega[0]), float(table.omega[-1])
+    omega = np.geomspace(*ends, 2 + math.ceil(12 * math.log10(ends[1] / ends[0])))
+    compliance = 1 / np.asarray(table.complex_modulus(omega))
+    count = 2 + math.ceil(_PER_DECADE * math.log10(ends[1] / ends[0] * _BESIDE**2))
+    times = np.geomspace(1 / (_BESIDE * ends[1]), _BESIDE / ends[0], count)
+    terms = np.concatenate(
+        [np.ones((omega.size, 1)), 1 / (1 + 1j * omega[:, None] * times)], axis=1
+    )
+    size = -compliance.imag
+    rows = terms / size[:, None]
+    wanted = compliance / size
+    found, _ = nnls(
+        np.concatenate([rows.real, rows.imag]),
+        np.concatenate([wanted.real, wanted.imag]),
+        maxiter=50 * count,
+    )
+    off = float(np.sqrt(np.mean(np.abs(rows @ found - wanted) ** 2)))
+    kept = found[1:] > 0
+    return KelvinChain(
+        np.asarray(found[0]), found[1:][kept], times[kept], np.zeros(())
+    ), off

@@ -2,7 +2,7 @@
 reduction; closed forms.
 """
 
-from ..surface.rough_map import rough_map
+from ..surface.spectrum import rough_map
 from .full_contact import full_contact_sliding
 from .half_plane import half_plane_sliding
 from .half_space import half_space_sliding

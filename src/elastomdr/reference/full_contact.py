@@ -18,7 +18,7 @@ import numpy as np
 from ..checks import Array, as_float64, broadcast_shape, in_float64, in_kelvin, positive
 from ..element.law import surface_foundation
 from ..errors import InputError
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..surface.rough_line import RoughLine
 
 if TYPE_CHECKING:

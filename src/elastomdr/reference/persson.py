@@ -23,8 +23,8 @@ from scipy.special import erf
 from ..checks import as_float64, broadcast_shape, in_float64, plain, positive, require
 from ..element.law import surface_foundation
 from ..errors import InputError
+from ..material.shift import thermal_factors
 from ..material.tabulated import LEFT_OUT, AbstractTable
-from ..material.vertical import thermal_factors
 from ..results.curve import PerssonCurve
 from ..results.words import brief
 from ..surface.spectrum import as_spectrum

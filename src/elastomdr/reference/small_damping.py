@@ -33,7 +33,7 @@ from ..checks import (
 )
 from ..element.law import Foundation
 from ..errors import InputError
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..surface.shapes import Cylinder
 
 if TYPE_CHECKING:

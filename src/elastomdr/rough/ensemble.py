@@ -19,7 +19,7 @@ from ..surface.direction import (
     shared_grid,
 )
 from ..surface.rough_line import RoughLine
-from ..surface.synthesis import PERIODS, synthesise
+from ..surface.spectrum import PERIODS, synthesise
 from .mean import Mean
 from .periodic import ROUNDING, Line
 

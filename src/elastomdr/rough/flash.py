@@ -21,7 +21,7 @@ import numpy as np
 
 from ..element.law import Foundation
 from ..errors import InputError
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..surface.spectrum import AbstractSpectrum
 from .heat import Heat, Scales, rise, scales
 from .mean import Mean

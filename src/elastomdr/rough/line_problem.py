@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..models import Line, seeds_of, whole_number
 from ..results.words import brief
 from ..surface.rough_line import RoughLine
-from ..surface.synthesis import MOST
+from ..surface.spectrum import MOST
 from .ensemble import ensemble
 from .heat import check_heat
 from .line_bound import FULL

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from .psd_integrals import namespace
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for

@@ -32,7 +32,7 @@ from ..checks import (
 )
 from ..element.law import Foundation, as_foundation
 from ..errors import ConvergenceWarning, InputError
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..models import Line, seeds_of, whole_number
 from ..results.words import brief
 from ..surface.rough_line import RoughLine
@@ -303,7 +303,7 @@ def _length(surface: Any, model: Line) -> tuple[Any, str]:
 
 
 def _lines(surface: Any, model: Line) -> list[RoughLine]:
-    from ..surface.synthesis import MOST, line_count, synthesise
+    from ..surface.spectrum import MOST, line_count, synthesise
     from .ensemble import ensemble
 
     whole_number("periods", model.periods, 1, MOST)

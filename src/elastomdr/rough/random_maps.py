@@ -19,7 +19,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..models import SurfaceFriction
-from ..surface.rough_map import rough_map
+from ..surface.spectrum import rough_map
 from .half_space import solve, waves
 from .psd_integrals import nodes, read, share, spread_of, tables, until
 

@@ -15,8 +15,8 @@ from ..call.problem import Scene, rough_scene
 from ..checks import is_traced, nan_unless, require, scalar
 from ..element.law import surface_foundation
 from ..errors import ConvergenceWarning, InputError, ModelWarning
+from ..material.shift import thermal_factors
 from ..material.validity import misfit
-from ..material.vertical import thermal_factors
 from ..models import SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
 from ..smooth.softening import LINEAR

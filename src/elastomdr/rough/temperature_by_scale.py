@@ -622,7 +622,7 @@ def reach(body: Any, kelvin: Any) -> float:
     or 1000 K.
     """
     from ..errors import InputError
-    from ..material.vertical import thermal_factors
+    from ..material.shift import thermal_factors
 
     low, high, warmest = 0.0, 2 * HIGHEST, float(np.max(kelvin))
     while high - low > 1e-3 * low + 1e-3:

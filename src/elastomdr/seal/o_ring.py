@@ -38,12 +38,12 @@ from ..checks import (
     positive,
     require,
 )
-from ..element.radok import normal_operator
+from ..element.law import normal_operator
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
+from ..material.shift import thermal_factors
 from ..material.tabulated import needs_series
-from ..material.vertical import thermal_factors
 from ..results.words import brief
 from .o_ring_result import ORing
 

@@ -20,8 +20,7 @@ from ..element.law import surface_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import KelvinChain, to_kelvin
-from ..material.table_chain import to_chain
-from ..material.tabulated import TabulatedModulus
+from ..material.tabulated import TabulatedModulus, to_chain
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe
 from ..surface.direction import directions, lagrange, layer_asymmetry, shared_grid

@@ -16,14 +16,12 @@ from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, steady_scene
 from ..checks import is_traced, nan_unless, require
-from ..element.law import TabulatedFoundation, surface_foundation
+from ..element.law import TabulatedFoundation, normal_operator, surface_foundation
 from ..element.layer import Layer, layer_kernel
-from ..element.radok import normal_operator
 from ..errors import ConvergenceWarning, InputError, ModelWarning
 from ..material.prony import Prony
 from ..material.relaxation import to_kelvin
-from ..material.table_chain import to_chain
-from ..material.tabulated import TabulatedModulus
+from ..material.tabulated import TabulatedModulus, to_chain
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe, significant
 from ..surface.shapes import Cylinder

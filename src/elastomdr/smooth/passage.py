@@ -18,7 +18,7 @@ import numpy as np
 
 from ..arrays import arrays, compiled, fixed, fori_loop, on_numpy, while_loop, xp
 from ..checks import Array
-from ..element.modes import recovery_modes
+from ..element.episode import recovery_modes
 from ..material.relaxation import Relaxation
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.sampling import Rule, gauss

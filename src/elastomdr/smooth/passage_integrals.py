@@ -23,7 +23,7 @@ import numpy as np
 
 from ..arrays import fixed, xp
 from ..checks import Array
-from ..element.modes import Modes
+from ..element.episode import Modes
 from .memory import Passage, direct, memory, one_panel
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ import numpy as np
 from ..arrays import compiled
 from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
-from ..call.problem import check_rtol, steady_scene
-from ..call.radius_hint import hint_at_metres
+from ..call.problem import check_rtol, hint_at_metres, steady_scene
 from ..checks import Array, is_traced, nan_unless, require
 from ..element.law import Foundation, as_foundation
 from ..errors import ConvergenceWarning, InputError

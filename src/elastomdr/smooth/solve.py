@@ -12,22 +12,20 @@ from ..arrays import compiled, fixed, xp
 from ..checks import Array, is_traced, known, numpy_unless_traced
 from ..material.relaxation import Relaxation
 from ..surface.direction import (
+    SharedCurve,
     asymmetry,
+    at_points,
+    average,
+    between_orders,
     directions,
     interpolation_error,
     quadrature_error,
+    shared_curve,
     within_maps,
 )
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.profile import Profile
 from ..surface.sampling import Rule
-from ..surface.shared_curve import (
-    SharedCurve,
-    at_points,
-    average,
-    between_orders,
-    shared_curve,
-)
 from .branch_reduction import condensed, filled
 from .passage import Control, Found, Passages, found_of_numbers, solve_passages
 from .plan import TRACED, Plan, traced_level

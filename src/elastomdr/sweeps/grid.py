@@ -17,7 +17,7 @@ from ..call.model_choice import is_rough
 from ..call.several_materials import RTOL
 from ..checks import is_traced
 from ..errors import InputError
-from ..material.draws import Draws
+from ..material.validity import Draws
 from ..results.base import distinct
 from ..trees import Tree
 

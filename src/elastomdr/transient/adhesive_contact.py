@@ -22,7 +22,7 @@ import jax
 import jax.numpy as jnp
 
 from ..checks import Array
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1, phi2
 from ..surface.disc import Disc

@@ -16,8 +16,8 @@ import numpy as np
 from ..call.extrapolation import NOT_KNOWN, Beyond, told
 from ..checks import is_traced, significant
 from ..material.validity import Range
+from ..surface.disc import contact_size
 from ..surface.lines import AbstractLines, SingleLine
-from ..surface.reach import contact_size
 from ..surface.rough_line import RoughLine
 from .problem import GivenHistory
 

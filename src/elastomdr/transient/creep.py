@@ -26,7 +26,7 @@ import numpy as np
 
 from ..arrays import arrays, compiled, in_steps, xp
 from ..checks import Array
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1, phi2
 from ..surface.disc import Disc

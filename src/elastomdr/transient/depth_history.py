@@ -20,8 +20,7 @@ import numpy as np
 
 from ..arrays import fixed, fori_loop, in_steps, mapped, on_numpy, xp
 from ..checks import Array, is_traced
-from ..element.episode import Touching, energies, follow, force, pressed
-from ..element.modes import Modes
+from ..element.episode import Modes, Touching, energies, follow, force, pressed
 from ..material.relaxation import Relaxation
 from ..surface.disc import Disc, gauss
 from .panels import NODES, missed, missed_layers

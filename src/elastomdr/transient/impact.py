@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import on_jax, xp
 from ..call.extrapolation import NOT_KNOWN, Beyond, told
-from ..call.radius_hint import hint_at_metres
+from ..call.problem import hint_at_metres
 from ..checks import (
     as_float64,
     broadcast_shape,
@@ -23,7 +23,7 @@ from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import Relaxation
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..results.base import Origin, distinct
 from ..results.words import brief, describe
 from ..surface.shapes import AbstractShape, Cylinder

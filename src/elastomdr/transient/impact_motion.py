@@ -37,10 +37,9 @@ import numpy as np
 from ..arrays import cond, fixed, in_steps, mapped, xp
 from ..checks import Array
 from ..numerics.decay import ramp_weights
-from ..numerics.peak import peak
+from ..numerics.interpolation import peak
 from ..numerics.root import root, search
-from ..surface.disc import Disc
-from ..surface.reach import contact_measure
+from ..surface.disc import Disc, contact_measure
 from ..surface.shapes import AbstractShape, FlatPunch
 
 if TYPE_CHECKING:

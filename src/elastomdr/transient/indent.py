@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import on_jax, xp
-from ..call.radius_hint import hint_at_metres
+from ..call.problem import hint_at_metres
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -22,12 +22,12 @@ from ..checks import (
     require,
     scalar,
 )
+from ..element.episode import recovery_modes
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
-from ..element.modes import recovery_modes
 from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import Relaxation, scaled
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..results.words import brief, describe
 from ..surface.disc import Disc
 from ..surface.shapes import AbstractShape, Cylinder, PowerLaw

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import arrays, fixed, mapped, on_jax, on_numpy, xp
 from ..checks import Array, is_traced, nan_unless
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..surface.disc import Disc
 from .batches import batch, indent_all, over_histories

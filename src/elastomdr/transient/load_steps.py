@@ -33,7 +33,7 @@ from ..element.contact_step import (
     released,
     rest,
 )
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
 from ..surface.disc import Disc, gauss

@@ -11,8 +11,8 @@ from ..element.law import Foundation, half_space
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
-from ..material.vertical import thermal_factors
-from ..surface.reach import contact_size
+from ..material.shift import thermal_factors
+from ..surface.disc import contact_size
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
 from .impact_result import History, Oblique
 

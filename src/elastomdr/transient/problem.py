@@ -19,8 +19,8 @@ from ..checks import (
 from ..element.law import Foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation, scaled
+from ..material.shift import thermal_factors
 from ..material.validity import Range
-from ..material.vertical import thermal_factors
 from ..results.words import brief
 from ..smooth.passage import Control
 from ..surface.rough_line import RoughLine

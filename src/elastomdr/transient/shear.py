@@ -29,7 +29,7 @@ from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import shared
 from ..results.words import brief, describe
-from ..surface.reach import contact_measure, contact_size
+from ..surface.disc import contact_measure, contact_size
 from ..surface.sampling import gauss
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
 from .age import history_beyond

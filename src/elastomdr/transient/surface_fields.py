@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..checks import Array
-from ..element.modes import Modes, recovery_modes
+from ..element.episode import Modes, recovery_modes
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1

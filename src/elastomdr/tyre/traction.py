@@ -29,8 +29,8 @@ from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError
 from ..material.prony import Prony
+from ..material.shift import same_thermal, thermal_factors
 from ..material.validity import shared
-from ..material.vertical import same_thermal, thermal_factors
 from ..results.friction_law import FrictionLaw
 from ..results.words import brief, describe
 from ..smooth.cylinder import cylinder_pressure
