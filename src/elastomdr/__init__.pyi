@@ -2,13 +2,13 @@
 
 from . import fit as fit
 from . import reference as reference
+from .belt.conveyor import Conveyor as Conveyor
 from .belt.conveyor import Idlers as Idlers
 from .belt.conveyor import conveyor as conveyor
-from .belt.conveyor_result import Conveyor as Conveyor
+from .belt.heat_build_up import HeatBuildUp as HeatBuildUp
 from .belt.heat_build_up import heat_build_up as heat_build_up
-from .belt.heat_build_up_result import HeatBuildUp as HeatBuildUp
+from .belt.stability import Stability as Stability
 from .belt.stability import stability as stability
-from .belt.stability_result import Stability as Stability
 from .element.contact_step_solver import ContactStep as ContactStep
 from .element.law import Foundation as Foundation
 from .element.law import half_space as half_space
@@ -58,8 +58,8 @@ from .rough.line_contact import line_contact as line_contact
 from .rough.line_contact_result import LineContact as LineContact
 from .rough.press import press as press
 from .rough.press_result import RoughContact as RoughContact
+from .seal.o_ring import ORing as ORing
 from .seal.o_ring import o_ring as o_ring
-from .seal.o_ring_result import ORing as ORing
 from .smooth.dissipation import dissipation as dissipation
 from .smooth.plan import Plan as Plan
 from .surface.profile import Profile as Profile

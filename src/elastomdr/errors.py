@@ -3,7 +3,12 @@ what is accepted.
 """
 
 import difflib
+import os
+import sys
+import warnings
 from collections.abc import Iterable
+
+_PACKAGE = os.path.dirname(__file__) + os.sep
 
 
 class InputError(ValueError):
@@ -36,3 +41,11 @@ def closest(word: str, valid: Iterable[str]) -> str:
     """
     near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.5)
     return f" Did you mean {near[0]!r}?" if near else ""
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Issues a warning at the line that called this package."""
+    level, frame = 2, sys._getframe(1)
+    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)

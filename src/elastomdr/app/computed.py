@@ -16,7 +16,7 @@ from ..cli.steady import SurfaceComparison, SurfaceFriction
 from ..cli.units import Temperature
 from ..cli.wheel import WheelTraction
 from ..errors import InputError
-from ..results.plotting import SAME_TEMPERATURE, grouped
+from ..results.plot_curves import SAME_TEMPERATURE, grouped
 from .form import Form
 from .sample import SAMPLE
 from .scene import CancelledError, Done, compute, without_empty

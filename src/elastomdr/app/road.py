@@ -14,7 +14,7 @@ import elastomdr as em
 from ..cli import surface as kinds
 from ..cli.schema import Table, decode
 from ..errors import InputError
-from ..results.plotting import draw_cutoffs
+from ..results.plot_contacts import draw_cutoffs
 from .form import Form
 from .sample import SAMPLE
 from .scene import image

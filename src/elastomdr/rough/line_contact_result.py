@@ -52,7 +52,7 @@ class LineContact(Result):
     error: Array = quantity("estimated error of mu", "-", "the same everywhere")
 
     title: ClassVar[str] = "Contact along the line"
-    figure: ClassVar[str] = "draw_line_contact"
+    figure: ClassVar[str] = "plot_contacts.draw_line_contact"
     across: ClassVar[str] = "x"
     shows: ClassVar[str] = "surface"
     error_of: ClassVar[str] = "mu"

@@ -74,7 +74,7 @@ class RoughContact(Result):
     )
 
     title: ClassVar[str] = "Rough contact"
-    figure: ClassVar[str] = "draw_rough_contact"
+    figure: ClassVar[str] = "plot_contacts.draw_rough_contact"
     across: ClassVar[str] = "pressure"
     shows: ClassVar[str] = "conductance"
     error_of: ClassVar[str] = "the conductance, relative"
@@ -122,7 +122,8 @@ class RoughContact(Result):
             raise InputError(
                 f"against must be one of {', '.join(known)}, got {against!r}."
             )
-        from ..results.plotting import Ask, draw_rough_contact
+        from ..results.plot_contacts import draw_rough_contact
+        from ..results.plotting import Ask
 
         return self._draw(
             draw_rough_contact, Ask(ax, style, title, label), x=against, y=show

@@ -125,7 +125,7 @@ class RoughLine(Tree):
         """The heights, and their spectrum, side by side; returns the two matplotlib
         Axes.
         """
-        from ..results.plotting import draw_surface
+        from ..results.plot_contacts import draw_surface
 
         return draw_surface(self, axes=axes)
 

@@ -224,7 +224,7 @@ class AbstractSpectrum(Tree):
         """The line made from `seed`, and the spectrum, side by side; returns the two
         matplotlib Axes.
         """
-        from ..results.plotting import draw_surface
+        from ..results.plot_contacts import draw_surface
 
         return draw_surface(
             synthesise(self, seed), self, axes, f"Line of the method, seed {seed}"

@@ -107,7 +107,7 @@ class ForceSpectrum(Result):
     shows_density: bool = setting(default=False)  # whether a window was used
 
     title: ClassVar[str] = "Spectrum of a force"
-    figure: ClassVar[str] = "draw_force_spectrum"
+    figure: ClassVar[str] = "plot_curves.draw_force_spectrum"
     across: ClassVar[str] = "frequency"
     shows: ClassVar[str] = "amplitude"
     error_of: ClassVar[str] = "the amplitude"
