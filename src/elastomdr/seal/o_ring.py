@@ -189,13 +189,13 @@ def o_ring(
 
     Source: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209, quoted from memory.
     """
-    _check_material(material)
+    solid = _checked_material(material)
     if formula not in FORMULAS:
         raise InputError(f"formula must be 'lindley' or 'hertz', got {formula!r}.")
     given = _checked(diameter, squeeze, time, temperature)
     young, plane = (
-        _modulus(law, material, given["time"], given["temperature"])
-        for law in (material.tensile().law(), normal_operator(material))
+        _modulus(law, solid, given["time"], given["temperature"])
+        for law in (solid.tensile().law(), normal_operator(solid))
     )
     if not is_traced(young) and not np.all(young > 0):
         raise InputError(
@@ -208,7 +208,7 @@ def o_ring(
     )
     beyond = NOT_KNOWN
     if not is_traced(young, given["diameter"], given["squeeze"]):
-        beyond = _extrapolated(material, given["time"], given["temperature"], shape)
+        beyond = _extrapolated(solid, given["time"], given["temperature"], shape)
     fields: dict[str, Any] = {
         **given,
         "line_load": load,
@@ -217,20 +217,21 @@ def o_ring(
         "error": 0.0,
         "converged": True,
     }
+    whole: dict[str, Any] = {
+        name: None if values is None else xp.broadcast_to(values, shape)
+        for name, values in fields.items()
+    }
     return ORing(
-        **{
-            name: None if values is None else xp.broadcast_to(values, shape)
-            for name, values in fields.items()
-        },
+        **whole,
         extrapolated=beyond.points,
         model=FORMULAS[formula],
         plan="closed form",
-        inputs=(*_inputs_in_words(material, given), *beyond.said),
+        inputs=(*_inputs_in_words(solid, given), *beyond.said),
     )
 
 
-def _check_material(material: Any) -> None:
-    """Raises `InputError` for anything but a Prony series."""
+def _checked_material(material: Any) -> Prony:
+    """The material. Raises `InputError` for anything but a Prony series."""
     needs_series("material", material, "a squeezed cord")
     if not isinstance(material, Prony):
         raise InputError(
@@ -238,6 +239,7 @@ def _check_material(material: Any) -> None:
             "not a foundation: the load depends on Young's modulus, got "
             f"{material!r}."
         )
+    return material
 
 
 def _checked(

@@ -190,13 +190,13 @@ def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) ->
         for number, computed in work(asked, chunks, todo):
             if isinstance(computed, str):
                 # it killed its workers, and is open for the next call
-                place = _place(asked, chunks[number])
-                computed = {}, f"{place}: {computed}", []
-                state = OPEN
+                message = f"{_place(asked, chunks[number])}: {computed}"
+                parts, models, state = {}, [], OPEN
             else:
-                state = RAISED if computed[1] else DONE
+                parts, message, models = computed
+                state = RAISED if message else DONE
             with _written(kept.path):
-                kept.keep(number, *computed, state)
+                kept.keep(number, parts, message, models, state)
             bar.update(sizes[number])
 
 

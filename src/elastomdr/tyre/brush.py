@@ -396,7 +396,7 @@ class LayerContact(NamedTuple):
         """mu p."""
         waves = np.sin(self.angle(distance) * self.order)
         pressure = np.maximum(np.sum(self.terms * waves, axis=1), 0.0)
-        return _limit(self.friction, pressure)
+        return np.asarray(_limit(self.friction, pressure))
 
     def load_up_to(self, distance: np.ndarray) -> np.ndarray:
         """int p from the leading edge [N/m]."""
@@ -456,9 +456,7 @@ def layer_traction(contact: LayerContact) -> LayerTraction:
     )
 
 
-def _sticking_length_on_layer(
-    contact: LayerContact, first_slip: np.ndarray
-) -> np.ndarray:
+def _sticking_length_on_layer(contact: LayerContact, first_slip: Array) -> np.ndarray:
     """The distance from the leading edge at which tau_stick reaches mu p, by halving."""
     length, ends = 2 * contact.half_length, np.append(_step_ends(_LAYER_STEPS), 1.0)
     low = ends[np.maximum(first_slip - 1, 0)] * length
