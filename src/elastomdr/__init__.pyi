@@ -20,9 +20,9 @@ from .errors import ExtrapolationWarning as ExtrapolationWarning
 from .errors import InputError as InputError
 from .errors import ModelWarning as ModelWarning
 from .io.dma import read_dma as read_dma
-from .io.friction import MeasuredFriction as MeasuredFriction
-from .io.friction import read_friction as read_friction
-from .io.shifts import read_shifts as read_shifts
+from .io.point_tables import MeasuredFriction as MeasuredFriction
+from .io.point_tables import read_friction as read_friction
+from .io.point_tables import read_shifts as read_shifts
 from .io.spectrum import read_spectrum as read_spectrum
 from .io.surface import read_surface as read_surface
 from .material.library import load_material as load_material

@@ -97,7 +97,7 @@ def test_what_the_data_cannot_decide_is_said(bare, mu):
     assert "energy" not in fit.parameters
     assert fit.law.shift is None
     said = " ".join(fit.warnings)
-    assert "cannot be decided" in said
+    assert "cannot be determined" in said
     assert "one temperature" in said
     assert np.isinf(fit.interval["velocity"][1])
     assert np.isinf(fit.interval["stress"][1])

@@ -9,6 +9,7 @@ from pathlib import Path
 from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 from .compute import (
+    Parts,
     _computed,
     _write_figure,
     _write_table,
@@ -17,7 +18,6 @@ from .compute import (
     write_all,
 )
 from .kinds import read_scene
-from .parts import Parts
 from .scene import models_by_name
 from .schema import named
 from .steady import BodyComparison, SurfaceComparison

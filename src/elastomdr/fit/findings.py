@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..checks import as_float64, positive
+from ..errors import warn
 from ..io.data import FitWarning
 from ..notebook_tables import html_table
 from .laws import LawFit
@@ -28,12 +29,10 @@ PLUS_MINUS = "+- is half a 95 % interval: 1.96 standard deviations"
 TWO_SIGMA = 1.96
 
 
-def tell(doubts: Iterable[str], stacklevel: int) -> None:
-    """Issues each doubt of a result, which its summary prints, as a `FitWarning` too;
-    `stacklevel` as `warn` has it.
-    """
+def tell(doubts: Iterable[str]) -> None:
+    """Issues each doubt of a result, which its summary prints, as a `FitWarning` too."""
     for text in doubts:
-        warnings.warn(text, FitWarning, stacklevel=stacklevel + 1)
+        warn(text, FitWarning)
 
 
 class AbstractFindings(abc.ABC):

@@ -677,7 +677,7 @@ def master_curve(
     given = f"{words(law)}, {origin}" if law is not None else ""
     joint = fit_jointly(sorted_dma, bool(vertical), law, temperature_error)
     master = _assemble(dma, joint, reference, None, given)
-    tell((*means, *left, *master.warnings), stacklevel=4)
+    tell((*means, *left, *master.warnings))
     return master
 
 

@@ -599,7 +599,7 @@ def material(
         found = fitted(shifted)
         done(3, _STEPS)
     found = replace(found, warnings=(*found.warnings, *_misses(found)))
-    tell((text for text in found.warnings if text not in dma.warnings), stacklevel=3)
+    tell(text for text in found.warnings if text not in dma.warnings)
     return found
 
 

@@ -1,21 +1,27 @@
-"""`em.read_friction`: tables of measured friction: velocity, friction coefficient,
-temperature, pressure, error.
+"""Tables with one row per point: measured friction (`em.read_friction`), and shift
+factors as instruments' programs write them beside a master curve (`em.read_shifts`).
 """
 
 import os
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ..checks import in_kelvin, in_si, plain
-from ..errors import InputError
-from .columns import Quantity, left_out, read_columns
-from .data import FitWarning, MeasuredFriction
-from .dma import checked_units
+from ..errors import InputError, warn
+from ..material.shift import ShiftTable
+from .columns import Quantity, checked_units, left_out, read_columns
+from .data import COLDEST, FitWarning, MeasuredFriction
 
-QUANTITIES = (
+_TEMPERATURE = Quantity(
+    "temperature",
+    "temperature",
+    (r"t|temp\.?|temperature|temperatur",),
+    option="temperature_unit",
+    limits=(COLDEST, 800.0),
+)
+_FRICTION = (
     Quantity(
         "velocity",
         "velocity",
@@ -35,13 +41,7 @@ QUANTITIES = (
         valid="not negative",
         limits=(0.0, 8.0),
     ),
-    Quantity(
-        "temperature",
-        "temperature",
-        (r"t|temp\.?|temperature|temperatur",),
-        option="temperature_unit",
-        limits=(100.0, 800.0),
-    ),
+    _TEMPERATURE,
     Quantity(
         "pressure",
         "modulus",
@@ -56,6 +56,10 @@ QUANTITIES = (
             r"(error|std|standard deviation) of (mu|friction)|mu (error|std)",
         ),
     ),
+)
+_SHIFTS = (
+    _TEMPERATURE,
+    Quantity("shift", "ratio", (r"a_?t?|shift ?factors?|verschiebungsfaktor(en)?",)),
 )
 
 
@@ -95,7 +99,7 @@ def read_friction(
     )
     units["modulus"] = units.pop("pressure", "")
     name, chosen, values, bad, rows = read_columns(
-        path, QUANTITIES, ("velocity", "mu"), columns, units
+        path, _FRICTION, ("velocity", "mu"), columns, units
     )
     if 2 * len(bad) > rows:
         raise InputError(
@@ -121,10 +125,43 @@ def read_friction(
         values["temperature"] = np.full(values["mu"].shape, kelvin)
     report = left_out(name, bad, "report")
     for text in report:
-        warnings.warn(text, FitWarning, stacklevel=3)
+        warn(text, FitWarning)
     optional: dict[str, Any] = {
         role: values.get(role) for role in ("temperature", "pressure", "error")
     }
     return MeasuredFriction(
         values["velocity"], values["mu"], source=name, report=report, **optional
     )
+
+
+@in_si
+def read_shifts(
+    path: str | os.PathLike[str],
+    *,
+    columns: dict[str, str | int] | None = None,
+    temperature_unit: str | None = None,
+) -> ShiftTable:
+    """A shift law from a list of temperatures and shift factors, such as "T
+    [degC],log_aT".
+
+    Args:
+        path: a text file or a spreadsheet; factors as a_T, or their logarithms as
+            "log10 a_T", "log aT" or "ln aT".
+        columns: columns by quantity (temperature, shift), as in `em.read_dma`.
+        temperature_unit: unit of the temperatures, where the file has none.
+
+    Returns:
+        The list as a law; between its temperatures it is interpolated.
+
+    Raises:
+        InputError: for what cannot be read, and units that nobody gives.
+    """
+    units = checked_units(temperature=temperature_unit)
+    # nobody's log a_T is ln
+    name, _, values, bad, _ = read_columns(
+        path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
+    )
+    if bad:
+        raise InputError(f"{name}: {'; '.join(bad[:3])}.")
+    order = np.argsort(values["temperature"])
+    return ShiftTable(values["temperature"][order], np.log10(values["shift"][order]))
