@@ -19,10 +19,9 @@ from ..cli.units import Temperature
 from ..errors import InputError
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
 from .form import Form
-from .sample import SAMPLE
 from .scene import image
 from .session import COMPUTING, DRAWING, Session
-from .stage import BUTTON, Notes, Picture, Words, drop, mark_of_age, worked
+from .stage import BUTTON, SAMPLE, Notes, Picture, Words, drop, mark_of_age, worked
 
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _INNER = r"(?:[^()]|\([^()]*\))*"

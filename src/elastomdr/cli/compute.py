@@ -1,5 +1,6 @@
-"""`elastomdr friction`, `rolling`, `indent`, `impact`, `slide`, `traction`: a scene to
-a table, a figure and more.
+"""What the commands do that compute a scene: `elastomdr friction`, `rolling`, `indent`,
+`impact`, `slide`, `traction` write a table, a figure and more; `compare` a ranking,
+`plan` what would be computed.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .scene import Scene, models_by_name
 from .schema import named, path_from
+from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
 _PATIENCE = 2.0  # seconds before a bar appears
@@ -47,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         notes = f"# scene: {path.name}\n" + (
             f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
         )
-        files: dict[str, Callable[[Path], None]] = {
+        files: dict[str, Callable[[Path], object]] = {
             f"{stem}.csv": lambda to: _write_table(result, to, notes),
             f"{stem}.png": lambda to: _write_figure(result.plot(**shown), to),
         }
@@ -90,7 +92,7 @@ def output_folder(out: str) -> Path:
     return folder
 
 
-def write_all(folder: Path, files: dict[str, Callable[[Path], None]]) -> None:
+def write_all(folder: Path, files: dict[str, Callable[[Path], object]]) -> None:
     """Writes files by name, each by its function; all of them appear when they are
     complete, or none.
     """
@@ -291,3 +293,61 @@ class Bar:
             print(
                 "\r" + " " * (_WIDTH + 30) + "\r", end="", file=sys.stderr, flush=True
             )
+
+
+def run_compare(options: argparse.Namespace) -> int:
+    """Computes, writes and prints; returns the exit status."""
+    path, folder = Path(options.scene), output_folder(options.out)
+    parts = folder / f".{path.stem}-compare.parts"
+    with warned_of_at_the_end():
+        with named(f"{path.name or path}:"):
+            scene = read_scene("compare", path)
+            assert isinstance(scene, SurfaceComparison | BodyComparison)
+            if len(scene.material) < 2:
+                raise InputError(
+                    "material must be a list of two or more to be compared."
+                )
+            arguments = scene.arguments(path.parent)
+            with models_by_name():
+                curve = _computed(scene, arguments, parts)
+            with named("[compare]"):
+                ranking = curve.ranking(**scene.compare.place())
+        notes = f"# scene: {path.name}\n" + (
+            f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
+        )
+        files: dict[str, Callable[[Path], object]] = {
+            f"{path.stem}-compare.csv": lambda to: _write_table(ranking, to, notes),
+            f"{path.stem}-compare.png": lambda to: _write_figure(
+                ranking.plot(title=scene.title), to
+            ),
+        }
+        write_all(folder, files)
+        Parts(parts).remove()
+        if scene.title:
+            print(scene.title)
+        print(ranking.summary())
+        print("wrote " + " and ".join(str(folder / name) for name in files))
+    return DONE if curve.converged.all() else NOT_CONVERGED
+
+
+def run_plan(options: argparse.Namespace) -> int:
+    """Prints the plan of a scene; returns the exit status."""
+    path = Path(options.scene)
+    with warned_of_at_the_end(), named(f"{path.name or path}:"):
+        scene = read_scene(options.quantity, path)
+        if scene.called() != options.quantity:
+            raise InputError(
+                f"[{scene.mark}] belongs to elastomdr {options.quantity}, not to "
+                "elastomdr plan."
+            )
+        folder = None if options.out is None else output_folder(options.out)
+        with models_by_name():
+            text = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
+    print(text, end="")
+    if folder is not None:
+        write_all(
+            folder,
+            {f"{path.stem}-plan.txt": lambda to: to.write_text(text, encoding="utf-8")},
+        )
+        print(f"wrote {folder / path.stem}-plan.txt")
+    return DONE

@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     try:
         options = _parser().parse_args(argv)
-        status = importlib.import_module(f".{options.module}", __package__).run(options)
+        status = _function(options.run)(options)
         if sys.stdout is not None:  # closed before we were started
             sys.stdout.flush()
         return status
@@ -74,6 +74,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _refused(f"the output cannot be written: {error.strerror or error}.")
     except MemoryError as error:
         return _refused(f"the scene needs more memory than there is: {error}")
+
+
+def _function(name: str) -> Callable[[argparse.Namespace], int]:
+    """A function by its file in this folder, such as "fit:run"; ".app.command:run" is of
+    the package app.
+    """
+    module, function = name.split(":")
+    return getattr(importlib.import_module(f".{module}", __package__), function)
 
 
 def _refused(message: str) -> int:
@@ -110,9 +118,9 @@ def _parser() -> argparse.ArgumentParser:
         dest="verb", metavar="COMMAND", required=True, parser_class=_Parser
     )
     for verb, words in _SCENES.items():
-        module = "compare" if verb == "compare" else "compute"
+        run = "compute:run_compare" if verb == "compare" else "compute:run"
         files = f"Writes NAME-{verb}.csv and NAME-{verb}.png: {words}."
-        command = _added(commands, verb, module, words, files)
+        command = _added(commands, verb, run, words, files)
         _add_scene(command, "the scene to compute; its keys are listed below")
         command.add_argument(
             "--out",
@@ -120,21 +128,19 @@ def _parser() -> argparse.ArgumentParser:
             default=".",
             help="folder for the files (default: this one)",
         )
-    for verb, module, words, add_options in _OTHERS:
-        add_options(_added(commands, verb, module, words))
+    for verb, run, words, add_options in _OTHERS:
+        add_options(_added(commands, verb, run, words))
     return parser
 
 
 def _added(
-    commands: Any, verb: str, module: str, words: str, description: str | None = None
+    commands: Any, verb: str, run: str, words: str, description: str | None = None
 ) -> _Parser:
-    """The parser of a command that the file `module` of this folder carries out
-    (`.app.command`: of that package).
-    """
+    """The parser of a command, which `run` carries out."""
     command = commands.add_parser(
         verb, help=words, description=description or f"{words[0].upper()}{words[1:]}."
     )
-    command.set_defaults(module=module)
+    command.set_defaults(run=run)
     return command
 
 
@@ -224,37 +230,37 @@ def _add_materials(command: _Parser) -> None:
     )
 
 
-# command, file that carries it out, what it does, its options
+# command, "file:function" that carries it out, what it does, its options
 _OTHERS: tuple[tuple[str, str, str, Callable[[_Parser], None]], ...] = (
-    ("init", "init", "a scene with comments to start from", _add_init),
+    ("init", "init:run", "a scene with comments to start from", _add_init),
     (
         "plan",
-        "plan",
+        "compute:run_plan",
         "what friction or rolling would compute, skip and merge, and why",
         _add_plan,
     ),
     (
         "sweep",
-        "sweep",
+        "sweep:run",
         "a scene at every combination of the values of its lists; an interrupted run "
         "can be continued",
         _add_sweep,
     ),
     (
         "fit",
-        "fit",
+        "fit:run",
         "a material file, with cards, tables and figures, from measured isotherms (DMA)",
         _add_fit,
     ),
     (
         "app",
-        ".app.command",
+        ".app.command:run",
         "all steps from a DMA file to friction, on a page in this machine's browser",
         _add_app,
     ),
     (
         "materials",
-        "materials",
+        "materials:run",
         "the library of materials, or the numbers and sources of one of them",
         _add_materials,
     ),

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import elastomdr as em
 
 from ..errors import InputError
-from .indenter import AnyShape
+from .bodies import AnyShape, equivalent_length
 from .schema import (
     Count,
     One,
@@ -27,7 +27,6 @@ from .schema import (
     named,
     only_one,
 )
-from .surface import equivalent_length
 from .units import Length, Temperature, Velocity
 
 _AXES = (
