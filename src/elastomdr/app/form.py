@@ -428,41 +428,14 @@ class Form:
     ) -> None:
         accepts, name = leaf(field.type), _name((*path, key))
         label = key.replace("_", " ") + (" *" if field.required else "")
-        value = content.get(key)
-        meaning = _meaning(field.type)
+        value, meaning = content.get(key), _meaning(field.type)
         if name in self.choices:
-            options = _as_options(self.choices[name]())
-            several = accepts.several and (
-                isinstance(value, list) or name in self.first
-            )
-            for each in value if isinstance(value, list) else [value]:
-                if each:
-                    options.setdefault(each, each)
-            value = ([] if several else None) if value is None else value
-            widget: Any = ui.select(
-                options,
-                value=value,
-                label=label,
-                multiple=several,
-                clearable=not field.required,
-            )
-            widget.props("use-chips" if several else "")
+            widget = self._choice(name, label, field, accepts, value)
         elif accepts.flag:
-            if accepts.optional:
-                options = {"": "default", "true": "yes", "false": "no"}
-                widget = ui.select(
-                    options,
-                    value={None: "", True: "true", False: "false"}[value],
-                    label=label,
-                )
-            else:
-                shown = field.default if value is None else value
-                widget = ui.checkbox(f"{key.replace('_', ' ')}: {meaning}", value=shown)
+            widget = _flag(label, field, accepts, value)
         elif accepts.words:
-            options = {
-                "": "choose" if field.required else _default(field.default),
-                **{word: word for word in accepts.words},
-            }
+            first = "choose" if field.required else _default(field.default)
+            options = {"": first, **{word: word for word in accepts.words}}
             widget = ui.select(options, value=value or "", label=label)
         else:
             widget = ui.input(
@@ -472,10 +445,9 @@ class Form:
                 widget.on("keydown.enter", self.entered)
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
+            has_default = field.default not in (None, msgspec.NODEFAULT)
             widget.props["hint"] = (
-                meaning
-                if field.default in (None, msgspec.NODEFAULT)
-                else _with_default(meaning, field)
+                _with_default(meaning, field) if has_default else meaning
             )
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
@@ -483,18 +455,36 @@ class Form:
         def typed() -> None:
             if self._silent:
                 return
-            found = self._value(widget, accepts, name)
-            if found == content.get(key):
+            new = self._value(widget, accepts, name)
+            if new == content.get(key):
                 return
-            if found is None:
+            if new is None:
                 content.pop(key, None)
             else:
-                content[key] = found
+                content[key] = new
             _mark(widget, None)
             self._alert.visible = False
             self._tell(name)
 
         widget.on_value_change(typed)
+
+    def _choice(
+        self, name: str, label: str, field: Any, accepts: Leaf, value: Any
+    ) -> Any:
+        """A field with what there is to choose from, one or several."""
+        options = _as_options(self.choices[name]())
+        several = accepts.several and (isinstance(value, list) or name in self.first)
+        for each in value if isinstance(value, list) else [value]:
+            if each:
+                options.setdefault(each, each)
+        widget = ui.select(
+            options,
+            value=([] if several else None) if value is None else value,
+            label=label,
+            multiple=several,
+            clearable=not field.required,
+        )
+        return widget.props("use-chips" if several else "")
 
     def _value(self, widget: Any, accepts: Leaf, name: str) -> Any:
         value = widget.value
@@ -554,6 +544,18 @@ def _example(accepts: Leaf) -> str:
 
 def _as_options(found: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
     return dict(found) if isinstance(found, Mapping) else {name: name for name in found}
+
+
+def _flag(label: str, field: Any, accepts: Leaf, value: Any) -> Any:
+    """A box to tick; of three answers where the default is one of its own."""
+    if not accepts.optional:
+        shown = field.default if value is None else value
+        return ui.checkbox(
+            f"{label.removesuffix(' *')}: {_meaning(field.type)}", value=shown
+        )
+    options = {"": "default", "true": "yes", "false": "no"}
+    chosen = {None: "", True: "true", False: "false"}[value]
+    return ui.select(options, value=chosen, label=label)
 
 
 def _legend(text: str) -> None:

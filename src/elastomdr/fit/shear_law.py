@@ -234,31 +234,19 @@ def adhesion(
     The intervals contain the scatter of the data, not what the model of hysteresis and
     area is off.
     """
-    curves = curve if isinstance(curve, Mapping) else {0.0: curve}
-    first = next(iter(curves.values()), None)
-    if (
-        not all(isinstance(each, FrictionCurve) for each in curves.values())
-        or 1 < len(curves) < 4
-        or first is None
-    ):
-        raise InputError(
-            "curve must be an em.FrictionCurve, or four or more of them by their "
-            "cutoff, {q_high: curve}, got a "
-            f"{type(curve).__name__}{f' of {len(curves)}' if isinstance(curve, Mapping) else ''}."
-        )
-    data = _measured(measured, first)
+    curves = _checked_curves(curve)
+    data = _measured(measured, next(iter(curves.values())))
     kelvin, mu = data["temperature"], data["mu"]
     computed = {float(q): _at_points(each, data) for q, each in curves.items()}
     used = np.isfinite(mu)
     for h, s, _ in computed.values():
         used &= np.isfinite(h) & np.isfinite(s)
-    if kelvin is not None and reference is None:
+    if kelvin is None:
+        reference = None
+    elif reference is None:
         reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
-    reference = (
-        None
-        if kelvin is None or reference is None
-        else float(plain("reference", reference))
-    )
+    else:
+        reference = float(plain("reference", reference))
     warm = None
     if kelvin is not None and reference is not None and np.ptp(kelvin[used]) > _SAME:
         warm = (1 / kelvin - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
@@ -279,11 +267,24 @@ def adhesion(
     freedom = points.mu.size - p.size
     scale = 1.0 if known else np.sqrt(chi / freedom)
     bounds = _intervals(points, size, p, chi, scale, freedom, known)
-    found = _packed(
+    fit = _packed(
         every, data, computed, used, p, bounds, size * scale, reference, known, success
     )
-    tell(found.warnings)
-    return found
+    tell(fit.warnings)
+    return fit
+
+
+def _checked_curves(curve: Any) -> Mapping[float, FrictionCurve]:
+    """The curves by their cutoff; of a single one by 0. Raises `InputError`."""
+    curves = curve if isinstance(curve, Mapping) else {0.0: curve}
+    are_curves = all(isinstance(each, FrictionCurve) for each in curves.values())
+    if not are_curves or len(curves) in (0, 2, 3):
+        count = f" of {len(curves)}" if isinstance(curve, Mapping) else ""
+        raise InputError(
+            "curve must be an em.FrictionCurve, or four or more of them by their "
+            f"cutoff, {{q_high: curve}}, got a {type(curve).__name__}{count}."
+        )
+    return curves
 
 
 def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:

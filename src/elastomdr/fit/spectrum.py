@@ -386,7 +386,30 @@ def infer(
     if wary is not None:
         scaled = wary(place.p) * (np.sqrt(weights / temper) / noise[group])[:, None]
         covariance = _inverse(_cholesky(_gram(scaled) + _weighted(grams, widths)))
-    sigma = noise[group]
+    return Posterior(
+        place.p,
+        covariance,
+        noise,
+        weights,
+        place.residuals,
+        tuple(widths),
+        _evidence(place, weights, noise[group], temper, factor, priors, widths),
+        converged,
+    )
+
+
+def _evidence(
+    place: _Place,
+    weights: np.ndarray,
+    sigma: np.ndarray,
+    temper: float,
+    factor: np.ndarray,
+    priors: Sequence[Prior],
+    widths: list[float],
+) -> float:
+    """ln of the marginal likelihood, up to a constant; `factor` is Cholesky's of the
+    precision.
+    """
     evidence = (
         -0.5 * (weights * (place.residuals / sigma) ** 2).sum() / temper
         - np.log(sigma).sum() / temper
@@ -395,16 +418,7 @@ def infer(
     for prior, width in zip(priors, widths, strict=True):
         left = prior.rows @ place.p - prior.target
         evidence -= 0.5 * (left @ left) / width**2 + len(left) * np.log(width)
-    return Posterior(
-        place.p,
-        covariance,
-        noise,
-        weights,
-        place.residuals,
-        tuple(widths),
-        float(evidence),
-        converged,
-    )
+    return float(evidence)
 
 
 def _new_noise(
