@@ -193,6 +193,9 @@ def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
 
     temperature = _kelvin("--temperature", options.temperature)
     columns = dict(map(_column, options.column))
+    sizes: dict[str, Any] = {
+        key: size_of(key, getattr(options, key), unit) for key, unit in SIZES.items()
+    }
     bar = Bar()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)
@@ -202,10 +205,7 @@ def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
             columns=columns,
             storage_only=options.storage_only,
             **{key: getattr(options, key) for key in _READ},
-            **{
-                key: size_of(key, getattr(options, key), unit)
-                for key, unit in SIZES.items()
-            },
+            **sizes,
         )
         if options.strain is not None:
             dma = dma.at_strain(strain_of(options.strain))

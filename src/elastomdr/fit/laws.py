@@ -335,7 +335,7 @@ def _chance(arrhenius: np.ndarray, other: np.ndarray, precision: np.ndarray) -> 
     """Of Arrhenius' law against one with a parameter more, from what both leave."""
     # Akaike: a parameter costs 2
     worse = arrhenius @ precision @ arrhenius - other @ precision @ other - 2.0
-    return 1 / (1 + np.exp(np.clip(worse / 2, -50, 50)))
+    return float(1 / (1 + np.exp(np.clip(worse / 2, -50, 50))))
 
 
 def _check_reach(

@@ -289,7 +289,7 @@ def _values(sweep: Any) -> dict[str, np.ndarray]:
         return {
             name: np.asarray(getattr(sweep, name), dtype=float)[known] for name in names
         }
-    names = ("strain", "storage", "loss")
+    names: tuple[str, ...] = ("strain", "storage", "loss")
     if not isinstance(sweep, Mapping) or not set(names) <= set(sweep):
         raise InputError(
             "strain_sweep must be a Dma with strain amplitudes, or a mapping with "

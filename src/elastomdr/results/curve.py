@@ -213,9 +213,10 @@ class AbstractCurve(Result):
         largest = f"{top.kind} {self.symbol} = {point(top.x, top.y)}"
         if top.inside:
             return f"{largest}; ends: {low}, {high}"
+        highest = top.x == velocity[-1]
         return (
-            f"{largest}, an end of the range; at the other end "
-            f"{low if top.x == velocity[-1] else high}"
+            f"{largest}, the {'highest' if highest else 'lowest'} velocity computed; no "
+            f"peak inside the range; at the other end {low if highest else high}"
         )
 
 
