@@ -39,6 +39,7 @@ from ..checks import (
 from ..element.law import as_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError, warn
+from ..numerics.interpolation import halving_limit
 from ..results.axes import place_in_words
 from ..results.base import Result, quantity, record
 from ..results.words import brief, in_words
@@ -477,7 +478,7 @@ def _history(
     fine = _follow(kelvin, net, heat, time)
     coarse = _follow(kelvin[::2], net[::2], heat, time)
     known = xp.isfinite(steady)[..., None]
-    fine = fine + (fine - coarse) / 3
+    fine = halving_limit(coarse, fine)
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
     way = body.roll(xp.moveaxis(fine, -1, 0), ConvergenceWarning)
     power = xp.asarray(xp.moveaxis(way.power, 0, -1))

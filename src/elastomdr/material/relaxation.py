@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import compiled, fixed, fori_loop, on_numpy, xp
+from ..arrays import compiled, fixed, on_numpy, xp
 from ..checks import (
     Array,
     alike,
@@ -32,6 +32,7 @@ from ..checks import (
     positive,
 )
 from ..errors import InputError
+from ..numerics.root import bisect
 from ..trees import Tree
 
 if TYPE_CHECKING:
@@ -408,17 +409,14 @@ def secular_roots(
     side = xp.where(right_half, -1.0, 1.0)
     reach = xp.where(right_half, 0.5, 1.0) * width
 
-    def halve(_, bounds):
-        low, high = bounds
-        middle = 0.5 * (low + high)
-        value = excess(
-            origin, side * xp.exp(middle), fixed_poles, fixed_weights, fixed_constants
-        )
-        too_near = side * value > 0  # the root lies farther from the origin
-        return xp.where(too_near, middle, low), xp.where(too_near, high, middle)
+    def farther(log_distance: Array) -> Array:
+        """Whether the root lies farther from the origin."""
+        distance = side * xp.exp(log_distance)
+        value = excess(origin, distance, fixed_poles, fixed_weights, fixed_constants)
+        return side * value > 0
 
-    start = (xp.full(n, math.log(_SMALLEST)), xp.log(xp.maximum(reach, _SMALLEST)))
-    low, high = fori_loop(0, _BISECTIONS, halve, start)
+    least, most = xp.full(n, math.log(_SMALLEST)), xp.log(xp.maximum(reach, _SMALLEST))
+    low, high = bisect(farther, least, most, _BISECTIONS)
     distance = side * xp.exp(0.5 * (low + high))
 
     # Newton on the distance, with the poles' own tangents in the residual.

@@ -40,6 +40,7 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
+from ..numerics.interpolation import hermite
 from ..trees import Tree, fill, replaced, static
 from .relaxation import KelvinChain
 from .shift import AbstractShift, AbstractVertical, check_vertical, thermal_factors
@@ -406,15 +407,7 @@ def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
             secant[side] - _BENDS * width[side],
             secant[side] + _BENDS * width[side],
         )
-    left = xp.clip(xp.searchsorted(x, at, side="right") - 1, 0, x.shape[0] - 2)
-    h = width[left]
-    s = (at - x[left]) / h
-    return (
-        (1 + 2 * s) * (1 - s) ** 2 * y[left]
-        + s * (1 - s) ** 2 * h * slope[left]
-        + s**2 * (3 - 2 * s) * y[left + 1]
-        + s**2 * (s - 1) * h * slope[left + 1]
-    )
+    return hermite(x, y, slope, at)
 
 
 def _kept(count: int, first: int) -> np.ndarray:

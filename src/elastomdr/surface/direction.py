@@ -23,6 +23,7 @@ import numpy as np
 from ..arrays import xp
 from ..checks import Array, numpy_unless_traced
 from ..material.relaxation import Relaxation
+from ..numerics.interpolation import lagrange
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int
@@ -258,28 +259,6 @@ def spacing(rtol: float) -> float:
     is judged afterwards.
     """
     return 0.4 * (rtol / 1e-2) ** (1 / STENCIL)
-
-
-def lagrange(place: np.ndarray, stencil: int) -> tuple[np.ndarray, np.ndarray]:
-    """Indices and weights of the `stencil` nodes around each place on a grid of unit
-    spacing: (..., stencil).
-    """
-    left = np.floor(place).astype(int) - (stencil // 2 - 1)
-    offsets = np.arange(stencil)
-    gaps = (place - left)[..., None] - offsets
-    gaps = np.where(gaps == 0, 1e-300, gaps)
-    barycentric = _barycentric(stencil) / gaps
-    return left[..., None] + offsets, barycentric / barycentric.sum(
-        axis=-1, keepdims=True
-    )
-
-
-@functools.cache
-def _barycentric(stencil: int) -> np.ndarray:
-    factorial = [
-        math.factorial(j) * math.factorial(stencil - 1 - j) for j in range(stencil)
-    ]
-    return (-1.0) ** np.arange(stencil) / np.array(factorial)
 
 
 class SharedCurve(NamedTuple):

@@ -20,6 +20,7 @@ from ..checks import (
     require,
 )
 from ..errors import InputError
+from ..numerics.interpolation import monotone_slopes
 from ..trees import fill, static
 from .shapes import AbstractShape
 
@@ -294,18 +295,10 @@ def _monotone(r: Array, z: Array, sharp: bool) -> Float[Array, "3 n-1"]:
     slopes on its two sides.
     """
     h = xp.diff(r)
-    m = xp.diff(z) / h  # not negative
-    before, after = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
-    flat = (m[:-1] <= 0) | (m[1:] <= 0)
-    safe = xp.where(flat[None], 1.0, xp.stack([m[:-1], m[1:]]))
-    inner = xp.where(flat, 0.0, (before + after) / (before / safe[0] + after / safe[1]))
-
-    # the parabola through three points, kept from overshooting
-    def outer(h0, h1, m0, m1):
-        return xp.clip(((2 * h0 + h1) * m0 - h0 * m1) / (h0 + h1), 0.0, 3 * m0)
-
-    start = xp.where(sharp, outer(h[0], h[1], m[0], m[1]), 0.0)
-    d = xp.concatenate([start[None], inner, outer(h[-1], h[-2], m[-1], m[-2])[None]])
+    m = xp.diff(z) / h
+    slopes = monotone_slopes(r, z)
+    start = xp.where(sharp, slopes[:1], 0.0)
+    d = xp.concatenate([start, slopes[1:]])
     return xp.stack(
         [d[:-1], (3 * m - 2 * d[:-1] - d[1:]) / h, (d[:-1] + d[1:] - 2 * m) / h**2]
     )
