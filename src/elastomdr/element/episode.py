@@ -36,7 +36,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..arrays import fixed, while_loop, xp
-from ..checks import Array, is_traced, numpy_unless_traced
+from ..checks import Array, numpy_unless_traced, possible
 from ..material.relaxation import Relaxation, kelvin_and_gaps
 from ..numerics.decay import phi1, phi2
 
@@ -297,7 +297,7 @@ def recovery_modes(law: Relaxation) -> Modes:
     rate = xp.where(there, 1 / xp.where(there, chain.times, 1.0), 0.0)
     gain = xp.where(there, chain.compliances * rate, 0.0)
     gap = rate[:, None] * gaps + xp.where(there, 0.0, 1.0)[:, None]
-    if is_traced(law) or chain.fluidity > 0:
+    if possible(lambda fluidity: fluidity > 0, chain.fluidity):
         rate, gain = xp.append(rate, 0.0), xp.append(gain, chain.fluidity)
         gap = xp.concatenate([gap, xp.ones((1, gap.shape[1]))])
     shape = 1 / xp.where(xp.abs(gap) < _NEAREST, _NEAREST, gap)

@@ -26,10 +26,14 @@ from ..checks import (
     Array,
     alike,
     as_float64,
+    certain,
     is_traced,
     not_negative,
     numpy_unless_traced,
     positive,
+    possible,
+    require,
+    scalar,
 )
 from ..errors import InputError
 from ..numerics.root import bisect
@@ -177,15 +181,21 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     not_negative("moduli", moduli)
     positive("times", times)
     moduli, times = in_order(moduli, times)
-    if (
-        not is_traced(equilibrium, moduli, viscosity)
-        and equilibrium + viscosity + moduli.sum() <= 0
-    ):
+    total = (equilibrium, viscosity, moduli)
+    if certain(lambda e, eta, m: e + eta + m.sum() <= 0, *total):
         raise InputError(
             "equilibrium, moduli and viscosity are all zero: such a material "
             "carries no load."
         )
     return Relaxation(equilibrium, moduli, times, viscosity)
+
+
+def poisson_ratio(poisson: Any) -> Array:
+    """A constant Poisson's ratio as a scalar. Raises `InputError`."""
+    poisson = scalar("poisson", poisson)
+    accepted = "above -1 and at most 0.5"
+    require("poisson", poisson, accepted, lambda nu: (nu > -1) & (nu <= 0.5))
+    return poisson
 
 
 @numpy_unless_traced
@@ -246,7 +256,7 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     """The Kelvin chain, and lambda_j - tau_k to full relative accuracy, however close
     the times lie together.
     """
-    with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
+    with_dashpot = possible(lambda eta: eta > 0, law.viscosity)
     times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
     weights = moduli * times
     if with_dashpot:

@@ -21,8 +21,10 @@ from ..checks import (
     not_negative,
     numpy_unless_traced,
     positive,
+    possible,
     require,
     scalar,
+    untraced,
     written,
 )
 from ..errors import InputError
@@ -146,13 +148,10 @@ class VFT(AbstractShift):
         positive("b", self.b)
         in_kelvin("reference", self.reference)
         not_negative("t0", self.t0)
-        if not is_traced(self.reference):
-            reference = float(self.reference)
-            require(
-                "t0",
-                self.t0,
-                f"below the reference temperature, {reference:g} K",
-                lambda t: t < reference,
+        if not possible(lambda t0, reference: t0 < reference, self.t0, self.reference):
+            raise InputError(
+                "t0 must be below the reference temperature, "
+                f"{float(self.reference):g} K, got {float(self.t0):g}."
             )
 
     def _log10_a(self, temperature: Array) -> Array:
@@ -314,11 +313,9 @@ class VerticalTable(AbstractVertical):
             as_float64("factor", factor),
         )
         alike(2, temperature=temperature, factor=factor)
-        if is_traced(temperature):
-            raise InputError(
-                "temperature must be plain numbers: a table is differentiated in "
-                "its factors only."
-            )
+        untraced(
+            "temperature", temperature, "a table is differentiated in its factors only"
+        )
         in_kelvin("temperature", temperature)
         positive("factor", factor)
         ascending("temperature", temperature)
@@ -351,8 +348,14 @@ def _within_table(table: str, nodes: Any, temperature: Any) -> None:
     require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
 
 
-def check_vertical(vertical: Any) -> None:
-    """Raises `InputError` unless it is a law of vertical shifts, or None."""
+def check_laws(shift: Any, vertical: Any) -> None:
+    """Raises `InputError` unless they are a shift law and a law of vertical shifts;
+    either may be None.
+    """
+    if shift is not None and not isinstance(shift, AbstractShift):
+        raise InputError(
+            f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
+        )
     if vertical is not None and not isinstance(vertical, AbstractVertical):
         raise InputError(
             "vertical must be an EntropicVertical or a VerticalTable, got "

@@ -14,6 +14,7 @@ from ..checks import (
     alike,
     as_float64,
     ascending,
+    certain,
     is_traced,
     not_negative,
     numpy_unless_traced,
@@ -78,7 +79,7 @@ class Softening(Tree):
         for key, values in zip(lists, arrays, strict=True):
             positive(f"softening: {key}", values)
         ascending("softening: strain", strain)
-        if not is_traced(strain) and strain[-1] > _LARGEST:
+        if certain(lambda x: x[-1] > _LARGEST, strain):
             raise InputError(
                 f"softening: strain must be an amplitude without unit, {_LARGEST:g} "
                 f"at most (0.1 for 10 %), got {strain[-1]:g}; divide per cent by 100."
@@ -99,7 +100,7 @@ class Softening(Tree):
                     f"{storage[i]:g} followed by {storage[i + 1]:g} (entries {i} and "
                     f"{i + 1})."
                 )
-        if not is_traced(loss) and loss.max() > _MOST:
+        if certain(lambda g: g.max() > _MOST, loss):
             raise InputError(
                 "softening: loss must be factors on the loss modulus of small "
                 f"strain, {_MOST:g} at most, got {loss.max():g}."

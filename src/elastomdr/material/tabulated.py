@@ -30,20 +30,21 @@ from ..arrays import xp
 from ..checks import (
     Array,
     alike,
+    are_texts,
     as_float64,
     ascending,
     is_traced,
     not_negative,
     numpy_unless_traced,
+    one_of,
     positive,
-    require,
     scalar,
 )
 from ..errors import InputError
 from ..numerics.interpolation import hermite
 from ..trees import Tree, fill, replaced, static
-from .relaxation import KelvinChain
-from .shift import AbstractShift, AbstractVertical, check_vertical, thermal_factors
+from .relaxation import KelvinChain, poisson_ratio
+from .shift import AbstractShift, AbstractVertical, check_laws, thermal_factors
 from .softening import Softening, as_softening
 from .validity import Range, RangeLike, as_range
 
@@ -256,23 +257,10 @@ class TabulatedModulus(AbstractTable):
         for key, value in (("omega", omega), ("storage", storage), ("loss", loss)):
             positive(key, value)
         ascending("omega", omega)
-        if kind not in ("shear", "tensile"):
-            raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
-        for argument, text in (("name", name), ("citation", citation)):
-            if not isinstance(text, str):
-                raise InputError(f"{argument} must be a text, got {text!r}.")
-        if shift is not None and not isinstance(shift, AbstractShift):
-            raise InputError(
-                f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
-            )
-        check_vertical(vertical)
-        poisson = scalar("poisson", poisson)
-        require(
-            "poisson",
-            poisson,
-            "above -1 and at most 0.5",
-            lambda nu: (nu > -1) & (nu <= 0.5),
-        )
+        one_of("kind", kind, "shear", "tensile")
+        are_texts(name=name, citation=citation)
+        check_laws(shift, vertical)
+        poisson = poisson_ratio(poisson)
         known = as_range(range)
         if (known is None or known.omega is None) and not is_traced(omega):
             known = (known or Range(None, None))._replace(

@@ -18,6 +18,7 @@ from ..checks import (
     not_negative,
     numpy_unless_traced,
     require,
+    untraced,
 )
 from ..errors import InputError
 from ..numerics.interpolation import monotone_slopes
@@ -77,11 +78,7 @@ class Profile(AbstractShape):
     ):
         r, z = as_float64("r", r), as_float64("z", z)
         alike(4, r=r, z=z)
-        if is_traced(r):
-            raise InputError(
-                "r must be plain numbers: a Profile is differentiable in its "
-                "heights z, not in its radii."
-            )
+        untraced("r", r, "a Profile is differentiable in its heights z only")
         not_negative("r", r)
         ascending("r", r)
         require("r", r, "below 1e50 m", lambda x: x < 1e50)

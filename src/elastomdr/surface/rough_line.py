@@ -16,8 +16,8 @@ from ..checks import (
     ascending,
     finite,
     in_float64,
-    is_traced,
     numpy_unless_traced,
+    untraced,
 )
 from ..errors import InputError
 from ..trees import Tree, fill, replaced
@@ -51,10 +51,7 @@ class RoughLine(Tree):
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, x=x, height=height)
-        if is_traced(x):
-            raise InputError(
-                "x must be plain numbers: a RoughLine is differentiable in its heights."
-            )
+        untraced("x", x, "a RoughLine is differentiable in its heights")
         finite("x", x)
         finite("height", height)
         ascending("x", x)

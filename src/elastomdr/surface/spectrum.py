@@ -36,12 +36,14 @@ from ..checks import (
     alike,
     as_float64,
     ascending,
+    certain,
     in_si,
     is_traced,
     not_negative,
     numpy_unless_traced,
     only_one,
     positive,
+    possible,
     require,
     scalar,
 )
@@ -284,17 +286,16 @@ class SelfAffine(AbstractSpectrum):
         )
         value = scalar(name, wanted)
         positive(name, value)
-        traced = is_traced(hurst, low, knee, high, value)
-        if not is_traced(low, knee, high) and not low <= knee < high:
+        if not possible(lambda a, b, c: a <= b < c, low, knee, high):
             raise InputError(
                 f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} "
                 f"and {high:g} rad/m."
             )
-        whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
+        whole = q_rolloff is None or certain(np.equal, knee, low)
         q, c = _power_law(hurst, [low, high] if whole else [low, knee, high], knee)
         fill(self, hurst=hurst, q=q, c=c)
         fill(self, c=_scaled(c, value, getattr(self, name)))
-        if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
+        if not possible(lambda c: ((c > 0) & np.isfinite(c)).all(), self.c):
             said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(
                 f"{name} must be of a surface whose power spectrum double "
