@@ -573,7 +573,14 @@ class HalfSpace(SurfaceModel):
 
 
 KINDS: dict[str, type[Model]] = {
-    kind.label: kind for kind in (Averaged, Line, Multiscale, Persson, HalfSpace)
+    kind.label: kind
+    for kind in (
+        Averaged,
+        Line,
+        Multiscale,
+        Persson,
+        HalfSpace,
+    )
 }
 
 

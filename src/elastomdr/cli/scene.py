@@ -8,10 +8,11 @@ import dataclasses
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 import elastomdr as em
 
+from ..call.types import ModelName
 from ..errors import InputError
 from .indenter import AnyShape
 from .schema import (
@@ -42,9 +43,6 @@ _AXES = (
     "ambient",
     "temperature",
 )
-
-
-ModelName = Literal["averaged", "line", "multiscale", "persson", "half-space"]
 
 
 class Layer(Table):
