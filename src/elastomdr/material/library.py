@@ -155,22 +155,16 @@ def save_material(
             "traces."
         )
     info = info or {}
-    reference = info.get("reference_temperature")
-    if (
-        reference is None
-        and material.shift is not None
-        and math.isfinite(float(material.shift.reference))
-    ):
-        reference = float(material.shift.reference)
-    cited = {"moduli": {"citation": material.citation}} if material.citation else {}
     known = material.range
+    cited = {"moduli": {"citation": material.citation}} if material.citation else {}
     if known is not None and known.illustrative:
         cited["range"] = {"grade": "illustrative"}
     document = {
         "name": material.name,
         "description": info.get("description"),
         "kind": material.kind,
-        "reference_temperature": reference,
+        "reference_temperature": info.get("reference_temperature")
+        or _reference_temperature(material),
         "poisson": None if material.poisson is None else float(material.poisson),
         **(_series(material) if isinstance(material, Prony) else _tabulated(material)),
         "shift": _law_table("shift", material.shift, SHIFT_LAWS, SHIFT_KEYS),
@@ -187,6 +181,14 @@ def save_material(
     write_document(
         {key: value for key, value in document.items() if value is not None}, Path(path)
     )
+
+
+def _reference_temperature(material: "Prony | TabulatedModulus") -> float | None:
+    """That of the shift law, where it has one."""
+    if material.shift is None:
+        return None
+    reference = float(material.shift.reference)
+    return reference if math.isfinite(reference) else None
 
 
 def locate(name_or_path: str | os.PathLike[str]) -> Path:

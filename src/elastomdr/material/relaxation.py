@@ -429,15 +429,24 @@ def secular_roots(
     low, high = bisect(farther, least, most, _BISECTIONS)
     distance = side * xp.exp(0.5 * (low + high))
 
-    # Newton on the distance, with the poles' own tangents in the residual.
     origin = poles[xp.minimum(index + right_half, n - 1)]
+    roots, slope, gap = _polished(poles, weights, constants, origin, distance)
+    return xp.where(finite, roots, xp.inf), slope, gap
+
+
+def _polished(
+    poles: Array, weights: Array, constants: Array, origin: Array, distance: Array
+) -> tuple[Array, Array, Array]:
+    """Roots after a Newton step on their distances from the origins, which carries the
+    derivatives; the slope at them; their distances from all poles.
+    """
     gap = (origin[:, None] - poles[None, :]) + distance[:, None]
     residual = xp.sum(weights / _away_from_zero(gap), axis=1) - constants
     step = residual / xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
     step = step - fixed(xp.where(xp.abs(step) < 0.1 * xp.abs(distance), 0.0, step))
     gap = gap + step[:, None]
     slope = xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
-    return xp.where(finite, origin + distance + step, xp.inf), slope, gap
+    return origin + distance + step, slope, gap
 
 
 def _away_from_zero(gap: Array) -> Array:
