@@ -91,9 +91,11 @@ def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Arr
     strength = xp.where(
         law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0
     )
-    held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
-    left = (0.5 * modes.norm * modes.rate) @ state.m**2
-    return xp.where(state.contact, held, 0.0), xp.where(state.contact, 0.0, left)
+    in_contact = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
+    in_modes = (0.5 * modes.norm * modes.rate) @ state.m**2
+    return xp.where(state.contact, in_contact, 0.0), xp.where(
+        state.contact, 0.0, in_modes
+    )
 
 
 def follow(

@@ -282,13 +282,14 @@ def springs(
             "bonded must be True with tangential: a layer that slips on its base "
             "is not sheared."
         )
-    own = _material("material", material)
+    rubber = _material("material", material)
     law = scaled(
-        own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness
+        rubber.shear().law() if tangential else layer_operator(rubber, bonded),
+        1 / thickness,
     )
-    slab = None if tangential else Slab(own, thickness, bool(bonded))
-    found = _foundation(law, material, True, material.name, material.range)
-    return replaced(found, thickness=thickness, slab=slab)
+    slab = None if tangential else Slab(rubber, thickness, bool(bonded))
+    foundation = _foundation(law, material, True, material.name, material.range)
+    return replaced(foundation, thickness=thickness, slab=slab)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:

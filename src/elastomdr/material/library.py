@@ -253,8 +253,10 @@ def _folders() -> list[Path]:
     installed packages.
     """
     # where the wheel has them; a checkout has them at its root
-    own = Path(__file__).parent / "data"
-    folders = [own if own.is_dir() else Path(__file__).parents[3] / "materials"]
+    packaged = Path(__file__).parent / "data"
+    folders = [
+        packaged if packaged.is_dir() else Path(__file__).parents[3] / "materials"
+    ]
     for entry in filter(None, os.environ.get(SEARCH_VARIABLE, "").split(os.pathsep)):
         if not Path(entry).is_dir():
             raise InputError(

@@ -124,12 +124,12 @@ class AbstractTable(Tree):
     def _moduli(self, omega: Any) -> tuple[Array, Array]:
         omega = as_float64("omega", omega)
         not_negative("omega", omega)
-        at = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
+        log_omega = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
         nodes, storage, loss = map(
             xp.log, (self.omega, self.storage_table, self.loss_table)
         )
-        stored = xp.exp(_cubic(nodes, storage, _STORAGE, at))
-        lost = xp.where(omega > 0, xp.exp(_cubic(nodes, loss, _LOSS, at)), 0.0)
+        stored = xp.exp(_cubic(nodes, storage, _STORAGE, log_omega))
+        lost = xp.where(omega > 0, xp.exp(_cubic(nodes, loss, _LOSS, log_omega)), 0.0)
         return stored, lost
 
     @numpy_unless_traced
@@ -171,8 +171,10 @@ class AbstractTable(Tree):
         inside = (omega[2:] >= low) & (omega[:-2] <= high)
 
         def largest(values: Array, slopes: tuple[float, float]) -> Array:
-            off = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))
-            known = xp.max(xp.where(inside, off, -xp.inf), axis=-1, initial=-xp.inf)
+            distance = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))
+            known = xp.max(
+                xp.where(inside, distance, -xp.inf), axis=-1, initial=-xp.inf
+            )
             error = xp.where(known >= 0, xp.minimum(known, bound), bound)
             return xp.where(bound >= 0, xp.expm1(error), xp.nan)
 
@@ -410,12 +412,12 @@ def _left_out(x: Array, y: Array, slopes: tuple[float, float]) -> Array:
     without it.
     """
     count = x.shape[0]
-    parts, places = [], []
+    distances, places = [], []
     for first in (1, 2):
         out, kept = np.arange(first, count - 1, 2), _kept(count, first)
-        parts.append(_cubic(x[kept], y[kept], slopes, x[out]) - y[out])
+        distances.append(_cubic(x[kept], y[kept], slopes, x[out]) - y[out])
         places.append(out)
-    return xp.concatenate(parts)[np.argsort(np.concatenate(places))]
+    return xp.concatenate(distances)[np.argsort(np.concatenate(places))]
 
 
 def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
@@ -445,13 +447,13 @@ def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
     size = -compliance.imag
     rows = terms / size[:, None]
     wanted = compliance / size
-    found, _ = nnls(
+    compliances, _ = nnls(
         np.concatenate([rows.real, rows.imag]),
         np.concatenate([wanted.real, wanted.imag]),
         maxiter=50 * count,
     )
-    off = float(np.sqrt(np.mean(np.abs(rows @ found - wanted) ** 2)))
-    kept = found[1:] > 0
+    distance = float(np.sqrt(np.mean(np.abs(rows @ compliances - wanted) ** 2)))
+    kept = compliances[1:] > 0
     return KelvinChain(
-        np.asarray(found[0]), found[1:][kept], times[kept], np.zeros(())
-    ), off
+        np.asarray(compliances[0]), compliances[1:][kept], times[kept], np.zeros(())
+    ), distance

@@ -29,8 +29,8 @@ def root(residual: Any, guess: Array) -> tuple[Array, Array]:
     x, done = search(residual, guess)
     value, slope = jax.jvp(residual, (x,), (xp.ones_like(x),))
     step = value / fixed(slope)
-    found = done & (xp.abs(step) < 10 * _CLOSE)
-    return x - xp.where(found, step, step - fixed(step)), found
+    converged = done & (xp.abs(step) < 10 * _CLOSE)
+    return x - xp.where(converged, step, step - fixed(step)), converged
 
 
 def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, Array]:

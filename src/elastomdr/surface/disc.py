@@ -217,10 +217,10 @@ def _invert(
     carries the derivatives.
     """
     value = xp.asarray(value)
-    held, goal = fixed((disc, value))
+    known, goal = fixed((disc, value))
     there = goal > 0
     goal = xp.log(xp.where(there, goal, 1.0))
-    top = xp.broadcast_to(xp.log(xp.minimum(held.largest, 1e60)), goal.shape)
+    top = xp.broadcast_to(xp.log(xp.minimum(known.largest, 1e60)), goal.shape)
 
     def level(disc: Disc, x: Array) -> tuple[Array, Array]:
         if name == "depth":
@@ -230,11 +230,11 @@ def _invert(
     def advance(state: tuple) -> tuple:
         log_x, low, high, done, count = state
         x = xp.exp(log_x)
-        height, rate = level(held, x)
-        off = xp.log(height) - goal
-        step = off * height / (x * rate)
+        height, rate = level(known, x)
+        excess = xp.log(height) - goal
+        step = excess * height / (x * rate)
         done = done | (xp.abs(step) < 1e-8)  # the last step, below, squares this
-        low, high = xp.where(off < 0, log_x, low), xp.where(off < 0, high, log_x)
+        low, high = xp.where(excess < 0, log_x, low), xp.where(excess < 0, high, log_x)
         following = log_x - step
         middle = 0.5 * (xp.maximum(low, log_x - 8) + xp.minimum(high, log_x + 8))
         following = xp.where((following > low) & (following < high), following, middle)
@@ -250,8 +250,8 @@ def _invert(
     step = (value - height) / fixed(rate)
     # Where the step is not that of a root, the value is more than the largest contact
     # can have.
-    found = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
-    return xp.where(there, found, 0.0)
+    root = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
+    return xp.where(there, root, 0.0)
 
 
 def _sphere_area(c: Array, layer: bool) -> Array:

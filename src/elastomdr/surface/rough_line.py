@@ -91,8 +91,8 @@ class RoughLine(Tree):
         """The highest place of the spline [m], from which a depth counts; seldom one of
         the points.
         """
-        part, between = _summits(fixed(xp.asarray(self.height)))
-        place = argmax(between)
+        share, heights = _summits(fixed(xp.asarray(self.height)))
+        place = argmax(heights)
         coefficients = spline_coefficients(xp.asarray(self.height))
         # Sums, not an index: its derivative would be taken outside of `in_float64`.
         near = [
@@ -100,7 +100,7 @@ class RoughLine(Tree):
         ]
         return _cubic(
             xp.stack([xp.sum(xp.where(here, coefficients, 0.0)) for here in near]),
-            part[place],
+            share[place],
         )
 
     @property

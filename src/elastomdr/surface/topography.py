@@ -435,9 +435,9 @@ def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
     for _ in range(200):
         curvature, ascent = bend.T @ bend, -bend.T @ bend @ log_c
         for _, power, number, weight, hats in terms:
-            part = weight * np.exp(hats @ log_c)
-            mean = part.sum(axis=1)  # E
-            slope = np.einsum("bt,btn->bn", part, hats) / mean[:, None]
+            contributions = weight * np.exp(hats @ log_c)
+            mean = contributions.sum(axis=1)  # E
+            slope = np.einsum("bt,btn->bn", contributions, hats) / mean[:, None]
             curvature = curvature + slope.T * number @ slope
             ascent = ascent + slope.T @ (number * np.clip(power / mean - 1, -1, 3))
         change = np.linalg.solve(curvature, ascent)
@@ -509,10 +509,10 @@ def _overlap(alone: Sequence[_Fit]) -> str:
 
 
 def _heights(fit: _Fit, measured: float) -> str:
-    held = _moment(fit, 1) ** 0.5
-    share = max(0.0, 1 - (held / measured) ** 2)
+    in_spectrum = _moment(fit, 1) ** 0.5
+    share = max(0.0, 1 - (in_spectrum / measured) ** 2)
     return (
-        f"rms height {measured:.4g} m in the data, {held:.4g} m in the spectrum: "
+        f"rms height {measured:.4g} m in the data, {in_spectrum:.4g} m in the spectrum: "
         f"{share:.0%} of <h^2> is in waves longer than {2 * np.pi / fit.q[0]:.4g} m, "
         "which the spectrum leaves out"
     )
@@ -532,35 +532,35 @@ def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
         )
         ** 0.5
     )
-    part = sum(
+    slope_square = sum(
         (2 * np.sin(k * d / 2) / d) ** 2
         for k, d in zip(waves.k, scan.steps, strict=True)
     )
-    part = part * np.prod(waves.lowest)
+    slope_square = slope_square * np.prod(waves.lowest)
     q, mean = fit.expected
     inside = (waves.q >= q[0]) & (waves.q <= q[-1])
     power = np.where(
         inside, np.exp(np.interp(np.log(waves.q), np.log(q), np.log(mean))), waves.power
     )
-    square = float((waves.copies * part * power).sum())
+    square = float((waves.copies * slope_square * power).sum())
     scatter = (
         float(
-            (2 * waves.copies * (part * power) ** 2).sum()
+            (2 * waves.copies * (slope_square * power) ** 2).sum()
             / _INDEPENDENT**waves.dimensions
         )
         ** 0.5
         / square
     )
-    text = (
+    sentence = (
         f"rms slope {measured:.4g} by differences of neighbours, {square**0.5:.4g} "
         "expected from the spectrum"
     )
     if abs(2 * np.log(measured) - np.log(square)) > 3 * scatter + 0.2:
-        text += (
+        sentence += (
             ": they disagree by more than chance allows, the data may hold steps, "
             "spikes or regions of their own"
         )
-    return text
+    return sentence
 
 
 def _directions(waves: _Waves, highest: float) -> list[str]:
@@ -594,14 +594,14 @@ def _directions(waves: _Waves, highest: float) -> list[str]:
     if factor < 1.5 or np.abs(mean[worst]) < 4 * error[worst]:
         return []
     along = 15 * (worst + (0 if mean[worst] > 0 else 6))
-    text = (
+    sentence = (
         f"the surface is not isotropic: C along {along} degrees from x is "
         f"{factor:.2g} times that across; "
         "its mean over directions is used"
     )
     if factor > _UNEQUAL:
-        warnings.warn(text, UserWarning, stacklevel=4)
-    return [text]
+        warnings.warn(sentence, UserWarning, stacklevel=4)
+    return [sentence]
 
 
 def _coarse(height: np.ndarray) -> list[str]:
@@ -758,10 +758,10 @@ def _averaged(
 def _say_outliers(q: np.ndarray, c: np.ndarray, report: list[str]) -> None:
     """Reports points that lie far from what their neighbours let expect."""
     between = _neighbours(q, c)
-    off = np.abs(np.log(c[1:-1]) - between)
-    outliers = off > np.log(_APART)
+    distance = np.abs(np.log(c[1:-1]) - between)
+    outliers = distance > np.log(_APART)
     if outliers.any():
-        worst = int(off.argmax()) + 1
+        worst = int(distance.argmax()) + 1
         report.append(
             f"C = {c[worst]:.3g} at q = {q[worst]:.4g} rad/m is "
             f"{c[worst] / np.exp(between[worst - 1]):.2g} times what its neighbours "
