@@ -307,6 +307,17 @@ def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
     return shape
 
 
+def broadcast(**arrays: Any) -> dict[str, Any]:
+    """Arguments in the shape to which they broadcast; None stays None. Raises
+    `InputError` as `broadcast_shape` does.
+    """
+    shape = broadcast_shape(**arrays)
+    return {
+        name: None if array is None else xp.broadcast_to(array, shape)
+        for name, array in arrays.items()
+    }
+
+
 def only_one(**arguments: Any) -> str:
     """The name of the only argument that is not None. Raises `InputError` where none
     is, or several are.

@@ -27,7 +27,7 @@ from ..checks import (
     argmax,
     as_float64,
     ascending,
-    broadcast_shape,
+    broadcast,
     is_traced,
     nan_unless,
     not_negative,
@@ -228,10 +228,7 @@ def heat_build_up(
         )
     given = _checked(velocity, load, ambient, conductance, capacity, time)
     highest = _highest_temperature(foundation, hottest, given["ambient"])
-    points = {
-        name: xp.broadcast_to(value, broadcast_shape(**given))
-        for name, value in given.items()
-    }
+    points = broadcast(**given)
     heat = points.pop("capacity", None)
     body = _Body(foundation, shape, **points, model=model, rtol=rtol)
     # With a history it is said there what is not known of the material.
