@@ -392,11 +392,11 @@ def in_steps(
         import jax
 
         return jax.lax.scan(step, carry, over)
-    left = []
+    outputs = []
     for entry in _entries(over):
         carry, kept = step(carry, entry)
-        left.append(kept)
-    return carry, mapped(lambda *x: np.stack(x), *left)
+        outputs.append(kept)
+    return carry, mapped(lambda *x: np.stack(x), *outputs)
 
 
 def cond(

@@ -110,6 +110,20 @@ def _traced_nan_unless() -> Any:
     return nan_unless
 
 
+def certain(test: Callable[..., Any], *values: Any) -> bool:
+    """Whether values pass a test at every entry; never those that JAX traces, which
+    are not looked at.
+    """
+    return not is_traced(*values) and bool(np.all(test(*values)))
+
+
+def possible(test: Callable[..., Any], *values: Any) -> bool:
+    """Whether values may pass a test at some entry; always those that JAX traces, which
+    are not looked at.
+    """
+    return is_traced(*values) or bool(np.any(test(*values)))
+
+
 def known(tree: Any) -> Any:
     """Its arrays as NumPy's, whose arithmetic compiles nothing, unless one of them is
     traced.
@@ -293,6 +307,17 @@ def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
     return shape
 
 
+def broadcast(**arrays: Any) -> dict[str, Any]:
+    """Arguments in the shape to which they broadcast; None stays None. Raises
+    `InputError` as `broadcast_shape` does.
+    """
+    shape = broadcast_shape(**arrays)
+    return {
+        name: None if array is None else xp.broadcast_to(array, shape)
+        for name, array in arrays.items()
+    }
+
+
 def only_one(**arguments: Any) -> str:
     """The name of the only argument that is not None. Raises `InputError` where none
     is, or several are.
@@ -331,6 +356,26 @@ def plain(name: str, value: Any) -> float:
             "jit and vmap."
         )
     return float(scalar(name, value))
+
+
+def one_of(name: str, value: Any, *accepted: str) -> None:
+    """Raises `InputError` unless a value is one of some texts."""
+    if value not in accepted:
+        *first, last = map(repr, accepted)
+        raise InputError(f"{name} must be {', '.join(first)} or {last}, got {value!r}.")
+
+
+def are_texts(**values: Any) -> None:
+    """Raises `InputError` for what is no text."""
+    for name, value in values.items():
+        if not isinstance(value, str):
+            raise InputError(f"{name} must be a text, got {value!r}.")
+
+
+def untraced(name: str, value: Any, why: str) -> None:
+    """Raises `InputError` for values that JAX traces, and says why they cannot be."""
+    if is_traced(value):
+        raise InputError(f"{name} must be plain numbers: {why}.")
 
 
 def written(module: Any) -> str:

@@ -573,7 +573,14 @@ class HalfSpace(SurfaceModel):
 
 
 KINDS: dict[str, type[Model]] = {
-    kind.label: kind for kind in (Averaged, Line, Multiscale, Persson, HalfSpace)
+    kind.label: kind
+    for kind in (
+        Averaged,
+        Line,
+        Multiscale,
+        Persson,
+        HalfSpace,
+    )
 }
 
 
@@ -594,8 +601,8 @@ def as_model(model: Any) -> Model | None:
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> None:
     """Raises `InputError` unless `value` is a whole number from `least` to `most`."""
-    whole = hasattr(value, "__index__") and not isinstance(value, bool)
-    if not whole or value < least or (most is not None and value > most):
+    is_whole = hasattr(value, "__index__") and not isinstance(value, bool)
+    if not is_whole or value < least or (most is not None and value > most):
         accepted = f"{least} or more" if most is None else f"{least} to {most}"
         raise InputError(f"{name} must be a whole number, {accepted}, got {value!r}.")
 

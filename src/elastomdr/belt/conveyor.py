@@ -21,7 +21,7 @@ from ..arrays import xp
 from ..checks import (
     Array,
     as_float64,
-    broadcast_shape,
+    broadcast,
     is_traced,
     nan_unless,
     not_negative,
@@ -239,8 +239,7 @@ def conveyor(
                 f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
             )
     given = _checked(velocity, belt, goods, temperature, gravity)
-    shape = broadcast_shape(**given)
-    points = {name: xp.broadcast_to(value, shape) for name, value in given.items()}
+    points = broadcast(**given)
     speed, kelvin = points["velocity"], points.get("temperature")
     carried = (points["belt"] + points["goods"]) * points["gravity"]
     returned = points["belt"] * points["gravity"]

@@ -27,7 +27,7 @@ from ..checks import (
     argmax,
     as_float64,
     ascending,
-    broadcast_shape,
+    broadcast,
     is_traced,
     nan_unless,
     not_negative,
@@ -39,6 +39,7 @@ from ..checks import (
 from ..element.law import as_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError, warn
+from ..numerics.interpolation import halving_limit
 from ..results.axes import place_in_words
 from ..results.base import Result, quantity, record
 from ..results.words import brief, in_words
@@ -227,10 +228,7 @@ def heat_build_up(
         )
     given = _checked(velocity, load, ambient, conductance, capacity, time)
     highest = _highest_temperature(foundation, hottest, given["ambient"])
-    points = {
-        name: xp.broadcast_to(value, broadcast_shape(**given))
-        for name, value in given.items()
-    }
+    points = broadcast(**given)
     heat = points.pop("capacity", None)
     body = _Body(foundation, shape, **points, model=model, rtol=rtol)
     # With a history it is said there what is not known of the material.
@@ -477,7 +475,7 @@ def _history(
     fine = _follow(kelvin, net, heat, time)
     coarse = _follow(kelvin[::2], net[::2], heat, time)
     known = xp.isfinite(steady)[..., None]
-    fine = fine + (fine - coarse) / 3
+    fine = halving_limit(coarse, fine)
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
     way = body.roll(xp.moveaxis(fine, -1, 0), ConvergenceWarning)
     power = xp.asarray(xp.moveaxis(way.power, 0, -1))

@@ -40,13 +40,13 @@ def told(points: np.ndarray, what: str, illustrative: bool, stacklevel: int) -> 
     """
     if not points.any():
         return Beyond(points, ())
-    said = (
+    sentence = (
         f"{int(points.sum())} of {points.size} points lie beyond the range of the "
         f"material: {what}"
     )
     if not illustrative:
-        warnings.warn(f"{said}.", ExtrapolationWarning, stacklevel=stacklevel + 1)
-    return Beyond(points, (("extrapolated", said),))
+        warnings.warn(f"{sentence}.", ExtrapolationWarning, stacklevel=stacklevel + 1)
+    return Beyond(points, (("extrapolated", sentence),))
 
 
 def steady_beyond(

@@ -10,7 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..checks import as_float64, broadcast_shape, is_traced, only_one, positive
+from ..checks import (
+    as_float64,
+    broadcast_shape,
+    is_traced,
+    only_one,
+    positive,
+    possible,
+)
 from ..errors import InputError, ModelWarning
 from ..material.shift import thermal_factors
 from ..results.words import brief
@@ -121,7 +128,7 @@ def check_carries(foundation: Any) -> None:
             "material must be a half-space under a rough surface, got a layer."
         )
     at_rest = foundation.complex_modulus(np.zeros(()))
-    if not is_traced(at_rest) and not float(np.real(at_rest)) > 0:
+    if not possible(lambda modulus: modulus.real > 0, at_rest):
         raise InputError(
             "material must have an equilibrium modulus under a rough surface, got 0: "
             "a liquid carries no steady load on a surface without end, since every "

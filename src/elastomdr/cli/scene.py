@@ -8,10 +8,11 @@ import dataclasses
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 import elastomdr as em
 
+from ..call.types import ModelName
 from ..errors import InputError
 from .bodies import AnyShape, equivalent_length
 from .schema import (
@@ -41,9 +42,6 @@ _AXES = (
     "ambient",
     "temperature",
 )
-
-
-ModelName = Literal["averaged", "line", "multiscale", "persson", "half-space"]
 
 
 class Layer(Table):

@@ -231,11 +231,11 @@ def pressed(
     """Signorini's conditions at the end of a step in which the surface would push the
     elements by `pushed`.
     """
-    held = c.equilibrium * u + seen  # force if u stays where it is
-    recovery = -held / c.stiffness
+    standing_force = c.equilibrium * u + seen  # force if u stays where it is
+    recovery = -standing_force / c.stiffness
     contact = pushed > recovery
     change = keep(xp.where, contact, pushed, recovery)
-    q = xp.where(contact, xp.maximum(held + c.stiffness * pushed, 0.0), 0.0)
+    q = xp.where(contact, xp.maximum(standing_force + c.stiffness * pushed, 0.0), 0.0)
     return Pressed(pushed, recovery, contact, change, q)
 
 

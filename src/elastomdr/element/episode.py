@@ -36,7 +36,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..arrays import fixed, while_loop, xp
-from ..checks import Array, is_traced, numpy_unless_traced
+from ..checks import Array, numpy_unless_traced, possible
 from ..material.relaxation import Relaxation, kelvin_and_gaps
 from ..numerics.decay import phi1, phi2
 
@@ -91,9 +91,11 @@ def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Arr
     strength = xp.where(
         law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0
     )
-    held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
-    left = (0.5 * modes.norm * modes.rate) @ state.m**2
-    return xp.where(state.contact, held, 0.0), xp.where(state.contact, 0.0, left)
+    in_contact = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
+    in_modes = (0.5 * modes.norm * modes.rate) @ state.m**2
+    return xp.where(state.contact, in_contact, 0.0), xp.where(
+        state.contact, 0.0, in_modes
+    )
 
 
 def follow(
@@ -108,50 +110,24 @@ def follow(
     differentiable in both modes.
     """
     # Free, until it meets the surface.
-    fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h = fixed((modes, state, w, v, h))
-    met, wait = _meeting(fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h)
-    gap, closing = _gap(modes, state, w, v, wait)
-    closing = fixed(xp.where(closing < 0, closing, -xp.inf))
-    wait = xp.where(
-        met & ~state.contact, wait - gap / closing, xp.where(state.contact, 0.0, h)
-    )
-    touched = state.contact | met
+    wait, touched = _until_met(modes, state, w, v, h)
     decayed = xp.exp(-modes.rate[:, None] * wait) * state.m
     u = xp.where(touched, w + v * wait, xp.sum(decayed, axis=0))
     f = xp.where(state.contact, state.f, to_branches(law, modes, decayed))
 
     # In contact, until it would be pulled.
     rest = xp.where(touched, h - wait, 0.0)
-    fixed_law, fixed_u, fixed_f, fixed_rest = fixed((law, u, f, rest))
-    lost, stay = _parting(fixed_law, fixed_u, fixed_f, fixed_v, fixed_rest, touched)
-    pull, falling = _pull(law, u, f, v, stay)
-    falling = fixed(xp.where(falling < 0, falling, -xp.inf))
-    stay = xp.where(
-        lost & (stay > 0),
-        xp.clip(stay - pull / falling, 0.0, rest),
-        xp.where(lost, 0.0, rest),
-    )
-    y = stay / law.times[:, None]
-    first, second = phi1(y), phi2(y)
-    decay = 1 - y * first
-    f_end = decay * f + law.moduli[:, None] * v * stay * first
-    u_end = xp.where(touched, u + v * stay, u)
-    spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
-    spent = spent + v * stay * xp.sum(
-        first * f + law.moduli[:, None] * v * stay * second, axis=0
-    )
-    warmed = law.viscosity * v**2 * stay + xp.sum(
-        _branch_loss(law, f, v * stay, y, first, second), axis=0
-    )
+    stay, lost = _until_pulled(law, u, f, v, rest, touched)
+    u_end, f_end, spent, warmed = _in_contact(law, u, f, v, stay)
+    u_end = xp.where(touched, u_end, u)
 
     # Free again.
     let_go = to_modes(law, modes, u_end, f_end)
     m = xp.where(touched, let_go, decayed)
     m = xp.where(lost, xp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
     recovered = xp.where(state.contact, 0.0, _recovery_loss(modes, state.m, wait))
-    recovered = recovered + xp.where(
-        lost, _recovery_loss(modes, let_go, rest - stay), 0.0
-    )
+    again = xp.where(lost, _recovery_loss(modes, let_go, rest - stay), 0.0)
+    recovered = recovered + again
     contact = touched & ~lost
     return Touching(
         contact=contact,
@@ -161,6 +137,47 @@ def follow(
         work=state.work + xp.where(touched, spent, 0.0),
         heat=state.heat + xp.where(touched, warmed, 0.0) + recovered,
     )
+
+
+def _until_met(
+    modes: Modes, state: Touching, w: Array, v: Any, h: Any
+) -> tuple[Array, Array]:
+    """The time for which an element is free, and whether it is touched then."""
+    # The search is on numbers; a Newton step from its end carries the derivatives.
+    met, wait = _meeting(*fixed((modes, state, w, v, h)))
+    gap, closing = _gap(modes, state, w, v, wait)
+    closing = fixed(xp.where(closing < 0, closing, -xp.inf))
+    free = xp.where(state.contact, 0.0, h)
+    wait = xp.where(met & ~state.contact, wait - gap / closing, free)
+    return wait, state.contact | met
+
+
+def _until_pulled(
+    law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
+) -> tuple[Array, Array]:
+    """The time for which an element stays in contact, and whether it is let go then."""
+    lost, stay = _parting(*fixed((law, u, f, v, rest)), touched)
+    pull, falling = _pull(law, u, f, v, stay)
+    falling = fixed(xp.where(falling < 0, falling, -xp.inf))
+    polished = xp.clip(stay - pull / falling, 0.0, rest)
+    return xp.where(lost & (stay > 0), polished, xp.where(lost, 0.0, rest)), lost
+
+
+def _in_contact(
+    law: Relaxation, u: Array, f: Array, v: Any, stay: Array
+) -> tuple[Array, Array, Array, Array]:
+    """u and f of an element that has followed the surface for a time, the work done on
+    it, and what of it became heat.
+    """
+    y = stay / law.times[:, None]
+    first, second = phi1(y), phi2(y)
+    moved = law.moduli[:, None] * v * stay
+    f_end = (1 - y * first) * f + moved * first
+    u_end = u + v * stay
+    spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
+    spent = spent + v * stay * xp.sum(first * f + moved * second, axis=0)
+    losses = _branch_loss(law, f, v * stay, y, first, second)
+    return u_end, f_end, spent, law.viscosity * v**2 * stay + xp.sum(losses, axis=0)
 
 
 def _branch_loss(
@@ -297,7 +314,7 @@ def recovery_modes(law: Relaxation) -> Modes:
     rate = xp.where(there, 1 / xp.where(there, chain.times, 1.0), 0.0)
     gain = xp.where(there, chain.compliances * rate, 0.0)
     gap = rate[:, None] * gaps + xp.where(there, 0.0, 1.0)[:, None]
-    if is_traced(law) or chain.fluidity > 0:
+    if possible(lambda fluidity: fluidity > 0, chain.fluidity):
         rate, gain = xp.append(rate, 0.0), xp.append(gain, chain.fluidity)
         gap = xp.concatenate([gap, xp.ones((1, gap.shape[1]))])
     shape = 1 / xp.where(xp.abs(gap) < _NEAREST, _NEAREST, gap)

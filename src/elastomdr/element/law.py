@@ -16,6 +16,7 @@ import numpy as np
 from ..checks import (
     Array,
     as_float64,
+    certain,
     in_si,
     is_traced,
     numpy_unless_traced,
@@ -36,7 +37,7 @@ from ..material.relaxation import (
 from ..material.shift import (
     AbstractShift,
     AbstractVertical,
-    check_vertical,
+    check_laws,
     same_thermal,
 )
 from ..material.softening import Softening, as_softening, same_softening
@@ -104,7 +105,7 @@ class Foundation(AbstractRelaxation):
         range: RangeLike | None = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
-        check_vertical(vertical)
+        check_laws(shift, vertical)
         fill(
             self,
             **vars(law),
@@ -281,13 +282,14 @@ def springs(
             "bonded must be True with tangential: a layer that slips on its base "
             "is not sheared."
         )
-    own = _material("material", material)
+    rubber = _material("material", material)
     law = scaled(
-        own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness
+        rubber.shear().law() if tangential else layer_operator(rubber, bonded),
+        1 / thickness,
     )
-    slab = None if tangential else Slab(own, thickness, bool(bonded))
-    found = _foundation(law, material, True, material.name, material.range)
-    return replaced(found, thickness=thickness, slab=slab)
+    slab = None if tangential else Slab(rubber, thickness, bool(bonded))
+    foundation = _foundation(law, material, True, material.name, material.range)
+    return replaced(foundation, thickness=thickness, slab=slab)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
@@ -431,7 +433,7 @@ def layer_operator(material: Prony, bonded: bool) -> Relaxation:
     if material.poisson is None:
         law = scaled(shear, 4 / 3)
         return Relaxation(law.equilibrium + bulk, law.moduli, law.times, law.viscosity)
-    if not is_traced(material.poisson) and material.poisson >= 0.5:
+    if certain(lambda nu: nu >= 0.5, material.poisson):
         raise InputError(
             "poisson must be below 0.5 for bonded springs, got "
             f"{float(material.poisson):g}: a bonded incompressible "

@@ -101,10 +101,10 @@ def _moments(count: int, z: Any) -> Float[np.ndarray, "count ..."]:
     """mu_j(z) of j < `count`, as in `_sum`; on NumPy."""
     flat = z.reshape(-1)
     big = flat > 2 * _ranges(count)[0]
-    some = np.count_nonzero(big)
-    if some == 0:
+    big_count = np.count_nonzero(big)
+    if big_count == 0:
         mu = _backward(count, flat)
-    elif some == flat.size:
+    elif big_count == flat.size:
         mu = _forward(count, flat)
     else:
         mu, near, far = (

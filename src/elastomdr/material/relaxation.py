@@ -21,17 +21,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import compiled, fixed, fori_loop, on_numpy, xp
+from ..arrays import compiled, fixed, on_numpy, xp
 from ..checks import (
     Array,
     alike,
     as_float64,
+    certain,
     is_traced,
     not_negative,
     numpy_unless_traced,
     positive,
+    possible,
+    require,
+    scalar,
 )
 from ..errors import InputError
+from ..numerics.root import bisect
 from ..trees import Tree
 
 if TYPE_CHECKING:
@@ -176,15 +181,21 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     not_negative("moduli", moduli)
     positive("times", times)
     moduli, times = in_order(moduli, times)
-    if (
-        not is_traced(equilibrium, moduli, viscosity)
-        and equilibrium + viscosity + moduli.sum() <= 0
-    ):
+    total = (equilibrium, viscosity, moduli)
+    if certain(lambda e, eta, m: e + eta + m.sum() <= 0, *total):
         raise InputError(
             "equilibrium, moduli and viscosity are all zero: such a material "
             "carries no load."
         )
     return Relaxation(equilibrium, moduli, times, viscosity)
+
+
+def poisson_ratio(poisson: Any) -> Array:
+    """A constant Poisson's ratio as a scalar. Raises `InputError`."""
+    poisson = scalar("poisson", poisson)
+    accepted = "above -1 and at most 0.5"
+    require("poisson", poisson, accepted, lambda nu: (nu > -1) & (nu <= 0.5))
+    return poisson
 
 
 @numpy_unless_traced
@@ -245,7 +256,7 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     """The Kelvin chain, and lambda_j - tau_k to full relative accuracy, however close
     the times lie together.
     """
-    with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
+    with_dashpot = possible(lambda eta: eta > 0, law.viscosity)
     times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
     weights = moduli * times
     if with_dashpot:
@@ -408,28 +419,34 @@ def secular_roots(
     side = xp.where(right_half, -1.0, 1.0)
     reach = xp.where(right_half, 0.5, 1.0) * width
 
-    def halve(_, bounds):
-        low, high = bounds
-        middle = 0.5 * (low + high)
-        value = excess(
-            origin, side * xp.exp(middle), fixed_poles, fixed_weights, fixed_constants
-        )
-        too_near = side * value > 0  # the root lies farther from the origin
-        return xp.where(too_near, middle, low), xp.where(too_near, high, middle)
+    def farther(log_distance: Array) -> Array:
+        """Whether the root lies farther from the origin."""
+        distance = side * xp.exp(log_distance)
+        value = excess(origin, distance, fixed_poles, fixed_weights, fixed_constants)
+        return side * value > 0
 
-    start = (xp.full(n, math.log(_SMALLEST)), xp.log(xp.maximum(reach, _SMALLEST)))
-    low, high = fori_loop(0, _BISECTIONS, halve, start)
+    least, most = xp.full(n, math.log(_SMALLEST)), xp.log(xp.maximum(reach, _SMALLEST))
+    low, high = bisect(farther, least, most, _BISECTIONS)
     distance = side * xp.exp(0.5 * (low + high))
 
-    # Newton on the distance, with the poles' own tangents in the residual.
     origin = poles[xp.minimum(index + right_half, n - 1)]
+    roots, slope, gap = _polished(poles, weights, constants, origin, distance)
+    return xp.where(finite, roots, xp.inf), slope, gap
+
+
+def _polished(
+    poles: Array, weights: Array, constants: Array, origin: Array, distance: Array
+) -> tuple[Array, Array, Array]:
+    """Roots after a Newton step on their distances from the origins, which carries the
+    derivatives; the slope at them; their distances from all poles.
+    """
     gap = (origin[:, None] - poles[None, :]) + distance[:, None]
     residual = xp.sum(weights / _away_from_zero(gap), axis=1) - constants
     step = residual / xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
     step = step - fixed(xp.where(xp.abs(step) < 0.1 * xp.abs(distance), 0.0, step))
     gap = gap + step[:, None]
     slope = xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
-    return xp.where(finite, origin + distance + step, xp.inf), slope, gap
+    return origin + distance + step, slope, gap
 
 
 def _away_from_zero(gap: Array) -> Array:

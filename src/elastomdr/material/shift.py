@@ -21,11 +21,14 @@ from ..checks import (
     not_negative,
     numpy_unless_traced,
     positive,
+    possible,
     require,
     scalar,
+    untraced,
     written,
 )
 from ..errors import InputError
+from ..numerics.interpolation import hermite, monotone_slopes
 from ..trees import Tree, fill, same
 
 if TYPE_CHECKING:
@@ -145,13 +148,10 @@ class VFT(AbstractShift):
         positive("b", self.b)
         in_kelvin("reference", self.reference)
         not_negative("t0", self.t0)
-        if not is_traced(self.reference):
-            reference = float(self.reference)
-            require(
-                "t0",
-                self.t0,
-                f"below the reference temperature, {reference:g} K",
-                lambda t: t < reference,
+        if not possible(lambda t0, reference: t0 < reference, self.t0, self.reference):
+            raise InputError(
+                "t0 must be below the reference temperature, "
+                f"{float(self.reference):g} K, got {float(self.t0):g}."
             )
 
     def _log10_a(self, temperature: Array) -> Array:
@@ -218,11 +218,11 @@ class ShiftTable(AbstractShift):
             raise InputError(
                 f"log10_a must fall as the temperature rises, got {log10_a.tolist()}."
             )
-        from scipy.interpolate import PchipInterpolator
+        from scipy.interpolate import CubicHermiteSpline
 
-        curve = PchipInterpolator(temperature, log10_a)
+        slopes = monotone_slopes(temperature, log10_a)
+        curve = CubicHermiteSpline(temperature, log10_a, slopes)
         crossings = np.asarray(curve.solve(0.0, extrapolate=False))
-        slopes = np.asarray(curve.derivative()(temperature))
         reference = np.asarray(crossings[0] if crossings.size else np.nan)
         fill(
             self,
@@ -233,32 +233,10 @@ class ShiftTable(AbstractShift):
         )
 
     def _log10_a(self, temperature: Array) -> Array:
-        return hermite(self.temperature, self.log10_a_table, self.slopes, temperature)
+        return _of_table(self.temperature, self.log10_a_table, self.slopes, temperature)
 
     def _check(self, temperature: Any) -> None:
-        if is_traced(self):
-            return
-        low, high = float(self.temperature[0]), float(self.temperature[-1])
-        accepted = f"within the shift table, {low:g} K to {high:g} K"
-        require(
-            "temperature", temperature, accepted, lambda t: (t >= low) & (t <= high)
-        )
-
-
-def hermite(table: Any, values: Any, slopes: Any, at: Array) -> Array:
-    """Cubics through the values of a table with its slopes; NaN outside."""
-    table, values, slopes = map(xp.asarray, (table, values, slopes))
-    left = xp.clip(xp.searchsorted(table, at, side="right") - 1, 0, table.shape[0] - 2)
-    width = table[left + 1] - table[left]
-    s = (at - table[left]) / width
-    outside = (at < table[0]) | (at > table[-1])
-    value = (
-        (1 + 2 * s) * (1 - s) ** 2 * values[left]
-        + s * (1 - s) ** 2 * width * slopes[left]
-        + s**2 * (3 - 2 * s) * values[left + 1]
-        + s**2 * (s - 1) * width * slopes[left + 1]
-    )
-    return xp.where(outside, xp.nan, value)
+        _within_table("shift table", self.temperature, temperature)
 
 
 def _above_pole(law: str, temperature: Any, pole: Any) -> None:
@@ -335,11 +313,9 @@ class VerticalTable(AbstractVertical):
             as_float64("factor", factor),
         )
         alike(2, temperature=temperature, factor=factor)
-        if is_traced(temperature):
-            raise InputError(
-                "temperature must be plain numbers: a table is differentiated in "
-                "its factors only."
-            )
+        untraced(
+            "temperature", temperature, "a table is differentiated in its factors only"
+        )
         in_kelvin("temperature", temperature)
         positive("factor", factor)
         ascending("temperature", temperature)
@@ -347,54 +323,39 @@ class VerticalTable(AbstractVertical):
             self,
             temperature=temperature,
             factor=factor,
-            slopes=_slopes(np.asarray(temperature), factor),
+            slopes=monotone_slopes(temperature, factor),
         )
 
     def _b(self, temperature: Array) -> Array:
-        return hermite(self.temperature, self.factor, self.slopes, temperature)
+        return _of_table(self.temperature, self.factor, self.slopes, temperature)
 
     def _check(self, temperature: Any) -> None:
-        if is_traced(self.temperature):
-            return
-        low, high = float(self.temperature[0]), float(self.temperature[-1])
-        accepted = f"within the table of vertical shifts, {low:g} K to {high:g} K"
-        require(
-            "temperature", temperature, accepted, lambda t: (t >= low) & (t <= high)
-        )
+        _within_table("table of vertical shifts", self.temperature, temperature)
 
 
-@numpy_unless_traced
-def _slopes(x: Any, y: Any) -> Array:
-    """Slopes of the monotone cubics through points (Fritsch & Butland 1984), as PCHIP
-    has them.
+def _of_table(nodes: Any, values: Any, slopes: Any, temperature: Array) -> Array:
+    """Monotone cubics through a table; NaN outside."""
+    inside = (temperature >= nodes[0]) & (temperature <= nodes[-1])
+    return xp.where(inside, hermite(nodes, values, slopes, temperature), xp.nan)
+
+
+def _within_table(table: str, nodes: Any, temperature: Any) -> None:
+    """Raises `InputError` for temperatures that a table does not hold."""
+    if is_traced(nodes):
+        return
+    low, high = float(nodes[0]), float(nodes[-1])
+    accepted = f"within the {table}, {low:g} K to {high:g} K"
+    require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
+
+
+def check_laws(shift: Any, vertical: Any) -> None:
+    """Raises `InputError` unless they are a shift law and a law of vertical shifts;
+    either may be None.
     """
-    x, y = xp.asarray(x), xp.asarray(y)
-    h = xp.diff(x)
-    secant = xp.diff(y) / h
-    if x.shape[0] == 2:
-        return xp.concatenate([secant, secant])
-    before, after, w1, w2 = (
-        secant[:-1],
-        secant[1:],
-        2 * h[1:] + h[:-1],
-        h[1:] + 2 * h[:-1],
-    )
-    same_way = before * after > 0
-    left, right = xp.where(same_way, before, 1.0), xp.where(same_way, after, 1.0)
-    inner = xp.where(same_way, (w1 + w2) / (w1 / left + w2 / right), 0.0)
-
-    def end(h0: Any, h1: Any, d0: Any, d1: Any) -> Any:
-        slope = ((2 * h0 + h1) * d0 - h0 * d1) / (h0 + h1)
-        slope = xp.where(slope * d0 > 0, slope, 0.0)
-        return xp.where((d0 * d1 < 0) & (abs(slope) > 3 * abs(d0)), 3 * d0, slope)
-
-    first = end(h[0], h[1], secant[0], secant[1])
-    last = end(h[-1], h[-2], secant[-1], secant[-2])
-    return xp.concatenate([first[None], inner, last[None]])
-
-
-def check_vertical(vertical: Any) -> None:
-    """Raises `InputError` unless it is a law of vertical shifts, or None."""
+    if shift is not None and not isinstance(shift, AbstractShift):
+        raise InputError(
+            f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
+        )
     if vertical is not None and not isinstance(vertical, AbstractVertical):
         raise InputError(
             "vertical must be an EntropicVertical or a VerticalTable, got "

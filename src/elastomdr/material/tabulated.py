@@ -30,19 +30,21 @@ from ..arrays import xp
 from ..checks import (
     Array,
     alike,
+    are_texts,
     as_float64,
     ascending,
     is_traced,
     not_negative,
     numpy_unless_traced,
+    one_of,
     positive,
-    require,
     scalar,
 )
 from ..errors import InputError
+from ..numerics.interpolation import hermite
 from ..trees import Tree, fill, replaced, static
-from .relaxation import KelvinChain
-from .shift import AbstractShift, AbstractVertical, check_vertical, thermal_factors
+from .relaxation import KelvinChain, poisson_ratio
+from .shift import AbstractShift, AbstractVertical, check_laws, thermal_factors
 from .softening import Softening, as_softening
 from .validity import Range, RangeLike, as_range
 
@@ -122,12 +124,12 @@ class AbstractTable(Tree):
     def _moduli(self, omega: Any) -> tuple[Array, Array]:
         omega = as_float64("omega", omega)
         not_negative("omega", omega)
-        at = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
+        log_omega = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
         nodes, storage, loss = map(
             xp.log, (self.omega, self.storage_table, self.loss_table)
         )
-        stored = xp.exp(_cubic(nodes, storage, _STORAGE, at))
-        lost = xp.where(omega > 0, xp.exp(_cubic(nodes, loss, _LOSS, at)), 0.0)
+        stored = xp.exp(_cubic(nodes, storage, _STORAGE, log_omega))
+        lost = xp.where(omega > 0, xp.exp(_cubic(nodes, loss, _LOSS, log_omega)), 0.0)
         return stored, lost
 
     @numpy_unless_traced
@@ -169,8 +171,10 @@ class AbstractTable(Tree):
         inside = (omega[2:] >= low) & (omega[:-2] <= high)
 
         def largest(values: Array, slopes: tuple[float, float]) -> Array:
-            off = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))
-            known = xp.max(xp.where(inside, off, -xp.inf), axis=-1, initial=-xp.inf)
+            distance = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))
+            known = xp.max(
+                xp.where(inside, distance, -xp.inf), axis=-1, initial=-xp.inf
+            )
             error = xp.where(known >= 0, xp.minimum(known, bound), bound)
             return xp.where(bound >= 0, xp.expm1(error), xp.nan)
 
@@ -255,23 +259,10 @@ class TabulatedModulus(AbstractTable):
         for key, value in (("omega", omega), ("storage", storage), ("loss", loss)):
             positive(key, value)
         ascending("omega", omega)
-        if kind not in ("shear", "tensile"):
-            raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
-        for argument, text in (("name", name), ("citation", citation)):
-            if not isinstance(text, str):
-                raise InputError(f"{argument} must be a text, got {text!r}.")
-        if shift is not None and not isinstance(shift, AbstractShift):
-            raise InputError(
-                f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
-            )
-        check_vertical(vertical)
-        poisson = scalar("poisson", poisson)
-        require(
-            "poisson",
-            poisson,
-            "above -1 and at most 0.5",
-            lambda nu: (nu > -1) & (nu <= 0.5),
-        )
+        one_of("kind", kind, "shear", "tensile")
+        are_texts(name=name, citation=citation)
+        check_laws(shift, vertical)
+        poisson = poisson_ratio(poisson)
         known = as_range(range)
         if (known is None or known.omega is None) and not is_traced(omega):
             known = (known or Range(None, None))._replace(
@@ -406,15 +397,7 @@ def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
             secant[side] - _BENDS * width[side],
             secant[side] + _BENDS * width[side],
         )
-    left = xp.clip(xp.searchsorted(x, at, side="right") - 1, 0, x.shape[0] - 2)
-    h = width[left]
-    s = (at - x[left]) / h
-    return (
-        (1 + 2 * s) * (1 - s) ** 2 * y[left]
-        + s * (1 - s) ** 2 * h * slope[left]
-        + s**2 * (3 - 2 * s) * y[left + 1]
-        + s**2 * (s - 1) * h * slope[left + 1]
-    )
+    return hermite(x, y, slope, at)
 
 
 def _kept(count: int, first: int) -> np.ndarray:
@@ -429,12 +412,12 @@ def _left_out(x: Array, y: Array, slopes: tuple[float, float]) -> Array:
     without it.
     """
     count = x.shape[0]
-    parts, places = [], []
+    distances, places = [], []
     for first in (1, 2):
         out, kept = np.arange(first, count - 1, 2), _kept(count, first)
-        parts.append(_cubic(x[kept], y[kept], slopes, x[out]) - y[out])
+        distances.append(_cubic(x[kept], y[kept], slopes, x[out]) - y[out])
         places.append(out)
-    return xp.concatenate(parts)[np.argsort(np.concatenate(places))]
+    return xp.concatenate(distances)[np.argsort(np.concatenate(places))]
 
 
 def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
@@ -464,13 +447,13 @@ def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
     size = -compliance.imag
     rows = terms / size[:, None]
     wanted = compliance / size
-    found, _ = nnls(
+    compliances, _ = nnls(
         np.concatenate([rows.real, rows.imag]),
         np.concatenate([wanted.real, wanted.imag]),
         maxiter=50 * count,
     )
-    off = float(np.sqrt(np.mean(np.abs(rows @ found - wanted) ** 2)))
-    kept = found[1:] > 0
+    distance = float(np.sqrt(np.mean(np.abs(rows @ compliances - wanted) ** 2)))
+    kept = compliances[1:] > 0
     return KelvinChain(
-        np.asarray(found[0]), found[1:][kept], times[kept], np.zeros(())
-    ), off
+        np.asarray(compliances[0]), compliances[1:][kept], times[kept], np.zeros(())
+    ), distance

@@ -337,14 +337,16 @@ def drawn_from_misfit(material: Any, n: int, seed: int) -> Draws:
     apart = np.subtract.outer(np.log10(omega), np.log10(omega)) / _DECADES
     root = root_of(np.exp(-0.5 * apart**2))
     rng = np.random.default_rng(seed)
-    off = np.concatenate(
+    deviations = np.concatenate(
         [size * (rng.standard_normal((n, omega.size)) @ root.T) for size in sizes],
         axis=1,
     )
-    changes = off @ by_moduli(material, omega).T
-    each = [changed(material, change, i) for i, change in enumerate(changes, 1)]
+    changes = deviations @ by_moduli(material, omega).T
+    materials = [changed(material, change, i) for i, change in enumerate(changes, 1)]
     return Draws(
-        each, material.name, "recorded misfit to its data; shift factors as they are"
+        materials,
+        material.name,
+        "recorded misfit to its data; shift factors as they are",
     )
 
 
@@ -359,13 +361,13 @@ def by_moduli(material: Any, omega: np.ndarray) -> np.ndarray:
     equilibrium and ln moduli.
     """
     x = omega[:, None] * np.asarray(material.times)
-    parts = np.asarray(material.moduli) / (1 + x**2)
+    strengths = np.asarray(material.moduli) / (1 + x**2)
     slow = np.full((omega.size, 1), float(material.equilibrium))
     seen = np.concatenate(
         [
-            np.hstack([slow, parts * x**2])
+            np.hstack([slow, strengths * x**2])
             / np.asarray(material.storage(omega))[:, None],
-            np.hstack([0 * slow, parts * x])
+            np.hstack([0 * slow, strengths * x])
             / np.asarray(material.loss(omega))[:, None],
         ]
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import fixed, namespace, xp
-from ..checks import Array, argmax
+from ..checks import Array, argmax, numpy_unless_traced
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -40,13 +40,13 @@ def hermite(
     )
 
 
+@numpy_unless_traced
 def monotone_slopes(x: Array, y: Array) -> Array:
     """Slopes with which cubics through points rise and fall as the points do (PCHIP).
 
     Between two secants of one sign it is their weighted harmonic mean, else zero.
     Source: Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300.
     """
-    xp = namespace(x, y)
     x, y = xp.asarray(x), xp.asarray(y)
     width = xp.diff(x)
     secant = xp.diff(y) / width

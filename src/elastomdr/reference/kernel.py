@@ -31,7 +31,7 @@ import numpy as np
 from ..checks import Array
 from ..element.moments import contract
 from ..material.relaxation import KelvinChain
-from ..surface.sampling import gauss
+from ..numerics.quadrature import gauss_unit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -104,7 +104,7 @@ def sliding_kernel(
     # Pieces between one observer and the next end where a cell ends: there e has kinks.
     cut = (0.5 + lead) % 1.0
     pieces = [(0.0, cut), (cut, 1.0)]
-    nodes, _, to_legendre = gauss(_NODES)
+    nodes, _, to_legendre = gauss_unit(_NODES)
     decay = velocity * chain.times
 
     def coefficients(

@@ -22,6 +22,7 @@ from ..arrays import numpy_unless_traced
 from ..checks import Array, in_float64
 from ..element.layer import Layer, layer_deficit
 from ..errors import InputError
+from ..numerics.quadrature import gauss_on_panels
 from ..trees import Tree, static
 from .half_space import slide
 
@@ -132,10 +133,7 @@ def foundation_of(material: Layer) -> Any:
 def _tables(squeeze: float, bonded: bool) -> tuple[np.ndarray, np.ndarray]:
     from scipy.special import j0
 
-    node, share = np.polynomial.legendre.leggauss(24)
-    edges = np.linspace(0.0, 20.0, 61)
-    half = 0.5 * np.diff(edges)[:, None]
-    z, dz = (edges[:-1, None] + half * (1 + node)).ravel(), (half * share).ravel()
+    z, dz = gauss_on_panels(np.linspace(0.0, 20.0, 61), 24)
     lack = dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
     at = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
     order = np.polynomial.chebyshev.chebvander(at, _DEGREE).T * 2 / (_DEGREE + 1)

@@ -23,16 +23,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import namespace
 from ..checks import is_traced
 from ..material.tabulated import LEFT_OUT
 from ..models import SurfaceFriction
+from ..numerics.interpolation import hermite
+from ..numerics.quadrature import gauss
 from .local_modulus import Local
 from .psd_integrals import (
     PER_DECADE,
     Nodes,
     direct,
     factor,
-    namespace,
     nodes,
     read,
     share,
@@ -322,7 +324,7 @@ def parts(
         * _averages(modulus, velocity, at.end, table, local)[1]
         / (8 * p**2)
     )[..., 0, 0]
-    points, weights = np.polynomial.legendre.leggauss(12)
+    points, weights = gauss(12)
     x = 0.5 * np.log(_BEYOND) * (points + 1)
     drag_beyond, stiffness_beyond = (
         a[..., 0]
@@ -376,15 +378,7 @@ def _later(found: Parts, shift: float) -> Any:
     slope = xp.concatenate([found.rate.reshape(flat), found.end[:, None]], -1) / r
     log_r = xp.log(r)
     x = xp.minimum(log_q[:-1] + shift, log_q[-1])
-    left = xp.clip(xp.searchsorted(log_q, x) - 1, 0, log_q.shape[0] - 2)
-    width = log_q[left + 1] - log_q[left]
-    s = (x - log_q[left]) / width
-    later = (
-        (1 + 2 * s) * (1 - s) ** 2 * log_r[:, left]
-        + s * (1 - s) ** 2 * width * slope[:, left]
-        + s**2 * (3 - 2 * s) * log_r[:, left + 1]
-        + s**2 * (s - 1) * width * slope[:, left + 1]
-    )
+    later = hermite(log_q, log_r, slope, x)
     return share(spread_of(xp.exp(later), _GAMMA, True)).reshape(found.rate.shape)
 
 

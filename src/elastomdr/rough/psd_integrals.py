@@ -32,6 +32,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import namespace
+from ..numerics.interpolation import hermite
+from ..numerics.quadrature import gauss
+
 PER_DECADE = 32  # cells of log q that a solution begins with
 _COARSEST = PER_DECADE // 4  # and those of the coarser of two that it is compared with
 # how many factors of 2 the smallest cell, next to q_low, is below those that are even
@@ -259,7 +263,7 @@ def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     from scipy.special import erf
 
     log_g = np.linspace(np.log(1e-4), np.log(1e9), 2400)
-    nodes, weights = np.polynomial.legendre.leggauss(4)
+    nodes, weights = gauss(4)
     middle = (
         0.5 * (log_g[1:] + log_g[:-1])[:, None] + 0.5 * np.diff(log_g)[:, None] * nodes
     )
@@ -279,33 +283,10 @@ def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
     xp = namespace(rate)
     log_r, log_g, slope = _stored(float(gamma))
     x = xp.log(xp.maximum(rate, 1e-300))
-    left = xp.clip(xp.searchsorted(xp.asarray(log_r), x) - 1, 0, log_r.size - 2)
-    log_r, log_g, slope = xp.asarray(log_r), xp.asarray(log_g), xp.asarray(slope)
-    width = log_r[left + 1] - log_r[left]
-    s = (x - log_r[left]) / width
-    inside = (
-        (1 + 2 * s) * (1 - s) ** 2 * log_g[left]
-        + s * (1 - s) ** 2 * width * slope[left]
-        + s**2 * (3 - 2 * s) * log_g[left + 1]
-        + s**2 * (s - 1) * width * slope[left + 1]
-    )
+    inside = hermite(log_r, log_g, slope, x)
     # Below the table S is 1, above it gamma.
     return xp.exp(
         xp.where(
             x < log_r[0], x, xp.where(x > log_r[-1], log_g[-1] + x - log_r[-1], inside)
         )
     )
-
-
-def namespace(*values: Any) -> Any:
-    """NumPy, or jax.numpy where a value is JAX's: only then has JAX been imported
-    already.
-    """
-    import sys
-
-    if "jax" in sys.modules:
-        import jax
-
-        if any(isinstance(value, jax.Array) for value in values):
-            return jax.numpy
-    return np

@@ -35,11 +35,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import as_numpy, fixed, is_traced, while_loop
+from ..arrays import as_numpy, fixed, is_traced, namespace, while_loop
+from ..numerics.quadrature import gauss_unit
 from .heat import Heat
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, _table, bends
-from .psd_integrals import Nodes, namespace, nodes, until
+from .psd_integrals import Nodes, nodes, until
 
 HIGHEST = 1000.0  # largest rise that is looked for [K]
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
@@ -370,9 +371,8 @@ def _conduction(
     dk = dk + k * np.concatenate([[1.0], np.zeros(waves_down - 1)])
     # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
     # dlog r = 4 dy/y.
-    y, gauss = np.polynomial.legendre.leggauss(_NEAR_NODES)
-    y, gauss = 0.5 * (y + 1), 0.5 * gauss
-    gauss = 4 * gauss / y
+    y, weights, _ = gauss_unit(_NEAR_NODES)
+    weights = 4 * weights / y
     # The kernel of points that share a velocity is made once.
     velocity, again = problem.velocity, None
     if xp is np:
@@ -392,14 +392,14 @@ def _conduction(
         )
 
     far, close = np.pi / at.q, np.pi / at.end * y**4
-    own, below = kernel(far), kernel(close) @ gauss
+    own, below = kernel(far), kernel(close) @ weights
     parts = own * at.weight
     inside = parts.sum((-2, -1))[..., None] - _until_stations(own, at, cell, place)
     near = below[..., None] + inside
     speed = w.reshape(-1, 1, 1)
     line, line_near = (
         far * _i0e(speed * far),
-        (close * _i0e(speed[..., 0] * close)) @ gauss,
+        (close * _i0e(speed[..., 0] * close)) @ weights,
     )
     if again is not None:
         own, near, line, line_near = (

@@ -32,6 +32,7 @@ from ..call.extrapolation import NOT_KNOWN, Beyond, held_beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
+    broadcast,
     broadcast_shape,
     in_kelvin,
     not_negative,
@@ -217,12 +218,8 @@ def o_ring(
         "error": 0.0,
         "converged": True,
     }
-    whole: dict[str, Any] = {
-        name: None if values is None else xp.broadcast_to(values, shape)
-        for name, values in fields.items()
-    }
     return ORing(
-        **whole,
+        **broadcast(**fields),
         extrapolated=beyond.points,
         model=FORMULAS[formula],
         plan="closed form",

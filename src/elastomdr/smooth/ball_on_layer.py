@@ -21,9 +21,10 @@ from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import KelvinChain, to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
+from ..numerics.interpolation import lagrange
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe
-from ..surface.direction import directions, lagrange, layer_asymmetry, shared_grid
+from ..surface.direction import directions, layer_asymmetry, shared_grid
 from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
 from .layer_line import Slid, Sliding, elastic_curve, slide_on_layer
 from .problem import OnLayer, Steady

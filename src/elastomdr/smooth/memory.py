@@ -42,9 +42,10 @@ from ..arrays import fixed, on_numpy, scan, xp
 from ..checks import Array
 from ..element.moments import panel_sums
 from ..material.relaxation import Relaxation
+from ..numerics.quadrature import gauss_unit
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.profile import Profile
-from ..surface.sampling import Rule, gauss
+from ..surface.sampling import Rule
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -234,7 +235,7 @@ class _Panel(NamedTuple):
 
 
 def _panel(p: Passage, size: Array, start: Array, width: Array, full: bool) -> _Panel:
-    nodes, _, to_legendre = gauss(p.rule.nodes)
+    nodes, _, to_legendre = gauss_unit(p.rule.nodes)
     line = xp.arange(p.lines.count)[:, None, None]
     x = start + width * nodes.reshape(-1, *[1] * width.ndim)
     c = _applied(to_legendre.T, p.lines.slope(x, size, line))
@@ -427,8 +428,8 @@ def _correlating(count: int) -> np.ndarray:
     """
     from numpy.polynomial.legendre import legvander
 
-    distance, _, to_legendre = gauss(2 * count)
-    c, w, _ = gauss(count)
+    distance, _, to_legendre = gauss_unit(2 * count)
+    c, w, _ = gauss_unit(count)
     x = (1 - distance[:, None]) * c
     first, second = (
         legvander(1 - 2 * x, count - 1),

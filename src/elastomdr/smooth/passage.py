@@ -20,8 +20,9 @@ from ..arrays import arrays, compiled, fixed, fori_loop, on_numpy, while_loop, x
 from ..checks import Array
 from ..element.episode import recovery_modes
 from ..material.relaxation import Relaxation
+from ..numerics.quadrature import gauss_unit
 from ..surface.lines import AbstractLines, SingleLine
-from ..surface.sampling import Rule, gauss
+from ..surface.sampling import Rule
 from .memory import Passage, first_variant, selected, tabulated
 from .passage_integrals import (
     balance,
@@ -369,7 +370,7 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     """log A of an elastic contact whose modulus is about the mean of E(t) over one
     passage.
     """
-    c, w, _ = (xp.asarray(x) for x in gauss(6))
+    c, w, _ = (xp.asarray(x) for x in gauss_unit(6))
     line = xp.arange(p.lines.count)[:, None, None]
 
     def force(log_size):
@@ -423,7 +424,7 @@ def _of_parabola(
     L, q(-b) = 0 gives b = M_1/(M_0 + eta v), and the force follows.
     """
     law, lines, line, exact = p.law, p.lines, np.zeros((1, 1), int), p.rule.parabola
-    c, w, _ = gauss(6)
+    c, w, _ = gauss_unit(6)
     rate, drag, widest = 1 / p.decay, p.velocity * law.viscosity, np.exp(top)
     lossy = bool(np.any(drag))
     log_length = (

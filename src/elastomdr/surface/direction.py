@@ -23,6 +23,7 @@ import numpy as np
 from ..arrays import xp
 from ..checks import Array, numpy_unless_traced
 from ..material.relaxation import Relaxation
+from ..numerics.interpolation import lagrange
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int
@@ -219,10 +220,15 @@ def asymmetry(
     factor = c * s**p
     excess = factor * xp.maximum(2 * ratio - 1, 1e-9) ** q + d * apart
     excess = xp.where(line > 0, excess, 0.0)
-    known = xp.where(exponent <= _STEEPEST, 1.0, xp.nan)
-    left = known * (0.25 * xp.abs(excess) + per_s * (s + xp.maximum(apart, 0.0)))
+    within_map = xp.where(exponent <= _STEEPEST, 1.0, xp.nan)
+    corrected_bound = within_map * (
+        0.25 * xp.abs(excess) + per_s * (s + xp.maximum(apart, 0.0))
+    )
     return Asymmetry(
-        excess, left + xp.abs(excess), left, 4 * factor + 2 * xp.abs(d) * (s + apart)
+        excess,
+        corrected_bound + xp.abs(excess),
+        corrected_bound,
+        4 * factor + 2 * xp.abs(d) * (s + apart),
     )
 
 
@@ -243,14 +249,14 @@ def layer_asymmetry(
     to 100 and 2a/h up to 6 (`benchmarks/layer_map.py`), as are the bounds, which are
     NaN for wider contacts and steeper profiles.
     """
-    found = asymmetry(average, line, leading, trailing, exponent)
+    half_space = asymmetry(average, line, leading, trailing, exponent)
     n = xp.clip(exponent, 1.0, 2.0)
     more = 1 + (0.8 + 0.6 * n) * width**2 / (width**2 + 0.64)
-    excess = more * found.excess
+    excess = more * half_space.excess
     s = xp.maximum((leading - trailing) / (leading + trailing), 1e-12)
-    known = xp.where((width <= 6.5) & (exponent <= 2.05), 1.0, xp.nan)
-    bound = known * (0.5 * excess + 0.08 * s + 0.003 + 0.02 * (2 - n))
-    return Asymmetry(excess, bound + excess, bound, more * found.sensitivity)
+    within_map = xp.where((width <= 6.5) & (exponent <= 2.05), 1.0, xp.nan)
+    bound = within_map * (0.5 * excess + 0.08 * s + 0.003 + 0.02 * (2 - n))
+    return Asymmetry(excess, bound + excess, bound, more * half_space.sensitivity)
 
 
 def spacing(rtol: float) -> float:
@@ -258,28 +264,6 @@ def spacing(rtol: float) -> float:
     is judged afterwards.
     """
     return 0.4 * (rtol / 1e-2) ** (1 / STENCIL)
-
-
-def lagrange(place: np.ndarray, stencil: int) -> tuple[np.ndarray, np.ndarray]:
-    """Indices and weights of the `stencil` nodes around each place on a grid of unit
-    spacing: (..., stencil).
-    """
-    left = np.floor(place).astype(int) - (stencil // 2 - 1)
-    offsets = np.arange(stencil)
-    gaps = (place - left)[..., None] - offsets
-    gaps = np.where(gaps == 0, 1e-300, gaps)
-    barycentric = _barycentric(stencil) / gaps
-    return left[..., None] + offsets, barycentric / barycentric.sum(
-        axis=-1, keepdims=True
-    )
-
-
-@functools.cache
-def _barycentric(stencil: int) -> np.ndarray:
-    factorial = [
-        math.factorial(j) * math.factorial(stencil - 1 - j) for j in range(stencil)
-    ]
-    return (-1.0) ** np.arange(stencil) / np.array(factorial)
 
 
 class SharedCurve(NamedTuple):
@@ -389,9 +373,9 @@ def between_orders(
     may vanish by chance at a point.
     """
     windows = np.lib.stride_tricks.sliding_window_view(values, STENCIL, axis=0)
-    off = np.abs(windows @ _orders_apart()).max(axis=1)
-    padded = np.pad(off, 1, "edge")
-    return np.max([padded[:-2], off, padded[2:]], axis=0)[near[:, 0]]
+    difference = np.abs(windows @ _orders_apart()).max(axis=1)
+    padded = np.pad(difference, 1, "edge")
+    return np.max([padded[:-2], difference, padded[2:]], axis=0)[near[:, 0]]
 
 
 @functools.cache

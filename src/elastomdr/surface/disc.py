@@ -8,6 +8,8 @@ surface w = d - g(x) over it, and for a contact that has only grown everything f
 from
 
     A(a) = int_0^a weight (g(a) - g(x)) dx,    dA/dd = W(a) = int_0^a weight dx,    V(a) = int A dd.
+
+The force of an elastic foundation is E A. Lengths in m.
 """
 
 from __future__ import annotations
@@ -17,8 +19,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arrays import fixed, fori_loop, while_loop, xp
+from ..arrays import fixed, while_loop, xp
 from ..checks import Array
+from ..numerics.quadrature import gauss_on_panels
 from ..trees import Tree, static
 from .profile import Profile
 from .shapes import (
@@ -32,10 +35,10 @@ from .shapes import (
 )
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    pass
 
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
+_NODES = 10  # Gauss points per panel
 # Panels that narrow towards both ends: a sphere's profile is singular at its equator, a
 # power law's at its axis.
 _GRADED = np.concatenate(
@@ -49,7 +52,6 @@ _GRADED = np.concatenate(
 _ITERATIONS = 60
 
 _STEPS = 6  # Newton's on a sphere: from 13 % to rounding
-_ROUNDS = 12  # of Newton inside a bracket between two points of a profile
 
 
 class Disc(Tree):
@@ -133,6 +135,8 @@ class Disc(Tree):
             return _root(depth / c, n)
         if self.flat:
             return xp.where(depth > 0, self.shape.largest_contact, 0.0)
+        if isinstance(self.shape, Sphere):
+            return _sphere_radius(self.shape.radius, depth, self.kind == "layer")
         return _invert(self, "depth", depth, _root(depth * self._tip, 2.0))
 
     def radius_of_area(self, area: Array) -> Array:
@@ -201,18 +205,7 @@ class Disc(Tree):
             if isinstance(self.shape, Profile)
             else xp.asarray(_GRADED) * a
         )
-        return gauss(edges, _NODES, _WEIGHTS)
-
-
-def gauss(
-    edges: Float[Array, "*batch panels+1"], nodes: np.ndarray, weights: np.ndarray
-) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss' rule on adjoining panels, shape (..., panels * n)."""
-    half = 0.5 * (edges[..., 1:] - edges[..., :-1])[..., None]
-    x = edges[..., :-1, None] + half * (1 + xp.asarray(nodes))
-    dx = half * xp.asarray(weights)
-    flat = (*edges.shape[:-1], -1)
-    return x.reshape(flat), xp.broadcast_to(dx, x.shape).reshape(flat)
+        return gauss_on_panels(edges, _NODES)
 
 
 def _invert(
@@ -224,10 +217,10 @@ def _invert(
     carries the derivatives.
     """
     value = xp.asarray(value)
-    held, goal = fixed((disc, value))
+    known, goal = fixed((disc, value))
     there = goal > 0
     goal = xp.log(xp.where(there, goal, 1.0))
-    top = xp.broadcast_to(xp.log(xp.minimum(held.largest, 1e60)), goal.shape)
+    top = xp.broadcast_to(xp.log(xp.minimum(known.largest, 1e60)), goal.shape)
 
     def level(disc: Disc, x: Array) -> tuple[Array, Array]:
         if name == "depth":
@@ -237,11 +230,11 @@ def _invert(
     def advance(state: tuple) -> tuple:
         log_x, low, high, done, count = state
         x = xp.exp(log_x)
-        height, rate = level(held, x)
-        off = xp.log(height) - goal
-        step = off * height / (x * rate)
+        height, rate = level(known, x)
+        excess = xp.log(height) - goal
+        step = excess * height / (x * rate)
         done = done | (xp.abs(step) < 1e-8)  # the last step, below, squares this
-        low, high = xp.where(off < 0, log_x, low), xp.where(off < 0, high, log_x)
+        low, high = xp.where(excess < 0, log_x, low), xp.where(excess < 0, high, log_x)
         following = log_x - step
         middle = 0.5 * (xp.maximum(low, log_x - 8) + xp.minimum(high, log_x + 8))
         following = xp.where((following > low) & (following < high), following, middle)
@@ -257,8 +250,8 @@ def _invert(
     step = (value - height) / fixed(rate)
     # Where the step is not that of a root, the value is more than the largest contact
     # can have.
-    found = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
-    return xp.where(there, found, 0.0)
+    root = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
+    return xp.where(there, root, 0.0)
 
 
 def _sphere_area(c: Array, layer: bool) -> Array:
@@ -275,6 +268,23 @@ def _sphere_area(c: Array, layer: bool) -> Array:
             small**2 if n > 1 else small**3
         )
     return xp.where(c < 0.4, series, (1 + large**2) * xp.arctanh(large) - large)
+
+
+def _sphere_radius(radius: Any, depth: Array, layer: bool) -> Array:
+    """a = R tanh(u) with u tanh(u) = d/R of a sphere, by Newton's method; on a layer
+    sqrt(2 R d - d^2).
+    """
+    ratio = depth / radius
+    touches = ratio > 0
+    ratio = xp.where(touches, ratio, 0.1)  # any number will do where it is masked
+    if layer:
+        square = xp.where(ratio < 1, ratio * (2 - ratio), xp.nan)
+        return xp.where(touches, radius * xp.sqrt(square), 0.0)
+    u = xp.sqrt(ratio * (1 + ratio))
+    for _ in range(_STEPS):
+        t = xp.tanh(u)
+        u = u - (u * t - ratio) / (t + u * (1 - t**2))
+    return xp.where(touches, radius * xp.tanh(u), 0.0)
 
 
 def _root(value: Array, n: float) -> Array:
@@ -294,87 +304,24 @@ def _power(x: Array, n: float) -> Array:
     )
 
 
-def contact_measure(
-    shape: AbstractShape | Disc, depth: Float[Array, "..."], per_area: bool
-) -> Float[Array, "..."]:
-    """A'(d) of this module's docstring [m, or m^2 on springs], at depths d > 0 [m];
-    exact.
+def disc_under(shape: AbstractShape, per_area: bool) -> Disc:
+    """The contact of a body on a half-space, or on springs, whose stiffness is one per
+    area.
+    """
+    if isinstance(shape, Cylinder):
+        return Disc(shape, "cylinder")
+    return Disc(shape, "layer" if per_area else "half-space")
 
-    In place of a shape it takes the `Disc` of a contact on rubber of finite thickness,
-    which knows its own.
+
+def contact_measure(shape: AbstractShape | Disc, depth: Array, per_area: bool) -> Array:
+    """dA/dd [m, or m^2 on springs] at depths d > 0 [m] of a contact that grows; a flat
+    punch has its own at d = 0 too.
+
+    In place of a shape it takes the `Disc` of a contact on rubber of finite thickness.
     """
     if isinstance(shape, Disc):
         return shape.measure(depth)
-    size = contact_size(shape, depth, per_area and not isinstance(shape, Cylinder))
-    if isinstance(shape, Cylinder):
-        return 2 * size * shape.length
-    return math.pi * size**2 if per_area else 2 * size
-
-
-def contact_size(
-    shape: AbstractShape, depth: Float[Array, "..."], by_height: bool = False
-) -> Float[Array, "..."]:
-    """a(d) with g(a) = d, or with f(a) = d if `by_height` [m]: the contact while it
-    grows; exact.
-
-    NaN where the contact would be wider than the body. A flat punch has its own radius
-    at any depth.
-    """
-    if isinstance(shape, FlatPunch):
-        return xp.broadcast_to(xp.asarray(shape.radius), xp.shape(depth))
-    if isinstance(shape, Paraboloid):
-        return xp.sqrt((2 if by_height else 1) * shape.radius * depth)
-    if isinstance(shape, Cylinder):
-        return xp.sqrt(2 * shape.radius * depth)
-    if isinstance(shape, Cone):
-        return depth / (shape.slope * (1 if by_height else 0.5 * math.pi))
-    if isinstance(shape, PowerLaw):
-        stretch = 1.0 if by_height else shape._kappa
-        return (depth / (stretch * shape.coefficient)) ** (1 / shape.exponent)
-    if isinstance(shape, Sphere):
-        return _on_sphere(shape.radius, depth, by_height)
-    if isinstance(shape, Profile):
-        return _on_profile(shape, depth, by_height)
-    raise TypeError(f"the contact size of a {type(shape).__name__} is not known")
-
-
-def _on_sphere(radius: Any, depth: Array, by_height: bool) -> Array:
-    """a = sqrt(2 R d - d^2), or R tanh(u) with u tanh(u) = d/R."""
-    part = depth / radius
-    if by_height:
-        return radius * xp.sqrt(xp.where(part < 1, part * (2 - part), xp.nan))
-    u = xp.sqrt(part * (1 + part))
-    for _ in range(_STEPS):
-        t = xp.tanh(u)
-        u = u - (u * t - part) / (t + u * (1 - t**2))
-    return radius * xp.tanh(u)
-
-
-def _on_profile(shape: Profile, depth: Array, by_height: bool) -> Array:
-    """Newton's method between the two points around it."""
-    value = shape._height if by_height else shape._profile
-    points = xp.asarray(shape.r)
-    heights = value(points)
-    i = xp.clip(xp.searchsorted(heights, depth), 1, points.shape[0] - 1)
-
-    def newton(x: Array, depth: Array) -> tuple[Array, Array]:
-        there, slope = value(x), shape._steepness(x) if by_height else shape._slope(x)
-        return there, x - (there - depth) / fixed(slope)
-
-    def close_in(_: int, state: tuple) -> tuple:
-        x, low, high = state
-        there, following = newton(x, wanted)
-        low, high = xp.where(there < wanted, x, low), xp.where(there < wanted, high, x)
-        return (
-            xp.where(
-                (following >= low) & (following <= high), following, 0.5 * (low + high)
-            ),
-            low,
-            high,
-        )
-
-    wanted = fixed(depth)
-    low, high = fixed((points[i - 1], points[i]))
-    x = fori_loop(0, _ROUNDS, close_in, (0.5 * (low + high), low, high))[0]
-    x = newton(fixed(x), depth)[1]  # with the derivatives
-    return xp.where(depth <= heights[-1], x, xp.nan)
+    disc = disc_under(shape, per_area)
+    if disc.flat:
+        return disc.width(xp.full_like(depth, shape.largest_contact))
+    return disc.measure(depth)

@@ -16,8 +16,8 @@ from ..checks import (
     ascending,
     finite,
     in_float64,
-    is_traced,
     numpy_unless_traced,
+    untraced,
 )
 from ..errors import InputError
 from ..trees import Tree, fill, replaced
@@ -51,10 +51,7 @@ class RoughLine(Tree):
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, x=x, height=height)
-        if is_traced(x):
-            raise InputError(
-                "x must be plain numbers: a RoughLine is differentiable in its heights."
-            )
+        untraced("x", x, "a RoughLine is differentiable in its heights")
         finite("x", x)
         finite("height", height)
         ascending("x", x)
@@ -94,8 +91,8 @@ class RoughLine(Tree):
         """The highest place of the spline [m], from which a depth counts; seldom one of
         the points.
         """
-        part, between = _summits(fixed(xp.asarray(self.height)))
-        place = argmax(between)
+        share, heights = _summits(fixed(xp.asarray(self.height)))
+        place = argmax(heights)
         coefficients = spline_coefficients(xp.asarray(self.height))
         # Sums, not an index: its derivative would be taken outside of `in_float64`.
         near = [
@@ -103,7 +100,7 @@ class RoughLine(Tree):
         ]
         return _cubic(
             xp.stack([xp.sum(xp.where(here, coefficients, 0.0)) for here in near]),
-            part[place],
+            share[place],
         )
 
     @property

@@ -36,12 +36,14 @@ from ..checks import (
     alike,
     as_float64,
     ascending,
+    certain,
     in_si,
     is_traced,
     not_negative,
     numpy_unless_traced,
     only_one,
     positive,
+    possible,
     require,
     scalar,
 )
@@ -138,10 +140,10 @@ class AbstractSpectrum(Tree):
         width = xp.clip(xp.log(q)[..., None] - start, 0.0, xp.diff(xp.log(self.q)))
         flat = xp.abs(slope * width) < 1e-9
         safe = xp.where(xp.abs(slope) < 1e-12, 1.0, slope)
-        part = xp.where(
+        integrals = xp.where(
             flat, width * (1 + 0.5 * slope * width), xp.expm1(slope * width) / safe
         )
-        return xp.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
+        return xp.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * integrals, axis=-1)
 
     def line(
         self, seed: int = 0, periods: int = 1, samples: int | None = None
@@ -207,16 +209,16 @@ class AbstractSpectrum(Tree):
             )
         factors = np.exp(sizes * np.random.default_rng(seed).standard_normal((n, 2)))
         lowest = 1.001 * self.q_low
-        each = [
+        surfaces = [
             self.raised(a**0.5).ended(max(self.q_high * b, lowest)) for a, b in factors
         ]
-        parts = {"C": sizes[0], "its upper cutoff": sizes[1]}
+        deviations = {"C": sizes[0], "its upper cutoff": sizes[1]}
         words = " and ".join(
             f"{name} to +- {size:.2g} (one sigma)"
-            for name, size in parts.items()
+            for name, size in deviations.items()
             if size
         )
-        return Draws(each, self.label, words)
+        return Draws(surfaces, self.label, words)
 
     def plot(
         self, axes: Sequence[Axes] | None = None, seed: int = 0
@@ -284,17 +286,16 @@ class SelfAffine(AbstractSpectrum):
         )
         value = scalar(name, wanted)
         positive(name, value)
-        traced = is_traced(hurst, low, knee, high, value)
-        if not is_traced(low, knee, high) and not low <= knee < high:
+        if not possible(lambda a, b, c: a <= b < c, low, knee, high):
             raise InputError(
                 f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} "
                 f"and {high:g} rad/m."
             )
-        whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
+        whole = q_rolloff is None or certain(np.equal, knee, low)
         q, c = _power_law(hurst, [low, high] if whole else [low, knee, high], knee)
         fill(self, hurst=hurst, q=q, c=c)
         fill(self, c=_scaled(c, value, getattr(self, name)))
-        if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
+        if not possible(lambda c: ((c > 0) & np.isfinite(c)).all(), self.c):
             said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(
                 f"{name} must be of a surface whose power spectrum double "
@@ -463,8 +464,8 @@ def synthesise(
     share = 2 * np.pi * spectrum.moment(1, wave - 0.5 * step, wave + 0.5 * step)
     phase = 2 * np.pi * np.random.default_rng(seed).random(n // 2 - 1)
     # beyond the cutoffs there is nothing, and the root has no derivative
-    held = share > 0
-    amplitude = xp.where(held, xp.sqrt(2 * xp.where(held, share, 1.0)), 0.0)
+    present = share > 0
+    amplitude = xp.where(present, xp.sqrt(2 * xp.where(present, share, 1.0)), 0.0)
     waves = 0.5 * n * amplitude * np.exp(1j * phase)
     waves = xp.pad(waves, (1, n // 2 - wave.shape[0]))
     return line_of_heights(xp.fft.irfft(waves, n), length / n)

@@ -25,6 +25,7 @@ from ..checks import Array
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1, phi2
+from ..numerics.root import bisect
 from ..surface.disc import Disc
 from ..surface.shapes import FlatPunch
 
@@ -311,14 +312,11 @@ def _rising(level: Any, sticky: Sticky, value: Array, least: Array) -> Array:
     top = jnp.log(jnp.minimum(fixed.disc.largest, _WIDEST))
     low = jnp.broadcast_to(jnp.log(jnp.maximum(least, 1 / _WIDEST)), goal.shape)
 
-    def halve(_: Any, ends: tuple) -> tuple:
-        low, high = ends
-        middle = 0.5 * (low + high)
-        below = level(fixed, jnp.exp(middle)) < goal
-        return jnp.where(below, middle, low), jnp.where(below, high, middle)
-
-    low, high = jax.lax.fori_loop(
-        0, _HALVINGS, halve, (low, jnp.broadcast_to(top, goal.shape))
+    low, high = bisect(
+        lambda log_a: level(fixed, jnp.exp(log_a)) < goal,
+        low,
+        jnp.broadcast_to(top, goal.shape),
+        _HALVINGS,
     )
     a = jnp.exp(0.5 * (low + high))
     now, slope = jax.jvp(lambda a: level(sticky, a), (a,), (jnp.ones_like(a),))

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..call.extrapolation import NOT_KNOWN, Beyond, told
-from ..checks import is_traced, significant
+from ..checks import is_traced, numpy_unless_traced, significant
 from ..material.validity import Range
-from ..surface.disc import contact_size
+from ..surface.disc import disc_under
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
 from .problem import GivenHistory
@@ -95,8 +95,9 @@ def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
     if isinstance(body, RoughLine):
         slope = float(body.rms_slope)
         return 0.5 * np.pi * float(body.rms_height) / slope if slope > 0 else np.inf
-    deep = np.where(np.asarray(depth) > 0, depth, np.nan)
-    return np.asarray(contact_size(body.shape, deep, not isinstance(body, SingleLine)))
+    disc = disc_under(body.shape, not isinstance(body, SingleLine))
+    radius = np.asarray(numpy_unless_traced(disc.radius_of_depth)(np.asarray(depth)))
+    return np.where(radius > 0, radius, np.nan)
 
 
 def _ages(known: Range, factor: Any) -> tuple[float, float]:

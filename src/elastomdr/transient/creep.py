@@ -29,12 +29,13 @@ from ..checks import Array
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1, phi2
+from ..numerics.quadrature import gauss_on_panels
 from ..surface.disc import Disc
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_NODES = 6  # Gauss points per panel
 _RATIO = 4.0  # of neighbouring panels
 _ROUNDING = 1e-12  # of A, below which a fall of it is rounding
 
@@ -166,5 +167,4 @@ def _panels(levels: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights on [0, 1], panels narrowing towards both ends."""
     left = np.concatenate([[0.0], 0.5 * _RATIO ** -np.arange(levels, -1.0, -1)])
     edges = np.concatenate([left, 1 - left[-2::-1]])
-    half = 0.5 * np.diff(edges)[:, None]
-    return (edges[:-1, None] + half * (1 + _NODES)).ravel(), (half * _WEIGHTS).ravel()
+    return gauss_on_panels(edges, _NODES)

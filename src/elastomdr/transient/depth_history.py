@@ -22,7 +22,8 @@ from ..arrays import fixed, fori_loop, in_steps, mapped, on_numpy, xp
 from ..checks import Array, is_traced
 from ..element.episode import Modes, Touching, energies, follow, force, pressed
 from ..material.relaxation import Relaxation
-from ..surface.disc import Disc, gauss
+from ..numerics.quadrature import gauss_on_panels
+from ..surface.disc import Disc
 from .panels import NODES, missed, missed_layers
 
 if TYPE_CHECKING:
@@ -73,9 +74,7 @@ def indent_between(
     """
     between = xp.sort(xp.append(radius, 0.0))
     edges = between[:-1, None] + xp.diff(between)[:, None] * parts
-    x, dx = (
-        a.reshape(-1) for a in gauss(edges, *np.polynomial.legendre.leggauss(NODES))
-    )
+    x, dx = (nodes.reshape(-1) for nodes in gauss_on_panels(edges, NODES))
     begin = edges[:, :-1].reshape(-1)
     weight = disc.weight(x) * dx
 

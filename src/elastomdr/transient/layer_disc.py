@@ -31,6 +31,7 @@ import numpy as np
 from ..arrays import fixed, xp
 from ..checks import Array, is_traced, numpy_unless_traced
 from ..element.layer import layer_deficit
+from ..numerics.quadrature import gauss, gauss_on_panels
 from ..surface.disc import Disc
 from ..surface.profile import Profile
 from ..surface.shapes import AbstractShape, Cone, FlatPunch, PowerLaw
@@ -64,7 +65,7 @@ def kernel_line(squeeze: Any, bonded: bool, reach: float) -> tuple[np.ndarray, A
     x/h = `reach`.
     """
     panels = math.ceil(2 + 1.1 * reach)
-    z, dz = _on_panels(np.linspace(0.0, _TAIL, panels + 1), 24)
+    z, dz = gauss_on_panels(np.linspace(0.0, _TAIL, panels + 1), 24)
     return z, -2 / math.pi * dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
 
 
@@ -73,7 +74,7 @@ def _resolvents(squeeze: Any, bonded: bool, low: float, high: float) -> Resolven
     alpha = 0.5 * (low + high) + 0.5 * (high - low) * _places()
     count = 18 + math.ceil(2.5 * high)
     z, weight = kernel_line(squeeze, bonded, high)
-    node, share = np.polynomial.legendre.leggauss(count)
+    node, share = gauss(count)
     s, ds = alpha[:, None] * 0.5 * (1 + node), alpha[:, None] * 0.5 * share
     parts = []
     for a, x, dx in zip(alpha, s, ds, strict=True):
@@ -145,7 +146,7 @@ class LayerDisc(Disc):
 
     def energy(self, a: Array) -> Array:
         """V(a): an elastic contact stores E* V."""
-        node, share = _on_panels(np.array([0.0, 0.02, 0.2, 1.0]), 16)
+        node, share = gauss_on_panels(np.array([0.0, 0.02, 0.2, 1.0]), 16)
         x = a[..., None] * node
         gap = self.profile(a)[..., None] - self.profile(x)
         return 0.5 * xp.sum(a[..., None] * share * self.weight(x) * gap**2, axis=-1)
@@ -339,15 +340,11 @@ def _over_pieces(
 ) -> tuple[Array, Array]:
     numpy: Any = xp if is_traced(shape, h, squeeze) else np
     z, weight = kernel_line(squeeze, bonded, float(at.alpha[-1]))
-    rule, places = np.polynomial.legendre.leggauss(6), numpy.asarray(shape.r) / h
+    places = numpy.asarray(shape.r) / h
     pulls, helds = [], []
     for k, alpha in enumerate(at.alpha):
         edges = numpy.minimum(places, numpy.minimum(alpha, places[-1] * (1 - 1e-12)))
-        half = 0.5 * numpy.diff(edges)[:, None]
-        s, ds = (
-            (edges[:-1, None] + half * (1 + rule[0])).ravel(),
-            (half * rule[1]).ravel(),
-        )
+        s, ds = gauss_on_panels(edges, 6)
         wave = numpy.cos(s[:, None] * z) * weight
         inner = np.cos(at.s[k][:, None] * z)
         unit = 1 - wave @ (inner.T @ (at.ds[k] * at.unit[k]))
@@ -375,7 +372,7 @@ class ElasticLine(NamedTuple):
         """q_1(x; a) at places x <= a: the force density under a flat punch of radius
         a.
         """
-        node, share = np.polynomial.legendre.leggauss(self.nodes)
+        node, share = gauss(self.nodes)
         s, ds = 0.5 * a * (1 + node), 0.5 * a * share
         unit = np.linalg.solve(
             np.eye(self.nodes) + self.kernel(s, s) * ds, np.ones(self.nodes)
@@ -404,12 +401,6 @@ def _series(numpy: Any, values: Array) -> Array:
     order = np.polynomial.chebyshev.chebvander(_places(), _DEGREE).T * 2 / (_DEGREE + 1)
     order[0] *= 0.5
     return numpy.asarray(order) @ values
-
-
-def _on_panels(edges: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    node, share = np.polynomial.legendre.leggauss(count)
-    half = 0.5 * np.diff(edges)[:, None]
-    return (edges[:-1, None] + half * (1 + node)).ravel(), (half * share).ravel()
 
 
 def _raised(x: Array, n: float) -> Array:

@@ -36,7 +36,8 @@ from ..element.contact_step import (
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
-from ..surface.disc import Disc, gauss
+from ..numerics.quadrature import gauss_on_panels
+from ..surface.disc import Disc
 from .depth_from_load import settle
 
 if TYPE_CHECKING:
@@ -314,12 +315,11 @@ def _once(
     # a light load is carried near the axis
     tip = xp.min(xp.where(edges > 0, edges, reach)) * _TIP
     outer = xp.sort(xp.append(fixed(edges), tip[-1]))
-    rules = (np.polynomial.legendre.leggauss(n) for n in (_INNER, _NODES))
-    parts = [
-        gauss(ends, *rule)
-        for ends, rule in zip((tip, xp.maximum(outer, tip[-1])), rules, strict=True)
-    ]
-    x, dx = (xp.concatenate(part) for part in zip(*parts, strict=True))
+    rules = (
+        gauss_on_panels(tip, _INNER),
+        gauss_on_panels(xp.maximum(outer, tip[-1]), _NODES),
+    )
+    x, dx = (xp.concatenate(both) for both in zip(*rules, strict=True))
     weight, g = disc.weight(x) * dx, disc.profile(x)
     strength = xp.where(
         law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0

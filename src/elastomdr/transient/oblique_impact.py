@@ -12,7 +12,8 @@ from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.shift import thermal_factors
-from ..surface.disc import contact_size
+from ..numerics.interpolation import halving_limit
+from ..surface.disc import disc_under
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
 from .impact_result import History, Oblique
 
@@ -112,8 +113,8 @@ def solve_oblique(
     ):
         factor, vertical = (flat(x) for x in thermal_factors(own, scene.temperature))
     deepest = jnp.asarray(found.motion.max_depth)
-    ring = scene.per_area and not isinstance(shape, Cylinder)
-    reach = contact_size(shape, jnp.where(deepest > 0, deepest, 1e-9), ring)
+    disc = disc_under(shape, scene.per_area)
+    reach = disc.radius_of_depth(jnp.where(deepest > 0, deepest, 1e-9))
     reach = reach if isinstance(shape, FlatPunch) else reach * (1 + 2 / _ELEMENTS)
     reach = jnp.minimum(reach, jnp.asarray(shape.largest_contact) * (1 - 1e-12))
     rates = jnp.broadcast_to(body.rates, (body.rates.shape[0], count))[1:]
@@ -162,7 +163,7 @@ def solve_oblique(
         jax.lax.map(lambda point, n=n: one(point, n), points) for n in (1, 2)
     )
     # Where nothing slips until it lets go the scheme is of first order, else of second.
-    limit = jax.tree.map(lambda a, b: b + (b - a) / 3, coarse, fine)
+    limit = jax.tree.map(halving_limit, coarse, fine)
     after = limit.velocity[:, -1]
     error = (
         jnp.where(jnp.isinf(flat(slips.friction)), 2, 1)

@@ -19,6 +19,7 @@ import numpy as np
 from ..arrays import fixed, in_steps, xp
 from ..checks import Array
 from ..material.relaxation import Relaxation
+from ..numerics.quadrature import gauss, shares_to_legendre
 from ..surface.disc import Disc
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def missed(
     parabola would hide in the second how the others fall). In the panel at the axis of
     a profile c x^n, n not whole, what the rule misses of that power.
     """
-    size = xp.abs(shares.reshape(-1, NODES) @ xp.asarray(_spread()).T)
+    size = xp.abs(shares.reshape(-1, NODES) @ xp.asarray(shares_to_legendre(NODES)).T)
     before, last = size[:, 2:4], size[:, 4:6]
     error = xp.sum(
         last * xp.minimum(last / xp.where(before > 0, before, 1.0), 1.0) ** 4, axis=1
@@ -129,21 +130,11 @@ def missed_layers(
 
 
 @functools.cache
-def _spread() -> np.ndarray:
-    """From a panel's shares of an integral to the Legendre coefficients of its
-    integrand, times the panel.
-    """
-    nodes, _ = np.polynomial.legendre.leggauss(NODES)
-    return np.polynomial.legendre.legvander(nodes, NODES - 1).T * (
-        2 * np.arange(NODES)[:, None] + 1
-    )
-
-
-@functools.cache
 def _of_power(s: float) -> float:
     """What the rule misses of int x^s over a panel at x = 0, over the larger of the
     last two coefficients.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    nodes, weights = gauss(NODES)
     shares = 0.5 * weights * (0.5 + 0.5 * nodes) ** s
-    return abs(shares.sum() - 1 / (s + 1)) / np.abs(_spread() @ shares)[-2:].max()
+    last = np.abs(shares_to_legendre(NODES) @ shares)[-2:].max()
+    return abs(shares.sum() - 1 / (s + 1)) / last

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..arrays import on_jax, on_numpy, xp
 from ..checks import Array, is_traced
+from ..numerics.interpolation import halving_limit
 from .slide_march import Forces
 
 # error over mu beyond which a number is not handed out under a transformation either
@@ -69,7 +70,7 @@ def refine(
         level += 1
         new, fits = solve(level)
         numpy = xp if is_traced(new) else np
-        limit = type(new)(*(b + (b - a) / 3 for a, b in zip(old, new, strict=True)))
+        limit = type(new)(*map(halving_limit, old, new))
         mu = _ratio(numpy, limit, new.normal)
         pairs = [
             (_ratio(numpy, old), _ratio(numpy, new)),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import arrays, fixed, fori_loop, on_jax, on_numpy, xp
+from ..arrays import arrays, fixed, on_jax, on_numpy, xp
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -28,10 +28,11 @@ from ..element.law import Foundation
 from ..errors import ConvergenceWarning, InputError
 from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import shared
+from ..numerics.quadrature import gauss_unit
+from ..numerics.root import bisect
 from ..results.words import brief, describe
-from ..surface.disc import contact_measure, contact_size
-from ..surface.sampling import gauss
-from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
+from ..surface.disc import contact_measure, disc_under
+from ..surface.shapes import AbstractShape, FlatPunch
 from .age import history_beyond
 from .history_result import Shear
 from .impact import _standing
@@ -404,14 +405,14 @@ def _reach(
     the load after the whole time.
     """
     largest = xp.max(xp.asarray(value))
-    by_height = per_area and not isinstance(shape, Cylinder)
     if isinstance(shape, FlatPunch):
         return xp.asarray(shape.radius)
     if name == "load":
         largest = _elastic_depth(
             shape, per_area, largest * _creep(law, time[-1] - time[0])
         )
-    reach = contact_size(shape, xp.where(largest > 0, largest, 1e-9), by_height)
+    largest = xp.where(largest > 0, largest, 1e-9)
+    reach = disc_under(shape, per_area).radius_of_depth(largest)
     limit = xp.asarray(shape.largest_contact)
     return xp.minimum(
         xp.where(xp.isnan(reach), limit, reach * elements / max(elements - 2, 1)),
@@ -430,18 +431,17 @@ def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
     """Depth d with A(d) = `measure`, by bisection of its logarithm, rounded up: it is
     used as a bound.
     """
-    c, w, _ = gauss(24)
+    c, w, _ = gauss_unit(24)
 
     def displaced(depth: Any) -> Any:
         return depth * xp.sum(
             2 * c * w * contact_measure(shape, depth * c**2, per_area)
         )
 
-    def halve(_: int, bounds: tuple) -> tuple:
-        low, high = bounds
-        middle = 0.5 * (low + high)
-        below = displaced(xp.exp(middle)) < measure
-        return xp.where(below, middle, low), xp.where(below, high, middle)
-
-    ends = (xp.asarray(-140.0), xp.asarray(140.0))
-    return xp.exp(fixed(fori_loop(0, 42, halve, ends)[1]))
+    _, high = bisect(
+        lambda log_depth: displaced(xp.exp(log_depth)) < measure,
+        xp.asarray(-140.0),
+        xp.asarray(140.0),
+        42,
+    )
+    return xp.exp(fixed(high))

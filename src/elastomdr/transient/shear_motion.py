@@ -34,7 +34,7 @@ from ..arrays import compiled, cond, fixed, in_steps, mapped, xp
 from ..checks import Array, argmax
 from ..element.contact_step import Coefficients, coefficients, pressed, released
 from ..material.relaxation import Relaxation
-from ..surface.disc import gauss
+from ..numerics.quadrature import gauss_on_panels
 from ..surface.shapes import AbstractShape, Cylinder
 from .depth_from_load import settle
 
@@ -186,9 +186,7 @@ def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -
     )
     edges = fixed(edges)
     inner = edges[:-1, None] + xp.diff(edges)[:, None] * (np.arange(parts) / parts)
-    x, dx = gauss(
-        xp.append(inner.reshape(-1), edges[-1]), *np.polynomial.legendre.leggauss(nodes)
-    )
+    x, dx = gauss_on_panels(xp.append(inner.reshape(-1), edges[-1]), nodes)
     return _grid(scene, x, dx, xp.asarray(xp.nan), per_area)
 
 

@@ -45,10 +45,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, compiled, fixed, fori_loop, in_steps, on_numpy, xp
+from ..arrays import arrays, compiled, fixed, in_steps, on_numpy, xp
 from ..checks import Array
 from ..material.relaxation import Relaxation
 from ..numerics.decay import ramp_weights
+from ..numerics.root import bisect
 from ..smooth.memory import Passage
 from ..smooth.passage_integrals import part_of_contact
 from ..surface.lines import AbstractLines
@@ -136,17 +137,11 @@ def _sticking_length(
         pressed = part_of_contact(passage, held.leading, distance - held.leading)[0]
         return _limit(held.friction, pressed) - _ramp(held, distance)[0] > 0
 
-    def halve(_: int, bounds: tuple) -> tuple:
-        low, high = bounds
-        middle = 0.5 * (low + high)
-        inside = sticks(middle)
-        return xp.where(inside, middle, low), xp.where(inside, high, middle)
-
     ends = xp.asarray(_step_ends(steps))
     low, high = fixed(
         tuple(length * ends[xp.clip(first_slip + i, 0, steps)] for i in (-2, 1))
     )
-    low, high = fori_loop(0, _HALVINGS, halve, (low, high))
+    low, high = bisect(sticks, low, high, _HALVINGS)
     return xp.where(
         xp.isinf(r.friction) | (r.creepage == 0),
         length,
@@ -461,10 +456,11 @@ def _sticking_length_on_layer(contact: LayerContact, first_slip: Array) -> np.nd
     length, ends = 2 * contact.half_length, np.append(_step_ends(_LAYER_STEPS), 1.0)
     low = ends[np.maximum(first_slip - 1, 0)] * length
     high = ends[np.minimum(first_slip + 2, _LAYER_STEPS)] * length
-    for _ in range(_LAYER_HALVINGS):
-        middle = 0.5 * (low + high)
-        sticks = contact.ramp(middle)[0] < contact.slip_limit(middle)
-        low, high = np.where(sticks, middle, low), np.where(sticks, high, middle)
+
+    def sticks(distance: np.ndarray) -> np.ndarray:
+        return contact.ramp(distance)[0] < contact.slip_limit(distance)
+
+    low, high = bisect(sticks, low, high, _LAYER_HALVINGS)
     return np.where(
         np.isinf(contact.friction) | (contact.creepage == 0),
         length,
