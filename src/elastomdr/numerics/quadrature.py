@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -46,9 +46,9 @@ def shares_to_legendre(count: int) -> np.ndarray:
 
 def gauss_on_panels(
     edges: Float[Array, "*batch panels+1"], count: int
-) -> tuple[Float[Array, "*batch n"], Float[Array, "*batch n"]]:
-    """Nodes and weights of Gauss' rule with `count` points on each of adjoining panels,
-    n = panels * count.
+) -> tuple[Any, Any]:
+    """Nodes and weights, (..., panels * count), of Gauss' rule with `count` points on
+    each of adjoining panels; arrays of NumPy where the edges are.
     """
     xp = namespace(edges)
     nodes, weights = gauss(count)

@@ -80,8 +80,8 @@ def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, A
 
 
 def bisect(
-    root_above: Callable[[Array], Array], low: Array, high: Array, halvings: int
-) -> tuple[Array, Array]:
+    root_above: Callable[[Any], Any], low: Any, high: Any, halvings: int
+) -> tuple[Any, Any]:
     """Halves brackets, all lanes at once; `root_above(x)` tells where the root lies
     above x. Lanes whose bracket holds none end at one of its ends.
     """
