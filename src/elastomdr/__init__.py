@@ -65,7 +65,7 @@ _HOMES = {
     "transient.slide": ("slide",),
     "transient.drive": ("drive",),
     "belt.stability": ("Stability", "stability"),
-    "transient.mount": ("Mount",),
+    "transient.body_motion": ("Mount",),
     "io.dma": ("read_dma",),
     "io.point_tables": ("MeasuredFriction", "read_friction", "read_shifts"),
     "io.spectrum": ("read_spectrum",),

@@ -73,6 +73,7 @@ from .surface.shapes import Sphere as Sphere
 from .surface.spectrum import SelfAffine as SelfAffine
 from .surface.spectrum import Spectrum as Spectrum
 from .sweeps.run import sweep as sweep
+from .transient.body_motion import Mount as Mount
 from .transient.drive import drive as drive
 from .transient.history_result import Drive as Drive
 from .transient.history_result import ForceSpectrum as ForceSpectrum
@@ -82,7 +83,6 @@ from .transient.impact import impact as impact
 from .transient.impact_result import Impact as Impact
 from .transient.indent import indent as indent
 from .transient.indentation_result import Indentation as Indentation
-from .transient.mount import Mount as Mount
 from .transient.shear import shear as shear
 from .transient.slide import slide as slide
 from .tyre.traction import traction as traction

@@ -393,7 +393,7 @@ def in_steps(
 
         return jax.lax.scan(step, carry, over)
     outputs = []
-    for entry in _entries(over):
+    for entry in entries(over):
         carry, kept = step(carry, entry)
         outputs.append(kept)
     return carry, mapped(lambda *x: np.stack(x), *outputs)
@@ -424,7 +424,7 @@ def mapped(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
     return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
 
 
-def _entries(tree: Any) -> Iterator[Any]:
+def entries(tree: Any) -> Iterator[Any]:
     """The entries of a tuple of arrays, or of tuples of them, along their first axis;
     at least one is an array.
     """
@@ -432,7 +432,7 @@ def _entries(tree: Any) -> Iterator[Any]:
         return itertools.repeat(None)
     if not isinstance(tree, tuple):
         return iter(tree)
-    rows = zip(*map(_entries, tree))  # noqa: B905  None has no length
+    rows = zip(*map(entries, tree))  # noqa: B905  None has no length
     return itertools.starmap(type(tree), rows) if hasattr(tree, "_fields") else rows
 
 

@@ -13,9 +13,9 @@ from elastomdr.element.episode import energies, follow, pressed, recovery_modes
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import indentation_route as control
+from elastomdr.transient.body_motion import Scene, run
 from elastomdr.transient.body_over_line import indenter
-from elastomdr.transient.slide_march import march
-from elastomdr.transient.timeline import Steps
+from elastomdr.transient.problem import Steps
 
 from .problems.indentation import BALL, PULSES, SOLID, TIMES, TWICE
 
@@ -223,10 +223,9 @@ def test_sliding_on_a_partial_contact_converges_with_the_square_of_the_step():
                 1.0,
             )
             steps = Steps(*map(jnp.asarray, (h, x, load)))
-            forces, _ = march(law, surface, steps, control="load")
+            seen, _ = run(Scene(law, surface), steps, balance=False)
         normal, drag, depth, work = (
-            np.asarray(a)
-            for a in (forces.normal, forces.drag, forces.depth, forces.work)
+            np.asarray(a) for a in (seen.normal, seen.drag, seen.depth, seen.work)
         )
         done = (normal[1:] + normal[:-1]) @ np.diff(depth) / 2 + (
             drag[1:] + drag[:-1]
@@ -303,7 +302,7 @@ def test_heat_that_is_not_resolved_is_not_told(monkeypatch):
     assert np.isfinite(resolved.dissipated).all()
     monkeypatch.setattr(control, "_MOST_STEPS", 200)
     with pytest.warns(
-        em.ConvergenceWarning, match="the heat at 2 of 4 instants did not converge"
+        em.ConvergenceWarning, match="2 of 4 values of the heat did not converge"
     ):
         found = em.indent(rubber, em.Cylinder(0.01, 0.1), **scene)
     assert found.converged.all()

@@ -185,8 +185,8 @@ def large(monkeypatch):
         "indentation_route._FEW",
         "indentation_route._MANY",
         "indentation_route._MUCH",
-        "refinement._MUCH",
-        "impact_levels._SMALL",
+        "refinement._PATIENCE",
+        "impact_motion._SMALL",
     ):
         monkeypatch.setattr(f"elastomdr.transient.{limit}", 0)
     monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)

@@ -17,9 +17,7 @@ from elastomdr.element.episode import (
     to_modes,
 )
 from elastomdr.surface.disc import Disc
-from elastomdr.transient.batches import indent_all, over_histories
-from elastomdr.transient.depth_history import edges
-from elastomdr.transient.panels import LAYERS
+from elastomdr.transient.depth_history import LAYERS, edges, indent_all, over_histories
 
 
 @pytest.mark.parametrize("slowness", [1e8, 1e17])

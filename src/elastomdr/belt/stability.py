@@ -32,7 +32,7 @@ from ..errors import InputError
 from ..results.axes import Axis
 from ..results.base import Result, quantity, record
 from ..results.words import brief, in_words, span
-from ..transient.mount import Mount
+from ..transient.body_motion import Mount
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number

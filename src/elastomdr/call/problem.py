@@ -109,16 +109,16 @@ def rough_scene(
     return steady_scene(foundation, surface, temperature=temperature, **given)
 
 
-def check_rtol(rtol: Any) -> None:
-    """Raises `InputError` unless it is a number that a steady scene can keep."""
+def check_rtol(rtol: Any, least: str = "1e-10", most: str = "1e-1") -> float:
+    """The tolerance as a number. Raises `InputError` unless it is one that the call can
+    keep.
+    """
     if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
         rtol = rtol.item()
-    if (
-        isinstance(rtol, bool)
-        or not isinstance(rtol, (int, float))
-        or not 1e-10 <= rtol <= 1e-1
-    ):
-        raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
+    number = isinstance(rtol, (int, float)) and not isinstance(rtol, bool)
+    if not number or not float(least) <= rtol <= float(most):
+        raise InputError(f"rtol must be a number from {least} to {most}, got {rtol!r}.")
+    return float(rtol)
 
 
 def check_carries(foundation: Any) -> None:

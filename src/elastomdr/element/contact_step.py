@@ -182,7 +182,7 @@ def advance(
     keep: Callable[..., Any] = lambda function, *args: function(*args),
 ) -> Elements:
     """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep`
-    as in `transient.slide_march.kept`.
+    as in `transient.march.if_so`.
     """
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading

@@ -98,11 +98,11 @@ def _barycentric(stencil: int) -> np.ndarray:
     return (-1.0) ** np.arange(stencil) / np.array(factorials)
 
 
-def halving_limit(coarse: Any, fine: Any) -> Any:
-    """Richardson's limit of a method of second order, from a step and from half of it;
-    arrays or numbers.
+def halving_limit(coarse: Any, fine: Any, power: int = 2) -> Any:
+    """Richardson's limit from a step and from half of it, without the given power of
+    the step in its error; arrays or numbers.
     """
-    return fine + (fine - coarse) / 3
+    return fine + (fine - coarse) / (2**power - 1)
 
 
 _NEAR = 9  # nodes around the largest value

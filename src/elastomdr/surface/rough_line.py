@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..arrays import compiled, fixed, xp
+from ..arrays import compiled, fixed, on_numpy, xp
 from ..checks import (
     Array,
     alike,
@@ -154,6 +154,17 @@ def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
     )
 
 
+def _slice(x: Array, start: Array, count: int) -> Array:
+    """`count` entries from `start` on: so the compiled loop over four such slices runs
+    over whole vectors, five times as fast as over parts of one.
+    """
+    if on_numpy():
+        return x[start : start + count]
+    from jax.lax import dynamic_slice
+
+    return dynamic_slice(x, (start,), (count,))
+
+
 def _cubic(c: Array, t: Array) -> Array:
     """The spline a part t of the way from its second to its third coefficient, of four
     along the first axis.
@@ -199,11 +210,7 @@ def spline(
     t = shift - whole
     start = xp.mod(whole.astype(xp.int64) - 1, n)
     wrapped = xp.concatenate([coefficients, coefficients, coefficients[:3]])
-    # Four slices, not four parts of one: so the compiled loop runs over whole vectors,
-    # five times as fast.
-    from jax.lax import dynamic_slice
-
-    near = [dynamic_slice(wrapped, (start + m,), (n,)) for m in range(4)]
+    near = [_slice(wrapped, start + m, n) for m in range(4)]
     u = 1 - t
     value = (
         u**3 / 6,

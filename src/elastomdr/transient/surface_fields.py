@@ -19,12 +19,10 @@ from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
 from ..numerics.quadrature import gauss, shares_to_legendre
 from ..surface.disc import Disc
-from .batches import over_histories
+from .depth_history import NODES, cuts, indent_between, over_histories, padded
 from .depth_history import edges as edges_of
-from .depth_history import indent_between, padded
 from .indentation_route import Course, refined
 from .layer_disc import LayerDisc, line_of
-from .panels import NODES, cuts
 
 _CUTS = cuts(1)  # of the panels
 _POINTS, _WEIGHTS = gauss(12)

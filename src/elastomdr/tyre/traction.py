@@ -37,7 +37,7 @@ from ..smooth.cylinder import cylinder_pressure
 from ..smooth.problem import Contact, SmoothScene, Steady, set_up, solve
 from ..surface.lines import SingleLine
 from ..surface.shapes import AbstractShape, Cylinder
-from ..transient.tangential_law import both_laws
+from ..transient.problem import both_laws
 from ..trees import replaced
 from .brush import (
     LayerContact,
