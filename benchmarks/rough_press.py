@@ -15,8 +15,8 @@ import numpy as np
 from common import heading, one_thread, save, table
 
 import elastomdr as em
-from elastomdr.rough.bearing import bounds
 from elastomdr.rough.half_space import solve
+from elastomdr.rough.press import bounds
 from elastomdr.surface.spectrum import rough_map
 
 MODULUS, LOW, SLOPE = 1e6, 1e3, 0.3  # E* [Pa], q_low [rad/m], rms slope

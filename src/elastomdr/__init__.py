@@ -44,7 +44,7 @@ _HOMES = {
     "element.law": ("Foundation", "half_space", "springs"),
     "element.layer": ("Layer", "layer"),
     "element.contact_step_solver": ("ContactStep",),
-    "rough.adhesive_shear": ("AdhesiveShear",),
+    "rough.adhesion": ("AdhesiveShear",),
     "rough.heat": ("Heat",),
     "smooth.plan": ("Plan",),
     "verbs.friction": ("friction",),
@@ -75,8 +75,7 @@ _HOMES = {
     "transient.history_result": ("Slide", "Drive", "Shear", "ForceSpectrum"),
     "results.friction_law": ("FrictionLaw", "load_friction"),
     "transient.indentation_result": ("Indentation",),
-    "rough.line_contact_result": ("LineContact",),
-    "rough.press_result": ("RoughContact",),
+    "rough.results": ("LineContact", "RoughContact"),
     "transient.impact_result": ("Impact",),
     "tyre.traction_result": ("Traction",),
 }

@@ -51,13 +51,13 @@ from .results.friction_law import FrictionLaw as FrictionLaw
 from .results.friction_law import load_friction as load_friction
 from .results.spectrum import Dissipation as Dissipation
 from .results.spectrum import FrictionSpectrum as FrictionSpectrum
-from .rough.adhesive_shear import AdhesiveShear as AdhesiveShear
+from .rough.adhesion import AdhesiveShear as AdhesiveShear
 from .rough.friction_spectrum import friction_spectrum as friction_spectrum
 from .rough.heat import Heat as Heat
 from .rough.line_contact import line_contact as line_contact
-from .rough.line_contact_result import LineContact as LineContact
 from .rough.press import press as press
-from .rough.press_result import RoughContact as RoughContact
+from .rough.results import LineContact as LineContact
+from .rough.results import RoughContact as RoughContact
 from .seal.o_ring import ORing as ORing
 from .seal.o_ring import o_ring as o_ring
 from .smooth.dissipation import dissipation as dissipation

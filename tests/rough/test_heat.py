@@ -9,7 +9,7 @@ from scipy.special import erf, i0e, k0e
 
 import elastomdr as em
 from elastomdr.cli.main import main
-from elastomdr.rough.heat import rise, scales
+from elastomdr.rough.flash import rise, scales
 
 # of the width of the spectrum
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.rough.bearing import least_conductance
 from elastomdr.rough.half_space import solve
+from elastomdr.rough.press import least_conductance
 from elastomdr.surface.spectrum import rough_map
 
 RUBBER = em.Foundation(1e6, [3e6], [0.1])

@@ -49,7 +49,7 @@ def panel_sums(
     of kappa_j mu_j, if given.
     """
     if on_numpy():
-        mu = _moments(c.shape[0] if kappa is None else kappa.shape[0], z)
+        mu = moments(c.shape[0] if kappa is None else kappa.shape[0], z)
         odd, even = _dot(c[1::2], mu[1::2]), _dot(c[2::2], mu[2 : c.shape[0] : 2])
         return (
             mu[0],
@@ -97,7 +97,7 @@ def _dot(rows: Any, mu: Any) -> Any:
     return total
 
 
-def _moments(count: int, z: Any) -> Float[np.ndarray, "count ..."]:
+def moments(count: int, z: Any) -> Float[np.ndarray, "count ..."]:
     """mu_j(z) of j < `count`, as in `_sum`; on NumPy."""
     flat = z.reshape(-1)
     big = flat > 2 * _ranges(count)[0]
@@ -120,7 +120,7 @@ def _moments(count: int, z: Any) -> Float[np.ndarray, "count ..."]:
 
 
 def _backward(count: int, z: Float[np.ndarray, " n"]) -> Float[np.ndarray, "count n"]:
-    """`_moments` from the ratios of each to the one before."""
+    """`moments` from the ratios of each to the one before."""
     half, top = 0.5 * z, _ranges(count)[1]
     mu = np.empty((count, z.size))
     ratio = half / (top + 1.5 + np.sqrt((top + 1.5) ** 2 + half**2))
@@ -137,7 +137,7 @@ def _backward(count: int, z: Float[np.ndarray, " n"]) -> Float[np.ndarray, "coun
 
 
 def _forward(count: int, z: Float[np.ndarray, " n"]) -> Float[np.ndarray, "count n"]:
-    """`_moments` of large z, each from the two before."""
+    """`moments` of large z, each from the two before."""
     inverse, decay = 2 / z, np.exp(-z)
     mu = np.empty((count, z.size))
     mu[0] = 0.5 * (1 - decay) * inverse

@@ -27,7 +27,7 @@ from ..io.data import MeasuredFriction
 from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
-from ..rough.adhesive_shear import AdhesiveShear
+from ..rough.adhesion import AdhesiveShear
 from .findings import AbstractFindings, tell
 from .tables import table_csv
 

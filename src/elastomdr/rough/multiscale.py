@@ -128,30 +128,23 @@ def solve(
             for part in (4, 2, 1)
         )
         return Found(*fine, *map(_error, fine, coarse, coarsest))
-    mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
-    left, per_decade = np.arange(velocity.size), PER_DECADE
-    coarsest, coarse = (
-        _in_batches(
+
+    def evaluated(points: Any, per_decade: int) -> Any:
+        return _in_batches(
             modulus,
             spectrum,
-            velocity,
-            pressure,
-            model,
-            per_decade // part,
-            local,
-        )
-        for part in (4, 2)
-    )
-    while left.size and per_decade <= _FINEST:
-        fine = _in_batches(
-            modulus,
-            spectrum,
-            velocity[left],
-            pressure[left],
+            velocity[points],
+            pressure[points],
             model,
             per_decade,
-            local.of(left),
+            local.of(points),
         )
+
+    mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
+    left, per_decade = np.arange(velocity.size), PER_DECADE
+    coarsest, coarse = (evaluated(left, per_decade // part) for part in (4, 2))
+    while left.size and per_decade <= _FINEST:
+        fine = evaluated(left, per_decade)
         mu[left], area[left] = fine
         error[left], area_error[left] = map(_error, fine, coarse, coarsest)
         # one may be by chance
@@ -159,11 +152,8 @@ def solve(
             area_error[left] <= rtol * area[left]
         )
         again = ~met & np.isfinite(fine[0])
-        left, coarsest, coarse = (
-            left[again],
-            [x[again] for x in coarse],
-            [x[again] for x in fine],
-        )
+        left = left[again]
+        coarsest, coarse = ([x[again] for x in level] for level in (coarse, fine))
         per_decade *= 2
     return Found(mu, area, error, area_error)
 
@@ -286,6 +276,22 @@ def _averages(
     return loss * drag, stiffness * (storage**2 + (loss**2 - storage**2) * lost)
 
 
+def rate_of(at: Nodes, stiffness: Any, pressure: Any) -> Any:
+    """dR/dlog q = q^4 C stiffness/(8 p^2), R the integral of G without S."""
+    return at.power * stiffness / (8 * pressure**2)
+
+
+def stress_variance(
+    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, per_decade: int
+) -> Any:
+    """R of all waves, at points (velocity [m/s], pressure [Pa]), flat."""
+    at = nodes(spectrum, per_decade)
+    table = _table(modulus, at, velocity, np.log(10.0) / per_decade, _LINEAR)
+    _, stiffness = _averages(modulus, velocity, at.q, table)
+    rate = rate_of(at, stiffness, pressure[:, None, None])
+    return (rate * at.weight).sum((-2, -1))
+
+
 def waves_of_persson(
     modulus: Any,
     at: Nodes,
@@ -298,7 +304,7 @@ def waves_of_persson(
     """Friction wave by wave, by Persson's theory; none of contact edges."""
     p = pressure[:, None, None]
     drag, stiffness = _averages(modulus, velocity, at.q, table, local)
-    rate = at.power * stiffness / (8 * p**2)
+    rate = rate_of(at, stiffness, p)
     shares = contact(until(rate, at.weight), *energy_factor)
     full = at.weight * at.power * drag / (2 * p)
     area = contact((rate * at.weight).sum((-2, -1)), *energy_factor)
@@ -317,7 +323,7 @@ def parts(
     """What Multiscale weighs, at points (velocity [m/s], pressure [Pa]), flat."""
     p = pressure[:, None, None]
     drag, stiffness = _averages(modulus, velocity, at.q, table, local)
-    rate = at.power * stiffness / (8 * p**2)
+    rate = rate_of(at, stiffness, p)
     total = (rate * at.weight).sum((-2, -1))
     end = (
         at.end_power
@@ -415,29 +421,47 @@ def friction(
         good = found.mu == found.mu
     if progress is not None and not is_traced(velocity):
         progress(velocity.size, velocity.size)
-    # The friction of the halves of a table shows the error of its interpolation.
-    change = 0.0
-    for half in () if traced else _half_tables(foundation):
-        other = solve(
-            half.complex_modulus,
+    change = (
+        0.0
+        if traced
+        else table_error(
+            model,
+            foundation,
             surface,
             velocity,
             pressure,
-            model,
+            local,
             max(rtol, 1e-3),
-            local=local,
+            found.mu,
         )
-        change = np.maximum(change, LEFT_OUT * np.abs(other.mu - found.mu))
+    )
     return SurfaceFriction(
         found.mu, found.area, found.error + change, good, found.area_error
     )
 
 
-def _half_tables(foundation: Any) -> tuple[Any, ...]:
-    """The halves of a table of moduli; none for a series."""
+def table_error(
+    model: Any,
+    foundation: Any,
+    surface: Any,
+    velocity: Any,
+    pressure: Any,
+    local: Local,
+    rtol: float,
+    mu: Any,
+) -> Any:
+    """Error of mu by the interpolation of a table of moduli, from the friction of its
+    halves; 0 for a series.
+    """
     if not hasattr(foundation, "thinned") or is_traced(foundation):
-        return ()
-    return tuple(foundation.thinned())
+        return 0.0
+    change = np.zeros_like(mu)
+    for half in foundation.thinned():
+        other = solve(
+            half.complex_modulus, surface, velocity, pressure, model, rtol, local=local
+        )
+        change = np.maximum(change, LEFT_OUT * np.abs(other.mu - mu))
+    return change
 
 
 # |ln(mu/mu_3D)| <= a + b (-ln A) for 95 % of the map's points, each predicted without

@@ -37,12 +37,11 @@ import numpy as np
 
 from ..arrays import as_numpy, fixed, is_traced, namespace, while_loop
 from ..numerics.quadrature import gauss_unit
-from .heat import Heat
+from .heat import Heat, highest_rise
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, _table, bends
 from .psd_integrals import Nodes, nodes, until
 
-HIGHEST = 1000.0  # largest rise that is looked for [K]
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
 _NEAR_NODES = 24  # over the distances below half the shortest wave
 # relative change of temperatures at which they have settled; most rounds
@@ -269,7 +268,8 @@ def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any
     if namespace(problem.reduced, *_leaves(problem)) is not np:
         return None
     hottest = np.full(
-        (problem.kelvin.size, 1), min(highest, reach(problem.body, problem.kelvin))
+        (problem.kelvin.size, 1),
+        min(highest, highest_rise(problem.body, problem.kelvin)),
     )
     local = Local(
         problem.softened, Warmed(None, hottest, highest, problem.kelvin, problem.body)
@@ -615,26 +615,6 @@ def _newton(
     slopes = fixed(jnp.moveaxis(jax.lax.map(column, jnp.eye(count)), 0, -1))
     off = of(rise).rise - rise
     return rise + jnp.linalg.solve(jnp.eye(count) - slopes, off[..., None])[..., 0]
-
-
-def reach(body: Any, kelvin: Any) -> float:
-    """The largest rise to look for: that of a shift law's end above the warmest body,
-    or 1000 K.
-    """
-    from ..errors import InputError
-    from ..material.shift import thermal_factors
-
-    low, high, warmest = 0.0, 2 * HIGHEST, float(np.max(kelvin))
-    while high - low > 1e-3 * low + 1e-3:
-        middle = 0.5 * (low + high)
-        try:
-            thermal_factors(body, warmest + middle)
-            low = middle
-        except InputError:
-            high = middle
-        if low >= HIGHEST:
-            break
-    return min(low, HIGHEST)
 
 
 def _leaves(problem: Problem) -> list[Any]:

@@ -15,8 +15,7 @@ from ..call.model_choice import (
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced
 from ..results.curve import FrictionCurve
-from ..rough.adhesion import on_contact
-from ..rough.adhesive_shear import AdhesiveShear, check_adhesion
+from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
 from ..rough.heat import Heat
 from ..smooth.on_layer import is_on_layer
 from ..surface.shapes import AbstractShape

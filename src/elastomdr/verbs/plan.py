@@ -14,7 +14,7 @@ from ..call.model_choice import (
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced
 from ..errors import InputError
-from ..rough.adhesive_shear import AdhesiveShear, check_adhesion
+from ..rough.adhesion import AdhesiveShear, check_adhesion
 from ..rough.heat import Heat
 from ..smooth.plan import Plan
 from ..surface.shapes import AbstractShape

@@ -1,5 +1,5 @@
-"""A cylinder that slides steadily on a layer, in plane strain, on a line of cells: the
-slow truth of `smooth.cylinder_collocation`.
+"""A cylinder that slides steadily on a layer, in plane strain, on a line of cells: a
+slow solution to compare `smooth.cylinder_collocation` with.
 
 Cells of constant pressure; their influence from the complex compliance W(kh)/E*(kv) by
 one long Fourier transform, less the instantaneous half-plane above its mirror image,
@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from ..element.layer import Layer
-from ..material.relaxation import to_kelvin
+from elastomdr.element.layer import Layer
+from elastomdr.material.relaxation import to_kelvin
 
 _PIVOTS = 100
 _FINE = 4  # samples of the transform per cell
