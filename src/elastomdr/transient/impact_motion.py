@@ -2,7 +2,7 @@
 contact force has gone.
 
 While the contact grows every element has been pressed in since it was touched, at
-t_1(x), so that with the measure A(d) of `surface.reach`
+t_1(x), so that with the measure A(d) of `surface.disc`
 
     F = E_inf A(d) + sum_k F_k + eta A'(d) d',    F_k' = E_k A'(d) d' - F_k/tau_k.
 
