@@ -279,8 +279,17 @@ def layer_disc(
     places = (middle[:, None] + half[:, None] * _places()).ravel()
     places = np.minimum(places, 0.999 * top) * thickness
     places = numpy.minimum(places, 0.999 * shape.largest_contact)
-    given = (shape, "half-space", numpy.asarray(thickness))
-    disc = LayerDisc(*given, *tables, places, places, places, squeeze, bonded)
+    disc = LayerDisc(
+        shape,
+        "half-space",
+        numpy.asarray(thickness),
+        *tables,
+        places=places,
+        depths=places,
+        areas=places,
+        squeeze=squeeze,
+        bonded=bonded,
+    )
     if disc.flat:
         return disc
     depths, areas = fixed(
