@@ -296,7 +296,7 @@ def _values(sweep: Any) -> dict[str, np.ndarray]:
             f'"strain", "storage" and "loss", got {type(sweep).__name__}.'
         )
     columns = lists(names, tuple(sweep[name] for name in names))
-    values = dict(zip(names, columns, strict=True))
+    values: dict[str, np.ndarray] = dict(zip(names, columns, strict=True))
     for name in ("temperature", "omega"):
         given = np.nan if sweep.get(name) is None else sweep[name]
         try:

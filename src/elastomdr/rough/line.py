@@ -138,8 +138,14 @@ class _Solver:
             wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]],
         ) -> list[Line]:
             jobs = [
-                Job(np.asarray(line.height), float(line.spacing), *lanes, control)
-                for line, *lanes, control in wanted
+                Job(
+                    np.asarray(line.height),
+                    float(line.spacing),
+                    speeds,
+                    values,
+                    control,
+                )
+                for line, speeds, values, control in wanted
             ]
             return solve_lines(
                 jobs, self.law, ask.rtol, self.skip, self._tick, self.store

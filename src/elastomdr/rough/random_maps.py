@@ -1,6 +1,6 @@
 """Friction of a surface on random maps of it, in three dimensions: `em.HalfSpace`.
 
-A map (`surface.rough_map`) has the amplitudes of the spectrum and random phases. Its
+A map (`surface.spectrum.rough_map`) has the amplitudes of the spectrum and random phases. Its
 friction is divided by that of full contact on the same waves, and multiplied by that of
 the spectrum, which takes off what the waves of a finite cell miss.
 
