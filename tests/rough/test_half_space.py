@@ -191,17 +191,6 @@ def test_cells_that_do_not_resolve_are_refused():
         em.friction(SOLID, wide, velocity=0.1, pressure=1e5, model=em.HalfSpace())
 
 
-def test_smooth_bodies_are_the_reference():
-    given = {"velocity": 0.1, "load": 1.0}
-    curve = em.friction(
-        SOLID, em.Paraboloid(1e-2), **given, model=em.HalfSpace(cells=32)
-    )
-    other = em.reference.half_space_sliding(
-        SOLID, em.Paraboloid(1e-2), **given, points=32
-    )
-    assert curve.mu == other.mu
-
-
 def test_summits_grow_with_the_cell_and_the_load():
     at = {"velocity": np.array([0.1]), "pressure": np.array([1e5])}
     small = maps.summits(

@@ -278,11 +278,11 @@ shape = "self_affine"
 hurst = 0.8
 rms_slope = 0.3
 longest = "3 mm"
-shortest = "0.1 mm"
+shortest = "0.3 mm"
 [contact]
 model = "line"
 pressure = "0.05 MPa"
-velocity = ["0.01 m/s", "0.1 m/s", "1 m/s", "10 m/s"]
+velocity = ["0.01 m/s", "1 m/s"]
 [heat]
 conductivity = "{conductivity}"
 heat_capacity = "2 MJ/m^3/K"

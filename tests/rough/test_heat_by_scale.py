@@ -359,13 +359,14 @@ def test_a_hot_curve_is_fast():
         "velocity": np.geomspace(1e-3, 10, 24),
         "temperature": np.array([[283.0], [293.0], [313.0]]),
     }
-    em.friction(tread, ROAD, pressure=2e5, heat=HEAT, **asked)
-    spent = []
-    for _ in range(3):
+
+    def spent():
         start = time.process_time()
         em.friction(tread, ROAD, pressure=2e5, heat=HEAT, **asked)
-        spent.append(time.process_time() - start)
-    assert min(spent) < 2.0  # .4 on a quiet machine; cold points alone take that too
+        return time.process_time() - start
+
+    # .4 on a quiet machine; cold points alone take that, too
+    assert any(spent() < 2.0 for _ in range(3))
 
 
 @pytest.mark.slow

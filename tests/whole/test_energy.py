@@ -103,11 +103,11 @@ def test_adhesive_cycle():
 
 def test_shear_in_an_elastic_contact():
     """Oblique motion, the load rising and falling: int F dU against stored energy and
-    slip, with the square of the time between instants, and to 1e-8 of the work in the
-    limit.
+    slip, with the square of the time between instants, and to 3e-8 of the work in the
+    limit that the two finer ones extrapolate to.
     """
     gaps = []
-    for n in (400, 800, 1600):
+    for n in (200, 400, 800):
         time = np.linspace(0, 2, n + 1)
         u = 1e-4 * np.interp(time, [0, 0.7, 1.3, 2], [0, 1, -0.5, 0.8])
         load = 20 * np.interp(time, [0, 1, 2], [0.5, 1, 0.4])
@@ -119,7 +119,7 @@ def test_shear_in_an_elastic_contact():
             friction=0.5,
             load=load,
             tangential=em.Foundation(8e6 / 3, [], []),
-            elements=10_000,
+            elements=2500,
         )
         scale = np.abs(found.work).max()
         np.testing.assert_allclose(
@@ -130,7 +130,7 @@ def test_shear_in_an_elastic_contact():
         )
         gaps.append((done - found.work)[:: n // 4] / scale)
     np.testing.assert_allclose(gaps[1][1:] / gaps[2][1:], 4, rtol=0.02)
-    np.testing.assert_allclose((4 * gaps[2] - gaps[1]) / 3, 0, atol=1e-8)
+    np.testing.assert_allclose((4 * gaps[2] - gaps[1]) / 3, 0, atol=3e-8)
 
 
 def test_shear_of_a_viscoelastic_contact_that_sticks():
