@@ -128,7 +128,7 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
     import jax
 
     keep_compiled_code()
-    if not jax.config.read("jax_enable_x64") and _reversible(args, kwargs):
+    if not jax.config.read("jax_enable_x64") and reversible(args, kwargs):
         return _with_its_way_back(function, args, kwargs)
     before, _mode.numpy = _mode.numpy, False
     try:
@@ -139,7 +139,7 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
         _mode.numpy = before
 
 
-def _reversible(*trees: Any) -> bool:
+def reversible(*trees: Any) -> bool:
     """Whether JAX traces some of it, and none of that for forward derivatives, which a
     reverse rule would exclude.
     """

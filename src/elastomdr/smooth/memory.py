@@ -84,6 +84,9 @@ class Passage(NamedTuple):
     # of the panels, where they are fixed: (panels, 1, 1, 1, points or 1)
     ends: Array | None = None
     table: Memory | None = None  # at these ends
+    judged: bool = (
+        True  # whether what is summed in full has the variants of the samples
+    )
 
     @property
     def decay(self) -> Float[Array, "branches points"]:
@@ -249,7 +252,7 @@ def _panel(p: Passage, size: Array, start: Array, width: Array, full: bool) -> _
         rise = end - begin
         mean = xp.where(wide, rise / xp.where(wide, width, 1.0), c[0])
         c = xp.concatenate([mean[None], c[1:]])
-    if full and not p.rule.exact:
+    if full and p.judged and not p.rule.exact:
         c = xp.concatenate([c, fixed(_variants(p.rule, c))], axis=2)
     return _Panel(start, width, c, full)
 

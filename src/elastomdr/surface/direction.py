@@ -216,7 +216,7 @@ def asymmetry(
     s = xp.maximum((leading - trailing) / (leading + trailing), 1e-12)
     apart = 0.0 if mean is None else mean - s
     ratio = average / xp.where(line > 0, line, 1.0)
-    c, p, q, d, per_s = (xp.interp(exponent, _POWERS, row) for row in _EXCESS)
+    c, p, q, d, per_s = _between_powers(exponent)
     factor = c * s**p
     excess = factor * xp.maximum(2 * ratio - 1, 1e-9) ** q + d * apart
     excess = xp.where(line > 0, excess, 0.0)
@@ -230,6 +230,17 @@ def asymmetry(
         corrected_bound,
         4 * factor + 2 * xp.abs(d) * (s + apart),
     )
+
+
+def _between_powers(exponent: Array) -> Array:
+    """The rows of `_EXCESS` at a power of a profile, linear between those of the table
+    and held beyond.
+    """
+    held = xp.clip(exponent, _POWERS[0], _POWERS[-1])
+    left = xp.sum(held >= _POWERS[1:-1].reshape(-1, *[1] * held.ndim), axis=0)
+    slope = np.diff(_EXCESS) / np.diff(_POWERS)
+    start, below, rise = (xp.asarray(x)[..., left] for x in (_POWERS, _EXCESS, slope))
+    return rise * (held - start) + below
 
 
 @numpy_unless_traced
