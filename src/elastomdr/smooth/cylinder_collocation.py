@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, xp
+from ..arrays import fixed, xp
 from ..checks import Array
 from ..element.layer import layer_deficit, layer_kernel
 from ..material.relaxation import KelvinChain, Relaxation
@@ -215,49 +215,27 @@ def half_of(
     dashpot: bool,
 ) -> Array:
     """Half-length [m] at which load per length [N/m] or depth [m] is the one `wanted`,
-    NaN where none was found.
-
-    Derivatives pass through the last step of Newton's method.
+    NaN where none was found; on NumPy.
     """
 
-    def residual(
-        of: Cylinders, with_waves: Waves | None, target: Array, log: Array, n: int
-    ) -> Array:
-        found = solve_at(of, xp.exp(log), n, with_waves, dashpot)
-        value = depth(of, found, n) if by_depth else found.load
-        return xp.log(xp.maximum(value, 1e-300)) - xp.log(target)
+    def residual(log: Array, terms: int) -> Array:
+        found = solve_at(problem, np.exp(log), terms, waves, dashpot)
+        value = depth(problem, found, terms) if by_depth else found.load
+        return np.log(np.maximum(value, 1e-300)) - np.log(wanted)
 
-    still = fixed((problem, waves, wanted))
-    log, found = search(lambda x: residual(*still, x, _FIRST), fixed(xp.log(guess)))
-    if on_numpy():
-        slope = (
-            residual(*still, log + 1e-4, _FIRST) - residual(*still, log, _FIRST)
-        ) / 1e-4
-        off, step = residual(*still, log, order), xp.zeros_like(log)
-        for _ in range(_STEPS):
-            step = xp.clip(-off / slope, -0.5, 0.5)
-            log, before = log + step, off
-            if not (xp.abs(step) > _SMALL_STEP).any():
-                break
-            off = residual(*still, log, order)
-            moved = (off - before) * step > 0  # few terms may know little of the slope
-            slope = xp.where(
-                moved & (xp.abs(step) > 1e-3),
-                (off - before) / xp.where(step == 0, 1.0, step),
-                slope,
-            )
-        return xp.where(found & (xp.abs(step) <= _REACHED), xp.exp(log), xp.nan)
-    import jax
-
-    step = xp.zeros_like(log)
-    for inputs in (still, still, (problem, waves, wanted)):
-        function = functools.partial(residual, *inputs, n=order)
-        value, slope = jax.jvp(
-            lambda x, function=function: function(x), (log,), (xp.ones_like(log),)
-        )
-        step = xp.clip(value / fixed(slope), -0.5, 0.5)
-        log = log - step
-    return xp.where(found & (xp.abs(fixed(step)) <= _REACHED), xp.exp(log), xp.nan)
+    log, found = search(lambda x: residual(x, _FIRST), np.log(guess))
+    slope = (residual(log + 1e-4, _FIRST) - residual(log, _FIRST)) / 1e-4
+    off, step = residual(log, order), np.zeros_like(log)
+    for _ in range(_STEPS):
+        step = np.clip(-off / slope, -0.5, 0.5)
+        log, before = log + step, off
+        if not (np.abs(step) > _SMALL_STEP).any():
+            break
+        off = residual(log, order)
+        moved = (off - before) * step > 0  # few terms may know little of the slope
+        secant = (off - before) / np.where(step == 0, 1.0, step)
+        slope = np.where(moved & (np.abs(step) > 1e-3), secant, slope)
+    return np.where(found & (np.abs(step) <= _REACHED), np.exp(log), np.nan)
 
 
 def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
