@@ -18,21 +18,24 @@ the friction in light contact. Exact in full contact; for small loss mu is linea
 loss, and for p -> 0 it does not depend on p.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace
-from ..checks import is_traced
+from ..arrays import fixed, namespace, xp
+from ..checks import is_traced, known
 from ..material.tabulated import LEFT_OUT
 from ..models import SurfaceFriction
+from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
-from .local_modulus import Local
+from .local_modulus import Local, Softened, Warmed
 from .psd_integrals import (
     PER_DECADE,
     Nodes,
+    cell_counts,
     direct,
     factor,
     nodes,
@@ -111,23 +114,6 @@ def solve(
     Cells of log q are halved until the change by the last halving is below `rtol`, or
     no more memory should be spent.
     """
-    xp = namespace(
-        velocity, pressure, spectrum.q, spectrum.c, modulus(np.ones(1)), *local.arrays()
-    )
-    if xp is not np:
-        coarsest, coarse, fine = (
-            _evaluate(
-                modulus,
-                nodes(spectrum, _TRACED // part),
-                velocity,
-                pressure,
-                model,
-                None,
-                local,
-            )
-            for part in (4, 2, 1)
-        )
-        return Found(*fine, *map(_error, fine, coarse, coarsest))
 
     def evaluated(points: Any, per_decade: int) -> Any:
         return _in_batches(
@@ -162,8 +148,7 @@ def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
     """Half the last change, or an eighth of that before if more: of second order, as
     where a table's cubics meet.
     """
-    xp = namespace(fine)
-    return xp.maximum(abs(fine - coarse) / 2, abs(coarse - coarsest) / 8)
+    return np.maximum(abs(fine - coarse) / 2, abs(coarse - coarsest) / 8)
 
 
 def _in_batches(
@@ -406,38 +391,84 @@ def friction(
     progress: Callable[[int, int], None] | None,
 ) -> SurfaceFriction:
     """`solve` with the error of a table of moduli, and which points met `rtol`."""
-    found = solve(
-        foundation.complex_modulus,
+    if is_traced(foundation, surface, velocity, pressure, local):
+        shared, points = _taken_apart(foundation, surface, velocity, pressure, local)
+        counts = cell_counts(known(fixed(surface)), _TRACED)
+        found = _with_slopes(model, float(rtol), counts)(shared, points)
+        return found._replace(good=found.good > 0)
+    modulus = foundation.complex_modulus
+    found = solve(modulus, surface, velocity, pressure, model, rtol, local=local)
+    if progress is not None:
+        progress(velocity.size, velocity.size)
+    good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
+    change = table_error(
+        model,
+        foundation,
         surface,
         velocity,
         pressure,
-        model,
-        rtol,
-        local=local,
-    )
-    traced = is_traced(found.mu)
-    good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
-    if traced:
-        good = found.mu == found.mu
-    if progress is not None and not is_traced(velocity):
-        progress(velocity.size, velocity.size)
-    change = (
-        0.0
-        if traced
-        else table_error(
-            model,
-            foundation,
-            surface,
-            velocity,
-            pressure,
-            local,
-            max(rtol, 1e-3),
-            found.mu,
-        )
+        local,
+        max(rtol, 1e-3),
+        found.mu,
     )
     return SurfaceFriction(
         found.mu, found.area, found.error + change, good, found.area_error
     )
+
+
+def _taken_apart(
+    foundation: Any, surface: Any, velocity: Any, pressure: Any, local: Local
+) -> tuple[Any, Any]:
+    """What all points share, and what each has of its own, for `_with_slopes`."""
+    share = None if local.softened is None else local.softened.share
+    if local.warmed is None:
+        return as_doubles(((foundation, surface, share, None), (velocity, pressure)))
+    warmed = local.warmed
+    shared = foundation, surface, share, (warmed.ends, warmed.highest)
+    return as_doubles(
+        (shared, (velocity, pressure, warmed.kelvin, xp.transpose(warmed.rise)))
+    )
+
+
+def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
+    foundation, surface, share, range_of_scales = shared
+    softened = warmed = None
+    if share is not None:
+        softened = Softened(foundation.softening, surface, share)
+    if range_of_scales is not None:
+        (ends, highest), (_, _, kelvin, rise) = range_of_scales, points
+        warmed = Warmed(ends, rise.T, highest, kelvin, foundation)
+    return foundation, surface, Local(softened, warmed)
+
+
+@functools.lru_cache(64)
+def _with_slopes(
+    model: Any, rtol: float, counts: tuple[int, ...]
+) -> Callable[..., SurfaceFriction]:
+    """`friction` under a transformation of JAX, of what `_taken_apart` gives: numbers
+    from NumPy, derivatives of the same integrals on `counts` cells.
+    """
+
+    def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
+        foundation, surface, local = _put_together(shared, points)
+        velocity, pressure = points[:2]
+        found = friction(
+            model, foundation, surface, velocity, pressure, local, rtol, None
+        )
+        return found.mu, found.area, found.error, found.good, found.area_error
+
+    def integrals(shared: Any, points: Any) -> tuple[Any, Any]:
+        foundation, surface, local = _put_together(shared, points)
+        velocity, pressure = points[:2]
+        at = nodes(surface, _TRACED, counts=counts)
+        modulus = foundation.complex_modulus
+        return _evaluate(modulus, at, velocity, pressure, model, None, local)
+
+    def like(shared: Any, points: Any) -> tuple[Any, ...]:
+        return (points[0],) * 5
+
+    solve = numbers_with_slopes(numbers, ((integrals, 2),), like)
+    return lambda shared, points: SurfaceFriction(*solve(shared, points))
 
 
 def table_error(

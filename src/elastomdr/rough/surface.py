@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import fixed
 from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from ..call.problem import Scene, rough_scene
-from ..checks import is_traced, nan_unless, require, scalar
+from ..checks import is_traced, known, nan_unless, require, scalar
 from ..element.law import surface_foundation
 from ..errors import ConvergenceWarning, InputError, ModelWarning
 from ..material.shift import thermal_factors
@@ -675,9 +676,11 @@ def _model_error(
     found, foundation = answer.found, scene.foundation
     if foundation.softening is not None and not model.softens:
         return answer.field(scene.shape, np.full(np.shape(found.mu), np.nan))
-    bound = model.bound(
-        foundation, surface, answer.reduced.ravel(), found.area, of_area
+    # a bound has no derivatives: of plain numbers nothing is traced
+    body, road, velocity, area = known(
+        fixed((foundation, surface, answer.reduced.ravel(), found.area))
     )
+    bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:
         return None
     if not of_area:
