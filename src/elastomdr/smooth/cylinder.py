@@ -168,7 +168,8 @@ def cylinder_on_layer(
     name = describe(shape).replace(" on a layer", "")
     words = f"{name} on {body.name or ('a layer' if layers else 'a half-space')}"
     reduced = xp.asarray(points.reduced).reshape(-1)
-    carriers, misfit = body, 0.0
+    carriers: Any = body
+    misfit = 0.0
     if not points.traced or _has_table(body):
         carriers, misfit = _covers(body, reduced)
     label = ON_LAYER if layers else ON_HALF_SPACE

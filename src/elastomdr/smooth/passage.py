@@ -189,8 +189,9 @@ def _normal(rule: Rule) -> Any:
     """
 
     def force(shared: Any, points: Any, ratio: Array) -> Array:
+        law, lines = shared
         size, velocity = points
-        return normal_force(Passage(*shared, rule, velocity), size, ratio)
+        return normal_force(Passage(law, lines, rule, velocity), size, ratio)
 
     return stationary(force, _ratio(rule))
 
@@ -200,8 +201,9 @@ def _drag(rule: Rule) -> Any:
     """Friction force from (contact size, velocity); dF_x/db = -g'(b) q(-b) = 0."""
 
     def force(shared: Any, points: Any, ratio: Array) -> Array:
+        law, lines = shared
         size, velocity = points
-        p = Passage(*shared, rule, velocity, judged=False)
+        p = Passage(law, lines, rule, velocity, judged=False)
         return friction_force(p, size, ratio)
 
     return stationary(force, _ratio(rule))

@@ -443,14 +443,18 @@ def _with_slopes(plan: Plan) -> Any:
     """
 
     def numbers(shared: Any, points: Any) -> Any:
-        sweep = _of_values(plan, *shared, *points)
+        (law, lines), (value, velocity) = shared, points
+        sweep = _of_values(plan, law, lines, value, velocity)
         return (sweep.mu, *sweep.line, sweep.error, sweep.model_error)
 
     def friction(shared: Any, points: Any) -> Any:
-        return (_averaged_by_formula(plan, *shared, *points),)
+        (law, lines), (value, velocity) = shared, points
+        return (_averaged_by_formula(plan, law, lines, value, velocity),)
 
     def line(shared: Any, points: Any) -> Any:
-        return solve_passages(*shared, plan.rules[0], plan.control, *points)[:-2]
+        (law, lines), (value, velocity) = shared, points
+        rule, control = plan.rules[0], plan.control
+        return solve_passages(law, lines, rule, control, value, velocity)[:-2]
 
     def like(shared: Any, points: Any) -> Any:
         return (points[0],) * (3 + len(Passages._fields))
@@ -469,11 +473,25 @@ def _of_values(
     sweep = Sweep(*blank[:2], Passages(*blank[3:]), blank[2])
     if not good.any():
         return sweep
-    value, velocity = value[good], velocity[good]
-    scene = (plan.quantity, plan.scene, plan.model, law, lines, plan.control)
-    options = (plan.averaged, plan.corrected, plan.rtol, plan.skip, plan.range)
-    points = (value, velocity, value.size, plan.temperatures)
-    solved = run(make_plan(*scene, *points, *options), law, lines, value, velocity)
+    value, velocity = np.asarray(value[good]), np.asarray(velocity[good])
+    known_plan = make_plan(
+        plan.quantity,
+        plan.scene,
+        plan.model,
+        law,
+        lines,
+        plan.control,
+        value,
+        velocity,
+        value.size,
+        plan.temperatures,
+        plan.averaged,
+        plan.corrected,
+        plan.rtol,
+        plan.skip,
+        plan.range,
+    )
+    solved = run(known_plan, law, lines, value, velocity)
     sweep.mu[good] = solved.mu
     sweep.error[good] = solved.error
     sweep.model_error[good] = solved.model_error
