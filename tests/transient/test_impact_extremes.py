@@ -10,7 +10,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.arrays import numpy_unless_traced
-from elastomdr.surface.reach import contact_measure
+from elastomdr.surface.disc import contact_measure
 
 from .bouncing import BALL, DM, KELVIN_VOIGT, E, M, R, V, impact, kelvin_voigt
 
