@@ -64,7 +64,7 @@ def fully_wet(time, speed, mount, amplitude, wave, rubber, load):
 @pytest.mark.parametrize(
     ("speed", "mount", "last", "slips", "rtol"),
     [
-        (0.2, em.Mount(0.02, 2e3, 1.0), 0.016, 2.0, 1e-4),
+        (0.2, em.Mount(0.02, 2e3, 1.0), 0.016, 2.0, 1e-3),
         (0.1, em.Mount(0.002, 2e3, 0.1), 0.021, 8.0, 1e-2),
     ],
     ids=["pulled along", "sticks, then slips"],
