@@ -129,7 +129,7 @@ def test_half_planes_settle_at_any_contrast(contrast):
     """
     law, velocity = (
         em.Foundation(4e6, [4e6 * (contrast - 1)], [1e-3]),
-        np.geomspace(1e-4, 1e2, 13),
+        np.geomspace(1e-4, 1e2, 7),
     )
     got, half = (
         half_plane_sliding(
@@ -141,8 +141,13 @@ def test_half_planes_settle_at_any_contrast(contrast):
     assert half.converged.all()
     off = np.abs(half.mu - got.mu) / half.error
     assert off.max() < 2
-    assert (off < 1).sum() >= 12
+    assert (off < 1).sum() >= 6
     assert (got.error < 0.02 * got.mu).all()
+    # where one that is begun anywhere does not
+    finest = half_plane_sliding(
+        law, 0.01, velocity=10**-2.5, load_per_length=2e3, points=1024
+    )
+    assert finest.converged
 
 
 def test_hunter():
