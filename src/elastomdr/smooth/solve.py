@@ -470,7 +470,8 @@ def _of_values(
     good = np.isfinite(value) & (value > 0) & np.isfinite(velocity) & (velocity > 0)
     good &= all(np.all(np.isfinite(x) & (x >= 0)) for x in vars(law).values())
     blank = np.full((3 + len(Passages._fields), value.size), np.nan)
-    sweep = Sweep(*blank[:2], Passages(*blank[3:]), blank[2])
+    mu, error, model_error, *line = blank
+    sweep = Sweep(mu, error, Passages(*line), model_error)
     if not good.any():
         return sweep
     value, velocity = np.asarray(value[good]), np.asarray(velocity[good])
