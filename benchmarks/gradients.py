@@ -43,7 +43,7 @@ SCENES = (
         "a paraboloid",
         "shape = em.Paraboloid(5e-3)",
         """em.friction(
-            em.StandardSolid(1e6, 3e6 * p[0], 1e-3), shape, velocity=1.0, load=1.0)""",
+            em.StandardSolid(1e6, 3e6 * p[0], 1e-3), shape, velocity=1.0, load=1.0).mu""",
         1,
         2.0,
         5.7,
@@ -52,7 +52,7 @@ SCENES = (
         "a sphere",
         "shape = em.Sphere(5e-3)",
         """em.friction(
-            em.StandardSolid(1e6, 3e6 * p[0], 1e-3), shape, velocity=1.0, load=1.0)""",
+            em.StandardSolid(1e6, 3e6 * p[0], 1e-3), shape, velocity=1.0, load=1.0).mu""",
         1,
         2.0,
         np.nan,
@@ -63,7 +63,7 @@ SCENES = (
         """em.friction(
             em.Prony(1e6 * p[0], 1e7 * p[1:5], times * p[5:9], poisson=0.49),
             em.SelfAffine(0.8 * p[9], rms_slope=0.5 * p[10], q_low=1e3, q_high=1e6),
-            velocity=0.1 * p[11], pressure=3e5)""",
+            velocity=0.1 * p[11], pressure=3e5).mu""",
         12,
         5.0,
         19.5,
@@ -73,7 +73,7 @@ SCENES = (
         "times = np.logspace(-4, 0, 3)",
         """em.rolling(
             em.layer(em.Prony(1e6 * p[0], 1e6 * p[1:4], times, poisson=0.49), 0.01 * p[4]),
-            em.Cylinder(0.05, 0.5), velocity=1.0, load=100.0 * p[5])""",
+            em.Cylinder(0.05, 0.5), velocity=1.0, load=100.0 * p[5]).coefficient""",
         6,
         5.0,
         28.0,
@@ -89,7 +89,7 @@ softening = em.Softening(
                      shift=em.WLF(8.86, 101.6, 300.0), softening=softening),
             em.SelfAffine(0.8, rms_slope=0.5 * p[5], q_low=1e3, q_high=1e6),
             velocity=p[6], pressure=3e5 * p[7], temperature=300.0,
-            heat=em.Heat(0.3, 2e6), adhesion=em.AdhesiveShear(1e5, 1e-2, 0.1))""",
+            heat=em.Heat(0.3, 2e6), adhesion=em.AdhesiveShear(1e5, 1e-2, 0.1)).mu""",
         8,
         15.0,
         78.0,
