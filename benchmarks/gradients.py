@@ -225,7 +225,8 @@ def exact() -> tuple[np.ndarray, np.ndarray]:
 
     def derivative(*along: int) -> float:
         orders = tuple(along.count(i) for i in range(count))
-        return float(mp.diff(scaled, (0,) * count, orders))
+        step = mp.mpf(10) ** -8
+        return float(mp.diff(scaled, (0,) * count, orders, h=step))
 
     slope = np.array([derivative(i) for i in range(count)])
     pairs = [[derivative(i, j) for j in range(count)] for i in range(count)]
