@@ -8,14 +8,13 @@ import functools
 import math
 import re
 import sys
-import warnings
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from .arrays import Array, as_numpy, in_float64, is_traced, numpy_unless_traced, xp
-from .errors import ConvergenceWarning, InputError
+from .errors import ConvergenceWarning, InputError, warn
 from .units.arguments import in_si, number_in_si
 
 __all__ = ["Array", "in_float64", "in_si", "is_traced", "numpy_unless_traced"]
@@ -272,18 +271,15 @@ def ascending(name: str, values: Any) -> None:
         )
 
 
-def warn_unless(
-    good: Any, points: str, asked: str = "", reason: str = "", *, stacklevel: int
-) -> None:
-    """Counts the points that are not `good` in one `ConvergenceWarning`, so many frames
-    up, with what was `asked` of them and a sentence for the `reason`; none where JAX
-    traces them.
+def warn_unless(good: Any, points: str, asked: str = "", reason: str = "") -> None:
+    """Counts the points that are not `good` in one `ConvergenceWarning`, with what was
+    `asked` of them and a sentence for the `reason`; none where JAX traces them.
     """
     if is_traced(good) or np.all(good):
         return
     failed = f"{int(np.sum(~good))} of {np.size(good)} {points} did not converge"
     said = " ".join(filter(None, (f"{failed}{asked}; they are NaN.", reason)))
-    warnings.warn(said, ConvergenceWarning, stacklevel=stacklevel + 1)
+    warn(said, ConvergenceWarning)
 
 
 def alike(least: int, **lists: Any) -> None:

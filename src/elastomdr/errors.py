@@ -44,8 +44,15 @@ def closest(word: str, valid: Iterable[str]) -> str:
 
 
 def warn(message: str, category: type[Warning]) -> None:
-    """Issues a warning at the line that called this package."""
-    level, frame = 2, sys._getframe(1)
-    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
-        level, frame = level + 1, frame.f_back
-    warnings.warn(message, category, stacklevel=level)
+    """Issues a warning at the line that called this package.
+
+    That line is just outside of the outermost frame of the package: decorators of the
+    standard library, SciPy and JAX may stand between inner ones.
+    """
+    caller, level, frame = 2, 1, sys._getframe(0)
+    while frame is not None:
+        level += 1
+        if frame.f_code.co_filename.startswith(_PACKAGE):
+            caller = level
+        frame = frame.f_back
+    warnings.warn(message, category, stacklevel=caller)

@@ -4,7 +4,6 @@ surfaces and the references.
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from ..checks import (
     positive,
     possible,
 )
-from ..errors import InputError, ModelWarning
+from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..results.words import brief
 from ..surface.shapes import Paraboloid, Sphere
@@ -158,10 +157,9 @@ def hint_at_metres(shape: Any) -> None:
     ):
         return
     radius = float(shape.radius)
-    warnings.warn(
+    warn(
         f"The radius of the {shape.label} is {radius:g} m. Radii are in metres: "
         f"{radius:g} mm are {1e-3 * radius:g} m "
         f'(in a scene "{radius:g} mm").',
         ModelWarning,
-        stacklevel=6,
     )

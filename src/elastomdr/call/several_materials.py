@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
 from ..arrays import one_thread
-from ..errors import InputError
+from ..errors import InputError, warn
 from ..material.validity import Draws
 from ..results.base import Result, distinct
 
@@ -118,7 +118,7 @@ def _computed(
                 raise InputError(f"material[{i}]{called}: {error}") from error
             of_whom += [drawn[0] if drawn else name] * (len(caught) - len(of_whom))
     of_each = list(zip(of_whom, caught, strict=True))
-    _warn_once(of_each, _TEXTS if drawn is None else 1, stacklevel=4)
+    _warn_once(of_each, _TEXTS if drawn is None else 1)
     return results
 
 
@@ -148,9 +148,7 @@ def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
     )
 
 
-def _warn_once(
-    caught: list[tuple[str, warnings.WarningMessage]], most: int, stacklevel: int
-) -> None:
+def _warn_once(caught: list[tuple[str, warnings.WarningMessage]], most: int) -> None:
     """One warning of each category for all materials; what is said of all of them alike
     is said once.
     """
@@ -164,4 +162,4 @@ def _warn_once(
             f"{', '.join(dict.fromkeys(names))}: {text}" for text, names in few
         )
         said += f"; and {len(texts) - most} more" if len(texts) > most else ""
-        warnings.warn(said, category, stacklevel=stacklevel)
+        warn(said, category)

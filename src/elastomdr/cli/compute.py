@@ -17,7 +17,7 @@ from typing import Any
 
 import elastomdr as em
 
-from ..errors import InputError
+from ..errors import InputError, warn
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .scene import Scene, models_by_name
@@ -170,7 +170,7 @@ def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str
                     '[mm/s]".'
                 ) from error
         for text in measured.report:
-            warnings.warn(text, em.ModelWarning, stacklevel=2)
+            warn(text, em.ModelWarning)
         shown["measured"] = measured.points
     return shown
 

@@ -8,7 +8,6 @@ exactly, since a multiple of G in series with a spring is one (`material.relaxat
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
@@ -23,7 +22,7 @@ from ..checks import (
     positive,
     scalar,
 )
-from ..errors import InputError, ModelWarning
+from ..errors import InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.relaxation import (
     AbstractRelaxation,
@@ -245,13 +244,12 @@ def half_space(
         )
         if not same_softening(material.softening, other.softening):
             material = replaced(material, softening=None)
-            warnings.warn(
+            warn(
                 (
                     f"{name}: two bodies of which one softens with strain, or each in "
                     "its own way, are taken as linear."
                 ),
                 ModelWarning,
-                stacklevel=3,
             )
     return _foundation(law, material, False, name, known)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import abc
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -185,10 +184,9 @@ def _check_outside(
     """
     inside = (rate >= window[0] * (1 - 1e-9)) & (rate <= window[1] * (1 + 1e-9))
     if not inside.all():
-        warnings.warn(
+        warn(
             f"{int((~inside).sum())} of {inside.size} {what} are extrapolated: they "
             f"lie outside the measured {window[0]:.3g} to {window[1]:.3g} rad/s.",
             FitWarning,
-            stacklevel=4,
         )
     return inside

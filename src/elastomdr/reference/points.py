@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from ..call.problem import Scene, steady_scene
 from ..checks import as_float64, broadcast_shape, in_kelvin, positive
 from ..element.law import Foundation
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.shift import thermal_factors
 from ..smooth.passage import Control
 
@@ -49,11 +48,10 @@ class Points(NamedTuple):
 def warn_unless(good: np.ndarray, advice: str = "") -> None:
     """Counts the contacts that did not settle in one warning at the user's call."""
     if not good.all():
-        warnings.warn(
+        warn(
             f"{int((~good).sum())} of {good.size} contacts did not settle; they are "
             f"NaN.{advice}",
             ConvergenceWarning,
-            stacklevel=5,
         )
 
 

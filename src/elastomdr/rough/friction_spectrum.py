@@ -17,7 +17,6 @@ contact begins within a step. Derived here.
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
@@ -28,7 +27,7 @@ from ..call.model_choice import is_rough, of_line
 from ..call.several_materials import over_materials
 from ..checks import in_float64, is_traced
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.relaxation import Relaxation
 from ..results.spectrum import FrictionSpectrum
 from ..smooth.problem import AVERAGED, BARE
@@ -125,17 +124,14 @@ def friction_spectrum(
     edges = _edges(surface, scene.lines[0], int(per_decade))
     mu, error, good = _by_bands(scene, model.average, float(rtol), edges)
     if not good.all():
-        warnings.warn(
+        warn(
             f"{int((~good).sum())} of {good.size} points did not converge; they are "
             "NaN.",
             ConvergenceWarning,
-            stacklevel=3,
         )
     at = scene.at
     outside = excited_outside(foundation.range, surface, at.reduced.reshape(at.shape))
-    beyond = rough_beyond(
-        foundation.range, outside, at.full(at.kelvin), at.shape, stacklevel=4
-    )
+    beyond = rough_beyond(foundation.range, outside, at.full(at.kelvin), at.shape)
     spectrum = _packed(scene, edges, mu, error, good, beyond.points)
     inputs = [
         *scene.inputs(("surface", surface_words(surface, scene.lines[0]))),

@@ -3,7 +3,6 @@ average, heating; and its plan.
 """
 
 import dataclasses
-import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ..call.extrapolation import NOT_KNOWN, excited_outside, rough_beyond
 from ..checks import Array, in_float64, nan_unless
-from ..errors import ConvergenceWarning, ModelWarning
+from ..errors import ConvergenceWarning, ModelWarning, warn
 from ..models import Line as LineModel
 from ..results.curve import FrictionCurve, Lines
 from ..smooth.problem import AVERAGED, BARE
@@ -219,7 +218,7 @@ def rough_friction(
     beyond = (
         NOT_KNOWN
         if at.traced
-        else rough_beyond(foundation.range, outside, at.kelvin, at.shape, stacklevel=4)
+        else rough_beyond(foundation.range, outside, at.kelvin, at.shape)
     )
     curve = _packed(scene, surface, answer, spread, far)
     return dataclasses.replace(
@@ -253,7 +252,7 @@ def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
                 f"line, up to {(error / mean.mu)[coarse].max():.1g} of mu, is above "
                 f"{SAMPLING:g}: more samples lower it."
             )
-        warnings.warn(sentence, ConvergenceWarning, stacklevel=5)
+        warn(sentence, ConvergenceWarning)
     reduced = at.reduced if warm is None else warm.reduced.reshape(at.shape)
     vertical = at.vertical.ravel() if warm is None else warm.vertical
     return _Answer(mean, cold.mu, warm, reduced, vertical, error, good)
@@ -274,7 +273,7 @@ def _model_bounds(
     if scene.length is None:
         return spread, np.nan
     if not scene.at.traced and (sentence := missed(surface, model)) is not None:
-        warnings.warn(sentence, ModelWarning, stacklevel=5)
+        warn(sentence, ModelWarning)
     softens = scene.at.foundation.softening is not None
     return spread, np.nan if softens else factor(surface, model) - 1
 

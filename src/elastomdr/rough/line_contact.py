@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..call.extrapolation import Beyond, excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.several_materials import over_materials
 from ..checks import in_float64, is_traced
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.relaxation import Relaxation
 from ..models import seeds_of
 from ..smooth.problem import BARE
@@ -104,12 +103,10 @@ def line_contact(
         float(rtol),
     )
     if not found.line.converged[0]:
-        warnings.warn(
-            "the point did not converge; it is NaN.", ConvergenceWarning, stacklevel=3
-        )
+        warn("the point did not converge; it is NaN.", ConvergenceWarning)
     known = at.foundation.range
     outside = excited_outside(known, surface, at.reduced.reshape(()))
-    beyond = rough_beyond(known, outside, at.kelvin, (), stacklevel=4)
+    beyond = rough_beyond(known, outside, at.kelvin, ())
     return _packed(scene, surface, found, beyond)
 
 

@@ -19,7 +19,6 @@ which goes to infinity in full contact, as that of a half-space does.
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -46,7 +45,7 @@ from ..checks import (
     scalar,
 )
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.shift import thermal_factors
 from ..models import Line, seeds_of, whole_number
 from ..results.words import brief
@@ -135,11 +134,10 @@ def press(
     )
     contact = _packed(points, surface, model, lines, found, traced)
     if not traced and not found.good.all():
-        warnings.warn(
+        warn(
             f"{int((~found.good).sum())} of {found.good.size} points did not converge; "
             "they are NaN.",
             ConvergenceWarning,
-            stacklevel=4,
         )
     beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
     inputs = [
@@ -532,13 +530,9 @@ def _beyond(foundation: Foundation, surface: Any, points: _Points) -> Beyond:
         outside = excited_outside(
             foundation.range, surface, points.velocity * points.factor
         )
-        return rough_beyond(
-            foundation.range, outside, points.kelvin, points.shape, stacklevel=5
-        )
+        return rough_beyond(foundation.range, outside, points.kelvin, points.shape)
     factor = np.broadcast_to(points.factor, points.shape)
-    return held_beyond(
-        foundation.range, points.time, points.kelvin, factor, stacklevel=5
-    )
+    return held_beyond(foundation.range, points.time, points.kelvin, factor)
 
 
 def _model_error(surface: Any, points: _Points) -> Any:

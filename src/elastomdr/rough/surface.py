@@ -3,7 +3,6 @@ pack.
 """
 
 import dataclasses
-import warnings
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
@@ -15,7 +14,7 @@ from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyon
 from ..call.problem import Scene, rough_scene
 from ..checks import is_traced, known, nan_unless, require, scalar
 from ..element.law import surface_foundation
-from ..errors import ConvergenceWarning, InputError, ModelWarning
+from ..errors import ConvergenceWarning, InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import misfit
 from ..models import SurfaceFriction, SurfaceModel
@@ -139,9 +138,7 @@ def surface_friction(
     beyond = (
         NOT_KNOWN
         if scene.traced
-        else rough_beyond(
-            foundation.range, outside, scene.kelvin, scene.shape, stacklevel=4
-        )
+        else rough_beyond(foundation.range, outside, scene.kelvin, scene.shape)
     )
     rows = beyond.said
     if softened is not None and not scene.traced:
@@ -276,11 +273,10 @@ def _warn_of_failed(found: SurfaceFriction, rtol: Any) -> None:
     if found.good.all():
         return
     maps = f" Maps: {found.said}; more cells hold more of them." if found.said else ""
-    warnings.warn(
+    warn(
         f"{int((~found.good).sum())} of {found.good.size} points did not converge to "
         f"rtol={rtol:g}; they are NaN.{maps}",
         ConvergenceWarning,
-        stacklevel=5,
     )
 
 
@@ -542,7 +538,6 @@ def _strained_beyond(
         np.ones(shape, dtype=bool),
         what,
         known is not None and known.illustrative,
-        stacklevel=4,
     )
 
 
@@ -632,12 +627,11 @@ def _doubt_unit(found: SurfaceFriction, pressure: np.ndarray) -> None:
     least = int(np.argmin(area))
     if area[least] < _LEAST:
         given = f"{pressure[least]:g}"
-        warnings.warn(
+        warn(
             f"pressure is taken in Pa: {given} Pa give a real contact of "
             f"{area[least]:.1g} of the nominal area. If {given} MPa are meant, write "
             f"{1e6 * pressure[least]:g}.",
             ModelWarning,
-            stacklevel=5,
         )
 
 

@@ -315,7 +315,6 @@ def _extrapolated(
         time,
         temperature,
         np.broadcast_to(time_factor, shape),
-        stacklevel=5,
     )
 
 

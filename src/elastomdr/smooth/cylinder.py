@@ -7,7 +7,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -20,7 +19,7 @@ from ..call.problem import Scene, check_rtol, steady_scene
 from ..checks import is_traced, known, nan_unless, require
 from ..element.law import TabulatedFoundation, normal_operator, surface_foundation
 from ..element.layer import Layer, layer_kernel
-from ..errors import ConvergenceWarning, InputError, ModelWarning
+from ..errors import ConvergenceWarning, InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.relaxation import to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
@@ -212,9 +211,7 @@ def cylinder_on_layer(
     contact = Contact(shaped(found.leading), shaped(-found.trailing))
     size = 0.5 * (contact.leading + contact.trailing)
     kelvin = points.full(points.kelvin)
-    beyond = steady_beyond(
-        body.range, points.full(points.reduced), size, kelvin, stacklevel=4
-    )
+    beyond = steady_beyond(body.range, points.full(points.reduced), size, kelvin)
     inputs = points.inputs(
         ("shape", name), *(("cover", cover) for cover in plan.covers)
     )
@@ -538,13 +535,13 @@ def _say(
                 f" Their estimated errors are up to {missed.max():.1e} of mu, so a "
                 "larger rtol would accept them."
             )
-        warnings.warn(text, ConvergenceWarning, stacklevel=5)
+        warn(text, ConvergenceWarning)
     half = 0.5 * (found.leading - found.trailing)
     if is_traced(shape) or not found.good.any():
         return
     widest, length = float(half[found.good].max()), float(shape.length)
     if length < _ENDS * widest:
-        warnings.warn(
+        warn(
             f"The cylinder, {1e3 * length:.4g} mm long, is only "
             f"{significant(length / widest, 2)} times as long as half the contact is "
             f"wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over "
@@ -552,7 +549,6 @@ def _say(
             "distance from each end the rubber moves aside, so that the same load "
             "needs more depth, and the pressure there is not that of the middle.",
             ModelWarning,
-            stacklevel=5,
         )
 
 

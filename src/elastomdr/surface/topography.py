@@ -18,13 +18,12 @@ of the data. Several scans add their likelihoods.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, warn
 from ..trees import static
 from .spectrum import AbstractSpectrum, Spectrum
 
@@ -600,7 +599,7 @@ def _directions(waves: _Waves, highest: float) -> list[str]:
         "its mean over directions is used"
     )
     if factor > _UNEQUAL:
-        warnings.warn(sentence, UserWarning, stacklevel=4)
+        warn(sentence, UserWarning)
     return [sentence]
 
 

@@ -34,7 +34,6 @@ def history_beyond(
     *,
     slid: Any = None,
     at_once: bool = True,
-    stacklevel: int,
 ) -> Beyond:
     """Instants [s] along the last axis of depths [m] or loads [N] `pressed`, and
     displacements [m] `slid`, all of the shape of `time`. `at_once`: whether what is put
@@ -53,7 +52,7 @@ def history_beyond(
         young |= _came(time, slid, ages[0]) > _YOUNG * largest
         old |= np.abs(_before(time, slid, ages[1])) > _OLD * largest
     young[..., 0] &= at_once
-    return _instants(known, young, old, ages, temperature, stacklevel + 1)
+    return _instants(known, young, old, ages, temperature)
 
 
 def sliding_beyond(
@@ -61,8 +60,6 @@ def sliding_beyond(
     body: RoughLine | AbstractLines,
     depth: Any,
     course: Any,
-    *,
-    stacklevel: int,
 ) -> Beyond:
     """Instants of a body that slides, `depth` [m] deep, under a `course` of depths [m]
     or loads [N, or N/m].
@@ -85,7 +82,7 @@ def sliding_beyond(
     fast[1:] = 2 * way * ages[0] > size[1:] * np.diff(time) * (1 + _ROUNDING)
     young = (_pressed(time, course, ages)[0] | fast) & (course > 0)
     young[0] = False
-    return _instants(known, young, old, ages, history.temperature, stacklevel + 1)
+    return _instants(known, young, old, ages, history.temperature)
 
 
 def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
@@ -141,7 +138,6 @@ def _instants(
     old: np.ndarray,
     ages: tuple[float, float],
     temperature: Any,
-    stacklevel: int,
 ) -> Beyond:
     none = np.zeros(young.shape)
     kelvin = None if temperature is None else np.broadcast_to(temperature, young.shape)
@@ -160,4 +156,4 @@ def _instants(
     )
     what += ["the data determine the loss modulus nowhere"] if nowhere else []
     what += elsewhere.findings(none, kelvin)
-    return told(points, "; ".join(what), known.illustrative, stacklevel + 1)
+    return told(points, "; ".join(what), known.illustrative)

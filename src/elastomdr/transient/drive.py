@@ -152,7 +152,7 @@ def drive(
     if track is not None:
         inputs.append(("track", describe_line(track)))
     deep = found.seen.depth
-    beyond = sliding_beyond(history, body.over, deep, deep, stacklevel=4)
+    beyond = sliding_beyond(history, body.over, deep, deep)
     inputs = (*inputs, *history.inputs, *beyond.said)
     return _pack(history, found, mounts["tangential"], body, plan, inputs, beyond)
 
@@ -350,7 +350,7 @@ def _pack(
     inputs: tuple[tuple[str, str], ...],
     beyond: Beyond,
 ) -> Drive:
-    warn_unless(found.good, "instants", f" to rtol={history.rtol:g}", stacklevel=5)
+    warn_unless(found.good, "instants", f" to rtol={history.rtol:g}")
 
     def shown(field: Any) -> Any:
         return nan_unless(found.shown, field)

@@ -118,7 +118,7 @@ def impact(
     reason = ""
     if isinstance(material, Layer):
         good, reason = _within_layer(material, scene.body.shape, found)
-    warn_unless(good, "impacts", f" to rtol={rtol:g}", reason, stacklevel=3)
+    warn_unless(good, "impacts", f" to rtol={rtol:g}", reason)
 
     def shaped(field: Any) -> Any:
         return nan_unless(good, field).reshape(scene.shape)
@@ -337,7 +337,6 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
         points.reshape(scene.shape),
         "; ".join(dict.fromkeys(what)),
         illustrative,
-        stacklevel=4,
     )
 
 

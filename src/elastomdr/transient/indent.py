@@ -123,10 +123,10 @@ def indent(
         layer: Any = material
         incompressible_enough(layer, disc, found.radius, found.force)
     asked = f" to rtol={rtol:g}"
-    warn_unless(found.converged, "instants", asked, found.reason, stacklevel=4)
+    warn_unless(found.converged, "instants", asked, found.reason)
     if adhesion is None:
         known_heat = ~(found.converged & xp.isnan(xp.asarray(found.heat)))
-        warn_unless(known_heat, "values of the heat", asked, stacklevel=4)
+        warn_unless(known_heat, "values of the heat", asked)
     traced = is_traced(found.depth, found.force)
     numpy = xp if traced else np
     every_time = numpy.broadcast_to(course.time, found.depth.shape)
@@ -137,7 +137,6 @@ def indent(
         course.load if given_load else found.depth,
         kelvin,
         factor,
-        stacklevel=4,
     )
     # Under a transformation the steps are fixed: what they give is handed out, with its
     # error.

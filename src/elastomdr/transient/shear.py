@@ -143,7 +143,7 @@ def shear(
         inside = found.contact_radius <= reach * (1 - 0.25 / cut.elements)
     good = numpy.isfinite(found.force) & numpy.isfinite(found.normal_force) & inside
     reason = "The contact is wider there than the body or the grid."
-    warn_unless(good, "instants", reason=reason, stacklevel=4)
+    warn_unless(good, "instants", reason=reason)
     beyond = _beyond(laws, given)
     fields = {key: nan_unless(good, x) for key, x in found._asdict().items()}
     del fields["missed"]
@@ -172,7 +172,6 @@ def _beyond(laws: tuple[Foundation, Foundation], given: History) -> Beyond:
         slid=moved,
         # else nothing happens at the first instant
         at_once=is_traced(moved) or bool(moved[0] != 0),
-        stacklevel=5,
     )
 
 

@@ -91,8 +91,8 @@ def slide(
     solve: Any = _rough if body.per_length else _indenter
     found, plan = solve(body.over, history)
     seen = found.seen
-    beyond = sliding_beyond(history, body.over, seen.depth, history.value, stacklevel=4)
-    warn_unless(found.good, "points", f" to rtol={history.rtol:g}", stacklevel=4)
+    beyond = sliding_beyond(history, body.over, seen.depth, history.value)
+    warn_unless(found.good, "points", f" to rtol={history.rtol:g}")
 
     def shown(field: Any) -> Any:
         return nan_unless(found.shown, field)
