@@ -67,7 +67,7 @@ def test_gradients_in_both_modes_against_differences(shape, model):
         forward = jax.jit(lambda x: jax.jvp(value, (x,), (way,))[1])(PARAMETERS)
         ends = [float(both(moved(share))[0]) for share in (1e-4, -1e-4, 2e-4, -2e-4)]
     difference = (8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / 12e-4
-    backward = sum(np.sum(reverse[name] * way[name]) for name in way)
+    backward = sum(np.sum(np.asarray(reverse[name]) * way[name]) for name in way)
     np.testing.assert_allclose([forward, backward], difference, rtol=1e-5)
 
 

@@ -205,7 +205,7 @@ def friction_master(
         size = _broadcast(np.asarray(as_float64("error", error)), shape)
         positive("error", size)
     fit = _infer(points, kelvin, size, known)
-    if error == "relative":
+    if isinstance(error, str):
         # in proportion to the curve, which is less noisy than the points
         for _ in range(2):
             curve = np.abs(points.log_value - fit.posterior.residuals)

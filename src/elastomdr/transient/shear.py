@@ -260,15 +260,21 @@ def _is_elastic(laws: tuple[Foundation, Foundation]) -> bool:
     return not any(law.moduli.size or float(law.viscosity) > 0 for law in laws)
 
 
+def _turns(given: History) -> bool:
+    """Whether load and displacement are known to change together between instants."""
+    if is_traced((given.value, given.displacement)):
+        return False
+    return bool(np.any(np.diff(given.value) * np.diff(given.displacement) != 0))
+
+
 def _solved(
     scene: Scene, given: History, cut: _Cut, exact: bool
 ) -> tuple[Sheared, Array]:
     """The history at the instants given, and the error of its force."""
     history, parts = given, 1
-    curved = np.diff(given.value) * np.diff(given.displacement) if cut.by_load else 0.0
     if not cut.elastic:
         history = _with_early_instants(given)
-    elif not is_traced(curved) and np.any(curved != 0):
+    elif cut.by_load and _turns(given):
         parts = max(1, min(_BETWEEN, _INSTANTS // given.time.shape[0]))
         history = _divided(given, parts)
     found = _marched(scene, history, cut, cut.elements, cut.steps)
