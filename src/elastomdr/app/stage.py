@@ -78,7 +78,8 @@ def drop(
 
     async def arrived(event: events.MultiUploadEventArguments) -> None:
         await take(kept(event.files))
-        upload.reset()
+        # not reset(), which would break off a file that is arriving meanwhile
+        upload.run_method("removeUploadedFiles")
 
     async def sampled() -> None:
         await take(sample[1]())
