@@ -113,7 +113,10 @@ def _of_batch(
 
 
 def implicit(
-    search: Callable[..., Any], equation: Callable[..., Any], like: Callable[..., Any]
+    search: Callable[..., Any],
+    equation: Callable[..., Any],
+    like: Callable[..., Any],
+    coupled: bool = False,
 ) -> Callable[..., Any]:
     """A function of (shared, points) whose value `search` finds, differentiable by
     `equation`.
@@ -127,6 +130,8 @@ def implicit(
         equation: of (x, other, shared, points), zero at the solution; traced. Each of
             its entries changes with its own entry of x only.
         like: arrays with the shapes of what `search` gives, from (shared, points).
+        coupled: each point has several unknowns, x (unknowns, points), and its entries
+            change with all of them.
     """
     import jax
     import jax.numpy as jnp
@@ -141,15 +146,17 @@ def implicit(
     def derivative(given: Any, tangents: Any) -> Any:
         with jax.enable_x64(True):
             x, other = solution(*given)
-            along = jax.linearize(
-                lambda x, given: equation(x, other, *given), x, given
-            )[1]
-            residual = along(jnp.zeros_like(x), tangents)
-            slope = along(jnp.ones_like(x), jax.tree.map(jnp.zeros_like, given))
-            return (x, other), (
-                -residual / slope,
-                jax.tree.map(jnp.zeros_like, other),
-            )
+            # by x and by what is given apart: neither carries zeros for the other
+            by_given = jax.linearize(lambda *given: equation(x, other, *given), *given)
+            by_x = jax.linearize(lambda x: equation(x, other, *given), x)[1]
+            residual = by_given[1](*tangents)
+            if coupled:
+                units = jnp.eye(x.shape[0])[..., None] + jnp.zeros_like(x)
+                slope = jax.vmap(by_x)(units).T  # (points, equations, unknowns)
+                moved = jnp.linalg.solve(slope, residual.T[..., None])[..., 0].T
+            else:
+                moved = residual / by_x(jnp.ones_like(x))
+            return (x, other), (-moved, jax.tree.map(jnp.zeros_like, other))
 
     return lambda shared, points: solution(shared, points)[0]
 
@@ -184,7 +191,7 @@ def numbers_with_slopes(
     of `formulas`.
 
     Args:
-        numbers: a tuple of arrays (points,), on NumPy; asked for the points alone whose
+        numbers: a tuple of arrays (..., points), on NumPy; asked for the points alone whose
             numbers are finite, and positive in arrays (points,). The others are NaN.
         formulas: each with how many arrays of this tuple it gives, in their order; what
             is left over has no derivatives. They are traced, and their values are not
@@ -199,7 +206,7 @@ def numbers_with_slopes(
         with jax.enable_x64(True):
             fixed = jax.lax.stop_gradient((shared, points))
             shapes = like(*fixed)
-            values = on_host(_of_sound(numbers, len(shapes)), shapes, *fixed)
+            values = on_host(_of_sound(numbers, shapes), shapes, *fixed)
             done: tuple[Any, ...] = ()
             for with_slopes, count in groups:
                 group = values[len(done) : len(done) + count]
@@ -209,8 +216,8 @@ def numbers_with_slopes(
     return whole
 
 
-def _of_sound(numbers: Callable[..., Any], count: int) -> Callable[..., Any]:
-    """`numbers` of the points that can have some, `count` arrays that are NaN at the
+def _of_sound(numbers: Callable[..., Any], like: Any) -> Callable[..., Any]:
+    """`numbers` of the points that can have some, with the shapes `like`; NaN at the
     others: those with a number that is not finite, or not positive in an array
     (points,). Under `jit` nothing has refused them.
     """
@@ -223,12 +230,12 @@ def _of_sound(numbers: Callable[..., Any], count: int) -> Callable[..., Any]:
         for x in leaves:
             sound &= np.isfinite(x).reshape(-1, size).all(axis=0)
             sound &= (x > 0) if x.ndim == 1 else True
-        answer = np.full((count, size), np.nan)
+        answer = tuple(np.full((*x.shape[:-1], size), np.nan) for x in like)
         if sound.any():
             some = jax.tree.map(lambda x: x[..., sound], points)
-            for row, values in zip(answer, numbers(shared, some), strict=True):
-                row[sound] = values
-        return tuple(answer)
+            for array, values in zip(answer, numbers(shared, some), strict=True):
+                array[..., sound] = values
+        return answer
 
     return whole
 
