@@ -143,9 +143,9 @@ def test_half_planes_settle_at_any_contrast(contrast):
     assert off.max() < 2
     assert (off < 1).sum() >= 6
     assert (got.error < 0.02 * got.mu).all()
-    # where one that is begun anywhere does not
+    # begun from the middle of the window it does not, at a contrast of 1000
     finest = half_plane_sliding(
-        law, 0.01, velocity=10**-2.5, load_per_length=2e3, points=1024
+        law, 0.01, velocity=0.1, load_per_length=2e3, points=1024
     )
     assert finest.converged
 
