@@ -58,6 +58,10 @@ from .rough.line_contact import line_contact as line_contact
 from .rough.press import press as press
 from .rough.results import LineContact as LineContact
 from .rough.results import RoughContact as RoughContact
+from .seal.leak import leak as leak
+from .seal.leak_result import Leak as Leak
+from .seal.leak_theories import CriticalConstriction as CriticalConstriction
+from .seal.leak_theories import EffectiveMedium as EffectiveMedium
 from .seal.o_ring import ORing as ORing
 from .seal.o_ring import o_ring as o_ring
 from .smooth.dissipation import dissipation as dissipation

@@ -85,6 +85,29 @@ class Model:
         """`em.plan` of a rough line or surface; `scene` holds its other arguments."""
         raise NotImplementedError
 
+    def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
+        """Gaps of a surface and the flow through them, for `em.leak`; `level` is the
+        pressure over E*, shape (points,).
+        """
+        raise InputError(
+            f"model must be em.Multiscale() or em.HalfSpace() for a leak, got {self!r}."
+        )
+
+
+class GapFlow(NamedTuple):
+    """What a model finds at each point of a leak, arrays of shape (points,)."""
+
+    flow: Array  # w = 12 viscosity times flow per width and pressure gradient [m^3]
+    gap: Array  # mean gap [m]
+    critical_gap: Array  # widest that a way through must pass [m]
+    area: Array  # real contact area over nominal area
+    percolates: Array  # whether channels lead through
+    error: Array  # relative numerical error of w
+    # w is within a factor of 1 + this of three dimensions; None for those themselves
+    model_error: Array | None
+    good: Array  # whether the point has an answer
+    said: str = ""  # the model in a few words, for the result
+
 
 class SurfaceFriction(NamedTuple):
     """What a `SurfaceModel` finds at each point, arrays of shape (points,)."""
@@ -429,6 +452,11 @@ class Multiscale(_ClosedIntegrals):
 
         return waves_of_multiscale(modulus, nodes, velocity, pressure, table, local)
 
+    def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
+        from .seal.leak_form import leak
+
+        return leak(surface, level)
+
 
 @constructor_in_si
 @dataclasses.dataclass(frozen=True)
@@ -572,6 +600,11 @@ class HalfSpace(SurfaceModel):
     ) -> Array | None:
         return None
 
+    def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
+        from .seal.gap_maps import leak
+
+        return leak(self.cells, self.periods, seeds_of(self.seeds), surface, level)
+
 
 KINDS: dict[str, type[Model]] = {
     kind.label: kind
@@ -585,18 +618,18 @@ KINDS: dict[str, type[Model]] = {
 }
 
 
-def as_model(model: Any) -> Model | None:
-    """A model from an object or a name; None stays None, for the default of the shape.
-    Raises `InputError`.
+def as_model(model: Any, kinds: dict[str, type[Model]] = KINDS) -> Model | None:
+    """A model from an object or the name of one of `kinds`; None stays None, for the
+    default of the shape. Raises `InputError`.
     """
     if model is None or isinstance(model, Model):
         return model
-    if isinstance(model, str) and model in KINDS:
-        return KINDS[model]()
+    if isinstance(model, str) and model in kinds:
+        return kinds[model]()
     listed = ", ".join(
-        f"em.{kind.__name__}() or {name!r}" for name, kind in KINDS.items()
+        f"em.{kind.__name__}() or {name!r}" for name, kind in kinds.items()
     )
-    hint = closest(model, KINDS) if isinstance(model, str) else ""
+    hint = closest(model, kinds) if isinstance(model, str) else ""
     raise InputError(f"model must be {listed}; got {model!r}.{hint}")
 
 

@@ -62,6 +62,7 @@ UNITS: dict[str, Any] = {
     "pixel_size": "m",
     "position": "m",
     "pressure": "Pa",
+    "pressure_drop": "Pa",
     "q": "rad/m",
     "q_high": "rad/m",
     "q_low": "rad/m",
@@ -117,6 +118,8 @@ _ELSEWHERE: dict[str, Any] = {
     "Softening.__init__ loss": "",
     "friction_spectrum load": "N/m",
     "full_contact_sliding load": "N/m",
+    "leak density": "kg/m^3",
+    "leak width": "m",
     "line_contact load": "N/m",
     # logarithms and exponents, whatever their names are elsewhere
     "calibrate parameters": "",

@@ -1,0 +1,153 @@
+"""Gaps between rubber and random maps of a surface that is pressed into it, and the flow
+through them: the leak of `em.HalfSpace`.
+
+The rubber is at rest and elastic, of the modulus E* of the time that it has been
+pressed. Its contact is that of `rough.half_space`, in three dimensions; the gap is the
+displacement u = K p less the heights, in the cells that do not touch. Maps lie side by
+side in a plane, and the flow through many of them is that of an effective medium of
+theirs, along either axis,
+
+    sum (w_i - w)/(w_i + w) = 0,
+
+which is their mean where they differ little, and zero where half of them are closed.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..checks import is_traced
+from ..errors import InputError
+from ..models import GapFlow
+from ..rough.half_space import area_of, solve, waves
+from ..rough.random_maps import grid_of
+from ..surface.spectrum import rough_map
+from .gap_flow import channels, flow
+
+_HALVINGS = 100  # of the interval of log w
+_RANGE = 60.0  # that is searched below the least of the maps
+
+
+class Pressed(NamedTuple):
+    """A map under a pressure."""
+
+    gap: Any  # of each cell [m], 0 where it touches
+    area: float  # real contact area over nominal area
+    pressure: Any  # over E* [-], of each cell
+    settled: bool
+
+
+def pressed(heights: Any, side: float, level: float, start: Any = None) -> Pressed:
+    """Periodic `heights` [m], positive into the rubber, on a square of `side` [m] under
+    a mean pressure over E* of `level`; `start` are the pressures of a lighter load.
+    """
+    sides = side, side
+    found = solve(
+        _one, heights, sides, velocity=1.0, pressure=level, start=start, double=False
+    )
+    kernel = waves(_one, 1.0, heights.shape, sides).kernel
+    displacement = np.fft.irfft2(kernel * np.fft.rfft2(found.pressure), s=heights.shape)
+    gap = displacement - (heights - heights.mean()) + found.separation
+    touches = found.pressure > 0
+    gap = np.where(touches, 0.0, np.maximum(gap, 0.0))
+    return Pressed(gap, area_of(touches), found.pressure, found.settled)
+
+
+def _one(omega: Any) -> Any:
+    """E* at every frequency: what counts is the pressure over it."""
+    return np.ones(np.shape(omega), complex)
+
+
+def medium(flows: Any) -> float:
+    """w of a plane of maps."""
+    flows = np.asarray(flows, dtype=float).ravel()
+    if not 2 * (flows > 0).sum() > flows.size:
+        return 0.0
+    high = np.log(flows.max())
+    low = np.log(flows[flows > 0].min()) - _RANGE
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        w = np.exp(middle)
+        rest = ((flows - w) / (flows + w)).sum()
+        low, high = (middle, high) if rest > 0 else (low, middle)
+    return float(np.exp(0.5 * (low + high)))
+
+
+def narrowest(gap: Any) -> float:
+    """The gap at the narrowest place of the widest channel [m], the mean of both axes;
+    NaN where none leads through along either.
+    """
+    sorted_gaps = np.unique(gap[gap > 0])
+    found = []
+    for axis in (0, 1):
+        low, high = -1, sorted_gaps.size  # channels of gaps above it: yes, no
+        while high - low > 1:
+            middle = (low + high) // 2
+            wide = channels(gap >= sorted_gaps[middle])[1].values()
+            if any(winding[axis] for winding in wide):
+                low = middle
+            else:
+                high = middle
+        if low >= 0:
+            found.append(sorted_gaps[low])
+    return float(np.mean(found)) if found else np.nan
+
+
+def leak(
+    cells: int | None, periods: int | None, seeds: Any, surface: Any, level: Any
+) -> GapFlow:
+    """The answers of `em.HalfSpace` at pressures over E*, (points,)."""
+    if is_traced(surface, level):
+        raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
+    grid = grid_of(surface, cells, periods)
+    level = np.asarray(level)
+    flows = np.full((len(seeds), 2, level.size), np.nan)
+    gap, critical, area = (np.full((len(seeds), level.size), np.nan) for _ in range(3))
+    for i, seed in enumerate(seeds):
+        heights, side = rough_map(
+            surface, seed, periods=grid.periods, points=grid.cells
+        )
+        start = None
+        for j in np.argsort(level):
+            found = pressed(heights, side, float(level[j]), start)
+            start = found.pressure if found.settled else None
+            if found.settled:
+                flows[i, :, j] = flow(found.gap).conductance
+                gap[i, j], area[i, j] = found.gap.mean(), found.area
+                critical[i, j] = narrowest(found.gap)
+    good = np.isfinite(flows).all((0, 1))
+    w = np.array([medium(each) for each in np.moveaxis(flows, -1, 0)])
+    said = (
+        f"Reynolds' equation on {len(seeds)} maps of gaps, {grid.cells} by "
+        f"{grid.cells} cells, {grid.periods} longest waves to a side (no reduction)"
+    )
+    return GapFlow(
+        flow=w,
+        gap=gap.mean(0),
+        critical_gap=_mean_of_open(critical),
+        area=area.mean(0),
+        percolates=w > 0,
+        error=_scatter(flows),
+        model_error=None,
+        good=good,
+        said=said,
+    )
+
+
+def _mean_of_open(gaps: np.ndarray) -> np.ndarray:
+    """Over the maps with a channel; NaN where there is none."""
+    count = np.isfinite(gaps).sum(0)
+    total = np.where(np.isfinite(gaps), gaps, 0.0).sum(0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _scatter(flows: np.ndarray) -> np.ndarray:
+    """Twice the standard error of w over maps (maps, axes, points), relative; NaN of a
+    single one, and where all are closed.
+    """
+    if len(flows) == 1:
+        return np.full(flows.shape[-1], np.nan)
+    each = flows.mean(1)
+    mean = each.mean(0)
+    spread = 2 * each.std(0, ddof=1) / len(flows) ** 0.5
+    return np.where(mean > 0, spread / np.where(mean > 0, mean, 1.0), np.nan)

@@ -1,0 +1,266 @@
+"""Leak of a static seal: a fluid flows through the channels that roughness leaves open.
+
+    Q = (width/length) s pressure_drop,     s = w/(12 viscosity)
+
+The rubber is pressed on the surface by a pressure p that has acted for a time t. Its
+contact is that of an elastic body with E* = 1/J(t/a_T), since under a constant pressure
+the contact grows, and p over E* decides over gaps, real contact and w [m^3], which are
+the model's.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arrays import numpy_unless_traced, xp
+from ..call.extrapolation import NOT_KNOWN, held_beyond
+from ..call.problem import check_carries
+from ..call.several_materials import over_materials
+from ..checks import (
+    as_float64,
+    broadcast,
+    broadcast_shape,
+    certain,
+    is_traced,
+    nan_unless,
+    positive,
+    warn_unless,
+)
+from ..element.law import Foundation, as_foundation
+from ..errors import InputError
+from ..material.shift import thermal_factors
+from ..models import GapFlow, HalfSpace, Model, Multiscale, as_model
+from ..results.words import brief
+from ..surface.spectrum import as_spectrum
+from .leak_result import Leak
+from .leak_theories import CriticalConstriction, EffectiveMedium
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .._types import ArrayLike
+    from ..call.types import Material
+    from ..surface.spectrum import AbstractSpectrum
+
+KINDS: dict[str, type[Model]] = {
+    kind.label: kind
+    for kind in (Multiscale, CriticalConstriction, EffectiveMedium, HalfSpace)
+}
+_UNITS = {
+    "pressure": "Pa",
+    "pressure_drop": "Pa",
+    "viscosity": "Pa s",
+    "length": "m",
+    "width": "m",
+    "density": "kg/m^3",
+    "time": "s",
+    "temperature": "K",
+}
+
+
+@over_materials
+@numpy_unless_traced
+def leak(
+    material: Material | Sequence[Material],
+    surface: AbstractSpectrum,
+    *,
+    pressure: ArrayLike,
+    pressure_drop: ArrayLike,
+    viscosity: ArrayLike,
+    length: ArrayLike,
+    width: ArrayLike = 1.0,
+    density: ArrayLike | None = None,
+    time: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: Multiscale
+    | CriticalConstriction
+    | EffectiveMedium
+    | HalfSpace
+    | str
+    | None = None,
+) -> Leak:
+    """Leak of a liquid through a static seal, from its roughness and the rubber's
+    creep.
+
+    Args:
+        material: as for `em.press`, a series.
+        surface: roughness by its spectrum; where the rubber is rough too, the sum of
+            both spectra.
+        pressure: pressure with which rubber and surface are pressed together [Pa], over
+            that of the fluid between them. Arguments broadcast.
+        pressure_drop: pressure of the fluid before the seal over that behind it [Pa],
+            below `pressure`: a seal that is not pressed harder than its fluid opens.
+        viscosity: dynamic viscosity [Pa s]; a kinematic one times the density.
+        length: of the contact along the flow [m].
+        width: of the contact across the flow [m], such as the circumference of a ring.
+        density: density of the liquid [kg/m^3]: gives `mass_rate`.
+        time: how long the pressure has acted since it was put on at once [s]; None for
+            long after.
+        temperature: temperature [K], for a material with a shift law. The viscosity is
+            that given, whatever the temperature.
+        model: `em.Multiscale()` by default, a form that was fitted to maps; to compare
+            with, `em.CriticalConstriction()` and `em.EffectiveMedium()`;
+            `em.HalfSpace()` solves Reynolds' equation on maps of gaps.
+
+    Returns:
+        An `em.Leak` of the broadcast shape. `error` is relative, of the rate, by
+        `em.HalfSpace` twice the standard error over its maps (NaN for one).
+        `model_error` bounds the model: the rate is within a factor of 1 + `model_error`
+        of three dimensions at 95 % of the points; NaN for the theories, and where
+        channels are closed.
+
+    Raises:
+        InputError: for values that are not positive, a pressure drop that is not below
+            the pressure, and models that have no leak or no derivatives.
+
+    Laminar flow of a liquid that wets nothing in particular: no capillary forces, no
+    swelling, no permeation through the rubber; a gas is not computed. The fluid's
+    pressure does not deform the rubber within the seal. Differentiable with
+    `em.Multiscale` with respect to material, surface, pressures, viscosity, sizes, time
+    and temperature. Source: `docs/theory.md`, `docs/seal.md`.
+    """
+    foundation, chosen = _checked_bodies(material, surface, model, time)
+    given = _checked(
+        {
+            "pressure": pressure,
+            "pressure_drop": pressure_drop,
+            "viscosity": viscosity,
+            "length": length,
+            "width": width,
+            "density": density,
+            "time": time,
+            "temperature": temperature,
+        }
+    )
+    shape = broadcast_shape(**given)
+    level, factor = _level(foundation, given)
+    found = chosen.leak(surface, level.ravel())
+    found = GapFlow(
+        *(None if x is None else xp.reshape(x, level.shape) for x in found[:-1]),
+        found.said,
+    )
+    good = xp.broadcast_to(found.good, shape)
+    traced = is_traced(level, *given.values())
+    if not traced:
+        warn_unless(good, "points")
+    beyond = NOT_KNOWN
+    if foundation.range is not None and not traced:
+        beyond = held_beyond(
+            foundation.range,
+            given["time"],
+            given["temperature"],
+            np.broadcast_to(factor, shape),
+        )
+    return Leak(
+        **_fields(given, found, good, shape),
+        extrapolated=beyond.points,
+        model=found.said,
+        plan="closed integrals over the spectrum"
+        if chosen.label != "half-space"
+        else "Reynolds' equation on maps of gaps",
+        inputs=(*_inputs_in_words(foundation, surface, given), *beyond.said),
+    )
+
+
+def _checked_bodies(
+    material: Any, surface: Any, model: Any, time: Any
+) -> tuple[Foundation, Model]:
+    """The foundation and the model. Raises `InputError`."""
+    foundation = as_foundation(material)
+    as_spectrum("surface", surface)
+    if foundation.per_area:
+        raise InputError(
+            "material must be a half-space under a rough surface, got a layer."
+        )
+    if time is None:
+        check_carries(foundation)
+    chosen = as_model(model, KINDS)
+    return foundation, Multiscale() if chosen is None else chosen
+
+
+def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
+    """The arguments as arrays. Raises `InputError`."""
+    given = {
+        name: None if value is None else as_float64(name, value)
+        for name, value in arguments.items()
+    }
+    for name, value in given.items():
+        if value is not None:
+            positive(name, value)
+    pressure, drop = given["pressure"], given["pressure_drop"]
+    broadcast_shape(pressure=pressure, pressure_drop=drop)
+    if not is_traced(pressure, drop) and not certain(np.less, drop, pressure):
+        pairs = np.broadcast_arrays(drop, pressure)
+        worst = int(np.argmax(pairs[0] - pairs[1]))
+        high, low = (float(x.flat[worst]) for x in pairs)
+        raise InputError(
+            "pressure_drop must be below pressure, got "
+            f"{high:g} Pa at {low:g} Pa: a fluid that presses harder than the rubber "
+            "lifts it, and the seal opens. Of a seal on which its fluid presses, such "
+            "as an O-ring, the pressure is that of the squeeze and of the fluid."
+        )
+    return given
+
+
+def _level(foundation: Foundation, given: dict[str, Any]) -> tuple[Any, Any]:
+    """p/E*, in the shape of what it depends on, and a_T."""
+    time, kelvin = given["time"], given["temperature"]
+    shape = broadcast_shape(pressure=given["pressure"], time=time, temperature=kelvin)
+    factor, vertical = (
+        (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+    )
+    compliance = (
+        1 / foundation.equilibrium
+        if time is None
+        else foundation.creep_compliance(time / factor)
+    )
+    level = given["pressure"] / vertical * compliance
+    return xp.broadcast_to(level, shape) + 0.0, factor
+
+
+def _fields(
+    given: dict[str, Any], found: GapFlow, good: Any, shape: tuple[int, ...]
+) -> dict[str, Any]:
+    """The numbers of the result."""
+    conductance = found.flow / (12 * given["viscosity"])
+    rate = given["width"] / given["length"] * conductance * given["pressure_drop"]
+    mass_rate = None if given["density"] is None else rate * given["density"]
+    numbers = {
+        "rate": rate,
+        "mass_rate": mass_rate,
+        "conductance": conductance,
+        "mean_gap": found.gap,
+        "critical_gap": found.critical_gap,
+        "area_ratio": found.area,
+        "error": found.error,
+        "model_error": found.model_error,
+    }
+    fields = {
+        name: None if value is None else nan_unless(good, xp.broadcast_to(value, shape))
+        for name, value in numbers.items()
+    }
+    kept = ("pressure", "pressure_drop", "viscosity", "time", "temperature")
+    return broadcast(
+        **{name: given[name] for name in kept},
+        **fields,
+        percolates=found.percolates,
+        converged=good,
+    )
+
+
+def _inputs_in_words(
+    foundation: Foundation, surface: Any, given: dict[str, Any]
+) -> list[tuple[str, str]]:
+    words = "" if is_traced(surface) else f", {surface.words()}"
+    inputs = [
+        ("material", foundation.name or "given directly"),
+        ("surface", f"{surface.label}{words}"),
+    ]
+    inputs += [
+        (name.replace("_", " "), brief(given[name], unit))
+        for name, unit in _UNITS.items()
+        if given[name] is not None
+    ]
+    return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]

@@ -1,0 +1,144 @@
+"""What `em.leak` returns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..errors import InputError
+from ..results.base import Array, Result, quantity, record
+from ..results.words import span
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import Style
+
+_LOG_RATIO = 5.0  # of the largest to the smallest value from which on an axis is
+_LOWEST = 1e-12  # share of the largest value down to which a logarithmic axis goes
+
+
+@record
+class Leak(Result):
+    """Leak of a liquid through a static seal.
+
+    Within a factor of 1 + `model_error` the rate is that of three dimensions, at 95 %
+    of the points. Where `percolates` is false no channel leads through, and the rate is
+    zero but for single flaws, permeation and what the model does not know.
+    """
+
+    pressure: Array = quantity("contact pressure", "Pa", shown="MPa")
+    pressure_drop: Array = quantity("pressure drop of the fluid", "Pa", shown="MPa")
+    viscosity: Array = quantity("viscosity", "Pa s")
+    time: Array | None = quantity(
+        "time since it was pressed", "s", "None: long after", default=None
+    )
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    rate: Array = quantity("leak rate", "m^3/s", "Q, volume", axis="leak rate")
+    mass_rate: Array | None = quantity(
+        "mass leak rate", "kg/s", "None where no density was given", default=None
+    )
+    conductance: Array = quantity(
+        "flow conductance",
+        "m^3/(Pa s)",
+        "s, flow per width and pressure gradient",
+    )
+    mean_gap: Array = quantity("mean gap", "m", "u", shown="µm")
+    critical_gap: Array = quantity(
+        "critical gap",
+        "m",
+        "of the narrowest place of the widest channel, NaN where there is none",
+        shown="µm",
+    )
+    area_ratio: Array = quantity("real contact area over nominal area", "-", "A")
+    percolates: Array = quantity(
+        "percolates", "", "whether channels lead through the contact"
+    )
+    error: Array = quantity("estimated relative error of the rate", "-")
+    model_error: Array | None = quantity(
+        "bound of the model's relative error",
+        "-",
+        "the rate is within a factor of 1 + this of three dimensions; None for those",
+        default=None,
+    )
+
+    title: ClassVar[str] = "Leak"
+    across: ClassVar[str] = "pressure"
+    shows: ClassVar[str] = "rate"
+    scale: ClassVar[str] = "auto"
+    error_of: ClassVar[str] = "the rate, relative"
+    from_zero: ClassVar[bool] = False
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "time",
+        "pressure",
+        "temperature",
+        "pressure_drop",
+        "viscosity",
+    )
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        style: Style | None = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        show: str = "rate",
+    ) -> Axes:
+        """Draws the rate, or another field, against time where there are several times,
+        else against the pressure; with the band of the model about a rate.
+
+        The rest as of every result, `Result.plot`. Raises `InputError`.
+        """
+        fields = [
+            q.path
+            for q in self.quantities()
+            if q.unit and q.path not in self.coordinates
+        ]
+        if show not in fields:
+            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+        from ..results.plotting import LIGHT, Ask, Line, Sketch, draw, frame
+
+        def band(sketch: Sketch, line: Line) -> None:
+            if show not in ("rate", "mass_rate", "conductance"):
+                return
+            if self.model_error is None:
+                return
+            factor = 1 + sketch.along_line(sketch.fields["model_error"], line)
+            ends = line.y / factor, line.y * factor
+            look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
+            sketch.ax.fill_between(line.x, *ends, **look)
+
+        x = "time" if any(axis.name == "time" for axis in self.axes()) else "pressure"
+        ask = Ask(ax, style, title, label)
+        ax = self._draw(draw, ask, x=x, y=show, also=band)
+        values = np.asarray(getattr(self, show))
+        values = values[np.isfinite(values) & (values > 0)]
+        if values.size and values.max() > _LOG_RATIO * values.min():
+            ax.set_yscale("log")
+            frame(ax)
+        return ax
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Ranges of rate, gaps and real contact, how far the rate may be off and at how
+        many points channels are closed.
+        """
+        good: Any = np.asarray(self.converged)
+        for name in ("rate", "mass_rate", "mean_gap", "critical_gap", "area_ratio"):
+            if (value := getattr(self, name)) is not None:
+                q = next(q for q in self.quantities() if q.path == name)
+                unit = "" if q.unit == "-" else q.unit
+                yield q.label, span(np.asarray(value)[good], unit)
+        if self.model_error is not None and np.isfinite(self.model_error).any():
+            factor = span(1 + np.asarray(self.model_error))
+            yield "model", f"rate within a factor of {factor}"
+        closed = int((good & ~np.asarray(self.percolates)).sum())
+        if closed:
+            yield (
+                "closed",
+                f"no channel leads through at {closed} of {good.size} points",
+            )

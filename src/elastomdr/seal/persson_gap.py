@@ -1,0 +1,136 @@
+"""Gaps between a randomly rough surface and elastic rubber, by Persson's theory.
+
+With the two-dimensional spectrum C(q), the pressure over the half-space's modulus
+p/E* and the share of contact A(z) that is seen at the wave number z (`share` of
+`rough.psd_integrals`), the mean gap of all that waves beyond z leave open is
+
+    u(z) = sqrt(pi) int_z^q_high q^2 C w J(x) dq,      x = w p/(A(z) E*),
+    w(q, z) = (pi int_z^q k^3 C dk)^(-1/2),
+    J(x) = int_x^inf [g + 3 (1-g) erf(t)^2] exp(-t^2) dt/t,      g = 0.45,
+
+and u(q_low) that of the whole surface. Where contact is lost as waves from z to z + dz
+come into sight, the gap is u_1 = u + u' A/A'. With the integral I of erf^2 exp(-t^2)/t
+over all t, and c Euler's constant,
+
+    J(x) = -g (c/2 + ln x) + 3 (1-g) I + int_0^1 [g (1 - e) - 3 (1-g) erf(x r)^2 e] dr/r,
+    e = exp(-(x r)^2).
+
+Sources: B. N. J. Persson, Phys. Rev. Lett. 99 (2007) 125502; C. Yang and B. N. J.
+Persson, J. Phys.: Condens. Matter 20 (2008) 215214. Where channels through the gaps
+close: A. Wang and M. H. Mueser, Tribol. Lett. 69 (2021), arXiv 2010.13470.
+"""
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import namespace
+from ..numerics.quadrature import gauss
+from ..rough.multiscale import contact, rate_of
+from ..rough.psd_integrals import Nodes, share, until
+
+CLOSES = 0.42  # share of contact at which channels close
+_ENERGY = 0.45  # g
+_CONTACT = 0.5, True  # gamma of the share of contact, stored: as `em.Multiscale`
+_EULER = 0.5772156649015329
+_ALL = 0.40712493463438926  # I
+_FAR = 5.0  # x from which on J is nothing
+_ALL_ROUND = 2 * np.pi  # int |E*|^2 dphi over E*^2, of an elastic solid
+
+
+class Contact(NamedTuple):
+    """Points of a surface under pressures over E*."""
+
+    at: Nodes
+    level: Any  # p/E* (points, 1, 1)
+    variance: Any  # R up to each node (points, cells, 2)
+    area: Any  # A at q_high (points,)
+    steep: Any  # dlog R/dlog q at q_high
+
+
+def contact_of(at: Nodes, level: Any) -> Contact:
+    """The contact at many levels p/E*, shape (points,)."""
+    level = level[:, None, None]
+    rate = rate_of(at, _ALL_ROUND, level)
+    total = (rate * at.weight).sum((-2, -1))
+    end = at.end_power / (at.power * at.weight).sum()
+    return Contact(
+        at, level, until(rate, at.weight), contact(total, *_CONTACT), end + 0 * total
+    )
+
+
+def mean_gap(found: Contact) -> Any:
+    """u(q_low) [m], shape (points,)."""
+    xp = namespace(found.variance)
+    x = 0.5 / xp.sqrt(found.variance)
+    each = found.at.power / found.at.q * x * gap_integral(x) * found.at.weight
+    return np.sqrt(np.pi) / found.level[:, 0, 0] * each.sum((-2, -1))
+
+
+def gap_integral(x: Any) -> Any:
+    """J(x)."""
+    xp = namespace(x)
+    held = xp.minimum(x, _FAR)[..., None]
+    nodes, weights = gauss(24)
+    r = 0.5 * (nodes + 1)
+    gone = xp.exp(-((held * r) ** 2))
+    touching = share(0.25 / (held * r) ** 2) ** 2
+    each = _ENERGY * (1 - gone) - 3 * (1 - _ENERGY) * touching * gone
+    inner = (each / r) @ (0.5 * weights)
+    held = held[..., 0]
+    value = inner - _ENERGY * (_EULER / 2 + xp.log(held)) + 3 * (1 - _ENERGY) * _ALL
+    return xp.where(x < _FAR, xp.maximum(value, 0.0), 0.0)
+
+
+class Scales(NamedTuple):
+    """What is seen at each node but the ends, (points, nodes), with log z ascending."""
+
+    share: Any  # A(z)
+    gap: Any  # u_1(z) [m]
+
+
+def scales(found: Contact) -> Scales:
+    """Contact and the gap where it is lost, at all scales; on NumPy."""
+    points = found.area.size
+    variance = found.variance.reshape(points, -1)
+    q, weight = found.at.q.ravel(), found.at.weight.ravel()
+    own = (found.at.power.ravel() / q * weight)[None]
+    shares = contact(variance, *_CONTACT)
+    gaps = np.zeros_like(shares)
+    for k in range(q.size - 1):
+        beyond = variance[:, k + 1 :] - variance[:, k : k + 1]
+        x = 0.5 / np.sqrt(np.maximum(beyond, 1e-300))
+        each = own[:, k + 1 :] * x * _tabulated(x / shares[:, k : k + 1])
+        gaps[:, k] = each.sum(-1)
+    gaps *= np.sqrt(np.pi) / found.level[:, :, 0]
+    log_q = np.log(q)
+    falls = np.gradient(shares, log_q, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lost = gaps + np.gradient(gaps, log_q, axis=1) * shares / falls
+    inside = np.isfinite(lost) & (falls < 0)
+    return Scales(shares, np.where(inside, np.maximum(lost, gaps), np.nan))
+
+
+def critical_gap(found: Contact, at_scales: Scales) -> np.ndarray:
+    """u_1 [m] where the share of contact falls to that at which channels close; NaN
+    where it does not, or within the first waves.
+    """
+    gap = np.full(found.area.size, np.nan)
+    for i, (shares, lost) in enumerate(zip(*at_scales, strict=True)):
+        known = np.isfinite(lost) & (lost > 0)
+        if known.any() and shares[known][-1] < CLOSES < shares[known][0]:
+            place = np.interp(-CLOSES, -shares[known], np.log(lost[known]))
+            gap[i] = np.exp(place)
+    return gap
+
+
+@functools.lru_cache(1)
+def _table() -> tuple[np.ndarray, np.ndarray]:
+    x = np.geomspace(1e-10, _FAR, 4000)
+    return np.log(x), gap_integral(x)
+
+
+def _tabulated(x: np.ndarray) -> np.ndarray:
+    """J(x), to 1e-5."""
+    return np.interp(np.log(x), *_table())
