@@ -2,16 +2,17 @@
 
 With the gap g and a mean pressure gradient of one along an axis,
 
-    div(g^3 grad p) = 0,    w = mean flux of g^3 grad p [m^3],    s = w/(12 eta),
+    div(g^3 grad p) = 0,    w = mean flux of g^3 grad p [m^3],    s = w/(12 viscosity),
 
-s [m^3/(Pa s)] the flow per width and pressure gradient of a fluid of viscosity eta.
-Finite volumes: the pressure belongs to the cells, and between two of them the flux goes
-by the harmonic mean of their g^3, which is exact for a gap that changes along the flow
-only, and keeps a closed cell closed. Cells with g = 0 are left out, and so are pools
-from which no channel leads through the map: what a channel is, is said by its winding,
-how often a closed way through it goes around the map before it is back.
+s [m^3/(Pa s)] the flow per width and pressure gradient. Finite volumes: the pressure
+belongs to the cells, and between two of them the flux goes by the harmonic mean of
+their g^3, which is exact for a gap that changes along the flow only, and keeps a closed
+cell closed. Pools from which no channel leads through the map are left out: a channel
+winds, which is to say that a way through it comes back to where it began in another
+copy of the map.
 """
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,112 +29,123 @@ class Flow(NamedTuple):
 
 @one_thread()
 def flow(gap: Any) -> Flow:
-    """Flow through a periodic map of gaps [m], of square cells; closed where they are
+    """Flow through a periodic map of gaps [m] in square cells, closed where they are
     zero.
     """
     gap = np.asarray(gap, dtype=float)
-    label, windings = channels(gap > 0)
-    through = tuple(any(w[axis] for w in windings.values()) for axis in (0, 1))
-    if not any(through):
-        return Flow((0.0, 0.0), (False, False))
-    largest = float(gap.max())
-    inside = np.isin(label, list(windings))
-    along = _conductances(np.where(inside, gap / largest, 0.0) ** 3, label, inside)
-    found = [largest**3 * w if open_ else 0.0 for w, open_ in zip(along, through)]
-    return Flow((found[0], found[1]), (through[0], through[1]))
+    pools, windings = channels(gap > 0)
+    through = [any(winding[axis] for winding in windings.values()) for axis in (0, 1)]
+    along = [0.0, 0.0]
+    if any(through):
+        widest = float(gap.max())
+        inside = np.isin(pools, list(windings))
+        cube = np.where(inside, gap / widest, 0.0) ** 3
+        fluxes = _fluxes(cube, pools, inside)
+        along = [
+            widest**3 * flux if is_open else 0.0
+            for flux, is_open in zip(fluxes, through, strict=True)
+        ]
+    return Flow((along[0], along[1]), (through[0], through[1]))
 
 
 def channels(is_open: Any) -> tuple[np.ndarray, dict[int, tuple[int, int]]]:
-    """Labels of the pools of open cells, 0 where closed, and of those that lead through
-    the map how often, at most, a way goes around it along each axis.
+    """The pools of open cells, numbered, 0 where closed; and of those that lead through
+    the map how often a way goes around it along each axis.
 
     Two cells belong to one pool that share an edge, across the ends of the map too.
     """
-    from scipy.ndimage import label as labelled
+    from scipy.ndimage import label
 
-    label, _ = labelled(is_open)
-    # Across an end the place of one piece in the plane of all copies of the map is
-    # that of its neighbour, one map further. A second way to another place winds.
-    links: dict[int, set[tuple[int, int, int]]] = {}
-    for axis in (0, 1):
-        last, first = label.take(-1, axis), label.take(0, axis)
-        for a, b in {*zip(last.tolist(), first.tolist(), strict=True)}:
-            if a and b:
-                step = (1 - axis, axis)
-                links.setdefault(a, set()).add((b, *step))
-                links.setdefault(b, set()).add((a, -step[0], -step[1]))
+    pieces, count = label(is_open)
+    links = _links(pieces)
+    pool_of = np.arange(count + 1)
     windings: dict[int, tuple[int, int]] = {}
-    place: dict[int, tuple[int, int]] = {}
-    joined = np.arange(label.max() + 1)
+    # the copy of the map in which each piece is, as its pool goes on across the ends
+    copy: dict[int, tuple[int, int]] = {}
     for root in links:
-        if root in place:
+        if root in copy:
             continue
-        place[root] = 0, 0
+        copy[root] = 0, 0
         around = [0, 0]
-        left = [root]
-        while left:
-            a = left.pop()
-            joined[a] = root
-            for b, x, y in links[a]:
-                there = place[a][0] + x, place[a][1] + y
-                if b not in place:
-                    place[b] = there
-                    left.append(b)
-                for axis in (0, 1):
-                    off = abs(there[axis] - place[b][axis])
-                    around[axis] = max(around[axis], off)
+        waiting = [root]
+        while waiting:
+            piece = waiting.pop()
+            pool_of[piece] = root
+            for other, *step in links[piece]:
+                there = copy[piece][0] + step[0], copy[piece][1] + step[1]
+                if other not in copy:
+                    copy[other] = there
+                    waiting.append(other)
+                for axis in (0, 1):  # reached in two copies: it winds
+                    apart = abs(there[axis] - copy[other][axis])
+                    around[axis] = max(around[axis], apart)
         if any(around):
             windings[root] = around[0], around[1]
-    return joined[label], windings
+    return pool_of[pieces], windings
 
 
-def _conductances(cube: Any, label: Any, inside: Any) -> list[float]:
-    """Mean flux along either axis under a pressure that falls by one per cell, of the
-    cells `inside`; `cube` is g^3.
+def _links(pieces: np.ndarray) -> dict[int, set[tuple[int, int, int]]]:
+    """Of each piece at an end of the map the pieces across it, and in which of the
+    next copies of the map they are.
+    """
+    links: dict[int, set[tuple[int, int, int]]] = {}
+    for axis in (0, 1):
+        last, first = pieces.take(-1, axis).tolist(), pieces.take(0, axis).tolist()
+        for a, b in set(zip(last, first, strict=True)):
+            if a and b:
+                links.setdefault(a, set()).add((b, 1 - axis, axis))
+                links.setdefault(b, set()).add((a, axis - 1, -axis))
+    return links
+
+
+class _Faces(NamedTuple):
+    """The open faces between cells that are neighbours along an axis."""
+
+    cube: Any  # harmonic mean of g^3
+    here: Any  # number of the cell before it
+    there: Any  # and behind it
+
+
+def _faces(cube: Any, number: Any) -> Iterator[_Faces]:
+    for axis in (0, 1):
+        beyond = np.roll(cube, -1, axis)
+        mean = 2 * cube * beyond / np.maximum(cube + beyond, 1e-300)
+        open_ = mean > 0
+        yield _Faces(mean[open_], number[open_], np.roll(number, -1, axis)[open_])
+
+
+def _fluxes(cube: Any, pools: Any, inside: Any) -> list[float]:
+    """Mean flux along either axis under a pressure that falls by one per cell; `cube`
+    is g^3, not zero in the cells `inside` alone.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.linalg import splu
 
+    count = int(inside.sum())
     number = np.full(cube.shape, -1)
-    number[inside] = np.arange(int(inside.sum()))
-    faces, rows, columns, values = [], [], [], []
-    diagonal = np.zeros(int(inside.sum()))
-    driven = []
-    for axis in (0, 1):
-        beyond = np.roll(cube, -1, axis)
-        face = 2 * cube * beyond / np.maximum(cube + beyond, 1e-300)
-        both = face > 0
-        here, there = number[both], np.roll(number, -1, axis)[both]
-        face = face[both]
-        faces.append((face, here, there))
-        rows += [here, there]
-        columns += [there, here]
-        values += [-face, -face]
-        diagonal += np.bincount(here, face, diagonal.size)
-        diagonal += np.bincount(there, face, diagonal.size)
-        # what flows into each cell by the mean gradient alone
-        into = np.bincount(there, face, diagonal.size)
-        driven.append(into - np.bincount(here, face, diagonal.size))
-    # The pressure of one cell of each pool is held: only differences count.
-    held = np.unique(label[inside], return_index=True)[1]
-    free = np.ones(diagonal.size, bool)
-    free[held] = False
-    at = np.arange(diagonal.size)
-    matrix = coo_array(
-        (
-            np.concatenate([*values, diagonal]),
-            (np.concatenate([*rows, at]), np.concatenate([*columns, at])),
-        )
-    ).tocsc()[free][:, free]
+    number[inside] = np.arange(count)
+    faces = list(_faces(cube, number))
+    means, here, there = (np.concatenate(part) for part in zip(*faces, strict=True))
+    rows = np.concatenate([here, there, here, there])
+    columns = np.concatenate([there, here, here, there])
+    values = np.concatenate([-means, -means, means, means])
+    # Only differences of pressure count: that of one cell of each pool is held.
+    free = np.ones(count, bool)
+    free[np.unique(pools[inside], return_index=True)[1]] = False
+    matrix = coo_array((values, (rows, columns)), shape=(count, count)).tocsc()
     solved = splu(
-        matrix,
+        matrix[free][:, free],
         permc_spec="MMD_AT_PLUS_A",
         diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
     )
-    found = []
-    for (face, here, there), into in zip(faces, driven, strict=True):
-        rise = np.zeros(diagonal.size)
-        rise[free] = solved.solve(into[free])
-        found.append(float((face * (1 + rise[here] - rise[there])).sum()) / cube.size)
-    return found
+    fluxes = []
+    for face in faces:
+        # what flows into each cell, less what flows out, by the mean gradient alone
+        gained = np.bincount(face.there, face.cube, count)
+        gained -= np.bincount(face.here, face.cube, count)
+        pressure = np.zeros(count)
+        pressure[free] = solved.solve(gained[free])
+        falls = 1 + pressure[face.here] - pressure[face.there]
+        fluxes.append(float((face.cube * falls).sum()) / cube.size)
+    return fluxes

@@ -1,0 +1,331 @@
+"""The leak of a static seal: Reynolds' equation on maps against closed forms, gaps
+against a third party's maps, the verb against its own parts.
+"""
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import erf
+
+import elastomdr as em
+from elastomdr.rough.psd_integrals import nodes
+from elastomdr.seal.gap_flow import channels, flow
+from elastomdr.seal.gap_maps import medium, narrowest
+from elastomdr.seal.leak_theories import _medium
+from elastomdr.seal.persson_gap import contact_of, mean_gap
+
+RUBBER = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))  # in shear
+ROUGH = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e4, q_high=1.6e5)
+SCENE = {
+    "pressure": 3e5,
+    "pressure_drop": 1e5,
+    "viscosity": 2e-3,
+    "length": 2e-3,
+    "width": 0.1,
+    "time": 100.0,
+}
+
+
+def axes(count):
+    x = 2 * np.pi * (np.arange(count) + 0.5) / count
+    return np.meshgrid(x, x, indexing="ij")
+
+
+def extrapolated(gap):
+    """The flow on ever finer grids, of second order."""
+    coarse, fine = (flow(gap(*axes(count))).conductance[0] for count in (32, 64))
+    return (4 * fine - coarse) / 3
+
+
+def test_ridges_across_and_along_the_flow():
+    """1/<g^-3> and <g^3> of g = 1 + a cos x, a = 1/2."""
+    found = flow(1 + 0.5 * np.cos(axes(64)[0]))
+    across, along = (1 - 0.25) ** 2.5 / (1 + 0.125), 1 + 1.5 * 0.25
+    np.testing.assert_allclose(found.conductance, [across, along], rtol=1e-12)
+    assert across == pytest.approx(0.4330127, rel=1e-7)
+
+
+def test_egg_box():
+    assert extrapolated(lambda x, y: 1 + 0.5 * np.cos(x) * np.cos(y)) == pytest.approx(
+        0.9225, abs=5e-5
+    )
+
+
+def test_maps_that_equal_their_own_negative():
+    """ln g^3 and its negative are one map, moved: w is the root of the product of both
+    ends (Keller 1964; Dykhne 1971).
+    """
+    smooth = extrapolated(lambda x, y: np.exp(0.5 * np.cos(x) * np.cos(y)))
+    assert smooth == pytest.approx(1.0, abs=3e-4)
+    x, y = axes(64)
+    board = np.where(np.sin(x) * np.sin(y) > 0, 1.0, 4.0)  # g^3
+    across = flow(board ** (1 / 3)).conductance
+    np.testing.assert_allclose(across, 2.0, rtol=0.01)
+
+
+def test_channels_and_closed_maps():
+    nothing = flow(np.zeros((8, 8)))
+    assert nothing.conductance == (0.0, 0.0)
+    assert nothing.percolates == (False, False)
+    pool, channel = np.zeros((40, 60)), np.zeros((40, 60))
+    pool[10:20, 5:20] = 1.0
+    pool[35:, 30:] = pool[:5, 30:] = 2.0  # one pool, across an end
+    assert flow(pool) == nothing
+    channel[30:, :] = channel[:6, :] = 2.0
+    found = flow(channel)
+    assert found.percolates == (False, True)
+    np.testing.assert_allclose(found.conductance, [0, 16 / 40 * 8], rtol=1e-12)
+
+
+def test_a_channel_that_winds_twice():
+    """It goes around one axis twice before it is back, so that neither axis is open in
+    one step.
+    """
+    is_open = np.zeros((60, 60), bool)
+    i = np.arange(120)
+    for j in (0, 1):
+        is_open[i % 60, (i // 2 + j) % 60] = True
+    pools, windings = channels(is_open)
+    assert list(windings.values()) == [(2, 1)]
+    assert np.unique(pools[is_open]).size == 1
+    assert flow(1.0 * is_open).percolates == (True, True)
+
+
+def test_the_narrowest_place_of_the_widest_channel():
+    gap = np.full((16, 16), 3.0)
+    gap[8, :] = 1.0
+    gap[8, 4] = 2.0  # the way along the first axis; along the second all is open
+    assert narrowest(gap) == 2.5
+    assert np.isnan(narrowest(np.zeros((4, 4))))
+
+
+def test_a_plane_of_maps():
+    """Two kinds alike often: the root of their product (Keller 1964)."""
+    assert medium([[1.0, 4.0]]) == pytest.approx(2.0, rel=1e-12)
+    assert medium([[3.0, 3.0]]) == pytest.approx(3.0, rel=1e-12)
+    assert medium([[0.0, 3.0]]) == 0.0
+
+
+# third party's maps (GFMD), H 0.8, cutoff ratio 100: p/E*, mean gap over rms height
+MAPS = np.array(
+    [
+        [1e-4, 2.629],
+        [1e-3, 1.883],
+        [5e-3, 1.181],
+        [0.01, 0.854],
+        [0.015, 0.664],
+        [0.025, 0.44],
+        [0.04, 0.264],
+    ]
+).T
+
+
+def test_mean_gap_is_that_of_a_third_partys_maps():
+    surface = em.SelfAffine(0.8, rms_slope=0.2766, q_low=1e4, q_high=1e6)
+    found = em.leak(
+        em.Foundation(1.0, [], []),
+        surface,
+        pressure=MAPS[0],
+        pressure_drop=1e-5,
+        viscosity=1.0,
+        length=1.0,
+    )
+    np.testing.assert_allclose(found.mean_gap / surface.rms_height, MAPS[1], rtol=0.07)
+
+
+def test_perssons_gap_is_its_double_integral():
+    level, area = 0.02, 0.1
+    spectrum = em.SelfAffine(0.6, rms_slope=area, q_low=1.0, q_high=8.0)
+
+    def of_wave(q):
+        w = (np.pi * spectrum.moment(3, 1.0, q)) ** -0.5
+        inner, _ = quad(
+            lambda t: (0.45 + 3 * 0.55 * erf(t) ** 2) * np.exp(-(t**2)) / t,
+            min(w * level, 8.0),
+            8.0,
+        )
+        return q**2 * spectrum.at(q) * w * inner
+
+    # w grows as (q - q_low)^-1/2, and the inner integral ends it
+    whole, _ = quad(of_wave, 1.0 + 1e-12, 8.0, limit=400, epsrel=1e-7)
+    found = mean_gap(contact_of(nodes(spectrum), np.array([level])))
+    assert found[0] == pytest.approx(np.sqrt(np.pi) * whole, rel=2e-4)
+
+
+def test_a_medium_of_one_gap_and_contact():
+    """(1 - A)(w_1 - w)/(w_1 + (n-1) w) = A/(n-1) is linear: w = w_1 (1 - A n/(n-1))."""
+    for closes, area in ((0.5, 0.2), (0.42, 0.3)):
+        w = _medium(np.array([1.0]), np.array([2.0]), area, closes=closes)
+        assert w == pytest.approx(8 * (1 - area / closes), rel=1e-10)
+    assert _medium(np.array([1.0]), np.array([2.0]), 0.5, closes=0.5) == 0.0
+
+
+def test_rate_is_conductance_times_drop():
+    found = em.leak(RUBBER, ROUGH, density=900.0, **SCENE)
+    rate = 0.1 / 2e-3 * found.conductance * 1e5
+    np.testing.assert_allclose(found.rate, rate, rtol=1e-14)
+    np.testing.assert_allclose(found.mass_rate, 900 * rate, rtol=1e-14)
+    thin = em.leak(RUBBER, ROUGH, **{**SCENE, "viscosity": [1e-3, 4e-3]})
+    np.testing.assert_allclose(thin.rate, found.rate * [2.0, 0.5], rtol=1e-14)
+    assert found.percolates
+    assert found.critical_gap > 0
+    assert em.leak(RUBBER, ROUGH, **SCENE).mass_rate is None
+
+
+def test_pressed_for_a_time_it_is_elastic_with_the_creep_of_that_time():
+    time, kelvin = np.array([0.1, 10.0, 1e4]), np.array([[293.15], [313.15]])
+    found = em.leak(RUBBER, ROUGH, **{**SCENE, "time": time}, temperature=kelvin)
+    assert found.rate.shape == (2, 3)
+    a = 10 ** (-8.86 * 20 / (101.6 + 20))
+    reduced = np.array([time, time / a])
+    modulus = 1 / em.half_space(RUBBER).creep_compliance(reduced)
+    for i, j in np.ndindex(2, 3):
+        elastic = em.Foundation(modulus[i, j], [], [])
+        alone = em.leak(elastic, ROUGH, **{**SCENE, "time": None})
+        for field in ("rate", "mean_gap", "critical_gap", "area_ratio", "model_error"):
+            np.testing.assert_allclose(
+                getattr(found, field)[i, j], getattr(alone, field), rtol=1e-9
+            )
+    assert (np.diff(found.rate, axis=1) < 0).all()  # creep closes channels
+
+
+def test_it_scales_with_lengths_and_moduli():
+    """Twice as large in all directions at the same slope: w grows as its cube."""
+    large = em.SelfAffine(0.8, rms_slope=0.6, q_low=5e3, q_high=8e4)
+    steep = em.SelfAffine(0.8, rms_slope=1.2, q_low=1e4, q_high=1.6e5)
+    found = em.leak(RUBBER, ROUGH, **SCENE)
+    np.testing.assert_allclose(
+        em.leak(RUBBER, large, **SCENE).conductance, 8 * found.conductance, rtol=1e-9
+    )
+    twice = em.leak(RUBBER, steep, **{**SCENE, "pressure": 6e5})
+    np.testing.assert_allclose(twice.conductance, 8 * found.conductance, rtol=1e-9)
+    np.testing.assert_allclose(twice.area_ratio, found.area_ratio, rtol=1e-12)
+
+
+def test_limits():
+    """Barely touched the flow is that between planes at the mean gap; in nearly full
+    contact nothing flows.
+    """
+    pressure = np.array([1e-3, 2e8])
+    found = em.leak(
+        RUBBER, ROUGH, **{**SCENE, "pressure": pressure, "pressure_drop": 1e-4}
+    )
+    w = 12 * 2e-3 * found.conductance[0]
+    assert 0.9 < w / found.mean_gap[0] ** 3 < 1.0
+    assert found.percolates.tolist() == [True, False]
+    assert found.rate[1] == 0
+    assert found.area_ratio[1] > 0.99
+
+
+def test_maps_in_three_dimensions():
+    """Default and theories against gaps of the half-space; the default within the bound
+    and the maps' scatter.
+    """
+    scene = {
+        **SCENE,
+        "pressure": np.array([2.5e4, 7.5e4, 1.5e5, 4e6]),
+        "pressure_drop": 1e3,
+    }
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e4, q_high=8e4)
+    truth = em.leak(RUBBER, surface, model=em.HalfSpace(cells=128, seeds=3), **scene)
+    found = em.leak(RUBBER, surface, **scene)
+    assert (
+        truth.percolates.tolist() == found.percolates.tolist() == [*3 * [True], False]
+    )
+    np.testing.assert_allclose(truth.mean_gap[:3], found.mean_gap[:3], rtol=0.15)
+    off = np.abs(np.log(truth.rate[:3] / found.rate[:3]))
+    assert (off < np.log1p(found.model_error + truth.error)[:3]).all()
+    assert truth.model_error is None
+    narrow = em.leak(RUBBER, surface, model="critical constriction", **scene)
+    middle = em.leak(RUBBER, surface, model=em.EffectiveMedium(), **scene)
+    assert (narrow.rate > truth.rate)[:3].all()
+    assert (middle.rate > truth.rate)[:3].all()
+    assert np.isnan(middle.model_error).all()
+
+
+def test_derivatives():
+    def rate(x):
+        rubber = em.StandardSolid(x[0], 3e6, x[1])
+        surface = em.SelfAffine(0.8, rms_slope=x[2], q_low=1e4, q_high=1.6e5)
+        return em.leak(
+            rubber, surface, **{**SCENE, "pressure": x[3], "viscosity": x[4]}
+        ).rate
+
+    x = np.array([1e6, 2.0, 0.6, 3e5, 2e-3])
+    with jax.enable_x64(True):
+        slopes = np.asarray(jax.grad(rate)(x))
+    step = 1e-4 * x
+    by_hand = [(rate(x + h) - rate(x - h)) / (2 * h.sum()) for h in np.diag(step)]
+    np.testing.assert_allclose(slopes, by_hand, rtol=1e-4)
+    with pytest.raises(em.InputError, match=r"em.Multiscale\(\) under jit"):
+        jax.grad(
+            lambda p: (
+                em.leak(
+                    RUBBER,
+                    ROUGH,
+                    model=em.CriticalConstriction(),
+                    **{**SCENE, "pressure": p},
+                ).rate
+            )
+        )(3e5)
+
+
+def test_table_summary_and_figure(tmp_path):
+    pressure, time = np.geomspace(1.1e5, 3e6, 5), np.array([[1.0], [1e4]])
+    found = em.leak(
+        RUBBER, ROUGH, **{**SCENE, "pressure": pressure, "time": time, "density": 1e3}
+    )
+    found.to_csv(tmp_path / "leak.csv")
+    text = (tmp_path / "leak.csv").read_text()
+    for said in (
+        "leak rate [m^3/s]",
+        "mass leak rate [kg/s]",
+        "Multiscale",
+        "percolates",
+    ):
+        assert said in text
+    assert dict(found.to_xarray().sizes) == {"time": 2, "pressure": 5}
+    closed = int((~found.percolates).sum())
+    assert closed > 0
+    assert f"no channel leads through at {closed} of 10 points" in found.summary()
+    assert "rate within a factor of" in found.summary()
+    ax = found.plot()
+    assert ax.get_yscale() == "log"
+    assert "Leak rate" in ax.get_ylabel()
+    assert found.png(show="mean_gap").startswith(b"\x89PNG")
+    with pytest.raises(em.InputError, match="show must be one of rate"):
+        found.plot(show="leak")
+
+
+def test_friction_refuses_a_model_of_leaks():
+    with pytest.raises(em.InputError, match="model must be one of friction"):
+        em.friction(
+            RUBBER, ROUGH, velocity=0.1, pressure=1e5, model=em.EffectiveMedium()
+        )
+    with pytest.raises(em.InputError, match="model must be em"):
+        em.friction(RUBBER, ROUGH, velocity=0.1, pressure=1e5, model="effective medium")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"pressure_drop": 3e5}, "the seal opens"),
+        ({"pressure_drop": -1.0}, "pressure_drop must be positive"),
+        ({"viscosity": 0.0}, "viscosity must be positive"),
+        ({"length": 0.0}, "length must be positive"),
+        ({"density": -1.0}, "density must be positive"),
+        ({"surface": em.Sphere(1e-3)}, "surface must be"),
+        ({"model": "persson"}, "model must be em.Multiscale"),
+        ({"model": em.Persson()}, r"model must be em.Multiscale\(\) or em.HalfSpace"),
+        ({"model": em.Line()}, "for a leak"),
+        ({"material": em.springs(RUBBER, 1e-3, bonded=False)}, "half-space"),
+        ({"material": em.Maxwell(1e6, 1.0), "time": None}, "equilibrium modulus"),
+    ],
+)
+def test_bad_input(change, words):
+    given = {"material": RUBBER, "surface": ROUGH, **SCENE, **change}
+    with pytest.raises(em.InputError, match=words):
+        em.leak(**given)
+    with pytest.raises(em.InputError, match="closes must be a number between 0 and 1"):
+        em.EffectiveMedium(closes=1.0)
