@@ -5,7 +5,8 @@ Draws surfaces: Hurst exponent .3 to 1, q_high over q_rolloff 16 to 64, q_rollof
 q_low 1 to 8. Each is pressed, elastic, at the pressures for which Persson's theory has
 a real contact of 1 to 40 %, on several random maps (`elastomdr.seal.gap_maps`, four
 cells per shortest wave), and Reynolds' equation is solved on the gaps along both axes.
-A load that fewer than three summits carry is left out. Surfaces are appended to
+A load is computed on the smallest maps on which three summits or more carry it, and
+left out where none of them is large enough. Maps are appended to
 `results/leak_maps.json` as they come, and those that are there are not computed again;
 `leak_fit.py` fits the model of `em.leak` to them.
 
@@ -31,9 +32,8 @@ from elastomdr.surface.spectrum import rough_map
 FILE = RESULTS / "leak_maps.json"
 SURFACES = 60
 AREAS = np.array([0.01, 0.02, 0.04, 0.07, 0.11, 0.16, 0.21, 0.26, 0.31, 0.36, 0.40])
-MAPS = 4
+MAPS = {64: 4, 128: 4, 192: 2}  # of so many shortest waves to a side
 SUMMITS = 3.0  # that carry the load, at least
-WAVES = (64, 128)  # shortest waves to a side of a map: of few scales, of many
 
 
 def surface(number: int) -> dict[str, float]:
@@ -43,7 +43,7 @@ def surface(number: int) -> dict[str, float]:
         hurst = rng.uniform(0.3, 1.0)
         ratio = np.exp(rng.uniform(np.log(16), np.log(64)))
         rolloff = 1.0 if rng.uniform() < 0.35 else np.exp(rng.uniform(0, np.log(8)))
-        if ratio * rolloff <= (WAVES[1] if rolloff > 2 else WAVES[0]):
+        if ratio * rolloff <= (128 if rolloff > 2 else 64):
             return {"hurst": hurst, "ratio": ratio, "rolloff": rolloff}
 
 
@@ -61,46 +61,64 @@ def levels() -> np.ndarray:
     return np.interp(AREAS, area, level)
 
 
-def on_maps(shape: dict[str, float], maps: int = MAPS, fine: int = 1) -> dict[str, Any]:
-    """A surface at all loads, `fine` times four cells per shortest wave."""
-    spectrum = spectrum_of(**shape)
-    highest = shape["ratio"] * shape["rolloff"]
-    waves = WAVES[0] if highest <= WAVES[0] / 2 else WAVES[1]
-    periods = int(waves / highest)
-    cells = fine * 32 * int(np.ceil(periods * highest / 8 - 1e-9))
+def grid_of(spectrum: em.SelfAffine, waves: int) -> Grid | None:
+    """A map of about so many shortest waves to a side; None where they are fewer than
+    two of the longest, or one where that is far in the roll-off.
+    """
+    least = 1 if spectrum.q.size > 2 and spectrum.q[1] > 2 else 2
+    periods = int(waves / spectrum.q_high)
+    if periods < least:
+        return None
+    cells = 32 * int(np.ceil(periods * spectrum.q_high / 8 - 1e-9))
+    return Grid(cells, periods, 2 * np.pi * periods)
+
+
+def carried(spectrum: em.SelfAffine, grid: Grid) -> np.ndarray:
+    """Which of the levels enough summits carry."""
     level = levels()
-    grid = Grid(cells, periods, 2 * np.pi * periods)
-    carried = summits(
-        lambda omega: np.ones(np.shape(omega), complex),
-        spectrum,
-        np.ones(level.size),
-        level,
-        grid,
-    )
-    level = level[carried >= SUMMITS]
+    modulus = lambda omega: np.ones(np.shape(omega), complex)  # noqa: E731
+    found = summits(modulus, spectrum, np.ones(level.size), level, grid)
+    return found >= SUMMITS
+
+
+def on_maps(
+    spectrum: em.SelfAffine, grid: Grid, level: np.ndarray, maps: int
+) -> dict[str, Any]:
+    """A surface at levels, lightest first, on maps of one size."""
     rms = spectrum.rms_height
-    area, gap, along, across = (np.full((level.size, maps), np.nan) for _ in range(4))
+    area, gap = (np.full((level.size, maps), np.nan) for _ in range(2))
+    flows = np.full((level.size, maps, 2), np.nan)
     for seed in range(maps):
-        heights, side = rough_map(spectrum, seed, periods=periods, points=cells)
+        heights, side = rough_map(
+            spectrum, seed, periods=grid.periods, points=grid.cells
+        )
         start = None
         for i, one in enumerate(level):
             found = pressed(heights, side, one, start)
-            start = found.pressure
-            if not found.settled:
-                start = None
-                continue
-            through = flow(found.gap).conductance
-            area[i, seed], gap[i, seed] = found.area, found.gap.mean() / rms
-            along[i, seed], across[i, seed] = (w / rms**3 for w in through)
+            start = found.pressure if found.settled else None
+            if found.settled:
+                area[i, seed], gap[i, seed] = found.area, found.gap.mean() / rms
+                flows[i, seed] = np.array(flow(found.gap).conductance) / rms**3
     return {
-        **shape,
-        "cells": cells,
-        "periods": periods,
+        "cells": grid.cells,
+        "periods": grid.periods,
         "level": level.tolist(),
         "area": area.tolist(),
         "gap": gap.tolist(),
-        "flow": np.stack([along, across], -1).tolist(),
+        "flow": flows.tolist(),
     }
+
+
+def left(spectrum: em.SelfAffine, waves: int) -> tuple[Grid | None, np.ndarray]:
+    """Maps of a size, and the levels that smaller ones do not carry."""
+    done = np.zeros(AREAS.size, bool)
+    for size in MAPS:
+        grid = grid_of(spectrum, size)
+        enough = done & False if grid is None else carried(spectrum, grid)
+        if size == waves:
+            return grid, levels()[enough & ~done]
+        done |= enough
+    raise ValueError(waves)
 
 
 def main() -> None:
@@ -108,18 +126,25 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=60.0)
     end = time.monotonic() + 60 * parser.parse_args().minutes
     kept = json.loads(FILE.read_text()) if FILE.exists() else {}
-    for number in range(SURFACES):
-        if str(number) in kept:
-            continue
-        if time.monotonic() > end:
-            break
-        begun = time.process_time()
-        kept[str(number)] = on_maps(surface(number))
-        FILE.write_text(json.dumps(_rounded(kept)) + "\n")
-        print(
-            number, surface(number), f"{time.process_time() - begun:.0f} s", flush=True
-        )
-    print(f"{len(kept)} of {SURFACES} surfaces")
+    for waves, maps in MAPS.items():
+        for number in range(SURFACES):
+            own = kept.setdefault(str(number), {**surface(number), "maps": {}})
+            if str(waves) in own["maps"]:
+                continue
+            if time.monotonic() > end:
+                return
+            spectrum = spectrum_of(*(own[key] for key in ("hurst", "ratio", "rolloff")))
+            grid, level = left(spectrum, waves)
+            begun = time.process_time()
+            own["maps"][str(waves)] = (
+                None
+                if grid is None or not level.size
+                else on_maps(spectrum, grid, level, maps)
+            )
+            FILE.write_text(json.dumps(_rounded(kept)) + "\n")
+            took = time.process_time() - begun
+            print(waves, number, level.size, f"{took:.0f} s", flush=True)
+    print("done")
 
 
 def _rounded(values: Any) -> Any:
