@@ -39,6 +39,7 @@ SCRIPTS = (
     "rough_sliding",
     "rough_fit",
     "rough_press",
+    "leak_fit",
     "robustness/rough_scenes",
     "topography",
     "fit_coverage --sets 50",

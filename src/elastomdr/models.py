@@ -77,13 +77,13 @@ class Model:
         """`em.friction` of a rough line or surface; `scene` holds its other
         arguments.
         """
-        raise NotImplementedError
+        raise InputError(f"model must be one of friction, got {self!r}.")
 
     def rough_plan(
         self, material: Materials, surface: Surface, **scene: Any
     ) -> RoughPlan | SurfacePlan:
         """`em.plan` of a rough line or surface; `scene` holds its other arguments."""
-        raise NotImplementedError
+        raise InputError(f"model must be one of friction, got {self!r}.")
 
     def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
         """Gaps of a surface and the flow through them, for `em.leak`; `level` is the

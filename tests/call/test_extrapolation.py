@@ -555,6 +555,15 @@ OUTSIDE = {
     "Conveyor": _conveyor,
     "HeatBuildUp": _warming,
     "ORing": lambda m: em.o_ring(m, 5e-3, [0.1, 0.15], time=1e8),
+    "Leak": lambda m: em.leak(
+        m,
+        ROAD,
+        pressure=[1e5, 2e5],
+        pressure_drop=1e4,
+        viscosity=1e-3,
+        length=1e-3,
+        time=1e8,
+    ),
 }
 # And what does not look at it, and says so.
 BLIND = {

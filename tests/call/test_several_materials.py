@@ -30,6 +30,9 @@ CALLS = {
         m, BALL, velocity=1.0, creepage=[0.001, 0.1], friction=0.8, load=5.0
     ),
     "cord": lambda m: em.o_ring(m, 3e-3, 0.1, time=[1.0, 100.0]),
+    "leak": lambda m: em.leak(
+        m, ROAD, pressure=[1e5, 3e5], pressure_drop=1e4, viscosity=1e-3, length=1e-3
+    ),
 }
 
 

@@ -302,6 +302,9 @@ REFUSED = {
         m, BALL, velocity=1.0, friction=0.5, depth=1e-4, creepage=0.01
     ),
     "o_ring": lambda m: em.o_ring(m, diameter=5e-3, squeeze=0.2),
+    "leak": lambda m: em.leak(
+        m, SURFACE, pressure=3e5, pressure_drop=1e5, viscosity=1.0, length=1.0
+    ),
     "half-space": lambda m: em.reference.half_space_sliding(
         m, BALL, velocity=1.0, load=1.0
     ),

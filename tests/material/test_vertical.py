@@ -176,6 +176,9 @@ VERBS = {
         m, 0.01, velocity=9.0, load_per_length=9, points=64, **t
     ),
     "cord": lambda m, **t: em.o_ring(m, diameter=0.005, squeeze=0.15, time=1e-4, **t),
+    "leak": lambda m, **t: em.leak(
+        m, ROUGH, pressure=3e5, pressure_drop=1e5, viscosity=1.0, length=1.0, **t
+    ),
 }
 SETTINGS = {
     "temperature",

@@ -463,18 +463,21 @@ UNITS = {  # of each quantity, whatever the result
         "slip spread squeeze stick strain"
     ),
     "m^2": "contact_area",
-    "": "converged extrapolated follows stuck touching",
+    "": "converged extrapolated follows percolates stuck touching",
     "m/s": "road slowest velocity",
     "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "amplitude mean force friction_force max_force normal_force pull resistance",
     "W": "power slip_power",
     "m": (
-        "approach approach_error contact_radius depth diameter displacement drive "
-        "height leading max_depth position separation stick_radius surface trailing "
-        "width x"
+        "approach approach_error contact_radius critical_gap depth diameter "
+        "displacement drive height leading max_depth mean_gap position separation "
+        "stick_radius surface trailing width x"
     ),
     "s": "duration settling time",
-    "Pa": "pressure",
+    "Pa": "pressure pressure_drop",
+    "Pa s": "viscosity",
+    "m^3/s": "rate",
+    "kg/s": "mass_rate",
     "rad/s": "omega",
     "rad/m": "wave_number",
     "N/m": "back carry friction_per_length line_load load load_per_length",
@@ -497,6 +500,7 @@ OTHERS = {
     "Shear.error": "N",
     "ForceSpectrum.error": "N",
     "ORing.error": "N/m",
+    "Leak.conductance": "m^3/(Pa s)",
     "HeatBuildUp.error": "K",
     "HeatBuildUp.load": "N",
     "RoughContact.conductance": "1/m",

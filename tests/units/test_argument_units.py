@@ -140,6 +140,7 @@ CALLS = {
     "friction on a road": lambda **k: em.friction(SOLID, ROAD, **k).mu,
     "rolling": lambda **k: em.rolling(SOLID, BALL, **k).resistance,
     "o_ring": lambda **k: em.o_ring(SOLID, squeeze=0.1, **k).line_load,
+    "leak": lambda **k: em.leak(SOLID, ROAD, density=900.0, **k).mass_rate,
     "stability": lambda **k: (
         em.stability(em.Mount(1.0, 1e3), force=np.array([1.0, 2.0, 1.5]), **k).slope
     ),
@@ -154,6 +155,13 @@ GIVEN = {
     "friction on a road": {"velocity": 0.1, "pressure": 1e5},
     "rolling": {"velocity": 0.1, "depth": 1e-4},
     "o_ring": {"diameter": 5e-3, "time": 10.0},
+    "leak": {
+        "pressure": np.array([2e4, 4e4]),
+        "pressure_drop": 1e3,
+        "viscosity": 0.1,
+        "length": 1e-3,
+        "time": 10.0,
+    },
     "stability": {"velocity": np.array([0.1, 0.2, 0.3]), "wavelength": 1e-3},
     "sphere": {"radius": 5e-3},
     "Prony": {

@@ -102,6 +102,9 @@ CALLS = {
         IDLERS, IDLERS, velocity=[2.0, 5.0], belt=20.0, goods=100.0
     ),
     "cord": lambda: em.o_ring(RUBBER, 5e-3, 0.15, time=[1.0, 100.0]),
+    "leak": lambda: em.leak(
+        RUBBER, ROAD, pressure=[1e5, 3e5], pressure_drop=1e4, viscosity=1.0, length=1.0
+    ),
 }
 SLOW = {
     "friction, half-space": lambda: em.friction(

@@ -1,5 +1,5 @@
 """What the commands do that compute a scene: `elastomdr friction`, `rolling`, `indent`,
-`impact`, `slide`, `traction` write a table, a figure and more; `compare` a ranking,
+`impact`, `slide`, `traction`, `leak` write a table, a figure and more; `compare` a ranking,
 `plan` what would be computed.
 """
 

@@ -7,6 +7,7 @@ from typing import Any
 from ..errors import InputError, closest
 from ..files import read_text
 from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
+from .leak import LeakScene
 from .scene import Scene
 from .schema import decode, keys_of
 from .steady import (
@@ -31,6 +32,7 @@ KINDS: dict[str, tuple[type[Scene], ...]] = {
     "impact": (Impact,),
     "slide": (SurfaceSlide, BodySlide),
     "traction": (WheelTraction, Traction),
+    "leak": (LeakScene,),
     "compare": (SurfaceComparison, BodyComparison),
 }
 

@@ -27,6 +27,7 @@ _SCENES = {
         "spring (stick-slip)"
     ),
     "traction": "traction of a wheel or ball against slip or creepage",
+    "leak": "leak of a static seal against pressure and time",
     "compare": "materials ranked by friction at one velocity and temperature",
 }
 

@@ -41,6 +41,7 @@ _AXES = (
     "goods",
     "ambient",
     "temperature",
+    "time",
 )
 
 

@@ -61,6 +61,8 @@ USUAL = {
     "N*s/m": {"N*s/m": "1", "N*s/mm": "1e3", "kN*s/m": "1e3"},
     "W/K": {"W/K": "1", "kW/K": "1e3", "mW/K": "1e-3"},
     "J/K": {"J/K": "1", "kJ/K": "1e3"},
+    "Pa*s": {"Pa*s": "1", "Pa s": "1", "mPa*s": "1e-3", "mPa s": "1e-3", "cP": "1e-3"},
+    "kg/m^3": {"kg/m^3": "1", "g/cm^3": "1e3", "g/l": "1"},
     "kg/m": {"kg/m": "1", "t/m": "1e3", "g/m": "1e-3"},
     "Pa/m": {"Pa/m": "1", "MPa/m": "1e6", "N/m^3": "1", "N/mm^3": "1e9"},
     "J/mol": {"J/mol": "1", "kJ/mol": "1e3"},
@@ -218,6 +220,14 @@ class Frequency(Quantity, what="a frequency", unit="Hz", example="10 Hz"): ...
 
 
 class WaveNumber(Quantity, what="a wave number", unit="1/m", example="1e3 1/m"): ...
+
+
+class Viscosity(
+    Quantity, what="a dynamic viscosity", unit="Pa*s", example="0.1 Pa*s"
+): ...
+
+
+class Density(Quantity, what="a density", unit="kg/m^3", example="870 kg/m^3"): ...
 
 
 class SurfaceEnergy(

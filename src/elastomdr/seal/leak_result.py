@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from .._types import Style
 
 _LOG_RATIO = 5.0  # of the largest to the smallest value from which on an axis is
-_LOWEST = 1e-12  # share of the largest value down to which a logarithmic axis goes
 
 
 @record
@@ -108,7 +107,8 @@ class Leak(Result):
                 return
             if self.model_error is None:
                 return
-            factor = 1 + sketch.along_line(sketch.fields["model_error"], line)
+            error = sketch.along_line(sketch.fields["model_error"], line)
+            factor = 1 + np.where(np.isfinite(error), error, np.nan)
             ends = line.y / factor, line.y * factor
             look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
             sketch.ax.fill_between(line.x, *ends, **look)

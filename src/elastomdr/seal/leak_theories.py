@@ -35,9 +35,6 @@ from .persson_gap import (
 
 if TYPE_CHECKING:
     from ..arrays import Array
-    from ..call.types import Materials, Surface
-    from ..results.curve import FrictionCurve
-    from ..rough.surface import SurfacePlan
     from ..surface.spectrum import AbstractSpectrum
 
 _HALVINGS = 100  # of the interval of log w
@@ -82,16 +79,6 @@ class LeakTheory(Model, ABC):
             good=np.isfinite(w),
             said=self.words(),
         )
-
-    def rough_friction(
-        self, material: Materials, surface: Surface, **scene: Any
-    ) -> FrictionCurve:
-        raise InputError(f"model must be one of friction, got {self!r} of leaks.")
-
-    def rough_plan(
-        self, material: Materials, surface: Surface, **scene: Any
-    ) -> SurfacePlan:
-        raise InputError(f"model must be one of friction, got {self!r} of leaks.")
 
 
 @constructor_in_si
