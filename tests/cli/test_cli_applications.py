@@ -211,6 +211,53 @@ def test_traction_of_a_ball(capsys):
     assert not list(Path("out").glob("*.tir"))  # a ball is no tyre
 
 
+LEAK = """
+title = "Leaks"
+material = "rubber.toml"
+temperature = "20 degC"
+
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.5
+longest = "200 um"
+shortest = "10 um"
+
+[leak]
+pressure = { from = "20 kPa", to = "80 kPa", points = 3 }
+pressure_drop = "0.1 bar"
+viscosity = "50 mPa s"
+density = "0.87 g/cm^3"
+length = "1 mm"
+width = "0.1 m"
+time = ["1 s", "1 day"]
+model = "critical constriction"
+"""
+
+
+def test_leak(capsys):
+    table = written(capsys, "leak", write(LEAK), "scene-leak", "Leaks")
+    found = em.leak(
+        em.load_material("rubber.toml"),
+        em.SelfAffine(
+            0.8, rms_slope=0.5, q_low=2 * np.pi / 2e-4, q_high=2 * np.pi / 1e-5
+        ),
+        pressure=[2e4, 4e4, 8e4],
+        pressure_drop=1e4,
+        viscosity=0.05,
+        density=870,
+        length=1e-3,
+        width=0.1,
+        time=[[1.0], [86400.0]],
+        temperature=293.15,
+        model=em.CriticalConstriction(),
+    )
+    assert found.percolates.any()
+    np.testing.assert_allclose(
+        table["mass leak rate [kg/s]"], found.mass_rate.ravel(), rtol=1e-12
+    )
+
+
 def test_rough_slide(capsys):
     table = written(
         capsys, "slide", write(ROUGH_SLIDE), "scene-slide", "Started on a rough line"
@@ -295,6 +342,30 @@ CASES = {
         f"slide: {name}": ("slide", ROUGH_SLIDE, *case)
         for name, case in BAD_ROUGH_SLIDES.items()
     },
+    "leak without an oil": (
+        "leak",
+        LEAK,
+        ('viscosity = "50 mPa s"\n', ""),
+        "viscosity",
+    ),
+    "leak of a kinematic viscosity": (
+        "leak",
+        LEAK,
+        ("50 mPa s", "46 cSt"),
+        "[leak] viscosity must be a dynamic viscosity",
+    ),
+    "leak of an open seal": (
+        "leak",
+        LEAK,
+        ("0.1 bar", "1 bar"),
+        "the seal opens",
+    ),
+    "leak to a tolerance": (
+        "leak",
+        LEAK,
+        ("[leak]", "[numerics]\nrtol = 1e-3\n[leak]"),
+        "[numerics] does not belong to a leak",
+    ),
     "friction of a warming": (
         "friction",
         WARMING,

@@ -56,7 +56,8 @@ def channels(is_open: Any) -> tuple[np.ndarray, dict[int, tuple[int, int]]]:
     """
     from scipy.ndimage import label
 
-    pieces, count = label(is_open)
+    found: Any = label(is_open)
+    pieces, count = found
     links = _links(pieces)
     pool_of = np.arange(count + 1)
     windings: dict[int, tuple[int, int]] = {}

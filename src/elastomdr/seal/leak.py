@@ -106,7 +106,8 @@ def leak(
 
     Returns:
         An `em.Leak` of the broadcast shape. `error` is relative, of the rate, by
-        `em.HalfSpace` twice the standard error over its maps (NaN for one).
+        `em.HalfSpace` twice the standard error over its maps (NaN for one) and about
+        what its cells hold back.
         `model_error` bounds the model: the rate is within a factor of 1 + `model_error`
         of three dimensions at 95 % of the points; NaN for the theories, and where
         channels are closed.
@@ -137,10 +138,12 @@ def leak(
     shape = broadcast_shape(**given)
     level, factor = _level(foundation, given)
     found = chosen.leak(surface, level.ravel())
-    found = GapFlow(
-        *(None if x is None else xp.reshape(x, level.shape) for x in found[:-1]),
-        found.said,
-    )
+    numbers = {
+        name: xp.reshape(x, level.shape)
+        for name, x in found._asdict().items()
+        if name != "said" and x is not None
+    }
+    found = found._replace(**numbers)
     good = xp.broadcast_to(found.good, shape)
     traced = is_traced(level, *given.values())
     if not traced:
@@ -182,13 +185,11 @@ def _checked_bodies(
 
 def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
     """The arguments as arrays. Raises `InputError`."""
-    given = {
-        name: None if value is None else as_float64(name, value)
-        for name, value in arguments.items()
-    }
-    for name, value in given.items():
+    given: dict[str, Any] = dict.fromkeys(arguments)
+    for name, value in arguments.items():
         if value is not None:
-            positive(name, value)
+            given[name] = as_float64(name, value)
+            positive(name, given[name])
     pressure, drop = given["pressure"], given["pressure_drop"]
     broadcast_shape(pressure=pressure, pressure_drop=drop)
     if not is_traced(pressure, drop) and not certain(np.less, drop, pressure):

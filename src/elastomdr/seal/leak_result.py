@@ -115,13 +115,13 @@ class Leak(Result):
 
         x = "time" if any(axis.name == "time" for axis in self.axes()) else "pressure"
         ask = Ask(ax, style, title, label)
-        ax = self._draw(draw, ask, x=x, y=show, also=band)
+        drawn = self._draw(draw, ask, x=x, y=show, also=band)
         values = np.asarray(getattr(self, show))
         values = values[np.isfinite(values) & (values > 0)]
         if values.size and values.max() > _LOG_RATIO * values.min():
-            ax.set_yscale("log")
-            frame(ax)
-        return ax
+            drawn.set_yscale("log")
+            frame(drawn)
+        return drawn
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Ranges of rate, gaps and real contact, how far the rate may be off and at how
