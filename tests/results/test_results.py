@@ -441,6 +441,7 @@ def test_every_field_of_every_result_is_declared():
         "LineContact",
         "HeatBuildUp",
         "FrictionSpectrum",
+        "Leak",
     ):
         getattr(em, name)  # loads it
     seen, names = [Result], []
