@@ -106,7 +106,8 @@ class GapFlow(NamedTuple):
     # w is within a factor of 1 + this of three dimensions; None for those themselves
     model_error: Array | None
     good: Array  # whether the point has an answer
-    said: str = ""  # the model in a few words, for the result
+    said: str  # the model in a few words, for the result
+    work: str = "closed integrals over the spectrum"  # what was computed
 
 
 class SurfaceFriction(NamedTuple):

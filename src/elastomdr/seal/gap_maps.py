@@ -120,9 +120,9 @@ def leak(
                 critical[i, j] = narrowest(found.gap)
     good: Any = np.isfinite(flows).all((0, 1))
     w = np.array([medium(each) for each in np.moveaxis(flows, -1, 0)])
-    said = (
-        f"Reynolds' equation on {len(seeds)} maps of gaps, {grid.cells} by "
-        f"{grid.cells} cells, {grid.periods} longest waves to a side (no reduction)"
+    work = (
+        f"{len(seeds)} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
+        "longest waves to a side"
     )
     return GapFlow(
         flow=w,
@@ -133,7 +133,8 @@ def leak(
         error=_scatter(flows) + _of_cells(area.mean(0), surface, grid),
         model_error=None,
         good=good,
-        said=said,
+        said="Reynolds' equation on gaps in three dimensions (no reduction)",
+        work=work,
     )
 
 

@@ -140,7 +140,7 @@ def leak(
     numbers = {
         name: xp.reshape(x, level.shape)
         for name, x in found._asdict().items()
-        if name != "said" and x is not None
+        if name not in ("said", "work") and x is not None
     }
     found = found._replace(**numbers)
     good = xp.broadcast_to(found.good, shape)
@@ -148,20 +148,15 @@ def leak(
     if not traced:
         warn_unless(good, "points")
     beyond = NOT_KNOWN
-    if foundation.range is not None and not traced:
-        beyond = held_beyond(
-            foundation.range,
-            given["time"],
-            given["temperature"],
-            np.broadcast_to(factor, shape),
-        )
+    if not traced:
+        factor = np.broadcast_to(factor, shape)
+        kelvin = given["temperature"]
+        beyond = held_beyond(foundation.range, given["time"], kelvin, factor)
     return Leak(
         **_fields(given, found, good, shape),
         extrapolated=beyond.points,
         model=found.said,
-        plan="closed integrals over the spectrum"
-        if chosen.label != "half-space"
-        else "Reynolds' equation on maps of gaps",
+        plan=found.work,
         inputs=(*_inputs_in_words(foundation, surface, given), *beyond.said),
     )
 
