@@ -52,7 +52,8 @@ _STEEP = 0.3, 1.4  # D of the maps
 
 def gap_of(ideal: Any, form: Form = FORM) -> Any:
     """The mean gap from that of Persson's theory, both over the rms height."""
-    return form.level * ideal ** (1 - form.bend)
+    xp = namespace(ideal)
+    return form.level * xp.maximum(ideal, 1e-300) ** (1 - form.bend)
 
 
 def factor(gap: Any, area: Any, steep: Any, form: Form = FORM) -> Any:
