@@ -8,13 +8,20 @@ Per length of cord of diameter d, squeezed by the part C of d, free to bulge, E 
     W = E d (1.25 C^1.5 + 50 C^6)
     fitted to measurements, C up to 0.25
     "hertz"     C = s [ln(4/s) - 1],  W = (pi/2) E* d s              small strain, plane strain
-    both        2a = sqrt(8 W d/pi E*) (Hertz),  p = W/2a            width and mean pressure
+    "held"      Hertz' W times (1 + .2343 C + 1.823 C^2 + 1.865 C^3)
+    "free"      Hertz' W times (.9029 - .7203 C + 3.467 C^2 - 3.916 C^3)
+    all         2a = sqrt(8 W d/pi E*) (Hertz),  p = W/2a            width and mean pressure
+
+"held" and "free" are finite elements at large strain (benchmarks/o_ring_fe.py): a cord
+that keeps its length, as a ring that its groove holds, and one that no force holds
+along its length. A ring is between both, which `model_error` says. Lindley's load is
+.86, .96 and 1.03 of "free" and .72, .76 and .75 of "held" at C = 0.08, 0.15 and 0.25.
 
 Rubber is nearly incompressible: E = 3 G(t), E* = 4 E/3. Lindley measured rubber; for nu
 far below 0.5 nothing is known.
 
 In "hertz" s = (a/d)^2. With u = ln(4/s) - 1 it is u - ln u = ln(4/C) - 1, solved by
-Newton's method. Lindley's load is 0.74 of it at C = 0.08 and 0.86 at C = 0.2. Sources:
+Newton's method. Sources:
 P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209 (recalled, not compared with the paper;
 Kim et al., Eng. Failure Anal. 14 (2007) 1680: near to finite elements, below what they
 measured); K. L. Johnson, Contact Mechanics (1985), section 5.6.
@@ -27,7 +34,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from ..arrays import is_traced, numpy_unless_traced, xp
+from ..arrays import fixed, is_traced, numpy_unless_traced, xp
 from ..call.extrapolation import NOT_KNOWN, Beyond, held_beyond
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -54,7 +61,15 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Style
     from ..call.types import Solid
 
-_LARGEST_SQUEEZE = 0.25  # up to which the formula holds
+# up to which the formulas hold
+_LARGEST_SQUEEZE = {"lindley": 0.25, "hertz": 0.25, "held": 0.3, "free": 0.3}
+# Finite elements over Hertz' load of small strain: powers of C, from 0.02 to 0.3
+_LARGE_STRAIN = {
+    "held": (1.0, 0.2343, 1.8234, 1.8646),
+    "free": (0.9029, -0.7203, 3.4667, -3.916),
+}
+# how much wider than its diameter a held cord is, the same (a free one: half of it)
+_BULGE = (0.333, 1.601)
 _NEWTON_STEPS = 8  # u - ln u is nearly straight, and convex
 FORMULAS = {
     "lindley": (
@@ -65,21 +80,32 @@ FORMULAS = {
         "plane contact at small strain, load and width of Hertz; straight cord, free "
         "to bulge"
     ),
+    "held": (
+        "finite elements at large strain; straight cord that keeps its length, free to "
+        "bulge"
+    ),
+    "free": (
+        "finite elements at large strain; straight cord that may lengthen, free to "
+        "bulge"
+    ),
 }
 _UNITS = {
     "diameter": "m",
     "squeeze": "of the diameter",
     "time": "s",
     "temperature": "K",
+    "fluid_pressure": "Pa",
+    "groove_width": "m",
 }
+Formula = Literal["lindley", "hertz", "held", "free"]
 
 
 @record
 class ORing(Result):
     """Contact of a squeezed cord with either wall.
 
-    `error` is that of the arithmetic alone, zero: what the formula itself leaves open
-    `model` says.
+    `error` is that of the arithmetic alone, zero. `model_error` is how far the load of
+    a ring that keeps its length, or of one that may lengthen, is from `line_load`.
     """
 
     diameter: Array = quantity("diameter of the cord", "m", "d", shown="mm")
@@ -107,6 +133,23 @@ class ORing(Result):
         shown="MPa",
     )
     error: Array = quantity("error of the arithmetic", "N/m")
+    model_error: Array | None = quantity(
+        "bound on the load by whether the ring can lengthen", "N/m", default=None
+    )
+    fluid_pressure: Array | None = quantity(
+        "pressure of the fluid", "Pa", default=None, shown="MPa"
+    )
+    sealing_pressure: Array | None = quantity(
+        "sealing pressure",
+        "Pa",
+        "mean pressure of the contact with that of the fluid, nu/(1 - nu) of which the "
+        "rubber passes on",
+        default=None,
+        shown="MPa",
+    )
+    fill: Array | None = quantity(
+        "fill of the groove", "-", "share of its cross-section", default=None, shown="%"
+    )
 
     title: ClassVar[str] = "Squeezed cord"
     across: ClassVar[str] = "squeeze"
@@ -127,14 +170,19 @@ class ORing(Result):
         *,
         title: str | None = None,
         label: str | None = None,
-        show: Literal["pressure", "width", "line_load"] = "pressure",
+        show: Literal[
+            "pressure", "width", "line_load", "sealing_pressure"
+        ] = "pressure",
     ) -> "Axes":
-        """Draws pressure, width or line_load against time where there are several
-        times, else against the squeeze.
+        """Draws pressure, width, line_load or sealing_pressure against time where there
+        are several times, else against the squeeze; dotted where the material was not
+        measured.
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
         shown = ("pressure", "width", "line_load")
+        if self.sealing_pressure is not None:
+            shown += ("sealing_pressure",)
         if show not in shown:
             raise InputError(f"show must be one of {', '.join(shown)}, got {show!r}.")
         from ..results.plotting import Ask, draw
@@ -142,11 +190,34 @@ class ORing(Result):
         x = "time" if any(axis.name == "time" for axis in self.axes()) else "squeeze"
         return self._draw(draw, Ask(ax, style, title, label), x=x, y=show)
 
+    def pressure_at(self, x: ArrayLike) -> Array:
+        """Pressure [Pa] at distances x [m] from the middle of the contact, the last
+        axis: Hertz' ellipse, 4/pi of the mean at most; zero beside it.
+
+        Finite elements have a largest pressure of 1.27 to 1.31 times the mean in a free
+        cord, and of 1.3 to 1.47 in a held one squeezed by 2 to 30 %.
+        """
+        part = 2 * as_float64("x", x) / self.width[..., None]
+        height = 4 / np.pi * self.pressure[..., None]
+        return height * xp.sqrt(xp.maximum(1 - part**2, 0.0))
+
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of line load, width and pressure."""
         yield "line load", span(self.line_load, "N/m")
+        if self.model_error is not None:
+            most = np.nanmax(self.model_error / self.line_load)
+            yield (
+                "model error",
+                f"the load is off by {100 * most:.0f} % at most: a ring that keeps its "
+                "length takes more, one that may lengthen less",
+            )
         yield "contact width", span(in_unit(self.width, "mm"), "mm")
         yield "mean pressure", span(in_unit(self.pressure, "MPa"), "MPa")
+        if self.sealing_pressure is not None:
+            pressed = span(in_unit(self.sealing_pressure, "MPa"), "MPa")
+            yield "with the fluid's pressure", pressed
+        if self.fill is not None:
+            yield "fill of the groove", span(100 * self.fill, "%")
 
 
 @over_materials
@@ -158,7 +229,9 @@ def o_ring(
     *,
     time: ArrayLike | None = None,
     temperature: ArrayLike | None = None,
-    formula: Literal["lindley", "hertz"] = "lindley",
+    formula: Formula = "lindley",
+    fluid_pressure: ArrayLike | None = None,
+    groove_width: ArrayLike | None = None,
 ) -> ORing:
     """Line load, contact width and mean pressure of a cord (an O-ring) squeezed between
     flat walls, free to bulge.
@@ -171,29 +244,40 @@ def o_ring(
         material: the cord's own material, between rigid walls; no foundation, which has
             E* but not E.
         diameter: diameter of the cord d [m]; arguments broadcast.
-        squeeze: part C of the diameter by which the cord is squeezed, up to 0.25.
+        squeeze: part C of the diameter by which the cord is squeezed, up to 0.25, or
+            0.3 with "held" and "free".
         time: time t since it was squeezed, at once and held [s]; without it the rubber
             is relaxed.
         temperature: temperature [K], for a material with a shift law.
-        formula: "lindley", or "hertz" for W of small strain (Johnson 1985, 5.6), which
-            is 35 % higher at C = 0.08 and 16 % higher at C = 0.2.
+        formula: "lindley"; "hertz" for W of small strain (Johnson 1985, 5.6); "held" or
+            "free", finite elements at large strain of a ring that its groove keeps at
+            its length, or that may lengthen.
+        fluid_pressure: pressure of the sealed fluid above that behind the ring [Pa],
+            which pushes it against the far wall of its groove.
+        groove_width: width of the groove [m]; its height is the squeezed diameter.
 
     Returns:
         An `em.ORing` of the broadcast shape.
 
     Raises:
-        InputError: for a foundation, a squeeze above 0.25, and an unknown formula.
+        InputError: for a foundation, a squeeze above that of the formula, an unknown
+            formula, and a groove whose sides the squeezed cord would touch.
 
     The cord is taken as straight, which is right for rings much larger than their cord,
     without friction at the walls, in a groove that it does not fill. Relaxation scales
-    the load (linear viscoelasticity at a constant shape). Differentiable.
+    the load (linear viscoelasticity at a constant shape). A fluid adds nu/(1 - nu) of
+    its pressure to that of the contact: what a body between rigid walls passes on
+    sideways, all of it for an incompressible rubber. Differentiable.
 
-    Source: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209, quoted from memory.
+    Source: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209, quoted from memory and
+    compared with finite elements (`docs/seal.md`).
     """
     solid = _checked_material(material)
     if formula not in FORMULAS:
-        raise InputError(f"formula must be 'lindley' or 'hertz', got {formula!r}.")
-    given = _checked(diameter, squeeze, time, temperature)
+        known = ", ".join(map(repr, FORMULAS))
+        raise InputError(f"formula must be one of {known}, got {formula!r}.")
+    given = _checked(diameter, squeeze, time, temperature, _LARGEST_SQUEEZE[formula])
+    further = _checked_groove(given, fluid_pressure, groove_width)
     young, plane = (
         _modulus(law, solid, given["time"], given["temperature"])
         for law in (solid.tensile().law(), normal_operator(solid))
@@ -203,10 +287,11 @@ def o_ring(
             "time must be given for a material without an equilibrium modulus: it "
             "relaxes completely."
         )
-    shape = broadcast_shape(**given)
-    load, width = _load_and_width(
-        given["diameter"], given["squeeze"], young, plane, formula
-    )
+    shape = broadcast_shape(**given, **further)
+    size = given["diameter"], given["squeeze"], young, plane
+    load, width = _load_and_width(*size, formula)
+    ends = [_load_and_width(*size, name)[0] for name in ("held", "free")]
+    off = xp.maximum(*(xp.abs(end - load) for end in ends))
     beyond = NOT_KNOWN
     if not is_traced(young, given["diameter"], given["squeeze"]):
         beyond = _extrapolated(solid, given["time"], given["temperature"], shape)
@@ -216,6 +301,8 @@ def o_ring(
         "width": width,
         "pressure": load / width,
         "error": 0.0,
+        "model_error": off,
+        **_with_fluid(solid, load / width, given, further),
         "converged": True,
     }
     return ORing(
@@ -223,7 +310,7 @@ def o_ring(
         extrapolated=beyond.points,
         model=FORMULAS[formula],
         plan="closed form",
-        inputs=(*_inputs_in_words(solid, given), *beyond.said),
+        inputs=(*_inputs_in_words(solid, given | further), *beyond.said),
     )
 
 
@@ -240,7 +327,7 @@ def _checked_material(material: Any) -> Prony:
 
 
 def _checked(
-    diameter: Any, squeeze: Any, time: Any, temperature: Any
+    diameter: Any, squeeze: Any, time: Any, temperature: Any, largest: float
 ) -> dict[str, Any]:
     """The arguments as arrays. Raises `InputError`."""
     arguments = {
@@ -257,10 +344,51 @@ def _checked(
     require(
         "squeeze",
         given["squeeze"],
-        f"positive and at most {_LARGEST_SQUEEZE:g}, a part of the diameter",
-        lambda c: (c > 0) & (c <= _LARGEST_SQUEEZE),
+        f"positive and at most {largest:g}, a part of the diameter",
+        lambda c: (c > 0) & (c <= largest),
     )
     return given
+
+
+def _checked_groove(
+    given: dict[str, Any], fluid_pressure: Any, groove_width: Any
+) -> dict[str, Any]:
+    """Pressure of the fluid and width of the groove. Raises `InputError` for a groove
+    that confines the cord, for which no formula holds.
+    """
+    further: dict[str, Any] = {}
+    if fluid_pressure is not None:
+        further["fluid_pressure"] = as_float64("fluid_pressure", fluid_pressure)
+        not_negative("fluid_pressure", further["fluid_pressure"])
+    if groove_width is not None:
+        width = further["groove_width"] = as_float64("groove_width", groove_width)
+        positive("groove_width", width)
+        squeeze = given["squeeze"]
+        cord = given["diameter"] * (1 + _BULGE[0] * squeeze + _BULGE[1] * squeeze**2)
+        require(
+            "groove_width",
+            width,
+            "wider than the squeezed cord (bulged, at most "
+            f"{1e3 * float(np.max(fixed(cord))):.4g} mm): beside a cord that touches "
+            "the sides of its groove no formula holds",
+            lambda w: w > fixed(cord),
+        )
+    return further
+
+
+def _with_fluid(
+    material: Prony, pressure: Any, given: dict[str, Any], further: dict[str, Any]
+) -> dict[str, Any]:
+    """Sealing pressure and fill of the groove, where they are asked for."""
+    fields = {}
+    if (fluid := further.get("fluid_pressure")) is not None:
+        passed_on = material.poisson / (1 - material.poisson)
+        fields["fluid_pressure"] = fluid
+        fields["sealing_pressure"] = pressure + passed_on * fluid
+    if (width := further.get("groove_width")) is not None:
+        height = given["diameter"] * (1 - given["squeeze"])
+        fields["fill"] = np.pi / 4 * given["diameter"] ** 2 / (width * height)
+    return fields
 
 
 def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> Any:
@@ -286,6 +414,10 @@ def _load_and_width(
     else:
         load_per_modulus = _small_strain(squeeze)
         modulus = plane
+        powers = _LARGE_STRAIN.get(formula, (1.0,))
+        load_per_modulus = load_per_modulus * sum(
+            factor * squeeze**i for i, factor in enumerate(powers)
+        )
     load = modulus * diameter * load_per_modulus
     width = diameter * xp.sqrt(8 / np.pi * load_per_modulus * modulus / plane)
     return load, width
@@ -323,6 +455,6 @@ def _inputs_in_words(material: Prony, given: dict[str, Any]) -> list[tuple[str, 
     inputs += [
         (name, brief(given[name], unit))
         for name, unit in _UNITS.items()
-        if given[name] is not None
+        if given.get(name) is not None
     ]
     return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]
