@@ -21,6 +21,8 @@ FACTORS = {
         "N/mm^2": 1e6,
         "N/m^2": 1,
         "bar": 1e5,
+    "P": 0.1,
+    "l": 1e-3,
         "psi": PSI,
         "ksi": 1e3 * PSI,
         "dyn/cm2": 0.1,
