@@ -34,7 +34,9 @@ def root(residual: Any, guess: Array) -> tuple[Array, Array]:
 
 
 def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, Array]:
-    """The secant method inside a shrinking bracket, all lanes at once."""
+    """The secant method inside a shrinking bracket, all lanes at once, and which of them
+    found a root: the step that is left there is small, which a NaN's is not.
+    """
 
     def advance(state: tuple) -> tuple:
         x, slope, low, high, done, count, value = state
@@ -76,7 +78,8 @@ def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, A
     )
     state = fixed(state)
     state = while_loop(lambda s: ~xp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
-    return fixed((state[0], state[4]))
+    x, slope, _, _, done, _, value = state
+    return fixed((x, done & (xp.abs(value) < 10 * _CLOSE * slope)))
 
 
 def bisect(
