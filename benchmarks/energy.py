@@ -7,7 +7,7 @@ Indentation: work is int F dd of the body (or int q du of its elements in closed
 under a given depth), stored is in the springs, heat is summed over the dashpots' own
 forces and the modes of free elements; under a load in steps it is what the elements
 received less what they hold. Shear: springs and slip, summed as the work is
-(`tests/test_shear.py` holds them against closed forms). Traction: F_x xi v against int
+(`tests/transient/test_shear.py` holds them against closed forms). Traction: F_x xi v against int
 mu q times the velocity of slip, in closed form. Sliding: int F_N dd + F_x dX over the
 steps of one march against what the elements received; that is of second order in the
 step, and is listed with its slope and its limit.

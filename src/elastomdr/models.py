@@ -100,7 +100,7 @@ class SurfaceModel(Model):
     """A model of a surface under a pressure: derive a class from it to add another.
 
     It needs `label`, `words` and `solve`; everything else has a default. A test
-    (`tests/test_models.py`) shows one that stands outside of this package.
+    (`tests/house/test_models.py`) shows one that stands outside of this package.
     """
 
     # whether `solve` follows the softening of the material from scale to scale; a model

@@ -74,7 +74,7 @@ def panel_sums(
 # The recurrences stand twice. On NumPy all moments are one array, made in place by
 # passes over long rows, and sums are products of matrices. On JAX such arrays in the
 # body of a loop take several times as long as sums made along the way, and derivatives
-# would pass through each of their rows. `tests/test_element.py` holds one against the
+# would pass through each of their rows. `tests/element/test_element.py` holds one against the
 # other.
 
 

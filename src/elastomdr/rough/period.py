@@ -144,7 +144,7 @@ def sweep(
 
 
 # `element.contact_step` again, without what only indentation and impacts need: half the
-# work, in a loop that XLA makes one kernel of. `tests/test_element.py` holds one
+# work, in a loop that XLA makes one kernel of. `tests/element/test_element.py` holds one
 # against the other.
 def _sweep(
     rise,

@@ -1,0 +1,673 @@
+"""The page: texts of its fields, who may speak to it, and every screen by a simulated
+user.
+"""
+
+import asyncio
+import io
+import json
+import shlex
+import time
+import tomllib
+import zipfile
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import elastomdr as em
+from elastomdr.app.scene import Done, compute, toml
+from elastomdr.app.security import Folder, Guard, safe
+from elastomdr.app.texts import from_text, leaf, to_text
+from elastomdr.cli.kinds import decoded
+from elastomdr.cli.main import main
+from elastomdr.cli.schema import keys_of
+from elastomdr.cli.steady import SurfaceContact, SurfaceFriction
+from elastomdr.cli.surface import Measured
+
+from .simulated import simulated, until
+
+SAMPLE = Path(__file__).parents[2] / "examples" / "data"
+SPAN = {"from": "1e-3 m/s", "to": "1 m/s", "points": 4}
+needs_nicegui = pytest.mark.skipif(
+    __import__("importlib.util").util.find_spec("nicegui") is None,
+    reason="NiceGUI is not installed (extra app)",
+)
+
+
+def typed(table, key, text):
+    return from_text(leaf(keys_of(table)[key].type), text)
+
+
+def test_texts_of_fields():
+    assert typed(SurfaceContact, "velocity", "1e-3 to 1 m/s, 4 points") == SPAN
+    assert to_text(SPAN) == "1e-3 m/s to 1 m/s, 4 points"
+    assert typed(SurfaceContact, "velocity", "1 mm/s") == "1 mm/s"
+    assert typed(SurfaceContact, "pressure", "0.1 MPa, 0.3 MPa") == [
+        "0.1 MPa",
+        "0.3 MPa",
+    ]
+    assert typed(SurfaceFriction, "temperature", "-20, 0; 20 degC") == [
+        "-20 degC",
+        "0 degC",
+        "20 degC",
+    ]
+    # one text, for the scene to refuse
+    assert typed(SurfaceFriction, "temperature", "10,5 degC") == "10,5 degC"
+    assert typed(SurfaceContact, "seeds", "1, 2") == [1, 2]
+    assert typed(SurfaceContact, "gamma", "0.5") == 0.5
+    assert typed(SurfaceContact, "gamma", "a half") == "a half"
+    assert typed(Measured, "pixel_size", "2 um") == "2 um"
+    assert typed(SurfaceContact, "pressure", "  ") is None
+    # no 0 with the unit ".3": what is missing is the unit
+    for text in ("0.3", "1.5e3", ".5"):
+        assert typed(SurfaceContact, "pressure", text) == text
+    assert typed(SurfaceContact, "pressure", "0.1, 0.3") == ["0.1", "0.3"]
+    assert typed(SurfaceContact, "pressure", "0.1, 0.3MPa") == ["0.1 MPa", "0.3MPa"]
+
+
+def asked(
+    guard,
+    path,
+    *,
+    host="127.0.0.1:80",
+    kind="http",
+    method="GET",
+    chunks=(b"",),
+    headers=(),
+    wait=0.0,
+):
+    """Status of the answer, or what a WebSocket is told."""
+    sent, left = [], list(chunks)
+
+    async def receive():
+        if not left:
+            await asyncio.sleep(wait or 60)
+        return {
+            "type": "http.request",
+            "body": left.pop(0) if left else b"",
+            "more_body": bool(left) or bool(wait),
+        }
+
+    async def send(message):
+        sent.append(message)
+
+    scope = {
+        "type": kind,
+        "path": path,
+        "method": method,
+        "headers": [(b"host", host.encode()), *headers],
+    }
+    asyncio.run(guard(scope, receive, send))
+    return next((message.get("status", message["type"]) for message in sent), None)
+
+
+async def application(scope, receive, send):
+    """Reads all that it is sent; as FastAPI's, it answers for itself when reading
+    fails.
+    """
+    if scope["type"] == "websocket":
+        return await send({"type": "websocket.accept"})
+    try:
+        while (await receive()).get("more_body"):
+            pass
+    except Exception:
+        await send({"type": "http.response.start", "status": 500, "headers": []})
+        raise
+    await send({"type": "http.response.start", "status": 200, "headers": []})
+    await send({"type": "http.response.body", "body": b"ok"})
+
+
+def test_guard():
+    guard = Guard(application, "secret", bytes_=100, seconds=0.05)
+    assert asked(guard, "/secret/") == 200
+    assert asked(guard, "/secret/_nicegui/file.js", host="localhost:8000") == 200
+    for path in ("/", "/secre/", "/secrets/", "//secret/", "/other/secret/"):
+        assert asked(guard, path) == 403, path
+    # a foreign name that resolves to this machine
+    assert asked(guard, "/secret/", host="example.org") == 403
+    assert asked(guard, "/secret/ws", kind="websocket") == "websocket.accept"
+    assert asked(guard, "/ws", kind="websocket") == "websocket.close"
+    for origin in (
+        b"https://example.org",
+        b"null",
+        b"http://127.0.0.1:81",
+        b"https://127.0.0.1:80",
+        b"http://localhost:80",
+    ):
+        other = [(b"origin", origin)]  # of a page that has come to know the address
+        assert (
+            asked(guard, "/secret/ws", kind="websocket", headers=other)
+            == "websocket.close"
+        )
+        assert asked(guard, "/secret/ws", headers=other) == 403  # polling
+        assert asked(guard, "/secret/ws", method="POST", headers=other) == 403
+    own = [(b"Origin", b"http://127.0.0.1:80")]
+    assert (
+        asked(guard, "/secret/ws", kind="websocket", headers=own) == "websocket.accept"
+    )
+    assert asked(guard, "/secret/ws", method="POST", headers=own) == 200
+    assert (
+        asked(guard, "/secret/up", method="POST", chunks=[b"a" * 60, b"b" * 40]) == 200
+    )
+    # no length was announced
+    assert (
+        asked(guard, "/secret/up", method="POST", chunks=[b"a" * 60, b"b" * 60]) == 413
+    )
+    assert (
+        asked(guard, "/secret/up", method="POST", headers=[(b"content-length", b"101")])
+        == 413
+    )
+    assert asked(guard, "/secret/up", method="POST", chunks=[b"a"], wait=1.0) == 408
+
+
+def test_folder(tmp_path):
+    folder = Folder(tmp_path / "own", most=100)
+    for name in (
+        "../../etc/passwd",
+        "..\\..\\boot.ini",
+        "/etc/passwd",
+        "a\0b.csv",
+        "..",
+        "",
+        "x" * 400 + ".csv",
+    ):
+        kept = folder.keep(name, b"1")
+        assert (folder.path / kept).parent == folder.path
+        assert kept == safe(name)
+        assert len(kept) < 125
+    assert sorted(tmp_path.iterdir()) == [folder.path]
+    with pytest.raises(em.InputError, match="in all"):
+        folder.keep("large.csv", b"0" * 101)
+    with pytest.raises(em.InputError, match="20 MB"):
+        folder.keep("large.csv", b"0" * 20_000_001)
+    with pytest.raises(em.InputError, match="empty"):
+        folder.keep("none.csv", b"")
+    assert folder.keep("a.csv", b"1") == folder.keep("a.csv", b"1") == "a.csv"
+    assert folder.keep("a.csv", b"2") == "a-2.csv"  # a scene may read the first
+    assert folder.keep("a.csv", b"3", anew=True) == "a.csv"
+    assert [(folder.path / name).read_bytes() for name in ("a.csv", "a-2.csv")] == [
+        b"3",
+        b"2",
+    ]
+    for name in ("../own/file", "/etc/hostname", 3, "absent.csv"):
+        with pytest.raises(em.InputError, match="dropped"):
+            folder.check([name])
+
+
+STIFFNESS = (
+    "Frequency [Hz],Stiffness [N/mm],Phase [deg],Temperature [degC]\n"
+    + "".join(
+        f"{f},{20 + 5 * k},{10 + k},{t}\n"
+        for t in (0, 20)
+        for k, f in enumerate((1, 3, 10, 30))
+    )
+)
+ASKED = {  # what a file does not say, what is asked for, and what is then typed
+    "stiff.csv": (
+        STIFFNESS,
+        {"kind": "shear or kind tensile", "area": "100 mm2, length 20 mm"},
+    ),
+    "one.csv": (
+        "f [Hz],E' [MPa],E'' [MPa],T [degC]\n"
+        + "".join(f"10,{40 - k / 2},{4 - k / 30},{k}\n" for k in range(40)),
+        {"shift": "WLF(8.86, 101.6, 20degC)"},
+    ),
+    "bare.csv": (
+        "f [Hz],E' [MPa],E'' [MPa]\n"
+        + "".join(f"{2**k},{10 + k},{1 + k / 9}\n" for k in range(9)),
+        {"temperature": "20degC"},
+    ),
+    "units.csv": (
+        "f,E' [MPa],E'' [MPa],T [degC]\n"
+        + "".join(f"{2**k},{10 + k},{1 + k / 9},20\n" for k in range(9)),
+        {"frequency_unit": "Hz"},
+    ),
+}
+
+
+@needs_nicegui
+@pytest.mark.parametrize("name", ASKED)
+def test_what_a_file_does_not_say_is_asked_for_in_the_words_of_the_fields(
+    name, tmp_path
+):
+    from elastomdr.app.rubber import _for_form, calculate
+    from elastomdr.app.session import Session
+
+    text, answers = ASKED[name]
+    session = Session("one", Folder(tmp_path))
+    content = {"data": [session.folder.keep(name, text.encode())]}
+    for key, words in answers.items():
+        with pytest.raises(em.InputError) as caught:
+            calculate(content, session)
+        said = _for_form(str(caught.value))
+        assert said.startswith(key)
+        assert words in said
+        assert not any(odd in said for odd in ("--", "='", "em.", "={"))
+        content |= (
+            {"kind": "tensile"} if key == "kind" else dict([(key, words.split(",")[0])])
+        )
+        content |= (
+            {"length": "20 mm"}
+            if key == "area"
+            else {"shift": words}
+            if key == "shift"
+            else {}
+        )
+    assert calculate(content, session).name == name.replace(".csv", ".toml")
+
+
+@needs_nicegui
+def test_strain_and_ramp_are_those_of_the_command(tmp_path, monkeypatch):
+    """What the page fits and the command that it writes give one material, and another
+    one than without them.
+    """
+    from elastomdr.app.rubber import calculate
+    from elastomdr.app.session import Session
+
+    session = Session("one", Folder(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    sweeps = "".join(
+        f"{s},{t},{f},{8 + 2 * k - s},{1 + k / 5}\n"
+        for s in (1, 5)
+        for t in (0, 20)
+        for k, f in enumerate((1, 3, 10, 30))
+    )
+    held = "".join(f"20,{1.1 * 1.6**k},{5 + 8 * 0.7**k}\n" for k in range(16))
+    for name, title, rows, option in (
+        (
+            "sweeps.csv",
+            "Strain [%],T [degC],f [Hz],E' [MPa],E'' [MPa]",
+            sweeps,
+            {"strain": "5 %"},
+        ),
+        (
+            "held.csv",
+            "T [degC],Time [s],Relaxation modulus E [MPa]",
+            held,
+            {"ramp": "1 s"},
+        ),
+    ):
+        content = {"data": [session.folder.keep(name, f"{title}\n{rows}".encode())]}
+        plain = calculate(content, session).fit.material
+        fitted = calculate(content | option, session)
+        assert fitted.fit.material.equilibrium != plain.equilibrium
+        assert main([*shlex.split(fitted.command)[1:], "--out", "out"]) == 0
+        assert (
+            em.load_material(f"out/{fitted.name}").equilibrium
+            == fitted.fit.material.equilibrium
+        )
+
+
+@needs_nicegui
+def test_advice_in_the_words_of_the_fields():
+    from elastomdr.app.rubber import in_fields
+
+    for python, fields in {
+        "know it, as poisson=0.4 (--poisson 0.4).": "know it, as poisson 0.4.",
+        "compare vertical=False (--no-vertical).": "compare vertical: no.",
+        "left out (dma.at_strain(...), --strain, chooses another).": "left out (strain, chooses another).",
+        (
+            "them: columns={'storage': 4, 'loss': 3} (--column storage=4 --column "
+            "loss=3)."
+        ): "them: column storage=4, loss=3.",
+        (
+            "as columns={'s': '1 MPa'} (--column 's=1 MPa') or columns={'a': '1 %'} "
+            "(--column 'a=1 %')."
+        ): "as column s=1 MPa or column a=1 %.",
+        "give frequency_unit (--frequency-unit) or": "give frequency_unit or",
+    }.items():
+        assert in_fields(python) == fields
+
+
+def scene(**more):
+    road = {
+        "shape": "self_affine",
+        "hurst": 0.8,
+        "rms_slope": 0.7,
+        "longest": "5 mm",
+        "shortest": "50 um",
+    }
+    contact = {"pressure": "0.3 MPa", "velocity": SPAN}
+    return {
+        "material": "epdm-70",
+        "temperature": ["0 degC", "20 degC"],
+        "surface": road,
+        "contact": contact,
+    } | more
+
+
+def test_scene_reproduces_the_page(tmp_path):
+    """The same numbers by the command line from the scene that the page writes."""
+    folder = Folder(tmp_path)
+    done = compute("friction", scene(title='of "steel"\t\\', numerics={}), folder)
+    text = toml("friction", done.content, "mine", ("material: elastomdr fit x.csv",))
+    assert tomllib.loads(text) == scene(title='of "steel"\t\\')
+    assert 'velocity = { from = "1e-3 m/s"' in text
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    assert (
+        main(["friction", str(tmp_path / "mine.toml"), "--out", str(tmp_path / "out")])
+        == 0
+    )
+    written = (
+        (tmp_path / "out" / "mine-friction.csv")
+        .read_text(encoding="utf-8")
+        .splitlines()
+    )
+    assert written[2:] == done.csv().decode().splitlines()
+    with pytest.raises(em.InputError, match="dropped here"):
+        compute("friction", scene(material="/etc/absent.toml"), folder)
+    with pytest.raises(em.InputError, match="dropped here"):
+        compute(
+            "friction", scene(surface={"shape": "file", "file": "../x.csv"}), folder
+        )
+
+
+@needs_nicegui
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_every_screen(tmp_path):
+    from nicegui import ui
+
+    async def act(user, page, opened):
+        session = page._session
+        user.find("Use sample DMA").click()
+        await until(lambda: session.fits)
+        await until(lambda: page.rubber._pictures["spectrum"].shown)
+        await user.should_see("frequency from 2", retries=1)  # what was read as what
+        assert session.scenes["friction"]["material"] == "dma.toml"
+
+        user.find("Use sample road").click()
+        await until(lambda: "rms height   118.8 um" in page.road._words._label.text)
+        page.road.form.set("[surface] shortest", "0.1 mm")
+        await until(lambda: "5 mm to 100 um" in page.road._words._label.text)
+        spent = []
+        for micrometres in range(90, 100, 2):  # a cutoff that moves
+            before, start = page.road._words._label.text, time.process_time()
+            page.road.form.set("[surface] shortest", f"{micrometres} um")
+            await until(lambda before=before: page.road._words._label.text != before)
+            spent.append(time.process_time() - start)
+        assert min(spent) < 0.3
+        page.road.form.set("[surface] shortest", "10 smoots")
+        field = page.road.form.widgets["[surface] shortest"]
+        await until(lambda: field.error)
+        assert "unit" in field.error
+        page.road.form.set("[surface] shortest", "50 um")
+        await until(lambda: not field.error)
+
+        form = page.friction.form
+        form.set("[contact] velocity", SPAN | {"points": 3})
+        form.set("[contact] pressure", "0.3")
+        user.find("Compute friction").click()
+        await until(lambda: form.widgets["[contact] pressure"].error)
+        assert form.widgets["[contact] pressure"].error.endswith(
+            'Did you mean "0.3 MPa"?'
+        )
+        assert not session.done
+        form.set("[contact] pressure", "0.3 MPa")
+        form.set("temperature", "20 degC")
+        form.set("adhesion", True)
+        user.find("Compute friction").click()
+        await until(lambda: form.widgets["[adhesion] stress"].error)  # is missing
+        for key, text in {
+            "stress": "5 MPa",
+            "velocity": "1 mm/s",
+            "width": "0.1",
+        }.items():
+            form.set(f"[adhesion] {key}", text)
+        user.find("Use sample measurement").click()
+        await until(lambda: page.friction._picture.shown)
+        result = session.done["friction"].result
+        assert result.mu.shape == (3, 3)
+        # as it was measured
+        assert (
+            page.friction.form.widgets["temperature"].value
+            == "0 degC, 20 degC, 60 degC"
+        )
+        assert (result.adhesion > 0).all()
+        page.friction.form.set("[contact] pressure", "0.1 MPa, 0.3 MPa")
+        # computes, as the button does
+        user.find(kind=ui.input, content="pressure").trigger("keydown.enter")
+        await until(
+            lambda: isinstance(
+                session.done["friction"].content["contact"]["pressure"], list
+            )
+        )
+
+        user.find("Compare rubbers").click()
+        await until(lambda: page.compare._picture.shown)
+        ranking = session.done["compare"].result
+        assert ranking.curve.materials == (
+            "dma",
+            "epdm-70",
+            "tread-passenger-synthetic",
+        )
+        with user:
+            (table,) = user.find(kind=ui.table).elements
+        assert [row["rubber"] for row in table.rows] == [
+            place.material for place in ranking.places
+        ]
+        assert ranking.pressure == pytest.approx(1.732e5, rel=1e-3)
+        assert [row["uncertainty"][0] for row in table.rows] == [
+            "±",
+            "n",
+            "±",
+        ]  # of an illustrative one it is not known
+        await page.rolling._other_kind(SimpleNamespace(value="traction"))
+        page.rolling.form.set(
+            "[contact] slip", "0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9"
+        )
+        await page.rolling.compute()
+        slipped = session.done["rolling"]
+        assert slipped.content["friction"] == "tread-friction.csv"
+        assert (
+            slipped.content["material"]
+            == session.done["friction"].content["material"]
+            == "dma.toml"
+        )
+        assert slipped.result.converged.all()
+        law = em.load_friction(session.folder.path / "tread-friction.csv")
+        assert law.temperature == pytest.approx([293.15])
+        dry = em.load_material(session.folder.path / "dma.toml")
+        road = decoded("friction", session.done["friction"].content).arguments(
+            session.folder.path
+        )["shape"]
+        adhesion = decoded("friction", session.done["friction"].content).arguments(
+            session.folder.path
+        )["adhesion"]
+        again = em.friction(
+            dry,
+            road,
+            pressure=law.pressure[1],
+            velocity=law.velocity[5],
+            temperature=293.15,
+            adhesion=adhesion,
+        )
+        assert law.mu[0, 1, 5] == pytest.approx(float(again.mu), rel=1e-4)
+
+        user.find("Export").click()
+        await user.should_see("elastomdr traction rolling.toml --out out")
+        await user.should_see("elastomdr compare compare.toml --out out")
+        user.find("Tyre (.tir)").click()
+        assert b"PDX1" in (await user.download.next(timeout=60)).content
+        user.find("Scene (TOML)").click()
+        answer = await user.download.next()
+        content = tomllib.loads(answer.content.decode())
+        assert content["surface"]["file"] == "road.csv"
+        user.find("All (zip)").click()
+        archive = zipfile.ZipFile(
+            io.BytesIO((await user.download.next(timeout=60)).content)
+        )
+        assert {"friction.toml", "dma.toml", "road.csv", "friction.csv"} <= set(
+            archive.namelist()
+        )
+        archive.extractall(tmp_path / "taken")
+        assert (
+            main(
+                [
+                    "friction",
+                    str(tmp_path / "taken/friction.toml"),
+                    "--out",
+                    str(tmp_path / "taken"),
+                ]
+            )
+            == 0
+        )
+        written = (
+            (tmp_path / "taken/friction-friction.csv")
+            .read_text(encoding="utf-8")
+            .splitlines()
+        )
+        assert written[1:] == session.done["friction"].csv().decode().splitlines()
+        user.find("Excel").click()
+        assert (await user.download.next(timeout=60)).content[:2] == b"PK"
+
+        # loaded again: nothing is lost
+        again = await opened(f"/?session={session.name}")
+        assert again._session is session
+        await until(
+            lambda: (
+                again.friction._picture.shown and again.rubber._pictures["master"].shown
+            )
+        )
+        assert (
+            again.friction.form.widgets["[contact] pressure"].value
+            == "0.1 MPa, 0.3 MPa"
+        )
+
+    simulated(tmp_path, act)
+
+
+async def results_belong_to_what_is_filled_in(page):
+    """What has been computed goes with an error or another kind, and is marked after a
+    change.
+    """
+    for stage in (page.friction, page.rolling):
+        assert stage._picture.shown
+        assert not stage._old.visible
+        pressed = "[contact] pressure" if stage is page.friction else "[contact] load"
+        kept = stage.form.widgets[pressed].value
+        stage.form.set(pressed, "0.3")
+        assert stage._old.visible
+        stage.form.set(pressed, kept)
+        assert not stage._old.visible
+        stage.form.set(pressed, "0.3")
+        await stage.compute()
+        assert stage.form.widgets[pressed].error
+        assert not stage._picture.shown
+        assert not stage._words._label.visible
+        assert not stage._old.visible
+        stage.form.set(pressed, kept)
+        await stage._show_again()  # as when the page is loaded again
+        assert stage._picture.shown
+    page.road.form.set("[surface] hurst", "0.7")
+    page._look()  # as a change of the screen does
+    assert page.friction._old.visible
+    assert not page.rolling._old.visible
+    await page.rolling._other_kind(SimpleNamespace(value="traction"))
+    assert not page.rolling._picture.shown
+    page.rolling.form.set("friction", "absent.csv")
+    await page.rolling.compute()
+    assert "dropped here" in page.rolling.form._alert.text
+    assert not page.rolling._picture.shown
+    await page.rolling._other_kind(SimpleNamespace(value="rolling"))
+    assert page.rolling._picture.shown
+
+
+BAD = {
+    "binary.csv": bytes(range(256)) * 40,
+    "words.csv": b"no,numbers\nat,all\n",
+    "x.xlsx": b"PK\3\4",
+}
+
+
+@needs_nicegui
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_bad_files_and_two_sessions_at_once(tmp_path):
+    """What is wrong is said, what was there stays; two pages know nothing of each
+    other.
+    """
+
+    async def act(user, one, opened):
+        other = await opened()
+        assert one._session.folder.path != other._session.folder.path
+
+        await one.rubber._sample()
+        assert all(picture.shown for picture in one.rubber._pictures.values())
+        kept = json.dumps(one._session.scenes)
+        for name, content in BAD.items():
+            await one.rubber._dropped([one._session.folder.keep(name, content)])
+            said = one.rubber.form.widgets["data"].error
+            assert said, name
+            # of the file before
+            assert not any(picture.shown for picture in one.rubber._pictures.values())
+            assert not one.rubber._words._label.visible
+        assert json.dumps(one._session.scenes) == kept
+        assert list(one._session.fits) == ["dma.toml"]
+        # does not say whether it was sheared or pulled
+        export = SAMPLE / "dma-q800.txt"
+        await one.rubber._dropped(
+            [one._session.folder.keep(export.name, export.read_bytes())]
+        )
+        assert one.rubber.form.widgets["kind"].error.endswith(
+            "give it, as kind shear or kind tensile."
+        )
+        for kind in ("epdm-70", "nbr-linder"):
+            em.save_material(
+                em.load_material(kind), one._session.folder.path / f"{kind}.toml"
+            )
+        # two materials are two materials, no data
+        await one.rubber._dropped(["epdm-70.toml", "nbr-linder.toml"])
+        assert one._session.scenes["compare"]["material"][:2] == [
+            "nbr-linder.toml",
+            "epdm-70.toml",
+        ]
+        assert one._session.rubber["data"] == [export.name]
+        for name in ("binary.csv", "words.csv"):
+            await one.road._dropped([name])
+            await until(
+                lambda: any(
+                    getattr(w, "error", None) for w in one.road.form.widgets.values()
+                )
+            )
+            assert not one.road._picture.shown
+            assert not one.road._words._label.visible
+
+        other.friction.form.set("[contact] velocity", "1 mm/s, 1 cm/s")
+        await asyncio.gather(
+            other.friction.compute(), one.rubber._sample(), other.rolling.compute()
+        )
+        assert set(other._session.done) == {"friction", "rolling"}, [
+            getattr(widget, "error", None)
+            for widget in other.friction.form.widgets.values()
+        ]
+        assert not one._session.done
+        assert not other._session.fits
+        assert other._session.scenes["friction"]["material"] == "epdm-70"
+        await results_belong_to_what_is_filled_in(other)
+
+    simulated(tmp_path, act)
+
+
+def test_comparison_is_that_of_the_command(tmp_path):
+    own = {
+        "material": ["epdm-70", "silicone-like"],
+        "temperature": "20 degC",
+        "compare": {"velocity": "0.1 m/s"},
+    }
+    done = compute("compare", scene(**own), Folder(tmp_path))
+    (tmp_path / "mine.toml").write_text(
+        toml("compare", done.content, "mine"), encoding="utf-8"
+    )
+    assert main(["compare", str(tmp_path / "mine.toml"), "--out", str(tmp_path)]) == 0
+    written = (tmp_path / "mine-compare.csv").read_text(encoding="utf-8").splitlines()
+    assert written[1:] == done.csv().decode().splitlines()
+    with pytest.raises(em.InputError, match="two or more"):
+        compute("compare", scene(), Folder(tmp_path))
+
+
+def test_a_done_scene_is_what_was_asked(tmp_path):
+    """What is typed while it is computed does not change the scene that is exported."""
+    content = scene()
+    done = compute("friction", content, Folder(tmp_path))
+    content["contact"]["pressure"] = "9 MPa"
+    assert isinstance(done, Done)
+    assert done.content["contact"]["pressure"] == "0.3 MPa"

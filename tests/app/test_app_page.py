@@ -1,0 +1,215 @@
+"""The page by a simulated user: empty files, many tabs, presets, temperatures of
+measured points.
+"""
+
+import asyncio
+from importlib.util import find_spec
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+from .simulated import simulated
+
+SAMPLE = Path(__file__).parents[2] / "examples" / "data"
+pytestmark = [
+    pytest.mark.skipif(
+        find_spec("nicegui") is None, reason="NiceGUI is not installed (extra app)"
+    ),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
+]
+
+
+async def dropped(user, screen, *files):
+    """Drops files, by name and content, on a screen; returns what is said there, empty
+    where nothing is.
+    """
+    from nicegui import ui
+    from nicegui.elements.upload_files import SmallFileUpload
+
+    upload = next(e for e in _within(screen) if isinstance(e, ui.upload))
+    alert = next(
+        e for e in _within(screen) if isinstance(e, ui.label) and "alert" in e.classes
+    )
+    await upload.handle_uploads(
+        [SmallFileUpload(name, "text/csv", content) for name, content in files]
+    )
+    await asyncio.sleep(0.1)
+    return alert.text if alert.visible else ""
+
+
+def _within(screen):
+    """All elements of a screen, in order: those of the panel that its form stands
+    in.
+    """
+    panel = next(
+        slot.parent
+        for slot in _above(screen.form._place)
+        if "q-tab-panel" in slot.parent.tag
+    )
+    return list(panel.descendants())
+
+
+def _above(element):
+    while element.parent_slot is not None:
+        yield element.parent_slot
+        element = element.parent_slot.parent
+
+
+def test_empty_files(tmp_path):
+    """Each is answered where it was dropped, alone and beside a good one; the next good
+    file takes the answer away.
+    """
+
+    async def act(user, page, opened):
+        for screen in (page.rubber, page.road, page.friction):
+            said = await dropped(user, screen, ("none.csv", b""))
+            assert said == (
+                "'none.csv' is empty (0 bytes): export or copy it again. Nothing has "
+                "been changed."
+            )
+        assert "'none.csv' is empty" in await dropped(
+            user, page.rubber, ("a.csv", b"1"), ("none.csv", b"")
+        )
+        assert not page._session.rubber["data"]
+        assert "broken.toml" in await dropped(
+            user, page.rubber, ("broken.toml", b"name = ")
+        )
+        assert not page._session.folder.names(".toml")  # is not offered as a rubber
+        material = (
+            Path(em.__file__).parents[2] / "materials" / "epdm-70.toml"
+        ).read_bytes()
+        assert await dropped(user, page.rubber, ("own.toml", material)) == ""
+        assert page._session.scenes["friction"]["material"] == "own.toml"
+
+    simulated(tmp_path, act)
+
+
+def test_a_folder_that_is_gone(tmp_path):
+    async def act(user, page, opened):
+        page._session.folder.remove()
+        said = await dropped(user, page.rubber, ("a.csv", b"1"))
+        assert said.startswith("The file could not be kept: ")
+
+    simulated(tmp_path, act)
+
+
+def test_open_tabs_are_kept(tmp_path, monkeypatch):
+    """However many tabs are open, none loses its session or its files; those go that
+    nothing shows any more.
+    """
+    from elastomdr.app import session
+
+    monkeypatch.setattr(session, "_MOST", 1)
+
+    async def act(user, first, opened):
+        others = [await opened() for _ in range(3)]
+        sessions = [page._session for page in (first, *others)]
+        assert all(each.folder.path.is_dir() for each in sessions)
+        assert (await opened(f"/?session={sessions[0].name}"))._session is sessions[0]
+        assert "is empty" in await dropped(user, first.rubber, ("none.csv", b""))
+        for page in others:
+            # as NiceGUI does a minute after a tab was closed
+            page.rubber.form._place.client.delete()
+        await opened()
+        assert [each.folder.path.is_dir() for each in sessions] == [
+            True,
+            False,
+            False,
+            True,
+        ]
+
+    simulated(tmp_path, act)
+
+
+def test_sessions_of_many_tabs(tmp_path):
+    from elastomdr.app.session import Sessions
+
+    sessions, gone = Sessions(tmp_path), []
+    tabs = [sessions.get(None)]
+    while len(tabs) < 25:
+        tabs[-1].shown_by(SimpleNamespace(id=str(len(tabs)), on_delete=gone.append))
+        tabs.append(sessions.get(None))
+    assert all(tab.folder.path.is_dir() for tab in tabs)
+    assert all(sessions.get(tab.name) is tab for tab in tabs)
+    for close in gone:
+        close()
+    sessions.get(None)
+    assert sum(tab.folder.path.is_dir() for tab in tabs) == 20
+    assert not tabs[0].folder.path.exists()
+
+
+def test_presets_are_the_defaults_of_the_calls(tmp_path):
+    """A cover is bonded, as an `em.layer` is, on every screen that has one."""
+
+    async def act(user, page, opened):
+        for kind in ("rolling", "heat_build_up", "conveyor"):
+            await page.rolling._other_kind(SimpleNamespace(value=kind))
+            bonded = page.rolling.form.widgets["[layer] bonded"]
+            assert (
+                bonded.value
+                is em.layer(em.load_material("epdm-70"), 6e-3).bonded
+                is True
+            )
+        await page.rolling._other_kind(SimpleNamespace(value="traction"))
+        wheel = page._session.scenes["traction"]
+        assert wheel["material"] == page._session.scenes["friction"]["material"]
+        assert wheel["friction"] == "computed"
+
+    simulated(tmp_path, act)
+
+
+def test_the_road_of_a_slip_curve(tmp_path):
+    """What is wrong with its road is said on the road's screen, and with its wheel
+    beside the field.
+    """
+
+    async def act(user, page, opened):
+        await page.rolling._other_kind(SimpleNamespace(value="traction"))
+        page._session.scenes["friction"]["surface"]["longest"] = "5 smoots"
+        await page.rolling.compute()
+        assert page._tabs.value == "Road"
+        assert "smoots" in page.road.form.widgets["[surface] longest"].error
+        page._session.scenes["friction"]["surface"]["longest"] = "5 mm"
+        page.rolling.form.set("[contact] slip", "0, 0.1")
+        await page.rolling.compute()
+        assert "must not be zero" in page.rolling.form.widgets["[contact] slip"].error
+        page.rolling.form.set("[contact] slip", "0.1")
+        page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
+        await page.rolling.compute()
+        assert "[heat]" in page.rolling.form.widgets["friction"].error
+
+    simulated(tmp_path, act)
+
+
+def test_measured_points_get_curves_at_their_temperatures():
+    from elastomdr.app.computed import _with_measured
+
+    sample = SAMPLE / "friction.csv"  # at 0, 20 and 60 degC
+    assert _with_measured(
+        {"temperature": ["0 degC", "20 degC", "40 degC"]}, sample
+    ) == [
+        "0 degC",
+        "20 degC",
+        "40 degC",
+        "60 degC",
+    ]
+    assert _with_measured({"temperature": "293.9 K"}, sample) == [
+        "0 degC",
+        "293.9 K",
+        "60 degC",
+    ]
+    assert _with_measured({"temperature": "warm"}, sample) == "warm"
+    assert _with_measured({}, sample) is None
+    assert _with_measured({"temperature": "20 degC"}, SAMPLE / "dma.csv") == "20 degC"
+
+
+def test_not_more_curves_than_can_be_told_apart(write):
+    from elastomdr.app.computed import _with_measured
+
+    rows = "".join(f"1,{t},0.3\n" for t in np.arange(-40, 100, 10))
+    many = write(f"velocity [m/s],temperature [degC],mu\n{rows}", "many.csv")
+    assert _with_measured({"temperature": "20 degC"}, many) == "20 degC"

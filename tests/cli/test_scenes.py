@@ -1,0 +1,113 @@
+"""The scenes that are shipped: each is what its first lines say, and what is cheap
+runs; a tyre grips like one.
+"""
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.kinds import read_scene
+from elastomdr.cli.main import main
+from elastomdr.cli.sweep import assembled, read_content
+
+FOLDER = Path(__file__).parents[2] / "examples" / "scenes"
+COMMAND = {
+    path: re.search(
+        r"elastomdr (\w+) (?:examples/scenes/)?" + re.escape(path.name),
+        path.read_text(encoding="utf-8"),
+    )
+    for path in sorted(FOLDER.glob("*.toml"))
+}
+# less than two seconds each
+QUICK = ("compounds", "measured_friction", "road", "seal", "slider", "temperatures")
+
+
+def names(path):
+    return path.stem
+
+
+@pytest.mark.parametrize("path", COMMAND, ids=names)
+def test_a_scene_says_its_command_and_is_read_by_it(path):
+    assert COMMAND[path], "the command stands in the first lines"
+    verb = COMMAND[path][1]
+    if verb == "sweep":
+        assert assembled(read_content(path), FOLDER)[1]
+    else:
+        assert read_scene(verb, path).arguments(FOLDER)
+
+
+def ran(verb, scene, out):
+    """Runs a scene; returns the rows of its table, in which every coefficient is a
+    number.
+    """
+    assert main([verb, str(scene), "--out", str(out)]) == 0
+    lines = (out / f"{scene.stem}-{verb}.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    assert rows
+    (title,) = {"friction coefficient [-]", "traction coefficient [-]"} & set(rows[0])
+    assert np.isfinite([float(row[title]) for row in rows]).all()
+    return rows
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in COMMAND if path.stem in QUICK], ids=names
+)
+def test_a_scene_runs(path, tmp_path, capsys):
+    ran(COMMAND[path][1], path, tmp_path)
+    assert "did not converge" not in capsys.readouterr().err
+
+
+def fewer(name, count, folder):
+    """A copy of a scene with so many velocities or slips, beside the files that it
+    reads.
+    """
+    text = (FOLDER / name).read_text(encoding="utf-8")
+    fewer_points, changed = re.subn(r"points = \d+", f"points = {count}", text)
+    assert changed == 1
+    (folder / name).write_text(
+        fewer_points.replace(
+            '"tread_friction.csv"', f"{str(FOLDER / 'tread_friction.csv')!r}"
+        )
+    )
+    return folder / name
+
+
+def test_the_table_of_the_tread_is_that_of_its_scene(tmp_path):
+    """`tread_friction.csv` is what `tread_on_road.toml` writes: at both ends of its
+    velocities here.
+    """
+    rows = ran("friction", fewer("tread_on_road.toml", 2, tmp_path), tmp_path)
+    law = em.load_friction(FOLDER / "tread_friction.csv")
+    for row in rows:
+        place = (
+            float(row[key])
+            for key in ("velocity [m/s]", "temperature [K]", "nominal pressure [Pa]")
+        )
+        assert float(law(*place)) == pytest.approx(
+            float(row["friction coefficient [-]"]), rel=1e-3
+        )
+
+
+def test_a_tyre_brakes_like_one(tmp_path):
+    """A peak at some per cent of slip, from which the locked wheel loses a fifth or
+    more, and property files.
+    """
+    rows = ran("traction", fewer("braking.toml", 24, tmp_path), tmp_path)
+    slip, grip, kelvin = (
+        np.array([float(row[key]) for row in rows]).reshape(9, 24)
+        for key in ("slip [-]", "traction coefficient [-]", "temperature [K]")
+    )
+    top = grip.argmax(axis=1)
+    peak = grip[np.arange(9), top]
+    assert ((peak > 0.6) & (peak < 1.2)).all()
+    assert ((slip[np.arange(9), top] > 0.01) & (slip[np.arange(9), top] < 0.15)).all()
+    assert (grip[:, -1] < 0.85 * peak).all()
+    assert (grip[:, -1] > 0.4).all()
+    said = {
+        f"braking-traction-{t - 273.15:g}degC.tir" for t in np.unique(kelvin).round(2)
+    }
+    assert {path.name for path in tmp_path.glob("*.tir")} == said

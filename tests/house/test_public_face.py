@@ -1,0 +1,154 @@
+"""What an editor and a type checker see of the package."""
+
+import ast
+import importlib
+import inspect
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import elastomdr as em
+
+HERE = Path(__file__).parents[1] / "typing"
+
+
+@pytest.mark.parametrize("package", [em, em.fit], ids=["elastomdr", "elastomdr.fit"])
+def test_the_stub_names_what_the_package_has(package):
+    stub = Path(str(package.__file__)).with_suffix(".pyi")
+    named = {}
+    for node in ast.parse(stub.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom):
+            home = "." * node.level + (node.module or "")
+            named |= {str(alias.asname): home for alias in node.names}
+        elif isinstance(node, ast.AnnAssign):
+            named[ast.unparse(node.target)] = None
+    assert sorted(named) == sorted(package.__all__)
+    for name, module in named.items():
+        if module:
+            home = importlib.import_module(module, package.__name__)
+            assert getattr(package, name) is getattr(home, name)
+
+
+def pyright(path: Path) -> list[int]:
+    """The lines of a file at which pyright finds errors."""
+    ran = subprocess.run(
+        [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, str(path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=path.parent,
+    )
+    assert re.search(r"\d+ errors?, ", ran.stdout), ran.stdout + ran.stderr
+    return sorted(
+        {
+            int(line)
+            for line in re.findall(rf"{path.name}:(\d+):\d+ - error", ran.stdout)
+        }
+    )
+
+
+def test_a_type_checker_accepts_right_uses_and_knows_their_types():
+    assert pyright(HERE / "good.py") == []
+
+
+def test_a_type_checker_refuses_wrong_uses():
+    lines = (HERE / "bad.py").read_text(encoding="utf-8").splitlines()
+    assert pyright(HERE / "bad.py") == [
+        number for number, line in enumerate(lines, 1) if "# error" in line
+    ]
+
+
+DEFENDED = {
+    # the interface of diffrax.AbstractSolver, in whose place it stands
+    "ContactStep.order(terms)",
+    "ContactStep.init(terms)",
+    "ContactStep.init(t0)",
+    "ContactStep.init(t1)",
+    "ContactStep.step(terms)",
+    "ContactStep.step(t0)",
+    "ContactStep.step(t1)",
+    "ContactStep.step(made_jump)",
+    "ContactStep.func(terms)",
+    "ContactStep.func(t0)",
+    # each verb has a plan of its own, and several materials a tuple of them
+    "Result.plan",
+    "Result.to_dict()",  # arrays and texts by name
+    # those of `plot`, which each class of results has of its own
+    "Result.png(options)",
+    "Slide.png(options)",
+    "MaterialFit.info()",  # texts, numbers and tables, as in a material file
+    "save_material(info)",
+    "calibrate(scene)",  # any other argument of the verb
+    "sweep(fixed)",
+    # the arguments of the verb that asks the model
+    "HalfSpace.smooth_friction(scene)",
+    "Line.rough_friction(scene)",
+    "Line.rough_plan(scene)",
+    "Model.rough_friction(scene)",
+    "Model.rough_plan(scene)",
+    "Model.smooth_friction(scene)",
+    "SurfaceModel.rough_friction(scene)",
+    "SurfaceModel.rough_plan(scene)",
+}
+
+
+def annotated(
+    node: ast.stmt, within: str = ""
+) -> Iterator[tuple[str, ast.expr | None]]:
+    """Names of fields, arguments and answers in the source of a class or function, with
+    their annotations.
+    """
+    if isinstance(node, ast.ClassDef):
+        for inner in node.body:
+            yield from annotated(inner, f"{node.name}.")
+    elif isinstance(node, ast.AnnAssign):
+        name = ast.unparse(node.target)
+        if not name.startswith("_"):
+            yield within + name, node.annotation
+    elif isinstance(node, ast.FunctionDef) and (
+        not node.name.startswith("_") or node.name in ("__init__", "__call__")
+    ):
+        of = node.args
+        for given in (*of.posonlyargs, *of.args, of.vararg, *of.kwonlyargs, of.kwarg):
+            if given is not None and given.arg not in ("self", "cls"):
+                yield f"{within}{node.name}({given.arg})", given.annotation
+        if node.name != "__init__":
+            yield f"{within}{node.name}()", node.returns
+
+
+def sources(value: Any) -> Iterator[Any]:
+    """What a public name is made of: a function, or a class with those of this package
+    that it derives from.
+    """
+    if inspect.isclass(value):
+        yield from (
+            base
+            for base in value.__mro__
+            if base.__module__.split(".")[0] == "elastomdr"
+        )
+    elif callable(value):
+        yield inspect.unwrap(value)
+
+
+def test_any_in_a_public_signature_is_defended():
+    public = [
+        getattr(package, name)
+        for package in (em, em.fit, em.reference)
+        for name in package.__all__
+    ]
+    found, bare, count = set(), set(), 0
+    for source in {each for value in public for each in sources(value)}:
+        for name, annotation in annotated(ast.parse(inspect.getsource(source)).body[0]):
+            count += 1
+            if annotation is None:
+                bare.add(name)
+            elif re.search(r"\bAny\b", ast.unparse(annotation)):
+                found.add(name)
+    assert count > 1000
+    assert not bare, "not annotated at all"
+    assert found == DEFENDED

@@ -1,0 +1,111 @@
+"""The recipes of CONTRIBUTING.md, applied as they stand there to a copy of the package."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+import elastomdr as em
+
+ROOT = Path(__file__).parents[2]
+
+
+class Recipe:
+    """A section of CONTRIBUTING.md: its steps, each with a file and the code for it."""
+
+    def __init__(self, title: str):
+        text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+        section = text.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+        steps = re.split(r"^\d+\. ", section, flags=re.MULTILINE)[1:]
+        self.steps = []
+        for step in steps:
+            code = re.search(r"^   ```python\n(.*?)^   ```$", step, re.DOTALL | re.M)
+            if code is not None:
+                path = re.search(r"`src/elastomdr/([\w/]+\.py)`", step)
+                assert path is not None, step
+                self.steps.append((path.group(1), textwrap.dedent(code.group(1))))
+
+
+class Copy:
+    """A copy of the package that a test may change, and run."""
+
+    def __init__(self, folder: Path):
+        self.source = folder / "src"
+        shutil.copytree(
+            Path(em.__file__).parent,
+            self.source / "elastomdr",
+            ignore=shutil.ignore_patterns("__pycache__"),
+        )
+
+    def insert(self, path: str, code: str, *, before: str, after: str = "") -> None:
+        """Puts code above the line `before`, the first one below `after`, with its
+        indentation.
+        """
+        file = self.source / "elastomdr" / path
+        text = file.read_text(encoding="utf-8")
+        start = text.index(after)
+        line = re.compile(rf"^( *){re.escape(before)}", re.MULTILINE)
+        place = line.search(text, start)
+        assert place is not None, f"{path} has no line {before!r}"
+        lines = textwrap.indent(code, place.group(1))
+        text = text[: place.start()] + lines + text[place.start() :]
+        file.write_text(text, encoding="utf-8")
+
+    def run(self, code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-c", textwrap.dedent(code)],
+            env={**os.environ, "PYTHONPATH": str(self.source)},
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+
+
+@pytest.fixture
+def copy(tmp_path):
+    return Copy(tmp_path)
+
+
+def test_a_field_of_a_result(copy, tmp_path):
+    (declared, field), (packed, value) = Recipe("A field of a result").steps
+    use = """
+        import elastomdr as em
+        rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
+        ball = em.Sphere(5e-3)
+        curve = em.friction(rubber, ball, velocity=[0.1, 1.0], load=1.0)
+        assert (curve.power == curve.velocity * curve.friction_force).all()
+        curve.to_csv("curve.csv")
+        print("friction power [W]" in open("curve.csv").read())
+    """
+    assert "power" in copy.run(use, tmp_path).stderr
+    copy.insert(declared, field, before="pressure: Array", after="class FrictionCurve")
+    copy.insert(packed, value, before="mu=found.mu", after="curve = FrictionCurve(")
+    ran = copy.run(use, tmp_path)
+    assert ran.stdout.split() == ["True"], ran.stderr
+
+
+def test_a_dma_format(copy, tmp_path):
+    (reader, function), (register, entry) = Recipe("A DMA format").steps
+    (tmp_path / "rubber.txt").write_text(
+        "Acme rheometer 3\n"
+        "0.1;1.2;0.1;20\n1;1.5;0.2;20\n10;2.0;0.4;20\n"
+        "# Frequency (Hz)\n# Storage modulus (MPa)\n"
+        "# Loss modulus (MPa)\n# Temperature (degC)\n",
+        encoding="utf-8",
+    )
+    use = """
+        import elastomdr as em
+        dma = em.read_dma("rubber.txt")
+        print(dma.storage[-1], dma.loss[-1], dma.kind)
+    """
+    assert "InputError" in copy.run(use, tmp_path).stderr
+    copy.insert(reader, f"{function}\n\n", before="# RepTate's columns")
+    copy.insert(register, entry, before='Format("table"')
+    ran = copy.run(use, tmp_path)
+    assert ran.stdout.split() == ["2000000.0", "400000.0", "shear"], ran.stderr

@@ -1,0 +1,241 @@
+"""The rooms of docs/structure.md: each imports only from those above it; figures and
+files have their rooms.
+"""
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import FrameType
+
+import elastomdr as em
+
+SOURCE = Path(em.__file__).parent
+FLOORS = (
+    "errors",
+    "_types",
+    "compiled_code",
+    "units",
+    "notebook_tables",
+    "trees",
+    "arrays",
+    "checks",
+    "files",
+    "models",
+    "numerics",
+    "results",
+    "material",
+    "surface",
+    "element",
+    "call",
+    "smooth",
+    "rough",
+    "transient",
+    "reference",
+    "verbs",
+    "tyre",
+    "belt",
+    "seal",
+    "sweeps",
+    "io",
+    "fit",
+    "cli",
+    "app",
+)
+
+
+def imports(path: Path, types: bool = False) -> Iterator[tuple[str, ...]]:
+    """The modules of this package that a file imports, and other packages by their
+    name; with `types`, also what only a reader of types sees.
+    """
+    home = ("elastomdr", *path.relative_to(SOURCE).with_suffix("").parts)
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    # a method of a model imports its room where it is called
+    nodes = list(tree.body if path.name == "models.py" else ast.walk(tree))
+    skipped = set()
+    for node in nodes:
+        if (
+            not types
+            and isinstance(node, ast.If)
+            and "TYPE_CHECKING" in ast.unparse(node.test)
+        ):
+            skipped |= {id(inner) for inner in ast.walk(node)}
+    for node in nodes:
+        if id(node) in skipped:
+            continue
+        if isinstance(node, ast.ImportFrom):
+            base = home[: len(home) - node.level] if node.level else ()
+            yield (*base, *(node.module or "").split("."))
+        elif isinstance(node, ast.Import):
+            yield from (tuple(name.name.split(".")) for name in node.names)
+
+
+def files(*parts: str) -> list[Path]:
+    place = SOURCE.joinpath(*parts)
+    found = (
+        sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+    )
+    assert found
+    return found
+
+
+def is_figure(module: tuple[str, ...]) -> bool:
+    """A method `plot` imports what draws where it is called."""
+    return module[1:] == ("results", "plotting")
+
+
+def test_floors():
+    for floor, name in enumerate(FLOORS):
+        below = set(FLOORS[floor + 1 :])
+        for path in files(name):
+            inside = [
+                module
+                for module in imports(path)
+                if module[0] == "elastomdr" and not is_figure(module)
+            ]
+            wrong = [module for module in inside if below & {*module[1:2]}]
+            assert not wrong, f"{path.relative_to(SOURCE)} imports {wrong}"
+
+
+def test_structure_shows_the_rooms_in_their_order():
+    page = Path(__file__).parents[2] / "docs" / "structure.md"
+    section = page.read_text(encoding="utf-8").partition("## Rooms\n")[2]
+    table = section.partition("\n## ")[0]
+    rows = re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)
+    assert tuple(re.findall(r"`(\w+)`", " ".join(rows))) == FLOORS
+
+
+def test_files_of_structure_exist():
+    """`smooth/plan.py` of a table or a sentence, the first one of a list in full."""
+    page = Path(__file__).parents[2] / "docs" / "structure.md"
+    named = re.findall(r"`(\w+/[\w/]+\.py)`", page.read_text(encoding="utf-8"))
+    assert len(named) > 50
+    for name in named:
+        place = page.parents[1] / name if name.startswith("docs/") else SOURCE / name
+        assert place.exists(), name
+
+
+def test_a_call_passes_the_files_of_its_walk():
+    page = Path(__file__).parents[2] / "docs" / "structure.md"
+    walk = page.read_text(encoding="utf-8").partition("`em.friction` of a ball")[2]
+    rows = re.findall(r"^\| (`.*?) \|", walk.partition("\n\n`em.")[0], re.MULTILINE)
+    named = re.findall(r"`(\w+/\w+\.py)`", " ".join(rows))
+    passed = set()
+
+    def note(frame: FrameType, _event: str, _arg: object) -> None:
+        passed.add(Path(frame.f_code.co_filename))
+
+    rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
+    before = sys.gettrace()
+    # once beforehand, so that a file that is only imported does not count
+    em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    sys.settrace(note)
+    try:
+        em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    finally:
+        sys.settrace(before)
+    assert len(named) > 10
+    assert not {SOURCE / name for name in named} - passed
+
+
+def test_only_io_reads_files_of_others():
+    """A fit takes measurements as data; what units and titles mean is known in `io`
+    alone.
+    """
+    for path in files("fit"):
+        for module in imports(path):
+            assert module[:2] != ("elastomdr", "io") or module[2] == "data", (
+                f"{path.name} imports {module}"
+            )
+        assert (
+            "read_"
+            not in path.read_text(encoding="utf-8")
+            .partition("files import")[2]
+            .partition("\n")[0]
+        ), path
+
+
+def test_figures_have_their_files():
+    for path in files():
+        if path.relative_to(SOURCE).as_posix() in (
+            "results/plotting.py",
+            "fit/figures.py",
+        ):
+            continue
+        assert not [module for module in imports(path) if module[0] == "matplotlib"], (
+            path
+        )
+
+
+def test_a_result_never_solves():
+    for path in files("results"):
+        inside = {
+            module[1]
+            for module in imports(path)
+            if module[0] == "elastomdr" and len(module) > 1
+        }
+        ground = {
+            "errors",
+            "files",
+            "checks",
+            "arrays",
+            "notebook_tables",
+            "trees",
+            "units",
+            "",
+        }
+        assert inside <= ground | {"results"}, f"{path.name} imports {inside}"
+
+
+def test_results_import_no_jax():
+    """Apart from what the ground imports."""
+    for path in files("results"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        at_import = [
+            node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))
+        ]
+        names = {
+            (node.module or "")
+            if isinstance(node, ast.ImportFrom)
+            else node.names[0].name
+            for node in at_import
+        }
+        assert not {name.partition(".")[0] for name in names} & {
+            "jax",
+            "equinox",
+            "diffrax",
+            "jaxtyping",
+            "matplotlib",
+        }
+
+
+def circle(paths: list[Path], types: bool = False) -> list[str]:
+    """Files that import each other in a circle, and files that import those."""
+    modules = {
+        (*path.relative_to(SOURCE).with_suffix("").parts,): path for path in paths
+    }
+    needs = {}
+    for home, path in modules.items():
+        inside = {
+            module[1:] for module in imports(path, types) if module[0] == "elastomdr"
+        }
+        needs[home] = {
+            module for module in inside if module in modules and module != home
+        }
+    while ready := [
+        home for home, inside in needs.items() if not inside & needs.keys()
+    ]:
+        for home in ready:
+            del needs[home]
+    return sorted("/".join(home) for home in needs)
+
+
+def test_no_circle_of_imports():
+    """Not inside a room either, nor where a function imports when it is called."""
+    assert not circle(files())
+
+
+def test_no_circle_in_fit_with_types_counted():
+    """Results know their data; figures, tables and doubts know no results."""
+    assert not circle(files("fit"), types=True)

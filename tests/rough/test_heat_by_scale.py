@@ -1,0 +1,438 @@
+"""Temperature by length scale: the fixed point and its conduction against slow sums,
+its limits, balance, gradients.
+"""
+
+import time
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+from scipy.special import i0e, k0e
+
+import elastomdr as em
+from elastomdr.arrays import numpy_unless_traced
+from elastomdr.element.law import surface_foundation
+from elastomdr.rough import multiscale
+from elastomdr.rough import temperature_by_scale as warm
+from elastomdr.rough.psd_integrals import nodes, until
+
+WLF = em.WLF(c1=8.86, c2=101.6, reference=293.15)
+RUBBER = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=WLF)
+ROAD = em.SelfAffine(0.8, rms_slope=0.5, q_low=2e3, q_high=1e5)
+HEAT = em.Heat(0.25, 2e6)
+STONE = em.Heat(0.25, 2e6, road=(1.5, 2e6))
+SHEAR = em.AdhesiveShear(3e5, 6e-3, 0.1, shift=em.Arrhenius(9e4, 293.15))
+ASKED = {
+    "velocity": np.array([1e-3, 0.1, 10.0]),
+    "pressure": 2e5,
+    "temperature": 293.15,
+}
+
+
+def rise_of(heat, velocity, flux, waves, at, area, shear):
+    """Rises at three wave numbers by plain sums over distance and depth, and the share
+    of the road.
+    """
+    q, each, end = at.q.ravel(), waves.each[0].ravel(), float(at.end)
+    whole = each.sum() + waves.edges[0] + shear
+    k = np.geomspace(1e-3 * q[0], 1e4 * end, 500)
+    dk = np.gradient(k)
+    dk[0] += k[0]
+
+    def profile(q, k):
+        return 4 * q**2 / (k**2 + 4 * q**2)
+
+    depth = (
+        each @ profile(q[:, None], k) + waves.edges[0] * profile(end, k) + shear
+    ) / whole
+    r = np.geomspace(1e-5 / end, np.pi / q[0], 3000)
+    w = velocity / (2 * heat.conductivity / heat.heat_capacity)
+    kernel = (
+        i0e(w * r)
+        * k0e(r * np.hypot(w, k)[:, None])
+        * np.exp((w - np.hypot(w, k)[:, None]) * r)
+    )
+
+    def excess(q):
+        return (
+            1
+            / np.interp(
+                np.log(np.minimum(q, np.pi / r)), np.log([*q_sorted, end]), area
+            )
+            - 1
+        )
+
+    q_sorted = q
+    factor = 2 / (np.pi * heat.conductivity)
+
+    def mean(f, q):
+        return factor * ((np.trapezoid(kernel * excess(q) * r, r, axis=1) * f) @ dk)
+
+    road = 0.0
+    if heat.road is not None:
+        own = np.trapezoid(excess(end) * i0e(w * r), r) / heat.conductivity
+        road = mean(depth, end) / (own + np.trapezoid(excess(end), r) / heat.road[0])
+    scales = (q[q.size // 2], end)
+    return (
+        [
+            flux * (mean(profile(s, k) * depth, s) - road * mean(profile(s, k), s))
+            for s in scales
+        ],
+        scales,
+        road,
+    )
+
+
+@pytest.mark.parametrize(
+    ("heat", "adhesion"), [(HEAT, None), (STONE, None), (STONE, SHEAR)]
+)
+def test_conduction_is_what_plain_sums_make_of_it(heat, adhesion):
+    """Of a rubber that hardly feels the temperature, so that the state is that of the
+    body's.
+    """
+    rubber = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=em.Arrhenius(1e-3, 293.15))
+    law = None if adhesion is None else em.AdhesiveShear(3e5, 6e-3, 0.1)
+    curve = em.friction(
+        rubber,
+        ROAD,
+        velocity=0.3,
+        pressure=2e5,
+        temperature=293.15,
+        heat=heat,
+        adhesion=law,
+    )
+    body, at = surface_foundation(rubber), nodes(ROAD, 64)
+    found = em.Multiscale().waves(
+        body.complex_modulus,
+        at,
+        np.array([0.3]),
+        np.array([2e5]),
+        None,
+        multiscale.Local(),
+    )
+    shares = np.append(
+        em.Multiscale().contact(until(found.rate, at.weight))[0].ravel(),
+        found.area[0],
+    )
+    shear = 0.0 if law is None else float(law.shear_stress(0.3)) * found.area[0] / 2e5
+    rises, _, road = rise_of(
+        heat, 0.3, float(curve.mu) * 2e5 * 0.3, found, at, shares, shear
+    )
+    assert curve.contact_rise == pytest.approx(rises[1], rel=0.01)
+    if heat.road is not None:
+        assert curve.road_share == pytest.approx(road, rel=0.01)
+
+
+# of dry tread rubber
+ICE_COLD = em.AdhesiveShear(6e6, 5e-3, 0.1, shift=em.Arrhenius(8e4, 298.15))
+
+
+def tread(**more):
+    """Plain tread rubber without the misfit to its data, which would be part of
+    `error`.
+    """
+    shipped = em.load_material("tread-passenger-synthetic")
+    return em.Prony(
+        shipped.equilibrium, shipped.moduli, shipped.times, shift=shipped.shift, **more
+    )
+
+
+@pytest.fixture
+def reference(monkeypatch):
+    """The second solution of the same equations, `benchmarks/heat_reference.py`."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+    import heat_reference
+
+    return heat_reference
+
+
+@pytest.mark.parametrize(
+    ("heat", "scene"),
+    [
+        (HEAT, {"velocity": 5.0, "temperature": 263.15}),
+        (HEAT, {"velocity": 5.0, "temperature": 263.15, "adhesion": ICE_COLD}),
+        (STONE, {"velocity": 5.0, "temperature": 263.15, "adhesion": ICE_COLD}),
+        (
+            STONE,
+            {
+                "velocity": 0.3,
+                "temperature": 283.15,
+                "adhesion": ICE_COLD,
+                "model": em.Persson(),
+            },
+        ),
+        (STONE, {"velocity": 20.0, "temperature": 303.15}),
+    ],
+)
+def test_error_covers_a_second_solution(heat, scene, reference):
+    """Cold rubber with activated shear was 0.4 to 7 % off, up to 8 times its
+    `error`.
+    """
+    asked = {"pressure": 3e5, "heat": heat, **scene}
+    curve = em.friction(tread(), ROAD, **asked)
+    second = reference.Point(tread(), ROAD, **asked).solve()
+    assert second.settled
+    assert abs(curve.mu - second.mu) <= curve.error
+    assert curve.error < 1e-3 * curve.mu
+    assert curve.contact_rise == pytest.approx(second.contact_rise, rel=1e-3)
+    assert curve.area_ratio == pytest.approx(second.area, rel=1e-3)
+    if heat.road is not None:
+        assert curve.road_share == pytest.approx(second.road_share, rel=1e-3)
+
+
+def test_a_point_that_needs_finer_stations_gets_them(reference, monkeypatch):
+    """Of two points one needs them, of cold rubber whose friction grows three times as
+    it warms.
+    """
+    asked = {"pressure": 3e5, "temperature": 253.15, "heat": HEAT, "adhesion": ICE_COLD}
+    velocity = np.array([1e-4, 20.0])
+    both = em.friction(tread(), ROAD, velocity=velocity, **asked)
+    assert (both.error < 1e-3 * both.mu).all()
+    for i, v in enumerate(velocity):
+        alone = em.friction(tread(), ROAD, velocity=v, **asked)
+        assert alone.mu == pytest.approx(both.mu[i], rel=1e-9)
+        second = reference.Point(tread(), ROAD, velocity=v, **asked).solve()
+        assert abs(alone.mu - second.mu) <= alone.error
+    monkeypatch.setattr(warm, "_LEVELS", warm._LEVELS[: warm._USUAL + 1])
+    with pytest.warns(em.ConvergenceWarning, match="1 of 2"):
+        usual = em.friction(tread(), ROAD, velocity=velocity, **asked)
+    np.testing.assert_array_equal(usual.converged, [True, False])
+
+
+def test_where_hot_rubber_has_more_friction_it_is_said_why():
+    asked = {"pressure": 3e5, "temperature": 263.15, "velocity": [0.1, 5.0]}
+    hot = em.friction(tread(), ROAD, heat=HEAT, adhesion=ICE_COLD, **asked)
+    cold = em.friction(tread(), ROAD, adhesion=ICE_COLD, **asked)
+    np.testing.assert_allclose(hot.cold, cold.mu, rtol=1e-9)
+    assert (hot.mu > 1.3 * hot.cold).all()
+    said = dict(hot.inputs)["hot above cold"]
+    i = int(np.argmax(hot.mu / hot.cold))
+    softer = hot.area_ratio[i] / cold.area_ratio[i]
+    stronger = hot.adhesion[i] / cold.adhesion[i] / softer
+    assert softer > 1
+    assert stronger > 1
+    assert f"the real contact is {softer:.4g} times" in said
+    assert (
+        f"the shear stress there {stronger:.4g} times, since warmth moves it towards "
+        "its maximum"
+    ) in said
+    assert (
+        "hot above cold" not in em.friction(tread(), ROAD, heat=HEAT, **asked).summary()
+    )
+
+
+def test_heat_is_friction_power():
+    for adhesion in (None, SHEAR):
+        curve = em.friction(RUBBER, ROAD, heat=STONE, adhesion=adhesion, **ASKED)
+        power = curve.mu * ASKED["pressure"] * curve.velocity
+        np.testing.assert_allclose(
+            curve.heat_flux / (1 - curve.road_share), power, rtol=1e-4
+        )
+        assert ((curve.road_share > 0) & (curve.road_share < 1)).all()
+        assert (curve.contact_rise > curve.temperature_rise).all()
+
+
+def test_hot_friction_is_that_of_its_temperatures():
+    curve = em.friction(RUBBER, ROAD, heat=HEAT, **ASKED)
+    assert curve.converged.all()
+    np.testing.assert_array_equal(curve.cold, em.friction(RUBBER, ROAD, **ASKED).mu)
+    assert curve.contact_rise[-1] > 5
+    hottest, body = (
+        em.friction(RUBBER, ROAD, **ASKED | {"temperature": 293.15 + t}).mu
+        for t in (curve.contact_rise, 0)
+    )
+    # between body and contact
+    assert ((curve.mu - hottest) * (curve.mu - body) <= 1e-9).all()
+    assert "rise by wavelength" in curve.summary()
+    assert "temperature for each length scale" in curve.model
+
+
+def test_limits_of_temperature():
+    cold = em.friction(RUBBER, ROAD, **ASKED)
+    good = em.friction(RUBBER, ROAD, heat=em.Heat(1e7, 1e13), **ASKED)
+    np.testing.assert_allclose(good.mu, cold.mu, rtol=1e-5)
+    full = em.friction(RUBBER, ROAD, heat=HEAT, **ASKED | {"pressure": 3e9})
+    assert (full.temperature_rise < 1e-6).all()
+    slow = em.friction(
+        RUBBER, ROAD, heat=HEAT, **ASKED | {"velocity": np.array([1e-9, 1e-8])}
+    )
+    # no Peclet number left
+    np.testing.assert_allclose(*(slow.contact_rise / slow.heat_flux), rtol=0.01)
+    none = em.friction(
+        RUBBER, ROAD, heat=em.Heat(0.25, 2e6, road=(1e-12, 2e6)), **ASKED
+    )
+    np.testing.assert_allclose(
+        none.mu, em.friction(RUBBER, ROAD, heat=HEAT, **ASKED).mu, rtol=1e-9
+    )
+    # what arises on the surface is shared by two equal bodies at rest
+    twin = em.friction(
+        em.Prony(0.5e6, [1.0], [1e-3], shift=WLF),
+        ROAD,
+        velocity=1e-7,
+        pressure=2e5,
+        temperature=293.15,
+        heat=em.Heat(0.25, 2e6, road=(0.25, 2e6)),
+        adhesion=em.AdhesiveShear(3e5, 6e-3, 0.0),
+    )
+    assert twin.road_share == pytest.approx(0.5, abs=0.005)
+
+
+def test_a_profile_far_from_that_of_cold_rubber():
+    """Cold, the finest waves would be heated by 2,800 K; the one steady state is 119 K
+    hot.
+    """
+    tread = em.load_material("tread-passenger-synthetic")
+    road = em.SelfAffine(
+        0.8, rms_slope=1.3, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 1e-4
+    )
+    curve = em.friction(
+        tread,
+        road,
+        velocity=np.array([8.8, 16.0, 30.0]),
+        pressure=1.2e5,
+        temperature=258.15,
+        heat=HEAT,
+    )
+    assert curve.converged.all()
+    # second solution
+    np.testing.assert_allclose(curve.contact_rise, [94.55, 106.18, 119.21], atol=0.05)
+    assert "hot branch" not in curve.summary()
+
+
+def test_a_hotter_steady_state_is_said():
+    """Shear that rises with temperature heats itself: from a warm start rubber stays
+    where cold rubber does not go.
+    """
+    rubber = em.Prony(
+        1e6,
+        [1e6, 1e6, 1e7, 1e8],
+        [1e-4, 1e-3, 1e-6, 1e-8],
+        shift=em.WLF(8.86, 101.6, 250.15),
+    )
+    road = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e3, q_high=1e5)
+    shear = em.AdhesiveShear(3e7, 1e-2, 0.4, shift=em.Arrhenius(1.5e5, 350.0))
+    curve = em.friction(
+        rubber,
+        road,
+        velocity=10.0,
+        temperature=243.15,
+        pressure=3e5,
+        heat=em.Heat(0.2, 2e6),
+        adhesion=shear,
+    )
+    assert curve.temperature_rise < 10
+    assert "1 points have a second, hotter steady state" in curve.summary()
+
+
+def test_a_shift_law_that_ends():
+    table = em.ShiftTable([280.0, 293.15, 296.0], WLF.log10_a([280.0, 293.15, 296.0]))
+    short = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=table)
+    with pytest.warns(em.ConvergenceWarning, match="1 of 3"):
+        curve = em.friction(short, ROAD, heat=HEAT, **ASKED)
+    np.testing.assert_array_equal(curve.converged, [True, True, False])
+    assert np.isnan(curve.temperature_rise[-1])
+
+
+def test_persson_softening_and_vertical_shifts_take_part():
+    soft = em.Softening(
+        [1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.1, 0.9, 0.5]
+    )
+    rubber = em.Prony(
+        0.5e6,
+        [3e7, 3e6],
+        [1e-6, 1e-3],
+        shift=WLF,
+        softening=soft,
+        vertical=em.EntropicVertical(293.15),
+    )
+    for model in ("persson", "multiscale"):
+        curve = em.friction(rubber, ROAD, heat=STONE, model=model, **ASKED)
+        assert curve.converged.all()
+        assert (curve.error < 1e-3 * curve.mu).all()
+        assert (abs(curve.mu / curve.cold - 1)[1:] > 1e-3).all()
+
+
+def test_a_hot_curve_is_fast():
+    tread = em.load_material("tread-passenger-synthetic")
+    asked = {
+        "velocity": np.geomspace(1e-3, 10, 24),
+        "temperature": np.array([[283.0], [293.0], [313.0]]),
+    }
+    em.friction(tread, ROAD, pressure=2e5, heat=HEAT, **asked)
+    spent = []
+    for _ in range(3):
+        start = time.process_time()
+        em.friction(tread, ROAD, pressure=2e5, heat=HEAT, **asked)
+        spent.append(time.process_time() - start)
+    assert min(spent) < 0.8  # .4 on a quiet machine
+
+
+@pytest.mark.slow
+def test_gradients_through_softening_heat_and_adhesion():
+    def mu(velocity, kelvin, level):
+        soft = em.Softening(
+            [1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.1, 0.9, 0.5]
+        )
+        rubber = em.Prony(
+            0.5e6, level * np.array([3e7, 3e6]), [1e-6, 1e-3], shift=WLF, softening=soft
+        )
+        return em.friction(
+            rubber,
+            ROAD,
+            velocity=velocity,
+            pressure=2e5,
+            temperature=kelvin,
+            heat=STONE,
+            adhesion=SHEAR,
+            rtol=1e-8,
+        ).mu
+
+    at = np.array([1.0, 293.0, 1.0])
+    with jax.enable_x64(True):
+        slopes = jax.grad(mu, (0, 1, 2))(*at)
+    for i, step in enumerate(np.diag([1e-3, 0.05, 1e-3])):
+        near, far = (
+            float(mu(*(at + n * step))) - float(mu(*(at - n * step))) for n in (1, 2)
+        )
+        assert float(slopes[i]) == pytest.approx(
+            (8 * near - far) / (12 * step[i]), rel=1e-5
+        )
+
+
+def test_bad_heat():
+    for road, words in (
+        ((1.0,), "road must be a pair"),
+        ((-1.0, 2e6), "road: conductivity must be positive"),
+    ):
+        with pytest.raises(em.InputError, match=words):
+            em.Heat(0.25, 2e6, road=road)
+    with pytest.raises(em.InputError, match=r"road needs em\.Multiscale"):
+        em.friction(RUBBER, ROAD, heat=STONE, model=em.Line(), **ASKED)
+
+
+def test_the_series_for_jax_is_the_function_of_bessel():
+    x = np.geomspace(1e-8, 1e4, 300)
+    with jax.enable_x64(True):
+        np.testing.assert_allclose(
+            warm._k0e_of_jax(jax.numpy.asarray(x)), k0e(x), rtol=4e-7
+        )
+
+
+def test_splines_begin_at_zero_and_meet_their_stations():
+    places = np.arange(1, 6) / 5
+    basis = numpy_unless_traced(warm.basis)
+    np.testing.assert_allclose(basis(5, places), np.eye(5), atol=1e-14)
+    between = np.linspace(0, 1, 9)
+    np.testing.assert_allclose(
+        basis(5, between) @ (places - 2 * places**3),
+        between - 2 * between**3,
+        atol=1e-14,
+    )
+    twice = np.arange(1, 11) / 10
+    some = np.array([0.3, -1.0, 2.0, 0.1, 4.0])
+    np.testing.assert_allclose(
+        basis(10, between) @ (basis(5, twice) @ some),
+        basis(5, between) @ some,
+        atol=1e-13,
+    )

@@ -1,0 +1,423 @@
+"""em.Multiscale and em.Persson on surfaces: limits, independent evaluation, transforms,
+the map, bad input.
+"""
+
+import itertools
+import json
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import erf
+
+import elastomdr as em
+from elastomdr.errors import InputError
+from elastomdr.rough import multiscale
+from elastomdr.rough.psd_integrals import nodes
+
+SOLID = em.Foundation(1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2])
+ROAD = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=5e4, q_rolloff=3e3)
+MAP = Path(__file__).parents[2] / "benchmarks" / "results" / "rough_map.json"
+
+
+def full_contact(material, surface, velocity, pressure):
+    """The closed form, by adaptive quadrature."""
+
+    def of_wave(log_q):
+        q = np.exp(log_q)
+
+        def by_angle(phi):
+            return (
+                np.cos(phi) * material.complex_modulus(q * velocity * np.cos(phi)).imag
+            )
+
+        return (
+            q**4
+            * float(surface.at(q))
+            * 4
+            * quad(by_angle, 0, np.pi / 2, epsabs=0, epsrel=1e-9)[0]
+        )
+
+    ends = np.log(surface.q)
+    whole = sum(
+        quad(of_wave, a, b, epsrel=1e-8)[0] for a, b in itertools.pairwise(ends)
+    )
+    return whole / (2 * pressure)
+
+
+@pytest.mark.parametrize("model", ["multiscale", "persson"])
+def test_full_contact_is_the_closed_form(model):
+    curve = em.friction(SOLID, ROAD, velocity=0.05, pressure=1e9, model=model)
+    assert curve.area_ratio == pytest.approx(1.0, abs=1e-9)
+    assert curve.mu == pytest.approx(full_contact(SOLID, ROAD, 0.05, 1e9), rel=2e-6)
+
+
+def test_persson_is_its_integrals_evaluated_independently():
+    velocity, pressure = np.array([1e-3, 0.1, 10.0]), np.array([[3e4], [1e6]])
+    for stored in (True, False):
+        model = em.Persson(gamma=0.4, stored=stored)
+        curve = em.friction(
+            SOLID, ROAD, velocity=velocity, pressure=pressure, model=model
+        )
+        other = em.reference.persson(
+            SOLID, ROAD, velocity=velocity, pressure=pressure, gamma=0.4, stored=stored
+        )
+        np.testing.assert_allclose(curve.mu, other.mu, rtol=2e-5)  # of the reference
+        np.testing.assert_allclose(curve.area_ratio, other.area_ratio, rtol=2e-5)
+        assert (curve.error <= 1e-6 * curve.mu).all()
+
+
+def test_light_contact_carries_load_by_its_area():
+    """For p -> 0 the area is proportional to the pressure, and friction does not depend
+    on it.
+    """
+    curve = em.friction(
+        SOLID, ROAD, velocity=0.1, pressure=np.array([30.0, 300.0]), rtol=1e-4
+    )
+    np.testing.assert_allclose(curve.area_ratio[1] / curve.area_ratio[0], 10, rtol=1e-4)
+    # ten times the pressure, still falling to its limit
+    assert curve.mu[1] / curve.mu[0] == pytest.approx(1, abs=0.03)
+
+
+def test_small_loss_gives_friction_in_proportion():
+    def solid(loss):
+        return em.Foundation(1e6, [1e6 * loss], [1e-3])
+
+    mu = [
+        float(em.friction(solid(loss), ROAD, velocity=0.05, pressure=1e5, rtol=1e-8).mu)
+        for loss in (1e-5, 1e-4)
+    ]
+    assert mu[1] / mu[0] == pytest.approx(10, rel=1e-3)
+
+
+def test_friction_goes_with_v_a_t_and_p_over_modulus_and_slope():
+    curve = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
+    stiff = em.Foundation(5e6, [1.5e7, 4e7, 1e8], [1e-3, 1e-2, 1e-1])
+    other = em.friction(stiff, ROAD, velocity=0.01, pressure=5e5)
+    assert other.mu == pytest.approx(float(curve.mu), rel=1e-6)
+    steep = em.SelfAffine(0.8, rms_slope=0.8, q_low=1e3, q_high=5e4, q_rolloff=3e3)
+    other = em.friction(SOLID, steep, velocity=0.1, pressure=2e5)
+    assert other.mu == pytest.approx(2 * float(curve.mu), rel=1e-6)
+    fine = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e4, q_high=5e5, q_rolloff=3e4)
+    other = em.friction(SOLID, fine, velocity=0.01, pressure=1e5)
+    assert other.mu == pytest.approx(float(curve.mu), rel=1e-6)
+
+
+def test_a_table_of_a_spectrum_is_the_spectrum():
+    q = np.array([1e3, 3e3, 1e4, 5e4])
+    table = em.Spectrum(q, ROAD.at(q), convention="2d")
+    given = {"velocity": 0.1, "pressure": 1e5}
+    assert em.friction(SOLID, table, **given).mu == pytest.approx(
+        float(em.friction(SOLID, ROAD, **given).mu), rel=2e-6
+    )
+
+
+def test_error_is_that_of_finer_cells():
+    velocity, pressure = np.geomspace(1e-4, 10, 9), 1e5
+    coarse = em.friction(SOLID, ROAD, velocity=velocity, pressure=pressure, rtol=1e-3)
+    fine = em.friction(SOLID, ROAD, velocity=velocity, pressure=pressure, rtol=1e-8)
+    assert (np.abs(coarse.mu - fine.mu) <= coarse.error).all()
+    assert (fine.error <= 1e-8 * fine.mu).all()
+
+
+# strains beyond the sweep
+@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")
+def test_a_sweep_of_strain_narrower_than_a_cell():
+    """Between its two points finer cells changed nothing, as if all had settled: 5e-4
+    of mu, 1000 times the error.
+    """
+    payne = em.Softening([0.0107, 0.0135], [0.97, 0.39], [0.52, 1.9])
+    rubber = em.Prony(3e5, [8e2, 8e3], [1e-9, 0.5], softening=payne)
+    road = em.Spectrum(
+        [206.0, 221.0, 5593.0], [1.7e-13, 1.7e-13, 1.2e-17], convention="2d"
+    )
+    rough, fine = (
+        em.friction(
+            rubber, road, velocity=0.26, pressure=1600.0, strain_share=0.86, rtol=rtol
+        )
+        for rtol in (1e-3, 1e-8)
+    )
+    assert fine.converged
+    assert abs(rough.mu - fine.mu) <= rough.error
+
+
+@pytest.mark.parametrize("model", ["multiscale", "persson"])
+def test_a_point_does_not_depend_on_those_beside_it(model):
+    """Cells, tables and their refinement: also with temperatures, and with heat, which
+    takes tables of its own.
+    """
+    warm = em.Prony(
+        1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2], shift=em.WLF(8.86, 101.6, 293.15)
+    )
+    given = {
+        "velocity": [1e-4, 0.013, 9.0],
+        "temperature": [283.0, 293.15, 340.0],
+        "pressure": [2e4, 3e5, 4e6],
+    }
+    for heat in (None, em.Heat(0.3, 2e6)):
+        together = em.friction(warm, ROAD, model=model, heat=heat, **given)
+        for i in range(3):
+            alone = em.friction(
+                warm,
+                ROAD,
+                model=model,
+                heat=heat,
+                **{key: given[key][i] for key in given},
+            )
+            for name in ("mu", "area_ratio", "model_error"):
+                assert getattr(together, name)[i] == pytest.approx(
+                    getattr(alone, name), rel=1e-12, abs=0
+                )
+
+
+def test_bound_covers_and_widens():
+    area = np.array([0.9, 0.1, 0.01])
+    inside = multiscale.bound(em.Multiscale(), area, 64.0, 100.0)
+    assert (np.diff(inside) > 0).all()
+    assert (inside < 0.25).all()
+    assert (multiscale.bound(em.Multiscale(), area, 2.56e4, 100.0) > 2.5 * inside).all()
+    assert (multiscale.bound(em.Multiscale(), area, 64.0, 1e4) > 1.5 * inside).all()
+    assert np.isnan(multiscale.bound(em.Persson(gamma=1.0), area, 64.0, 100.0)).all()
+    # On the map ln(1 + bound) is linear in ln A; below its least contact, 0.4 %, it is
+    # as many times as large as there are decades, plus one.
+    logs = np.log1p(
+        multiscale.bound(
+            em.Multiscale(), np.array([0.4, 0.04, 0.004, 4e-4, 4e-6]), 64.0, 100.0
+        )
+    )
+    decade = logs[1] - logs[0]
+    np.testing.assert_allclose(logs[2] - logs[1], decade, rtol=1e-9)
+    np.testing.assert_allclose(
+        logs[3:], [2 * (logs[2] + decade), 4 * (logs[2] + 3 * decade)], rtol=1e-9
+    )
+    curve = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
+    assert 0 < curve.model_error < 0.3 * curve.mu
+
+
+@pytest.mark.parametrize("model", [em.Multiscale(), em.Persson()])
+def test_gradients_are_differences(model):
+    def mu(x):
+        material = em.Foundation(
+            x[0] * 1e6, x[1] * np.array([3e6, 8e6]), x[2] * np.array([1e-3, 1e-2])
+        )
+        road = em.SelfAffine(
+            0.8 * x[3], rms_slope=0.4 * x[4], q_low=1e3 * x[5], q_high=5e4 * x[6]
+        )
+        return em.friction(
+            material, road, velocity=0.1 * x[7], pressure=1e5 * x[8], model=model
+        ).mu
+
+    with jax.enable_x64(True):
+        x = np.ones(9)
+        value, slope = jax.jit(jax.value_and_grad(mu))(x)
+        assert value == pytest.approx(float(mu(x)), rel=1e-3)
+        assert np.isfinite(slope).all()
+        for i in range(9):
+            step = np.zeros(9)
+            step[i] = 1e-4
+            difference = (mu_fixed(mu, x + step) - mu_fixed(mu, x - step)) / 2e-4
+            assert slope[i] == pytest.approx(
+                difference, rel=2e-4, abs=2e-5 * float(value)
+            )
+
+
+def mu_fixed(mu, x):
+    """The traced program's own value: the same nodes on both sides."""
+    return float(jax.jit(mu)(x))
+
+
+def test_vmap_is_a_loop():
+    velocity = np.array([0.01, 0.1, 1.0])
+
+    def mu(v, modulus):
+        return em.friction(
+            em.Foundation(1e6, [modulus], [1e-3]), ROAD, velocity=v, pressure=1e5
+        ).mu
+
+    with jax.enable_x64(True):
+        many = jax.vmap(mu)(velocity, np.array([1e6, 2e6, 3e6]))
+    one = [float(mu(v, m)) for v, m in zip(velocity, (1e6, 2e6, 3e6), strict=True)]
+    np.testing.assert_allclose(many, one, rtol=1e-3)
+
+
+def test_wide_spectra_cost_little():
+    road = em.SelfAffine(0.8, rms_slope=1.0, q_low=6e2, q_high=6e5 * 2 * np.pi)
+    plan = em.plan(SOLID, road, velocity=np.geomspace(1e-4, 10, 64), pressure=3e5)
+    assert "64 points" in str(plan)
+    curve = em.friction(SOLID, road, velocity=np.geomspace(1e-4, 10, 64), pressure=3e5)
+    assert curve.converged.all()
+
+
+def test_points_of_the_map():
+    """All points of the recorded map by em.friction, as it is shipped."""
+    record = json.loads(MAP.read_text())
+    found = json.loads(MAP.with_name("rough_fit.json").read_text())
+    assert multiscale.Form(**found["constants"]) == pytest.approx(
+        multiscale.FORM, rel=0.1
+    )
+    assert all(v["met"] for v in found["verdicts"])
+    assert len(record["points"]) >= 250
+    import sys
+
+    sys.path.insert(0, str(MAP.parents[1]))
+    try:
+        from rough_map import rubber, surface_of
+    finally:
+        sys.path.pop(0)
+    off, inside = [], []
+    for point in record["points"]:
+        if not point["settled"]:
+            continue
+        surface = surface_of(point["surface"])
+        curve = em.friction(
+            rubber(point["material"]),
+            surface,
+            velocity=point["velocity"],
+            pressure=point["pressure"],
+            rtol=1e-3,
+        )
+        truth = np.mean(point["mu"])
+        off.append(np.log(float(curve.mu) / truth))
+        inside.append(abs(float(curve.mu) - truth) <= float(curve.model_error))
+    assert np.sqrt(np.mean(np.square(off))) < 0.06
+    assert np.max(np.abs(off)) < 0.2
+    assert np.mean(np.abs(off) < 0.1) >= 0.9
+    assert np.mean(inside) >= 0.95
+
+
+def test_tabulated_moduli_go_straight_in():
+    omega = np.geomspace(1e-2, 1e9, 111)
+    value = SOLID.complex_modulus(omega)
+    table = em.TabulatedModulus(
+        omega, value.real * 0.75, value.imag * 0.75, kind="tensile", poisson=0.5
+    )
+    velocity = np.geomspace(1e-3, 1, 5)
+    series = em.friction(SOLID, ROAD, velocity=velocity, pressure=1e5)
+    curve = em.friction(table, ROAD, velocity=velocity, pressure=1e5, rtol=1e-5)
+    np.testing.assert_allclose(curve.mu, series.mu, rtol=2e-3)
+    assert (np.abs(curve.mu - series.mu) <= 3 * curve.error).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"pressure": -1.0}, "pressure must be positive"),
+        ({"temperature": 300.0}, "no shift law"),
+        ({"rtol": 0.0}, "rtol"),
+        ({"load": 1.0}, "only one of them"),
+        ({"model": em.Averaged()}, "em.Line"),
+        ({"model": "multiscal"}, "multiscale"),
+        ({"velocity": np.ones(3), "pressure": np.full(2, 1e5)}, "broadcast"),
+    ],
+)
+def test_bad_input(change, words):
+    with pytest.raises(InputError, match=words):
+        em.friction(SOLID, ROAD, **{"velocity": 0.1, "pressure": 1e5} | change)
+
+
+def test_the_right_model_for_the_shape():
+    with pytest.raises(InputError, match="model"):
+        em.friction(
+            SOLID, em.Sphere(1e-3), velocity=0.1, load=1.0, model=em.Multiscale()
+        )
+    with pytest.raises(InputError, match="equilibrium"):
+        em.friction(em.Maxwell(1e6, 1e-3), ROAD, velocity=0.1, pressure=1e5)
+
+
+def test_share_of_contact_is_persson_at_both_ends():
+    parts = multiscale.parts(
+        SOLID.complex_modulus, nodes(ROAD, 24), np.array([0.1]), np.array([1e12])
+    )
+    assert parts.area[0] == pytest.approx(1.0)
+    parts = multiscale.parts(
+        SOLID.complex_modulus, nodes(ROAD, 24), np.array([1e-9]), np.array([1e3])
+    )
+    # At rest A = erf(1/(2 sqrt G)), G = (pi/4) (E*/p)^2 int q^3 C dq, and S = 1/2
+    # inside where contact is light.
+    third = ROAD.moment(3)
+    light = erf(0.5 / np.sqrt(0.5 * np.pi / 4 * (1e6 / 1e3) ** 2 * third))
+    assert parts.area[0] == pytest.approx(light, rel=5e-3)
+
+
+def test_a_map_is_no_spectrum():
+    with pytest.raises(InputError, match="isotropic"):
+        em.Spectrum([1e3, 1e4], np.ones((2, 2)), convention="2d")
+
+
+def test_gradient_in_temperature():
+    tread = em.load_material("tread-passenger-synthetic")
+
+    def mu(kelvin, **more):
+        return em.friction(
+            tread, ROAD, velocity=0.1, pressure=3e5, temperature=kelvin, **more
+        ).mu
+
+    with jax.enable_x64(True):
+        slope = float(jax.grad(mu)(293.15))
+    high, low = (float(mu(293.15 + step, rtol=1e-8)) for step in (0.01, -0.01))
+    assert slope == pytest.approx((high - low) / 0.02, rel=1e-3)
+
+
+def table_of(material, **more):
+    omega = np.geomspace(1e-4, 1e12, 129)
+    value = material.complex_modulus(omega)
+    return em.TabulatedModulus(
+        omega, value.real, value.imag, shift=material.shift, **more
+    )
+
+
+def test_tables_take_heat_and_transformations():
+    tread = em.load_material("tread-passenger-synthetic")
+    given = {"pressure": 3e5, "temperature": 293.15, "rtol": 1e-3}
+    hot = [
+        em.friction(m, ROAD, velocity=[0.1, 1.0], heat=em.Heat(0.25, 2e6), **given)
+        for m in (table_of(tread), tread)
+    ]
+    np.testing.assert_allclose(hot[0].mu, hot[1].mu, rtol=2e-3)
+    np.testing.assert_allclose(
+        hot[0].temperature_rise, hot[1].temperature_rise, rtol=1e-2
+    )
+    with jax.enable_x64(True):
+        slope = jax.jit(
+            jax.grad(
+                lambda v: em.friction(table_of(tread), ROAD, velocity=v, **given).mu
+            )
+        )(0.1)
+    ends = [
+        float(em.friction(tread, ROAD, velocity=v, **given | {"rtol": 1e-7}).mu)
+        for v in (0.101, 0.099)
+    ]
+    assert slope == pytest.approx((ends[0] - ends[1]) / 2e-3, rel=5e-3)
+
+
+def test_gradient_in_a_tabulated_spectrum():
+    q = np.array([1e3, 3e3, 1e4, 5e4])
+
+    def mu(factor):
+        return em.friction(
+            SOLID,
+            em.Spectrum(q, factor * ROAD.at(q), convention="2d"),
+            velocity=0.1,
+            pressure=1e5,
+        ).mu
+
+    with jax.enable_x64(True):
+        slope = float(jax.grad(mu)(1.0))
+    assert slope == pytest.approx(
+        (float(mu(1.001)) - float(mu(0.999))) / 2e-3, rel=1e-3
+    )
+
+
+def test_transformations_ask_for_64_bit_types():
+    with pytest.raises(InputError, match="enable_x64"):
+        jax.grad(lambda v: em.friction(SOLID, ROAD, velocity=v, pressure=1e5).mu)(0.1)
+
+
+def test_a_spectrum_that_jumps():
+    q = np.geomspace(1e3, 1e4, 31)
+    surface = em.Spectrum(q, np.where(q > 9e3, 1e-14, 1e-19), convention="2d")
+    curve = em.friction(SOLID, surface, velocity=0.01, pressure=3e5, rtol=1e-4)
+    assert curve.converged
+    assert curve.mu > 0

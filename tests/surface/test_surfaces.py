@@ -1,0 +1,617 @@
+"""Surfaces: spectra and their normalisations, the lines made of them, measured profiles
+and files of instruments.
+"""
+
+import importlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.surface.synthesis import synthesise
+
+TABLE = np.array([1e3, 1e6])
+SURFACE = em.Spectrum(TABLE, 1e-17 * (TABLE / 1e3) ** -3.6, convention="2d")
+
+
+def test_moments_of_a_spectrum():
+    np.testing.assert_allclose(SURFACE.rms_height, 6.266521027154632e-06, rtol=1e-9)
+    np.testing.assert_allclose(SURFACE.rms_slope, 0.04829559785736858, rtol=1e-9)
+    same = em.SelfAffine(0.8, rms_height=6.266521027154632e-06, q_low=1e3, q_high=1e6)
+    np.testing.assert_allclose(same.rms_slope, 0.04829559785736858, rtol=1e-9)
+    np.testing.assert_allclose(
+        em.Spectrum(TABLE, 4 * np.pi**2 * SURFACE.c, convention="2d/4pi^2").c, SURFACE.c
+    )
+
+
+def test_spectrum_of_a_cut():
+    """C_cut = int C(sqrt(q^2 + k^2)) dk of a self-affine surface, by quadrature, and
+    back.
+    """
+    true = em.SelfAffine(0.8, rms_height=1e-5, q_low=1e3, q_high=1e5)
+    q, k = (
+        np.geomspace(1e3, 0.998e5, 300),
+        np.concatenate([[0], np.geomspace(1, 1e5, 20000)]),
+    )
+    cut = np.array([2 * np.trapezoid(true.at(np.hypot(x, k)), k) for x in q])
+    for name, factor in (("1d", 1), ("1d one-sided", 2), ("1d/2pi", 2 * np.pi)):
+        back = em.Spectrum(q, factor * cut, convention=name)
+        np.testing.assert_allclose(back.rms_height, 1e-5, rtol=2e-3)
+        np.testing.assert_allclose(back.rms_slope, true.rms_slope, rtol=1e-2)
+
+
+def test_spectrum_of_a_cut_in_closed_form():
+    """Abel's integral of a cut that falls in a straight line to C_0 at its end, and to
+    zero there.
+
+    C = (1/pi) [m arccosh(q_high/q) + C_0/sqrt(q_high^2 - q^2)], m the fall per wave
+    number: exact for the table.
+    """
+    q, fall, last = np.array([1e3, 2e3, 5e3, 1e4]), 1e-19, 3e-15
+    cut = last + fall * (q[-1] - q)
+    expected = (
+        fall * np.arccosh(q[-1] / q)
+        + last / np.sqrt(np.maximum(q[-1] ** 2 - q**2, 1e-300))
+    )[:-1] / np.pi
+    conventions = {
+        "1d": 1.0,
+        "1d one-sided": 2.0,
+        "1d/2pi": 2 * np.pi,
+        "1d one-sided/2pi": 4 * np.pi,
+    }
+    for name, factor in conventions.items():
+        found = em.Spectrum(q, factor * cut, convention=name)
+        np.testing.assert_allclose(found.c, expected, rtol=1e-12)
+        np.testing.assert_allclose(found.q, q[:-1])
+    # a top hat: C = 1/sqrt(25 - q^2)
+    flat = em.Spectrum([3.0, 4.0, 5.0], np.full(3, np.pi), convention="1d")
+    np.testing.assert_allclose(flat.c, [1 / 4, 1 / 3], rtol=1e-12)
+
+
+def test_moments_of_a_spectrum_in_closed_form():
+    """C = q^-3 from 1 to 4 rad/m: m_1 = 3/4, m_2 = ln 4, m_3 = 3."""
+    surface = em.Spectrum([1.0, 4.0], [1.0, 1 / 64], convention="2d")
+    np.testing.assert_allclose(
+        [surface.moment(k) for k in (1, 2, 3)], [0.75, np.log(4), 3.0], rtol=1e-12
+    )
+    np.testing.assert_allclose(surface.moment(3, 2.0, 9.0), 2.0, rtol=1e-12)
+    np.testing.assert_allclose(surface.rms_height, np.sqrt(1.5 * np.pi), rtol=1e-12)
+    np.testing.assert_allclose(surface.rms_slope, np.sqrt(6 * np.pi), rtol=1e-12)
+    np.testing.assert_allclose(
+        surface.full_contact_length, 2 * np.log(4) / 3, rtol=1e-12
+    )
+
+
+def test_lines_of_a_spectrum():
+    surface = em.SelfAffine(0.7, rms_slope=0.2, q_low=1e3, q_high=4e4, q_rolloff=3e3)
+    lines = [synthesise(surface, seed) for seed in (0, 0, 1)]
+    assert (lines[0].height == lines[1].height).all()
+    assert (lines[0].height != lines[2].height).any()
+    np.testing.assert_allclose(lines[2].rms_height, surface.rms_height, rtol=1e-9)
+    np.testing.assert_allclose(lines[2].rms_slope, surface.rms_slope, rtol=1e-2)
+
+
+def test_measured_profile(tmp_path):
+    surface = em.SelfAffine(0.8, rms_height=2e-5, q_low=2e3, q_high=2e5)
+    x = np.arange(8192) * 5e-6
+    step = 2 * np.pi / (8192 * 5e-6)
+    rng = np.random.default_rng(0)
+    q, k = step * np.arange(1, 4096), np.concatenate([[0], np.geomspace(10, 2e5, 2000)])
+    power = np.array([2 * np.trapezoid(surface.at(np.hypot(w, k)), k) for w in q])
+    waves = np.concatenate(
+        [
+            [0],
+            4096 * np.sqrt(4 * power * step) * np.exp(2j * np.pi * rng.random(q.size)),
+            [0],
+        ]
+    )
+    cut = np.fft.irfft(waves, 8192) + 1e-3 * x
+    rows = [
+        f"{1e3 * a!r},{1e6 * h!r}"
+        for a, h in zip(x.tolist(), cut.tolist(), strict=True)
+    ]
+    rows[100] = f"{1e3 * x[100]!r},"
+    rows.append(rows[50])
+    file = tmp_path / "cut.csv"
+    file.write_text("x [mm],height [um]\n" + "\n".join(rows))
+    got = em.read_surface(file, shortest=2 * np.pi / 1.6e5)
+    np.testing.assert_allclose(got.measured_height, (cut - 1e-3 * x).std(), rtol=0.02)
+    assert got.rms_height < 1.1 * got.measured_height
+    kept = 2 * np.pi * surface.moment(3, got.q_low, got.q_high)
+    np.testing.assert_allclose(got.rms_slope, kept**0.5, rtol=0.05)
+    for word in ("1 of 8193 points without a value", "came before", "sorted"):
+        assert word in " ".join(got.report)
+    file.write_text("x,height\n0,0\n1,1")
+    with pytest.raises(em.InputError, match="no unit of length"):
+        em.read_surface(file)
+
+
+HEIGHT = 0.1 * np.cumsum(
+    np.cumsum(np.random.default_rng(0).standard_normal((64, 32)), axis=0), axis=1
+)
+READER = """
+import json
+import numpy as np
+class Found:
+    default_channel = property(lambda self: self)
+    dim, unit, nb_grid_pts, physical_sizes = 2, "um", (64, 32), (128.0, 64.0)
+    def __init__(self, path):
+        self.values = json.loads(open(path).read())
+    topography = lambda self: self
+    heights = lambda self: np.ma.masked_invalid(np.array(self.values, float))
+open_topography = Found
+"""
+
+
+def as_table(folder, height):
+    i, j = np.indices(height.shape)
+    rows = np.stack([2.0 * i, 2.0 * j, height], axis=-1).reshape(-1, 3).tolist()
+    (folder / "map.csv").write_text(
+        "x [um],y [um],h [um]\n" + "\n".join(",".join(map(repr, row)) for row in rows)
+    )
+    return em.read_surface(folder / "map.csv")
+
+
+def test_file_of_an_instrument_by_a_reader_in_its_place(tmp_path, monkeypatch):
+    """The package that reads such files is an extra; here a module of its name stands
+    in for it.
+    """
+    expected = as_table(tmp_path, HEIGHT)
+    file = tmp_path / "map.x3p"
+    file.write_text(str(HEIGHT.tolist()))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(em.InputError, match=r"elastomdr\[instruments\]"):
+        em.read_surface(file)
+    monkeypatch.undo()
+    (tmp_path / "SurfaceTopography.py").write_text(READER)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
+    got = em.read_surface(file)
+    np.testing.assert_allclose(got.c, expected.c, rtol=1e-9)
+    file.write_text("[[1, 2")
+    with pytest.raises(em.InputError, match=r"got 'map.x3p': JSONDecodeError"):
+        em.read_surface(file)
+
+
+def test_file_of_an_instrument(tmp_path):
+    """Needs SurfaceTopography; the test above does without."""
+    topography = pytest.importorskip("SurfaceTopography")
+    made = topography.Topography(HEIGHT, (128.0, 64.0), unit="um")
+    made.to_x3p(tmp_path / "map.x3p")
+    np.testing.assert_allclose(
+        em.read_surface(tmp_path / "map.x3p").c, as_table(tmp_path, HEIGHT).c, rtol=1e-6
+    )
+
+
+def test_bad_surfaces():
+    with pytest.raises(em.InputError, match="convention must be one of"):
+        em.Spectrum(TABLE, SURFACE.c, convention="psd")
+    with pytest.raises(em.InputError, match="q must have three points at least"):
+        em.Spectrum([1e2, 1e4], [1e-9, 1e-15], convention="1d")
+    with pytest.raises(em.InputError, match="ascending"):
+        em.Spectrum([2.0, 1.0], [1.0, 1.0], convention="2d")
+    with pytest.raises(em.InputError, match="only one of them"):
+        em.SelfAffine(0.8, rms_slope=0.1, rms_height=1e-6, q_low=1.0, q_high=2.0)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"rms_slope": 1e200}, {"rms_height": 1e-200}, {"rms_slope": 1.0, "q_high": 1e300}],
+)
+def test_a_spectrum_beyond_double_precision(given):
+    with pytest.raises(
+        em.InputError,
+        match=r"double precision holds, got rms_|between 1e-100 and 1e100",
+    ):
+        em.SelfAffine(0.8, **{"q_low": 1e3, "q_high": 1e6, **given})
+
+
+def test_line_of_a_surface():
+    """`surface.line(seed)` has the surface's rms height and, as its slope, the whole
+    |grad h|.
+    """
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    line = surface.line(seed=3, periods=2, samples=1024)
+    np.testing.assert_allclose(line.period, 2 * 2 * np.pi / 1e3, rtol=1e-12)
+    np.testing.assert_allclose(np.std(line.height), surface.rms_height, rtol=1e-2)
+    np.testing.assert_allclose(line.rms_slope, 0.3, rtol=2e-2)
+    assert (surface.line(seed=3, periods=2, samples=1024).height == line.height).all()
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"periods": 2.5}, "periods must be a whole number, 1 to"),
+        ({"samples": "many"}, "samples must be a whole number, 64 to"),
+        ({"samples": 2**30}, "samples must be a whole number, 64 to 67108864"),
+        ({"periods": 2**26}, "needs 1.07e\\+10 samples on a line"),
+    ],
+)
+def test_a_line_that_is_never_drawn(given, message):
+    """In an instant, and not when the memory is gone; `em.friction` says the same."""
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    with pytest.raises(em.InputError, match=message):
+        surface.line(**given)
+    rubber = em.Foundation(1e6, [1e6], [1.0])
+    with pytest.raises(em.InputError, match=message):
+        em.friction(rubber, surface, velocity=1.0, pressure=1e5, model=em.Line(**given))
+
+
+def isotropic_map(n: int = 96) -> np.ndarray:
+    """Heights [um] of random phases under C ~ q^-3.6, from 2 to 24 waves of n points,
+    rms 10.
+    """
+    rng = np.random.default_rng(5)
+    k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
+    amplitude = np.where((k >= 2) & (k <= n / 4), np.maximum(k, 1.0) ** -1.8, 0.0)
+    height = np.fft.ifft2(amplitude * np.exp(2j * np.pi * rng.random((n, n)))).real
+    return 10 * height / height.std()
+
+
+def map_file(path, rows, **options):
+    path.write_text(
+        "x [um],y [um],h [um]\n"
+        + "\n".join(",".join(map(repr, row)) for row in np.asarray(rows).tolist())
+    )
+    return em.read_surface(path, **options)
+
+
+def test_maps_with_flaws(tmp_path):
+    """Holes, repeated and shuffled points, and coarse heights are mended or at least
+    named, and change little.
+    """
+    height, rng = isotropic_map(), np.random.default_rng(0)
+    n = len(height)
+    rows = np.stack([*(10.0 * i for i in np.indices((n, n))), height], axis=-1).reshape(
+        -1, 3
+    )
+    clean = map_file(tmp_path / "map.csv", rows)
+    assert all(text.startswith(("rms ", "cut at")) for text in clean.report)
+
+    shuffled = map_file(tmp_path / "map.csv", rng.permutation(rows))
+    np.testing.assert_allclose(shuffled.c, clean.c, rtol=1e-9)
+    assert shuffled.report == ("points did not come row by row: sorted", *clean.report)
+
+    higher = np.array([0, 0, 0.2])
+    again = map_file(
+        tmp_path / "map.csv",
+        np.concatenate([rows, rows[:500] + higher, rows[:500] - higher]),
+    )
+    np.testing.assert_allclose(again.c, clean.c, rtol=1e-9)
+    assert "1000 points at a place that came before: heights averaged" in again.report
+
+    coarse = map_file(
+        tmp_path / "map.csv",
+        np.column_stack([rows[:, :2], 4 * np.round(rows[:, 2] / 4)]),
+    )
+    assert "coarsely rounded" in coarse.report[0]
+
+    for share in (0.02, 0.1, 0.3):
+        holed = rows.copy()
+        side = round(n * share**0.5)
+        holed[
+            (holed[:, :2] >= 200).all(axis=1)
+            & (holed[:, :2] < 200 + 10 * side).all(axis=1),
+            2,
+        ] = np.nan
+        got = map_file(tmp_path / "map.csv", holed, shortest=2 * np.pi / clean.q_high)
+        assert "bridged smoothly" in got.report[0]
+        assert abs(got.rms_slope / clean.rms_slope - 1) < max(0.05, share)
+        assert bool(slices(got.report, f"{share:.0%} of the scan are large holes")) == (
+            share > 0.05
+        )
+
+
+def test_table_that_begins_with_a_hole(tmp_path):
+    x = np.arange(256) * 10.0
+    height = np.cumsum(np.random.default_rng(1).standard_normal(256))
+    for holes in (["0,"], ["0,nan", "10,-"]):
+        rows = [
+            *holes,
+            *(
+                f"{a!r},{h!r}"
+                for a, h in zip(
+                    x[len(holes) :].tolist(), height[len(holes) :].tolist(), strict=True
+                )
+            ),
+        ]
+        (tmp_path / "cut.csv").write_text("x [um],height [um]\n" + "\n".join(rows))
+        got = em.read_surface(tmp_path / "cut.csv")
+        assert f"{len(holes)} of 256 points without a value" in got.report[0]
+
+
+@pytest.fixture(scope="module")
+def synthetic():
+    """The surfaces of known spectrum of `benchmarks/topography.py`."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+        return importlib.import_module("topography")
+
+
+# of the roll-off, in the length of the scan
+@pytest.mark.parametrize("waves", [8.0, 1.0, 0.25])
+@pytest.mark.parametrize("kind", ["periodic", "cut", "sampled"])
+@pytest.mark.parametrize(
+    ("dimensions", "hurst", "scans"), [(2, 0.5, 6), (2, 0.9, 6), (1, 0.7, 20)]
+)
+def test_recovered_spectrum(synthetic, dimensions, hurst, scans, kind, waves):
+    """C of known surfaces within 15 % on average over the band, and within its stated
+    error.
+    """
+    ratio, score = synthetic.recovered(dimensions, kind, hurst, waves, scans)
+    assert abs(np.exp(np.log(ratio).mean()) - 1) < 0.15
+    assert 0.5 < (score**2).mean() ** 0.5 < 1.3
+    if dimensions == 2:
+        assert np.abs(np.log(ratio.mean(axis=0)[-6:])).max() < np.log(1.15)
+
+
+def slices(report, start):
+    return [text for text in report if text.startswith(start)]
+
+
+def test_heights_and_slopes_of_data_and_spectrum(synthetic):
+    """Long waves that the spectrum leaves out are reported, and slopes agree through
+    the differences' transfer.
+    """
+    for dimensions in (1, 2):
+        height, step, _, _ = synthetic.scan(dimensions, "cut", 0.9, 0.25, seed=0)
+        got = em.read_surface(height, pixel_size=step)
+        (heights,), (slope,) = (
+            slices(got.report, "rms height"),
+            slices(got.report, "rms slope"),
+        )
+        assert got.rms_height < got.measured_height
+        assert "of <h^2> is in waves longer than" in heights
+        assert "disagree" not in slope
+        measured, expected = (
+            float(text.split()[0]) for text in (slope[10:], slope.split(", ")[1])
+        )
+        np.testing.assert_allclose(measured, expected, rtol=0.2)
+    # a step up and down, too wide for a spike, where the window is small
+    height[3:10, 3:10] += 20.0
+    assert (
+        "disagree"
+        in slices(em.read_surface(height, pixel_size=step).report, "rms slope")[0]
+    )
+
+
+def test_white_noise_is_cut_off(synthetic):
+    height, step, factor, rolloff = synthetic.scan(2, "cut", 0.8, 0.25, seed=1)
+    noisy = height + 0.1 * np.random.default_rng(0).standard_normal(height.shape)
+    got = em.read_surface(noisy, pixel_size=step)
+    assert "white noise of the instrument" in got.report[0]
+    assert 4.5 < 2 * np.pi / got.q_high < 20
+    ratio = got.c / (factor * synthetic.true(got.q, 0.8, rolloff))
+    np.testing.assert_allclose(np.log(ratio[-6:]).mean(), 0, atol=0.15)
+    kept = em.read_surface(noisy, pixel_size=step, shortest=4.0)
+    np.testing.assert_allclose(2 * np.pi / kept.q_high, 4.0)
+
+
+@pytest.mark.parametrize("width", [1.0, 2.0])
+def test_what_the_instrument_blurs_is_cut_off(synthetic, width):
+    """A Gaussian blur lowers C by exp(-(q width)^2); what is kept has lost 20 % at
+    most.
+    """
+    for dimensions in (1, 2):
+        n = 4 * synthetic.POINTS[dimensions]
+        height = synthetic.heights(dimensions, n, 1.0, 0.7, 0.01, seed=3)
+        q = 2 * np.pi * np.fft.rfftfreq(n)
+        q = (
+            q
+            if dimensions == 1
+            else np.hypot(2 * np.pi * np.fft.fftfreq(n)[:, None], q)
+        )
+        blurred = np.fft.irfftn(
+            np.fft.rfftn(height) * np.exp(-0.5 * (q * width) ** 2),
+            height.shape,
+            range(dimensions),
+        )
+        part = blurred[(slice(0, n // 4),) * dimensions]
+        got = em.read_surface(0.1 * part / np.diff(part, axis=0).std(), pixel_size=1.0)
+        assert "they were not resolved" in got.report[0]
+        assert 0.03 < (got.q_high * width) ** 2 < 0.22
+
+
+def test_a_spectrum_that_ends_is_kept_to_its_end():
+    height = isotropic_map(256)  # up to 64 waves, four steps
+    n = np.fft.fft2(height)
+    k = np.hypot(
+        *np.meshgrid(np.fft.fftfreq(256, 1 / 256), np.fft.fftfreq(256, 1 / 256))
+    )
+    ended = np.fft.ifft2(np.where(k <= 30, n, 0)).real
+    got = em.read_surface(1e-6 * ended, pixel_size=1e-5)
+    assert 24 < got.q_high * 256e-5 / (2 * np.pi) <= 30.1
+
+
+def test_scans_joined(synthetic):
+    """One surface, from afar and from close by: the spectrum goes from the longest to
+    the shortest wave of both.
+    """
+    whole = synthetic.heights(2, 1024, 1.0, 0.8, 0.01, seed=2)
+    whole = 0.1 * whole / np.diff(whole, axis=0).std()
+    scans = [whole[::4, ::4], whole[:200, :200]]
+    got = em.read_surface(scans, pixel_size=[4.0, 1.0])
+    np.testing.assert_allclose(
+        [2 * np.pi / got.q_low, 2 * np.pi / got.q_high], [512, 4]
+    )
+    joined = slices(got.report, "2 scans joined")[0]
+    assert 1 < float(joined.split("factor of ")[1].split()[0]) < 3
+    shape = got.c / synthetic.true(got.q, 0.8, 0.01)
+    assert np.log(shape / shape[-1]).std() < 0.25
+    for scan, size in zip(scans, (4.0, 1.0), strict=True):
+        alone = em.read_surface(scan, pixel_size=size)
+        inside = (got.q >= alone.q_low) & (got.q <= alone.q_high)
+        error = np.interp(np.log(got.q[inside]), np.log(alone.q), alone.relative_error)
+        assert (
+            np.abs(np.log(got.c[inside] / alone.at(got.q[inside]))) < 3 * error + 0.1
+        ).all()
+        assert (got.relative_error[inside] < 1.2 * error + 0.02).all()
+    apart = em.read_surface([scans[0], 2 * scans[1]], pixel_size=[4.0, 1.0])
+    assert (
+        float(slices(apart.report, "2 scans")[0].split("factor of ")[1].split()[0])
+        > 2.5
+    )
+
+
+def test_directions(synthetic):
+    height, step, _, _ = synthetic.scan(2, "cut", 0.8, 0.25, seed=0)
+    assert not slices(
+        em.read_surface(height, pixel_size=step).report, "the surface is not isotropic"
+    )
+    with pytest.warns(
+        UserWarning,
+        match=r"not isotropic: C along (0|15|165) degrees from x is .* times that across",
+    ):
+        got = em.read_surface(height[::3], pixel_size=1.0)
+    assert slices(got.report, "the surface is not isotropic")
+
+
+def test_arrays_and_files_of_heights(tmp_path):
+    """Arrays, masked arrays, matrices and columns in files, and pixels that are not
+    square give the same surface.
+    """
+    height = 1e-6 * isotropic_map()
+    expected = em.read_surface(height, pixel_size=1e-5)
+    np.savetxt(tmp_path / "map.csv", 1e6 * height, delimiter=",")
+    for got in (
+        em.read_surface(tmp_path / "map.csv", pixel_size=1e-5, unit="um"),
+        em.read_surface(height.tolist(), pixel_size=(1e-5, 1e-5)),
+        em.read_surface(
+            np.ma.masked_array(height, np.zeros(height.shape)), pixel_size=1e-5
+        ),
+        em.read_surface([height], pixel_size=[1e-5]),
+    ):
+        np.testing.assert_allclose(got.c, expected.c, rtol=1e-6)
+    profile = height.ravel()[:900]
+    np.savetxt(tmp_path / "cut.txt", 1e6 * profile)
+    got = em.read_surface(
+        tmp_path / "cut.txt", pixel_size=1e-5, unit="um", shortest=4e-5
+    )
+    np.testing.assert_allclose(
+        got.c, em.read_surface(profile, pixel_size=1e-5, shortest=4e-5).c, rtol=1e-6
+    )
+    holed = height.copy()
+    holed[10:12, 20:30] = np.nan
+    assert "bridged smoothly" in em.read_surface(holed, pixel_size=1e-5).report[0]
+    wide = em.read_surface(height[:, ::2], pixel_size=(1e-5, 2e-5))
+    inside = wide.q < 0.4 * wide.q_high
+    np.testing.assert_allclose(wide.c[inside], expected.at(wide.q[inside]), rtol=0.25)
+
+
+def test_file_of_an_instrument_without_a_size(tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    height = 1e-6 * isotropic_map()
+    np.save(tmp_path / "map.npy", 1e6 * height)
+    with pytest.raises(
+        em.InputError, match=r"'map.npy' says nothing of its unit; give unit="
+    ):
+        em.read_surface(tmp_path / "map.npy", pixel_size=1e-5)
+    with pytest.raises(
+        em.InputError, match=r"pixel_size must be given with 'map.npy', which has none"
+    ):
+        em.read_surface(tmp_path / "map.npy", unit="um")
+    got = em.read_surface(tmp_path / "map.npy", unit="um", pixel_size=1e-5)
+    np.testing.assert_allclose(
+        got.c, em.read_surface(height, pixel_size=1e-5).c, rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    ("height", "options", "message"),
+    [
+        (HEIGHT, {}, r"pixel_size must be given with heights: .*\[m\], got None"),
+        (HEIGHT, {"pixel_size": 0.0}, "pixel_size must be positive and finite, got 0"),
+        (
+            HEIGHT,
+            {"pixel_size": (1.0, -1.0)},
+            "pixel_size must be positive and finite, got -1",
+        ),
+        (HEIGHT, {"pixel_size": (1.0, 1.0, 1.0)}, "one for each direction, got 3"),
+        (
+            HEIGHT,
+            {"pixel_size": 1e-6},
+            "heights or pixel_size may be in the wrong unit",
+        ),
+        (HEIGHT, {"pixel_size": 2.0, "unit": "um"}, "unit goes with a file"),
+        (
+            HEIGHT,
+            {"pixel_size": 2.0, "shortest": 1e3},
+            r"shortest must be .* 4 to 16 m, got 1000 m",
+        ),
+        (
+            HEIGHT,
+            {"pixel_size": 2.0, "shortest": 1.0},
+            r"shortest must be two steps .* got 1 m",
+        ),
+        (
+            HEIGHT[:1],
+            {"pixel_size": 2.0},
+            r"16 x 16 points or more, got 1 x 32; give a profile as .* \(n,\)",
+        ),
+        (
+            HEIGHT[:, :1],
+            {"pixel_size": 2.0},
+            r"16 x 16 points or more, got 64 x 1; give a profile",
+        ),
+        (HEIGHT[:9], {"pixel_size": 2.0}, "16 x 16 points or more, got 9 x 32"),
+        (
+            HEIGHT[:, 0],
+            {"pixel_size": 2.0, "shortest": 0.1},
+            "shortest must be two steps",
+        ),
+        (
+            HEIGHT[:40, 0],
+            {"pixel_size": 2.0},
+            "a profile must have 64 points or more, got 40",
+        ),
+        (
+            HEIGHT[None],
+            {"pixel_size": 2.0},
+            r"shape \(n,\) or \(n_x, n_y\), got \(1, 64, 32\)",
+        ),
+        (np.full((32, 32), np.nan), {"pixel_size": 2.0}, "got none that is finite"),
+        (np.zeros((32, 32)), {"pixel_size": 2.0}, "got a flat surface"),
+        (
+            [HEIGHT, HEIGHT],
+            {"pixel_size": [2.0]},
+            "an entry for each of the 2 scans, got 1",
+        ),
+        ({}, {"pixel_size": 2.0}, "must be a path, heights"),
+    ],
+)
+def test_bad_scans(height, options, message):
+    with pytest.raises(em.InputError, match=message):
+        em.read_surface(height, **options)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"periods": -1},
+        {"periods": 0},
+        {"points": 128.0},
+        {"points": None},
+        {"points": 2**16},
+        {"seed": -1},
+    ],
+)
+def test_a_map_that_is_never_drawn(given):
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    with pytest.raises(em.InputError, match="must be a whole number"):
+        em.reference.rough_map(surface, **given)
+
+
+def test_lines_without_end():
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    with pytest.raises(
+        em.InputError,
+        match=r"seeds must be a whole number from 1 to 1000, .*got 1000000000000",
+    ):
+        em.friction(
+            em.Foundation(1e6, [1e6], [1.0]),
+            surface,
+            velocity=1.0,
+            pressure=1e5,
+            model=em.Line(seeds=10**12),
+        )

@@ -1,0 +1,772 @@
+"""`em.sweep`: every point as a call of its own gives it, nothing lost when it is
+interrupted, nothing mixed up.
+"""
+
+import errno
+import itertools
+import json
+import os
+import pickle
+import re
+import shutil
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+import tqdm
+from filelock import FileLock
+
+import elastomdr as em
+from elastomdr.cli.main import main
+from elastomdr.sweeps import grid as grids
+from elastomdr.sweeps import run, store
+
+pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
+VELOCITY = np.logspace(-3, 1, 7)
+EPDM = em.load_material("epdm-70")
+ROAD = em.SelfAffine(0.8, q_low=1e3, q_high=1e5, rms_slope=0.5)
+
+
+def rubber(k):
+    return em.Prony(
+        1e6,
+        [k * 1e6, 2e6],
+        [1e-5, 1e-3],
+        shift=em.WLF(8.0, 100.0, 293.15),
+        name=f"rubber {k}",
+    )
+
+
+def scene(**more):
+    axes = {
+        "material": [rubber(1), rubber(2), rubber(3)],
+        "load": [1.0, 3.0],
+        "velocity": VELOCITY,
+    }
+    return {
+        "call": em.friction,
+        "axes": axes,
+        "shape": em.Sphere(0.01),
+        "progress": False,
+    } | more
+
+
+def small(monkeypatch, points=7):
+    """Chunks of at most so many points, in this process."""
+    monkeypatch.setattr(grids, "_POINTS", points)
+    monkeypatch.setattr(run, "_cores", lambda: 1)
+
+
+def test_every_point_is_that_of_a_call(tmp_path):
+    found = em.sweep(**scene(store=tmp_path / "runs.zarr"))
+    assert found.mu.dims == ("material", "load", "velocity")
+    assert found.mu.attrs["units"] == "-"
+    assert found.friction_force.attrs["units"] == "N"
+    assert found.converged.dtype == bool
+    assert (found.state == store.DONE).all()
+    for k, load in ((1, 3.0), (3, 1.0)):
+        alone = em.friction(rubber(k), em.Sphere(0.01), load=load, velocity=VELOCITY)
+        one = found.sel(material=f"rubber {k}", load=load)
+        np.testing.assert_allclose(one.mu, alone.mu, rtol=1e-12)
+        np.testing.assert_allclose(one.model_error, alone.model_error, rtol=1e-12)
+    assert json.loads(found.attrs["sweep"])["elastomdr"] == em.__version__
+    # as a user without this package opens it
+    again = xarray.open_zarr(tmp_path / "runs.zarr")
+    np.testing.assert_array_equal(again.mu, found.mu)
+
+
+@pytest.mark.parametrize(
+    ("call", "axes", "fixed"),
+    [
+        (
+            em.rolling,
+            {
+                "shape": [em.Sphere(0.01), em.Paraboloid(0.02)],
+                "load": [1.0],
+                "velocity": [0.1, 1.0],
+            },
+            {"material": rubber(1)},
+        ),
+        (
+            em.impact,
+            {"mass": [1e-3, 2e-3], "velocity": [0.5, 1.0]},
+            {"material": rubber(1), "shape": em.Sphere(0.01)},
+        ),
+        (
+            em.friction,
+            {"model": ["multiscale", "persson"], "surface": [ROAD]},
+            {"material": rubber(1), "pressure": 3e5, "velocity": 0.1},
+        ),
+        (
+            em.friction,
+            {"velocity": [0.1, 1.0], "temperature": [None, 293.15]},
+            {"material": rubber(1), "shape": em.Sphere(0.01), "load": 1.0},
+        ),
+    ],
+)
+def test_axes_of_any_kind(call, axes, fixed, tmp_path):
+    found = em.sweep(call, axes, store=tmp_path / "s.zarr", progress=False, **fixed)
+    assert found.converged.values.all()
+    assert found.converged.sizes == {name: len(values) for name, values in axes.items()}
+    last = {name: values[-1] for name, values in axes.items()} | fixed
+    shape = last.pop("shape", None) or last.pop("surface")
+    alone = call(last.pop("material"), shape, **last)
+    name = (
+        "coefficient"
+        if call is em.rolling
+        else "restitution"
+        if call is em.impact
+        else "mu"
+    )
+    np.testing.assert_allclose(
+        found[name].values.flat[-1], getattr(alone, name), rtol=1e-9
+    )
+    assert alone.model in found.attrs["model"].split(" | ")
+    assert len(found.to_dataframe()) == found.converged.size
+
+
+def test_goes_on_where_it_stopped(tmp_path, monkeypatch):
+    """Interrupted after three chunks, it computes the other three, and the answer is
+    the same.
+    """
+    small(monkeypatch)
+    whole = em.sweep(**scene(store=tmp_path / "whole.zarr"))
+    done = []
+
+    def interrupted(asked, chunk):
+        if len(done) == 3:
+            raise KeyboardInterrupt
+        done.append(chunk)
+        return compute(asked, chunk)
+
+    compute = run.compute
+    monkeypatch.setattr(run, "compute", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        em.sweep(**scene(store=tmp_path / "runs.zarr"))
+    monkeypatch.setattr(
+        run, "compute", lambda *work: done.append(work[1]) or compute(*work)
+    )
+    found = em.sweep(**scene(store=tmp_path / "runs.zarr"))
+    assert len(done) == 6
+    assert (found.state == store.DONE).all()
+    np.testing.assert_allclose(found.mu, whole.mu, rtol=1e-12)
+    np.testing.assert_array_equal(found.converged, whole.converged)
+
+
+def test_killed_alone(tmp_path):
+    """The process that called is killed: its workers end by themselves, and the next
+    call goes on from its store.
+    """
+    path, script = tmp_path / "runs.zarr", tmp_path / "script.py"
+    script.write_text(
+        textwrap.dedent(f"""
+        import time
+        import elastomdr as em
+        from elastomdr.sweeps import grid, run
+        grid._POINTS, run._cores, keep = 1, lambda: 2, run.Store.keep
+        def slowly(*given):
+            time.sleep(0.05)
+            keep(*given)
+        run.Store.keep = slowly
+        em.sweep(em.friction, {{"load": [1.0 + i for i in range(60)]}}, store={str(path)!r}, progress=False,
+                 material=em.Prony(1e6, [1e6], [1e-3]), shape=em.Sphere(0.01), velocity=0.1)
+        """)
+    )
+    going = subprocess.Popen(
+        [sys.executable, str(script)], start_new_session=True, stderr=subprocess.DEVNULL
+    )
+    started = psutil.Process(going.pid)
+    try:
+        end = time.monotonic() + 120
+        while (
+            time.monotonic() < end
+            and going.poll() is None
+            and not (path / "state" / "4").is_file()
+        ):
+            time.sleep(0.05)
+        workers = started.children(recursive=True)
+    finally:
+        going.kill()
+        going.wait()
+    assert len(workers) >= 3
+    assert not psutil.wait_procs(workers, timeout=20)[1]
+    states = np.asarray(xarray.open_zarr(path, consolidated=False).state)
+    assert 0 < (states == store.DONE).sum() < 60
+    before = {file.name: file.stat().st_mtime_ns for file in (path / "mu").iterdir()}
+    with pytest.MonkeyPatch.context() as patch:
+        small(patch, 1)
+        found = em.sweep(
+            em.friction,
+            {"load": [1.0 + i for i in range(60)]},
+            store=path,
+            progress=False,
+            material=em.Prony(1e6, [1e6], [1e-3]),
+            shape=em.Sphere(0.01),
+            velocity=0.1,
+        )
+    assert (found.state == store.DONE).all()
+    for load in (1.0, 60.0):
+        alone = em.friction(
+            em.Prony(1e6, [1e6], [1e-3]), em.Sphere(0.01), load=load, velocity=0.1
+        )
+        assert float(found.mu.sel(load=load)) == pytest.approx(
+            float(alone.mu), rel=1e-12
+        )
+    again = [
+        file.name
+        for file in (path / "mu").iterdir()
+        if file.stat().st_mtime_ns != before.get(file.name)
+    ]
+    assert len(again) <= 1 + (states == store.OPEN).sum(), (
+        "finished chunks were computed twice"
+    )
+
+
+def test_a_store_of_other_inputs_is_refused(tmp_path, monkeypatch):
+    em.sweep(**scene(store=tmp_path / "runs.zarr"))
+    with pytest.raises(
+        em.InputError, match=r"fixed\.shape\.radius was 0\.01 and is 0\.02"
+    ):
+        em.sweep(**scene(store=tmp_path / "runs.zarr", shape=em.Sphere(0.02)))
+    axes = scene()["axes"] | {"load": [1.0, 4.0]}
+    with pytest.raises(em.InputError, match=r"axes\.load\[1\] was 3\.0 and is 4\.0"):
+        em.sweep(**scene(store=tmp_path / "runs.zarr", axes=axes))
+    with pytest.raises(em.InputError, match=r'call was "friction" and is "rolling"'):
+        em.sweep(**scene(store=tmp_path / "runs.zarr", call=em.rolling))
+    monkeypatch.setattr(store, "__version__", "9.9")
+    with pytest.raises(
+        em.InputError, match=rf'elastomdr was "{em.__version__}" and is "9\.9"'
+    ):
+        em.sweep(**scene(store=tmp_path / "runs.zarr"))
+
+
+def test_a_function_is_known_by_its_code(tmp_path):
+    def of(size, model="averaged"):
+        def call(material, shape, **rest):
+            return em.friction(material, size, model=model, **rest)
+
+        return call
+
+    em.sweep(**scene(call=of(em.Sphere(0.01)), store=tmp_path / "runs.zarr"))
+    em.sweep(**scene(call=of(em.Sphere(0.01)), store=tmp_path / "runs.zarr"))
+    for other in (
+        of(em.Sphere(0.02)),
+        of(em.Sphere(0.01), "line"),
+        lambda *places, **rest: em.friction(*places),
+    ):
+        with pytest.raises(em.InputError, match=r"call was .*code .* and is .*code"):
+            em.sweep(**scene(call=other, store=tmp_path / "runs.zarr"))
+
+
+def test_what_a_store_is_made_of_is_the_same_in_every_process():
+    x = np.linspace(0, 1e-2, 200)
+    given = [
+        rubber(1),
+        em.load_material("epdm-70-softening"),
+        EPDM.draws(3),
+        em.Foundation(1e6, [1e6], [1.0]),
+        em.layer(rubber(1), 1e-3),
+        em.springs(rubber(1), 1e-3, bonded=False),
+        em.half_space(rubber(1)),
+        em.Profile(x, x**2),
+        em.RoughLine(x, np.sin(x)),
+        ROAD.draws(200, level=0.1),
+        em.Line(seeds=2),
+        em.HalfSpace(),
+        em.Persson(),
+        em.Heat(0.2, 2e6),
+        em.AdhesiveShear(1e6, 0.1, 0.3),
+        None,
+        Path("a"),
+    ]
+    told = json.dumps(grids.described(given))
+    assert " at 0x" not in told
+    again = json.dumps(grids.described(pickle.loads(pickle.dumps(given))))
+    assert again == told
+    assert (
+        grids.described([1] * 13)
+        == grids.described([1.0] * 13)
+        == grids.described(np.ones(13))
+    )
+
+
+def test_one_at_a_time(tmp_path):
+    (tmp_path / "same.zarr").symlink_to(tmp_path / "runs.zarr")
+    with FileLock(tmp_path / ".runs.zarr.lock"):
+        for name in ("runs.zarr", "same.zarr"):
+            with pytest.raises(em.InputError, match="in use by another process"):
+                em.sweep(**scene(store=tmp_path / name))
+
+
+def spoil_chunk(file):
+    data = bytearray(file.read_bytes())
+    data[-3] ^= 1
+    file.write_bytes(data)
+
+
+# which file, what becomes of it, how many of the three chunks are computed again
+SPOILT = {
+    "a chunk is gone": ("mu/1.0.0", Path.unlink, 1),
+    "a chunk is cut": ("mu/1.0.0", lambda file: os.truncate(file, 5), 1),
+    "a chunk is empty": ("converged/2.0.0", lambda file: os.truncate(file, 0), 1),
+    "a bit of a chunk": ("error/0.0.0", spoil_chunk, 1),
+    "a state is cut": ("state/0.0.0", lambda file: os.truncate(file, 1), 1),
+    "an array is gone": ("mu", shutil.rmtree, 3),
+    "what says what an array is is gone": ("mu/.zarray", Path.unlink, 3),
+    "the state is gone": ("state/.zarray", Path.unlink, 3),
+}
+
+
+@pytest.mark.parametrize("spoilt", SPOILT.values(), ids=SPOILT.keys())
+def test_what_is_damaged_is_computed_again_and_said(spoilt, tmp_path, monkeypatch):
+    small(monkeypatch, 14)
+    place, spoil, count = spoilt
+    whole = em.sweep(**scene(store=tmp_path / "runs.zarr")).load()
+    spoil(tmp_path / "runs.zarr" / place)
+    done = []
+    compute = run.compute
+    monkeypatch.setattr(
+        run, "compute", lambda *work: done.append(work[1]) or compute(*work)
+    )
+    said = (
+        f"{count} of 3 chunks of store .* are damaged and computed again; the "
+        f"first: '{place.removesuffix('.zarray')}"
+    )
+    with pytest.warns(UserWarning, match=said):
+        found = em.sweep(**scene(store=tmp_path / "runs.zarr"))
+    assert len(done) == count
+    xarray.testing.assert_identical(found.load(), whole)
+    # now it is whole, and nothing is said
+    em.sweep(**scene(store=tmp_path / "runs.zarr"))
+    assert len(done) == count
+
+
+@pytest.mark.parametrize(
+    "change", [b"", b"{", b"[]", b'{"zarr_format": 2}', b'{"zarr_format": 3}']
+)
+@pytest.mark.parametrize(
+    "place",
+    [".zgroup", ".zattrs", "mu/.zarray", "mu/.zattrs", "load/.zarray", "state/.record"],
+)
+def test_a_store_whose_metadata_are_spoilt_is_refused_in_a_line(
+    place, change, tmp_path
+):
+    axes = {"load": [1.0, 3.0]}
+    given = scene(
+        axes=axes, material=rubber(1), velocity=0.1, store=tmp_path / "runs.zarr"
+    )
+    em.sweep(**given)
+    if (place, change) in ((".zgroup", b'{"zarr_format": 2}'), ("state/.record", b"")):
+        # this is what it was, or a record of nothing, by which all is computed again
+        return
+    (tmp_path / "runs.zarr" / place).write_bytes(
+        change + b"\n" if place.endswith("d") else change
+    )
+    with pytest.raises(
+        em.InputError,
+        match=r"is damaged|must be a new folder or one that em.sweep has made",
+    ) as said:
+        em.sweep(**given)
+    assert "\n" not in str(said.value)
+
+
+def test_a_folder_of_somebody_else_is_left_alone(tmp_path):
+    (tmp_path / "letters.txt").write_text("dear")
+    with pytest.raises(em.InputError, match="new folder"):
+        em.sweep(**scene(store=tmp_path))
+    assert (tmp_path / "letters.txt").read_text() == "dear"
+
+
+def test_what_raises_keeps_its_message_and_stops_nothing(tmp_path, monkeypatch):
+    small(monkeypatch)
+    axes = {"material": [rubber(1), "no such rubber", rubber(3)], "velocity": VELOCITY}
+    with pytest.warns(em.ConvergenceWarning, match="1 of 3 chunks"):
+        found = em.sweep(**scene(store=tmp_path / "runs.zarr", axes=axes, load=1.0))
+    assert found.state[:, 0].values.tolist() == [store.DONE, store.RAISED, store.DONE]
+    assert np.isnan(found.mu[1]).all()
+    assert not found.converged[1].any()
+    assert np.isfinite(found.mu[[0, 2]]).all()
+    assert (
+        "material no such rubber: InputError: material must be"
+        in found.attrs["raised"][0]
+    )
+    assert len(found.attrs["raised"]) == 1
+
+
+def test_progress_says_how_long_it_will_take(tmp_path, monkeypatch, capsys):
+    small(monkeypatch)
+    bar = tqdm.tqdm
+    monkeypatch.setattr(
+        tqdm, "tqdm", lambda **given: bar(**(given | {"delay": 0, "mininterval": 0}))
+    )
+    em.sweep(**scene(store=tmp_path / "runs.zarr", progress=True))
+    assert re.search(r" 7.00/42.0 \[\d\d:\d\d<\d\d:\d\d,", capsys.readouterr().err)
+
+
+def test_points_that_do_not_converge_are_nan_and_flagged(tmp_path):
+    axes = {
+        "material": [em.Maxwell(1e6, 1e-2, name="liquid"), rubber(1)],
+        "velocity": VELOCITY,
+    }
+    for _ in range(2):  # the second time from the store
+        with pytest.warns(
+            em.ConvergenceWarning, match="7 of 14 points did not converge; they are NaN"
+        ):
+            found = em.sweep(**scene(store=tmp_path / "runs.zarr", axes=axes, load=1.0))
+    assert np.isnan(found.mu[0]).all()
+    assert not found.converged[0].any()
+    assert np.isfinite(found.mu[1]).all()
+    assert found.converged[1].all()
+
+
+def test_chunks_hold_whole_calls_and_are_many():
+    """A call does all of its arrays; enough chunks that no worker waits long; few
+    points where each takes a second.
+    """
+
+    def sizes(materials, **fixed):
+        arrays = {
+            "pressure": [1e5] * 4,
+            "temperature": [300.0] * 5,
+            "velocity": [1.0] * 50,
+        }
+        road = em.SelfAffine(0.8, q_low=1e3, q_high=1e5, rms_slope=0.5)
+        axes = {"material": [rubber(1)] * materials, "surface": [road] * 10} | arrays
+        return grids.grid(em.friction, axes, fixed).sizes()
+
+    assert sizes(100) == (1, 5, 4, 5, 50)
+    assert sizes(3) == (1, 2, 4, 5, 50)
+    for model in ("half-space", em.Line(seeds=2)):
+        assert sizes(3, model=model) == (1, 1, 1, 1, 50)
+    ball = {"model": "line", "material": rubber(1), "shape": em.Sphere(0.01)}
+    assert grids.grid(em.friction, {"velocity": [1.0] * 900}, ball).sizes() == (900,)
+
+
+def test_a_disk_may_be_full_at_any_moment(tmp_path, monkeypatch):
+    """Whichever file cannot be written, each third of them here, the next call goes
+    on.
+    """
+    from zarr.storage import LocalStore
+
+    small(monkeypatch)
+    given = scene(
+        axes={"material": [rubber(1), "no such rubber"], "velocity": VELOCITY}, load=1.0
+    )
+    write, left, said = LocalStore.set, [], set()
+
+    async def limited(self, *rest):
+        if not left:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        left.pop()
+        await write(self, *rest)
+
+    monkeypatch.setattr(LocalStore, "set", limited)
+    for count in itertools.count(0, 3):
+        path = tmp_path / str(count)
+        left[:] = [None] * count
+        try:
+            em.sweep(**given, store=path)
+        except em.InputError as error:
+            said.add(str(error).replace(str(path), "PATH"))
+        except em.ConvergenceWarning:  # of the rubber that there is not
+            break
+        left[:] = [None] * 1000
+        with pytest.warns(em.ConvergenceWarning, match="1 of 2 chunks"):
+            found = em.sweep(**given, store=path)
+        assert np.isfinite(found.mu[0]).all()
+        assert np.isnan(found.mu[1]).all()
+        assert found.attrs["raised"][0].startswith("material no such rubber")
+        assert found.mu.attrs["units"] == "-"
+        assert "averaged" in found.attrs["model"]
+    assert count > 40
+    (text,) = said
+    assert text.startswith(
+        "store 'PATH' cannot be written: No space left on device. What was "
+        "finished is in it"
+    )
+
+
+def test_a_cluster_of_two(tmp_path, monkeypatch):
+    """Any `dask.distributed.Client`: the same numbers, though workers die; a worker
+    keeps the memory it works in.
+    """
+    import resource
+
+    def dies(material, shape, **rest):
+        # each time, and once
+        if material.name == "rubber 3" or not (tmp_path / "died").exists():
+            (tmp_path / "died").touch()
+            os._exit(1)
+        return em.friction(material, shape, **rest)
+
+    small(monkeypatch, 14)
+    alone = em.sweep(**scene(store=tmp_path / "alone.zarr"))
+    road = em.SelfAffine(0.8, q_low=1e3, q_high=1e6, rms_slope=1.0)
+    axes = {
+        "material": [rubber(1), rubber(2)],
+        "pressure": np.linspace(2e5, 4e5, 20),
+        "velocity": np.logspace(-4, 1, 50),
+    }
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
+    with run._local(2) as client:
+        scheduler = next(
+            p
+            for p in psutil.Process().children()
+            if "distributed.Scheduler" in " ".join(p.cmdline())
+        )
+        with pytest.warns(
+            em.ConvergenceWarning,
+            match="1 of 3 chunks .* material rubber 3: workers died over it",
+        ):
+            found = em.sweep(
+                **scene(call=dies, store=tmp_path / "runs.zarr", client=client)
+            )
+        monkeypatch.setattr(grids, "_POINTS", 1000)
+        em.sweep(
+            em.friction, axes, surface=road, store=tmp_path / "road.zarr", client=client
+        )
+        faults = client.run(lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt)
+        monkeypatch.setattr(run, "__version__", "9.9")
+        with pytest.raises(
+            em.InputError,
+            match=r"client must have workers with elastomdr 9\.9, got one",
+        ):
+            em.sweep(
+                em.friction,
+                axes,
+                surface=road,
+                store=tmp_path / "newer.zarr",
+                client=client,
+            )
+        monkeypatch.undo()
+        small(monkeypatch, 1)
+        keep = store.Store.keep
+        monkeypatch.setattr(
+            store.Store, "keep", lambda *given: scheduler.kill() or keep(*given)
+        )
+        with pytest.raises(
+            ConnectionError,
+            match=r"cluster was lost.* the same call goes on from there",
+        ):
+            em.sweep(**scene(store=tmp_path / "lost.zarr", client=client))
+    np.testing.assert_array_equal(found.mu[:2], alone.mu[:2])
+    assert np.isnan(found.mu[2]).all()
+    assert (found.state[2] == store.OPEN).all(), "it is tried again by the next call"
+    assert sum(faults.values()) < 150_000, (
+        "200 per point make the work of a point twice as long"
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"axes": {}}, "axes must be a dict of one or more names"),
+        ({"axes": {"velocity": 1.0}}, r"axes\['velocity'\] must be a list"),
+        ({"axes": {"velocity": [[1.0]]}}, r"axes\['velocity'\] must be a list"),
+        ({"axes": {"velocity": []}}, r"axes\['velocity'\] must be a list"),
+        ({"axes": {"material": "nbr"}}, r"axes\['material'\] must be a list"),
+        (
+            {"shape": None, "load": [1.0, 2.0], "axes": {"velocity": [1.0]}},
+            "load must be one value or an axis",
+        ),
+        ({"load": 1.0}, "load must be an axis or fixed"),
+        ({"call": 3}, "call must be em.friction"),
+        (
+            {"bananas": 1},
+            "must be those of friction: got an unexpected keyword argument 'bananas'",
+        ),
+        (
+            {"axes": {"velocity": [1.0]}, "load": 1.0},
+            "must be those of friction: missing a required argument: 'mat",
+        ),
+        (
+            {"axes": {"load": [1.0]}, "material": [rubber(1), rubber(2)]},
+            "material must be one, draws of one, or an",
+        ),
+        (
+            {
+                "axes": {"load": [1.0]},
+                "material": EPDM.draws(3),
+                "shape": ROAD.draws(2, level=0.1),
+            },
+            "material must have as many draws as shape, 2, got 3",
+        ),
+        (
+            {"axes": {"draw": [1.0]}, "material": EPDM.draws(3)},
+            "axes must not have one called 'draw'",
+        ),
+        (
+            {"client": "tcp://127.0.0.1:8786"},
+            "client must be a dask.distributed.Client or None, got 'tcp",
+        ),
+        (
+            {"store": "s3://bucket/runs.zarr"},
+            "store must be a folder of this machine, got 's3:",
+        ),
+        ({"store": "/"}, "store must be a folder of this machine, got '/'"),
+        ({"store": None}, "store must be a folder of this machine, got None"),
+    ],
+)
+def test_bad_input(change, said, tmp_path):
+    with pytest.raises(em.InputError, match=said):
+        em.sweep(**scene(store=tmp_path / "runs.zarr") | change)
+    assert not any(tmp_path.iterdir())
+
+
+def test_without_the_packages(tmp_path, monkeypatch):
+    monkeypatch.setattr(run, "_installed", lambda name: name != "zarr")
+    with pytest.raises(
+        em.InputError, match=r"needs zarr: pip install elastomdr\[sweep\]"
+    ):
+        em.sweep(**scene(store=tmp_path / "runs.zarr"))
+
+
+SCENE = """
+title = "Two treads"
+material = ["tread-passenger-synthetic", "tread-winter-synthetic"]
+temperature = ["0 degC", "20 degC"]
+[indenter]
+shape = "sphere"
+radius = "5 mm"
+[contact]
+load = "10 N"
+velocity = ["1 mm/s", "1 m/s"]
+[sweep.vary]
+"indenter.radius" = ["5 mm", "10 mm"]
+"""
+
+
+def command(tmp_path, capsys, text, *options):
+    (tmp_path / "scene.toml").write_text(text)
+    status = main(
+        [
+            "sweep",
+            str(tmp_path / "scene.toml"),
+            "--out",
+            str(tmp_path / "s.zarr"),
+            *options,
+        ]
+    )
+    return status, capsys.readouterr()
+
+
+def test_command(tmp_path, capsys):
+    """A scene with lists, to a store and a table; run again, it is there already."""
+    status, said = command(
+        tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.csv")
+    )
+    assert status == 0, said.err
+    assert (
+        "16 points (material 2, indenter.radius 2, temperature 2, velocity 2), 16 "
+        "converged"
+    ) in said.out
+    found = xarray.open_zarr(tmp_path / "s.zarr")
+    alone = em.friction(
+        em.load_material("tread-winter-synthetic"),
+        em.Sphere(0.01),
+        load=10.0,
+        velocity=1.0,
+        temperature=273.15,
+    )
+    one = found.sel(
+        {"material": "tread-winter-synthetic", "indenter.radius": "10 mm"}
+    ).isel(temperature=0, velocity=1)
+    assert float(one.mu) == pytest.approx(float(alone.mu), rel=1e-9)
+    table = pandas.read_csv(tmp_path / "all.csv", comment="#")
+    assert len(table) == 16
+    assert np.isclose(table["friction coefficient [-]"], alone.mu, rtol=1e-9).sum() == 1
+    text = (tmp_path / "all.csv").read_text()
+    assert "velocity [m/s]" in text
+    head = [line for line in text.splitlines() if line.startswith("#")]
+    assert "# scene: scene.toml" in head
+    assert "# title: Two treads" in head
+    assert "# material: tread-passenger-synthetic, tread-winter-synthetic" in head
+    assert "# indenter: sphere, radius 0.005 m; sphere, radius 0.01 m" in head
+    status, said = command(
+        tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.xlsx")
+    )
+    assert status == 0
+    sheet = pandas.read_excel(tmp_path / "all.xlsx", engine="openpyxl")
+    assert sheet.columns.tolist() == table.columns.tolist()
+    np.testing.assert_allclose(
+        sheet["friction coefficient [-]"], table["friction coefficient [-]"], rtol=1e-12
+    )
+    (tmp_path / "s.zarr" / "mu" / "0.0.0.0").unlink()
+    status, said = command(tmp_path, capsys, SCENE)
+    assert status == 0
+    (line,) = said.err.splitlines()
+    assert re.match(
+        r"elastomdr: warning: 1 of \d+ chunks of store .* are damaged and computed again; the first",
+        line,
+    )
+    status, said = command(tmp_path, capsys, SCENE.replace("10 N", "11 N"))
+    assert status == 2
+    assert "was made with other inputs" in said.err
+
+
+def test_a_friction_map_in_one_command(tmp_path, capsys):
+    """The table of a sweep over velocity, temperature and pressure is a friction
+    law.
+    """
+    text = (
+        Path(__file__).parents[2] / "examples" / "scenes" / "friction_map.toml"
+    ).read_text()
+    status, said = command(
+        tmp_path,
+        capsys,
+        text.replace("points = 26", "points = 3"),
+        "--table",
+        str(tmp_path / "m.csv"),
+    )
+    assert status in (0, 3), said.err
+    table = (tmp_path / "m.csv").read_text()
+    assert "# material: tread-passenger-synthetic\n" in table
+    assert "# surface: self-affine surface, rms height" in table
+    assert "# title: Friction map of a tread compound\n" in table
+    law = em.load_friction(tmp_path / "m.csv")
+    assert law.mu.shape == (4, 3, 3)
+    store = xarray.open_zarr(tmp_path / "s.zarr")
+    one = store.mu.sel(temperature=293.15, pressure=2e5).isel(velocity=1)
+    assert float(law(float(one.velocity), 293.15, 2e5)) == pytest.approx(
+        float(one), rel=1e-12
+    )
+    law.to_abaqus(tmp_path / "m.inp")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            ('"indenter.radius"', '"indentor.radius"'),
+            "a table that the scene does not have: 'indentor.radius'",
+        ),
+        (
+            ('["5 mm", "10 mm"]', "[]"),
+            "indenter.radius must be a list of one value or more",
+        ),
+        (
+            ('["5 mm", "10 mm"]', '["5 mm", "5 N"]'),
+            "[indenter] radius must be a length",
+        ),
+        (
+            ("[sweep.vary]", '[sweep]\ncall = "slide"\n[sweep.vary]'),
+            "[sweep] call must be one of friction",
+        ),
+    ],
+)
+def test_bad_scene(change, said, tmp_path, capsys):
+    status, told = command(tmp_path, capsys, SCENE.replace(*change))
+    assert status == 2
+    assert said in told.err
+    assert not (tmp_path / "s.zarr").exists()
+
+
+def test_no_cluster_there(tmp_path, capsys):
+    status, told = command(tmp_path, capsys, SCENE, "--scheduler", "nonsense")
+    assert status == 2
+    assert "--scheduler must be the address" in told.err

@@ -1,0 +1,108 @@
+"""Derivatives of indentations in both modes, against finite differences."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+from ..whole.problems.indentation import PULSES, TIMES, TWICE
+
+
+@pytest.fixture(autouse=True)
+def float64():
+    with jax.enable_x64(True):
+        yield
+
+
+def _directional(function, point, rtol):
+    """Forward derivative in one direction against central differences of two steps."""
+    way = np.array([0.7, -0.4, 0.5, 0.3, 0.6])[: point.size] * point
+    got = jax.jvp(function, (point,), (way,))[1]
+    slow = [
+        (np.asarray(function(point + h * way)) - np.asarray(function(point - h * way)))
+        / (2 * h)
+        for h in (2e-4, 1e-4)
+    ]
+    expected = slow[1] + (slow[1] - slow[0]) / 3
+    for row, wanted in zip(got, expected, strict=True):
+        np.testing.assert_allclose(
+            row, wanted, rtol=rtol, atol=rtol * np.abs(wanted).max()
+        )
+
+
+def test_derivatives_under_a_depth():
+    def call(p):
+        foundation = em.Foundation(p[0], p[1:2], p[2:3])
+        result = em.indent(
+            foundation, em.Paraboloid(p[3]), time=TIMES, depth=p[4] * TWICE
+        )
+        return jnp.stack([result.force, result.contact_radius, result.dissipated])
+
+    _directional(call, np.array([1.0, 3.0, 0.5, 1.0, 1.0]), 1e-6)
+
+
+def test_derivatives_under_a_growing_load():
+    def call(p):
+        foundation = em.Foundation(p[0], p[1:2], p[2:3])
+        result = em.indent(
+            foundation, em.Paraboloid(p[3]), time=TIMES, load=3e-3 * (1 + TIMES)
+        )
+        return jnp.stack([result.depth, result.contact_radius, result.dissipated])
+
+    point = np.array([1.0, 3.0, 0.5, 1.0])
+    _directional(call, point, 1e-7)
+    way = np.array([0.7, -0.4, 0.5, 0.3]) * point
+    back = jax.grad(lambda p: call(p)[0, -1])(point)
+    np.testing.assert_allclose(
+        back @ way, jax.jvp(call, (point,), (way,))[1][0, -1], rtol=1e-10
+    )
+
+
+@pytest.mark.slow
+def test_derivatives_under_a_falling_load():
+    load = np.interp(TIMES, [0, 0.5, 1.0, 2.0], [0, 3e-3, 1e-3, 2e-3])
+
+    def call(p):
+        foundation = em.Foundation(p[0], p[1:2], p[2:3])
+        return em.indent(
+            foundation, em.Paraboloid(p[3]), time=TIMES, load=load, rtol=1e-4
+        ).depth[None]
+
+    _directional(call, np.array([1.0, 3.0, 0.5, 1.0]), 1e-5)
+
+
+@pytest.mark.slow
+def test_reverse_mode_under_a_falling_load():
+    time, load = np.arange(3.0), np.array([0.0, 3e-3, 1e-3])
+
+    def call(modulus, radius, share):
+        foundation = em.Foundation(1.0, jnp.stack([modulus]), [0.5])
+        return em.indent(
+            foundation, em.Paraboloid(radius), time=time, load=share * load, rtol=1e-2
+        ).depth[-1]
+
+    point = np.array([3.0, 1.0, 1.0])
+    back = jax.grad(call, argnums=(0, 1, 2))(*point)
+    steps = 1e-3 * np.eye(3)
+    slow = [
+        (call(*(point + h * point)) - call(*(point - h * point))) / (2e-3 * a)
+        for h, a in zip(steps, point, strict=True)
+    ]
+    np.testing.assert_allclose(back, slow, rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_derivatives_with_adhesion():
+    def call(p):
+        result = em.indent(
+            em.Foundation(p[0], [], []),
+            em.Paraboloid(p[1]),
+            time=TIMES,
+            load=p[3] * PULSES,
+            adhesion=p[2],
+        )
+        return jnp.stack([result.depth, result.contact_radius])
+
+    _directional(call, np.array([1e6, 0.01, 0.05, 1.0]), 1e-7)

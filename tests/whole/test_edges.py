@@ -1,0 +1,305 @@
+"""Robust at the edges: damaged files, full disks, broken caches and interrupts end in
+one clear line each.
+"""
+
+import errno
+import importlib
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+
+from ..cli.cli_cases import INDENT, MATERIAL, SCENE
+from ..io.dma_files import eplexor_xls
+
+FUZZ = Path(__file__).parents[2] / "benchmarks" / "robustness" / "fuzz.py"
+PROFILES = ("friction.toml", "tip.csv")  # compile long before they are checked
+ROUGH = """
+material = "rubber.toml"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.1
+longest = "1 mm"
+shortest = "0.1 mm"
+[contact]
+pressure = "0.1 MPa"
+velocity = "1 m/s"
+"""
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch):
+    (tmp_path / "rubber.toml").write_text(MATERIAL)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "rough.toml").write_text(ROUGH)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def refused(capsys, *argv: str) -> str:
+    assert main(argv) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("elastomdr: error: ")
+    assert err.count("\n") == 1
+    return err
+
+
+def test_damaged_files_are_refused_in_one_line(place, monkeypatch):
+    monkeypatch.syspath_prepend(FUZZ.parent)
+    fuzz = importlib.import_module("fuzz")
+
+    def late(*_):
+        raise fuzz.TooLong
+
+    before = signal.signal(signal.SIGALRM, late)
+    try:
+        with fuzz.only_checked(0):
+            files = [
+                entry
+                for entry in fuzz.sources(place)
+                if ".xls" not in entry[0] and entry[0] not in PROFILES
+            ]
+            kept = {
+                name: Path(name).read_bytes()
+                for name in os.listdir()
+                if Path(name).is_file()
+            }
+            for i in range(80):
+                random = np.random.default_rng([7, i])
+                name, content, commands = files[i % len(files)]
+                Path(name).write_bytes(fuzz.mutate(content, random))
+                argv = [name if word == "FILE" else word for word in commands[0]]
+                how, wrong = fuzz.run(argv)
+                assert not wrong, (argv, how, wrong, Path(name).read_bytes()[:500])
+                Path(name).write_bytes(kept.get(name, b""))
+    finally:
+        signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("rtol = 1e-4", "rtol = " + "9" * 400, "rtol"),
+        ('"5 mm"', '"1e200 m"', "between 1e-100 and 1e+100"),
+        ('"5 mm"', '"5 m^' + "9" * 320 + '"', "unit that is not known"),
+        ('"rubber.toml"', '"/dev/zero"', "Not a regular file"),
+        ('"rubber.toml"', '"a\\u0007b.toml"', "a?b.toml"),
+    ],
+)
+def test_values_that_would_overflow_or_hang(place, capsys, old, new, said):
+    (place / "scene.toml").write_text(SCENE.replace(old, new))
+    assert said in refused(capsys, "friction", "scene.toml")
+
+
+def test_material_lists_of_different_length_are_not_shown(place, capsys):
+    (place / "rubber.toml").write_text(MATERIAL.replace("[1e-3, 1e-2]", "[1e-3]"))
+    assert "same length" in refused(capsys, "materials", "./rubber.toml")
+    (place / "rubber.toml").write_text(
+        MATERIAL.replace("equilibrium = 1e6", "equilibrium = 1e308")
+    )
+    assert "1e100" in refused(capsys, "friction", "scene.toml")
+
+
+def test_a_pipe_does_not_hang(place, capsys):
+    os.mkfifo(place / "pipe.toml")
+    for verb in ("friction", "indent", "fit"):
+        assert "Not a regular file" in refused(capsys, verb, "pipe.toml")
+
+
+def test_a_mistyped_place_on_a_profile_does_not_fill_the_memory(place):
+    x = np.linspace(0, 10, 100)
+    x[-1] = 1e9
+    np.savetxt(
+        place / "track.csv",
+        np.column_stack([x, np.sin(x)]),
+        delimiter=",",
+        header="x [mm],h [um]",
+        comments="",
+    )
+    with pytest.raises(em.InputError, match="mistyped"):
+        em.read_surface("track.csv")
+
+
+def test_a_damaged_spreadsheet_is_one_line(place, capfd):
+    rows = np.column_stack(
+        [np.geomspace(0.1, 10, 9), np.full(9, 20.0), np.full(9, 1e6), np.full(9, 1e5)]
+    )
+    (file,) = eplexor_xls(place, rows)[:1]
+    whole = file.read_bytes()
+    for damaged in (whole[:512], whole[:700], whole[:30] + b"\x07" + whole[31:]):
+        file.write_bytes(damaged)
+        assert main(["fit", file.name]) == 2
+        out, err = capfd.readouterr()
+        assert out == ""
+        assert err.count("\n") == 1
+        assert file.name in err
+
+
+def sweep_that_ends_with(monkeypatch, error, seen):
+    """Makes `em.friction` keep one part of a sweep, and then fail or give some
+    curve.
+    """
+
+    computed = em.friction
+
+    def friction(material, shape, *, store, progress, **arguments):
+        seen.append(store.get("part"))
+        store.put("part", np.arange(3.0))
+        if error is not None:
+            raise error
+        return computed(
+            em.Foundation(4e6, [12e6], [1e-3]),
+            em.Paraboloid(0.01),
+            velocity=[0.1, 0.3],
+            load=1.0,
+            model=em.Line(),
+        )
+
+    monkeypatch.setattr("elastomdr.friction", friction, raising=False)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError("array too large")])
+def test_a_sweep_that_is_cut_short_keeps_its_parts(place, capsys, monkeypatch, error):
+    seen = []
+    sweep_that_ends_with(monkeypatch, error, seen)
+    for _ in range(2):
+        status = main(["friction", "rough.toml"])
+        assert status == (130 if isinstance(error, KeyboardInterrupt) else 2)
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert (
+            not isinstance(error, KeyboardInterrupt)
+            or "kept in .rough-friction.parts" in said
+        )
+    assert seen[0] is None
+    np.testing.assert_array_equal(seen[1], np.arange(3.0))
+
+
+def test_a_full_disk_keeps_the_parts_of_a_sweep(place, capsys, monkeypatch):
+    seen = []
+    sweep_that_ends_with(monkeypatch, None, seen)
+    real = os.fdopen
+
+    def full(handle, *options):
+        os.close(handle)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fdopen", full)
+    assert "No space left" in refused(capsys, "friction", "rough.toml")
+    assert not list(place.glob("*.csv")) + list(place.glob(".elastomdr-*"))
+    monkeypatch.setattr(os, "fdopen", real)
+    assert main(["friction", "rough.toml"]) == 0
+    assert seen[1] is not None
+    assert (place / "rough-friction.csv").exists()
+    assert not list(place.glob(".*.parts"))
+
+
+def test_a_folder_that_cannot_be_written(place, capsys):
+    (place / "file").write_text("")
+    assert "--out" in refused(capsys, "friction", "scene.toml", "--out", "file/below")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+def test_output_to_a_full_disk_is_one_line():
+    command = [sys.executable, "-m", "elastomdr", "materials"]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            command,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+    assert done.returncode == 2
+    assert (
+        done.stderr
+        == "elastomdr: error: the output cannot be written: No space left on device.\n"
+    )
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a POSIX shell")
+def test_output_that_is_closed_is_no_reason_to_fail():
+    code = (
+        "import sys; from elastomdr.cli.main import main; sys.exit(main(['materials']))"
+    )
+    done = subprocess.run(
+        ["sh", "-c", '"$0" -c "$1" >&-', sys.executable, code],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="the place of the cache is the platform's"
+)
+def test_a_damaged_cache_of_compiled_code_is_one_line(place):
+    # Adhesion is computed by JAX, what is in its place otherwise by NumPy.
+    sticky = INDENT.replace(
+        'temperature = "20 degC"', 'temperature = "20 degC"\nadhesion = "0.1 J/m^2"'
+    )
+    history = INDENT[INDENT.index("program") : INDENT.index("[numerics]")]
+    (place / "sticky.toml").write_text(
+        sticky.replace(history, 'time = ["0 s", "1 s"]\nload = ["1 N", "0 N"]\n\n')
+    )
+    environment = {
+        key: value for key, value in os.environ.items() if not key.startswith("JAX_")
+    }
+    environment["XDG_CACHE_HOME"] = str(place / "cache")
+
+    def indent():
+        argv = [sys.executable, "-m", "elastomdr", "indent", "sticky.toml"]
+        return subprocess.run(
+            argv,
+            capture_output=True,
+            text=True,
+            env=environment,
+            check=False,
+            timeout=120,
+        )
+
+    first = indent()
+    assert first.returncode == 0, first.stderr
+    files = [path for path in (place / "cache").rglob("*-cache") if path.is_file()]
+    assert files
+    for path in files:
+        path.write_bytes(b"damaged")
+    second = indent()
+    assert (second.returncode, second.stdout) == (0, first.stdout)
+    assert second.stderr.count("\n") == 1
+    assert "cache of compiled code is damaged" in second.stderr
+
+
+@pytest.mark.parametrize("changed", ["velocity", "load", "radius"])
+def test_float32_input_gives_the_float64_result_of_the_rounded_numbers(changed):
+    given = {
+        "velocity": np.array([0.1, 0.3]),
+        "load": np.array([0.7, 0.7]),
+        "radius": np.array(0.0123),
+    }
+    narrow = given | {changed: given[changed].astype(np.float32)}
+    wide = narrow | {changed: narrow[changed].astype(np.float64)}
+    curves = []
+    for numbers in (narrow, wide):
+        body = em.Paraboloid(numbers["radius"])
+        scene = {
+            "velocity": numbers["velocity"],
+            "load": numbers["load"],
+            "model": em.Line(),
+        }
+        curves.append(em.friction(em.Foundation(4e6, [12e6], [1e-3]), body, **scene))
+    assert curves[0].mu.dtype == np.float64
+    np.testing.assert_array_equal(curves[0].mu, curves[1].mu)
