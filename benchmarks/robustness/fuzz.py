@@ -119,7 +119,7 @@ def _measured() -> Iterator[tuple[str, bytes]]:
     """Isotherms of a small rubber in every format that the tests write."""
     sys.path.insert(0, str(ROOT))
     import elastomdr as em
-    from tests import dma_files
+    from tests.io import dma_files
 
     rubber = em.Prony(
         1e6, [1e8, 1e7, 1e6], [1e-5, 1e-3, 1e-1], shift=em.WLF(8.86, 101.6, 293.15)

@@ -258,7 +258,7 @@ def main() -> None:
     for file in sources:
         for name in imported(file):
             users.setdefault(name, set()).add(module_of(file))
-    files = sorted((ROOT / "tests").glob("test_*.py"))
+    files = sorted((ROOT / "tests").rglob("test_*.py"))
     tests = {str(file.relative_to(ROOT)): imported(file) for file in files}
     chosen = [
         file for file in sources if options.only in str(file.relative_to(PACKAGE))

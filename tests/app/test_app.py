@@ -385,7 +385,7 @@ def test_every_screen(tmp_path):
             page.road.form.set("[surface] shortest", f"{micrometres} um")
             await until(lambda before=before: page.road._words._label.text != before)
             spent.append(time.process_time() - start)
-        assert min(spent) < 0.3
+        assert min(spent) < 1.0  # .15 on a quiet machine; a figure drawn anew takes 2
         page.road.form.set("[surface] shortest", "10 smoots")
         field = page.road.form.widgets["[surface] shortest"]
         await until(lambda: field.error)
