@@ -49,7 +49,9 @@ def test_ci_runs_the_test_command():
     environment, command = marked("tests").split(" && . .venv/bin/activate && ")
     assert environment == "python3 -m venv .venv"
     script = (ROOT / ".ci" / "run").read_text().splitlines()
-    assert script[-1] == command
+    at = script.index("readme() {")
+    assert script[at + 1 : at + 3] == [f"    {command}", "}"]
+    assert script[at + 3].startswith("readme #")
     assert 'python3 -m venv "$venv"' in script
     assert (ROOT / ".ci" / "run").stat().st_mode & 0o111
 
