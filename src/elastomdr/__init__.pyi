@@ -58,6 +58,9 @@ from .rough.line_contact import line_contact as line_contact
 from .rough.line_contact_result import LineContact as LineContact
 from .rough.press import press as press
 from .rough.press_result import RoughContact as RoughContact
+from .seal.lubricated import FilmProfile as FilmProfile
+from .seal.lubricated import Lubricated as Lubricated
+from .seal.lubricated import lubricated as lubricated
 from .seal.o_ring import ORing as ORing
 from .seal.o_ring import o_ring as o_ring
 from .smooth.dissipation import dissipation as dissipation
