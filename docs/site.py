@@ -86,6 +86,8 @@ GROUPS = {
         "dissipation",
         "stability",
         "o_ring",
+        "lubricated",
+        "reciprocating",
         "friction_spectrum",
         "line_contact",
         "press",

@@ -59,6 +59,7 @@ _HOMES = {
     "sweeps.run": ("sweep",),
     "seal.lubricated": ("FilmProfile", "Lubricated", "lubricated"),
     "seal.o_ring": ("ORing", "o_ring"),
+    "seal.reciprocating": ("Reciprocating", "reciprocating"),
     "transient.indent": ("indent",),
     "transient.impact": ("impact",),
     "transient.shear": ("shear",),
