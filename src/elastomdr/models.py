@@ -8,6 +8,7 @@ in its room, which its methods import where they are called: this file is ground
 from __future__ import annotations
 
 import dataclasses
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
@@ -96,7 +97,7 @@ class SurfaceFriction(NamedTuple):
     said: str = ""  # about the solution, for the result
 
 
-class SurfaceModel(Model):
+class SurfaceModel(Model, ABC):
     """A model of a surface under a pressure: derive a class from it to add another.
 
     It needs `label`, `words` and `solve`; everything else has a default. A test
@@ -110,14 +111,15 @@ class SurfaceModel(Model):
     # the model needs `waves` and `contact`; otherwise all scales have one
     heats_by_scale: ClassVar[bool] = False
 
+    @abstractmethod
     def words(self) -> str:
         """The model in a few words, for results."""
-        raise NotImplementedError
 
     def work(self, surface: AbstractSpectrum) -> tuple[str, str]:
         """What a solution of the surface computes and what it leaves out, for plans."""
         return self.words(), "nothing"
 
+    @abstractmethod
     def solve(
         self,
         foundation: Foundation | TabulatedFoundation,
@@ -141,7 +143,6 @@ class SurfaceModel(Model):
             rtol: relative error of mu to be met.
             progress: `progress(done, total)`, or None.
         """
-        raise NotImplementedError
 
     def bound(
         self,
@@ -216,11 +217,11 @@ class _ClosedIntegrals(SurfaceModel):
     softens: ClassVar[bool] = True
     heats_by_scale: ClassVar[bool] = True
 
+    @abstractmethod
     def energy_factor(self) -> tuple[float, bool]:
         """gamma of the factor S, and whether S is in the integral for the contact
         area.
         """
-        raise NotImplementedError
 
     def bends(self, surface: AbstractSpectrum) -> tuple[float, ...]:
         """Wave numbers [rad/m] at which the integrand bends."""

@@ -28,10 +28,6 @@ from .simulated import simulated, until
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
 SPAN = {"from": "1e-3 m/s", "to": "1 m/s", "points": 4}
-needs_nicegui = pytest.mark.skipif(
-    __import__("importlib.util").util.find_spec("nicegui") is None,
-    reason="NiceGUI is not installed (extra app)",
-)
 
 
 def typed(table, key, text):
@@ -225,7 +221,6 @@ ASKED = {  # what a file does not say, what is asked for, and what is then typed
 }
 
 
-@needs_nicegui
 @pytest.mark.parametrize("name", ASKED)
 def test_what_a_file_does_not_say_is_asked_for_in_the_words_of_the_fields(
     name, tmp_path
@@ -256,7 +251,6 @@ def test_what_a_file_does_not_say_is_asked_for_in_the_words_of_the_fields(
     assert calculate(content, session).name == name.replace(".csv", ".toml")
 
 
-@needs_nicegui
 def test_strain_and_ramp_are_those_of_the_command(tmp_path, monkeypatch):
     """What the page fits and the command that it writes give one material, and another
     one than without them.
@@ -298,7 +292,6 @@ def test_strain_and_ramp_are_those_of_the_command(tmp_path, monkeypatch):
         )
 
 
-@needs_nicegui
 def test_advice_in_the_words_of_the_fields():
     from elastomdr.app.rubber import in_fields
 
@@ -362,7 +355,6 @@ def test_scene_reproduces_the_page(tmp_path):
         )
 
 
-@needs_nicegui
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_every_screen(tmp_path):
     from nicegui import ui
@@ -385,7 +377,7 @@ def test_every_screen(tmp_path):
             page.road.form.set("[surface] shortest", f"{micrometres} um")
             await until(lambda before=before: page.road._words._label.text != before)
             spent.append(time.process_time() - start)
-        assert min(spent) < 1.0  # .15 on a quiet machine; a figure drawn anew takes 2
+        assert min(spent) < 1.0  # .2 on a quiet machine
         page.road.form.set("[surface] shortest", "10 smoots")
         field = page.road.form.widgets["[surface] shortest"]
         await until(lambda: field.error)
@@ -579,7 +571,6 @@ BAD = {
 }
 
 
-@needs_nicegui
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_bad_files_and_two_sessions_at_once(tmp_path):
     """What is wrong is said, what was there stays; two pages know nothing of each

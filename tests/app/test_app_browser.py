@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import tomllib
-from importlib.util import find_spec
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
@@ -19,9 +18,6 @@ from elastomdr.cli.main import main
 from .browser import PROGRAM, Browser, wait
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
-needs_nicegui = pytest.mark.skipif(
-    find_spec("nicegui") is None, reason="NiceGUI is not installed (extra app)"
-)
 SHOWN = (
     "[...document.querySelectorAll('img.figure')].filter(e => e.offsetParent && "
     "e.complete && e.naturalWidth).length"
@@ -66,7 +62,6 @@ def status(address, **options):
         return error.code
 
 
-@needs_nicegui
 def test_only_who_has_the_address(address):
     origin, token = address.rstrip("/").rsplit("/", 1)
     assert origin.startswith("http://127.0.0.1:")
@@ -89,7 +84,6 @@ def _answers(address):
         return None
 
 
-@needs_nicegui
 @pytest.mark.skipif(
     PROGRAM is None, reason="Chromium is not installed (apt-get install chromium)"
 )

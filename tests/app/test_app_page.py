@@ -3,7 +3,6 @@ measured points.
 """
 
 import asyncio
-from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,12 +14,7 @@ import elastomdr as em
 from .simulated import simulated
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
-pytestmark = [
-    pytest.mark.skipif(
-        find_spec("nicegui") is None, reason="NiceGUI is not installed (extra app)"
-    ),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
-]
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 
 async def dropped(user, screen, *files):

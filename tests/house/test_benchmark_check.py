@@ -4,7 +4,6 @@ reported, one by 20 % is not.
 
 import importlib
 import json
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -30,8 +29,6 @@ RECORD = {
 @pytest.fixture
 def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """`check.main` on a folder of results of its own, whose record is committed."""
-    if shutil.which("git") is None:
-        pytest.skip("git is not installed")
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     module = importlib.import_module("check")
 

@@ -122,6 +122,17 @@ def asked(path, names):
                 yield f"{path.relative_to(SOURCE)}:{node.lineno}"
 
 
+def test_a_model_without_a_solution_is_refused_when_it_is_made():
+    class Unfinished(models.SurfaceModel):
+        label = "unfinished"
+
+        def words(self):
+            return "words only"
+
+    with pytest.raises(TypeError, match="solve"):
+        Unfinished()
+
+
 def test_nothing_asks_which_model_it_has():
     """But the register and the check of arguments."""
     names = set(model_classes())

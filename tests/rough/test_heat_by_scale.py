@@ -359,13 +359,18 @@ def test_a_hot_curve_is_fast():
         "velocity": np.geomspace(1e-3, 10, 24),
         "temperature": np.array([[283.0], [293.0], [313.0]]),
     }
-    em.friction(tread, ROAD, pressure=2e5, heat=HEAT, **asked)
-    spent = []
-    for _ in range(3):
-        start = time.process_time()
-        em.friction(tread, ROAD, pressure=2e5, heat=HEAT, **asked)
-        spent.append(time.process_time() - start)
-    assert min(spent) < 2.0  # .4 on a quiet machine; cold points alone take that too
+
+    def least(heat):
+        em.friction(tread, ROAD, pressure=2e5, heat=heat, **asked)
+        spent = []
+        for _ in range(3):
+            start = time.process_time()
+            em.friction(tread, ROAD, pressure=2e5, heat=heat, **asked)
+            spent.append(time.process_time() - start)
+        return min(spent)
+
+    # .48 s and .018 s on a quiet machine; a ratio holds on a slow one, too
+    assert least(HEAT) < 50 * least(None)
 
 
 @pytest.mark.slow
