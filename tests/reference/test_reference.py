@@ -143,11 +143,11 @@ def test_half_planes_settle_at_any_contrast(contrast):
     assert off.max() < 2
     assert (off < 1).sum() >= 6
     assert (got.error < 0.02 * got.mu).all()
-    # begun from the middle of the window it does not, at a contrast of 1000
-    finest = half_plane_sliding(
-        law, 0.01, velocity=0.1, load_per_length=2e3, points=1024
-    )
-    assert finest.converged
+    if contrast == 1000:  # begun from the middle of the window it does not settle
+        finest = half_plane_sliding(
+            law, 0.01, velocity=0.1, load_per_length=2e3, points=1024
+        )
+        assert finest.converged
 
 
 def test_hunter():
