@@ -22,9 +22,9 @@ one_core()
 import elastomdr as em  # noqa: E402
 from elastomdr.material.relaxation import Relaxation  # noqa: E402
 from elastomdr.surface.lines import SingleLine  # noqa: E402
+from elastomdr.transient.body_motion import Scene, run  # noqa: E402
 from elastomdr.transient.body_over_line import indenter  # noqa: E402
-from elastomdr.transient.slide_march import march  # noqa: E402
-from elastomdr.transient.timeline import Steps  # noqa: E402
+from elastomdr.transient.problem import Steps  # noqa: E402
 
 SOLID, BALL = em.Foundation(1.0, [1.0, 3.0], [0.02, 0.5]), em.Paraboloid(1.0)
 DAMPED = em.Foundation(1.0, [3.0], [0.5], 0.2)
@@ -109,12 +109,10 @@ def sliding() -> tuple[list[dict], float]:
                 n,
                 1.0,
             )
-            forces, _ = march(
-                law, surface, Steps(*map(jnp.asarray, (h, x, load))), control="load"
-            )
+            given = Steps(*map(jnp.asarray, (h, x, load)))
+            seen, _ = run(Scene(law, surface), given, balance=False)
         normal, drag, depth, work = (
-            np.asarray(a)
-            for a in (forces.normal, forces.drag, forces.depth, forces.work)
+            np.asarray(a) for a in (seen.normal, seen.drag, seen.depth, seen.work)
         )
         done = (normal[1:] + normal[:-1]) @ np.diff(depth) / 2 + (
             drag[1:] + drag[:-1]

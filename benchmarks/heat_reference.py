@@ -19,7 +19,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.special import erf, i0e, k0e
 
 from elastomdr.element.law import surface_foundation
-from elastomdr.material.vertical import thermal_factors
+from elastomdr.material.shift import thermal_factors
 from elastomdr.models import Persson
 from elastomdr.rough.multiscale import FORM
 

@@ -25,7 +25,7 @@ from common import RESULTS
 import elastomdr as em
 from elastomdr.rough import half_space, multiscale
 from elastomdr.rough import random_maps as maps
-from elastomdr.surface.rough_map import rough_map
+from elastomdr.surface.spectrum import rough_map
 
 FILE = RESULTS / "rough_map.json"
 # Hurst exponent, q_high over q_rolloff, q_rolloff over q_low.

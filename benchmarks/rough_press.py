@@ -15,9 +15,9 @@ import numpy as np
 from common import heading, one_thread, save, table
 
 import elastomdr as em
-from elastomdr.rough.bearing import bounds
 from elastomdr.rough.half_space import solve
-from elastomdr.surface.rough_map import rough_map
+from elastomdr.rough.press import bounds
+from elastomdr.surface.spectrum import rough_map
 
 MODULUS, LOW, SLOPE = 1e6, 1e3, 0.3  # E* [Pa], q_low [rad/m], rms slope
 LEVELS = np.array([0.01, 0.05, 0.2])  # p/(E* rms slope)

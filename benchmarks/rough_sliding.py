@@ -25,7 +25,7 @@ import elastomdr as em
 from elastomdr.rough import periodic
 from elastomdr.rough.branch_reduction import lanes
 from elastomdr.rough.period import coefficients
-from elastomdr.surface.synthesis import synthesise
+from elastomdr.surface.spectrum import synthesise
 
 TIMES = np.geomspace(1e-10, 1e4, 20)  # tau_k [s]
 LAW = em.Foundation(1e6, 1e6 * (TIMES / 1e4) ** -0.15, TIMES)

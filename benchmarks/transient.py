@@ -58,9 +58,9 @@ def main() -> None:
     import jax.numpy as jnp
 
     from elastomdr.material.relaxation import Relaxation
+    from elastomdr.transient.body_motion import Scene, run
     from elastomdr.transient.body_over_line import rough
-    from elastomdr.transient.slide_march import march
-    from elastomdr.transient.timeline import Steps
+    from elastomdr.transient.problem import Steps
 
     jax.config.update("jax_enable_x64", True)
     record = heading(
@@ -83,9 +83,8 @@ def main() -> None:
         surface = rough(jnp.asarray(height), SPACING, height.max())
 
         def ours(surface=surface) -> np.ndarray:
-            return np.asarray(
-                march(law, surface, steps, control="load", viscous=False)[0].depth
-            )
+            options = {"viscous": False, "balance": False}
+            return np.asarray(run(Scene(law, surface), steps, **options)[0].depth)
 
         first, loop = timed(ours).wall, compiled_loop(height)
         turns = [(timed(ours), timed(loop)) for _ in range(5)]

@@ -31,7 +31,7 @@ SURFACE = em.SelfAffine(
 # Pa, Pa, W/(m K)
 PRESSURE, USUAL, CONDUCTIVITY = np.geomspace(1e4, 1e6, 25), 1e5, (0.2, 1.0)
 TIMES = {"1 ms": 1e-3, "1 s": 1.0, "1 min": 60.0}
-TIME, VELOCITY = np.geomspace(1e-4, 1e2, 31), np.geomspace(1e-7, 1.0, 15)  # s, m/s
+TIME, VELOCITY = np.geomspace(1e-4, 1e2, 31), np.geomspace(1e-7, 1.0, 8)  # s, m/s
 
 
 def main(out: Path) -> None:

@@ -162,7 +162,7 @@ def only_checked(computed: int) -> Iterator[None]:
         (rough.line, "solve_lines"),
         (transient.slide, "contact_sizes"),
         (smooth.cylinder, "_refined"),
-        (transient.drive, "refine"),
+        (transient.drive, "solve_levels"),
         (transient.indent, "indent_under"),
         (transient.indent, "indent_with_adhesion"),
         (pipeline, "master_curve"),

@@ -1,5 +1,5 @@
-"""One source for numbers and for what JAX transforms: the array namespace `xp`, and
-what differs besides.
+"""One source for numbers and for what JAX transforms: the array namespace `xp`, what
+differs besides, and JAX's cache of compiled code.
 
 While a public call of numbers runs, `xp` stands for NumPy; if one of its arguments is
 traced, or the call belongs to what only JAX computes, for `jax.numpy`. A formula is
@@ -11,14 +11,16 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
+import os
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from .compiled_code import keep_compiled_code
 from .trees import Tree
 from .units.arguments import arguments_in_si
 
@@ -32,6 +34,13 @@ else:
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+# JAX by itself leaves out what compiles in less than a second, which is most of what a
+# scene needs
+_SETTINGS = {
+    "jax_persistent_cache_min_compile_time_secs": 0.0,
+    "jax_persistent_cache_min_entry_size_bytes": -1,
+}
 
 
 class _Mode(threading.local):
@@ -60,6 +69,15 @@ xp: Any = _Namespace()
 def on_numpy() -> bool:
     """Whether `xp` is NumPy at the moment."""
     return _mode.numpy
+
+
+def namespace(*trees: Any) -> Any:
+    """`jax.numpy` where JAX traces one of the arguments, NumPy otherwise."""
+    if not is_traced(*trees):
+        return np
+    import jax.numpy as jnp
+
+    return jnp
 
 
 def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
@@ -110,7 +128,7 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
     import jax
 
     keep_compiled_code()
-    if not jax.config.read("jax_enable_x64") and _reversible(args, kwargs):
+    if not jax.config.read("jax_enable_x64") and reversible(args, kwargs):
         return _with_its_way_back(function, args, kwargs)
     before, _mode.numpy = _mode.numpy, False
     try:
@@ -121,7 +139,7 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
         _mode.numpy = before
 
 
-def _reversible(*trees: Any) -> bool:
+def reversible(*trees: Any) -> bool:
     """Whether JAX traces some of it, and none of that for forward derivatives, which a
     reverse rule would exclude.
     """
@@ -374,11 +392,11 @@ def in_steps(
         import jax
 
         return jax.lax.scan(step, carry, over)
-    left = []
-    for entry in _entries(over):
+    outputs = []
+    for entry in entries(over):
         carry, kept = step(carry, entry)
-        left.append(kept)
-    return carry, mapped(lambda *x: np.stack(x), *left)
+        outputs.append(kept)
+    return carry, mapped(lambda *x: np.stack(x), *outputs)
 
 
 def cond(
@@ -406,7 +424,7 @@ def mapped(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
     return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
 
 
-def _entries(tree: Any) -> Iterator[Any]:
+def entries(tree: Any) -> Iterator[Any]:
     """The entries of a tuple of arrays, or of tuples of them, along their first axis;
     at least one is an array.
     """
@@ -414,5 +432,53 @@ def _entries(tree: Any) -> Iterator[Any]:
         return itertools.repeat(None)
     if not isinstance(tree, tuple):
         return iter(tree)
-    rows = zip(*map(_entries, tree))  # noqa: B905  None has no length
+    rows = zip(*map(entries, tree))  # noqa: B905  None has no length
     return itertools.starmap(type(tree), rows) if hasattr(tree, "_fields") else rows
+
+
+@functools.cache
+def keep_compiled_code() -> None:
+    """Lets JAX keep compiled code between runs, in the user's cache folder.
+
+    Nothing is changed where JAX has been given a cache already, by
+    `JAX_COMPILATION_CACHE_DIR` or in its configuration, where it has been told to keep
+    none, or where the folder cannot be written.
+    """
+    import jax
+
+    config: Any = jax.config  # its attributes are made at run time
+    if (
+        config.jax_compilation_cache_dir is not None
+        or not config.jax_enable_compilation_cache
+    ):
+        return
+    if (folder := _usable(_default_folder())) is None:
+        return
+    config.update("jax_compilation_cache_dir", folder)
+    for name, value in _SETTINGS.items():
+        if name.upper() not in os.environ:
+            config.update(name, value)
+
+
+def _default_folder() -> str | None:
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA")
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    folder = os.path.expanduser(os.path.join(base, "elastomdr", "jax")) if base else ""
+    # no home folder: "~" stays as it is
+    return folder if os.path.isabs(folder) else None
+
+
+def _usable(folder: str | None) -> str | None:
+    """The folder, made if need be, or None where nothing can be written in it."""
+    if folder is None:
+        return None
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except (OSError, ValueError):
+        return None

@@ -14,7 +14,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from .arrays import Array, as_numpy, in_float64, is_traced, numpy_unless_traced, xp
-from .errors import InputError
+from .errors import ConvergenceWarning, InputError, warn
 from .units.arguments import in_si, number_in_si
 
 __all__ = ["Array", "in_float64", "in_si", "is_traced", "numpy_unless_traced"]
@@ -108,6 +108,20 @@ def _traced_nan_unless() -> Any:
         return nan_unless(*primals), tangents[1] * huge * huge * zero * huge * huge
 
     return nan_unless
+
+
+def certain(test: Callable[..., Any], *values: Any) -> bool:
+    """Whether values pass a test at every entry; never those that JAX traces, which
+    are not looked at.
+    """
+    return not is_traced(*values) and bool(np.all(test(*values)))
+
+
+def possible(test: Callable[..., Any], *values: Any) -> bool:
+    """Whether values may pass a test at some entry; always those that JAX traces, which
+    are not looked at.
+    """
+    return is_traced(*values) or bool(np.any(test(*values)))
 
 
 def known(tree: Any) -> Any:
@@ -257,6 +271,17 @@ def ascending(name: str, values: Any) -> None:
         )
 
 
+def warn_unless(good: Any, points: str, asked: str = "", reason: str = "") -> None:
+    """Counts the points that are not `good` in one `ConvergenceWarning`, with what was
+    `asked` of them and a sentence for the `reason`; none where JAX traces them.
+    """
+    if is_traced(good) or np.all(good):
+        return
+    failed = f"{int(np.sum(~good))} of {np.size(good)} {points} did not converge"
+    said = " ".join(filter(None, (f"{failed}{asked}; they are NaN.", reason)))
+    warn(said, ConvergenceWarning)
+
+
 def alike(least: int, **lists: Any) -> None:
     """Raises `InputError` unless these are lists of one length, with `least` entries or
     more.
@@ -291,6 +316,17 @@ def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
     if 0 in shape:
         raise InputError(f"{listed} must not be empty, got shape {shape}.")
     return shape
+
+
+def broadcast(**arrays: Any) -> dict[str, Any]:
+    """Arguments in the shape to which they broadcast; None stays None. Raises
+    `InputError` as `broadcast_shape` does.
+    """
+    shape = broadcast_shape(**arrays)
+    return {
+        name: None if array is None else xp.broadcast_to(array, shape)
+        for name, array in arrays.items()
+    }
 
 
 def only_one(**arguments: Any) -> str:
@@ -331,6 +367,26 @@ def plain(name: str, value: Any) -> float:
             "jit and vmap."
         )
     return float(scalar(name, value))
+
+
+def one_of(name: str, value: Any, *accepted: str) -> None:
+    """Raises `InputError` unless a value is one of some texts."""
+    if value not in accepted:
+        *first, last = map(repr, accepted)
+        raise InputError(f"{name} must be {', '.join(first)} or {last}, got {value!r}.")
+
+
+def are_texts(**values: Any) -> None:
+    """Raises `InputError` for what is no text."""
+    for name, value in values.items():
+        if not isinstance(value, str):
+            raise InputError(f"{name} must be a text, got {value!r}.")
+
+
+def untraced(name: str, value: Any, why: str) -> None:
+    """Raises `InputError` for values that JAX traces, and says why they cannot be."""
+    if is_traced(value):
+        raise InputError(f"{name} must be plain numbers: {why}.")
 
 
 def written(module: Any) -> str:

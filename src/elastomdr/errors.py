@@ -3,7 +3,12 @@ what is accepted.
 """
 
 import difflib
+import os
+import sys
+import warnings
 from collections.abc import Iterable
+
+_PACKAGE = os.path.dirname(__file__) + os.sep
 
 
 class InputError(ValueError):
@@ -36,3 +41,18 @@ def closest(word: str, valid: Iterable[str]) -> str:
     """
     near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.5)
     return f" Did you mean {near[0]!r}?" if near else ""
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Issues a warning at the line that called this package.
+
+    That line is just outside of the outermost frame of the package: decorators of the
+    standard library, SciPy and JAX may stand between inner ones.
+    """
+    caller, level, frame = 2, 1, sys._getframe(0)
+    while frame is not None:
+        level += 1
+        if frame.f_code.co_filename.startswith(_PACKAGE):
+            caller = level
+        frame = frame.f_back
+    warnings.warn(message, category, stacklevel=caller)

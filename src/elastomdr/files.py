@@ -21,14 +21,14 @@ def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
     than `most` bytes.
     """
     path = Path(path)
-    found = path.stat()
-    if stat.S_ISDIR(found.st_mode):
+    status = path.stat()
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "Not a regular file")
-    if found.st_size > most:
+    if status.st_size > most:
         raise OSError(
-            errno.EFBIG, f"{found.st_size / 1e6:.0f} MB, more than {most / 1e6:g} MB"
+            errno.EFBIG, f"{status.st_size / 1e6:.0f} MB, more than {most / 1e6:g} MB"
         )
     return path.read_bytes()
 

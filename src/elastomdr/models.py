@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .call.types import Indenter, Materials, Surface
     from .element.law import Foundation, TabulatedFoundation
     from .results.curve import FrictionCurve
-    from .rough.adhesive_shear import AdhesiveShear
+    from .rough.adhesion import AdhesiveShear
     from .rough.local_modulus import Local
     from .rough.multiscale import Waves
     from .rough.periodic_plan import RoughPlan
@@ -326,7 +326,7 @@ class Line(Model):
     without end. `model_error` is mu (F - 1), with F = 2.9 r^0.69 by default and with a
     given length, F = 1.45 r^0.16 by the rule of full contact, twice that with
     `average`: an upper envelope of three-dimensional over line friction at r from 4 to
-    64, continued up to r = 1e5 and NaN beyond (`elastomdr.rough.line_bound`). Under a
+    64, continued up to r = 1e5 and NaN beyond (`elastomdr.rough.line_problem`). Under a
     load per length or a depth it is NaN. Above r = 10 there is one `em.ModelWarning`;
     `em.Multiscale()` is the model for that.
 
@@ -371,7 +371,7 @@ class Line(Model):
         return rough_plan(material, surface, model=self, **scene)
 
     def for_changes(self, surface: Surface, finer: float) -> Line:
-        from .surface.synthesis import PER_WAVE, line_count
+        from .surface.spectrum import PER_WAVE, line_count
 
         if self.samples is not None:
             return self
@@ -380,7 +380,7 @@ class Line(Model):
         return dataclasses.replace(self, samples=samples)
 
     def doubt(self, surface: Surface) -> str | None:
-        from .rough.line_bound import missed
+        from .rough.line_problem import missed
 
         return missed(surface, self)
 
@@ -514,7 +514,7 @@ class HalfSpace(SurfaceModel):
     def smooth_friction(
         self, material: Materials, shape: Indenter, **scene: Any
     ) -> FrictionCurve:
-        from .reference.on_cells import friction_on_cells
+        from .reference.layer import friction_on_cells
 
         return friction_on_cells(material, shape, self.cells or _CELLS, **scene)
 
@@ -574,7 +574,14 @@ class HalfSpace(SurfaceModel):
 
 
 KINDS: dict[str, type[Model]] = {
-    kind.label: kind for kind in (Averaged, Line, Multiscale, Persson, HalfSpace)
+    kind.label: kind
+    for kind in (
+        Averaged,
+        Line,
+        Multiscale,
+        Persson,
+        HalfSpace,
+    )
 }
 
 
@@ -595,8 +602,8 @@ def as_model(model: Any) -> Model | None:
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> None:
     """Raises `InputError` unless `value` is a whole number from `least` to `most`."""
-    whole = hasattr(value, "__index__") and not isinstance(value, bool)
-    if not whole or value < least or (most is not None and value > most):
+    is_whole = hasattr(value, "__index__") and not isinstance(value, bool)
+    if not is_whole or value < least or (most is not None and value > most):
         accepted = f"{least} or more" if most is None else f"{least} to {most}"
         raise InputError(f"{name} must be a whole number, {accepted}, got {value!r}.")
 

@@ -15,14 +15,14 @@ from types import SimpleNamespace
 import pytest
 
 import elastomdr as em
+from elastomdr.app.form import from_text, leaf, to_text
 from elastomdr.app.scene import Done, compute, toml
 from elastomdr.app.security import Folder, Guard, safe
-from elastomdr.app.texts import from_text, leaf, to_text
+from elastomdr.cli.bodies import Measured
 from elastomdr.cli.kinds import decoded
 from elastomdr.cli.main import main
 from elastomdr.cli.schema import keys_of
 from elastomdr.cli.steady import SurfaceContact, SurfaceFriction
-from elastomdr.cli.surface import Measured
 
 from .simulated import simulated, until
 

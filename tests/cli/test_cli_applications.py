@@ -81,7 +81,7 @@ def test_impact(capsys):
     found = em.impact(
         em.load_material("rubber.toml"),
         em.Sphere(5e-3),
-        velocity=np.geomspace(0.1, 1.0, 3),
+        velocity=np.geomspace(0.1, 1.0, 2),
         rtol=1e-4,
         mass=np.array([[4e-3], [8e-3]]),
         temperature=np.array([[[273.15]], [[293.15]]]),
@@ -90,7 +90,7 @@ def test_impact(capsys):
         table["coefficient of restitution [-]"], found.restitution.ravel(), rtol=1e-12
     )
     np.testing.assert_allclose(
-        table["mass [kg]"], np.tile(np.repeat([4e-3, 8e-3], 3), 2), rtol=1e-12
+        table["mass [kg]"], np.tile(np.repeat([4e-3, 8e-3], 2), 2), rtol=1e-12
     )
 
 
@@ -106,7 +106,7 @@ def test_warming(capsys):
         ambient=273.15,
         conductance=20.0,
         hottest=373.15,
-        rtol=1e-4,
+        rtol=1e-3,
     )
     np.testing.assert_allclose(table["steady temperature [K]"], warm.steady, rtol=1e-12)
 

@@ -70,61 +70,52 @@ def test_the_command_itself(place):
     assert run(*command, "--version").stdout.strip() == f"elastomdr {em.__version__}"
 
 
-START = """
-import os, sys, jax
-jax.config.update("jax_compilation_cache_dir", GIVEN) if GIVEN else None
-import elastomdr as em
-em.indent(em.Foundation(4e6, [], []), em.Paraboloid(0.01), time=[0.0, 1.0], load=[0.0, 1.0], adhesion=0.1)
-print(jax.config.jax_compilation_cache_dir, jax.config.jax_persistent_cache_min_compile_time_secs)
-"""
+CACHES = """
+import sys, jax
+from elastomdr.arrays import keep_compiled_code
 
-
-def start(place, given=None, **environment: str) -> str:
-    """Computes something in a new process; returns where it keeps compiled code, and
-    from what time of compiling on.
-    """
-    own = {"XDG_CACHE_HOME": str(place / "cache"), "HOME": str(place)}
-    settings = {
-        key: value for key, value in os.environ.items() if not key.startswith("JAX_")
-    }
-    code = START.replace("GIVEN", repr(given))
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-        env={**settings, **own, **environment},
+def kept(folder, enabled=True):
+    keep_compiled_code.cache_clear()
+    jax.config.update("jax_compilation_cache_dir", folder)
+    jax.config.update("jax_enable_compilation_cache", enabled)
+    keep_compiled_code()
+    config = jax.config
+    return (
+        config.jax_compilation_cache_dir,
+        config.jax_persistent_cache_min_compile_time_secs,
     )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.strip()
 
-
-@pytest.mark.skipif(
-    sys.platform != "linux", reason="the place of the cache is the platform's"
-)
-def test_compiled_code_is_kept(place):
-    folder = place / "cache" / "elastomdr" / "jax"
-    assert start(place) == f"{folder} 0.0"
-    kept = {path.name: path.stat().st_mtime_ns for path in folder.glob("*-cache")}
-    assert kept
-    start(place)
-    # compiled nothing
-    assert {
-        path.name: path.stat().st_mtime_ns for path in folder.glob("*-cache")
-    } == kept
+own, place = sys.argv[1:]
+keep_compiled_code()
+assert jax.config.jax_compilation_cache_dir == own  # by the environment
+assert kept("given") == ("given", 1.0)
+assert kept(None, enabled=False) == (None, 1.0)
+assert not os.path.exists(place)
+open(place, "w").close()
+assert kept(None) == (None, 1.0)  # a folder that cannot be made
+os.remove(place)
+assert kept(None) == (os.path.join(place, "elastomdr", "jax"), 0.0)
+"""
 
 
 @pytest.mark.skipif(
     sys.platform != "linux", reason="the place of the cache is the platform's"
 )
 def test_a_cache_of_the_users_own_stays_as_it_is(place):
-    assert (
-        start(place, JAX_COMPILATION_CACHE_DIR=str(place / "own"))
-        == f"{place / 'own'} 1.0"
+    """That verbs keep compiled code, and what a damaged cache is told, is seen in
+    `tests/whole/test_edges.py`.
+    """
+    own, cache = str(place / "own"), str(place / "cache")
+    settings = {
+        key: value for key, value in os.environ.items() if not key.startswith("JAX_")
+    }
+    settings |= {"JAX_COMPILATION_CACHE_DIR": own, "XDG_CACHE_HOME": cache}
+    done = subprocess.run(
+        [sys.executable, "-c", f"import os{CACHES}", own, cache],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+        env=settings,
     )
-    assert start(place, given=str(place / "own")) == f"{place / 'own'} 1.0"
-    assert start(place, JAX_ENABLE_COMPILATION_CACHE="false") == "None 1.0"
-    assert not (place / "cache").exists()
-    (place / "cache").write_text("")
-    assert start(place) == "None 1.0"  # a folder that cannot be made
+    assert done.returncode == 0, done.stderr

@@ -123,20 +123,6 @@ def test_indentation_of_a_layer():
     np.testing.assert_allclose(found.force[1:], force, rtol=1e-6)
 
 
-def test_impact():
-    """Coefficient of restitution at beta = tau v/d_m (a march by scipy in 40 digits'
-    time; see theory).
-    """
-    mass, velocity, beta = 0.01, 2.0, np.array([0.01, 0.1, 0.5, 2.0])
-    deepest = (15 * mass * velocity**2 / (16 * E * np.sqrt(R))) ** 0.4
-    for b, expected in zip(
-        beta, [0.98137161, 0.83640465, 0.47624092, 0.14305466], strict=True
-    ):
-        soft = em.Foundation.kelvin(E, E * b * deepest / velocity)
-        found = em.impact(soft, BALL, mass=mass, velocity=velocity)
-        np.testing.assert_allclose(found.restitution, expected, rtol=1e-6)
-
-
 @pytest.mark.slow
 def test_sliding_histories_end_in_steady_sliding():
     depth, velocity = 1e-4, 0.3

@@ -13,8 +13,15 @@ from scipy.linalg import eigvals
 
 from elastomdr.arrays import numpy_unless_traced
 from elastomdr.element.contact_step import contact_step, rest
-from elastomdr.element.episode import energies, follow, force, pressed
-from elastomdr.element.modes import recovery_modes, to_branches, to_modes
+from elastomdr.element.episode import (
+    energies,
+    follow,
+    force,
+    pressed,
+    recovery_modes,
+    to_branches,
+    to_modes,
+)
 from elastomdr.element.moments import panel_sums
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.rough.branch_reduction import lanes as every
@@ -166,7 +173,7 @@ def test_modes_and_branches_are_inverse():
         np.testing.assert_allclose(to_modes(law, modes, m.sum(0), f), m, rtol=1e-11)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_elements_with_renewed_contact(seed):
     """Random branches and paths: force, work and heat against scipy, contact by
     contact.
@@ -255,7 +262,7 @@ def test_free_steps_have_the_rates_of_free_recovery(viscosity, moduli):
         np.testing.assert_allclose(found, exact, rtol=1e-7, atol=1e-11)
 
 
-@pytest.mark.parametrize("count", [3, 6, 12, 20])
+@pytest.mark.parametrize("count", [3, 12, 20])
 def test_moments_on_numpy_and_on_jax_agree(count):
     """NumPy makes an array of all moments, JAX sums as it goes: the same sums, for
     short and for long panels.
@@ -268,7 +275,7 @@ def test_moments_on_numpy_and_on_jax_agree(count):
     z = np.concatenate([[0.0], np.geomspace(1e-9, 1e6, 60)]).reshape(1, 1, 1, 1, -1)
     numbers = numpy_unless_traced(panel_sums)(c, kappa, z)
     with jax.enable_x64(True):
-        compiled = panel_sums(jnp.asarray(c), jnp.asarray(kappa), jnp.asarray(z))
+        compiled = jax.jit(panel_sums)(c, kappa, z)
     for here, there in zip(numbers, compiled, strict=True):
         np.testing.assert_allclose(
             np.broadcast_to(here, z.shape), there, rtol=1e-11, atol=1e-13

@@ -51,11 +51,11 @@ def test_without_noise_the_law_comes_back(bare, mu):
 
 @pytest.mark.parametrize("error", ["known", "relative", None])
 def test_intervals_hold_the_truth_about_as_often_as_they_say(bare, mu, error):
-    """25 draws of four intervals of 95 %: fewer than 86 of 100 would be three standard
+    """12 draws of four intervals of 95 %: fewer than 41 of 48 would be three standard
     deviations off; the benchmark adhesion_coverage.py draws 200.
     """
     inside = []
-    for seed in range(25):
+    for seed in range(12):
         given = 0.02 * mu if error == "known" else error
         fit = em.fit.adhesion(bare, noisy(mu, seed), error=given)
         inside += [
@@ -64,7 +64,7 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say(bare, mu, error):
         ]
         for name, value in TRUTH.items():  # no interval is so wide that it must
             assert fit.interval[name][1] - fit.interval[name][0] < 0.6 * value
-    assert 0.86 <= np.mean(inside) <= 0.999
+    assert np.mean(inside) >= 0.86
 
 
 def test_a_free_cutoff_is_found_with_it(bare, mu):
@@ -97,7 +97,7 @@ def test_what_the_data_cannot_decide_is_said(bare, mu):
     assert "energy" not in fit.parameters
     assert fit.law.shift is None
     said = " ".join(fit.warnings)
-    assert "cannot be decided" in said
+    assert "cannot be determined" in said
     assert "one temperature" in said
     assert np.isinf(fit.interval["velocity"][1])
     assert np.isinf(fit.interval["stress"][1])

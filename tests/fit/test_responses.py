@@ -138,7 +138,7 @@ def test_a_ramp_is_convolved(write):
         em.fit.FitWarning, match="points within the ramp of 5 s left out"
     ):
         em.read_dma(path, ramp=5.0)
-    with pytest.raises(em.InputError, match="no point is behind the ramp"):
+    with pytest.raises(em.InputError, match="no point is later than the ramp"):
         em.read_dma(path, ramp=5000.0)
     with pytest.raises(em.InputError, match="ramp must be left out for creep"):
         em.read_dma(

@@ -34,31 +34,36 @@ def test_the_stub_names_what_the_package_has(package):
             assert getattr(package, name) is getattr(home, name)
 
 
-def pyright(path: Path) -> list[int]:
-    """The lines of a file at which pyright finds errors."""
+@pytest.fixture(scope="module")
+def errors() -> dict[str, list[int]]:
+    """The lines at which pyright finds errors in both files."""
+    files = ("good.py", "bad.py")
     ran = subprocess.run(
-        [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, str(path)],
+        [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, *files],
         capture_output=True,
         text=True,
         check=False,
-        cwd=path.parent,
+        cwd=HERE,
     )
     assert re.search(r"\d+ errors?, ", ran.stdout), ran.stdout + ran.stderr
-    return sorted(
-        {
-            int(line)
-            for line in re.findall(rf"{path.name}:(\d+):\d+ - error", ran.stdout)
-        }
-    )
+    return {
+        file: sorted(
+            {
+                int(line)
+                for line in re.findall(rf"\b{file}:(\d+):\d+ - error", ran.stdout)
+            }
+        )
+        for file in files
+    }
 
 
-def test_a_type_checker_accepts_right_uses_and_knows_their_types():
-    assert pyright(HERE / "good.py") == []
+def test_a_type_checker_accepts_right_uses_and_knows_their_types(errors):
+    assert errors["good.py"] == []
 
 
-def test_a_type_checker_refuses_wrong_uses():
+def test_a_type_checker_refuses_wrong_uses(errors):
     lines = (HERE / "bad.py").read_text(encoding="utf-8").splitlines()
-    assert pyright(HERE / "bad.py") == [
+    assert errors["bad.py"] == [
         number for number, line in enumerate(lines, 1) if "# error" in line
     ]
 

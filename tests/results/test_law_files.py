@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.tyre.magic_formula import fitted
 
 V, T, P = (
     np.geomspace(1e-3, 30, 6),
@@ -232,7 +231,7 @@ def test_property_file(tmp_path):
     ]
     assert [np.sqrt(np.mean(off**2)), abs(off).max()] == pytest.approx(said, abs=6e-5)
     assert said[0] < 0.03
-    again = fitted(curve)
+    again = curve.magic_formula()
     np.testing.assert_allclose(again.force(curve.slip, load), -force, rtol=1e-6)
 
 

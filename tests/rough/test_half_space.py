@@ -1,8 +1,7 @@
-"""The three-dimensional half-space: its solver against the reference, and em.HalfSpace
+"""The three-dimensional half-space: its solver against its conditions, and em.HalfSpace
 on surfaces.
 """
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -22,8 +21,11 @@ def heights():
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3, 5.0])
-@pytest.mark.parametrize("velocity", [1e-2, 1.0])
-def test_it_is_the_reference_on_the_same_grid(heights, share, velocity):
+@pytest.mark.parametrize("velocity", [1e-2, 0.1, 1.0])
+def test_signorini(heights, share, velocity):
+    """Pressures push and carry the load, gaps are open and zero in contact, and the
+    stress is -<p du/dx>: with displacements by a complex transform, wave by wave.
+    """
     pressure = share * 1e6 * 0.3
     found = half_space.solve(
         SOLID.complex_modulus,
@@ -32,13 +34,31 @@ def test_it_is_the_reference_on_the_same_grid(heights, share, velocity):
         velocity=velocity,
         pressure=pressure,
     )
-    other = em.reference.half_space_sliding(
-        SOLID, heights, cell=SIDE, velocity=velocity, load=pressure * SIDE**2
-    )
     assert found.settled
-    assert found.stress / pressure == pytest.approx(float(other.mu), rel=1e-6)
-    assert found.separation == pytest.approx(float(other.separation), rel=1e-6)
     assert np.mean(found.pressure) == pytest.approx(pressure, rel=1e-12)
+    k = 2 * np.pi * np.fft.fftfreq(64, 1 / 64) / SIDE
+    kx, q = k[:, None], np.hypot(k[:, None], k)
+    q[0, 0] = 1e300  # the mean displacement is not defined
+    modulus = np.conj(SOLID.complex_modulus(np.abs(kx) * velocity))
+    modulus = np.where(kx > 0, modulus, np.conj(modulus))
+    modulus[32] = modulus[32].real  # as much with the motion as against it
+    waves = 2 / (q * modulus) * np.fft.fft2(found.pressure)
+    u = np.fft.ifft2(waves).real
+    touching = found.pressure > 0
+    gap = u - heights - np.mean((u - heights)[touching])
+    assert found.pressure.min() >= 0
+    assert np.abs(gap[touching]).max() < 1e-6 * heights.std()
+    assert gap[~touching].min(initial=0.0) > -1e-6 * heights.std()
+    assert found.separation == pytest.approx(gap.mean(), abs=1e-6 * heights.std())
+    slope = np.where(np.arange(64)[:, None] == 32, 0, 1j * kx)
+    stress = -np.mean(found.pressure * np.fft.ifft2(slope * waves).real)
+    assert stress == pytest.approx(found.stress, rel=1e-6)
+    if share >= 0.3:
+        # Heights are counted into the rubber; the border of the contact, which turns
+        # within a cell, is a small part of it.
+        slopes = np.fft.ifft2(slope * np.fft.fft2(heights)).real
+        given = -np.mean(found.pressure * slopes)
+        assert given == pytest.approx(found.stress, rel=0.08)
     single = half_space.solve(
         SOLID.complex_modulus,
         heights,
@@ -61,38 +81,6 @@ def test_a_neighbour_saves_work_and_changes_nothing(heights):
     )
     assert warm.stress == pytest.approx(cold.stress, rel=1e-7)
     assert warm.products <= cold.products
-
-
-def test_signorini(heights):
-    """Pressures push, gaps are open, and the stress is the mean of p dh/dx."""
-    found = half_space.solve(
-        SOLID.complex_modulus, heights, (SIDE, SIDE), velocity=0.1, pressure=1e5
-    )
-    on = half_space.waves(SOLID.complex_modulus, 0.1, heights.shape, (SIDE, SIDE))
-    u = np.fft.irfft2(on.kernel * np.fft.rfft2(found.pressure), s=heights.shape)
-    touching = found.pressure > 0
-    gap = u - heights - np.mean((u - heights)[touching])
-    assert found.pressure.min() >= 0
-    assert np.abs(gap[touching]).max() < 1e-6 * heights.std()
-    assert gap[~touching].min() > -1e-6 * heights.std()
-    k = 2j * np.pi * np.fft.fftfreq(64, 1 / 64)[:, None] / SIDE
-    k[32] = 0
-    slope = np.fft.irfft2(k * np.fft.rfft2(heights), s=heights.shape)
-    # Heights are counted into the rubber; the border of the contact turns within a
-    # cell.
-    assert -np.mean(found.pressure * slope) == pytest.approx(found.stress, rel=0.05)
-
-
-def test_it_runs_on_jax_arrays(heights):
-    import jax
-
-    with jax.enable_x64(True):
-        given = {"velocity": 0.1, "pressure": 1e5}
-        found = half_space.solve(
-            SOLID.complex_modulus, jnp.asarray(heights), (SIDE, SIDE), **given, xp=jnp
-        )
-    other = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given)
-    assert found.stress == pytest.approx(other.stress, rel=1e-6)
 
 
 def test_area_is_that_of_finer_grids():
@@ -201,17 +189,6 @@ def test_cells_that_do_not_resolve_are_refused():
     wide = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e2, q_high=1e6)
     with pytest.raises(InputError, match=r"em\.Multiscale"):
         em.friction(SOLID, wide, velocity=0.1, pressure=1e5, model=em.HalfSpace())
-
-
-def test_smooth_bodies_are_the_reference():
-    given = {"velocity": 0.1, "load": 1.0}
-    curve = em.friction(
-        SOLID, em.Paraboloid(1e-2), **given, model=em.HalfSpace(cells=32)
-    )
-    other = em.reference.half_space_sliding(
-        SOLID, em.Paraboloid(1e-2), **given, points=32
-    )
-    assert curve.mu == other.mu
 
 
 def test_summits_grow_with_the_cell_and_the_load():

@@ -8,7 +8,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.cli.main import main
-from elastomdr.surface.synthesis import synthesise
+from elastomdr.surface.spectrum import synthesise
 
 RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
 WAVES = np.array([1000.0, 5000.0, 30000.0])  # k [rad/m]

@@ -13,7 +13,7 @@ from elastomdr.rough.branch_reduction import lanes
 from elastomdr.rough.free_recovery import recover, stretches
 from elastomdr.rough.period import coefficients
 from elastomdr.rough.periodic import _limit, solve_line
-from elastomdr.surface.synthesis import synthesise
+from elastomdr.surface.spectrum import synthesise
 
 
 def dashpot_on_a_cosine(

@@ -145,10 +145,10 @@ def test_derivatives(formula):
         ),
         (
             {"material": em.half_space(RUBBER, RUBBER)},
-            "not a foundation: its load needs Young's modulus",
+            "not a foundation: the load depends on Young's modulus",
         ),
         ({"material": em.half_space(RUBBER, tangential=True)}, "not a foundation"),
-        ({"material": em.Maxwell(1e6, 1.0)}, "it relaxes altogether"),
+        ({"material": em.Maxwell(1e6, 1.0)}, "it relaxes completely"),
         ({"material": em.Prony(1e6, [], []), "temperature": 300.0}, "no shift law"),
         ({"squeeze": [0.1, 0.2], "diameter": [1e-3] * 3}, "must broadcast"),
         ({"time": [1.0, 2.0], "temperature": [300.0] * 3}, "must broadcast"),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.reference.layer_plane import cylinder_on_cells
+
+from .cylinder_on_cells import cylinder_on_cells
 
 THREE = ([0.8e6, 0.4e6, 0.2e6], [1e-4, 1e-3, 1e-2])
 

@@ -236,7 +236,6 @@ def test_derivatives_are_those_of_the_numbers(exponent):
     with jax.enable_x64(True):
         value, slope = jax.value_and_grad(mu)(jnp.asarray(x))
     assert float(value) == pytest.approx(float(mu(x)), rel=1e-7)
-    for i in range(x.size):
-        step = np.where(np.arange(x.size) == i, 1e-4, 0.0)
-        change = (float(mu(x * (1 + step))) - float(mu(x * (1 - step)))) / (2e-4 * x[i])
-        assert float(slope[i]) == pytest.approx(change, rel=1e-5, abs=1e-9 / x[i])
+    step = 1e-4 * x * np.array([0.7, -1.3, 1.1, 0.8, -0.6, 1.2])
+    change = 0.5 * (float(mu(x + step)) - float(mu(x - step)))
+    assert float(np.asarray(slope) @ step) == pytest.approx(change, rel=1e-5)

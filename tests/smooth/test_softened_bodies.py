@@ -168,14 +168,10 @@ def test_derivatives_go_through_the_fixed_point():
             rtol=1e-8,
         ).mu
 
-    start = (2.0, 1.0, 0.6)
+    start, way = np.array([2.0, 1.0, 0.6]), np.array([1.4, -0.8, 0.5])
     with jax.enable_x64(True):
-        exact = np.array(
-            jax.grad(mu, (0, 1, 2))(*(jnp.asarray(x) for x in start)), dtype=float
-        )
-    h, centred = 1e-3, []
-    for i, x in enumerate(start):
-        ends = [[*start[:i], x * (1 + s * h), *start[i + 1 :]] for s in (1, -1, 2, -2)]
-        one, other, two, three = (float(mu(*end)) for end in ends)
-        centred.append((8 * (one - other) - (two - three)) / (12 * h * x))
-    assert exact == pytest.approx(centred, rel=1e-5)
+        slope = jax.grad(mu, (0, 1, 2))(*(jnp.asarray(x) for x in start))
+    h = 1e-3
+    one, other, two, three = (float(mu(*(start + s * h * way))) for s in (1, -1, 2, -2))
+    centred = (8 * (one - other) - (two - three)) / (12 * h)
+    assert float(np.asarray(slope) @ way) == pytest.approx(centred, rel=1e-5)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.surface.synthesis import synthesise
+from elastomdr.surface.spectrum import synthesise
 
 TABLE = np.array([1e3, 1e6])
 SURFACE = em.Spectrum(TABLE, 1e-17 * (TABLE / 1e3) ** -3.6, convention="2d")

@@ -521,7 +521,7 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
         )
         with pytest.warns(
             em.ConvergenceWarning,
-            match="1 of 3 chunks .* material rubber 3: workers died over it",
+            match="1 of 3 chunks .* material rubber 3: its workers were killed",
         ):
             found = em.sweep(
                 **scene(call=dies, store=tmp_path / "runs.zarr", client=client)
@@ -619,7 +619,7 @@ def test_bad_input(change, said, tmp_path):
 
 
 def test_without_the_packages(tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "_installed", lambda name: name != "zarr")
+    monkeypatch.setattr(run, "find_spec", lambda name: name != "zarr" or None)
     with pytest.raises(
         em.InputError, match=r"needs zarr: pip install elastomdr\[sweep\]"
     ):

@@ -14,6 +14,8 @@ import elastomdr as em
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient.body_motion import Mount, Scene, run
 from elastomdr.transient.body_over_line import indenter
+from elastomdr.transient.march import padded
+from elastomdr.transient.problem import even_steps
 
 FLAT = em.RoughLine(np.arange(8) * 1e-5, np.zeros(8))
 X = np.arange(64) * 1e-5
@@ -60,15 +62,15 @@ def fully_wet(time, speed, mount, amplitude, wave, rubber, load):
 
 
 @pytest.mark.parametrize(
-    ("speed", "mount", "last", "slips", "rtols"),
+    ("speed", "mount", "last", "slips", "rtol"),
     [
-        (0.2, em.Mount(0.02, 2e3, 1.0), 0.02, 2.0, (1e-2, 1e-4)),
-        (0.1, em.Mount(0.002, 2e3, 0.1), 0.03, 8.0, (1e-3,)),
+        (0.2, em.Mount(0.02, 2e3, 1.0), 0.016, 2.0, 1e-3),
+        (0.1, em.Mount(0.002, 2e3, 0.1), 0.021, 8.0, 1e-2),
     ],
     ids=["pulled along", "sticks, then slips"],
 )
 def test_meets_the_exact_motion_over_a_wave_and_its_error_covers_it(
-    speed, mount, last, slips, rtols
+    speed, mount, last, slips, rtol
 ):
     rubber, load, period, amplitude = (
         em.Foundation(4e6, [12e6], [2e-3]),
@@ -79,30 +81,27 @@ def test_meets_the_exact_motion_over_a_wave_and_its_error_covers_it(
     wave = 2 * np.pi / period
     x = period * np.arange(128) / 128
     line = em.RoughLine(x, amplitude * np.cos(wave * x))
-    time = np.linspace(0, last, 81)
+    time = np.linspace(0, last, 57)
     place, drag, velocity = fully_wet(time, speed, mount, amplitude, wave, rubber, load)
     assert velocity.max() > slips * speed
-    for rtol in rtols:
-        found = em.drive(
-            rubber,
-            line,
-            time=time,
-            position=speed * time,
-            load=load,
-            tangential=mount,
-            rtol=rtol,
-        )
-        assert found.converged.all()
-        off = np.abs(found.mu - drag / load)
-        # the line is a spline
-        assert (off <= found.error + 1e-6 * np.abs(found.mu).max()).all()
-        assert found.error.max() <= rtol * max(
-            np.abs(drag / load).max(), 0.03 * amplitude * wave
-        )
-        np.testing.assert_allclose(
-            found.position, place, atol=rtol * np.abs(place).max()
-        )
-        assert np.abs(found.imbalance).max() <= rtol * found.given.max()
+    found = em.drive(
+        rubber,
+        line,
+        time=time,
+        position=speed * time,
+        load=load,
+        tangential=mount,
+        rtol=rtol,
+    )
+    assert found.converged.all()
+    off = np.abs(found.mu - drag / load)
+    # the line is a spline
+    assert (off <= found.error + 1e-6 * np.abs(found.mu).max()).all()
+    assert found.error.max() <= rtol * max(
+        np.abs(drag / load).max(), 0.03 * amplitude * wave
+    )
+    np.testing.assert_allclose(found.position, place, atol=rtol * np.abs(place).max())
+    assert np.abs(found.imbalance).max() <= rtol * found.given.max()
 
 
 def test_small_tolerances_are_met_on_a_ball():
@@ -113,7 +112,7 @@ def test_small_tolerances_are_met_on_a_ball():
         em.Paraboloid(0.01),
         0.5,
         em.Mount(0.01, 2e4, 20.0),
-        np.linspace(0, 0.04, 21),
+        np.linspace(0, 0.02, 11),
     )
     steady = em.friction(RUBBER, ball, velocity=speed, load=5.0, model=em.Line())
     marched = []
@@ -260,12 +259,11 @@ def test_swing_of_a_body_without_friction():
             tangential=em.Mount(mass, k, c),
         )
 
-    found = pulled(0.0)
-    np.testing.assert_allclose(found.swing(period), 2.0, rtol=1e-2)
+    still = pulled(0.0, 0.0)
+    assert np.isnan(still.swing(period)).all()
     for wrong in (0.0, 1e-9, 4 * period):
         with pytest.raises(em.InputError, match="period must"):
-            found.swing(wrong)
-    assert np.isnan(pulled(0.0, 0.0).swing(period)).all()
+            still.swing(wrong)
     # zeta = 0.1
     swing = jax.vmap(lambda c: pulled(c).swing(period))(jnp.array([0.0, 4.0]))
     np.testing.assert_allclose(swing[0], 2.0, rtol=1e-2)
@@ -316,13 +314,15 @@ def ball(samples, spacing):
     )
     law = jax.tree.map(jnp.asarray, RUBBER.law())
     scene = Scene(law, surface, Mount(0.02, 5e3, 1.0), Mount(0.02, 1e3, 0.5))
-    time = jnp.linspace(0, 4e-3, 5)
+    time = np.linspace(0, 4e-3, 5)
+    given = (0.4 * time, np.full(5, 10.0), 1e-3, 0)
+    steps, instants = even_steps(time, *given, samples)
     # one program for all
-    seen, _ = run(scene, time, 0.4 * time, jnp.full(5, 10.0), 1e-3, 128, samples)
+    seen, _ = run(scene, padded(steps, 4 * 128), instants)
     given, kept = seen.driven + seen.pressed, seen.work + seen.damped
-    kinetic = 0.01 * (seen.velocity**2 + seen.sinking**2)
     spring = 2.5e3 * (0.4 * time - seen.position) ** 2 + 500 * seen.depth**2
-    missing = jnp.abs(given - kept - kinetic - spring).max() / given.max()
+    np.testing.assert_allclose(seen.spring, spring, rtol=1e-12)
+    missing = jnp.abs(given - kept - seen.kinetic - spring).max() / given.max()
     return np.array([seen.depth[-1], seen.position[-1]]), float(missing)
 
 

@@ -281,14 +281,16 @@ def outcome(p):
 
 
 def test_gradient():
-    """Restitution and duration against finite differences of the untransformed call."""
+    """Restitution and duration, all parameters changed at once, against the difference
+    of untransformed calls.
+    """
+    way = np.random.default_rng(2).choice([-1, 1], 11) * np.linspace(0.5, 1.5, 11)
+    step = 1e-4 * way * PARAMETERS
     with jax.enable_x64(True):
-        gradient = np.asarray(jax.jit(jax.grad(outcome))(PARAMETERS)) * PARAMETERS
-    steps = 1e-4 * np.diag(PARAMETERS)
-    numeric = [
-        (outcome(PARAMETERS + s) - outcome(PARAMETERS - s)) / 2e-4 for s in steps
-    ]
-    np.testing.assert_allclose(gradient, numeric, rtol=2e-5, atol=2e-7)
+        gradient = np.asarray(jax.jit(jax.grad(outcome))(PARAMETERS))
+    change = outcome(PARAMETERS + step) - outcome(PARAMETERS - step)
+    # the smallest share, of the slowest branch, is 1e-3 of the sum
+    np.testing.assert_allclose(gradient @ step, change / 2, rtol=2e-5)
 
 
 @pytest.mark.slow
@@ -337,13 +339,15 @@ def test_bad_scenes():
 
 
 def test_tables_and_figures(tmp_path):
-    found = impact([RUBBER, kelvin_voigt(0.5)], velocity=np.array([0.5, 1.0, 2.0]))
+    found = impact(
+        [RUBBER, kelvin_voigt(0.5)], velocity=np.array([0.5, 1.0, 2.0]), rtol=1e-3
+    )
     found.to_csv(tmp_path / "impact.csv")
     text = (tmp_path / "impact.csv").read_text()
     assert "coefficient of restitution [-]" in text
     assert "mass: 0.02 kg" in text
     assert "all converged" in found.summary()
     assert found.plot().get_ylabel() == "Coefficient of restitution [-]"
-    single = impact(RUBBER).plot()
+    single = impact(RUBBER, rtol=1e-2).plot()
     assert single.get_xlabel() == "Time since touch [ms]"
     assert len(single.get_lines()[0].get_xdata()) > 100

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.element.contact_step import contact_step, rest
-from elastomdr.element.modes import recovery_modes
+from elastomdr.element.episode import recovery_modes
 from elastomdr.material.relaxation import to_kelvin
 from elastomdr.surface.disc import Disc
 from elastomdr.surface.shapes import Paraboloid, PowerLaw, Sphere

@@ -110,18 +110,18 @@ def test_oblique_loading_in_any_order():
         depth=np.append(depth, still[1]),
     )
 
-    x = (np.arange(60_000) + 0.5) / 60_000 * np.sqrt(R * depth.max()) * 1.0001
-    y, sheared, expected = x**2 / R, np.zeros(60_000), []
+    x = (np.arange(20_000) + 0.5) / 20_000 * np.sqrt(R * depth.max()) * 1.0001
+    y, sheared, expected = x**2 / R, np.zeros(20_000), []
     d0 = u0 = 0.0
     for d, u in zip(depth, shift, strict=True):
         # small steps instead of a rule within a step
-        for part in np.linspace(0, 1, 401)[1:] if expected else [1.0]:
+        for part in np.linspace(0, 1, 201)[1:] if expected else [1.0]:
             dn, un = (
                 (d0 + part * (d - d0), u0 + part * (u - u0)) if expected else (d, u)
             )
             inside = np.maximum(dn - y, 0)
-            last = d0 + (part - 1 / 400) * (d - d0) if expected else 0.0
-            previous = u0 + (part - 1 / 400) * (u - u0) if expected else 0.0
+            last = d0 + (part - 1 / 200) * (d - d0) if expected else 0.0
+            previous = u0 + (part - 1 / 200) * (u - u0) if expected else 0.0
             carried = np.where(
                 y < max(last, 1e-300) if expected else True,
                 un - previous,
@@ -263,7 +263,7 @@ class TestExtremes:
             "tangential": TANGENTIAL,
         }
         with pytest.warns(
-            em.ConvergenceWarning, match="40 of 41 instants: the contact is wider"
+            em.ConvergenceWarning, match=r"40 of 41 instants .* The contact is wider"
         ):
             found = em.shear(liquid, em.Sphere(1e-3), time=TIME, **scene)
         assert not found.converged[-1]

@@ -10,9 +10,9 @@ import pytest
 import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.rough_line import spline, spline_coefficients
+from elastomdr.transient.body_motion import Scene, run
 from elastomdr.transient.body_over_line import rough
-from elastomdr.transient.slide_march import march
-from elastomdr.transient.timeline import Steps
+from elastomdr.transient.problem import Steps
 
 RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])
 POINTS = np.arange(96) * 1e-5
@@ -116,9 +116,8 @@ def test_energy_is_stored_or_lost_in_the_branches():
     h[0] = 1e-15  # put down at once
     x = np.cumsum(np.full(64, 7e-6))
     depth = 1e-5 + 1e-6 * np.sin(np.arange(64.0))
-    forces, _ = march(
-        law, surface, Steps(*map(jnp.asarray, (h, x, depth))), control="depth"
-    )
+    steps = Steps(*map(jnp.asarray, (h, x, depth)))
+    seen, _ = run(Scene(law, surface), steps, control="depth", balance=False)
     u = np.stack(
         [
             np.zeros(96),
@@ -127,10 +126,10 @@ def test_energy_is_stored_or_lost_in_the_branches():
     )
     lost = branch_losses((h, u, 12e6, 1e-3))
     np.testing.assert_allclose(
-        forces.work[-1] - forces.stored[-1],
+        seen.work[-1] - seen.stored[-1],
         lost,
         rtol=0,
-        atol=1e-8 * float(forces.work[-1]),
+        atol=1e-8 * float(seen.work[-1]),
     )
 
 
@@ -178,7 +177,7 @@ def test_a_branch_far_faster_than_the_step_does_nothing():
         for e in (1e9, 0.0)
     )
     found, expected = (
-        march(law, surface, steps, control="load")[0] for law in (stiff, plain)
+        run(Scene(law, surface), steps, balance=False)[0] for law in (stiff, plain)
     )
     np.testing.assert_allclose(found.drag[5:], expected.drag[5:], rtol=1e-4)
     np.testing.assert_allclose(found.depth, expected.depth, rtol=1e-4)

@@ -246,7 +246,7 @@ def test_output_that_is_closed_is_no_reason_to_fail():
 @pytest.mark.skipif(
     sys.platform != "linux", reason="the place of the cache is the platform's"
 )
-def test_a_damaged_cache_of_compiled_code_is_one_line(place):
+def test_compiled_code_is_kept_and_a_damaged_cache_is_one_line(place):
     # Adhesion is computed by JAX, what is in its place otherwise by NumPy.
     sticky = INDENT.replace(
         'temperature = "20 degC"', 'temperature = "20 degC"\nadhesion = "0.1 J/m^2"'
@@ -262,7 +262,7 @@ def test_a_damaged_cache_of_compiled_code_is_one_line(place):
 
     def indent():
         argv = [sys.executable, "-m", "elastomdr", "indent", "sticky.toml"]
-        return subprocess.run(
+        done = subprocess.run(
             argv,
             capture_output=True,
             text=True,
@@ -270,17 +270,21 @@ def test_a_damaged_cache_of_compiled_code_is_one_line(place):
             check=False,
             timeout=120,
         )
+        assert done.returncode == 0, done.stderr
+        folder = place / "cache" / "elastomdr" / "jax"
+        return done, {path: path.stat().st_mtime_ns for path in folder.glob("*-cache")}
 
-    first = indent()
-    assert first.returncode == 0, first.stderr
-    files = [path for path in (place / "cache").rglob("*-cache") if path.is_file()]
+    first, files = indent()
     assert files
+    second, same = indent()
+    assert same == files  # compiled nothing
     for path in files:
         path.write_bytes(b"damaged")
-    second = indent()
-    assert (second.returncode, second.stdout) == (0, first.stdout)
-    assert second.stderr.count("\n") == 1
-    assert "cache of compiled code is damaged" in second.stderr
+    third, _ = indent()
+    assert first.stdout == second.stdout == third.stdout
+    assert not second.stderr.count("damaged")
+    assert third.stderr.count("\n") == 1
+    assert "cache of compiled code is damaged" in third.stderr
 
 
 @pytest.mark.parametrize("changed", ["velocity", "load", "radius"])

@@ -9,14 +9,13 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
-from elastomdr.element.episode import energies, follow, pressed
-from elastomdr.element.modes import recovery_modes
+from elastomdr.element.episode import energies, follow, pressed, recovery_modes
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import indentation_route as control
+from elastomdr.transient.body_motion import Scene, run
 from elastomdr.transient.body_over_line import indenter
-from elastomdr.transient.slide_march import march
-from elastomdr.transient.timeline import Steps
+from elastomdr.transient.problem import Steps
 
 from .problems.indentation import BALL, PULSES, SOLID, TIMES, TWICE
 
@@ -104,11 +103,11 @@ def test_adhesive_cycle():
 
 def test_shear_in_an_elastic_contact():
     """Oblique motion, the load rising and falling: int F dU against stored energy and
-    slip, with the square of the time between instants, and to 1e-8 of the work in the
-    limit.
+    slip, with the square of the time between instants, and to 3e-8 of the work in the
+    limit that the two finer ones extrapolate to.
     """
     gaps = []
-    for n in (400, 800, 1600):
+    for n in (200, 400, 800):
         time = np.linspace(0, 2, n + 1)
         u = 1e-4 * np.interp(time, [0, 0.7, 1.3, 2], [0, 1, -0.5, 0.8])
         load = 20 * np.interp(time, [0, 1, 2], [0.5, 1, 0.4])
@@ -120,7 +119,7 @@ def test_shear_in_an_elastic_contact():
             friction=0.5,
             load=load,
             tangential=em.Foundation(8e6 / 3, [], []),
-            elements=10_000,
+            elements=2500,
         )
         scale = np.abs(found.work).max()
         np.testing.assert_allclose(
@@ -131,7 +130,7 @@ def test_shear_in_an_elastic_contact():
         )
         gaps.append((done - found.work)[:: n // 4] / scale)
     np.testing.assert_allclose(gaps[1][1:] / gaps[2][1:], 4, rtol=0.02)
-    np.testing.assert_allclose((4 * gaps[2] - gaps[1]) / 3, 0, atol=1e-8)
+    np.testing.assert_allclose((4 * gaps[2] - gaps[1]) / 3, 0, atol=3e-8)
 
 
 def test_shear_of_a_viscoelastic_contact_that_sticks():
@@ -224,10 +223,9 @@ def test_sliding_on_a_partial_contact_converges_with_the_square_of_the_step():
                 1.0,
             )
             steps = Steps(*map(jnp.asarray, (h, x, load)))
-            forces, _ = march(law, surface, steps, control="load")
+            seen, _ = run(Scene(law, surface), steps, balance=False)
         normal, drag, depth, work = (
-            np.asarray(a)
-            for a in (forces.normal, forces.drag, forces.depth, forces.work)
+            np.asarray(a) for a in (seen.normal, seen.drag, seen.depth, seen.work)
         )
         done = (normal[1:] + normal[:-1]) @ np.diff(depth) / 2 + (
             drag[1:] + drag[:-1]
@@ -304,7 +302,7 @@ def test_heat_that_is_not_resolved_is_not_told(monkeypatch):
     assert np.isfinite(resolved.dissipated).all()
     monkeypatch.setattr(control, "_MOST_STEPS", 200)
     with pytest.warns(
-        em.ConvergenceWarning, match="the heat at 2 of 4 instants did not converge"
+        em.ConvergenceWarning, match="2 of 4 values of the heat did not converge"
     ):
         found = em.indent(rubber, em.Cylinder(0.01, 0.1), **scene)
     assert found.converged.all()

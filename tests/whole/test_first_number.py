@@ -185,8 +185,8 @@ def large(monkeypatch):
         "indentation_route._FEW",
         "indentation_route._MANY",
         "indentation_route._MUCH",
-        "refinement._MUCH",
-        "impact_levels._SMALL",
+        "refinement._PATIENCE",
+        "impact_motion._SMALL",
     ):
         monkeypatch.setattr(f"elastomdr.transient.{limit}", 0)
     monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)
@@ -267,7 +267,6 @@ def test_numbers_and_what_jax_traces_agree():
     search.
     """
     for shape, at in (
-        (em.Paraboloid(0.01), {"load": 1.0}),
         (em.Cone(0.1), {"depth": 1e-5}),
         (em.Sphere(0.01), {"load": 9.0}),
     ):
@@ -301,7 +300,9 @@ def test_trees_of_jax():
     assert not _trees.same(again, RUBBER.at(300.0))
     assert any("moduli" in str(path) for path, _ in jax.tree.leaves_with_path(RUBBER))
     many = jax.vmap(
-        lambda load: em.friction(RUBBER, em.Cone(0.1), velocity=1.0, load=load)
+        lambda load: em.friction(
+            RUBBER, em.Cone(0.1), velocity=1.0, load=load, model="line"
+        )
     )(np.array([1.0, 2.0]))
     assert many.mu.shape == (2,)
 
@@ -313,7 +314,9 @@ class Holder(eqx.Module):
     shape: em.Sphere
 
     def friction(self, velocity):
-        return em.friction(self.material, self.shape, velocity=velocity, load=1.0).mu
+        return em.friction(
+            self.material, self.shape, velocity=velocity, load=1.0, model="line"
+        ).mu
 
 
 def test_a_module_of_the_users_holds_ours():
@@ -322,7 +325,7 @@ def test_a_module_of_the_users_holds_ours():
         float(eqx.filter_jit(Holder.friction)(holder, 0.1)), rel=1e-6
     )
     with jax.enable_x64(True):
-        slope = eqx.filter_grad(lambda one: one.friction(0.1))(holder)
+        slope = eqx.filter_jit(eqx.filter_grad(lambda one: one.friction(0.1)))(holder)
     assert slope.shape.radius.shape == ()
 
 

@@ -120,21 +120,21 @@ def test_translation_of_a_line(places):
     np.testing.assert_allclose(two.depth, one.depth, rtol=1e-10)
 
 
-@settings(FEW, max_examples=5)
+@settings(FEW, max_examples=2)
 @given(st.floats(-1, 1), power(-3, 3))
 def test_translation_in_place_and_time(place, later):
-    time = np.linspace(0, 2e-2, 9)
+    time = np.linspace(0, 1e-2, 5)
     position = 1e-3 * np.sin(300 * time)
-    one = em.slide(
-        SOFT, em.Paraboloid(1e-3), time=time, position=position, load=1e-2, rtol=0.05
-    )
-    two = em.slide(
-        SOFT,
-        em.Paraboloid(1e-3),
-        time=time + later,
-        position=position + place,
-        load=1e-2,
-        rtol=0.05,
+    one, two = (
+        em.slide(
+            SOFT,
+            em.Paraboloid(1e-3),
+            time=time + t,
+            position=position + x,
+            load=1e-2,
+            rtol=0.1,
+        )
+        for x, t in ((0.0, 0.0), (place, later))
     )
     # Places and instants lose the digits that the shift takes.
     np.testing.assert_allclose(two.friction_force, one.friction_force, atol=1e-6 * 1e-2)
@@ -162,10 +162,10 @@ def test_reversal_of_a_slide(body):
     assert np.abs(one.friction_force).max() > 1e-3 * load
 
 
-@settings(FEW, max_examples=10)
+@settings(FEW, max_examples=3)
 @given(power(-4, 0), power(-3, 0))
 def test_reversal_of_creep_and_shear(creep, friction):
-    ball, time = em.Paraboloid(1e-3), np.linspace(0, 1.0, 9)
+    ball, time = em.Paraboloid(1e-3), np.linspace(0, 1.0, 5)
     shared = {"tangential": SOFT, "friction": friction, "load": 1e-2}
     one, two = (
         em.traction(SOFT, ball, velocity=1e-2, creepage=s * creep, **shared)
@@ -175,7 +175,7 @@ def test_reversal_of_creep_and_shear(creep, friction):
     np.testing.assert_allclose(two.slip_power, one.slip_power, rtol=1e-12)
     moved = creep * 1e-5 * np.sin(5 * time)
     one, two = (
-        em.shear(SOFT, ball, time=time, displacement=s * moved, elements=64, **shared)
+        em.shear(SOFT, ball, time=time, displacement=s * moved, elements=32, **shared)
         for s in (1, -1)
     )
     np.testing.assert_allclose(two.force, -one.force, rtol=1e-12, atol=1e-16)

@@ -200,7 +200,7 @@ def test_scenes_to_start_from(kind, capsys):
     assert main(command[1:]) == 0
     assert "all converged" in capsys.readouterr().out
     assert main(["init", "mine.toml"]) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
 
 
 def test_scene_to_start_from_by_its_own_name(capsys):

@@ -9,12 +9,15 @@ import pytest
 from scipy.special import dawsn
 
 import elastomdr as em
-from elastomdr.element.episode import follow, pressed
-from elastomdr.element.modes import recovery_modes, to_branches, to_modes
+from elastomdr.element.episode import (
+    follow,
+    pressed,
+    recovery_modes,
+    to_branches,
+    to_modes,
+)
 from elastomdr.surface.disc import Disc
-from elastomdr.transient.batches import indent_all, over_histories
-from elastomdr.transient.depth_history import edges
-from elastomdr.transient.panels import LAYERS
+from elastomdr.transient.depth_history import LAYERS, edges, indent_all, over_histories
 
 
 @pytest.mark.parametrize("slowness", [1e8, 1e17])

@@ -12,17 +12,23 @@ from nicegui import ui
 import elastomdr as em
 
 from ..cli.kinds import KINDS
-from ..cli.steady import SurfaceComparison, SurfaceFriction
+from ..cli.steady import SurfaceComparison, SurfaceFriction, WheelTraction
 from ..cli.units import Temperature
-from ..cli.wheel import WheelTraction
 from ..errors import InputError
-from ..results.plotting import SAME_TEMPERATURE, grouped
+from ..results.plot_curves import SAME_TEMPERATURE, grouped
 from .form import Form
-from .sample import SAMPLE
-from .scene import CancelledError, Done, compute, without_empty
+from .scene import (
+    COMPUTED,
+    CancelledError,
+    Done,
+    compute,
+    compute_on_road,
+    without_empty,
+)
 from .session import COMPUTING, DRAWING, Session
 from .stage import (
     BUTTON,
+    SAMPLE,
     Notes,
     Picture,
     Words,
@@ -31,7 +37,6 @@ from .stage import (
     material_names,
     worked,
 )
-from .tread import COMPUTED, compute_on_road
 
 _FRICTION = (
     "temperature",

@@ -1,16 +1,159 @@
 """A form made from the tables of scene files: each key is a field with its meaning, its
-default and an example.
+default and an example; and what is typed into it as the value of a scene, and back.
 """
 
 import re
+import types
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import msgspec
 from nicegui import ui
 
-from ..cli.schema import is_list, keys_of, tables_of
-from .texts import Leaf, from_text, leaf, to_text
+from ..cli.schema import Several, Sweep, accepted, is_list, keys_of, tables_of
+from ..cli.units import Quantity
+
+_SPAN = re.compile(r"(.+?)\s+to\s+(.+?)\s*[,;]\s*(\d+)(?:\s*points?)?", re.IGNORECASE)
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+# The number is taken whole (possessive): "0.3" is no 0 with the unit ".3".
+_UNIT = re.compile(rf"(?>{_NUMBER.pattern})\s*((?:1/)?[^\d\s].*)")
+
+
+class Leaf(NamedTuple):
+    """What a key that is no table accepts."""
+
+    kinds: tuple[Any, ...]  # the types, without None
+    optional: bool
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The words that it accepts, where they are listed."""
+        return tuple(
+            word
+            for kind in self.kinds
+            if get_origin(kind) is Literal
+            for word in get_args(kind)
+        )
+
+    @property
+    def flag(self) -> bool:
+        """Whether it is true or false."""
+        return self.kinds == (bool,)
+
+    @property
+    def several(self) -> bool:
+        """Whether it accepts a list."""
+        return any(get_origin(kind) in (list, Several, Sweep) for kind in self.kinds)
+
+    @property
+    def spread(self) -> bool:
+        """Whether it accepts values from one to another."""
+        return any(get_origin(kind) is Sweep for kind in self.kinds)
+
+    @property
+    def numeric(self) -> bool:
+        """Whether it accepts bare numbers."""
+        return any(kind in (int, float) for kind in self._innermost())
+
+    @property
+    def quantity(self) -> type[Quantity] | None:
+        """What it measures, None for a number or a text."""
+        return next(
+            (
+                k
+                for k in self._innermost()
+                if isinstance(k, type) and issubclass(k, Quantity)
+            ),
+            None,
+        )
+
+    @property
+    def accepted(self) -> str:
+        """What it accepts, in words."""
+        return " or ".join(accepted(kind) for kind in self.kinds)
+
+    def _innermost(self) -> tuple[Any, ...]:
+        return tuple(
+            inner
+            for kind in self.kinds
+            for inner in (_parts(get_args(kind)[0]) if get_args(kind) else [kind])
+        )
+
+
+def leaf(kind: Any) -> Leaf:
+    """What the type of a key accepts."""
+    parts = _parts(kind)
+    return Leaf(
+        tuple(part for part in parts if part is not type(None)),
+        type(None) in parts or None in parts,
+    )
+
+
+def to_text(value: Any) -> str:
+    """A value of a scene file as it is typed."""
+    if value is None:
+        return ""
+    if isinstance(value, dict):
+        return f"{value['from']} to {value['to']}, {value['points']} points"
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+
+
+def from_text(accepts: Leaf, text: str | None) -> Any:
+    """The value of a scene file that a text stands for; None where the key is left out.
+
+    What is no value of the kind is returned as it is, so that the scene's own message
+    says what is accepted.
+    """
+    text = (text or "").strip()
+    if not text:
+        return None
+    if accepts.spread and (match := _SPAN.fullmatch(text)) is not None:
+        first, last = _with_unit([match[1], match[2]])
+        return {"from": first, "to": last, "points": int(match[3])}
+    parts = (
+        [part.strip() for part in re.split(r";|,\s+", text) if part.strip()]
+        if accepts.several
+        else [text]
+    )
+    numeric = accepts.numeric and accepts.quantity is None
+    values = (
+        [_number(part) for part in parts]
+        if numeric
+        else _with_unit(parts)
+        if accepts.quantity
+        else parts
+    )
+    one = len(values) == 1 and not all(
+        get_origin(kind) is list for kind in accepts.kinds
+    )
+    return values[0] if one else values
+
+
+def _parts(kind: Any) -> tuple[Any, ...]:
+    """The members of a union, each without its notes."""
+    if get_origin(kind) is Annotated:
+        return _parts(get_args(kind)[0])
+    if get_origin(kind) in (Union, types.UnionType):
+        return tuple(part for member in get_args(kind) for part in _parts(member))
+    return (kind,)
+
+
+def _number(text: str) -> Any:
+    if _NUMBER.fullmatch(text) is None:
+        return text
+    return int(text) if re.fullmatch(r"[-+]?\d{1,15}", text) else float(text)
+
+
+def _with_unit(parts: list[str]) -> list[str]:
+    """Numbers without a unit take that of the last one: "0, 20, 40 degC"."""
+    match = _UNIT.fullmatch(parts[-1].strip())
+    if match is None:
+        return parts
+    return [
+        f"{part} {match[3]}" if _NUMBER.fullmatch(part.strip()) else part
+        for part in parts
+    ]
+
 
 Choices = Mapping[str, Callable[[], Mapping[str, str] | Sequence[str]]]
 
@@ -285,41 +428,14 @@ class Form:
     ) -> None:
         accepts, name = leaf(field.type), _name((*path, key))
         label = key.replace("_", " ") + (" *" if field.required else "")
-        value = content.get(key)
-        meaning = _meaning(field.type)
+        value, meaning = content.get(key), _meaning(field.type)
         if name in self.choices:
-            options = _as_options(self.choices[name]())
-            several = accepts.several and (
-                isinstance(value, list) or name in self.first
-            )
-            for each in value if isinstance(value, list) else [value]:
-                if each:
-                    options.setdefault(each, each)
-            value = ([] if several else None) if value is None else value
-            widget: Any = ui.select(
-                options,
-                value=value,
-                label=label,
-                multiple=several,
-                clearable=not field.required,
-            )
-            widget.props("use-chips" if several else "")
+            widget = self._choice(name, label, field, accepts, value)
         elif accepts.flag:
-            if accepts.optional:
-                options = {"": "default", "true": "yes", "false": "no"}
-                widget = ui.select(
-                    options,
-                    value={None: "", True: "true", False: "false"}[value],
-                    label=label,
-                )
-            else:
-                shown = field.default if value is None else value
-                widget = ui.checkbox(f"{key.replace('_', ' ')}: {meaning}", value=shown)
+            widget = _flag(label, field, accepts, value)
         elif accepts.words:
-            options = {
-                "": "choose" if field.required else _default(field.default),
-                **{word: word for word in accepts.words},
-            }
+            first = "choose" if field.required else _default(field.default)
+            options = {"": first, **{word: word for word in accepts.words}}
             widget = ui.select(options, value=value or "", label=label)
         else:
             widget = ui.input(
@@ -329,10 +445,9 @@ class Form:
                 widget.on("keydown.enter", self.entered)
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
+            has_default = field.default not in (None, msgspec.NODEFAULT)
             widget.props["hint"] = (
-                meaning
-                if field.default in (None, msgspec.NODEFAULT)
-                else _with_default(meaning, field)
+                _with_default(meaning, field) if has_default else meaning
             )
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
@@ -340,18 +455,36 @@ class Form:
         def typed() -> None:
             if self._silent:
                 return
-            found = self._value(widget, accepts, name)
-            if found == content.get(key):
+            new = self._value(widget, accepts, name)
+            if new == content.get(key):
                 return
-            if found is None:
+            if new is None:
                 content.pop(key, None)
             else:
-                content[key] = found
+                content[key] = new
             _mark(widget, None)
             self._alert.visible = False
             self._tell(name)
 
         widget.on_value_change(typed)
+
+    def _choice(
+        self, name: str, label: str, field: Any, accepts: Leaf, value: Any
+    ) -> Any:
+        """A field with what there is to choose from, one or several."""
+        options = _as_options(self.choices[name]())
+        several = accepts.several and (isinstance(value, list) or name in self.first)
+        for each in value if isinstance(value, list) else [value]:
+            if each:
+                options.setdefault(each, each)
+        widget = ui.select(
+            options,
+            value=([] if several else None) if value is None else value,
+            label=label,
+            multiple=several,
+            clearable=not field.required,
+        )
+        return widget.props("use-chips" if several else "")
 
     def _value(self, widget: Any, accepts: Leaf, name: str) -> Any:
         value = widget.value
@@ -411,6 +544,18 @@ def _example(accepts: Leaf) -> str:
 
 def _as_options(found: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
     return dict(found) if isinstance(found, Mapping) else {name: name for name in found}
+
+
+def _flag(label: str, field: Any, accepts: Leaf, value: Any) -> Any:
+    """A box to tick; of three answers where the default is one of its own."""
+    if not accepts.optional:
+        shown = field.default if value is None else value
+        return ui.checkbox(
+            f"{label.removesuffix(' *')}: {_meaning(field.type)}", value=shown
+        )
+    options = {"": "default", "true": "yes", "false": "no"}
+    chosen = {None: "", True: "true", False: "false"}[value]
+    return ui.select(options, value=chosen, label=label)
 
 
 def _legend(text: str) -> None:

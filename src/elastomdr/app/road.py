@@ -11,16 +11,15 @@ from nicegui import background_tasks, ui
 
 import elastomdr as em
 
-from ..cli import surface as kinds
+from ..cli import bodies as kinds
 from ..cli.schema import Table, decode
 from ..errors import InputError
-from ..results.plotting import draw_cutoffs
+from ..results.plot_contacts import draw_cutoffs
 from .form import Form
-from .sample import SAMPLE
 from .scene import image
 from .security import Folder
 from .session import DRAWING, Session
-from .stage import Notes, Picture, Words, drop, worked
+from .stage import SAMPLE, Notes, Picture, Words, drop, worked
 
 _NAMES = ("[surface] longest", "[surface] shortest")
 _FIRST = (

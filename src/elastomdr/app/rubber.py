@@ -19,10 +19,9 @@ from ..cli.units import Temperature
 from ..errors import InputError
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
 from .form import Form
-from .sample import SAMPLE
 from .scene import image
 from .session import COMPUTING, DRAWING, Session
-from .stage import BUTTON, Notes, Picture, Words, drop, mark_of_age, worked
+from .stage import BUTTON, SAMPLE, Notes, Picture, Words, drop, mark_of_age, worked
 
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _INNER = r"(?:[^()]|\([^()]*\))*"
@@ -311,53 +310,53 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
         raise InputError(
             f"name must be letters, digits, dots and dashes, got {asked.name!r}."
         )
-    columns = dict(_column(text) for text in asked.column or ())
-    options = {
-        key: value
-        for key in ("kind", *_UNITS)
-        if (value := getattr(asked, key)) is not None
-    }
-    if asked.temperature is not None:
-        options["temperature"] = (
-            list(asked.temperature)
-            if len(asked.temperature) > 1
-            else asked.temperature[0]
-        )
-    options |= {
-        key: size_of(key, getattr(asked, key), unit) for key, unit in SIZES.items()
-    }
-    more = {
-        key: value
-        for key in ("vertical", "terms", "law", "poisson")
-        if (value := getattr(asked, key)) is not None
-    }
+    options = _given(asked, ("vertical", "terms", "law", "poisson"))
     with warnings.catch_warnings():
         # all of them are in the summary
         warnings.simplefilter("ignore", em.fit.FitWarning)
-        paths = [session.folder.path / name for name in asked.data]
-        try:
-            dma = em.read_dma(
-                paths if len(paths) > 1 else paths[0],
-                columns=columns or None,
-                storage_only=asked.storage_only,
-                **options,
-            )
-        except OSError as error:
-            raise InputError(f"data: {error.strerror or error}") from error
-        if asked.strain is not None:
-            dma = dma.at_strain(strain_of(asked.strain))
-        found = em.fit.material(
+        dma = _read(asked, session)
+        fit = em.fit.material(
             dma,
             asked.reference,
             name=asked.name or "",
             shift=_law(asked.shift, session),
-            **more,
+            **options,
         )
-        name = f"{found.material.name}.toml"
-        em.save_material(found.material, session.folder.path / name, info=found.info())
+        name = f"{fit.material.name}.toml"
+        em.save_material(fit.material, session.folder.path / name, info=fit.info())
     rows = (f"row left out: {row}" for row in dma.bad_rows)
-    said = tuple(in_fields(text) for text in (*found.warnings, *rows))
-    return Fitted(name, asked.command(), found.summary(), said, {}, found, content)
+    warned = tuple(in_fields(text) for text in (*fit.warnings, *rows))
+    return Fitted(name, asked.command(), fit.summary(), warned, {}, fit, content)
+
+
+def _read(asked: Fit, session: Session) -> Any:
+    """The measurement in the files. Raises `InputError`."""
+    options = _given(asked, ("kind", *_UNITS))
+    if asked.temperature is not None:
+        several = len(asked.temperature) > 1
+        options["temperature"] = (
+            list(asked.temperature) if several else asked.temperature[0]
+        )
+    options |= {
+        key: size_of(key, getattr(asked, key), unit) for key, unit in SIZES.items()
+    }
+    paths = [session.folder.path / name for name in asked.data]
+    try:
+        dma = em.read_dma(
+            paths if len(paths) > 1 else paths[0],
+            columns=dict(map(_column, asked.column or ())) or None,
+            storage_only=asked.storage_only,
+            **options,
+        )
+    except OSError as error:
+        raise InputError(f"data: {error.strerror or error}") from error
+    return dma if asked.strain is None else dma.at_strain(strain_of(asked.strain))
+
+
+def _given(asked: Fit, keys: tuple[str, ...]) -> dict[str, Any]:
+    """What was filled in, of these keys."""
+    values = {key: getattr(asked, key) for key in keys}
+    return {key: value for key, value in values.items() if value is not None}
 
 
 def figures(fit: Any) -> dict[str, bytes]:

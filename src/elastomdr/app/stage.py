@@ -1,11 +1,12 @@
-"""What the screens share: dropping files, figures, messages, work outside of the event
-loop.
+"""What the screens share: samples, dropping files, figures, messages, work outside of the
+event loop.
 """
 
 import asyncio
 import base64
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
+from pathlib import Path
 from typing import Any, TypeVar
 
 from nicegui import events, ui
@@ -15,6 +16,11 @@ import elastomdr as em
 from ..errors import InputError
 from .security import MOST_BYTES
 from .session import Session
+
+# where the wheel has them; a checkout has them among its examples
+_OWN = Path(__file__).parent / "data"
+SAMPLE = _OWN if _OWN.is_dir() else Path(__file__).parents[3] / "examples" / "data"
+
 
 T = TypeVar("T")
 BUTTON = "no-caps unelevated"
@@ -72,7 +78,8 @@ def drop(
 
     async def arrived(event: events.MultiUploadEventArguments) -> None:
         await take(kept(event.files))
-        upload.reset()
+        # not reset(), which would break off a file that is arriving meanwhile
+        upload.run_method("removeUploadedFiles")
 
     async def sampled() -> None:
         await take(sample[1]())

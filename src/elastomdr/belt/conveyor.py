@@ -12,7 +12,8 @@ the roll with most of the load costs more than its share.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from ..arrays import xp
 from ..checks import (
     Array,
     as_float64,
-    broadcast_shape,
+    broadcast,
     is_traced,
     nan_unless,
     not_negative,
@@ -28,15 +29,16 @@ from ..checks import (
     positive,
     require,
     scalar,
+    significant,
 )
 from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError
-from ..results.words import brief, describe
+from ..results.base import Result, quantity, record
+from ..results.words import brief, describe, in_words
 from ..surface.shapes import Cylinder
 from ..trees import Tree, fill, static
 from ..verbs.rolling import rolling
-from .conveyor_result import Conveyor
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -44,11 +46,12 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Number
     from ..call.types import ModelLike
 
-_WHOLE = 1e-6  # by which the shares of the load may miss one
+_SUM_TOLERANCE = 1e-6  # by which the shares of the load may miss one
+_UNITS = {"belt": "kg/m", "goods": "kg/m", "velocity": "m/s", "temperature": "K"}
 
 
 class Idlers(Tree):
-    """Equal sets of idlers along one side of a conveyor, and the cover that they dent.
+    """Equal sets of idlers along one side of a conveyor, and the cover that they indent.
 
     Args:
         cover: `em.layer(rubber, thickness)`; or `em.springs(...)`, or a `Foundation`
@@ -100,8 +103,91 @@ class Idlers(Tree):
             )
         positive("shares", self.shares)
         require(
-            "sum of the shares", self.shares.sum(), "1", lambda x: abs(x - 1) < _WHOLE
+            "sum of the shares",
+            self.shares.sum(),
+            "1",
+            lambda x: abs(x - 1) < _SUM_TOLERANCE,
         )
+
+
+@record
+class Conveyor(Result):
+    """Resistance and power per length of belt; a point of which one roll failed is NaN
+    with `converged=False`.
+
+    `power` in W/m is also that in kW per kilometre.
+    """
+
+    velocity: Array = quantity("velocity", "m/s", "belt speed v", axis="belt speed")
+    belt: Array = quantity("mass of the belt", "kg/m", "per length")
+    goods: Array = quantity("mass of the goods", "kg/m", "per length")
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    carry: Array = quantity("resistance of the carry side", "N/m", "per length of belt")
+    back: Array = quantity("resistance of the return side", "N/m", "per length of belt")
+    resistance: Array = quantity("resistance", "N/m", "both sides together")
+    power: Array = quantity(
+        "power",
+        "W/m",
+        "v times the resistance",
+        axis="power per length of belt",
+        shown="kW/km",
+    )
+    coefficient: Array = quantity(
+        "resistance over weight", "-", "of goods and of both strands of the belt"
+    )
+    error: Array = quantity("estimated error of the coefficient", "-")
+
+    title: ClassVar[str] = "Indentation rolling resistance of a belt conveyor"
+    shows: ClassVar[str] = "power"
+    error_of: ClassVar[str] = "the coefficient"
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "velocity",
+        "temperature",
+        "belt",
+        "goods",
+    )
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Least and largest power per kilometre, and where."""
+        power = np.ravel(self.power)
+        if np.isfinite(power).any():
+            extremes = int(np.nanargmin(power)), int(np.nanargmax(power))
+            for i in dict.fromkeys(extremes):
+                yield self._point_in_words(i)
+
+    def _point_in_words(self, i: int) -> tuple[str, str]:
+        """Power and resistance at one point, and where it is."""
+
+        def at_point(values: Any) -> float:
+            return float(np.ravel(values)[i])
+
+        place = f"{in_words('velocity', at_point(self.velocity))}, "
+        place += f"{significant(at_point(self.goods))} kg/m of goods"
+        if self.temperature is not None:
+            place += f", {in_words('temperature', at_point(self.temperature))}"
+        share = 100 * (at_point(self.carry) / at_point(self.resistance))
+        return (
+            f"at {place}",
+            f"{significant(at_point(self.power))} kW per km of belt, "
+            f"{significant(share, 3)} % of it on the carry side; resistance over "
+            f"weight {significant(at_point(self.coefficient))}",
+        )
+
+
+class _Side(Tree):
+    """One side of the belt, per length of it."""
+
+    resistance: Any  # [N/m]
+    error: Any  # estimated error of the resistance [N/m]
+    converged: Any
+    # of any of its rolls; None where the range of its cover is not known
+    extrapolated: Any
+    # what lies outside the range, in words
+    extrapolated_in_words: Any = static()
+    model: str = static()
+    plan: Any = static()
 
 
 @numpy_unless_traced
@@ -152,91 +238,58 @@ def conveyor(
             raise InputError(
                 f"{name} must be em.Idlers(cover, roll, spacing=...), got {side!r}."
             )
-    given = {"velocity": velocity, "belt": belt, "goods": goods, "gravity": gravity}
-    if temperature is not None:
-        given["temperature"] = temperature
-    arrays = {name: as_float64(name, value) for name, value in given.items()}
-    for name, value in arrays.items():
-        (not_negative if name == "goods" else positive)(name, value)
-    shape = broadcast_shape(**arrays)
-    whole = {name: xp.broadcast_to(value, shape) for name, value in arrays.items()}
-    v, mass, load, g = (
-        whole[name] for name in ("velocity", "belt", "goods", "gravity")
-    )
-    sides = [
-        _side(side, on, v, whole.get("temperature"), model, rtol)
-        for side, on in ((carry, (mass + load) * g), (back, mass * g))
-    ]
-    good = sides[0].converged & sides[1].converged
-    weight = (2 * mass + load) * g
-    loaded, empty = (nan_unless(good, side.resistance) for side in sides)
-    error = nan_unless(good, sides[0].error + sides[1].error) / weight
-    inputs = []
-    for name, side in (("carry side", carry), ("return side", back)):
-        rolls = "1 roll" if side.shares.size == 1 else f"{side.shares.size} rolls"
-        cover = side.cover.name or "cover given directly"
-        inputs.append(
-            (
-                name,
-                (
-                    f"{cover}; {describe(side.roll)}; {rolls} every "
-                    f"{brief(side.spacing, 'm')}"
-                ),
-            )
-        )
-    said = [
-        f"{name}: {side.said}"
-        for name, side in zip(("carry", "return"), sides, strict=True)
-        if side.said
-    ]
-    units = {"belt": "kg/m", "goods": "kg/m", "velocity": "m/s", "temperature": "K"}
-    inputs += [
-        (name, brief(arrays[name], unit))
-        for name, unit in units.items()
-        if name in arrays
-    ]
-    inputs += [("extrapolated", "; ".join(said))] if said else []
+    given = _checked(velocity, belt, goods, temperature, gravity)
+    points = broadcast(**given)
+    speed, kelvin = points["velocity"], points.get("temperature")
+    carried = (points["belt"] + points["goods"]) * points["gravity"]
+    returned = points["belt"] * points["gravity"]
+    loaded = _solve_side(carry, carried, speed, kelvin, model, rtol)
+    empty = _solve_side(back, returned, speed, kelvin, model, rtol)
+    converged = loaded.converged & empty.converged
+    weight = (2 * points["belt"] + points["goods"]) * points["gravity"]
+    on_carry = nan_unless(converged, loaded.resistance)
+    on_return = nan_unless(converged, empty.resistance)
     return Conveyor(
-        velocity=v,
-        belt=mass,
-        goods=load,
-        temperature=whole.get("temperature"),
-        carry=loaded,
-        back=empty,
-        resistance=loaded + empty,
-        power=(loaded + empty) * v,
-        coefficient=(loaded + empty) / weight,
-        error=error,
-        converged=good,
-        extrapolated=_either(sides),
-        model=sides[0].model,
-        plan=sides[0].plan,
-        inputs=tuple(inputs),
+        velocity=speed,
+        belt=points["belt"],
+        goods=points["goods"],
+        temperature=kelvin,
+        carry=on_carry,
+        back=on_return,
+        resistance=on_carry + on_return,
+        power=(on_carry + on_return) * speed,
+        coefficient=(on_carry + on_return) / weight,
+        error=nan_unless(converged, loaded.error + empty.error) / weight,
+        converged=converged,
+        extrapolated=_any_extrapolated(loaded, empty),
+        model=loaded.model,
+        plan=loaded.plan,
+        inputs=_inputs_in_words(carry, back, loaded, empty, given),
     )
 
 
-class _Side(Tree):
-    """One side of the belt, per length of it."""
+def _checked(
+    velocity: Any, belt: Any, goods: Any, temperature: Any, gravity: Any
+) -> dict[str, Any]:
+    """The arguments that are given, as arrays. Raises `InputError`."""
+    arguments = {
+        "velocity": velocity,
+        "belt": belt,
+        "goods": goods,
+        "gravity": gravity,
+        "temperature": temperature,
+    }
+    given = {
+        name: as_float64(name, value)
+        for name, value in arguments.items()
+        if value is not None
+    }
+    for name, value in given.items():
+        (not_negative if name == "goods" else positive)(name, value)
+    return given
 
-    resistance: Any  # [N/m]
-    error: Any  # estimated error of it [N/m]
-    converged: Any
-    # of any of its rolls; None where the range of its cover is not known
-    extrapolated: Any
-    said: Any = static()  # what lies beyond the range, in words
-    model: str = static()
-    plan: Any = static()
 
-
-def _either(sides: list[_Side]) -> Any:
-    """Where one of the sides lies beyond the range of its cover, of those whose range
-    is known.
-    """
-    known = [side.extrapolated for side in sides if side.extrapolated is not None]
-    return np.logical_or.reduce(known) if known else None
-
-
-def _side(
+def _solve_side(
     side: Idlers, weight: Any, velocity: Any, kelvin: Any, model: Any, rtol: float
 ) -> _Side:
     """Resistance of all rolls of a side under a weight per length of belt [N/m]; equal
@@ -245,7 +298,7 @@ def _side(
     shares, count = side.shares, np.ones(side.shares.size)
     if not is_traced(shares):
         shares, count = np.unique(shares, return_counts=True)
-    found = rolling(
+    rolls = rolling(
         side.cover,
         side.roll,
         velocity=velocity[..., None],
@@ -254,19 +307,48 @@ def _side(
         model=model,
         rtol=rtol,
     )
-    total, error = (
-        xp.sum(xp.asarray(x) * count, axis=-1)
-        for x in (found.resistance, found.error * found.normal_force)
-    )
-    good = xp.all(xp.asarray(found.converged), axis=-1)
-    beyond = None if found.extrapolated is None else np.any(found.extrapolated, axis=-1)
-    said = dict(found.inputs).get("extrapolated")
+
+    def summed(of_rolls: Any) -> Any:
+        return xp.sum(xp.asarray(of_rolls) * count, axis=-1)
+
+    extrapolated = rolls.extrapolated
     return _Side(
-        total / side.spacing,
-        error / side.spacing,
-        good,
-        beyond,
-        said,
-        found.model,
-        found.plan,
+        summed(rolls.resistance) / side.spacing,
+        summed(rolls.error * rolls.normal_force) / side.spacing,
+        xp.all(xp.asarray(rolls.converged), axis=-1),
+        None if extrapolated is None else np.any(extrapolated, axis=-1),
+        dict(rolls.inputs).get("extrapolated"),
+        rolls.model,
+        rolls.plan,
     )
+
+
+def _any_extrapolated(*sides: _Side) -> Any:
+    """Where a side is outside the range of its cover, of those whose range is known."""
+    known = [side.extrapolated for side in sides if side.extrapolated is not None]
+    return np.logical_or.reduce(known) if known else None
+
+
+def _inputs_in_words(
+    carry: Idlers, back: Idlers, loaded: _Side, empty: _Side, given: dict[str, Any]
+) -> tuple[tuple[str, str], ...]:
+    inputs = []
+    for name, side in (("carry side", carry), ("return side", back)):
+        rolls = "1 roll" if side.shares.size == 1 else f"{side.shares.size} rolls"
+        cover = side.cover.name or "cover given directly"
+        spacing = brief(side.spacing, "m")
+        words = f"{cover}; {describe(side.roll)}; {rolls} every {spacing}"
+        inputs.append((name, words))
+    inputs += [
+        (name, brief(given[name], unit))
+        for name, unit in _UNITS.items()
+        if name in given
+    ]
+    extrapolated = [
+        f"{name}: {side.extrapolated_in_words}"
+        for name, side in (("carry", loaded), ("return", empty))
+        if side.extrapolated_in_words
+    ]
+    if extrapolated:
+        inputs.append(("extrapolated", "; ".join(extrapolated)))
+    return tuple(inputs)

@@ -1,5 +1,5 @@
-"""How warm a rolling body gets: the heat of its own resistance against what it gives
-off.
+"""The temperature of a rolling body: the heat of its own resistance against what it
+gives off.
 
 One temperature for the body, heat capacity C, losing heat through a conductance H to
 surroundings at T_a:
@@ -15,30 +15,35 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..arrays import fixed, on_numpy, xp
 from ..call.several_materials import over_materials
 from ..checks import (
+    Array,
     argmax,
     as_float64,
     ascending,
-    broadcast_shape,
+    broadcast,
     is_traced,
     nan_unless,
     not_negative,
     numpy_unless_traced,
     plain,
     positive,
+    significant,
 )
 from ..element.law import as_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError
-from ..results.words import brief
+from ..errors import ConvergenceWarning, InputError, warn
+from ..numerics.interpolation import halving_limit
+from ..results.axes import place_in_words
+from ..results.base import Result, quantity, record
+from ..results.words import brief, in_words
 from ..verbs.rolling import rolling
-from .heat_build_up_result import HeatBuildUp
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -47,16 +52,123 @@ if TYPE_CHECKING:
 # temperatures at which the steady state is looked for: two that lie between the same
 # ones are missed
 _SCAN = 257
-_NEAR = 5  # temperatures between the two on either side of it
-_WAY = 49  # temperatures between start and steady state, for the history
+_REFINED_SCAN = 5  # temperatures between the two on either side of it
+_HISTORY_NODES = 49  # temperatures between start and steady state
 # points up to which one program is compiled (`smooth.solve`): few bodies are computed
 # in such parts
-_TOGETHER = 64
-_FEW = 5  # bodies; of more, as many temperatures at a time as the history has
+_POINTS_AT_ONCE = 64
+_FEW_BODIES = 5  # of more, as many temperatures at a time as the history has
 # of the last Newton step, what it may leave: its slope is good to a few per cent
-_LEFT = 0.1
+_NEWTON_REMAINDER = 0.1
 # times rtol of the rise, the error up to which a temperature is handed out
-_REACHED = 10
+_ACCEPTED_ERROR = 10
+
+
+@record
+class HeatBuildUp(Result):
+    """Temperature of a rolling body heated by its own resistance; NaN with
+    `converged=False` where there is none.
+
+    Without a time `temperature`, `power` and `coefficient` are those of the steady
+    state. With one, the last axis of every field is time. `settling` is the time
+    constant with which the body approaches its steady temperature, C/(H - dP/dT); None
+    where no heat capacity was given. `plot` draws the temperature against time, or the
+    steady one against velocity.
+    """
+
+    time: Array | None = quantity(
+        "time", "s", "since the start at the ambient temperature", default=None
+    )
+    velocity: Array = quantity(
+        "velocity", "m/s", "rolling velocity v", axis="rolling velocity"
+    )
+    load: Array = quantity("normal force", "N", "F_N")
+    ambient: Array = quantity(
+        "ambient temperature", "K", "of the surroundings, T_a", shown="°C"
+    )
+    conductance: Array = quantity(
+        "conductance", "W/K", "H, from the body to its surroundings"
+    )
+    capacity: Array | None = quantity("heat capacity", "J/K", "C", default=None)
+    temperature: Array = quantity("temperature", "K", "T", shown="°C")
+    steady: Array = quantity(
+        "steady temperature", "K", "T of the steady state", shown="°C"
+    )
+    settling: Array | None = quantity(
+        "time constant", "s", "near the steady state", default=None
+    )
+    power: Array = quantity("dissipated power", "W", "at T")
+    coefficient: Array = quantity("rolling resistance coefficient", "-", "at T")
+    error: Array = quantity("estimated error of the temperature", "K")
+
+    title: ClassVar[str] = "Heat build-up by rolling resistance"
+    figure: ClassVar[str] = "plot_curves.draw_heat_build_up"
+    shows: ClassVar[str] = "temperature"
+    from_zero: ClassVar[bool] = False
+    error_of: ClassVar[str] = "the temperature"
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "time",
+        "velocity",
+        "load",
+        "ambient",
+        "conductance",
+        "capacity",
+    )
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The coldest and the warmest steady state."""
+        rise = np.asarray(self.steady - self.ambient)
+        if np.isfinite(rise).any():
+            for i in dict.fromkeys((int(np.nanargmin(rise)), int(np.nanargmax(rise)))):
+                yield self._steady_in_words(i, rise)
+
+    def _steady_in_words(self, i: int, rise: np.ndarray) -> tuple[str, str]:
+        """One steady state, and where it is."""
+        place = [in_words("velocity", float(np.ravel(self.velocity)[i]))]
+        index = np.unravel_index(i, rise.shape)
+        for axis, along in zip(self.axes(), index, strict=True):
+            if axis.values.size > 1 and axis.name not in ("velocity", "time"):
+                place.append(place_in_words(axis, int(along)))
+        return (
+            f"steady at {', '.join(place)}",
+            f"{in_words('temperature', float(np.ravel(self.steady)[i]))}, "
+            f"{significant(float(rise.ravel()[i]))} K above the surroundings",
+        )
+
+
+class _Body(NamedTuple):
+    """Rolling bodies, and what cools them; points broadcast."""
+
+    foundation: Any
+    shape: Any
+    velocity: Any
+    load: Any
+    ambient: Any  # T_a [K]
+    conductance: Any  # H [W/K]
+    model: Any
+    rtol: float
+
+    def roll(self, kelvin: Any, ignored: type[Warning] = Warning) -> Any:
+        """The rolling resistance at temperatures, without warnings of a class."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ignored)
+            return rolling(
+                self.foundation,
+                self.shape,
+                velocity=self.velocity,
+                load=self.load,
+                temperature=kelvin,
+                model=self.model,
+                rtol=self.rtol,
+            )
+
+
+class _SteadyState(NamedTuple):
+    temperature: Any  # [K]
+    error: Any  # [K]
+    converged: Any
+    stiffness: Any  # H - dP/dT [W/K]
+    rolling: Any  # the `RollingCurve` at the last iterate
 
 
 @over_materials
@@ -111,25 +223,51 @@ def heat_build_up(
     )
     if foundation.shift is None:
         raise InputError(
-            "material must have a shift law to warm up, got "
+            "material must have a shift law for heat build-up, got "
             f"{foundation.name or 'one without'}."
         )
-    given = {
-        "velocity": velocity,
-        "load": load,
-        "ambient": ambient,
-        "conductance": conductance,
-    }
-    if capacity is not None:
-        given["capacity"] = capacity
+    given = _checked(velocity, load, ambient, conductance, capacity, time)
+    highest = _highest_temperature(foundation, hottest, given["ambient"])
+    points = broadcast(**given)
+    heat = points.pop("capacity", None)
+    body = _Body(foundation, shape, **points, model=model, rtol=rtol)
+    # With a history it is said there what is not known of the material.
+    ignored = ConvergenceWarning if heat is None else Warning
+    state = _steady_state(body, highest, ignored)
+    if not is_traced(foundation, shape, *given.values()):
+        _warn_of_failures(state.converged, highest)
+    if heat is None:
+        return _without_history(body, state, given)
+    return _with_history(body, state, given, heat, time)
+
+
+def _checked(
+    velocity: Any, load: Any, ambient: Any, conductance: Any, capacity: Any, time: Any
+) -> dict[str, Any]:
+    """The arguments that are given, as arrays. Raises `InputError`."""
     if (time is None) != (capacity is None):
         raise InputError(
             "time and capacity belong together: give both for the history, or neither."
         )
-    arrays = {name: as_float64(name, value) for name, value in given.items()}
-    for name, value in arrays.items():
+    arguments = {
+        "velocity": velocity,
+        "load": load,
+        "ambient": ambient,
+        "conductance": conductance,
+        "capacity": capacity,
+    }
+    given = {
+        name: as_float64(name, value)
+        for name, value in arguments.items()
+        if value is not None
+    }
+    for name, value in given.items():
         positive(name, value)
-    together = broadcast_shape(**arrays)
+    return given
+
+
+def _highest_temperature(foundation: Any, hottest: Any, ambient: Any) -> float:
+    """The highest temperature to consider [K]. Raises `InputError`."""
     if hottest is None:
         if foundation.range is None or foundation.range.temperature is None:
             raise InputError(
@@ -137,217 +275,244 @@ def heat_build_up(
                 "temperature it holds."
             )
         hottest = foundation.range.temperature[1]
-    hottest = plain("hottest", hottest)
-    if (
-        not is_traced(arrays["ambient"])
-        and not (np.asarray(arrays["ambient"]) < hottest).all()
-    ):
+    highest = plain("hottest", hottest)
+    if not is_traced(ambient) and not (np.asarray(ambient) < highest).all():
         raise InputError(
-            f"ambient must be below hottest, {hottest:g} K, got "
-            f"{brief(arrays['ambient'], 'K')}."
+            f"ambient must be below hottest, {highest:g} K, got {brief(ambient, 'K')}."
         )
-    traced = is_traced(foundation, shape, *arrays.values())
-    v, f, ta, h = (
-        xp.broadcast_to(arrays[k], together)
-        for k in ("velocity", "load", "ambient", "conductance")
-    )
+    return highest
 
-    def run(kelvin: Any, ignored: type[Warning] = Warning) -> Any:
-        with warnings.catch_warnings():
-            # of temperatures on the way; those of the answer come below
-            warnings.simplefilter("ignore", ignored)
-            return rolling(
-                foundation,
-                shape,
-                velocity=v,
-                load=f,
-                temperature=kelvin,
-                model=model,
-                rtol=rtol,
-            )
 
-    low, high = _bracket(run, ta, h, hottest, _SCAN)
+def _steady_state(body: _Body, highest: float, ignored: type[Warning]) -> _SteadyState:
+    """Where P(T) = H (T - T_a): bracketed, then two steps of Newton's method, through
+    the last of which derivatives pass.
+    """
+    ambient, conductance = body.ambient, body.conductance
+    low, high = _bracket(body, ambient, highest, _SCAN)
     for _ in range(2):
-        low, high = _bracket(run, low, h, high, _NEAR, ta)
+        low, high = _bracket(body, low, high, _REFINED_SCAN)
     width = xp.where(high > low, high - low, 1.0)
-    ends = run(xp.stack([low, high]))
-    guess = low + (ends.power[0] - h * (low - ta)) / (
-        h - (ends.power[1] - ends.power[0]) / width
+    ends = body.roll(xp.stack([low, high]))
+    guess = low + (ends.power[0] - conductance * (low - ambient)) / (
+        conductance - (ends.power[1] - ends.power[0]) / width
     )
     # rubber may be so cold that its shift factor overflows
     guess = xp.where(xp.isfinite(guess), guess, low)
-    middle = xp.clip(xp.clip(guess, low, high), ta + width / 2, hottest - width / 2)
-    around = run(xp.stack([middle - width / 2, middle, middle + width / 2])).power
-    slope = fixed((around[2] - around[0]) / width)
-    guess = middle + (around[1] - h * (middle - ta)) / (h - slope)
+    middle = xp.clip(
+        xp.clip(guess, low, high), ambient + width / 2, highest - width / 2
+    )
+    around = body.roll(xp.stack([middle - width / 2, middle, middle + width / 2])).power
+    stiffness = conductance - fixed((around[2] - around[0]) / width)
+    guess = middle + (around[1] - conductance * (middle - ambient)) / stiffness
     guess = fixed(xp.clip(xp.where(xp.isfinite(guess), guess, low), low, high))
-    # The steady state itself may be beyond what is known of the material, and so may be
-    # the way to it.
-    at = run(guess, ConvergenceWarning if capacity is None else Warning)
-    step = (at.power - h * (guess - ta)) / fixed(h - slope)
+    at_guess = body.roll(guess, ignored)
+    heating = conductance * (guess - ambient)
+    step = (at_guess.power - heating) / fixed(stiffness)
     steady = guess + step
     error = fixed(
-        _LEFT * abs(step) + at.error / at.coefficient * h * (guess - ta) / (h - slope)
+        _NEWTON_REMAINDER * abs(step)
+        + at_guess.error
+        / at_guess.coefficient
+        * conductance
+        * (guess - ambient)
+        / stiffness
     )
-    good = at.converged & (error <= _REACHED * rtol * (steady - ta)) & (h > slope)
-    steady, error = (nan_unless(good, xp.asarray(x)) for x in (steady, error))
-    if not traced and not good.all():
-        text = (
-            f"no steady temperature below {hottest:g} K, or none that can be found; "
-            "they are NaN."
+    converged = (
+        at_guess.converged
+        & (error <= _ACCEPTED_ERROR * body.rtol * (steady - ambient))
+        & (stiffness > 0)
+    )
+    return _SteadyState(
+        nan_unless(converged, xp.asarray(steady)),
+        nan_unless(converged, xp.asarray(error)),
+        converged,
+        fixed(stiffness),
+        at_guess,
+    )
+
+
+def _warn_of_failures(converged: Any, highest: float) -> None:
+    if not converged.all():
+        warn(
+            f"{int((~converged).sum())} of {converged.size} points have no steady "
+            f"temperature below {highest:g} K, or none that can be found; they are "
+            "NaN.",
+            ConvergenceWarning,
         )
-        text = f"{int((~good).sum())} of {good.size} points have {text}"
-        warnings.warn(text, ConvergenceWarning, stacklevel=3)
-    power = h * (steady - ta)
-    fields: dict[str, Any] = {
-        "velocity": v,
-        "load": f,
-        "ambient": ta,
-        "conductance": h,
-        "steady": steady,
-        "error": error,
-    }
-    fields["capacity"] = fields["settling"] = None
-    now: dict[str, Any] = {"temperature": steady, "power": power, "time": None}
-    beyond = at
-    if capacity is not None:
-        heat = xp.broadcast_to(arrays["capacity"], together)
-        fields["capacity"] = heat
-        fields["settling"] = heat / fixed(h - slope)
-        instants = as_float64("time", time)
-        if instants.ndim != 1:
-            raise InputError(
-                f"time must be a list of instants, got shape {instants.shape}."
-            )
-        ascending("time", instants)
-        not_negative("time", instants)
-        kelvin, flow, off, beyond = _history(run, ta, steady, h, heat, instants)
-        fields = {
-            k: x if x is None else xp.broadcast_to(x[..., None], kelvin.shape)
-            for k, x in fields.items()
-        }
-        fields["error"] = fields["error"] + off
-        good = xp.broadcast_to(good[..., None], kelvin.shape)
-        now = {
-            "temperature": kelvin,
-            "power": flow,
-            "time": xp.broadcast_to(instants, kelvin.shape),
-        }
-    inputs = [pair for pair in beyond.inputs if pair[0] != "temperature"]
-    inputs[-1:-1] = [
-        ("ambient", brief(arrays["ambient"], "K")),
-        ("conductance", brief(arrays["conductance"], "W/K")),
-    ]
-    if capacity is not None:
-        inputs.insert(-1, ("heat capacity", brief(arrays["capacity"], "J/K")))
+
+
+def _without_history(
+    body: _Body, state: _SteadyState, given: dict[str, Any]
+) -> HeatBuildUp:
+    power = body.conductance * (state.temperature - body.ambient)
     return HeatBuildUp(
-        **now,
-        **fields,
-        converged=good,
-        coefficient=now["power"] / (fields["velocity"] * fields["load"]),
-        extrapolated=_since_the_start(beyond.extrapolated, capacity is not None),
-        model=at.model,
-        plan=at.plan,
-        inputs=tuple(inputs),
+        velocity=body.velocity,
+        load=body.load,
+        ambient=body.ambient,
+        conductance=body.conductance,
+        steady=state.temperature,
+        error=state.error,
+        temperature=state.temperature,
+        power=power,
+        converged=state.converged,
+        coefficient=power / (body.velocity * body.load),
+        extrapolated=state.rolling.extrapolated,
+        model=state.rolling.model,
+        plan=state.rolling.plan,
+        inputs=_inputs_in_words(state.rolling.inputs, given),
     )
 
 
-def _since_the_start(extrapolated: Any, history: bool) -> Any:
-    """Of a history, along whose first axis it comes: what was beyond the range once has
-    heated all that follows.
+def _with_history(
+    body: _Body, state: _SteadyState, given: dict[str, Any], heat: Any, time: Any
+) -> HeatBuildUp:
+    """The result with an axis of time, the last one. Raises `InputError` for a time
+    that is no list of instants.
     """
-    if extrapolated is None or not history:
-        return extrapolated
-    return np.moveaxis(np.logical_or.accumulate(extrapolated, axis=0), 0, -1)
+    instants = as_float64("time", time)
+    if instants.ndim != 1:
+        raise InputError(
+            f"time must be a list of instants, got shape {instants.shape}."
+        )
+    ascending("time", instants)
+    not_negative("time", instants)
+    kelvin, power, error, way = _history(body, state.temperature, heat, instants)
+
+    def over_time(values: Any) -> Any:
+        return xp.broadcast_to(values[..., None], kelvin.shape)
+
+    velocity, load = over_time(body.velocity), over_time(body.load)
+    extrapolated = way.extrapolated
+    if extrapolated is not None:
+        # what was outside the range once has heated all that follows
+        since_start = np.logical_or.accumulate(extrapolated, axis=0)
+        extrapolated = np.moveaxis(since_start, 0, -1)
+    return HeatBuildUp(
+        velocity=velocity,
+        load=load,
+        ambient=over_time(body.ambient),
+        conductance=over_time(body.conductance),
+        capacity=over_time(heat),
+        settling=over_time(heat / state.stiffness),
+        steady=over_time(state.temperature),
+        error=over_time(state.error) + error,
+        temperature=kelvin,
+        power=power,
+        time=xp.broadcast_to(instants, kelvin.shape),
+        converged=over_time(state.converged),
+        coefficient=power / (velocity * load),
+        extrapolated=extrapolated,
+        model=state.rolling.model,
+        plan=state.rolling.plan,
+        inputs=_inputs_in_words(way.inputs, given),
+    )
 
 
-def _bracket(
-    run: Any, low: Any, h: Any, high: Any, count: int, ambient: Any = None
-) -> tuple[Any, Any]:
+def _inputs_in_words(
+    of_rolling: tuple[tuple[str, str], ...], given: dict[str, Any]
+) -> tuple[tuple[str, str], ...]:
+    """The inputs of rolling but its temperature, those of the heat before the last."""
+    inputs = [pair for pair in of_rolling if pair[0] != "temperature"]
+    inputs[-1:-1] = [
+        (words, brief(given[name], unit))
+        for name, words, unit in (
+            ("ambient", "ambient", "K"),
+            ("conductance", "conductance", "W/K"),
+            ("capacity", "heat capacity", "J/K"),
+        )
+        if name in given
+    ]
+    return tuple(inputs)
+
+
+def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any]:
     """The two neighbours, of `count` temperatures from low to high, between which the
     body stops warming up.
     """
-    ambient = low if ambient is None else ambient
-    part = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
-    kelvin = fixed(low + part * (high - low))
-    power = fixed(_powers(run, kelvin))
+    share = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
+    kelvin = fixed(low + share * (high - low))
+    power = fixed(_powers(body, kelvin))
     # NaN ends the search, and the point is found not to be met
-    colder = ~(power - h * (kelvin - ambient) > 0)
-    colder = xp.concatenate(
-        [xp.zeros_like(colder[:1]), colder[1:-1], xp.ones_like(colder[:1])]
+    cools = ~(power - body.conductance * (kelvin - body.ambient) > 0)
+    cools = xp.concatenate(
+        [xp.zeros_like(cools[:1]), cools[1:-1], xp.ones_like(cools[:1])]
     )
-    index = np.argmax(colder, axis=0)[None] if on_numpy() else argmax(colder)[None]
+    index = np.argmax(cools, axis=0)[None] if on_numpy() else argmax(cools)[None]
     kelvin = xp.asarray(kelvin)
-    return tuple(xp.take_along_axis(kelvin, index - i, axis=0)[0] for i in (1, 0))  # type: ignore[return-value]
+    below = xp.take_along_axis(kelvin, index - 1, axis=0)[0]
+    return below, xp.take_along_axis(kelvin, index, axis=0)[0]
 
 
-def _powers(run: Any, kelvin: Any) -> Any:
+def _powers(body: _Body, kelvin: Any) -> Any:
     """Power at temperatures along the first axis, in parts of a size that is compiled
     once: that takes far longer.
     """
     bodies = max(1, math.prod(np.shape(kelvin)[1:]))
-    each = _TOGETHER // bodies if bodies <= _FEW else _WAY
-    parts = -(-kelvin.shape[0] // each)
+    at_once = _POINTS_AT_ONCE // bodies if bodies <= _FEW_BODIES else _HISTORY_NODES
+    parts = -(-kelvin.shape[0] // at_once)
     if not on_numpy() or parts == 1:
-        return run(kelvin).power
+        return body.roll(kelvin).power
     power = np.empty(kelvin.shape)
     # each part from end to end, so that one spectrum is carried in all of them
     for i in range(parts):
-        power[i::parts] = run(kelvin[i::parts]).power
+        power[i::parts] = body.roll(kelvin[i::parts]).power
     return power
 
 
 def _history(
-    run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any
+    body: _Body, steady: Any, heat: Any, time: Any
 ) -> tuple[Any, Any, Any, Any]:
     """Temperature and power at the instants, the error of the temperature, by every
     second node, and the rolling there.
-
-    Between two nodes the net heat flow N = P - H (T - T_a) is taken as linear in T, so
-    that the time from one to the other is C (T' - T)/(N - N') ln(N/N'), and T within is
-    an exponential in time.
     """
-    part = np.linspace(0.0, 1.0, _WAY).reshape(-1, *[1] * np.ndim(ambient))
+    ambient = body.ambient
+    share = np.linspace(0.0, 1.0, _HISTORY_NODES).reshape(-1, *[1] * np.ndim(ambient))
     top = xp.where(xp.isfinite(steady), steady, ambient + 1.0)
-    kelvin = ambient + part * (top - ambient)
-    net = xp.asarray(_powers(run, kelvin)) - h * (kelvin - ambient)
+    kelvin = ambient + share * (top - ambient)
+    net = xp.asarray(_powers(body, kelvin)) - body.conductance * (kelvin - ambient)
     # at the steady state by definition
     net = xp.concatenate([net[:-1], xp.zeros_like(net[:1])])
-
-    def follow(kelvin: Any, net: Any) -> Any:
-        slope = (net[1:] - net[:-1]) / (kelvin[1:] - kelvin[:-1])
-        small = abs(slope) * (kelvin[1:] - kelvin[:-1]) < 1e-9 * net[:-1]
-        safe = xp.where(small, 1.0, slope)
-        ratio = net[1:] / net[:-1]
-        log = xp.log(xp.where(ratio > 0, ratio, 1.0))
-        # the last never ends
-        spent = (
-            heat
-            * xp.where(small, (kelvin[1:] - kelvin[:-1]) / net[:-1], log / safe)[:-1]
-        )
-        starts = xp.concatenate([xp.zeros_like(spent[:1]), xp.cumsum(spent, axis=0)])
-        since = time - starts[..., None]  # nodes, points, instants
-        index = xp.maximum(xp.sum(since >= 0, axis=0) - 1, 0)[None]
-
-        def pick(field: Any) -> Any:
-            return xp.take_along_axis(
-                xp.broadcast_to(field[..., None], since.shape), index, axis=0
-            )[0]
-
-        gone, begin = xp.take_along_axis(since, index, axis=0)[0], pick(kelvin[:-1])
-        flow, rate = pick(net[:-1]), pick(safe) / heat[..., None]
-        rise = xp.where(
-            pick(small),
-            flow * gone / heat[..., None],
-            flow / pick(safe) * xp.expm1(rate * gone),
-        )
-        return begin + rise
-
-    fine, coarse = follow(kelvin, net), follow(kelvin[::2], net[::2])
+    fine = _follow(kelvin, net, heat, time)
+    coarse = _follow(kelvin[::2], net[::2], heat, time)
     known = xp.isfinite(steady)[..., None]
-    fine = fine + (fine - coarse) / 3
+    fine = halving_limit(coarse, fine)
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
-    way = run(xp.moveaxis(fine, -1, 0), ConvergenceWarning)
+    way = body.roll(xp.moveaxis(fine, -1, 0), ConvergenceWarning)
     power = xp.asarray(xp.moveaxis(way.power, 0, -1))
-    off = fixed(abs(fine - coarse))
-    return *(nan_unless(known, x) for x in (fine, power, off)), way
+    error = fixed(abs(fine - coarse))
+    return *(nan_unless(known, x) for x in (fine, power, error)), way
+
+
+def _follow(kelvin: Any, net: Any, heat: Any, time: Any) -> Any:
+    """Temperature at the instants, from the net heat flow N = P - H (T - T_a) at nodes
+    along the first axis.
+
+    Between two nodes N is taken as linear in T, so that the time from one to the other
+    is C (T' - T)/(N - N') ln(N/N'), and T within is an exponential in time.
+    """
+    slope = (net[1:] - net[:-1]) / (kelvin[1:] - kelvin[:-1])
+    small = abs(slope) * (kelvin[1:] - kelvin[:-1]) < 1e-9 * net[:-1]
+    safe = xp.where(small, 1.0, slope)
+    ratio = net[1:] / net[:-1]
+    log = xp.log(xp.where(ratio > 0, ratio, 1.0))
+    # the last never ends
+    spent = (
+        heat * xp.where(small, (kelvin[1:] - kelvin[:-1]) / net[:-1], log / safe)[:-1]
+    )
+    starts = xp.concatenate([xp.zeros_like(spent[:1]), xp.cumsum(spent, axis=0)])
+    since = time - starts[..., None]  # nodes, points, instants
+    index = xp.maximum(xp.sum(since >= 0, axis=0) - 1, 0)[None]
+
+    def pick(field: Any) -> Any:
+        return xp.take_along_axis(
+            xp.broadcast_to(field[..., None], since.shape), index, axis=0
+        )[0]
+
+    elapsed, begin = xp.take_along_axis(since, index, axis=0)[0], pick(kelvin[:-1])
+    flow, rate = pick(net[:-1]), pick(safe) / heat[..., None]
+    rise = xp.where(
+        pick(small),
+        flow * elapsed / heat[..., None],
+        flow / pick(safe) * xp.expm1(rate * elapsed),
+    )
+    return begin + rise

@@ -13,16 +13,26 @@ sqrt(k/m). Slower, the rubber's memory of the waves decides: `em.drive`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ..arrays import fixed, is_traced, numpy_unless_traced, xp
-from ..checks import as_float64, ascending, not_negative, positive, scalar
+from ..checks import (
+    Array,
+    as_float64,
+    ascending,
+    not_negative,
+    positive,
+    scalar,
+    significant,
+)
 from ..errors import InputError
-from ..results.words import brief
-from ..transient.mount import Mount
-from .stability_result import Stability
+from ..results.axes import Axis
+from ..results.base import Result, quantity, record
+from ..results.words import brief, in_words, span
+from ..transient.body_motion import Mount
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number
@@ -32,6 +42,175 @@ MODEL = (
     "the swing)"
 )
 PLAN = "closed form; slopes by central differences in ln V"
+_LISTED = 6  # curves that a summary lists one by one
+_SAME_VELOCITY = 1e-9  # relative
+
+
+@record
+class Stability(Result):
+    """Damping of a drive about steady sliding, for each velocity; the last axis is that
+    of the velocities.
+
+    Where `follows` is False the ratio decides nothing. A velocity at which the force is
+    not known, or beside one, is NaN with `converged=False`. `plot` draws the ratio,
+    dotted where it decides nothing, the unstable range shaded.
+    """
+
+    velocity: Array = quantity(
+        "velocity", "m/s", "V of the drive", axis="velocity of the drive"
+    )
+    force: Array = quantity("friction force", "N", "F(V), as given")
+    slope: Array = quantity("slope of the friction force", "N s/m", "F'(V)")
+    ratio: Array = quantity(
+        "damping ratio",
+        "-",
+        "zeta; below zero swings grow",
+        axis=r"damping ratio $\zeta$",
+    )
+    follows: Array = quantity(
+        "friction follows the speed at once",
+        "",
+        "V > lambda sqrt(k/m); where it does not, ask em.drive",
+    )
+    error: Array = quantity(
+        "estimated error of the damping ratio",
+        "-",
+        "by the differences; NaN for fewer than five velocities together",
+    )
+    slowest: Array = quantity(
+        "slowest velocity that friction follows", "m/s", "lambda sqrt(k/m)", dims=""
+    )
+
+    title: ClassVar[str] = "Stability of a drive"
+    figure: ClassVar[str] = "plot_curves.draw_stability"
+    shows: ClassVar[str] = "ratio"
+    scale: ClassVar[str] = "log"
+    from_zero: ClassVar[bool] = False
+    error_of: ClassVar[str] = "the damping ratio"
+    unflagged: ClassVar[str] = (
+        "does not enter: the forces are given, what they are extrapolated from is not "
+        "seen"
+    )
+
+    def axes(self) -> list[Axis]:
+        """The axes of the fields by name, with their values; a force that is the same
+        at all velocities names one.
+        """
+        return [
+            axis._replace(name="friction_force") if axis.name == "load" else axis
+            for axis in super().axes()
+        ]
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """From which velocity on the ratio decides, the least ratio there, and where
+        swings grow.
+        """
+        slowest = float(self.slowest)
+        yield (
+            "valid",
+            f"above {in_words('velocity', slowest)}; for slower sliding use em.drive",
+        )
+        fields = {q.key: value for q, value in self.fields().items()}
+        for curve in self.curves()[1][:_LISTED]:
+            velocity, force, ratio, follows = (
+                fields[key][curve.at]
+                for key in ("velocity", "force", "ratio", "follows")
+            )
+            counts = follows & np.isfinite(ratio)
+            name = "at " + curve.label if curve.label else "result"
+            yield name, _least_ratio_in_words(velocity, ratio, counts, slowest)
+            yield (
+                "stick-slip",
+                _stick_slip_in_words(velocity, force, ratio, counts, slowest),
+            )
+        yield from self._unknown_forces(fields)
+
+    def _unknown_forces(self, fields: dict[str, Any]) -> Iterator[tuple[str, str]]:
+        """How many forces are not known, and what that leaves out."""
+        holes = np.isnan(fields["force"])
+        if not holes.any():
+            return
+        words = (
+            f"{holes.sum()} of {holes.size} forces; the ratio there and beside them "
+            "is left out"
+        )
+        without_error = fields["converged"] & np.isnan(fields["error"])
+        if without_error.any():
+            words += f", and its error at {without_error.sum()} others"
+        yield "not known", words
+
+
+def unstable_ranges(
+    velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray, slowest: float
+) -> list[tuple[float, float]]:
+    """Ranges of velocity in which swings grow, from where the ratio crosses zero,
+    linear in ln V in between.
+
+    One that begins below `slowest`, from which on the ratio counts, begins there.
+    """
+    ranges: list[tuple[float, float]] = []
+    x = np.log(velocity)
+    for i in np.flatnonzero(counts & (ratio < 0)):
+        ends = []
+        for j in (i - 1, i + 1):
+            known = 0 <= j < ratio.size and np.isfinite(ratio[j])
+            if known and ratio[j] >= 0:
+                crossing = x[i] + (x[j] - x[i]) * ratio[i] / (ratio[i] - ratio[j])
+                ends.append(max(crossing, np.log(slowest)))
+            else:
+                ends.append(np.log(slowest) if known and not counts[j] else x[i])
+        low, high = (float(np.exp(end)) for end in ends)
+        if ranges and i > 0 and counts[i - 1] and ratio[i - 1] < 0:
+            low = ranges.pop()[0]
+        ranges.append((low, high))
+    return ranges
+
+
+def _stick_slip_in_words(
+    velocity: np.ndarray,
+    force: np.ndarray,
+    ratio: np.ndarray,
+    counts: np.ndarray,
+    slowest: float,
+) -> str:
+    """Yes or no, and the friction force there."""
+    limit = in_words("velocity", slowest)
+    if not counts.any():
+        return (
+            f"not decided: friction follows the speed only above {limit}; use em.drive"
+        )
+    ranges = unstable_ranges(velocity, ratio, counts, slowest)
+    if not ranges:
+        forces = span(force[counts], "N")
+        return f"no, above {limit}: swings die out; friction {forces}"
+    forces = span(force[counts & (ratio < 0)], "N")
+    return f"yes, {_ranges_in_words(ranges, slowest)}: swings grow; friction {forces}"
+
+
+def _least_ratio_in_words(
+    velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray, slowest: float
+) -> str:
+    if not counts.any():
+        return "the ratio decides at none of these velocities"
+    least = np.flatnonzero(counts)[ratio[counts].argmin()]
+    place = in_words("velocity", float(velocity[least]))
+    words = f"damping ratio at least {significant(float(ratio[least]))}, at {place}: "
+    ranges = unstable_ranges(velocity, ratio, counts, slowest)
+    if not ranges:
+        return words + "swings die out"
+    return f"{words}swings grow {_ranges_in_words(ranges, slowest)}"
+
+
+def _ranges_in_words(ranges: list[tuple[float, float]], slowest: float) -> str:
+    return " and ".join(_range_in_words(low, high, slowest) for low, high in ranges)
+
+
+def _range_in_words(low: float, high: float, slowest: float) -> str:
+    if low <= slowest * (1 + _SAME_VELOCITY):
+        return f"from below {significant(slowest)} to {significant(high)} m/s"
+    if low == high:
+        return f"at {in_words('velocity', low)}"
+    return f"at {significant(low)} to {significant(high)} m/s"
 
 
 @numpy_unless_traced
@@ -65,78 +244,96 @@ def stability(
 
     Source: `docs/seal.md`.
     """
+    mass, stiffness, damping = _checked_mount(mount)
+    longest = scalar("wavelength", wavelength)
+    positive("wavelength", longest)
+    v, friction = _checked_curve(velocity, force)
+    x = xp.log(v)
+    secants, dF_dlnV = _slopes(x, friction)
+    slope = dF_dlnV / v
+    critical_damping = 2 * xp.sqrt(stiffness * mass)
+    slowest = longest * xp.sqrt(stiffness / mass)
+    ratio = (damping + slope) / critical_damping
+    everywhere = xp.broadcast_to(v, slope.shape)
+    mount_in_words = ", ".join(
+        brief(value, unit)
+        for value, unit in ((mass, "kg"), (stiffness, "N/m"), (damping, "N s/m"))
+    )
+    return Stability(
+        velocity=everywhere,
+        force=friction,
+        slope=slope,
+        ratio=ratio,
+        follows=everywhere > slowest,
+        error=fixed(_slope_error(x, secants, dF_dlnV) / v / critical_damping),
+        converged=xp.isfinite(ratio),
+        slowest=slowest,
+        model=MODEL,
+        plan=PLAN,
+        inputs=(
+            ("mount", mount_in_words),
+            ("velocity", brief(v, "m/s")),
+            ("longest wave", brief(longest, "m")),
+        ),
+    )
+
+
+def _checked_mount(mount: Any) -> tuple[Array, Array, Array]:
+    """Mass, stiffness and damping. Raises `InputError`."""
     if not isinstance(mount, Mount):
         raise InputError(
             f"mount must be an em.Mount(mass, stiffness, damping), got {mount!r}."
         )
     mass, stiffness, damping = (
-        scalar(f"mount {k}", getattr(mount, k))
-        for k in ("mass", "stiffness", "damping")
+        scalar(f"mount {name}", getattr(mount, name))
+        for name in ("mass", "stiffness", "damping")
     )
     positive("mount mass", mass)
     positive("mount stiffness", stiffness)
     not_negative("mount damping", damping)
-    longest = scalar("wavelength", wavelength)
-    positive("wavelength", longest)
-    v, drag = as_float64("velocity", velocity), as_float64("force", force)
+    return mass, stiffness, damping
+
+
+def _checked_curve(velocity: Any, force: Any) -> tuple[Array, Array]:
+    """Velocities and forces that match. Raises `InputError`."""
+    v, friction = as_float64("velocity", velocity), as_float64("force", force)
     if v.ndim != 1 or v.size < 3:
         raise InputError(
-            "velocity must be a list of three values or more, got an array of "
-            "shape "
+            "velocity must be a list of three values or more, got an array of shape "
             f"{v.shape}."
         )
     positive("velocity", v)
     ascending("velocity", v)
-    if drag.ndim < 1 or drag.shape[-1] != v.size:
+    if friction.ndim < 1 or friction.shape[-1] != v.size:
         raise InputError(
             f"force must have one value for each of the {v.size} velocities, got "
-            f"shape {drag.shape}."
+            f"shape {friction.shape}."
         )
-    if not is_traced(drag) and np.isinf(drag).any():
+    if not is_traced(friction) and np.isinf(friction).any():
         raise InputError(
             "force must be finite, or NaN where it is not known, got "
-            f"{drag[np.isinf(drag)][0]:g}."
+            f"{friction[np.isinf(friction)][0]:g}."
         )
-    at = xp.log(v)
-    step = at[1:] - at[:-1]
-    rise = (drag[..., 1:] - drag[..., :-1]) / step
-    near = (rise[..., :-1] * step[1:] + rise[..., 1:] * step[:-1]) / (
+    return v, friction
+
+
+def _slopes(x: Any, friction: Any) -> tuple[Any, Any]:
+    """Slopes of the secants between neighbours, and dF/dx at the points by parabolas
+    through three of them.
+    """
+    step = x[1:] - x[:-1]
+    secants = (friction[..., 1:] - friction[..., :-1]) / step
+    inner = (secants[..., :-1] * step[1:] + secants[..., 1:] * step[:-1]) / (
         step[:-1] + step[1:]
     )
-    # A parabola through three points ends like this:
-    ends = 2 * rise[..., :1] - near[..., :1], 2 * rise[..., -1:] - near[..., -1:]
-    raised = xp.concatenate([ends[0], near, ends[1]], axis=-1)  # dF/d ln V
-    slope = raised / v
-    root = 2 * xp.sqrt(stiffness * mass)
-    slowest = longest * xp.sqrt(stiffness / mass)
-    ratio = (damping + slope) / root
-    everywhere = xp.broadcast_to(v, slope.shape)
-    mounted = ", ".join(
-        brief(x, unit)
-        for x, unit in ((mass, "kg"), (stiffness, "N/m"), (damping, "N s/m"))
-    )
-    inputs = (
-        ("mount", mounted),
-        ("velocity", brief(v, "m/s")),
-        ("longest wave", brief(longest, "m")),
-    )
-    return Stability(
-        velocity=everywhere,
-        force=drag,
-        slope=slope,
-        ratio=ratio,
-        follows=everywhere > slowest,
-        error=fixed(_missed(at, rise, raised) / v / root),
-        converged=xp.isfinite(ratio),
-        slowest=slowest,
-        model=MODEL,
-        plan=PLAN,
-        inputs=inputs,
-    )
+    # a parabola through three points ends like this
+    first = 2 * secants[..., :1] - inner[..., :1]
+    last = 2 * secants[..., -1:] - inner[..., -1:]
+    return secants, xp.concatenate([first, inner, last], axis=-1)
 
 
-def _missed(at: Any, rise: Any, raised: Any) -> Any:
-    """Estimated error of dF/d ln V: two to four times the term that a parabola through
+def _slope_error(x: Any, secants: Any, dF_dx: Any) -> Any:
+    """Estimated error of dF/dx: two to four times the term that a parabola through
     three points leaves out.
 
     That term is (x - x_1)(x - x_2) F[x_0, x_1, x_2, x_3], with the largest third
@@ -145,20 +342,22 @@ def _missed(at: Any, rise: Any, raised: Any) -> Any:
     it are as large again, and four times are taken. NaN for fewer than five velocities,
     or where holes in the force leave no third difference.
     """
-    n = at.shape[0]
+    n = x.shape[0]
     if n < 5:
-        return xp.full_like(raised, xp.nan)
-    bend = (rise[..., 1:] - rise[..., :-1]) / (at[2:] - at[:-2])
+        return xp.full_like(dF_dx, xp.nan)
+    second = (secants[..., 1:] - secants[..., :-1]) / (x[2:] - x[:-2])
     # of the points i to i + 3
-    third = xp.abs((bend[..., 1:] - bend[..., :-1]) / (at[3:] - at[:-3]))
+    third = xp.abs((second[..., 1:] - second[..., :-1]) / (x[3:] - x[:-3]))
     none = xp.full((*third.shape[:-1], 4), xp.nan)
     padded = xp.concatenate([none, third, none], axis=-1)
     largest = padded[..., :n]
     for i in range(1, 6):
         largest = xp.fmax(largest, padded[..., i : i + n])
-    ends = (at[1] - at[0]) * (at[2] - at[0]), (at[-1] - at[-2]) * (at[-1] - at[-3])
-    middle = (at[1:-1] - at[:-2]) * (at[2:] - at[1:-1])
-    # NaN where the slope is
-    left = xp.concatenate([ends[0][None], middle, ends[1][None]]) * largest + 0 * raised
-    part = left / xp.maximum(xp.maximum(left, xp.abs(raised)), np.finfo(float).tiny)
-    return 2 * left * (1 + part)
+    first = (x[1] - x[0]) * (x[2] - x[0])
+    last = (x[-1] - x[-2]) * (x[-1] - x[-3])
+    inner = (x[1:-1] - x[:-2]) * (x[2:] - x[1:-1])
+    factors = xp.concatenate([first[None], inner, last[None]])
+    left_out = factors * largest + 0 * dF_dx  # NaN where the slope is
+    larger = xp.maximum(left_out, xp.abs(dF_dx))
+    share = left_out / xp.maximum(larger, np.finfo(float).tiny)
+    return 2 * left_out * (1 + share)

@@ -4,13 +4,12 @@ that is said.
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..checks import is_traced
-from ..errors import ExtrapolationWarning
+from ..errors import ExtrapolationWarning, warn
 from ..material.validity import Range
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
@@ -34,23 +33,21 @@ class Beyond(NamedTuple):
 NOT_KNOWN = Beyond(None, ())
 
 
-def told(points: np.ndarray, what: str, illustrative: bool, stacklevel: int) -> Beyond:
-    """Says what lies beyond, with a warning from so many frames up, unless the range is
-    an assumption only.
-    """
+def told(points: np.ndarray, what: str, illustrative: bool) -> Beyond:
+    """Says what lies beyond, with a warning unless the range is an assumption only."""
     if not points.any():
         return Beyond(points, ())
-    said = (
+    sentence = (
         f"{int(points.sum())} of {points.size} points lie beyond the range of the "
         f"material: {what}"
     )
     if not illustrative:
-        warnings.warn(f"{said}.", ExtrapolationWarning, stacklevel=stacklevel + 1)
-    return Beyond(points, (("extrapolated", said),))
+        warn(f"{sentence}.", ExtrapolationWarning)
+    return Beyond(points, (("extrapolated", sentence),))
 
 
 def steady_beyond(
-    known: Range | None, reduced: Any, size: Any, temperature: Any, *, stacklevel: int
+    known: Range | None, reduced: Any, size: Any, temperature: Any
 ) -> Beyond:
     """Passages at the velocities `reduced` = v a_T [m/s] of contacts of half the length
     `size` [m].
@@ -64,11 +61,11 @@ def steady_beyond(
     rate = np.asarray(2 * reduced / size)
     points = known.outside(rate, temperature)
     what = "; ".join(known.findings(rate, temperature)) if points.any() else ""
-    return told(points, what, known.illustrative, stacklevel + 1)
+    return told(points, what, known.illustrative)
 
 
 def held_beyond(
-    known: Range | None, time: Any, temperature: Any, factor: Any, *, stacklevel: int
+    known: Range | None, time: Any, temperature: Any, factor: Any
 ) -> Beyond:
     """What is put on at once and held for a `time` [s], or without one for ever, at
     points of one shape.
@@ -83,7 +80,7 @@ def held_beyond(
     points = known.outside(rate, kelvin)
     of = "held for ever, 1/t" if time is None else "a_T/t to 4 a_T/t, t the time held,"
     what = "; ".join(known.findings(rate, kelvin, of)) if points.any() else ""
-    return told(points, what, known.illustrative, stacklevel + 1)
+    return told(points, what, known.illustrative)
 
 
 def excited_outside(
@@ -118,8 +115,6 @@ def rough_beyond(
     outside: np.ndarray | None,
     temperature: Any,
     shape: tuple[int, ...],
-    *,
-    stacklevel: int,
 ) -> Beyond:
     """Points where more than a tenth of the slope is excited `outside`, or at a
     temperature that was not measured.
@@ -135,4 +130,4 @@ def rough_beyond(
         what.append(f"{most} is excited beyond the frequencies of the material's data")
     if outside is None and known.temperature is None and not known.beyond:
         return NOT_KNOWN
-    return told(points, "; ".join(what), known.illustrative, stacklevel + 1)
+    return told(points, "; ".join(what), known.illustrative)

@@ -2,10 +2,9 @@
 default of the shape.
 """
 
-import warnings
 from typing import Any, TypeGuard
 
-from ..errors import InputError, ModelWarning
+from ..errors import InputError, ModelWarning, warn
 from ..models import Averaged, HalfSpace, Line, Model, Multiscale, as_model
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
@@ -112,13 +111,12 @@ def hint_at_line(model: Any, surface: Any, **given: Any) -> None:
     unit = (
         "a force per length of line [N/m]" if name == "load" else "the depth of a line"
     )
-    warnings.warn(
+    warn(
         f"{name} on a surface is {unit}, and is computed with em.Line(), whose "
         "friction may be fifty times too low: give pressure= [Pa], the load over the "
         "nominal area, for em.Multiscale(), or model=em.Line() where the line is meant "
         '(in a scene model = "line").',
         ModelWarning,
-        stacklevel=6,
     )
 
 

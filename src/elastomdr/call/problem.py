@@ -9,14 +9,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..checks import as_float64, broadcast_shape, is_traced, only_one, positive
-from ..errors import InputError
-from ..material.vertical import thermal_factors
+from ..checks import (
+    as_float64,
+    broadcast_shape,
+    is_traced,
+    only_one,
+    positive,
+    possible,
+)
+from ..errors import InputError, ModelWarning, warn
+from ..material.shift import thermal_factors
 from ..results.words import brief
+from ..surface.shapes import Paraboloid, Sphere
 
 # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _FASTEST = 1e60
 _UNITS = {"depth": "m", "pressure": "Pa"}
+
+_LARGEST = 2.0  # radius of a ball above which a hint is given [m]
 
 
 class Scene(NamedTuple):
@@ -98,16 +108,16 @@ def rough_scene(
     return steady_scene(foundation, surface, temperature=temperature, **given)
 
 
-def check_rtol(rtol: Any) -> None:
-    """Raises `InputError` unless it is a number that a steady scene can keep."""
+def check_rtol(rtol: Any, least: str = "1e-10", most: str = "1e-1") -> float:
+    """The tolerance as a number. Raises `InputError` unless it is one that the call can
+    keep.
+    """
     if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
         rtol = rtol.item()
-    if (
-        isinstance(rtol, bool)
-        or not isinstance(rtol, (int, float))
-        or not 1e-10 <= rtol <= 1e-1
-    ):
-        raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
+    number = isinstance(rtol, (int, float)) and not isinstance(rtol, bool)
+    if not number or not float(least) <= rtol <= float(most):
+        raise InputError(f"rtol must be a number from {least} to {most}, got {rtol!r}.")
+    return float(rtol)
 
 
 def check_carries(foundation: Any) -> None:
@@ -117,7 +127,7 @@ def check_carries(foundation: Any) -> None:
             "material must be a half-space under a rough surface, got a layer."
         )
     at_rest = foundation.complex_modulus(np.zeros(()))
-    if not is_traced(at_rest) and not float(np.real(at_rest)) > 0:
+    if not possible(lambda modulus: modulus.real > 0, at_rest):
         raise InputError(
             "material must have an equilibrium modulus under a rough surface, got 0: "
             "a liquid carries no steady load on a surface without end, since every "
@@ -136,3 +146,20 @@ def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
             f"{float(reduced[bad].flat[0]):.3g} m/s: too far from where "
             "the shift law was measured."
         )
+
+
+def hint_at_metres(shape: Any) -> None:
+    """Warns of a ball of more than two metres in radius."""
+    if (
+        not isinstance(shape, (Sphere, Paraboloid))
+        or is_traced(shape)
+        or not shape.radius > _LARGEST
+    ):
+        return
+    radius = float(shape.radius)
+    warn(
+        f"The radius of the {shape.label} is {radius:g} m. Radii are in metres: "
+        f"{radius:g} mm are {1e-3 * radius:g} m "
+        f'(in a scene "{radius:g} mm").',
+        ModelWarning,
+    )

@@ -14,8 +14,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
 from ..arrays import one_thread
-from ..errors import InputError
-from ..material.draws import Draws
+from ..errors import InputError, warn
+from ..material.validity import Draws
 from ..results.base import Result, distinct
 
 P = ParamSpec("P")
@@ -48,16 +48,14 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
     `material`, with their names.
     """
 
-    exact = "rtol" in inspect.signature(verb).parameters
+    takes_rtol = "rtol" in inspect.signature(verb).parameters
 
     @functools.wraps(verb)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         material = args[0] if args else kwargs.get("material")
-        shape = (
-            args[1]
-            if len(args) > 1
-            else next((kwargs[key] for key in _SHAPES if key in kwargs), None)
-        )
+        shape = args[1] if len(args) > 1 else None
+        if len(args) < 2:
+            shape = next((kwargs[key] for key in _SHAPES if key in kwargs), None)
         if isinstance(shape, Draws):
             material = _beside(shape, material)
         if not isinstance(material, (list, tuple)):
@@ -67,51 +65,70 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
                 "material must be a material or a list of one or more, got an "
                 "empty list."
             )
-        call: Callable[..., R] = verb
-        rest = {name: value for name, value in kwargs.items() if name != "material"}
-        drawn = None
-        if isinstance(material, Draws):
-            drawn = (
-                f"{len(material)} draws of {material.name or 'the material'}",
-                material.words,
-            )
-            rest |= {"rtol": rest.get("rtol", RTOL)} if exact else {}
+        named: dict[str, Any] = dict(kwargs)
+        if takes_rtol and isinstance(material, Draws):
+            named.setdefault("rtol", RTOL)
+        calls = [
+            _arguments(i, material, shape, args, named) for i in range(len(material))
+        ]
         names = [
             getattr(each, "name", "") or f"material {i}"
             for i, each in enumerate(material, 1)
         ]
-        results: list[Any] = []
-        with one_thread(), warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            said = []  # which material each warning is of
-            for i, (name, each) in enumerate(zip(names, material, strict=True)):
-                others = args[1:]
-                if isinstance(shape, Draws):
-                    others = (shape[i], *others[1:]) if others else ()
-                    rest |= {key: shape[i] for key in _SHAPES if key in kwargs}
-                try:
-                    results.append(call(each, *others, **rest))
-                except InputError as error:
-                    if i == 0 and not str(error).startswith("material"):
-                        raise  # of the other arguments
-                    raise InputError(
-                        f"material[{i}]{_called(each)}: {error}"
-                    ) from error
-                said += [drawn[0] if drawn else name] * (len(caught) - len(said))
-        _once(list(zip(said, caught, strict=True)), _TEXTS if drawn is None else 1)
-        first: Any = results[0]
-        together: Any = (
-            Plans(results, distinct(names))
-            if drawn is None
-            else Plans(results[:1], [f"one of {drawn[0]}"])
-        )
-        return (
-            first.stack(results, names, drawn)
-            if isinstance(results[0], Result)
-            else together
-        )
+        drawn = None
+        if isinstance(material, Draws):
+            what = f"{len(material)} draws of {material.name or 'the material'}"
+            drawn = (what, material.words)
+        return _packed(_computed(verb, calls, names, drawn), names, drawn)
 
     return wrapper
+
+
+def _arguments(
+    i: int, material: Sequence[Any], shape: Any, args: Any, kwargs: dict[str, Any]
+) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Those of the call for one material, and for one surface where these are drawn."""
+    others = args[1:]
+    named = {name: value for name, value in kwargs.items() if name != "material"}
+    if isinstance(shape, Draws):
+        others = (shape[i], *others[1:]) if others else ()
+        named |= {key: shape[i] for key in _SHAPES if key in named}
+    return (material[i], *others), named
+
+
+def _computed(
+    verb: Callable[..., Any],
+    calls: list[tuple[tuple[Any, ...], dict[str, Any]]],
+    names: list[str],
+    drawn: tuple[str, str] | None,
+) -> list[Any]:
+    """The results of all calls; their warnings are given out together."""
+    results: list[Any] = []
+    with one_thread(), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        of_whom: list[str] = []  # whose call gave each warning
+        for i, ((args, kwargs), name) in enumerate(zip(calls, names, strict=True)):
+            try:
+                results.append(verb(*args, **kwargs))
+            except InputError as error:
+                if i == 0 and not str(error).startswith("material"):
+                    raise  # of the other arguments
+                called = getattr(args[0], "name", "")
+                called = f" ({called})" if called else ""
+                raise InputError(f"material[{i}]{called}: {error}") from error
+            of_whom += [drawn[0] if drawn else name] * (len(caught) - len(of_whom))
+    of_each = list(zip(of_whom, caught, strict=True))
+    _warn_once(of_each, _TEXTS if drawn is None else 1)
+    return results
+
+
+def _packed(results: list[Any], names: list[str], drawn: tuple[str, str] | None) -> Any:
+    """One result with a first axis `material`, or all plans."""
+    if isinstance(results[0], Result):
+        return results[0].stack(results, names, drawn)
+    if drawn is None:
+        return Plans(results, distinct(names))
+    return Plans(results[:1], [f"one of {drawn[0]}"])
 
 
 def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
@@ -131,24 +148,18 @@ def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
     )
 
 
-def _called(material: Any) -> str:
-    name = getattr(material, "name", "")
-    return f" ({name})" if name else ""
-
-
-def _once(caught: list[tuple[str, warnings.WarningMessage]], most: int) -> None:
+def _warn_once(caught: list[tuple[str, warnings.WarningMessage]], most: int) -> None:
     """One warning of each category for all materials; what is said of all of them alike
     is said once.
     """
     of_category: dict[type[Warning], dict[str, list[str]]] = {}
-    for name, one in caught:
-        of_category.setdefault(one.category, {}).setdefault(
-            str(one.message), []
-        ).append(name)
+    for name, warning in caught:
+        texts = of_category.setdefault(warning.category, {})
+        texts.setdefault(str(warning.message), []).append(name)
     for category, texts in of_category.items():
         few = list(texts.items())[:most]
         said = "; ".join(
             f"{', '.join(dict.fromkeys(names))}: {text}" for text, names in few
         )
         said += f"; and {len(texts) - most} more" if len(texts) > most else ""
-        warnings.warn(said, category, stacklevel=3)
+        warn(said, category)

@@ -30,6 +30,10 @@ Indenter: TypeAlias = "AbstractShape"
 Surface: TypeAlias = "RoughLine | AbstractSpectrum"
 
 ModelName: TypeAlias = Literal[
-    "averaged", "line", "multiscale", "persson", "half-space"
+    "averaged",
+    "line",
+    "multiscale",
+    "persson",
+    "half-space",
 ]
 ModelLike: TypeAlias = "Model | ModelName"

@@ -1,5 +1,6 @@
-"""`elastomdr friction`, `rolling`, `indent`, `impact`, `slide`, `traction`: a scene to
-a table, a figure and more.
+"""What the commands do that compute a scene: `elastomdr friction`, `rolling`, `indent`,
+`impact`, `slide`, `traction` write a table, a figure and more; `compare` a ranking,
+`plan` what would be computed.
 """
 
 import argparse
@@ -8,6 +9,7 @@ import dataclasses
 import os
 import sys
 import tempfile
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,14 +17,16 @@ from typing import Any
 
 import elastomdr as em
 
-from ..errors import InputError
+from ..errors import InputError, warn
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
-from .parts import Bar, Parts
 from .scene import Scene, models_by_name
 from .schema import named, path_from
+from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
+_PATIENCE = 2.0  # seconds before a bar appears
+_WIDTH = 30  # of a bar
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
     "elastomdr's cache folder."
@@ -45,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         notes = f"# scene: {path.name}\n" + (
             f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
         )
-        files: dict[str, Callable[[Path], None]] = {
+        files: dict[str, Callable[[Path], object]] = {
             f"{stem}.csv": lambda to: _write_table(result, to, notes),
             f"{stem}.png": lambda to: _write_figure(result.plot(**shown), to),
         }
@@ -88,7 +92,7 @@ def output_folder(out: str) -> Path:
     return folder
 
 
-def write_all(folder: Path, files: dict[str, Callable[[Path], None]]) -> None:
+def write_all(folder: Path, files: dict[str, Callable[[Path], object]]) -> None:
     """Writes files by name, each by its function; all of them appear when they are
     complete, or none.
     """
@@ -166,7 +170,7 @@ def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str
                     '[mm/s]".'
                 ) from error
         for text in measured.report:
-            warnings.warn(text, em.ModelWarning, stacklevel=2)
+            warn(text, em.ModelWarning)
         shown["measured"] = measured.points
     return shown
 
@@ -211,3 +215,139 @@ def _write_table(result: Any, path: Path, notes: str) -> None:
 
 def _write_figure(axes: Any, path: Path) -> None:
     axes.figure.savefig(path, dpi=_DPI)
+
+
+class Parts:
+    """Finished batches of a sweep, one file each, in a folder that is removed when the
+    sweep is complete.
+    """
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+
+    def get(self, key: str) -> Any:
+        """The arrays kept under `key`, or None."""
+        import numpy as np
+
+        try:
+            return np.load(self._folder / f"{key}.npy", allow_pickle=False)
+        except (OSError, ValueError, EOFError):
+            return None
+
+    def put(self, key: str, arrays: Any) -> None:
+        """Keeps arrays; a folder that cannot be written costs the possibility to
+        resume, not the sweep.
+        """
+        import numpy as np
+
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            unfinished = self._folder / f"{key}.part.npy"
+            np.save(unfinished, arrays)
+            unfinished.replace(self._folder / f"{key}.npy")
+        except OSError:
+            return
+
+    def said(self) -> str:
+        """Where finished batches are, for whom it interrupts; an empty text where there
+        are none.
+        """
+        if not any(self._folder.glob("*.npy")):
+            return ""
+        return (
+            f"; what is finished is kept in {self._folder}, and the same command goes "
+            "on from there"
+        )
+
+    def remove(self) -> None:
+        """Removes what was kept."""
+        for file in self._folder.glob("*.npy"):
+            file.unlink(missing_ok=True)
+        if self._folder.is_dir():
+            self._folder.rmdir()
+
+
+class Bar:
+    """A progress bar on the standard error, where that is a terminal and the work takes
+    more than two seconds.
+    """
+
+    def __init__(self) -> None:
+        self._start, self._shown = time.monotonic(), False
+
+    def __call__(self, done: int, total: int) -> None:
+        if not sys.stderr.isatty() or time.monotonic() - self._start < _PATIENCE:
+            return
+        self._shown = True
+        full = _WIDTH * done // total
+        print(
+            f"\r[{'#' * full}{'.' * (_WIDTH - full)}] {done} of {total}",
+            end="",
+            file=sys.stderr,
+            flush=True,
+        )
+
+    def end(self) -> None:
+        """Clears the line."""
+        if self._shown:
+            print(
+                "\r" + " " * (_WIDTH + 30) + "\r", end="", file=sys.stderr, flush=True
+            )
+
+
+def run_compare(options: argparse.Namespace) -> int:
+    """Computes, writes and prints; returns the exit status."""
+    path, folder = Path(options.scene), output_folder(options.out)
+    parts = folder / f".{path.stem}-compare.parts"
+    with warned_of_at_the_end():
+        with named(f"{path.name or path}:"):
+            scene = read_scene("compare", path)
+            assert isinstance(scene, SurfaceComparison | BodyComparison)
+            if len(scene.material) < 2:
+                raise InputError(
+                    "material must be a list of two or more to be compared."
+                )
+            arguments = scene.arguments(path.parent)
+            with models_by_name():
+                curve = _computed(scene, arguments, parts)
+            with named("[compare]"):
+                ranking = curve.ranking(**scene.compare.place())
+        notes = f"# scene: {path.name}\n" + (
+            f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
+        )
+        files: dict[str, Callable[[Path], object]] = {
+            f"{path.stem}-compare.csv": lambda to: _write_table(ranking, to, notes),
+            f"{path.stem}-compare.png": lambda to: _write_figure(
+                ranking.plot(title=scene.title), to
+            ),
+        }
+        write_all(folder, files)
+        Parts(parts).remove()
+        if scene.title:
+            print(scene.title)
+        print(ranking.summary())
+        print("wrote " + " and ".join(str(folder / name) for name in files))
+    return DONE if curve.converged.all() else NOT_CONVERGED
+
+
+def run_plan(options: argparse.Namespace) -> int:
+    """Prints the plan of a scene; returns the exit status."""
+    path = Path(options.scene)
+    with warned_of_at_the_end(), named(f"{path.name or path}:"):
+        scene = read_scene(options.quantity, path)
+        if scene.called() != options.quantity:
+            raise InputError(
+                f"[{scene.mark}] belongs to elastomdr {options.quantity}, not to "
+                "elastomdr plan."
+            )
+        folder = None if options.out is None else output_folder(options.out)
+        with models_by_name():
+            text = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
+    print(text, end="")
+    if folder is not None:
+        write_all(
+            folder,
+            {f"{path.stem}-plan.txt": lambda to: to.write_text(text, encoding="utf-8")},
+        )
+        print(f"wrote {folder / path.stem}-plan.txt")
+    return DONE

@@ -31,24 +31,80 @@ _FITTED = (
 )
 
 
+# metavar and help of the options that take a text
+_OF_DATA = {
+    "reference": (
+        "T",
+        'reference temperature, such as "20degC" (default: the isotherm nearest it)',
+    ),
+    "name": (None, "name of the material and of its files (default: that of the data)"),
+    "frequency-unit": ("UNIT", "Hz or rad/s, where the file does not say"),
+    "modulus-unit": ("UNIT", "Pa, kPa, MPa or GPa, where the file does not say"),
+    "temperature-unit": ("UNIT", "degC or K, where the file does not say"),
+    "time-unit": ("UNIT", "s, ms, min or h, where the file does not say"),
+    "temperature": (
+        "T",
+        'temperature of all points, such as "20degC", or one for each isotherm '
+        'without, such as "-20degC,0degC,20degC"',
+    ),
+    "strain": (
+        "PERCENT",
+        'the strain amplitude to use, such as "0.1%%", where several were measured '
+        "(default: the smallest)",
+    ),
+    "area": (
+        "A",
+        'section of the specimen, for a file of dynamic stiffness, such as "100 mm2"',
+    ),
+    "length": ("L", 'its length, in shear its height, such as "20 mm"'),
+    "ramp": (
+        "R",
+        "duration of the ramp before relaxation; times count from its start, such as "
+        '"1 s"',
+    ),
+    "shift": (
+        "LAW",
+        f"a known shift law: {', '.join(map(repr, _LAWS.values()))}, a file of shift "
+        "factors, or universal (default: the data decide)",
+    ),
+}
+# type, metavar and help of those that take a number
+_NUMBERS: dict[str, tuple[type, str | None, str]] = {
+    "terms": (int, None, "number of relaxation times (default: the data decide)"),
+    "balance": (
+        float,
+        "FACTOR",
+        "how many times more exactly the storage modulus is met than the loss modulus "
+        "(default: by their scatter, alike where they contradict each other)",
+    ),
+    "temperature-error": (
+        float,
+        "K",
+        "standard error of the temperature of an isotherm (default: by the scatter of "
+        "the shift factors, about 0.3)",
+    ),
+    "poisson": (
+        float,
+        None,
+        "Poisson's ratio (default: 0.5, with a warning for tensile moduli)",
+    ),
+}
+
+
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """The options of this command."""
     # "-20degC" is a temperature, not an option
     command._negative_number_matcher = re.compile(r"-\.?\d")
     add = command.add_argument
-    add(
-        "data",
-        metavar="DMA",
-        nargs="*",
-        help="measured isotherms; several files of one material are joined",
-    )
+    files = "measured isotherms; several files of one material are joined"
+    add("data", metavar="DMA", nargs="*", help=files)
     add(
         "--shore-a",
         metavar="H",
         type=float,
         help=(
-            "no file, but the hardness: a library spectrum scaled to it, an estimate "
-            "within a factor of two"
+            "no file, but the hardness: a spectrum of the library scaled to it, an "
+            "estimate within a factor of two"
         ),
     )
     add(
@@ -57,72 +113,14 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         default="sbr-gum-like",
         help="whose spectrum --shore-a scales (default: sbr-gum-like)",
     )
-    add(
-        "--reference",
-        metavar="T",
-        help=(
-            'reference temperature, such as "20degC" (default: the isotherm nearest it)'
-        ),
-    )
-    add(
-        "--out",
-        metavar="DIR",
-        default=".",
-        help="folder for the files (default: this one)",
-    )
-    add(
-        "--name",
-        help="name of the material and of its files (default: that of the data)",
-    )
-    add(
-        "--kind",
-        choices=("shear", "tensile"),
-        help="what the moduli are, where the file does not say",
-    )
-    for quantity, units in (
-        ("frequency", "Hz or rad/s"),
-        ("modulus", "Pa, kPa, MPa or GPa"),
-        ("temperature", "degC or K"),
-        ("time", "s, ms, min or h"),
-    ):
-        add(
-            f"--{quantity}-unit",
-            metavar="UNIT",
-            help=f"{units}, where the file does not say",
-        )
-    add(
-        "--temperature",
-        metavar="T",
-        help=(
-            'temperature of all points, such as "20degC", or one for each isotherm '
-            'without, such as "-20degC,0degC,20degC"'
-        ),
-    )
-    add(
-        "--strain",
-        metavar="PERCENT",
-        help='the strain amplitude to use, such as "0.1%%", where several were measured '
-        "(default: the smallest)",
-    )
-    for option, example, words in (
-        ("area", "100 mm2", "section of the specimen, for a file of dynamic stiffness"),
-        ("length", "20 mm", "its length, in shear its height"),
-        (
-            "ramp",
-            "1 s",
-            "duration of the ramp before relaxation; times count from its start",
-        ),
-    ):
-        add(
-            f"--{option}",
-            metavar=option[0].upper(),
-            help=f'{words}, such as "{example}"',
-        )
-    add(
-        "--storage-only",
-        action="store_true",
-        help="there is no loss modulus: it is taken from the spectrum",
-    )
+    out = "folder for the files (default: this one)"
+    add("--out", metavar="DIR", default=".", help=out)
+    kind = "what the moduli are, where the file does not say"
+    add("--kind", choices=("shear", "tensile"), help=kind)
+    for option, (metavar, words) in _OF_DATA.items():
+        add(f"--{option}", metavar=metavar, help=words)
+    without_loss = "there is no loss modulus: it is taken from the spectrum"
+    add("--storage-only", action="store_true", help=without_loss)
     add(
         "--column",
         metavar="ROLE=TITLE",
@@ -131,70 +129,26 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="a column's title or number, such as storage=4",
     )
     add(
-        "--shift",
-        metavar="LAW",
-        help=(
-            f"a shift law that is known: {', '.join(map(repr, _LAWS.values()))}, a "
-            "file "
-            "of shift factors, or universal (default: the data decide)"
-        ),
-    )
-    add(
         "--vertical",
         action=argparse.BooleanOptionalAction,
         help="with or without vertical shifts (default: the data decide)",
     )
-    add(
-        "--terms",
-        type=int,
-        help="number of relaxation times (default: the data decide)",
-    )
-    add(
-        "--balance",
-        type=float,
-        metavar="FACTOR",
-        help=(
-            "how many times more exactly the storage modulus is met than the loss "
-            "modulus (default: by their scatter, alike where they contradict each "
-            "other)"
-        ),
-    )
-    add(
-        "--temperature-error",
-        type=float,
-        metavar="K",
-        help=(
-            "standard error of the temperature of an isotherm (default: by the "
-            "scatter of the shift factors, about 0.3)"
-        ),
-    )
-    add(
-        "--law",
-        default="auto",
-        help="auto, WLF, Arrhenius, VFT, table or none (default: auto)",
-    )
-    add(
-        "--poisson",
-        type=float,
-        help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)",
-    )
-    add(
-        "--citation", default="", help="where the data come from, for the material file"
-    )
+    for option, (number, metavar, words) in _NUMBERS.items():
+        add(f"--{option}", type=number, metavar=metavar, help=words)
+    laws = "auto, WLF, Arrhenius, VFT, table or none (default: auto)"
+    add("--law", default="auto", help=laws)
+    source = "where the data come from, for the material file"
+    add("--citation", default="", help=source)
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes everything that a fit gives; returns the exit status. Nothing is written
     before all is computed.
     """
-    import elastomdr as em
-
     from .compute import output_folder
-    from .parts import Bar
 
     folder = output_folder(options.out)
     reference = _kelvin("--reference", options.reference)
-    temperature = _kelvin("--temperature", options.temperature)
     if options.name is not None and not re.fullmatch(r"[\w.-]+", options.name):
         raise InputError(
             f"--name must be letters, digits, dots and dashes, got {options.name!r}."
@@ -209,55 +163,63 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.shore_a is not None:
         return _from_hardness(options, folder)
-    columns = dict(map(_column, options.column))
-    with warnings.catch_warnings():
-        # all of them are in the summary
-        warnings.simplefilter("ignore", em.fit.FitWarning)
-        read = {key: getattr(options, key) for key in _READ}
-        read |= {
-            key: size_of(key, getattr(options, key), unit)
-            for key, unit in SIZES.items()
-        }
-        read["storage_only"] = options.storage_only
-        dma = em.read_dma(
-            options.data, temperature=temperature, columns=columns, **read
-        )
-        if options.strain is not None:
-            dma = dma.at_strain(strain_of(options.strain))
-        fitted = {key: getattr(options, key) for key in _FITTED} | {
-            "shift": law_of(options.shift)
-        }
-        bar = Bar()
-        try:
-            found = em.fit.material(
-                dma, reference, name=options.name or "", progress=bar, **fitted
-            )
-        finally:
-            bar.end()
-        folder.mkdir(parents=True, exist_ok=True)
-        paths = found.save(folder)
-    print(found.summary())
-    print(
-        f"wrote {len(paths)} files: {', '.join(path.name for path in paths)} in "
-        f"{folder}"
-    )
-    path = (folder / f"{found.material.name}.toml").as_posix()
+    fit = _fitted(options, reference)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = fit.save(folder)
+    print(fit.summary())
+    names = ", ".join(path.name for path in paths)
+    print(f"wrote {len(paths)} files: {names} in {folder}")
+    path = (folder / f"{fit.material.name}.toml").as_posix()
     print(f'in a scene file here: material = "{path}"')
     print(
-        "friction on a measured profile: elastomdr init road.toml --material "
-        f"{path} "
+        f"friction on a measured profile: elastomdr init road.toml --material {path} "
         "--profile PROFILE.csv"
     )
-    if found.master.converged and found.prony.converged:
+    if fit.master.converged and fit.prony.converged:
         return DONE
     print(
-        (
-            "elastomdr: warning: the fit did not converge; look at its figures before "
-            "using it."
-        ),
+        "elastomdr: warning: the fit did not converge; look at its figures before "
+        "using it.",
         file=sys.stderr,
     )
     return NOT_CONVERGED
+
+
+def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
+    """Reads the files and fits the material; all warnings are in its summary."""
+    import elastomdr as em
+
+    from .compute import Bar
+
+    temperature = _kelvin("--temperature", options.temperature)
+    columns = dict(map(_column, options.column))
+    sizes: dict[str, Any] = {
+        key: size_of(key, getattr(options, key), unit) for key, unit in SIZES.items()
+    }
+    bar = Bar()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", em.fit.FitWarning)
+        dma = em.read_dma(
+            options.data,
+            temperature=temperature,
+            columns=columns,
+            storage_only=options.storage_only,
+            **{key: getattr(options, key) for key in _READ},
+            **sizes,
+        )
+        if options.strain is not None:
+            dma = dma.at_strain(strain_of(options.strain))
+        try:
+            return em.fit.material(
+                dma,
+                reference,
+                name=options.name or "",
+                progress=bar,
+                shift=law_of(options.shift),
+                **{key: getattr(options, key) for key in _FITTED},
+            )
+        finally:
+            bar.end()
 
 
 def _from_hardness(options: argparse.Namespace, folder: Path) -> int:

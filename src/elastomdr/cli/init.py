@@ -44,39 +44,17 @@ def run(options: argparse.Namespace) -> int:
             f"NAME.toml must end in .toml, or be one of {', '.join(kinds())}, got "
             f"{str(path)!r}."
         )
-    text = (
-        (_TEMPLATES / f"{kind}.toml")
-        .read_text(encoding="utf-8")
-        .replace(" FILE\n", f" {path.name}\n", 1)
-    )
-    # the title is that of the example's rubber and road
-    if options.material or measured:
-        text = re.sub(r"(?m)^title = .*\n", "", text, count=1)
-    if options.material:
-        text = re.sub(
-            r"(?m)^material = .*$",
-            f"material = {_quoted(options.material, path)}",
-            text,
-            count=1,
+    if measured and kind != "road":
+        raise InputError(
+            f"--profile and --spectrum belong to --kind road, got --kind {kind}."
         )
-    if measured:
-        if kind != "road":
-            raise InputError(
-                f"--profile and --spectrum belong to --kind road, got --kind {kind}."
-            )
-        surface = _SPECTRUM if options.spectrum else _PROFILE
-        text = re.sub(
-            r"(?s)\[surface\].*?\n\n",
-            lambda _: surface.format(_quoted(measured, path)),
-            text,
-            count=1,
-        )
+    text = _filled_in(kind, path, options)
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError as error:
         raise InputError(
-            f"{path} is there already: give another name, elastomdr init NAME.toml."
+            f"{path} exists already: give another name, elastomdr init NAME.toml."
         ) from error
     except (OSError, ValueError) as error:
         raise InputError(
@@ -85,6 +63,24 @@ def run(options: argparse.Namespace) -> int:
     verb = text.split("elastomdr ", 1)[1].split()[0]
     print(f"wrote {path}\nelastomdr {verb} {path}")
     return DONE
+
+
+def _filled_in(kind: str, path: Path, options: argparse.Namespace) -> str:
+    """The template of a kind with the user's material and road."""
+    template = (_TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
+    text = template.replace(" FILE\n", f" {path.name}\n", 1)
+    measured = options.profile or options.spectrum
+    # the title is that of the example's rubber and road
+    if options.material or measured:
+        text = re.sub(r"(?m)^title = .*\n", "", text, count=1)
+    if options.material:
+        material = f"material = {_quoted(options.material, path)}"
+        text = re.sub(r"(?m)^material = .*$", material, text, count=1)
+    if measured:
+        surface = _SPECTRUM if options.spectrum else _PROFILE
+        surface = surface.format(_quoted(measured, path))
+        text = re.sub(r"(?s)\[surface\].*?\n\n", lambda _: surface, text, count=1)
+    return text
 
 
 def _quoted(file: str, scene: Path) -> str:

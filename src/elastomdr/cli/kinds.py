@@ -6,10 +6,9 @@ from typing import Any
 
 from ..errors import InputError, closest
 from ..files import read_text
-from .history import Impact, Indentation, IndentationByPoints
+from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
 from .scene import Scene
 from .schema import decode, keys_of
-from .stages import BodySlide, SurfaceSlide
 from .steady import (
     BodyComparison,
     BodyFriction,
@@ -17,9 +16,10 @@ from .steady import (
     Rolling,
     SurfaceComparison,
     SurfaceFriction,
+    Traction,
     WarmingScene,
+    WheelTraction,
 )
-from .wheel import Traction, WheelTraction
 
 _MOST_BYTES = 10_000_000  # a scene is a page of text; what is larger is some other file
 

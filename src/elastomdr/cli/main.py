@@ -6,7 +6,7 @@ import argparse
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from .. import __version__
@@ -23,8 +23,8 @@ _SCENES = {
     "indent": "indentation under a history of depth or load",
     "impact": "impact and rebound",
     "slide": (
-        "sliding through stages of rest, speed and load; with [drive] through a "
-        "spring: stick-slip"
+        "sliding through stages of rest, speed and load; with [drive] pulled through a "
+        "spring (stick-slip)"
     ),
     "traction": "traction of a wheel or ball against slip or creepage",
     "compare": "materials ranked by friction at one velocity and temperature",
@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     try:
         options = _parser().parse_args(argv)
-        status = importlib.import_module(f".{options.module}", __package__).run(options)
+        status = _function(options.run)(options)
         if sys.stdout is not None:  # closed before we were started
             sys.stdout.flush()
         return status
@@ -76,17 +76,22 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _refused(f"the scene needs more memory than there is: {error}")
 
 
+def _function(name: str) -> Callable[[argparse.Namespace], int]:
+    """A function by its file in this folder, such as "fit:run"; ".app.command:run" is of
+    the package app.
+    """
+    module, function = name.split(":")
+    return getattr(importlib.import_module(f".{module}", __package__), function)
+
+
 def _refused(message: str) -> int:
     """Prints a message as one line of readable length, what cannot be printed as a
     question mark.
     """
-    text = "".join(c if c.isprintable() else "?" for c in " ".join(message.split()))
-    text = (
-        text
-        if len(text) <= _LONGEST
-        else f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
-    )
-    print(f"elastomdr: error: {text}", file=sys.stderr)
+    line = "".join(c if c.isprintable() else "?" for c in " ".join(message.split()))
+    if len(line) > _LONGEST:
+        line = f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
+    print(f"elastomdr: error: {line}", file=sys.stderr)
     return BAD_INPUT
 
 
@@ -113,26 +118,37 @@ def _parser() -> argparse.ArgumentParser:
         dest="verb", metavar="COMMAND", required=True, parser_class=_Parser
     )
     for verb, words in _SCENES.items():
-        command = _added(
-            commands,
-            verb,
-            "compare" if verb == "compare" else "compute",
-            words,
-            f"Writes NAME-{verb}.csv and NAME-{verb}.png: {words}.",
-        )
-        command.add_argument(
-            "scene",
-            metavar="SCENE.toml",
-            help="the scene to compute; its keys are listed below",
-        )
+        run = "compute:run_compare" if verb == "compare" else "compute:run"
+        files = f"Writes NAME-{verb}.csv and NAME-{verb}.png: {words}."
+        command = _added(commands, verb, run, words, files)
+        _add_scene(command, "the scene to compute; its keys are listed below")
         command.add_argument(
             "--out",
             metavar="DIR",
             default=".",
             help="folder for the files (default: this one)",
         )
-    words = "a scene with comments to start from"
-    command = _added(commands, "init", "init", words)
+    for verb, run, words, add_options in _OTHERS:
+        add_options(_added(commands, verb, run, words))
+    return parser
+
+
+def _added(
+    commands: Any, verb: str, run: str, words: str, description: str | None = None
+) -> _Parser:
+    """The parser of a command, which `run` carries out."""
+    command = commands.add_parser(
+        verb, help=words, description=description or f"{words[0].upper()}{words[1:]}."
+    )
+    command.set_defaults(run=run)
+    return command
+
+
+def _add_scene(command: _Parser, words: str) -> None:
+    command.add_argument("scene", metavar="SCENE.toml", help=words)
+
+
+def _add_init(command: _Parser) -> None:
     command.add_argument(
         "scene",
         metavar="NAME.toml",
@@ -145,65 +161,52 @@ def _parser() -> argparse.ArgumentParser:
         choices=kinds,
         help="what kind of scene (default: slider; with a surface road)",
     )
-    command.add_argument(
-        "--material",
-        metavar="FILE",
-        help="the rubber: a name of the library, or what fit has written",
-    )
-    command.add_argument(
-        "--profile",
-        metavar="FILE",
-        help="a measured profile or map of heights, as the road",
-    )
-    command.add_argument(
-        "--spectrum", metavar="FILE", help="a power spectrum, as the road"
-    )
-    words = "what friction or rolling would compute, skip and condense, and why"
-    command = _added(commands, "plan", "plan", words)
-    command.add_argument("scene", metavar="SCENE.toml", help="the scene to plan")
+    for option, words in (
+        ("--material", "the rubber: a name of the library, or a file written by fit"),
+        ("--profile", "a measured profile or map of heights, as the road"),
+        ("--spectrum", "a power spectrum, as the road"),
+    ):
+        command.add_argument(option, metavar="FILE", help=words)
+
+
+def _add_plan(command: _Parser) -> None:
+    _add_scene(command, "the scene to plan")
     command.add_argument(
         "--out", metavar="DIR", help="folder to write NAME-plan.txt into as well"
     )
-    what = {
-        "choices": ("friction", "rolling"),
-        "default": "friction",
-        "help": "what to plan for (default: friction)",
-    }
-    command.add_argument("--quantity", **what)
-    words = (
-        "a scene at every combination of the values of its lists, in a store that can "
-        "be gone on with"
-    )
-    command = _added(commands, "sweep", "sweep", words)
     command.add_argument(
-        "scene",
-        metavar="SCENE.toml",
-        help="a scene of friction, rolling or impact, with [sweep]",
+        "--quantity",
+        choices=("friction", "rolling"),
+        default="friction",
+        help="what to plan for (default: friction)",
     )
+
+
+def _add_sweep(command: _Parser) -> None:
+    _add_scene(command, "a scene of friction, rolling or impact, with [sweep]")
     command.add_argument(
         "--out",
         metavar="STORE.zarr",
         required=True,
-        help="store, new or of the same scene before",
+        help="store: a new folder, or that of an earlier run of the same scene",
     )
     command.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="of a Dask cluster; by default this machine's cores",
+        help="of a Dask cluster (default: the cores of this machine)",
     )
     command.add_argument(
         "--table",
         metavar="FILE",
-        help="a .csv or .xlsx file with all points, written as well",
+        help="a .csv or .xlsx file for all points, written as well",
     )
-    words = (
-        "a material file, with cards, tables and figures, from measured isotherms (DMA)"
-    )
-    importlib.import_module(".fit", __package__).add_arguments(
-        _added(commands, "fit", "fit", words)
-    )
-    words = "the way from a DMA file to friction, in a page of this machine's browser"
-    command = _added(commands, "app", ".app.command", words)
+
+
+def _add_fit(command: _Parser) -> None:
+    importlib.import_module(".fit", __package__).add_arguments(command)
+
+
+def _add_app(command: _Parser) -> None:
     command.add_argument(
         "--port",
         metavar="N",
@@ -216,25 +219,49 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="print the address and open no browser",
     )
-    words = "the library of materials, or the numbers and sources of one of them"
-    command = _added(commands, "materials", "materials", words)
+
+
+def _add_materials(command: _Parser) -> None:
     command.add_argument(
         "name",
         metavar="NAME",
         nargs="?",
         help="a name in the library, or a material file",
     )
-    return parser
 
 
-def _added(
-    commands: Any, verb: str, module: str, words: str, description: str | None = None
-) -> _Parser:
-    """The parser of a command that the file `module` of this folder carries out
-    (`.app.command`: of that package).
-    """
-    command = commands.add_parser(
-        verb, help=words, description=description or f"{words[0].upper()}{words[1:]}."
-    )
-    command.set_defaults(module=module)
-    return command
+# command, "file:function" that carries it out, what it does, its options
+_OTHERS: tuple[tuple[str, str, str, Callable[[_Parser], None]], ...] = (
+    ("init", "init:run", "a scene with comments to start from", _add_init),
+    (
+        "plan",
+        "compute:run_plan",
+        "what friction or rolling would compute, skip and merge, and why",
+        _add_plan,
+    ),
+    (
+        "sweep",
+        "sweep:run",
+        "a scene at every combination of the values of its lists; an interrupted run "
+        "can be continued",
+        _add_sweep,
+    ),
+    (
+        "fit",
+        "fit:run",
+        "a material file, with cards, tables and figures, from measured isotherms (DMA)",
+        _add_fit,
+    ),
+    (
+        "app",
+        ".app.command:run",
+        "all steps from a DMA file to friction, on a page in this machine's browser",
+        _add_app,
+    ),
+    (
+        "materials",
+        "materials:run",
+        "the library of materials, or the numbers and sources of one of them",
+        _add_materials,
+    ),
+)

@@ -85,57 +85,51 @@ def _one(name: str) -> Iterator[str]:
 
 
 def _rows(info: dict[str, Any], document: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    yield (
-        "moduli",
-        f"{info['kind']}{', a table for surfaces in steady sliding' * is_tabulated(document)}",
-    )
-    if is_tabulated(document):
-        ends = f"{info['lowest_omega']:.4g} to {info['highest_omega']:.4g} rad/s"
-        moduli = (
-            f"{_pascal(document['storage'][0])} to {_pascal(document['storage'][-1])}"
-        )
-        yield "table", f"{info['points']} points, {ends}, storage {moduli}"
-    else:
-        yield (
-            "relaxed",
-            _pascal(info["equilibrium"]) + " (a liquid)" * (info["equilibrium"] == 0),
-        )
-        yield "glassy", _pascal(info["glassy"])
-    if info.get("viscosity"):
-        yield "dashpot", f"{info['viscosity']:.6g} Pa s, in parallel"
-    if "bulk" in info:
-        yield "bulk modulus", _pascal(info["bulk"])
-    else:
-        yield (
-            "Poisson",
-            f"{info['poisson']:g}{' (incompressible)' * (info['poisson'] == 0.5)}",
-        )
+    """What is known of a material, as pairs of a name and a text."""
+    yield from _moduli(info, document)
     if "reference_temperature" in info:
         yield "reference", _kelvin(info["reference_temperature"])
-    yield (
-        "shift law",
-        _shift(info["shift"])
-        if "shift" in info
-        else "none: temperature cannot be given",
-    )
+    without = "none: no temperature can be given"
+    yield "shift law", _shift(info["shift"]) if "shift" in info else without
     if "vertical" in info:
         yield "vertical shift", _vertical(info["vertical"])
     for key, pair in info.get("range", {}).items():
-        words = (
-            f"{pair[0]:.4g} to {pair[1]:.4g} {_RANGE_UNITS[key]}"
-            if pair
-            else "nowhere known well enough"
-        )
+        words = "nowhere known well enough"
+        if pair:
+            words = f"{pair[0]:.4g} to {pair[1]:.4g} {_RANGE_UNITS[key]}"
         yield f"valid {key}", words
     if misfit := document.get("misfit"):
         worst = ", ".join(
             f"{key} {100 * max(misfit[f'{key}_residual']):.2g} %"
             for key in ("storage", "loss")
         )
-        yield "misfit to data", f"at worst, in bands of a quarter decade: {worst}, rms"
+        yield "misfit to data", f"at most, in bands of a quarter decade: {worst}, rms"
     for group, source in info.get("source", {}).items():
         yield f"source, {group}", _source(source)
     yield "file", info["path"]
+
+
+def _moduli(
+    info: dict[str, Any], document: dict[str, Any]
+) -> Iterator[tuple[str, str]]:
+    tabulated = is_tabulated(document)
+    kind = info["kind"]
+    yield "moduli", f"{kind}{', a table for surfaces in steady sliding' * tabulated}"
+    if tabulated:
+        ends = f"{info['lowest_omega']:.4g} to {info['highest_omega']:.4g} rad/s"
+        low, high = (_pascal(document["storage"][i]) for i in (0, -1))
+        yield "table", f"{info['points']} points, {ends}, storage {low} to {high}"
+    else:
+        level = info["equilibrium"]
+        yield "relaxed", _pascal(level) + " (a liquid)" * (level == 0)
+        yield "glassy", _pascal(info["glassy"])
+    if info.get("viscosity"):
+        yield "dashpot", f"{info['viscosity']:.6g} Pa s, in parallel"
+    if "bulk" in info:
+        yield "bulk modulus", _pascal(info["bulk"])
+    else:
+        poisson = info["poisson"]
+        yield "Poisson", f"{poisson:g}{' (incompressible)' * (poisson == 0.5)}"
 
 
 def _shift(shift: dict[str, Any]) -> str:

@@ -8,12 +8,13 @@ import dataclasses
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 import elastomdr as em
 
+from ..call.types import ModelName
 from ..errors import InputError
-from .indenter import AnyShape
+from .bodies import AnyShape, equivalent_length
 from .schema import (
     Count,
     One,
@@ -27,7 +28,6 @@ from .schema import (
     named,
     only_one,
 )
-from .surface import equivalent_length
 from .units import Length, Temperature, Velocity
 
 _AXES = (
@@ -42,9 +42,6 @@ _AXES = (
     "ambient",
     "temperature",
 )
-
-
-ModelName = Literal["averaged", "line", "multiscale", "persson", "half-space"]
 
 
 class Layer(Table):
@@ -272,7 +269,7 @@ class OfBodies(Scene):
 
 def made(of: list[Any], parts: list[Any]) -> list[Any]:
     """What was made of each material, still draws where these are."""
-    from ..material.draws import Draws
+    from ..material.validity import Draws
 
     return Draws(parts, of.name, of.words) if isinstance(of, Draws) else parts
 
@@ -324,7 +321,7 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
     """
     import numpy as np
 
-    from ..material.vertical import same_thermal
+    from ..material.shift import same_thermal
 
     if same_thermal(material, other):
         return found | {"material": em.half_space(material, other)}

@@ -67,7 +67,7 @@ class Varied:
     ) -> Any:
         import numpy as np
 
-        from ..material.draws import Draws
+        from ..material.validity import Draws
 
         given |= {} if material is None else {"material": material}
         place = [
@@ -117,9 +117,7 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
     """The call of a sweep and its axes, from the content of a scene file. Raises
     `InputError`.
     """
-    import numpy as np
-
-    from ..material.draws import Draws
+    from ..material.validity import Draws
 
     asked = decode(_Sweeping, {"sweep": content.get("sweep", {})}).sweep
     scene = {key: value for key, value in content.items() if key != "sweep"}
@@ -129,48 +127,60 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
                 f"[sweep.vary] {key} must be a list of one value or more, got an "
                 "empty list."
             )
-    listed = scene.get("material")
-    materials = listed if isinstance(listed, list) else []
-    several = len(materials) > 1
-    names = (*(("material",) if several else ()), *asked.vary)
-    values = (
-        *((tuple(map(str, materials)),) if several else ()),
-        *(tuple(map(_hashable, v)) for v in asked.vary.values()),
-    )
+    varied = {key: tuple(map(_hashable, v)) for key, v in asked.vary.items()}
+    materials = scene.get("material")
+    if isinstance(materials, list) and len(materials) > 1:
+        varied = {"material": tuple(map(str, materials))} | varied
     arguments, arrays = [], {}
-    for combination in itertools.product(*values):
-        one = copy.deepcopy(scene)
-        for key, value in zip(names, combination, strict=True):
-            _put(one, key, list(value) if isinstance(value, tuple) else value)
-        found = decoded(asked.call, one).arguments(folder)
-        here = {
-            name: np.ravel(found.pop(name))
-            for name in _ARRAYS
-            if np.size(found.get(name, 0)) > 1
-        }
-        if arguments and {k: v.tolist() for k, v in here.items()} != {
-            k: v.tolist() for k, v in arrays.items()
-        }:
+    for combination in itertools.product(*varied.values()):
+        chosen = dict(zip(varied, combination, strict=True))
+        others, here = _arguments(asked.call, scene, chosen, folder)
+        if arguments and _as_lists(here) != _as_lists(arrays):
             raise InputError(
                 "[sweep.vary] must hold keys with one value each: lists of numbers "
                 "stand in the scene."
             )
-        arguments.append(found)
+        arguments.append(others)
         arrays = here
     counts = {
         len(value)
-        for found in arguments
-        for value in found.values()
+        for others in arguments
+        for value in others.values()
         if isinstance(value, Draws)
     }
     drawn = {"draw": list(range(1, min(counts) + 1))} if counts else {}
-    axes = dict(zip(names, map(list, values), strict=True)) | drawn | arrays
+    axes = {key: list(values) for key, values in varied.items()} | drawn | arrays
     if not axes:
         raise InputError(
             "[sweep] is missing, and nothing in the scene is a list: there is "
             "nothing to sweep over."
         )
+    names, values = tuple(varied), tuple(varied.values())
     return Varied(asked.call, names, values, tuple(arguments)), axes
+
+
+def _arguments(
+    verb: str, scene: dict[str, Any], chosen: dict[str, Any], folder: Path
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The arguments of the call for one choice of what varies: those that are looked
+    up, and those that are arrays.
+    """
+    import numpy as np
+
+    content = copy.deepcopy(scene)
+    for key, value in chosen.items():
+        _put(content, key, list(value) if isinstance(value, tuple) else value)
+    arguments = decoded(verb, content).arguments(folder)
+    arrays = {
+        name: np.ravel(arguments.pop(name))
+        for name in _ARRAYS
+        if np.size(arguments.get(name, 0)) > 1
+    }
+    return arguments, arrays
+
+
+def _as_lists(arrays: dict[str, Any]) -> dict[str, list[float]]:
+    return {name: values.tolist() for name, values in arrays.items()}
 
 
 def _put(scene: dict[str, Any], key: str, value: Any) -> None:
@@ -289,7 +299,7 @@ def _inputs(
 
 def _in_words(body: Any) -> str:
     """A body or a surface, or draws of one."""
-    from ..material.draws import Draws
+    from ..material.validity import Draws
     from ..results.words import describe
 
     if isinstance(body, Draws):

@@ -182,7 +182,7 @@ def advance(
     keep: Callable[..., Any] = lambda function, *args: function(*args),
 ) -> Elements:
     """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep`
-    as in `transient.slide_march.kept`.
+    as in `transient.march.if_so`.
     """
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading
@@ -231,11 +231,11 @@ def pressed(
     """Signorini's conditions at the end of a step in which the surface would push the
     elements by `pushed`.
     """
-    held = c.equilibrium * u + seen  # force if u stays where it is
-    recovery = -held / c.stiffness
+    standing_force = c.equilibrium * u + seen  # force if u stays where it is
+    recovery = -standing_force / c.stiffness
     contact = pushed > recovery
     change = keep(xp.where, contact, pushed, recovery)
-    q = xp.where(contact, xp.maximum(held + c.stiffness * pushed, 0.0), 0.0)
+    q = xp.where(contact, xp.maximum(standing_force + c.stiffness * pushed, 0.0), 0.0)
     return Pressed(pushed, recovery, contact, change, q)
 
 

@@ -1,9 +1,23 @@
-"""One element under a rigid surface that moves at a constant rate for a while: contact
-gained, lost and free recovery, each at its own instant, with no time step.
+"""One element without a time step: its free recovery in modes, and an episode in which
+the rigid surface over it moves at a constant rate, with contact gained and lost each at
+its own instant.
 
-Between two instants the surface is at w0 + v t. What can happen, and in which order,
-follows from the signs of a viscoelastic element (derived here; a parallel dashpot
-changes nothing in it):
+**Modes.** An element that carries no force recovers as a sum of exponentials, one per
+retardation time lambda_j of its Kelvin chain: u = sum_j m_j, m_j' = c_j q -
+m_j/lambda_j (and u has J_0 q besides), with c_j = J_j/lambda_j. A liquid has one more
+mode that does not recover, c = phi, its rate zero. Branch k, with its dashpot at y_k =
+u - f_k/E_k, follows the modes as
+
+    y_k = sum_j Y_jk m_j,    Y_jk = lambda_j/(lambda_j - tau_k),
+
+and the modes are orthogonal to each other in the dissipation of the dashpots, sum_k E_k
+tau_k Y_ik Y_jk + eta = 0 for i /= j, since a dissipation and an energy that are
+quadratic have common modes. So both ways are plain sums, derived here: no equation is
+solved. Source of the modes: Gross 1953 (see `material.relaxation`).
+
+**Episodes.** Between two instants the surface is at w0 + v t. What can happen, and in
+which order, follows from the signs of a viscoelastic element (derived here; a parallel
+dashpot changes nothing in it):
 
 - Free recovery is a sum of decaying exponentials with positive weights, since an
   element is only ever pushed. So the gap to the surface is convex in time: the surface
@@ -22,18 +36,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..arrays import fixed, while_loop, xp
-from ..checks import Array
-from ..material.relaxation import Relaxation
+from ..checks import Array, numpy_unless_traced, possible
+from ..material.relaxation import Relaxation, kelvin_and_gaps
 from ..numerics.decay import phi1, phi2
-from .modes import Modes, to_branches, to_modes
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
+
 
 _MOST = 100  # iterations in search of an instant
 _NEWTON = 8  # of them per one that halves the bracket whatever Newton's method says
 _ROUNDING = 1e-15
 _BLUR = 1e-12  # of a force: below it its sign may be one of rounding
+
+# of 1 - tau/lambda, where a branch without strength makes the two coincide
+_NEAREST = 1e-60
 
 
 class Touching(NamedTuple):
@@ -74,9 +91,11 @@ def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Arr
     strength = xp.where(
         law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0
     )
-    held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
-    left = (0.5 * modes.norm * modes.rate) @ state.m**2
-    return xp.where(state.contact, held, 0.0), xp.where(state.contact, 0.0, left)
+    in_contact = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
+    in_modes = (0.5 * modes.norm * modes.rate) @ state.m**2
+    return xp.where(state.contact, in_contact, 0.0), xp.where(
+        state.contact, 0.0, in_modes
+    )
 
 
 def follow(
@@ -91,50 +110,24 @@ def follow(
     differentiable in both modes.
     """
     # Free, until it meets the surface.
-    fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h = fixed((modes, state, w, v, h))
-    met, wait = _meeting(fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h)
-    gap, closing = _gap(modes, state, w, v, wait)
-    closing = fixed(xp.where(closing < 0, closing, -xp.inf))
-    wait = xp.where(
-        met & ~state.contact, wait - gap / closing, xp.where(state.contact, 0.0, h)
-    )
-    touched = state.contact | met
+    wait, touched = _until_met(modes, state, w, v, h)
     decayed = xp.exp(-modes.rate[:, None] * wait) * state.m
     u = xp.where(touched, w + v * wait, xp.sum(decayed, axis=0))
     f = xp.where(state.contact, state.f, to_branches(law, modes, decayed))
 
     # In contact, until it would be pulled.
     rest = xp.where(touched, h - wait, 0.0)
-    fixed_law, fixed_u, fixed_f, fixed_rest = fixed((law, u, f, rest))
-    lost, stay = _parting(fixed_law, fixed_u, fixed_f, fixed_v, fixed_rest, touched)
-    pull, falling = _pull(law, u, f, v, stay)
-    falling = fixed(xp.where(falling < 0, falling, -xp.inf))
-    stay = xp.where(
-        lost & (stay > 0),
-        xp.clip(stay - pull / falling, 0.0, rest),
-        xp.where(lost, 0.0, rest),
-    )
-    y = stay / law.times[:, None]
-    first, second = phi1(y), phi2(y)
-    decay = 1 - y * first
-    f_end = decay * f + law.moduli[:, None] * v * stay * first
-    u_end = xp.where(touched, u + v * stay, u)
-    spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
-    spent = spent + v * stay * xp.sum(
-        first * f + law.moduli[:, None] * v * stay * second, axis=0
-    )
-    warmed = law.viscosity * v**2 * stay + xp.sum(
-        _branch_loss(law, f, v * stay, y, first, second), axis=0
-    )
+    stay, lost = _until_pulled(law, u, f, v, rest, touched)
+    u_end, f_end, spent, warmed = _in_contact(law, u, f, v, stay)
+    u_end = xp.where(touched, u_end, u)
 
     # Free again.
     let_go = to_modes(law, modes, u_end, f_end)
     m = xp.where(touched, let_go, decayed)
     m = xp.where(lost, xp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
     recovered = xp.where(state.contact, 0.0, _recovery_loss(modes, state.m, wait))
-    recovered = recovered + xp.where(
-        lost, _recovery_loss(modes, let_go, rest - stay), 0.0
-    )
+    again = xp.where(lost, _recovery_loss(modes, let_go, rest - stay), 0.0)
+    recovered = recovered + again
     contact = touched & ~lost
     return Touching(
         contact=contact,
@@ -144,6 +137,47 @@ def follow(
         work=state.work + xp.where(touched, spent, 0.0),
         heat=state.heat + xp.where(touched, warmed, 0.0) + recovered,
     )
+
+
+def _until_met(
+    modes: Modes, state: Touching, w: Array, v: Any, h: Any
+) -> tuple[Array, Array]:
+    """The time for which an element is free, and whether it is touched then."""
+    # The search is on numbers; a Newton step from its end carries the derivatives.
+    met, wait = _meeting(*fixed((modes, state, w, v, h)))
+    gap, closing = _gap(modes, state, w, v, wait)
+    closing = fixed(xp.where(closing < 0, closing, -xp.inf))
+    free = xp.where(state.contact, 0.0, h)
+    wait = xp.where(met & ~state.contact, wait - gap / closing, free)
+    return wait, state.contact | met
+
+
+def _until_pulled(
+    law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
+) -> tuple[Array, Array]:
+    """The time for which an element stays in contact, and whether it is let go then."""
+    lost, stay = _parting(*fixed((law, u, f, v, rest)), touched)
+    pull, falling = _pull(law, u, f, v, stay)
+    falling = fixed(xp.where(falling < 0, falling, -xp.inf))
+    polished = xp.clip(stay - pull / falling, 0.0, rest)
+    return xp.where(lost & (stay > 0), polished, xp.where(lost, 0.0, rest)), lost
+
+
+def _in_contact(
+    law: Relaxation, u: Array, f: Array, v: Any, stay: Array
+) -> tuple[Array, Array, Array, Array]:
+    """u and f of an element that has followed the surface for a time, the work done on
+    it, and what of it became heat.
+    """
+    y = stay / law.times[:, None]
+    first, second = phi1(y), phi2(y)
+    moved = law.moduli[:, None] * v * stay
+    f_end = (1 - y * first) * f + moved * first
+    u_end = u + v * stay
+    spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
+    spent = spent + v * stay * xp.sum(first * f + moved * second, axis=0)
+    losses = _branch_loss(law, f, v * stay, y, first, second)
+    return u_end, f_end, spent, law.viscosity * v**2 * stay + xp.sum(losses, axis=0)
 
 
 def _branch_loss(
@@ -256,3 +290,59 @@ def _parting(
     start = (straight, xp.zeros_like(rest), rest, ~lost | at_once, 0)
     t, *_ = while_loop(lambda c: ~xp.all(c[3]) & (c[4] < _MOST), advance, start)
     return lost, xp.where(at_once | (t <= 4 * _ROUNDING * rest), 0.0, t)
+
+
+class Modes(NamedTuple):
+    """Recovery modes of a law: j runs over retardation times (and flow), k over
+    branches.
+    """
+
+    rate: Float[Array, " j"]  # 1/lambda_j, zero for flow [1/s]
+    gain: Float[Array, " j"]  # c_j, growth of the mode per force and time [1/(Pa s)]
+    shape: Float[Array, "j k"]  # Y_jk
+    norm: Float[Array, " j"]  # sum_k E_k tau_k Y_jk^2 + eta [Pa s]
+    instantaneous: Float[Array, ""]  # J_0 [1/Pa]
+
+
+@numpy_unless_traced
+def recovery_modes(law: Relaxation) -> Modes:
+    """The modes of a law, to full relative accuracy; exact. NumPy arrays unless the law
+    is traced.
+    """
+    chain, gaps = kelvin_and_gaps(law)
+    there = xp.asarray(chain.compliances) > 0
+    rate = xp.where(there, 1 / xp.where(there, chain.times, 1.0), 0.0)
+    gain = xp.where(there, chain.compliances * rate, 0.0)
+    gap = rate[:, None] * gaps + xp.where(there, 0.0, 1.0)[:, None]
+    if possible(lambda fluidity: fluidity > 0, chain.fluidity):
+        rate, gain = xp.append(rate, 0.0), xp.append(gain, chain.fluidity)
+        gap = xp.concatenate([gap, xp.ones((1, gap.shape[1]))])
+    shape = 1 / xp.where(xp.abs(gap) < _NEAREST, _NEAREST, gap)
+    norm = xp.sum(law.moduli * law.times * shape**2, axis=1) + law.viscosity
+    return Modes(rate, gain, shape, norm, xp.asarray(chain.instantaneous))
+
+
+def to_branches(
+    law: Relaxation, modes: Modes, m: Float[Array, " j *n"]
+) -> Float[Array, " k *n"]:
+    """Forces f_k of an element that recovers freely, from its modes: f_k = -sum_j E_k
+    tau_k Y_jk m_j/lambda_j.
+    """
+    weights = -(law.moduli * law.times)[:, None] * (modes.rate[:, None] * modes.shape).T
+    return xp.tensordot(weights, m, axes=1)
+
+
+def to_modes(
+    law: Relaxation, modes: Modes, u: Float[Array, "*n"], f: Float[Array, " k *n"]
+) -> Float[Array, " j *n"]:
+    """Modes of an element that carries no force, from its displacement and branch
+    forces.
+    """
+    lagging = xp.expand_dims(law.moduli * law.times, tuple(range(1, f.ndim))) * u
+    # E_k tau_k y_k
+    lagging = lagging - xp.expand_dims(law.times, tuple(range(1, f.ndim))) * f
+    present = modes.gain > 0
+    share = xp.where(present, 1 / xp.where(present, modes.norm, 1.0), 0.0)[:, None]
+    return xp.tensordot(share * modes.shape, lagging, axes=1) + xp.tensordot(
+        share * law.viscosity, u[None], axes=1
+    )

@@ -1,10 +1,13 @@
 """The foundation: what each element of the line does, and how a half-space or a thin
 layer becomes one.
+
+Radok's functional equations (1957) replace the elastic constants of the elastic
+solution by operators. With a constant bulk modulus the result is again a Prony series,
+exactly, since a multiple of G in series with a spring is one (`material.relaxation`).
 """
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
@@ -12,22 +15,30 @@ import numpy as np
 from ..checks import (
     Array,
     as_float64,
+    certain,
     in_si,
     is_traced,
     numpy_unless_traced,
     positive,
     scalar,
 )
-from ..errors import InputError, ModelWarning
+from ..errors import InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.relaxation import (
     AbstractRelaxation,
     Relaxation,
     checked,
+    parallel,
     scaled,
     series,
+    spring,
 )
-from ..material.shift import AbstractShift
+from ..material.shift import (
+    AbstractShift,
+    AbstractVertical,
+    check_laws,
+    same_thermal,
+)
 from ..material.softening import Softening, as_softening, same_softening
 from ..material.tabulated import (
     AbstractTable,
@@ -36,9 +47,7 @@ from ..material.tabulated import (
     needs_series,
 )
 from ..material.validity import Range, RangeLike, as_range, shared
-from ..material.vertical import AbstractVertical, check_vertical, same_thermal
 from ..trees import Tree, fill, replaced, static
-from .radok import layer_operator, normal_operator, tangential_operator
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -95,7 +104,7 @@ class Foundation(AbstractRelaxation):
         range: RangeLike | None = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
-        check_vertical(vertical)
+        check_laws(shift, vertical)
         fill(
             self,
             **vars(law),
@@ -235,13 +244,12 @@ def half_space(
         )
         if not same_softening(material.softening, other.softening):
             material = replaced(material, softening=None)
-            warnings.warn(
+            warn(
                 (
                     f"{name}: two bodies of which one softens with strain, or each in "
                     "its own way, are taken as linear."
                 ),
                 ModelWarning,
-                stacklevel=3,
             )
     return _foundation(law, material, False, name, known)
 
@@ -272,13 +280,14 @@ def springs(
             "bonded must be True with tangential: a layer that slips on its base "
             "is not sheared."
         )
-    own = _material("material", material)
+    rubber = _material("material", material)
     law = scaled(
-        own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness
+        rubber.shear().law() if tangential else layer_operator(rubber, bonded),
+        1 / thickness,
     )
-    slab = None if tangential else Slab(own, thickness, bool(bonded))
-    found = _foundation(law, material, True, material.name, material.range)
-    return replaced(found, thickness=thickness, slab=slab)
+    slab = None if tangential else Slab(rubber, thickness, bool(bonded))
+    foundation = _foundation(law, material, True, material.name, material.range)
+    return replaced(foundation, thickness=thickness, slab=slab)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
@@ -370,3 +379,65 @@ def _material(name: str, material: Any) -> Prony:
             f"got {material!r}."
         )
     return material
+
+
+@numpy_unless_traced
+def normal_operator(material: Prony) -> Relaxation:
+    """E*(t) of a half-space pressed normally [Pa].
+
+    Constant Poisson's ratio: E* = 2G/(1-nu). Constant bulk modulus: E* =
+    4G(3K+G)/(3K+4G) = G + [1/(3G) + 4/(9K)]^-1. Exact; 2n branches in the second case.
+    Source: Radok 1957; Popov & Hess 2015, ch. 7.
+    """
+    shear = material.shear().law()
+    bulk: Any = material.bulk  # None with a constant Poisson's ratio
+    if material.poisson is not None:
+        return scaled(shear, 2 / (1 - material.poisson))
+    return parallel(shear, series(scaled(shear, 3.0), spring(9 * bulk / 4)))
+
+
+@numpy_unless_traced
+def tangential_operator(material: Prony) -> Relaxation:
+    """G*(t) of a half-space sheared at its surface [Pa].
+
+    Constant Poisson's ratio: G* = 4G/(2-nu). Constant bulk modulus: G* =
+    8G(3K+G)/(3(3K+2G)) = (4/3) G + [3/(4G) + 1/(2K)]^-1. Exact. Source: as
+    `normal_operator`.
+    """
+    shear = material.shear().law()
+    bulk: Any = material.bulk  # None with a constant Poisson's ratio
+    if material.poisson is not None:
+        return scaled(shear, 4 / (2 - material.poisson))
+    return parallel(
+        scaled(shear, 4 / 3), series(scaled(shear, 4 / 3), spring(2 * bulk))
+    )
+
+
+@numpy_unless_traced
+def layer_operator(material: Prony, bonded: bool) -> Relaxation:
+    """Modulus of a thin layer on a rigid base [Pa]; divided by the thickness it is the
+    layer's stiffness per area.
+
+    Bonded: K + 4G/3 (no lateral strain). Frictionless base: 2G/(1-nu), which is
+    E/(1-nu^2) (plane strain without lateral stress), the same operator as E*. Thin
+    means: contact width much larger than the thickness. A bonded incompressible layer
+    does not act as a row of springs (its pressure obeys Reynolds' equation) and raises
+    `InputError`. Source: Johnson, Contact Mechanics (1985), section 5.8.
+    """
+    if not bonded:
+        return normal_operator(material)
+    shear = material.shear().law()
+    bulk: Any = material.bulk  # None with a constant Poisson's ratio
+    if material.poisson is None:
+        law = scaled(shear, 4 / 3)
+        return Relaxation(law.equilibrium + bulk, law.moduli, law.times, law.viscosity)
+    if certain(lambda nu: nu >= 0.5, material.poisson):
+        raise InputError(
+            "poisson must be below 0.5 for bonded springs, got "
+            f"{float(material.poisson):g}: a bonded incompressible "
+            "layer does not act as a row of springs. Use em.layer(material, "
+            "thickness), which holds for any thickness and any Poisson's ratio; a "
+            "bulk modulus in its place would make the springs hundreds of times too "
+            "stiff."
+        )
+    return scaled(shear, 2 * (1 - material.poisson) / (1 - 2 * material.poisson))

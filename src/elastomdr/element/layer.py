@@ -36,17 +36,16 @@ from ..checks import (
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
+from ..material.shift import same_thermal
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, shared
-from ..material.vertical import same_thermal
 from ..trees import Tree, fill, static
-from .radok import normal_operator
+from .law import normal_operator
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, ComplexArray, Number
-    from ..material.shift import AbstractShift
+    from ..material.shift import AbstractShift, AbstractVertical
     from ..material.softening import Softening
-    from ..material.vertical import AbstractVertical
 
 # below this kh the numerator of the bonded layer, which cancels as its third power, is
 # a series

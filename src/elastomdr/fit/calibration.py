@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -18,15 +18,16 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
+from ..arrays import as_numpy, keep_compiled_code
 from ..call.model_choice import hint_at_line, is_rough, of_rough
 from ..checks import as_float64, in_si, positive, require
-from ..compiled_code import keep_compiled_code
 from ..errors import (
     ConvergenceWarning,
     ExtrapolationWarning,
     InputError,
     ModelWarning,
     closest,
+    warn,
 )
 from ..material.prony import Prony
 from ..material.shift import WLF
@@ -390,114 +391,162 @@ def calibrate(
     names = list(start)
     spread = np.array([float((widths or {}).get(name, _WIDTH)) for name in names])
     positive("widths", spread)
-    data = np.asarray(as_float64("measured", measured))
-    require("measured", data, "finite", np.isfinite)
-    if data.size < len(names):
-        raise InputError(
-            "measured must have as many points as there are parameters, "
-            f"{len(names)}, got {data.size}."
-        )
-    given = (
-        None
-        if error is None
-        else np.broadcast_to(as_float64("error", error), data.shape)
-    )
-    if given is not None:
-        positive("error", given)
+    data, given = _checked_data(measured, error, len(names))
     scene = dict(scene, velocity=velocity)
     if isinstance(shape, AbstractSpectrum):
-        finer = (
-            10.0 ** min(spread[names.index("q_high")], 1.0)
-            if "q_high" in names
-            else 1.0
+        scene["model"] = _road_model(
+            shape, scene, dict(zip(names, spread, strict=True))
         )
-        pressed = {name: scene.get(name) for name in ("pressure", "load", "depth")}
-        hint_at_line(scene.get("model"), shape, **pressed)
-        model = of_rough(scene.get("model"), shape, scene.get("pressure"))
-        model = model.for_changes(shape, finer)
-        text = None if scene.get("pressure") is None else model.doubt(shape)
-        if text is not None:
-            warnings.warn(text, ModelWarning, stacklevel=2)
-        scene["model"] = model
     compute = _computer(material, shape, quantity, names, change, scene)
-    rough = is_rough(shape)
     keep_compiled_code()
     with jax.enable_x64(True):
-        constants = (
-            (quantity, names, material, shape, scene) if change is None else None
-        )
-        value, *jacobians = (
-            _by_differences(compute, names)
-            if rough
-            else with_jacobian(compute, constants)
-        )
-        begin = np.array([start[name] for name in names])
-        first = np.asarray(value(begin))
-        if first.shape != data.shape:
-            raise InputError(
-                f"measured must have the shape of what is computed, {first.shape}, "
-                f"got {data.shape}."
+        if is_rough(shape):
+            value, *jacobians = _by_differences(compute, names)
+        else:
+            constants = (quantity, names, material, shape, scene)
+            value, *jacobians = with_jacobian(
+                compute, constants if change is None else None
             )
-        used = np.isfinite(first)
-        if used.sum() < len(names):
-            raise InputError(
-                "parameters must start where the contact has an answer, got NaN "
-                f"at {int((~used).sum())} points."
-            )
-        sigma = (
-            given
-            if given is not None
-            else np.full(data.shape, 0.05 * max(float(np.abs(data).max()), 1e-12))
+        task = _Task(
+            value,
+            jacobians,
+            np.array(list(start.values())),
+            spread,
+            data,
+            given,
+            _ROUGHLY if is_rough(shape) else _EXACTLY,
         )
-        answer, calls, point = None, 0, begin
-        for _ in range(1 if given is not None else 3):
-            for jacobian in jacobians:
-                close = _ROUGHLY if rough else _EXACTLY
-                answer = _search(
-                    value, jacobian, begin, point, spread, data, used, sigma, close
-                )
-                point, calls = answer.x, calls + int(answer.nfev)
-            used = used & np.isfinite(np.asarray(value(point)))
-            if given is None:
-                left = (data - np.asarray(value(point)))[used]
-                sigma = np.full(
-                    data.shape,
-                    max(
-                        np.sqrt((left**2).sum() / max(left.size - len(names), 1)), 1e-9
-                    ),
-                )
-        assert answer is not None
-        computed = np.asarray(value(answer.x))
-        # An error that is estimated from few points is itself uncertain: Student's t in
-        # place of 1.96.
-        freedom = max(int(used.sum()) - len(names), 1)
-        wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if given is None else 1.0
-        matrix = np.asarray(jacobians[0](point))[used] / (wider * sigma[used][:, None])
-        covariance = np.linalg.inv(matrix.T @ matrix + np.diag(spread**-2.0))
-        values = dict(zip(names, answer.x.tolist(), strict=True))
+        solution = _solved(task)
+        values = dict(zip(names, solution.point.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
-    std = np.sqrt(np.diag(covariance))
-    concrete = jax.tree.map(
-        lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, changed
-    )
-    found = Calibration(
-        material=concrete,
+    std = np.sqrt(np.diag(solution.covariance))
+    calibration = Calibration(
+        material=jax.tree.map(as_numpy, changed),
         shape=shape,
         parameters=values,
         std=dict(zip(names, std.tolist(), strict=True)),
         prior=dict(zip(names, spread.tolist(), strict=True)),
-        covariance=covariance,
+        covariance=solution.covariance,
         measured=data,
-        computed=computed,
-        residuals=data - computed,
-        used=used,
-        error=float(np.sqrt(np.mean(sigma**2))),
-        evaluations=calls,
-        warnings=tuple(_judge(names, std, spread, covariance, used, answer.success)),
-        converged=bool(answer.success),
+        computed=solution.computed,
+        residuals=data - solution.computed,
+        used=solution.used,
+        error=float(np.sqrt(np.mean(solution.sigma**2))),
+        evaluations=solution.evaluations,
+        warnings=tuple(_judge(names, std, spread, solution)),
+        converged=solution.converged,
     )
-    tell(found.warnings, stacklevel=3)
-    return found
+    tell(calibration.warnings)
+    return calibration
+
+
+def _checked_data(
+    measured: Any, error: Any, parameters: int
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The measurements and their errors, where these are given. Raises `InputError`."""
+    data = np.asarray(as_float64("measured", measured))
+    require("measured", data, "finite", np.isfinite)
+    if data.size < parameters:
+        raise InputError(
+            "measured must have as many points as there are parameters, "
+            f"{parameters}, got {data.size}."
+        )
+    if error is None:
+        return data, None
+    given = np.broadcast_to(as_float64("error", error), data.shape)
+    positive("error", given)
+    return data, given
+
+
+def _road_model(
+    shape: AbstractSpectrum, scene: dict[str, Any], spread: dict[str, float]
+) -> Any:
+    """The model of a surface, fine enough for every cutoff that the search may reach."""
+    finer = 10.0 ** min(spread["q_high"], 1.0) if "q_high" in spread else 1.0
+    pressed = {name: scene.get(name) for name in ("pressure", "load", "depth")}
+    hint_at_line(scene.get("model"), shape, **pressed)
+    model = of_rough(scene.get("model"), shape, scene.get("pressure"))
+    model = model.for_changes(shape, finer)
+    doubt = None if scene.get("pressure") is None else model.doubt(shape)
+    if doubt is not None:
+        warn(doubt, ModelWarning)
+    return model
+
+
+class _Task(NamedTuple):
+    """What is computed from parameters, and what it is to meet."""
+
+    value: Any
+    jacobians: list[Any]  # the later ones closer
+    begin: np.ndarray
+    spread: np.ndarray  # standard deviations of the priors about `begin`
+    data: np.ndarray
+    error: np.ndarray | None  # standard deviation of the data; None: to be estimated
+    close: float  # change at which the search ends
+
+    def first(self) -> np.ndarray:
+        """What is computed at the start. Raises `InputError` where that does not fit."""
+        first = np.asarray(self.value(self.begin))
+        if first.shape != self.data.shape:
+            raise InputError(
+                f"measured must have the shape of what is computed, {first.shape}, "
+                f"got {self.data.shape}."
+            )
+        missing = int((~np.isfinite(first)).sum())
+        if first.size - missing < self.begin.size:
+            raise InputError(
+                "parameters must start where the contact has an answer, got NaN "
+                f"at {missing} points."
+            )
+        return first
+
+    def guessed_error(self) -> np.ndarray:
+        size = 0.05 * max(float(np.abs(self.data).max()), 1e-12)
+        return np.full(self.data.shape, size)
+
+    def scatter(self, computed: np.ndarray, used: np.ndarray) -> np.ndarray:
+        """The error of the data, from what is left of them."""
+        left = (self.data - computed)[used]
+        freedom = max(left.size - self.begin.size, 1)
+        size = max(np.sqrt((left**2).sum() / freedom), 1e-9)
+        return np.full(self.data.shape, size)
+
+
+class _Solution(NamedTuple):
+    point: np.ndarray
+    computed: np.ndarray
+    covariance: np.ndarray
+    used: np.ndarray
+    sigma: np.ndarray  # standard deviation of the data
+    evaluations: int
+    converged: bool
+
+
+def _solved(task: _Task) -> _Solution:
+    """Least squares, repeated with the error that is left where none is given. Raises
+    `InputError`.
+    """
+    used = np.isfinite(task.first())
+    sigma = task.guessed_error() if task.error is None else task.error
+    point, evaluations, converged = task.begin, 0, False
+    for _ in range(3 if task.error is None else 1):
+        for jacobian in task.jacobians:
+            answer = _search(task, jacobian, point, used, sigma)
+            point, evaluations = answer.x, evaluations + int(answer.nfev)
+            converged = bool(answer.success)
+        computed = np.asarray(task.value(point))
+        used = used & np.isfinite(computed)
+        if task.error is None:
+            sigma = task.scatter(computed, used)
+    # An error that is estimated from few points is itself uncertain: Student's t in
+    # place of 1.96.
+    freedom = max(int(used.sum()) - point.size, 1)
+    wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if task.error is None else 1.0
+    matrix = np.asarray(task.jacobians[0](point))[used]
+    matrix = matrix / (wider * sigma[used][:, None])
+    covariance = np.linalg.inv(matrix.T @ matrix + np.diag(task.spread**-2.0))
+    computed = np.asarray(task.value(point))
+    return _Solution(point, computed, covariance, used, sigma, evaluations, converged)
 
 
 def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
@@ -582,42 +631,33 @@ def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
 
 
 def _search(
-    value: Any,
-    jacobian: Any,
-    begin: Any,
-    point: Any,
-    spread: Any,
-    data: Any,
-    used: Any,
-    sigma: Any,
-    close: float,
+    task: _Task, jacobian: Any, point: Any, used: np.ndarray, sigma: np.ndarray
 ) -> Any:
     """Least squares from `point`, with the prior as further residuals; a point that
     fails repels the search.
     """
 
     def residuals(p: np.ndarray) -> np.ndarray:
-        left = (data - np.asarray(value(p)))[used] / sigma[used]
-        return np.concatenate(
-            [np.where(np.isfinite(left), left, 1e3), (begin - p) / spread]
-        )
+        left = (task.data - np.asarray(task.value(p)))[used] / sigma[used]
+        left = np.where(np.isfinite(left), left, 1e3)
+        return np.concatenate([left, (task.begin - p) / task.spread])
 
     def derivative(p: np.ndarray) -> np.ndarray:
         matrix = -np.asarray(jacobian(p))[used] / sigma[used][:, None]
-        return np.concatenate(
-            [np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)]
-        )
+        matrix = np.where(np.isfinite(matrix), matrix, 0.0)
+        return np.concatenate([matrix, -np.diag(1 / task.spread)])
 
     slope: Any = derivative  # scipy's types know no function here
     return least_squares(
-        residuals, point, jac=slope, xtol=close, ftol=close, max_nfev=60
+        residuals, point, jac=slope, xtol=task.close, ftol=task.close, max_nfev=60
     )
 
 
 def _judge(
-    names: list[str], std: Any, spread: Any, covariance: Any, used: Any, success: bool
+    names: list[str], std: np.ndarray, spread: np.ndarray, solution: _Solution
 ) -> Iterator[str]:
-    if not success:
+    used = solution.used
+    if not solution.converged:
         yield "The search did not converge."
     if not used.all():
         yield (
@@ -630,7 +670,7 @@ def _judge(
                 f"{name} is hardly determined by the data: its uncertainty, "
                 f"{std[i]:.2g}, is that of the prior, {spread[i]:.2g}."
             )
-    matrix = covariance / np.outer(std, std)
+    matrix = solution.covariance / np.outer(std, std)
     for i in range(len(names)):
         for j in range(i):
             if abs(matrix[i, j]) > 0.98:

@@ -244,84 +244,66 @@ def draw_prony(fit: FittedSeries, ax: Any = None, style: str | None = None) -> A
     """
     ax = _axes(ax, style)
     _logarithmic(ax)
+    dynamic = bool(fit.omega.size)
     if fit.master is not None:
         _data(ax, fit.master)
-    elif fit.omega.size:
-        ax.plot(
-            fit.omega,
-            fit.storage,
-            "o",
-            color=_BLUE,
-            markersize=_dot(ax),
-            label="storage modulus",
-        )
-        ax.plot(
-            fit.omega,
-            fit.loss,
-            "s",
-            color=_RED,
-            markersize=_dot(ax),
-            markerfacecolor="none",
-            label="loss modulus",
-        )
+    elif dynamic:
+        _points(ax, fit.omega, fit.storage, "o", _BLUE, "storage modulus")
+        _points(ax, fit.omega, fit.loss, "s", _RED, "loss modulus", hollow=True)
     else:
-        ax.plot(
-            fit.time,
-            fit.relaxation,
-            "o",
-            color=_BLUE,
-            markersize=_dot(ax),
-            label="relaxation modulus",
-        )
+        _points(ax, fit.time, fit.relaxation, "o", _BLUE, "relaxation modulus")
     low, high = fit.window
-    if fit.omega.size:
-        wide = np.geomspace(low / 10, high * 10, 400)
-        for values, label in zip(
-            fit.moduli_at(wide), ("beyond the data", None), strict=True
-        ):
-            ax.plot(
-                wide, values, "--", color=FAINT, linewidth=0.9, zorder=2, label=label
-            )
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            _band(
-                ax,
-                fit.band(np.geomspace(low, high, 300)),
-                f"Prony series, {fit.terms} terms",
-            )
-    else:
-        wide = np.geomspace(1 / high / 10, 10 / low, 400)
-        ax.plot(
-            wide,
-            fit.relaxation_at(wide),
-            "--",
-            color=FAINT,
-            linewidth=0.9,
-            zorder=2,
-            label="beyond the data",
-        )
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            band = fit.relaxation_band(np.geomspace(1 / high, 1 / low, 300))
-        _relaxation_band(ax, band, f"Prony series, {fit.terms} terms")
-    _label_moduli(ax, fit.kind, bool(fit.omega.size))
-    named = (
-        ("storage", fit.storage_residual),
-        ("loss", fit.loss_residual),
-        ("relaxation", fit.relaxation_residual),
-    )
+    label = f"Prony series, {fit.terms} terms"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if dynamic:
+            wide = np.geomspace(low / 10, high * 10, 400)
+            _dashed(ax, wide, fit.moduli_at(wide))
+            _band(ax, fit.band(np.geomspace(low, high, 300)), label)
+        else:
+            wide = np.geomspace(1 / high / 10, 10 / low, 400)
+            _dashed(ax, wide, [fit.relaxation_at(wide)])
+            inside = np.geomspace(1 / high, 1 / low, 300)
+            _relaxation_band(ax, fit.relaxation_band(inside), label)
+    _label_moduli(ax, fit.kind, dynamic)
+    sizes = {
+        "storage": fit.storage_residual,
+        "loss": fit.loss_residual,
+        "relaxation": fit.relaxation_residual,
+    }
     residuals = ", ".join(
-        f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)
+        f"{name} {100 * size:.2g} %"
+        for name, size in sizes.items()
+        if np.isfinite(size)
     )
-    place = (
-        f" at {fit.master.reference - 273.15:.4g} °C" if fit.master is not None else ""
-    )
-    _title(
-        ax,
-        f"{fit.material.name or 'Prony series'}{place}",
-        f"rms relative residuals: {residuals}",
-    )
+    title = fit.material.name or "Prony series"
+    if fit.master is not None:
+        title += f" at {fit.master.reference - 273.15:.4g} °C"
+    _title(ax, title, f"rms relative residuals: {residuals}")
     return ax
+
+
+def _points(
+    ax: Any,
+    x: Any,
+    y: Any,
+    marker: str,
+    colour: Any,
+    label: str,
+    *,
+    hollow: bool = False,
+) -> None:
+    """Measured points."""
+    face = {"markerfacecolor": "none"} if hollow else {}
+    ax.plot(x, y, marker, color=colour, markersize=_dot(ax), label=label, **face)
+
+
+def _dashed(ax: Any, x: np.ndarray, curves: Any) -> None:
+    """Curves beyond the data."""
+    label: str | None = "beyond the data"
+    for y in curves:
+        ax.plot(x, y, "--", color=FAINT, linewidth=0.9, zorder=2, label=label)
+        label = None
 
 
 def draw_spectrum(fit: FittedSeries, ax: Any = None, style: str | None = None) -> Any:
@@ -330,65 +312,14 @@ def draw_spectrum(fit: FittedSeries, ax: Any = None, style: str | None = None) -
     """
     alone = ax is None
     ax = _axes(ax, style, {"nrows": 2, "height_ratios": (3, 2)} if alone else None)
-    words = ax._elastomdr.style.words
     ax.set(xscale="log", yscale="log")
-    times, moduli, spread = (
-        np.asarray(x)
-        for x in (fit.material.times, fit.material.moduli, 1.96 * fit.moduli_std)
-    )
-    ax.errorbar(
-        times,
-        moduli,
-        np.vstack([np.minimum(spread, 0.99 * moduli), spread]),
-        fmt="o",
-        color=_BLUE,
-        ecolor=FAINT,
-        capsize=0.7 * _dot(ax),
-        markersize=_dot(ax),
-    )
+    moduli, spread = np.asarray(fit.material.moduli), 1.96 * fit.moduli_std
+    interval = np.vstack([np.minimum(spread, 0.99 * moduli), spread])
+    _intervals(ax, ax, np.asarray(fit.material.times), moduli, interval)
     ax.set(xlabel="Relaxation time [s]", ylabel="Modulus [Pa]")
     frame(ax)
     if alone:
-        lower = ax._elastomdr.panels[1]
-        dynamic = bool(fit.omega.size)
-        for (name, values), colour in zip(
-            fit.residuals.items(), (_BLUE, _RED, _BAND), strict=False
-        ):
-            if np.size(values):
-                x = fit.time if name == "relaxation" else fit.omega
-                lower.semilogx(
-                    x,
-                    100 * np.asarray(values),
-                    "o",
-                    color=colour,
-                    markersize=0.7 * _dot(ax),
-                    label=name,
-                )
-        lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
-        lower.set(
-            xlabel=r"Reduced angular frequency $\omega\,a_T$ [rad/s]"
-            if dynamic
-            else r"Reduced time $t/a_T$ [s]",
-            ylabel="Residual [%]",
-        )
-        frame(lower)
-        if words:
-            lower.legend(
-                frameon=False,
-                fontsize=_size(ax),
-                loc="upper left",
-                bbox_to_anchor=(1.0, 1.0),
-            )
-            ax.figure.subplots_adjust(hspace=0.42)
-        else:
-            lower.legend(
-                frameon=False,
-                fontsize=_size(ax),
-                loc="lower left",
-                bbox_to_anchor=(0.0, 1.0),
-                ncols=2,
-                borderaxespad=0.1,
-            )
+        _draw_residuals(ax, ax._elastomdr.panels[1], fit)
     _title(
         ax,
         f"Relaxation spectrum of {fit.material.name or 'the series'}",
@@ -397,74 +328,82 @@ def draw_spectrum(fit: FittedSeries, ax: Any = None, style: str | None = None) -
     return ax
 
 
+def _intervals(
+    main: Any, ax: Any, x: Any, y: Any, half: Any, dots: bool = True
+) -> None:
+    """Points with their 95 % intervals, or the intervals alone; as large as those of
+    `main`.
+    """
+    style = {"ecolor": FAINT, "capsize": 0.7 * _dot(main)}
+    if dots:
+        style |= {"fmt": "o", "color": _BLUE, "markersize": _dot(main)}
+    else:
+        style |= {"fmt": "none", "zorder": 2}
+    ax.errorbar(x, y, half, **style)
+
+
+def _draw_residuals(main: Any, ax: Any, fit: FittedSeries) -> None:
+    colours = (_BLUE, _RED, _BAND)
+    for (name, values), colour in zip(fit.residuals.items(), colours, strict=False):
+        if np.size(values):
+            x = fit.time if name == "relaxation" else fit.omega
+            style = {"color": colour, "markersize": 0.7 * _dot(main), "label": name}
+            ax.semilogx(x, 100 * np.asarray(values), "o", **style)
+    ax.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
+    rate = r"Reduced angular frequency $\omega\,a_T$ [rad/s]"
+    ax.set(
+        xlabel=rate if fit.omega.size else r"Reduced time $t/a_T$ [s]",
+        ylabel="Residual [%]",
+    )
+    frame(ax)
+    legend = {"frameon": False, "fontsize": _size(main)}
+    if main._elastomdr.style.words:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), **legend)
+        main.figure.subplots_adjust(hspace=0.42)
+    else:
+        legend |= {"ncols": 2, "borderaxespad": 0.1}
+        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), **legend)
+
+
 def draw_shifts(master: ShiftedModuli, ax: Any = None, style: str | None = None) -> Any:
     """Horizontal shift factors with 95 % intervals and the laws through them; vertical
     ones below, where there are.
     """
     vertical = ax is None and master.log10_b_std.max() >= _NO_VERTICAL
-    ax = _axes(
-        ax,
-        style,
-        {"nrows": 2, "sharex": True, "height_ratios": (3, 1)} if vertical else None,
-    )
-    lower = ax._elastomdr.panels[1] if vertical else None
+    panels = {"nrows": 2, "sharex": True, "height_ratios": (3, 1)} if vertical else None
+    ax = _axes(ax, style, panels)
+    lowest = ax._elastomdr.panels[1] if vertical else ax
     celsius = master.temperature - 273.15
-    ax.errorbar(
-        celsius,
-        master.log10_a,
-        1.96 * master.log10_a_std,
-        fmt="none",
-        ecolor=FAINT,
-        capsize=0.7 * _dot(ax),
-        zorder=2,
-    )
-    for poor, face, label in (
+    half = 1.96 * master.log10_a_std
+    _intervals(ax, ax, celsius, master.log10_a, half, dots=False)
+    for ambiguous, face, label in (
         (False, _BLUE, "shifted, 95 % interval"),
         (True, "white", "not separable from b_T"),
     ):
-        at = master.ambiguous == poor
-        if at.any():
-            ax.plot(
-                celsius[at],
-                master.log10_a[at],
-                "o",
-                color=_BLUE,
-                markerfacecolor=face,
-                markersize=_dot(ax),
-                label=label,
-            )
+        chosen = master.ambiguous == ambiguous
+        if chosen.any():
+            look = {"color": _BLUE, "markerfacecolor": face, "markersize": _dot(ax)}
+            x, y = celsius[chosen], master.log10_a[chosen]
+            ax.plot(x, y, "o", label=label, **look)
     fine = np.linspace(celsius.min(), celsius.max(), 200)
-    for name, style in (("WLF", "-"), ("Arrhenius", ":")):
+    for name, dashes in (("WLF", "-"), ("Arrhenius", ":")):
         if name in master.laws:
             fit = master.laws[name]
+            law = np.asarray(fit.law._log10_a(fine + 273.15))
             label = f"{name}, rms {fit.rms:.2g} decades"
-            ax.plot(
-                fine,
-                np.asarray(fit.law._log10_a(fine + 273.15)),
-                style,
-                color=_RED,
-                label=label,
-                zorder=1,
-            )
+            ax.plot(fine, law, dashes, color=_RED, label=label, zorder=1)
     ax.axvline(master.reference - 273.15, color="#cccccc", linewidth=0.8, zorder=0)
     ax.set_ylabel(r"Shift factor $\log_{10}\,a_T$ [-]")
     ax.legend(frameon=False, fontsize=_size(ax))
-    if lower is not None:
-        lower.errorbar(
-            celsius,
-            master.log10_b,
-            1.96 * master.log10_b_std,
-            fmt="o",
-            color=_BLUE,
-            ecolor=FAINT,
-            capsize=0.7 * _dot(ax),
-            markersize=_dot(ax),
-        )
-        lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
-        lower.set_ylabel(r"$\log_{10}\,b_T$ [-]")
-    (ax if lower is None else lower).set_xlabel("Temperature [°C]")
-    for each in (ax, lower) if lower is not None else (ax,):
-        frame(each)
+    if vertical:
+        half = 1.96 * master.log10_b_std
+        _intervals(ax, lowest, celsius, master.log10_b, half)
+        lowest.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
+        lowest.set_ylabel(r"$\log_{10}\,b_T$ [-]")
+    lowest.set_xlabel("Temperature [°C]")
+    frame(ax)
+    if vertical:
+        frame(lowest)
     _title(ax, f"Shift factors about {master.reference - 273.15:.4g} °C", master.source)
     return ax
 
@@ -567,51 +506,36 @@ def draw_adhesion(
     and hysteresis alone.
     """
     ax = _axes(ax, style)
-    kelvin = (
-        np.zeros(fit.velocity.size)
-        if fit.temperature is None
-        else np.round(fit.temperature, 1)
-    )
+    if fit.temperature is None:
+        kelvin = np.zeros(fit.velocity.size)
+    else:
+        kelvin = np.round(fit.temperature, 1)
     levels = np.unique(kelvin)
     for level, colour in zip(levels, _scale(levels.size), strict=True):
-        at = np.flatnonzero(kelvin == level)
-        at = at[np.argsort(fit.velocity[at], kind="stable")]
-        v, used = fit.velocity[at], fit.used[at]
+        chosen = np.flatnonzero(kelvin == level)
+        chosen = chosen[np.argsort(fit.velocity[chosen], kind="stable")]
+        v, used = fit.velocity[chosen], fit.used[chosen]
         name = "measured" if fit.temperature is None else _celsius(float(level))
-        ax.semilogx(
-            v[used],
-            fit.measured[at][used],
-            "o",
-            color=colour,
-            markersize=_dot(ax),
-            label=name,
-        )
-        ax.semilogx(
-            v, (fit.hysteresis + fit.adhesion)[at], "-", color=colour, linewidth=1.3
-        )
-        ax.semilogx(v, fit.hysteresis[at], "-.", color=colour, linewidth=0.9)
+        look = {"color": colour, "markersize": _dot(ax), "label": name}
+        ax.semilogx(v[used], fit.measured[chosen][used], "o", **look)
+        total = (fit.hysteresis + fit.adhesion)[chosen]
+        ax.semilogx(v, total, "-", color=colour, linewidth=1.3)
+        ax.semilogx(v, fit.hysteresis[chosen], "-.", color=colour, linewidth=0.9)
     ax.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]")
     ax.set_ylim(0.0, None)
     frame(ax)
     outside = _legend_outside(ax, *ax.get_legend_handles_labels())
     keys = [ax.plot([], [], look, color=INK, linewidth=1.1)[0] for look in ("-", "-.")]
-    ax.legend(
-        keys,
-        ["fitted sum", "hysteresis"],
-        frameon=False,
-        fontsize=_size(ax),
-        loc="best",
-    )
+    legend = {"frameon": False, "fontsize": _size(ax), "loc": "best"}
+    ax.legend(keys, ["fitted sum", "hysteresis"], **legend)
     ax.add_artist(outside)
     outside.set_clip_on(False)
     low, high = (x / 1e6 for x in fit.interval["stress"])
+    stress = f"{fit.parameters['stress'] / 1e6:.3g} MPa"
     _title(
         ax,
         "Hysteresis and adhesive shear",
-        (
-            f"stress {fit.parameters['stress'] / 1e6:.3g} MPa ({low:.3g} to "
-            f"{high:.3g}, 95 %)"
-        ),
+        f"stress {stress} ({low:.3g} to {high:.3g}, 95 %)",
     )
     return ax
 

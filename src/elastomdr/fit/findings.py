@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import abc
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..checks import as_float64, positive
+from ..errors import warn
 from ..io.data import FitWarning
 from ..notebook_tables import html_table
 from .laws import LawFit
@@ -28,12 +28,10 @@ PLUS_MINUS = "+- is half a 95 % interval: 1.96 standard deviations"
 TWO_SIGMA = 1.96
 
 
-def tell(doubts: Iterable[str], stacklevel: int) -> None:
-    """Issues each doubt of a result, which its summary prints, as a `FitWarning` too;
-    `stacklevel` as `warn` has it.
-    """
+def tell(doubts: Iterable[str]) -> None:
+    """Issues each doubt of a result, which its summary prints, as a `FitWarning` too."""
     for text in doubts:
-        warnings.warn(text, FitWarning, stacklevel=stacklevel + 1)
+        warn(text, FitWarning)
 
 
 class AbstractFindings(abc.ABC):
@@ -186,10 +184,9 @@ def _check_outside(
     """
     inside = (rate >= window[0] * (1 - 1e-9)) & (rate <= window[1] * (1 + 1e-9))
     if not inside.all():
-        warnings.warn(
+        warn(
             f"{int((~inside).sum())} of {inside.size} {what} are extrapolated: they "
             f"lie outside the measured {window[0]:.3g} to {window[1]:.3g} rad/s.",
             FitWarning,
-            stacklevel=4,
         )
     return inside

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -186,32 +187,61 @@ def friction_master(
 
     Source: Grosch 1963.
     """
-    arrays = {
-        name: as_float64(name, value)
-        for name, value in (
-            ("velocity", velocity),
-            ("temperature", temperature),
-            ("mu", mu),
-        )
-    }
-    try:
-        v, t, friction = (
-            array.ravel() for array in np.broadcast_arrays(*arrays.values())
-        )
-    except ValueError as problem:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise InputError(
-            f"velocity, temperature and mu must match in shape, got {shapes}."
-        ) from problem
-    positive("velocity", v)
-    in_kelvin("temperature", t)
-    require("mu", friction, "finite", np.isfinite)
+    v, t, friction, shape = _checked_data(velocity, temperature, mu)
     number, kelvin = group(t, float(scalar("tolerance", tolerance)))
     if kelvin.size < 2 or friction.size < 8:
         raise InputError(
             "temperature must have two values at least, and mu eight points, got "
             f"{kelvin.size} and {friction.size}."
         )
+    reference = _checked_reference(reference, kelvin, tolerance)
+    zero = np.zeros(friction.size)
+    points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
+    if isinstance(error, str) and error != "relative":
+        raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
+    known = error is not None and not isinstance(error, str)
+    size = np.ones(friction.size)
+    if known:
+        size = _broadcast(np.asarray(as_float64("error", error)), shape)
+        positive("error", size)
+    fit = _infer(points, kelvin, size, known)
+    if isinstance(error, str):
+        # in proportion to the curve, which is less noisy than the points
+        for _ in range(2):
+            curve = np.abs(points.log_value - fit.posterior.residuals)
+            size = np.maximum(curve, _LEAST * curve.max())
+            fit = _infer(points, kelvin, size, known)
+    return _packed(points, kelvin, fit, reference, size)
+
+
+def _checked_data(
+    velocity: Any, temperature: Any, mu: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, ...]]:
+    """Velocities, temperatures and friction of each point, and the shape in which they
+    were given. Raises `InputError`.
+    """
+    given = {"velocity": velocity, "temperature": temperature, "mu": mu}
+    arrays = {name: as_float64(name, value) for name, value in given.items()}
+    try:
+        broadcast = np.broadcast_arrays(*arrays.values())
+    except ValueError as problem:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise InputError(
+            f"velocity, temperature and mu must match in shape, got {shapes}."
+        ) from problem
+    v, t, friction = (array.ravel() for array in broadcast)
+    positive("velocity", v)
+    in_kelvin("temperature", t)
+    require("mu", friction, "finite", np.isfinite)
+    return v, t, friction, broadcast[0].shape
+
+
+def _checked_reference(
+    reference: float | None, kelvin: np.ndarray, tolerance: float
+) -> float:
+    """The reference temperature, by default the one nearest to 20 degC. Raises
+    `InputError`.
+    """
     if reference is None:
         reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
     reference = float(scalar("reference", reference))
@@ -221,26 +251,7 @@ def friction_master(
             f"reference must be within the measured temperatures, {kelvin[0]:g} "
             f"to {kelvin[-1]:g} K, got {reference:g}."
         )
-    zero = np.zeros(friction.size)
-    points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
-    if isinstance(error, str) and error != "relative":
-        raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
-    known = error is not None and not isinstance(error, str)
-    size = np.ones(friction.size)
-    if known:
-        size = _broadcast(
-            np.asarray(as_float64("error", error)),
-            np.broadcast_shapes(*(a.shape for a in arrays.values())),
-        )
-        positive("error", size)
-    posterior, spline, anchor = _infer(points, kelvin, size, known)
-    if error is not None and not known:
-        # in proportion to the curve, which is less noisy than the points
-        for _ in range(2):
-            curve = np.abs(points.log_value - posterior.residuals)
-            size = np.maximum(curve, _LEAST * curve.max())
-            posterior, spline, anchor = _infer(points, kelvin, size, known)
-    return _assemble(points, kelvin, posterior, spline, anchor, reference, size)
+    return reference
 
 
 def _broadcast(error: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
@@ -253,9 +264,15 @@ def _broadcast(error: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         ) from problem
 
 
-def _infer(
-    points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool
-) -> tuple[Posterior, _Spline, int]:
+class _Fit(NamedTuple):
+    """Spline and shifts of the curve."""
+
+    posterior: Posterior  # of the coefficients of the spline, then slopes of log10 a_T
+    spline: _Spline
+    anchor: int  # the isotherm whose log10 a_T is 0
+
+
+def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) -> _Fit:
     """Spline and slopes; the noise of each point is `size`, times a factor to be found
     where that is not `known`.
     """
@@ -264,76 +281,74 @@ def _infer(
     anchor = kelvin.size // 2
     guess = guess - guess[anchor]
     reduced = points.log_rate + LN10 * guess[points.isotherm]
-    low, high = reduced.min() - _MARGIN * LN10, reduced.max() + _MARGIN * LN10
-    inner = np.linspace(low, high, int((high - low) / LN10 * _KNOTS) + 2)
-    step = inner[1] - inner[0]
-    spline = _Spline(
-        np.concatenate(
-            [low - step * np.arange(3, 0, -1), inner, high + step * np.arange(1, 4)]
-        )
-    )
+    spline = _spline_over(reduced)
     count = spline.size
-    n = count + kelvin.size - 1
 
     def model(p: np.ndarray) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
         log10_a, by_slope = from_slopes(p[count:], kelvin, anchor)
         basis, slope = spline.basis(points.log_rate + LN10 * log10_a[points.isotherm])
         sideways = LN10 * (slope @ p[:count])[:, None]
-        return (
-            basis @ p[:count] / size,
-            lambda: (
-                np.concatenate([basis, sideways * by_slope[points.isotherm]], axis=1)
-                / size[:, None]
-            ),
-        )
 
-    every = np.eye(n)
-    start = np.zeros(n)
-    basis, _ = spline.basis(reduced)
+        def jacobian() -> np.ndarray:
+            by_shifts = sideways * by_slope[points.isotherm]
+            return np.concatenate([basis, by_shifts], axis=1) / size[:, None]
+
+        return basis @ p[:count] / size, jacobian
+
+    every = np.eye(count + kelvin.size - 1)
     second = np.diff(every[:count], 2, axis=0)
-    ridge = (
-        basis.T @ basis
-        + 1e-2 * second[:, :count].T @ second[:, :count]
-        + 1e-8 * np.eye(count)
+    start = np.concatenate(
+        [
+            _first_coefficients(spline, reduced, points.log_value, second[:, :count]),
+            first_slopes(guess, kelvin),
+        ]
     )
-    start[:count] = np.linalg.solve(ridge, basis.T @ points.log_value)
-    start[count:] = first_slopes(guess, kelvin)
     priors = [
         Prior(second, 0.1 * scale, (_BEND[0] * scale, _BEND[1] * scale), 0.0, 1.5),
         Prior(every[:count], 10 * scale, None, points.log_value.mean()),
         *slope_priors(every[count:], kelvin),
     ]
     typical = scale / float(np.median(size))
-    limits = None if known else (1e-5 * typical, typical)
-    noise = np.array([1.0 if known else 0.03 * typical])
-
-    def found(temper: float) -> Posterior:
-        return infer(
-            model,
-            points.log_value / size,
-            points.channel,
-            start,
-            priors,
-            noise,
-            noise_limits=limits,
-            temper=temper,
-        )
-
-    posterior = found(1.0)
+    infer_with = partial(
+        infer,
+        model,
+        points.log_value / size,
+        points.channel,
+        start,
+        priors,
+        np.array([1.0 if known else 0.03 * typical]),
+        noise_limits=None if known else (1e-5 * typical, typical),
+    )
+    posterior = infer_with(temper=1.0)
     count_alike = alike(points, posterior.residuals)
-    posterior = found(count_alike) if count_alike > 1 else posterior
-    return posterior._replace(residuals=posterior.residuals * size), spline, anchor
+    if count_alike > 1:
+        posterior = infer_with(temper=count_alike)
+    posterior = posterior._replace(residuals=posterior.residuals * size)
+    return _Fit(posterior, spline, anchor)
 
 
-def _assemble(
-    points: Points,
-    kelvin: np.ndarray,
-    posterior: Posterior,
-    spline: _Spline,
-    anchor: int,
-    reference: float,
-    size: np.ndarray,
+def _spline_over(reduced: np.ndarray) -> _Spline:
+    """A spline over the reduced velocities, with a margin."""
+    low, high = reduced.min() - _MARGIN * LN10, reduced.max() + _MARGIN * LN10
+    inner = np.linspace(low, high, int((high - low) / LN10 * _KNOTS) + 2)
+    step = inner[1] - inner[0]
+    before, behind = low - step * np.arange(3, 0, -1), high + step * np.arange(1, 4)
+    return _Spline(np.concatenate([before, inner, behind]))
+
+
+def _first_coefficients(
+    spline: _Spline, reduced: np.ndarray, mu: np.ndarray, second: np.ndarray
+) -> np.ndarray:
+    """Coefficients of the spline by least squares, slightly smoothed."""
+    basis, _ = spline.basis(reduced)
+    ridge = basis.T @ basis + 1e-2 * second.T @ second + 1e-8 * np.eye(spline.size)
+    return np.linalg.solve(ridge, basis.T @ mu)
+
+
+def _packed(
+    points: Points, kelvin: np.ndarray, fit: _Fit, reference: float, size: np.ndarray
 ) -> FrictionMaster:
+    posterior, spline, anchor = fit
     count = spline.size
     x, by_slope = from_slopes(posterior.mean[count:], kelvin, anchor)
     spread = by_slope @ posterior.covariance[count:, count:] @ by_slope.T
@@ -347,29 +362,7 @@ def _assemble(
     place = locate(kelvin, x, spread, reference)
     change = np.eye(kelvin.size) - place.weights
     log10_a, covariance = x - place.log10_a, change @ spread @ change.T + place.variance
-    between = np.diff(np.eye(kelvin.size), axis=0)
-    step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))
-    celsius = kelvin - 273.15
-    texts = [
-        f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known "
-        f"to +- {TWO_SIGMA * step[i]:.2g} "
-        "decades only: the friction hardly changes there, or the curves do not "
-        "overlap."
-        for i in np.flatnonzero(step > _POOR * np.abs(np.diff(x)))
-    ]
-    if flat:
-        texts = [
-            (
-                "The friction is too flat against its scatter to see any shift: log10 "
-                "a_T is what is usual of rubber."
-            )
-        ]
-    if not posterior.converged:
-        texts.insert(
-            0,
-            "The fit did not converge: look at the figure before using anything of it.",
-        )
-    found = FrictionMaster(
+    master = FrictionMaster(
         reference=reference,
         temperature=kelvin,
         log10_a=log10_a,
@@ -380,11 +373,33 @@ def _assemble(
         mu=points.log_value,
         number=points.isotherm,
         error=error,
-        warnings=tuple(texts),
+        warnings=tuple(_doubts(kelvin, x, spread, flat, posterior.converged)),
         converged=posterior.converged,
         _posterior=posterior,
         _spline=spline,
         _anchor=place.log10_a,
     )
-    tell(found.warnings, stacklevel=5)
-    return found
+    tell(master.warnings)
+    return master
+
+
+def _doubts(
+    kelvin: np.ndarray, x: np.ndarray, spread: np.ndarray, flat: bool, converged: bool
+) -> Iterator[str]:
+    if not converged:
+        yield "The fit did not converge: look at the figure before using it."
+    if flat:
+        yield (
+            "The friction is too flat against its scatter to see any shift: log10 a_T "
+            "is what is usual of rubber."
+        )
+        return
+    between = np.diff(np.eye(kelvin.size), axis=0)
+    step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))
+    celsius = kelvin - 273.15
+    for i in np.flatnonzero(step > _POOR * np.abs(np.diff(x))):
+        yield (
+            f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known "
+            f"to +- {TWO_SIGMA * step[i]:.2g} decades only: the friction hardly changes "
+            "there, or the curves do not overlap."
+        )

@@ -42,34 +42,11 @@ def isotherms(
     shift `law` one frequency is enough. Raises `InputError` where a temperature is not
     known or there are too few points.
     """
-    every = np.concatenate([dma.temperature, dma.time_temperature])
-    if not np.isfinite(every).all():
-        rates = np.concatenate([dma.omega, 1 / dma.time])
-        raise InputError(
-            f"temperature is not in the data: {untold(rates[~np.isfinite(every)])}"
-        )
-    if every.max() > _HOTTEST:
-        raise InputError(
-            f"temperature must be at most {_HOTTEST:g} K, got {every.max():.4g} "
-            "K: check its column and unit."
-        )
-    if dma.omega.size and in_strain_sweep(dma).all():
-        raise InputError(
-            "dma must have sweeps of frequency, got a sweep of strain, "
-            f"{strains(dma.strain)}: it has no master curve; "
-            "em.fit.softening(dma) makes its em.Softening."
-        )
-    if every.size < 5:
-        lost = len(dma.bad_rows)
-        why = (
-            f"; {lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}"
-            if lost
-            else ""
-        )
-        raise InputError(f"dma must have five points at least, got {every.size}{why}.")
+    kelvin = dma.temperatures
+    _check_points(dma)
     rates = np.concatenate([dma.omega, 1 / dma.time])
     if law is not None:
-        a = 10 ** log10_a(law, every)
+        a = 10 ** log10_a(law, kelvin)
         rates = rates * a / a.min()
     if rates.max() < 1.5 * rates.min():
         raise InputError(
@@ -79,24 +56,54 @@ def isotherms(
             "shift=em.WLF(8.86, 101.6, 293.15) (--shift 'WLF(8.86, 101.6, 20degC)'), "
             "a file of factors, or 'universal' (--shift universal)."
         )
-    number, mean = group(every, tolerance)
+    number, mean = group(kelvin, tolerance)
     n = dma.omega.size
-    frequency, time = number[:n], number[n:]
-    rate = np.log(dma.omega)
-    offset = every - mean[number]
-    extra = (
-        np.zeros(every.size)
-        if law is None
-        else log10_a(law, every) - log10_a(law, mean)[number]
-    )
+    rate, offset = np.log(dma.omega), kelvin - mean[number]
+    extra = np.zeros(kelvin.size)
+    if law is not None:
+        extra = log10_a(law, kelvin) - log10_a(law, mean)[number]
+
+    def per_channel(values: np.ndarray) -> np.ndarray:
+        """Values of the points for storage, loss and relaxation."""
+        return np.concatenate([values[:n], values])
+
     points = Points(
         np.repeat([STORAGE, LOSS, RELAXATION], [n, n, dma.time.size]),
         np.concatenate([rate, rate, -np.log(dma.time)]),
         np.log(np.concatenate([dma.storage, dma.loss, dma.relaxation])),
-        np.concatenate([frequency, frequency, time]),
-        np.concatenate([extra[:n], extra]),
+        per_channel(number),
+        per_channel(extra),
     )
-    return Isotherms(points, mean, np.concatenate([offset[:n], offset[:n], offset[n:]]))
+    return Isotherms(points, mean, per_channel(offset))
+
+
+def _check_points(dma: Dma) -> None:
+    """Raises `InputError` for temperatures that are not known or too high, for sweeps
+    of strain, and for too few points.
+    """
+    kelvin = dma.temperatures
+    if not dma.has_temperatures:
+        rates = np.concatenate([dma.omega, 1 / dma.time])
+        raise InputError(
+            f"temperature is not in the data: {untold(rates[~np.isfinite(kelvin)])}"
+        )
+    if kelvin.max() > _HOTTEST:
+        raise InputError(
+            f"temperature must be at most {_HOTTEST:g} K, got {kelvin.max():.4g} "
+            "K: check its column and unit."
+        )
+    if dma.omega.size and in_strain_sweep(dma).all():
+        raise InputError(
+            "dma must have sweeps of frequency, got a sweep of strain, "
+            f"{strains(dma.strain)}: it has no master curve; "
+            "em.fit.softening(dma) makes its em.Softening."
+        )
+    if kelvin.size < 5:
+        lost = len(dma.bad_rows)
+        why = ""
+        if lost:
+            why = f"; {lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}"
+        raise InputError(f"dma must have five points at least, got {kelvin.size}{why}.")
 
 
 def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

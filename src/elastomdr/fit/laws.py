@@ -295,24 +295,22 @@ def locate(
     def bend(form: Form, p: np.ndarray) -> float:
         return float(form.value(p, reference) - near @ form.value(p, temperature))
 
-    at = float(near @ log10_a) + bend(form, p)
+    located = float(near @ log10_a) + bend(form, p)
     by_p = derivatives(form, p, np.array([reference]))[0] - near @ derivatives(
         form, p, temperature
     )
     by_value = by_p @ of_p @ derivatives(form, p, temperature).T @ precision
     weights = near + by_value @ change
     if temperature[0] <= reference <= temperature[-1]:
-        return Place(at, weights, near, 0.0, 0.0)
-    arrhenius = known["Arrhenius"]
+        return Place(located, weights, near, 0.0, 0.0)
     if n > 2:
+        arrhenius = known["Arrhenius"]
         q = fit_form(arrhenius, temperature, value, spread)[0]
-        off = [
-            value - one.value(parameters, temperature)
-            for one, parameters in ((arrhenius, q), (form, p))
-        ]
-        # Akaike: a parameter costs 2
-        worse = off[0] @ precision @ off[0] - off[1] @ precision @ off[1] - 2.0
-        chance = 1 / (1 + np.exp(np.clip(worse / 2, -50, 50)))
+        chance = _chance(
+            value - arrhenius.value(q, temperature),
+            value - form.value(p, temperature),
+            precision,
+        )
         difference = bend(arrhenius, q) - bend(form, p)
     else:
         pole = temperature[0] - _USUAL_POLE
@@ -329,20 +327,37 @@ def locate(
     step = weights - np.eye(n)[centre]
     half = 1.96 * float(np.sqrt(max(step @ covariance @ step, 0.0) + variance))
     pole = float(temperature[0]) - float(np.exp(p[1])) - POLE if n > 2 else 0.0
-    if reference <= pole or not half < _FARTHEST:
-        why = (
-            f"with +- {half:.2g} decades only"
-            if reference > pole
-            else f"past its pole, {pole - 273.15:.4g} degC"
-        )
-        raise InputError(
-            "reference must be within reach of the data, "
-            f"{temperature[0] - 273.15:.4g} to {temperature[-1] - 273.15:.4g} degC, "
-            f"got {reference - 273.15:.4g} degC: the law of the shift factors would "
-            f"have to carry {distance:.3g} K beyond them "
-            f"{why}.{' Are the units of temperature right?' if distance > _STRANGE else ''}"
-        )
-    return Place(at, weights, near, variance, half)
+    _check_reach(temperature, reference, distance, pole, half)
+    return Place(located, weights, near, variance, half)
+
+
+def _chance(arrhenius: np.ndarray, other: np.ndarray, precision: np.ndarray) -> float:
+    """Of Arrhenius' law against one with a parameter more, from what both leave."""
+    # Akaike: a parameter costs 2
+    worse = arrhenius @ precision @ arrhenius - other @ precision @ other - 2.0
+    return float(1 / (1 + np.exp(np.clip(worse / 2, -50, 50))))
+
+
+def _check_reach(
+    temperature: np.ndarray, reference: float, distance: float, pole: float, half: float
+) -> None:
+    """Raises `InputError` for a reference temperature that the law cannot reach from
+    the isotherms.
+    """
+    if reference > pole and half < _FARTHEST:
+        return
+    why = (
+        f"with +- {half:.2g} decades only"
+        if reference > pole
+        else f"past its pole, {pole - 273.15:.4g} degC"
+    )
+    hint = " Are the units of temperature right?" if distance > _STRANGE else ""
+    low, high = temperature[0] - 273.15, temperature[-1] - 273.15
+    raise InputError(
+        f"reference must be within reach of the data, {low:.4g} to {high:.4g} degC, "
+        f"got {reference - 273.15:.4g} degC: the law of the shift factors would have "
+        f"to carry {distance:.3g} K beyond them {why}.{hint}"
+    )
 
 
 def of_law(log10_a: float, temperature: np.ndarray, reference: float) -> Place:

@@ -17,10 +17,16 @@ from ..checks import in_kelvin, in_si, not_negative, positive, scalar, significa
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.prony import Prony
-from ..material.shift import AbstractShift, Arrhenius, ShiftTable
+from ..material.shift import (
+    AbstractShift,
+    AbstractVertical,
+    Arrhenius,
+    EntropicVertical,
+    ShiftTable,
+    VerticalTable,
+)
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
-from ..material.vertical import AbstractVertical, EntropicVertical, VerticalTable
 from ..trees import replaced
 from .doubts import OF_SHIFTS, JudgedShifts, doubts
 from .findings import (
@@ -671,7 +677,7 @@ def master_curve(
     given = f"{words(law)}, {origin}" if law is not None else ""
     joint = fit_jointly(sorted_dma, bool(vertical), law, temperature_error)
     master = _assemble(dma, joint, reference, None, given)
-    tell((*means, *left, *master.warnings), stacklevel=4)
+    tell((*means, *left, *master.warnings))
     return master
 
 

@@ -233,47 +233,13 @@ def softening(
         warnings=tuple([*told, *_judge(data, p, spread, sigma)]),
     )
     strain, table = _table(found) if form == "table" else _of_kraus(data, p[:4])
-    tell(found.warnings, stacklevel=3)
+    tell(found.warnings)
     return SofteningFit(strain, np.minimum(table[:, 0], 1.0), table[:, 1], found)
 
 
 def _data(sweep: Any) -> tuple[_Data, list[str]]:
-    """The points of the sweeps. Raises `InputError`."""
-    values: dict[str, Any]
-    if isinstance(sweep, Dma):
-        amplitude = getattr(sweep, "strain", None)
-        if amplitude is None or not np.isfinite(amplitude).any():
-            raise InputError(
-                "strain_sweep must have the strain amplitude of its points, got a "
-                "Dma without any."
-            )
-        names = ("storage", "loss", "temperature", "omega")
-        values = {"strain": amplitude} | {name: getattr(sweep, name) for name in names}
-        values = {
-            name: np.asarray(x, dtype=float)[np.isfinite(amplitude)]
-            for name, x in values.items()
-        }
-    elif isinstance(sweep, Mapping) and {"strain", "storage", "loss"} <= set(sweep):
-        names = ("strain", "storage", "loss")
-        values = dict(
-            zip(names, lists(names, tuple(sweep[name] for name in names)), strict=True)
-        )
-        for name in ("temperature", "omega"):
-            given = np.nan if sweep.get(name) is None else sweep[name]
-            try:
-                values[name] = np.broadcast_to(
-                    as_float64(name, given), values["strain"].shape
-                )
-            except ValueError as problem:
-                raise InputError(
-                    f"{name} must be one number or as many as strain, "
-                    f"{values['strain'].size}, got {np.shape(given)}."
-                ) from problem
-    else:
-        raise InputError(
-            "strain_sweep must be a Dma with strain amplitudes, or a mapping with "
-            f'"strain", "storage" and "loss", got {type(sweep).__name__}.'
-        )
+    """The points of the sweeps, and what was left out. Raises `InputError`."""
+    values = _values(sweep)
     for name in ("strain", "storage", "loss"):
         positive(name, values[name])
     if values["strain"].max() > _LARGEST:
@@ -281,35 +247,66 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
             f"strain must be an amplitude without unit, {_LARGEST:g} at most (0.1 for "
             f"10 %), got {values['strain'].max():g}; divide per cent by 100."
         )
-    kelvin, log_omega = (
-        np.nan_to_num(x, nan=1.0)
-        for x in (values["temperature"], np.log(values["omega"]))
-    )
+    log_strain = np.log(values["strain"])
+    kelvin = np.nan_to_num(values["temperature"], nan=1.0)
+    log_omega = np.nan_to_num(np.log(values["omega"]), nan=1.0)
     pair = np.stack([group(kelvin, _WARMS)[0], group(log_omega, _ALIKE)[0]])
-    _, number = np.unique(pair, axis=1, return_inverse=True)
-    number = number.ravel()
-    log_strain, told = np.log(values["strain"]), []
+    number = np.unique(pair, axis=1, return_inverse=True)[1].ravel()
     whole = [i for i in range(number.max() + 1) if _is_sweep(log_strain[number == i])]
     if not whole:
         raise InputError(
             "strain_sweep must have four points or more over a factor of 3 in strain "
-            "at one temperature and frequency, "
-            f"got {number.size} points at {number.max() + 1} of them."
+            f"at one temperature and frequency, got {number.size} points at "
+            f"{number.max() + 1} of them."
         )
-    kept = np.isin(number, whole)
+    kept, said = np.isin(number, whole), []
     if not kept.all():
-        told.append(
-            f"{int((~kept).sum())} points are in no sweep of four or more, and "
-            "left "
+        said.append(
+            f"{int((~kept).sum())} points are in no sweep of four or more, and left "
             "out."
         )
     number = np.searchsorted(whole, number[kept])
-    of_sweep = [
+    means = [
         np.array([np.mean(values[name][kept][number == i]) for i in range(len(whole))])
         for name in ("temperature", "omega")
     ]
     logs = np.log(np.stack([values["storage"], values["loss"]], -1))[kept]
-    return _Data(log_strain[kept], logs, number, *of_sweep), told
+    return _Data(log_strain[kept], logs, number, *means), said
+
+
+def _values(sweep: Any) -> dict[str, np.ndarray]:
+    """Strain, moduli, temperature and angular frequency of each point, NaN where it is
+    not known. Raises `InputError`.
+    """
+    if isinstance(sweep, Dma):
+        known = np.isfinite(sweep.strain)
+        if not known.any():
+            raise InputError(
+                "strain_sweep must have the strain amplitude of its points, got a "
+                "Dma without any."
+            )
+        names = ("strain", "storage", "loss", "temperature", "omega")
+        return {
+            name: np.asarray(getattr(sweep, name), dtype=float)[known] for name in names
+        }
+    names: tuple[str, ...] = ("strain", "storage", "loss")
+    if not isinstance(sweep, Mapping) or not set(names) <= set(sweep):
+        raise InputError(
+            "strain_sweep must be a Dma with strain amplitudes, or a mapping with "
+            f'"strain", "storage" and "loss", got {type(sweep).__name__}.'
+        )
+    columns = lists(names, tuple(sweep[name] for name in names))
+    values: dict[str, np.ndarray] = dict(zip(names, columns, strict=True))
+    for name in ("temperature", "omega"):
+        given = np.nan if sweep.get(name) is None else sweep[name]
+        try:
+            values[name] = np.broadcast_to(as_float64(name, given), columns[0].shape)
+        except ValueError as problem:
+            raise InputError(
+                f"{name} must be one number or as many as strain, {columns[0].size}, "
+                f"got {np.shape(given)}."
+            ) from problem
+    return values
 
 
 def _is_sweep(log_strain: np.ndarray) -> bool:

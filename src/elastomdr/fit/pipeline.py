@@ -19,13 +19,19 @@ from .. import __version__
 from ..checks import in_si, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, FitWarning, strains
-from ..material.draws import Draws, by_moduli, changed, check_draws, root_of
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
-from ..material.shift import ShiftTable
+from ..material.shift import EntropicVertical, ShiftTable, VerticalTable
 from ..material.tabulated import TabulatedModulus
-from ..material.validity import Range, misfit_bands
-from ..material.vertical import EntropicVertical, VerticalTable
+from ..material.validity import (
+    Draws,
+    Range,
+    by_moduli,
+    changed,
+    check_draws,
+    misfit_bands,
+    root_of,
+)
 from ..trees import replaced
 from .findings import TWO_SIGMA, AbstractFindings, tell
 from .laws import derivatives, fit_form, forms
@@ -540,42 +546,14 @@ def material(
     check_law(law)
     if shift is not None and law != "auto":
         raise InputError(f"law must be left out where shift is given, got {law!r}.")
-    name = (
-        name
-        or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem)
-        .strip("-.")
-        .lower()
-        or "rubber"
-    )
-    citation = citation or f"Measured data: {dma.source or 'arrays'}"
-
-    def fitted(master: MasterCurve) -> MaterialFit:
-        dma = master.dma  # of one strain
-        chosen, own = shift_law(master, law)
-        fit = prony(
-            master,
-            terms=terms,
-            equilibrium=equilibrium,
-            balance=balance,
-            poisson=poisson,
-            shift=own,
-            vertical=vertical_law(master),
-            name=name,
-            citation=citation,
-        )
-        texts = (*dma.warnings, *master.warnings, *fit.warnings)
-        about = description or f"Fitted to {dma.summary()}"
-        return MaterialFit(
-            with_misfit(fit.material, dma),
-            master,
-            fit,
-            chosen,
-            misfit(fit.material, dma),
-            texts,
-            citation,
-            about,
-        )
-
+    series = {
+        "terms": terms,
+        "equilibrium": equilibrium,
+        "balance": balance,
+        "poisson": poisson,
+        "name": name or _default_name(dma),
+        "citation": citation or f"Measured data: {dma.source or 'arrays'}",
+    }
     done = progress or (lambda _done, _total: None)
     with warnings.catch_warnings():
         # what is doubted in the end is told below
@@ -588,13 +566,38 @@ def material(
             temperature_error=temperature_error,
         )
         done(1, _STEPS)
-        shifted = _shifted(free, vertical)
+        master = _shifted(free, vertical)
         done(2, _STEPS)
-        found = fitted(shifted)
+        fit = _fitted(master, law, series, description)
         done(3, _STEPS)
-    found = replace(found, warnings=(*found.warnings, *_misses(found)))
-    tell((text for text in found.warnings if text not in dma.warnings), stacklevel=3)
-    return found
+    fit = replace(fit, warnings=(*fit.warnings, *_misses(fit)))
+    tell(text for text in fit.warnings if text not in dma.warnings)
+    return fit
+
+
+def _default_name(dma: Dma) -> str:
+    """A name of the material from that of its file."""
+    stem = Path(dma.source.split(",")[0]).stem
+    return re.sub(r"[^\w.-]+", "-", stem).strip("-.").lower() or "rubber"
+
+
+def _fitted(
+    master: MasterCurve, law: LawName, series: dict[str, Any], description: str
+) -> MaterialFit:
+    """Series and shift law of a master curve; `series` are the options of `prony`."""
+    dma = master.dma  # of one strain
+    chosen, shift = shift_law(master, law)
+    fit = prony(master, shift=shift, vertical=vertical_law(master), **series)
+    return MaterialFit(
+        with_misfit(fit.material, dma),
+        master,
+        fit,
+        chosen,
+        misfit(fit.material, dma),
+        (*dma.warnings, *master.warnings, *fit.warnings),
+        series["citation"],
+        description or f"Fitted to {dma.summary()}",
+    )
 
 
 def _shifted(free: MasterCurve, vertical: bool | None) -> MasterCurve:

@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -37,6 +37,7 @@ from .tables import table_csv
 from .terms import (
     Data,
     Met,
+    SlowEnd,
     check_terms,
     choose_terms,
     slow_end,
@@ -50,8 +51,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Kind, Style
-    from ..material.shift import AbstractShift
-    from ..material.vertical import AbstractVertical
+    from ..material.shift import AbstractShift, AbstractVertical
 
 # --------------------------------------------------------------------------------------
 # The loss modulus, which makes friction, from relaxation: a smooth estimate for the
@@ -80,6 +80,7 @@ _SHORTEST = 0.5
 _WIDE = 0.5
 # standard deviation of ln(loss modulus) above which an estimate is worth nothing
 _WIDEST = 0.5
+_CHANNELS = {"storage": STORAGE, "loss": LOSS, "relaxation": RELAXATION}
 
 
 def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
@@ -408,22 +409,20 @@ class PronyFit(AbstractFindings):
         decades = np.log10(self.window[1] / self.window[0])
         yield (
             "terms",
-            (
-                f"{self.terms} over {decades:.1f} decades ({self.kind} "
-                f"moduli){self._left_out}"
-            ),
+            f"{self.terms} over {decades:.1f} decades ({self.kind} moduli)"
+            f"{self._left_out}",
         )
-        sizes = (self.storage_residual, self.loss_residual, self.relaxation_residual)
-        named = zip(("storage", "loss", "relaxation"), sizes, strict=True)
-        yield (
-            "residuals",
-            ", ".join(
-                f"{name} {100 * size:.2g} %"
-                for name, size in named
-                if np.isfinite(size)
-            )
-            + " rms",
-        )
+        sizes = {
+            "storage": self.storage_residual,
+            "loss": self.loss_residual,
+            "relaxation": self.relaxation_residual,
+        }
+        known = [
+            f"{name} {100 * size:.2g} %"
+            for name, size in sizes.items()
+            if np.isfinite(size)
+        ]
+        yield "residuals", f"{', '.join(known)} rms"
         if self.trade_off:
             rows = (
                 f"{100 * m.storage:.2g}, {100 * m.loss:.2g} % (balance {m.balance:g})"
@@ -433,32 +432,28 @@ class PronyFit(AbstractFindings):
                 "trade-off",
                 "storage and loss of the closest passive materials: " + "; ".join(rows),
             )
-        if known := self.loss_known:
-            yield "loss modulus", known
-        level = float(self.material.equilibrium)
-        slowest = float(self.material.times.max())
-        none = (
-            "0: a liquid"
-            if slowest * self.window[0] < 1
-            else "0: none is seen; the series flows beyond the data"
-        )
-        low, high = self.equilibrium_interval
-        yield (
-            "equilibrium",
-            f"{level:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %" if level else none,
-        )
+        if range_of_loss := self.loss_known:
+            yield "loss modulus", range_of_loss
+        yield "equilibrium", self._equilibrium_in_words()
         for modulus, std, time in zip(
             self.material.moduli, self.moduli_std, self.material.times, strict=True
         ):
             yield (
                 "term",
-                (
-                    f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- "
-                    f"{TWO_SIGMA * std:.2g} Pa"
-                ),
+                f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- "
+                f"{TWO_SIGMA * std:.2g} Pa",
             )
         for text in self.warnings:
             yield "warning", text
+
+    def _equilibrium_in_words(self) -> str:
+        level = float(self.material.equilibrium)
+        if level:
+            low, high = self.equilibrium_interval
+            return f"{level:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %"
+        if float(self.material.times.max()) * self.window[0] < 1:
+            return "0: a liquid"
+        return "0: none is visible in the data; below them the series is a liquid"
 
 
 @in_si
@@ -527,8 +522,86 @@ def prony(
         raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
     omega, storage, loss = lists(("omega", "storage", "loss"), (omega, storage, loss))
     time, relaxation = lists(("time", "relaxation"), (time, relaxation))
-    n = omega.size
-    if 2 * n + time.size < 3:
+    points = _points(omega, storage, loss, time, relaxation)
+    check_terms(terms, points.log_rate)
+    balance = _checked_options(equilibrium, balance)
+    joint = master.joint if master is not None else _smooth(points)
+    state = (
+        master.state
+        if master is not None
+        else at_reference(joint, joint.shifts.temperature[0])
+    )
+    noise, systematic = weigh(joint.shifts.posterior.noise, points, balance)
+    data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
+    chosen = choose_terms(with_loss(data, joint, state), terms, equilibrium)
+    series = _solved(data, joint, state, chosen)
+    trades = trade_off(points) if systematic else ()
+    warnings = doubts(
+        OF_SERIES,
+        JudgedSeries(
+            data=data,
+            residuals=series.residuals,
+            contradiction=verdict(trades, series.rms("storage"), series.rms("loss")),
+            excess=relaxation_excess(joint),
+            converged=chosen.posterior.converged,
+            level=series.equilibrium,
+            interval=series.interval,
+            end=series.end,
+            limits=series.limits,
+            omega=omega,
+        ),
+    )
+    if kind == "tensile" and poisson is None:
+        warnings = (*warnings, _INCOMPRESSIBLE)
+    parts = {name: series.part(name) for name in _CHANNELS}
+    material = series.material(
+        omega,
+        None if master is None else master.measured_at,
+        kind=kind,
+        poisson=0.5 if poisson is None else poisson,
+        shift=shift,
+        vertical=vertical,
+        name=name,
+        citation=citation,
+    )
+    fit = PronyFit(
+        material=material,
+        storage_residual=series.rms("storage"),
+        loss_residual=series.rms("loss"),
+        relaxation_residual=series.rms("relaxation"),
+        residuals={name: part for name, part in parts.items() if part.size},
+        equilibrium_std=series.equilibrium_std,
+        equilibrium_interval=series.interval,
+        moduli_std=series.moduli_std,
+        times_std=series.times_std,
+        covariance=series.covariance,
+        omega=omega,
+        storage=storage,
+        loss=loss,
+        time=time,
+        relaxation=relaxation,
+        kind=kind,
+        warnings=tuple(warnings),
+        converged=chosen.posterior.converged,
+        asked=None if terms is None else int(terms),
+        trade_off=trades,
+        joint=joint,
+        master=master,
+    )
+    tell(fit.warnings)
+    return fit
+
+
+def _points(
+    omega: np.ndarray,
+    storage: np.ndarray,
+    loss: np.ndarray,
+    time: np.ndarray,
+    relaxation: np.ndarray,
+) -> Points:
+    """The data of one temperature. Raises `InputError` for too few of them."""
+    n, count = omega.size, 2 * omega.size + time.size
+    if count < 3:
         raise InputError(
             "omega, storage and loss (or time and relaxation) must have two points "
             f"at least, got {n}."
@@ -537,133 +610,113 @@ def prony(
         np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
         np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
         np.log(np.concatenate([storage, loss, relaxation])),
-        np.zeros(2 * n + time.size, dtype=int),
-        np.zeros(2 * n + time.size),
+        np.zeros(count, dtype=int),
+        np.zeros(count),
     )
     if np.ptp(points.log_rate) < np.log(1.5):
         raise InputError(
-            f"omega must span a range of frequencies, got {omega.size} points "
-            "within "
-            "a factor of 1.5."
+            f"omega must span a range of frequencies, got {n} points within a factor "
+            "of 1.5."
         )
-    check_terms(terms, points.log_rate)
+    return points
+
+
+def _checked_options(equilibrium: Any, balance: Any) -> float | None:
+    """The balance. Raises `InputError`."""
     if equilibrium not in (None, True, False):
         raise InputError(
             "equilibrium must be True, False or None (the data decide), got "
             f"{equilibrium!r}."
         )
-    if balance is not None:
-        balance = float(scalar("balance", balance))
-        positive("balance", balance)
-    joint = master.joint if master is not None else _smooth(points)
-    noise, systematic = weigh(joint.shifts.posterior.noise, points, balance)
-    data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
-    state = (
-        master.state
-        if master is not None
-        else at_reference(joint, joint.shifts.temperature[0])
-    )
-    found = choose_terms(with_loss(data, joint, state), terms, equilibrium)
-    off = found.posterior.residuals[: points.channel.size]
-    residuals = np.expm1(-off)
-    parts = {
-        key: residuals[points.channel == which]
-        for key, which in (
-            ("storage", STORAGE),
-            ("loss", LOSS),
-            ("relaxation", RELAXATION),
-        )
-    }
-    rms = {
-        key: float(np.sqrt(np.mean(part**2))) if part.size else float("nan")
-        for key, part in parts.items()
-    }
+    if balance is None:
+        return None
+    balance = float(scalar("balance", balance))
+    positive("balance", balance)
+    return balance
+
+
+class _Series(NamedTuple):
+    """A series, and how well it is known."""
+
+    channel: np.ndarray  # of each residual
+    residuals: np.ndarray  # relative
+    equilibrium: float  # [Pa]
+    moduli: list[float]  # [Pa]
+    times: list[float]  # [s]
+    interval: tuple[float, float]  # of the equilibrium modulus, 95 % [Pa]
+    moduli_std: np.ndarray
+    times_std: np.ndarray
+    covariance: np.ndarray
+    end: SlowEnd
+    limits: Any  # frequencies between which the data determine the series
+
+    @property
+    def equilibrium_std(self) -> float:
+        low, high = self.interval
+        level = self.equilibrium
+        return max(level - low, high - level) / TWO_SIGMA
+
+    def part(self, name: str) -> np.ndarray:
+        """Residuals of storage, loss or relaxation."""
+        return self.residuals[self.channel == _CHANNELS[name]]
+
+    def rms(self, name: str) -> float:
+        part = self.part(name)
+        return float(np.sqrt(np.mean(part**2))) if part.size else float("nan")
+
+    def material(self, omega: np.ndarray, measured_at: Any, **options: Any) -> Prony:
+        """The series as a material, which knows its range and its misfit."""
+        misfit = misfit_bands(omega, self.part("storage"), self.part("loss"))
+        known = Range(self.limits, measured_at, misfit=misfit)
+        return Prony(self.equilibrium, self.moduli, self.times, range=known, **options)
+
+
+def _solved(data: Data, joint: Joint, state: AtReference, chosen: Any) -> _Series:
+    """The series of a choice of terms, with its uncertainty."""
+    points, noise = data.points, data.noise
+    off = chosen.posterior.residuals[: points.channel.size]
     chi = float(
         (data.weights * (off / noise[points.channel]) ** 2).sum() / data.weights.sum()
     )
-    met = trade_off(points) if systematic else ()
-    covariance = found.posterior.covariance * max(1.0, chi)  # misfit is not noise
+    covariance = chosen.posterior.covariance * max(1.0, chi)  # misfit is not noise
     std = np.sqrt(np.diag(covariance))
-    count = found.log_times.size
-    moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
-    level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
-    limits = known_range(
-        points,
-        joint,
-        state,
-        lambda w: (moduli / (w[:, None] * times + 1 / (w[:, None] * times))).sum(1),
-    )
-    measured_at = None if master is None else master.measured_at
-    material = Prony(
-        level,
-        numbers[:count],
-        numbers[count:],
-        kind=kind,
-        poisson=0.5 if poisson is None else poisson,
-        shift=shift,
-        vertical=vertical,
-        name=name,
-        citation=citation,
-        range=Range(
-            limits,
-            measured_at,
-            misfit=misfit_bands(omega, parts["storage"], parts["loss"]),
-        ),
-    )
+    count = chosen.log_times.size
+    moduli, times = np.exp(chosen.log_moduli), np.exp(chosen.log_times)
+    level, *numbers = (float(f"{x:.6g}") for x in (chosen.equilibrium, *moduli, *times))
+
+    def sensitivity(omega: np.ndarray) -> np.ndarray:
+        z = omega[:, None] * times
+        return (moduli / (z + 1 / z)).sum(1)
+
     end = slow_end(points, noise)
-    at = (
-        np.array([np.log(end.rate)]),
-        np.array([STORAGE if end.kind == "storage" else RELAXATION]),
-    )
-    # vertical shifts move all of the series, and its level
-    lifted = float(curve(joint, state, *at)[1][0])
-    half = TWO_SIGMA * level * float(np.hypot(std[-1], lifted)) if level else 0.0
-    interval = (
-        (max(min(level - half, end.low), 0.0), max(level + half, end.end))
-        if level
-        else (0.0, 0.0)
-    )
-    judged = JudgedSeries(
-        data=data,
-        residuals=residuals,
-        contradiction=verdict(met, rms["storage"], rms["loss"]),
-        excess=relaxation_excess(joint),
-        converged=found.posterior.converged,
-        level=level,
-        interval=interval,
-        end=end,
-        limits=limits,
-        omega=omega,
-    )
-    fit = PronyFit(
-        material=material,
-        storage_residual=rms["storage"],
-        loss_residual=rms["loss"],
-        relaxation_residual=rms["relaxation"],
-        residuals={key: part for key, part in parts.items() if part.size},
-        equilibrium_std=max(level - interval[0], interval[1] - level) / TWO_SIGMA,
-        equilibrium_interval=interval,
+    return _Series(
+        channel=points.channel,
+        residuals=np.expm1(-off),
+        equilibrium=level,
+        moduli=numbers[:count],
+        times=numbers[count:],
+        interval=_equilibrium_interval(joint, state, end, level, std[-1]),
         moduli_std=moduli * std[:count],
         times_std=times * std[count : 2 * count],
         covariance=covariance,
-        omega=omega,
-        storage=storage,
-        loss=loss,
-        time=time,
-        relaxation=relaxation,
-        kind=kind,
-        warnings=(
-            *doubts(OF_SERIES, judged),
-            *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
-        ),
-        converged=found.posterior.converged,
-        asked=None if terms is None else int(terms),
-        trade_off=met,
-        joint=joint,
-        master=master,
+        end=end,
+        limits=known_range(points, joint, state, sensitivity),
     )
-    tell(fit.warnings, stacklevel=4)
-    return fit
+
+
+def _equilibrium_interval(
+    joint: Joint, state: AtReference, end: SlowEnd, level: float, std: float
+) -> tuple[float, float]:
+    """The 95 % interval of the equilibrium modulus [Pa], vertical shifts included, which
+    move all of the series; it holds what the slow end of the data leaves open.
+    """
+    if not level:
+        return 0.0, 0.0
+    channel = STORAGE if end.kind == "storage" else RELAXATION
+    at_end = np.array([np.log(end.rate)]), np.array([channel])
+    lifted = float(curve(joint, state, *at_end)[1][0])
+    half = TWO_SIGMA * level * float(np.hypot(std, lifted))
+    return max(min(level - half, end.low), 0.0), max(level + half, end.end)
 
 
 def _smooth(points: Points) -> Joint:

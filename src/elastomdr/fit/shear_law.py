@@ -14,7 +14,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
@@ -27,7 +27,7 @@ from ..io.data import MeasuredFriction
 from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
-from ..rough.adhesive_shear import AdhesiveShear
+from ..rough.adhesion import AdhesiveShear
 from .findings import AbstractFindings, tell
 from .tables import table_csv
 
@@ -234,31 +234,19 @@ def adhesion(
     The intervals contain the scatter of the data, not what the model of hysteresis and
     area is off.
     """
-    curves = curve if isinstance(curve, Mapping) else {0.0: curve}
-    first = next(iter(curves.values()), None)
-    if (
-        not all(isinstance(each, FrictionCurve) for each in curves.values())
-        or 1 < len(curves) < 4
-        or first is None
-    ):
-        raise InputError(
-            "curve must be an em.FrictionCurve, or four or more of them by their "
-            "cutoff, {q_high: curve}, got a "
-            f"{type(curve).__name__}{f' of {len(curves)}' if isinstance(curve, Mapping) else ''}."
-        )
-    data = _measured(measured, first)
+    curves = _checked_curves(curve)
+    data = _measured(measured, next(iter(curves.values())))
     kelvin, mu = data["temperature"], data["mu"]
     computed = {float(q): _at_points(each, data) for q, each in curves.items()}
     used = np.isfinite(mu)
     for h, s, _ in computed.values():
         used &= np.isfinite(h) & np.isfinite(s)
-    if kelvin is not None and reference is None:
+    if kelvin is None:
+        reference = None
+    elif reference is None:
         reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
-    reference = (
-        None
-        if kelvin is None or reference is None
-        else float(plain("reference", reference))
-    )
+    else:
+        reference = float(plain("reference", reference))
     warm = None
     if kelvin is not None and reference is not None and np.ptp(kelvin[used]) > _SAME:
         warm = (1 / kelvin - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
@@ -279,11 +267,24 @@ def adhesion(
     freedom = points.mu.size - p.size
     scale = 1.0 if known else np.sqrt(chi / freedom)
     bounds = _intervals(points, size, p, chi, scale, freedom, known)
-    found = _packed(
+    fit = _packed(
         every, data, computed, used, p, bounds, size * scale, reference, known, success
     )
-    tell(found.warnings, stacklevel=3)
-    return found
+    tell(fit.warnings)
+    return fit
+
+
+def _checked_curves(curve: Any) -> Mapping[float, FrictionCurve]:
+    """The curves by their cutoff; of a single one by 0. Raises `InputError`."""
+    curves = curve if isinstance(curve, Mapping) else {0.0: curve}
+    are_curves = all(isinstance(each, FrictionCurve) for each in curves.values())
+    if not are_curves or len(curves) in (0, 2, 3):
+        count = f" of {len(curves)}" if isinstance(curve, Mapping) else ""
+        raise InputError(
+            "curve must be an em.FrictionCurve, or four or more of them by their "
+            f"cutoff, {{q_high: curve}}, got a {type(curve).__name__}{count}."
+        )
+    return curves
 
 
 def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
@@ -577,8 +578,44 @@ def _end(
     return limit
 
 
+class _Estimate(NamedTuple):
+    """Parameters in their units, and how well they are known."""
+
+    values: dict[str, float]
+    interval: dict[str, tuple[float, float]]  # 95 %
+    # whether the search reached the lower, the upper limit of a parameter
+    open_ends: dict[str, tuple[bool, bool]]
+
+
+_IN_UNITS: dict[str, Callable[[float], float]] = {
+    "stress": np.exp,
+    "velocity": lambda x: 10.0**x,
+    "width": float,
+    "energy": lambda x: 1e5 * x,
+    "q_high": np.exp,
+}
+
+
+def _estimate(points: _Points, p: np.ndarray, bounds: Any) -> _Estimate:
+    """Parameters and intervals from those of the search."""
+    values = {
+        name: float(_IN_UNITS[name](x)) for name, x in zip(points.names, p, strict=True)
+    }
+    interval, open_ends = {}, {}
+    for name, ends, limits in zip(points.names, bounds, points.limits, strict=True):
+        at_low, at_high = (abs(x - y) < 1e-6 for x, y in zip(ends, limits, strict=True))
+        low, high = (float(_IN_UNITS[name](x)) for x in ends)
+        if name != "q_high":
+            low, high = 0.0 if at_low else low, float("inf") if at_high else high
+        interval[name], open_ends[name] = (low, high), (at_low, at_high)
+    if any(open_ends["velocity"]):  # the further the summit, the higher it is
+        interval["stress"] = interval["stress"][0], float("inf")
+        open_ends["stress"] = False, True
+    return _Estimate(values, interval, open_ends)
+
+
 def _packed(
-    every: _Points,
+    points: _Points,
     data: dict[str, Any],
     computed: dict[float, Any],
     used: np.ndarray,
@@ -589,69 +626,43 @@ def _packed(
     known: bool,
     success: bool,
 ) -> AdhesionFit:
-    names, limits = every.names, every.limits
-    scales: dict[str, Callable[[float], float]] = {
-        "stress": np.exp,
-        "velocity": lambda x: 10.0**x,
-        "width": float,
-        "energy": lambda x: 1e5 * x,
-        "q_high": np.exp,
-    }
-    values = {name: float(scales[name](x)) for name, x in zip(names, p, strict=True)}
-    interval, open_ends = {}, {}
-    for name, ends, (low, high) in zip(names, bounds, limits, strict=True):
-        edge = tuple(abs(x - y) < 1e-6 for x, y in zip(ends, (low, high), strict=True))
-        open_ends[name] = edge
-        down, up = (float(scales[name](x)) for x in ends)
-        if name != "q_high":
-            down, up = (0.0 if edge[0] else down), (float("inf") if edge[1] else up)
-        interval[name] = (down, up)
-    if any(open_ends["velocity"]):  # the further the summit, the higher it is
-        interval["stress"], open_ends["stress"] = (
-            (interval["stress"][0], float("inf")),
-            (False, True),
-        )
+    estimate = _estimate(points, p, bounds)
+    values = estimate.values
     shift = None
     if values.get("energy", 0.0) > 0 and reference is not None:
         shift = Arrhenius(values["energy"], reference)
-    h = every.parts(p[-1] if every.cutoff is not None else None)[0]
-    mu = every.model(p)[0]
-    error = np.full(every.mu.shape, np.nan)
+    law = AdhesiveShear(
+        values["stress"], values["velocity"], values["width"], shift=shift
+    )
+    hysteresis = points.parts(p[-1] if points.cutoff is not None else None)[0]
+    mu = points.model(p)[0]
+    error = np.full(points.mu.shape, np.nan)
     error[used] = size
-    return AdhesionFit(
-        law=AdhesiveShear(
-            values["stress"], values["velocity"], values["width"], shift=shift
-        ),
+    fit = AdhesionFit(
+        law=law,
         q_high=values.get("q_high"),
         parameters=values,
-        interval=interval,
+        interval=estimate.interval,
         velocity=data["velocity"],
         temperature=data["temperature"],
-        measured=every.mu,
-        hysteresis=h,
-        adhesion=mu - h,
-        residuals=every.mu - mu,
+        measured=points.mu,
+        hysteresis=hysteresis,
+        adhesion=mu - hysteresis,
+        residuals=points.mu - mu,
         used=used,
         error=np.where(used, error, np.nanmean(error)),
         reference=reference,
-        level=_level(every, computed, used, p, size),
+        level=_level(points, computed, used, p, size),
         converged=success,
-        warnings=tuple(
-            _judge(
-                every,
-                data,
-                used,
-                values,
-                interval,
-                open_ends,
-                mu,
-                h,
-                size,
-                known,
-                success,
-            )
-        ),
+        warnings=(),
     )
+    doubts = (
+        *_doubts_of_parameters(points, used, estimate, success),
+        *_doubts_of_friction(fit, size, known),
+    )
+    if data["temperature"] is None or points.warm is None:
+        doubts += (_ONE_TEMPERATURE,)
+    return replace(fit, warnings=doubts)
 
 
 def _level(
@@ -680,71 +691,70 @@ def _level(
     return float(np.exp(p[0]) * max(down, 0.0)), float(np.exp(p[0]) * up)
 
 
-def _judge(
-    every: _Points,
-    data: dict[str, Any],
-    used: np.ndarray,
-    values: Any,
-    interval: Any,
-    open_ends: Any,
-    mu: np.ndarray,
-    h: np.ndarray,
-    size: np.ndarray,
-    known: bool,
-    success: bool,
+_ONE_TEMPERATURE = (
+    "Measured at one temperature: how the adhesion shifts with temperature is not "
+    "known."
+)
+
+
+def _doubts_of_parameters(
+    points: _Points, used: np.ndarray, estimate: _Estimate, success: bool
 ) -> Iterator[str]:
+    """What the data cannot decide."""
+    open_ends = estimate.open_ends
     if not success and not any(open_ends["velocity"]):
         yield "The search did not converge."
     if not used.all():
         yield (
             f"{int((~used).sum())} of {used.size} points have no computed hysteresis "
-            "or area and count for nothing."
+            "or contact area and are left out."
         )
-    spanned = float(np.ptp(every.log_v[used]))
     undecided = [
         name
         for name in ("stress", "velocity", "energy")
         if any(open_ends.get(name, ()))
     ]
     if undecided:
+        decades = float(np.ptp(points.log_v[used]))
         yield (
-            f"{' and '.join(undecided)} cannot be decided: over {spanned:.2g} decades "
-            "of velocity the data show no "
-            "summit of the stress. Measure at lower or higher velocities, or at more "
-            "temperatures."
+            f"{' and '.join(undecided)} cannot be determined: over {decades:.2g} decades "
+            "of velocity the data show no maximum of the stress. Measure at lower or "
+            "higher velocities, or at more temperatures."
         )
-    if interval["width"][0] == 0.0:
+    if estimate.interval["width"][0] == 0.0:
         yield (
-            "width cannot be told from 0: over the measured velocities the stress is "
-            "constant, or rises or falls as a power, within the scatter."
+            "width cannot be distinguished from 0: over the measured velocities the "
+            "stress is constant, or rises or falls as a power, within the scatter."
         )
     if open_ends["width"][1]:
         yield (
             "width is not bounded above: the stress falls off within the distance of "
             "two velocities."
         )
-    if "q_high" in open_ends and any(open_ends["q_high"]):
-        low, high = (float(np.exp(x)) for x in every.cutoff or (0.0, 0.0))
+    if any(open_ends.get("q_high", ())):
+        low, high = (float(np.exp(x)) for x in points.cutoff or (0.0, 0.0))
         yield (
             f"q_high reaches the end of the cutoffs that were computed, {low:.3g} to "
             f"{high:.3g} rad/m: compute more."
         )
-    more = int((h > every.mu)[used].sum())
-    if more:
+
+
+def _doubts_of_friction(
+    fit: AdhesionFit, size: np.ndarray, known: bool
+) -> Iterator[str]:
+    """Where hysteresis and the law do not describe what was measured."""
+    used = fit.used
+    above = int((fit.hysteresis > fit.measured)[used].sum())
+    if above:
         yield (
-            f"At {more} of {int(used.sum())} points computed hysteresis alone is "
+            f"At {above} of {int(used.sum())} points the computed hysteresis alone is "
             "above the measured friction."
         )
-    rms = float(np.sqrt(np.mean(((every.mu - mu)[used] / size) ** 2)))
+    rms = float(np.sqrt(np.mean((fit.residuals[used] / size) ** 2)))
     if known and rms > _MISFIT:
         yield (
             f"Residuals are {rms:.2g} times the error given: hysteresis and this law "
             "do not describe the data."
-        )
-    if data["temperature"] is None or every.warm is None:
-        yield (
-            "Measured at one temperature: how the adhesion shifts with temperature is "
-            "not known."
         )
 
 

@@ -3,6 +3,7 @@ temperature, and whether horizontal and vertical shifts can be separated.
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -196,47 +197,13 @@ def join(
     reduced = points.log_rate + LN10 * (guess[points.isotherm] + points.offset)
     log_times = nodes(reduced)
     shifts = Shifts(None, log_times, temperature, anchor, points)  # type: ignore[arg-type]
-    lift, n = shifts.vertical(), shifts.places.stop
-    start = np.zeros(n)
-    start[shifts.spectrum] = _first_spectrum(points, reduced, log_times)
-    lowest = (
-        points.log_value[points.channel != LOSS].min()
-        if (points.channel != LOSS).any()
-        else points.log_value.min()
-    )
-    start[shifts.equilibrium] = lowest - 1.0
-    start[shifts.slopes] = first_slopes(guess, temperature, _FLAT if fixed else _LEAST)
+    n = shifts.places.stop
+    start = _start(shifts, guess, reduced, fixed)
     noise, roughness = np.full(3, 0.03), 0.6 / PER_DECADE
     if near is not None:
         _begin(start, shifts, near)
         noise, roughness = near.posterior.noise, near.posterior.widths[0]
-    lifted, vertical_part = (
-        lift[points.isotherm],
-        slice(shifts.slopes.stop, shifts.places.start),
-    )
-
-    def model(
-        p: np.ndarray, wary: bool = False
-    ) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
-        log10_a, by_slope = from_slopes(p[shifts.slopes], temperature, anchor)
-        rate = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
-        answer = shifts.predict(p, points.channel, rate)
-
-        def jacobian() -> np.ndarray:
-            found = np.empty((points.channel.size, n))
-            found[:, shifts.spectrum] = (
-                answer.by_neighbours if wary else answer.by_spectrum
-            )
-            found[:, shifts.equilibrium] = answer.by_equilibrium
-            found[:, shifts.slopes] = (
-                LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
-            )
-            found[:, vertical_part] = -lifted[:, vertical_part]
-            found[:, shifts.places] = answer.by_place
-            return found
-
-        return answer.log_value - lifted @ p, jacobian
-
+    model = partial(_model, shifts, shifts.vertical()[points.isotherm])
     posterior = infer(
         model,
         points.log_value,
@@ -257,6 +224,49 @@ def join(
         settled_at=_ROUGH[1] if roughly else SETTLED,
     )
     return shifts._replace(posterior=posterior)
+
+
+def _start(
+    shifts: Shifts, guess: np.ndarray, reduced: np.ndarray, fixed: bool
+) -> np.ndarray:
+    """Spectrum, equilibrium modulus and slopes to begin with."""
+    points = shifts.points
+    start = np.zeros(shifts.places.stop)
+    start[shifts.spectrum] = _first_spectrum(points, reduced, shifts.log_times)
+    without_loss = points.log_value[points.channel != LOSS]
+    lowest = without_loss if without_loss.size else points.log_value
+    start[shifts.equilibrium] = lowest.min() - 1.0
+    least = _FLAT if fixed else _LEAST
+    start[shifts.slopes] = first_slopes(guess, shifts.temperature, least)
+    return start
+
+
+def _model(
+    shifts: Shifts, lifted: np.ndarray, p: np.ndarray, wary: bool = False
+) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
+    """ln of the moduli at the points, and what makes its Jacobian; `lifted` are the
+    derivatives of the points' vertical shifts.
+    """
+    points = shifts.points
+    vertical_part = slice(shifts.slopes.stop, shifts.places.start)
+    log10_a, by_slope = from_slopes(p[shifts.slopes], shifts.temperature, shifts.anchor)
+    rate = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
+    answer = shifts.predict(p, points.channel, rate)
+
+    def jacobian() -> np.ndarray:
+        matrix = np.empty((points.channel.size, p.size))
+        matrix[:, shifts.spectrum] = (
+            answer.by_neighbours if wary else answer.by_spectrum
+        )
+        matrix[:, shifts.equilibrium] = answer.by_equilibrium
+        matrix[:, shifts.slopes] = (
+            LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
+        )
+        matrix[:, vertical_part] = -lifted[:, vertical_part]
+        matrix[:, shifts.places] = answer.by_place
+        return matrix
+
+    return answer.log_value - lifted @ p, jacobian
 
 
 def _priors(

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.linalg.blas import dsyrk  # pyright: ignore[reportAttributeAccessIssue]
@@ -354,7 +354,6 @@ def infer(
         for prior in priors
     ]
     members = [np.flatnonzero(group == g) for g in range(noise.size)]
-    there = np.array([at.size > 0 for at in members])
     value, jacobian = model(start)
     place, converged = _Place(start, data - value, jacobian()), False
     factor = covariance = np.eye(start.size)
@@ -364,59 +363,95 @@ def infer(
         pull = _weighted(pulls, widths)
         scale = np.sqrt(weights / temper) / noise[group]
         place, settled = _climb(model, data, scale, precision, pull, place, gain)
-        p, residuals = place.p, place.residuals
         scaled = place.jacobian * scale[:, None]
-        curvatures = [_gram(scaled[at]) for at in members]
+        curvatures = [_gram(scaled[member]) for member in members]
         factor = _cholesky(sum(curvatures) + precision)
         covariance = _inverse(factor)
         before = np.log(np.concatenate([noise, widths]))
-        for g, at in enumerate(members):
-            if at.size and noise_limits is not None:
-                freedom = max(
-                    at.size - _trace(covariance, curvatures[g]), 0.1 * at.size
-                )
-                size = np.sqrt((weights[at] * residuals[at] ** 2).sum() / freedom)
-                noise[g] = np.clip(size, *noise_limits)
         if noise_limits is not None:
-            noise = np.maximum(noise, noise[there].max() / _RATIO)
-        for j, prior in enumerate(priors):
-            if prior.limits is None:
-                continue
-            seen = prior.rows @ p - prior.target
-            known = len(seen) - (grams[j] * covariance).sum() / widths[j] ** 2
-            usual, count = prior.usual
-            squares = seen @ seen + count * usual**2 + 1e-12
-            estimate = prior.loosen * np.sqrt(squares / max(known + count, 0.1))
-            widths[j] = float(np.clip(estimate, *prior.limits))
+            squares = weights * place.residuals**2
+            effective = [_trace(covariance, curvature) for curvature in curvatures]
+            noise = _new_noise(noise, squares, members, effective, noise_limits)
+        widths = [
+            _new_width(prior, width, gram, place.p, covariance)
+            for prior, width, gram in zip(priors, widths, grams, strict=True)
+        ]
         if robust:
-            size = np.abs(residuals) / noise[group]
+            size = np.abs(place.residuals) / noise[group]
             weights = np.minimum(1.0, (_HUBER / np.maximum(size, 1e-12)) ** 2)
-        cost = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
-        if settled and cost < settled_at:
+        change = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
+        if settled and change < settled_at:
             converged = True
             break
     if wary is not None:
         scaled = wary(place.p) * (np.sqrt(weights / temper) / noise[group])[:, None]
         covariance = _inverse(_cholesky(_gram(scaled) + _weighted(grams, widths)))
-    p, residuals = place.p, place.residuals
-    log_evidence = (
-        -0.5 * (weights * (residuals / noise[group]) ** 2).sum() / temper
-        - np.log(noise[group]).sum() / temper
-        - np.log(np.diag(factor)).sum()
-    )
-    for prior, width in zip(priors, widths, strict=True):
-        seen = prior.rows @ p - prior.target
-        log_evidence -= 0.5 * (seen @ seen) / width**2 + len(seen) * np.log(width)
     return Posterior(
-        p,
+        place.p,
         covariance,
         noise,
         weights,
-        residuals,
+        place.residuals,
         tuple(widths),
-        float(log_evidence),
+        _evidence(place, weights, noise[group], temper, factor, priors, widths),
         converged,
     )
+
+
+def _evidence(
+    place: _Place,
+    weights: np.ndarray,
+    sigma: np.ndarray,
+    temper: float,
+    factor: np.ndarray,
+    priors: Sequence[Prior],
+    widths: list[float],
+) -> float:
+    """ln of the marginal likelihood, up to a constant; `factor` is Cholesky's of the
+    precision.
+    """
+    evidence = (
+        -0.5 * (weights * (place.residuals / sigma) ** 2).sum() / temper
+        - np.log(sigma).sum() / temper
+        - np.log(np.diag(factor)).sum()
+    )
+    for prior, width in zip(priors, widths, strict=True):
+        left = prior.rows @ place.p - prior.target
+        evidence -= 0.5 * (left @ left) / width**2 + len(left) * np.log(width)
+    return float(evidence)
+
+
+def _new_noise(
+    noise: np.ndarray,
+    squares: np.ndarray,
+    members: list[np.ndarray],
+    effective: list[Any],
+    limits: tuple[float, float],
+) -> np.ndarray:
+    """Noise of each group from its weighted squares, less the parameters that its
+    points determine.
+    """
+    noise = noise.copy()
+    for g, member in enumerate(members):
+        if member.size:
+            freedom = max(member.size - effective[g], 0.1 * member.size)
+            noise[g] = np.clip(np.sqrt(squares[member].sum() / freedom), *limits)
+    there = np.array([member.size > 0 for member in members])
+    return np.maximum(noise, noise[there].max() / _RATIO)
+
+
+def _new_width(
+    prior: Prior, width: float, gram: np.ndarray, p: np.ndarray, covariance: np.ndarray
+) -> float:
+    """The width of a prior from how far the parameters are from its target."""
+    if prior.limits is None:
+        return width
+    left = prior.rows @ p - prior.target
+    known = len(left) - (gram * covariance).sum() / width**2
+    usual, count = prior.usual
+    squares = left @ left + count * usual**2 + 1e-12
+    estimate = prior.loosen * np.sqrt(squares / max(known + count, 0.1))
+    return float(np.clip(estimate, *prior.limits))
 
 
 def _weighted(parts: list[np.ndarray], widths: list[float]) -> np.ndarray:

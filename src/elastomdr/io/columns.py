@@ -25,6 +25,7 @@ _DAYTIME = 600.0
 _ONE_SIGN = 0.9  # share of negative numbers from which the sign is a convention
 _CONTRADICTS = 0.1  # of ln(tan delta), from which it contradicts the moduli beside it
 _NAMED = 6  # columns passed over, or rows left out, that are named
+_NUMBER_WITH_UNIT = re.compile(r"([+-]?\d[\d.]*(?:[eE][+-]?\d+)?)\s*([^\d\s\[].*)")
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,50 @@ def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
     return refused
 
 
-def named(
+class Understood(NamedTuple):
+    """The columns of a table: those whose titles say what they hold, those that a user
+    names, and the numbers that a user gives for all rows [SI].
+    """
+
+    read: list[Column]
+    named: dict[str, Column]
+    constants: dict[str, float]
+
+    @property
+    def all(self) -> list[Column]:
+        return [*self.read, *self.named.values()]
+
+    @property
+    def of_user(self) -> set[str]:
+        """The roles that a user names."""
+        return {*self.named, *self.constants}
+
+    def in_words(self) -> list[str]:
+        return [f"{one.place + 1} {one.title!r} as {one.role}" for one in self.all]
+
+
+def understand_table(
+    name: str,
+    columns: Mapping[str, Any] | None,
+    table: Table,
+    quantities: tuple[Quantity, ...],
+) -> Understood:
+    """What the columns of a table are, a user's word before its titles. Raises
+    `InputError`.
+    """
+    named, constants = named_columns(name, columns, table, quantities)
+    places = {column.place for column in named.values()}
+    read = [
+        column
+        for head in table.heads
+        if (column := understand(head, quantities))
+        and column.role not in (*named, *constants)
+        and column.place not in places
+    ]
+    return Understood(read, named, constants)
+
+
+def named_columns(
     name: str,
     columns: Mapping[str, Any] | None,
     table: Table,
@@ -168,7 +212,7 @@ def named(
     all rows: "frequency": "10 Hz".
     """
     roles = {quantity.role: quantity for quantity in reversed(quantities)}
-    found, constants = {}, {}
+    named, constants = {}, {}
     for role, wanted in (columns or {}).items():
         if role not in roles:
             raise InputError(
@@ -180,52 +224,67 @@ def named(
                 f"columns must hold titles or numbers of columns, got {wanted!r} "
                 f"for {role}."
             )
-        place, unit, log = _place(str(wanted).strip(), table.heads)
-        constant = re.fullmatch(
-            r"([+-]?\d[\d.]*(?:[eE][+-]?\d+)?)\s*([^\d\s\[].*)", str(wanted).strip()
-        )
-        if place is None and constant and (si := to_si(constant[2], roles[role].kind)):
+        text = str(wanted).strip()
+        place, unit, log = _place(text, table.heads)
+        if place is not None:
+            head = next(head for head in table.heads if head.place == place)
+            column = _named_column(name, head, roles[role], unit, quantities)
+            named[role] = column._replace(log=log) if log else column
+        elif (constant := _NUMBER_WITH_UNIT.fullmatch(text)) and (
+            si := to_si(constant[2], roles[role].kind)
+        ):
             constants[role] = float(constant[1]) * si[0] + si[1]
-        if place is None:
-            continue
-        head = next(head for head in table.heads if head.place == place)
-        title = understand(head, quantities)
-        column = (
-            title
-            if title and (title.role == role or title.quantity.kind == roles[role].kind)
-            else None
+    return named, constants
+
+
+def _named_column(
+    name: str,
+    head: Head,
+    quantity: Quantity,
+    unit: str,
+    quantities: tuple[Quantity, ...],
+) -> Column:
+    """The column that a user names for a quantity, in the user's unit, if there is
+    one. Raises `InputError`.
+    """
+    role, kind = quantity.role, quantity.kind
+    column = understand(head, quantities)
+    if column is None or (column.role != role and column.quantity.kind != kind):
+        column = _column_without_role(head, quantity)
+    elif "relaxation" in (role, column.role) and role != column.role and not unit:
+        raise InputError(
+            f"{name}: column {head.place + 1} {head.title!r}, named for {role}, is a "
+            f"{column.role} modulus by its title: moduli over frequency and relaxation "
+            "over time are not the same."
         )
-        if column is None:
-            said = next(
-                (u for n, u in splits(clean(head.title)) if to_si(u, roles[role].kind)),
-                "",
-            )
-            inside = re.search(r"[\[(]([^\[\]()]+)[\])]\s*$", head.title)
-            said = head.below.strip("[]() ") or said or (inside[1] if inside else "")
-            column = Column(
-                place, roles[role], head.title, said, 0, log=logarithm(head.title)[0]
-            )
-            column = column._replace(
-                known=not said or to_si(said, roles[role].kind) is not None
-            )
-        elif "relaxation" in (role, column.role) and role != column.role and not unit:
-            raise InputError(
-                f"{name}: column {place + 1} {head.title!r}, named for {role}, is a "
-                f"{column.role} modulus by its "
-                "title: moduli over frequency and relaxation over time are not the "
-                "same."
-            )
-        column = column._replace(
-            quantity=roles[role] if role != column.role else column.quantity
+    if role != column.role:
+        column = column._replace(quantity=quantity)
+    if not unit:
+        return column
+    if not to_si(unit, kind):
+        raise InputError(
+            f"columns: {unit!r} for {role} is no unit of {kind}: {usual(kind)}."
         )
-        if unit and not to_si(unit, roles[role].kind):
-            raise InputError(
-                f"columns: {unit!r} for {role} is no unit of {roles[role].kind}: "
-                f"{usual(roles[role].kind)}."
-            )
-        column = column._replace(unit=unit, known=True, users=True) if unit else column
-        found[role] = column._replace(log=log) if log else column
-    return found, constants
+    return column._replace(unit=unit, known=True, users=True)
+
+
+def _column_without_role(head: Head, quantity: Quantity) -> Column:
+    """A column whose title does not say that it holds the quantity, with the unit that
+    stands there.
+    """
+    units = (unit for _, unit in splits(clean(head.title)))
+    in_title = next((unit for unit in units if to_si(unit, quantity.kind)), "")
+    bracketed = re.search(r"[\[(]([^\[\]()]+)[\])]\s*$", head.title)
+    unit = head.below.strip("[]() ") or in_title or (bracketed[1] if bracketed else "")
+    return Column(
+        head.place,
+        quantity,
+        head.title,
+        unit,
+        0,
+        log=logarithm(head.title)[0],
+        known=not unit or to_si(unit, quantity.kind) is not None,
+    )
 
 
 def choose(
@@ -326,57 +385,68 @@ def measured(
     """
     given = {role: unit_of(name, column, units) for role, column in chosen.items()}
     values = {role: column.of(table, given[role]) for role, column in chosen.items()}
+    wrong = _rows_of_wrong_width(table)
     good = np.ones(len(table.rows), bool)
-    wrong: dict[int, str] = {}
-    if table.width:
-        for i, row in enumerate(table.rows):
-            few = len(row.cells) < table.width
-            if few or any(
-                np.isfinite(number(cell)) for cell in row.cells[table.width :]
-            ):
-                good[i], wrong[i] = (
-                    False,
-                    f"it has {len(row.cells)} cells in place of {table.width}",
-                )
+    good[list(wrong)] = False
     for role, column in chosen.items():
-        x = values[role]
-        if not column.quantity.valid:
+        x, valid = values[role], column.quantity.valid
+        if not valid:
             values[role] = np.where(x > 0, x, np.nan)
             continue
-        valid = {"positive": x > 0, "not negative": x >= 0}.get(
-            column.quantity.valid, (x > 0) & (x < np.pi / 2)
+        in_range = {"positive": x > 0, "not negative": x >= 0}.get(
+            valid, (x > 0) & (x < np.pi / 2)
         )
-        for i in np.flatnonzero(good & ~(np.isfinite(x) & valid)):
-            cells = table.rows[i].cells
-            said = cells[column.place] if column.place < len(cells) else ""
-            value = f"{said[:20]!r}, not a number"
+        for i in map(int, np.flatnonzero(good & ~(np.isfinite(x) & in_range))):
+            cell = _cell(table, i, column.place)
+            words = f"{cell[:20]!r}, not a number"
             if np.isfinite(x[i]):
-                value = (
-                    f"{column.sign * number(said):g} {given[role]}".removesuffix(" -")
-                    + f", not {column.quantity.valid}"
-                )
-            good[i], wrong[int(i)] = False, f"{column.title} is {value}"
+                value = f"{column.sign * number(cell):g} {given[role]}"
+                words = f"{value.removesuffix(' -')}, not {valid}"
+            good[i], wrong[i] = False, f"{column.title} is {words}"
     bad = [f"line {table.rows[i].line}: {wrong[i]}" for i in sorted(wrong)]
     kept = {role: x[good] for role, x in values.items()}
     if good.any():
-        for role, column in chosen.items():
-            if not column.quantity.valid and not np.isfinite(kept[role]).any():
-                continue
-            alike = [
-                one
-                for one in chosen.values()
-                if one.quantity.kind == column.quantity.kind
-            ]
-            alike = [
-                column,
-                *(
-                    one
-                    for one in alike
-                    if one is not column and given[one.role] == given[role]
-                ),
-            ]
-            _within(name, column, kept[role], given[role], alike)
+        _check_limits(name, chosen, kept, given)
     return kept, good, bad
+
+
+def _rows_of_wrong_width(table: Table) -> dict[int, str]:
+    """What is wrong with rows cut at blanks that lack a cell, or have numbers behind
+    their last one.
+    """
+    if not table.width:
+        return {}
+    return {
+        i: f"it has {len(row.cells)} cells in place of {table.width}"
+        for i, row in enumerate(table.rows)
+        if len(row.cells) < table.width
+        or any(np.isfinite(number(cell)) for cell in row.cells[table.width :])
+    }
+
+
+def _cell(table: Table, row: int, place: int) -> str:
+    cells = table.rows[row].cells
+    return cells[place] if place < len(cells) else ""
+
+
+def _check_limits(
+    name: str,
+    chosen: Mapping[str, Column],
+    values: Mapping[str, np.ndarray],
+    units: Mapping[str, str],
+) -> None:
+    """Raises `InputError` for numbers outside the limits of their quantity."""
+    for role, column in chosen.items():
+        if not column.quantity.valid and not np.isfinite(values[role]).any():
+            continue
+        others = [
+            one
+            for one in chosen.values()
+            if one is not column
+            and one.quantity.kind == column.quantity.kind
+            and units[one.role] == units[role]
+        ]
+        _within(name, column, values[role], units[role], [column, *others])
 
 
 def read_columns(
@@ -402,36 +472,42 @@ def read_columns(
     if table is None:
         raise InputError(missing(sheet.name, (), "", []))
     refuse_wide(sheet.name, [table])
-    user, constants = named(sheet.name, columns, table, quantities)
+    understood = understand_table(sheet.name, columns, table, quantities)
     for role, wanted in (columns or {}).items():
-        if role not in {*user, *constants}:
+        if role not in understood.of_user:
             raise InputError(
                 f"columns: {sheet.name!r} has no column {wanted!r} for {role}; it "
                 f"has {listed(table.heads)}."
             )
-    places = {column.place for column in user.values()}
-    read = [column for head in table.heads if (column := understand(head, quantities))]
-    read = [
-        one
-        for one in read
-        if one.role not in (*user, *constants) and one.place not in places
+    candidates = [
+        one._replace(log=log) if one.log == "log" and log else one
+        for one in understood.read
     ]
-    read = [one._replace(log=log) if one.log == "log" and log else one for one in read]
-    chosen = choose(sheet.name, [*read, *user.values()], table, units)
+    chosen = choose(sheet.name, [*candidates, *understood.named.values()], table, units)
     for role in required:
-        if role not in {*chosen, *constants}:
-            known = [
-                f"{one.place + 1} {one.title!r} as {one.role}"
-                for one in chosen.values()
-            ]
-            raise InputError(
-                missing(sheet.name, known, f"there is no column of {role}", [table])
-            )
+        if role not in {*chosen, *understood.constants}:
+            known = Understood(list(chosen.values()), {}, {}).in_words()
+            lack = f"there is no column of {role}"
+            raise InputError(missing(sheet.name, known, lack, [table]))
     values, good, bad = measured(sheet.name, table, chosen, units)
     values |= {
-        role: np.full(int(good.sum()), number) for role, number in constants.items()
+        role: np.full(int(good.sum()), value)
+        for role, value in understood.constants.items()
     }
     return sheet.name, chosen, values, bad, good.size
+
+
+def checked_units(**given: Any) -> dict[str, str]:
+    """The units that a user gives, by kind. Raises `InputError` for what is none of its
+    kind.
+    """
+    for kind, unit in given.items():
+        if unit is not None and not (isinstance(unit, str) and to_si(unit, kind)):
+            raise InputError(
+                f"{kind}_unit must be a unit of {kind} such as {usual(kind)}, got "
+                f"{unit!r}."
+            )
+    return {kind: unit for kind, unit in given.items() if unit is not None}
 
 
 def refuse_contradiction(

@@ -91,6 +91,16 @@ class Dma:
         """Number of measured points, in frequency and in time."""
         return self.omega.size + self.time.size
 
+    @property
+    def temperatures(self) -> np.ndarray:
+        """T of all points, those in frequency first [K]."""
+        return np.concatenate([self.temperature, self.time_temperature])
+
+    @property
+    def has_temperatures(self) -> bool:
+        """Whether the temperature of every point is known."""
+        return bool(np.isfinite(self.temperatures).all())
+
     def __repr__(self) -> str:
         return f"Dma({self.summary()})"
 
@@ -113,8 +123,7 @@ class Dma:
                 f"{self.time.size} points of {self.described}, {low:.3g} to "
                 f"{high:.3g} {unit}"
             )
-        temperature = np.concatenate([self.temperature, self.time_temperature])
-        known = temperature[np.isfinite(temperature)] - 273.15
+        known = self.temperatures[np.isfinite(self.temperatures)] - 273.15
         parts.append(
             f"{known.min():.1f} to {known.max():.1f} degC"
             if known.size

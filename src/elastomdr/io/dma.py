@@ -4,274 +4,47 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..checks import in_kelvin, in_si, plain, positive
-from ..errors import InputError
-from ..units.registry import to_si, usual
+from ..checks import in_si, plain, positive
+from ..errors import InputError, warn
 from .columns import (
     Column,
-    Quantity,
+    Understood,
+    checked_units,
     choose,
     left_out,
     measured,
     missing,
-    named,
     refuse_contradiction,
     refuse_wide,
     taken,
-    understand,
+    understand_table,
     with_sign,
 )
-from .data import (
-    COLDEST,
-    KINDS,
-    Dma,
-    FitWarning,
-    describe_list,
-    in_strain_sweep,
-    join,
-    untold,
-)
+from .data import KINDS, Dma, FitWarning, join
 from .formats import Format, format_of
+from .isotherms import (
+    isotherms,
+    with_given_temperatures,
+    with_temperatures_of_names,
+    without_holds,
+)
+from .quantities import QUANTITIES, lacking, needed_roles
 from .sheets import is_frame, read_sheet, sheet_of_frame
-from .tables import Head, Table
+from .tables import Table
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Frame, Kind
 
     Source = str | os.PathLike[str] | Frame
 
-_POLYMERS = (1e3, 3e10)  # [Pa], between which the largest modulus of a file lies
-QUANTITIES = (
-    Quantity(
-        "frequency",
-        "frequency",
-        (r"f|freq\.?|frequency|frequenz|주파수",),
-        option="frequency_unit",
-    ),
-    Quantity(
-        "frequency",
-        "angular frequency",
-        (
-            r"w|ω|omega|angular frequency|ang\.? freq(uency|\.)?|angular freq\.?|kreisfrequenz|각주파수",
-        ),
-        option="frequency_unit",
-    ),
-    Quantity(
-        "temperature",
-        "temperature",
-        (
-            r"(sample|specimen|probe) temp(\.|erature)?|t[ _]sample|proben?temperatur",
-            r"(?-i:T)|temp\.?|temperature|temperatur|온도",
-            r"t[ _]set|(set|set ?point|program(med)?|target|nominal|furnace|oven|chamber) temp(\.|erature)?|"
-            "solltemperatur",
-        ),
-        option="temperature_unit",
-        limits=(COLDEST, 800.0),
-    ),
-    Quantity("time", "time", (r"(?-i:t)|(step )?time|zeit|시간",), option="time_unit"),
-    Quantity(
-        "storage",
-        "modulus",
-        (
-            r"storage modulus|storage|stor|s torage|speichermodul|저장 ?탄성(률|계수)|(modulus )?[ge]'|"
-            r"[ge]_?(1|p|prime|stor|storage)|re\([ge]\*?\)|storage (shear|tensile|young'?s) modulus|"
-            r"([ge]|shear|tensile|young'?s)[ _-](stor|storage|storage modulus)",
-        ),
-        option="modulus_unit",
-        limits=_POLYMERS,
-    ),
-    Quantity(
-        "loss",
-        "modulus",
-        (
-            r"loss modulus|loss|verlustmodul|손실 ?탄성(률|계수)|(modulus )?[ge]''|"
-            r"[ge]_?(2|pp|dprime|double[_ -]?prime|loss)|im\([ge]\*?\)|loss (shear|tensile|young'?s) modulus|"
-            r"([ge]|shear|tensile|young'?s)[ _-](loss|loss modulus)",
-        ),
-        option="modulus_unit",
-        signed=True,
-    ),
-    Quantity(
-        "absolute",
-        "modulus",
-        (r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|(complex|dynamic) modulus|komplexer modul",),
-        option="modulus_unit",
-        limits=_POLYMERS,
-    ),
-    Quantity(
-        "phase",
-        "angle",
-        (r"phase ?angle|phase|delta|δ|phasenwinkel",),
-        valid="between 0 and 90 deg",
-        signed=True,
-    ),
-    Quantity(
-        "tangent",
-        "ratio",
-        (
-            r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",
-        ),
-        limits=(0.0, 3.0),
-        signed=True,
-    ),
-    Quantity(
-        "relaxation",
-        "modulus",
-        (
-            r"[ge]_?(relax|t)|[ge]\(t\)|relaxationsmodul|relax|relaxation|완화탄성률|relaxation modulus [ge]|"
-            r"(stress |shear |tensile )?relaxation modulus( [ge]\(t\))?",
-        ),
-        option="modulus_unit",
-        limits=_POLYMERS,
-    ),
-    Quantity(
-        "strain",
-        "strain",
-        (
-            r"(oscillation|oscillatory|dynamic) strain( amplitude)?|strain (amplitude|ampl\.?|dyn|dynamic)",
-            r"((shear|tensile) )?strain( \u03b3| gamma)?|(strain )?amplitude|\u03b3|\u03b3_?0|gamma|(?-i:g)|"
-            r"epsilon|ε|dehnung|scherdehnung|deformation|scherdeformation|(dehnungs|deformations)amplitude",
-        ),
-        valid="",
-        limits=(1e-8, 5.0),
-    ),
-    Quantity(
-        "viscosity",
-        "viscosity",
-        (r"\|?(eta|η|h)\*\|?|complex viscosity|komplexe viskosität|eta_?(abs|star)",),
-    ),
-    Quantity(
-        "viscosity_real",
-        "viscosity",
-        (r"(eta|η|h)(_?1|'|_?prime)|(dynamic|real|storage) viscosity",),
-    ),
-    Quantity(
-        "viscosity_imaginary",
-        "viscosity",
-        (
-            r"(eta|η|h)(_?2|''|_?(double_?prime|dprime|pp))|(imaginary|loss|out[- ]of[- ]phase) viscosity",
-        ),
-        signed=True,
-    ),
-    Quantity(
-        "compliance",
-        "compliance",
-        (r"\|[jd]\*\|?|[jd]\*|[jd]_?abs|(complex|dynamic) compliance",),
-    ),
-    Quantity(
-        "compliance_storage",
-        "compliance",
-        (
-            r"[jd](_?1|'|_?(prime|stor|storage))|storage compliance|speichernachgiebigkeit",
-        ),
-    ),
-    Quantity(
-        "compliance_loss",
-        "compliance",
-        (
-            r"[jd](_?2|''|_?(pp|dprime|double_?prime|loss))|loss compliance|verlustnachgiebigkeit",
-        ),
-        signed=True,
-    ),
-    Quantity(
-        "creep",
-        "compliance",
-        (
-            r"[jd]\(t\)|((creep|shear|tensile|shear creep|tensile creep) )?compliance( [jd](\(t\))?)?|"
-            r"kriechnachgiebigkeit|creep|[jd]_?(creep|t)|(?-i:[JD])",
-        ),
-    ),
-    Quantity(
-        "stiffness",
-        "stiffness",
-        (
-            r"\|?k\*\|?|k_?(abs|dyn)|((dynamic|complex) )?stiffness|(dynamische )?steifigkeit",
-        ),
-    ),
-    Quantity(
-        "stiffness_storage",
-        "stiffness",
-        (r"k(_?1|'|_?(prime|stor|storage))|(storage|elastic) stiffness",),
-    ),
-    Quantity(
-        "stiffness_loss",
-        "stiffness",
-        (r"k(_?2|''|_?(pp|dprime|double_?prime|loss))|(loss|viscous) stiffness",),
-        signed=True,
-    ),
-    Quantity(
-        "stress",
-        "modulus",
-        (r"((shear|tensile) )?stress( \u03c3| sigma)?|(schub)?spannung|\u03c3|sigma",),
-    ),
-)
-_PAIRS = (
-    ("storage", "loss"),
-    ("storage", "tangent"),
-    ("absolute", "phase"),
-    ("absolute", "tangent"),
-    ("storage", "phase"),
-    ("loss", "tangent"),
-    ("compliance_storage", "compliance_loss"),
-    ("compliance_storage", "tangent"),
-    ("compliance", "phase"),
-    ("compliance", "tangent"),
-    ("viscosity_real", "viscosity_imaginary"),
-    ("viscosity", "phase"),
-    ("viscosity", "tangent"),
-    ("stiffness_storage", "stiffness_loss"),
-    ("stiffness_storage", "tangent"),
-    ("stiffness", "phase"),
-    ("stiffness", "tangent"),
-)
-_TIMED = (("relaxation",), ("creep",), ("stress", "strain"))
 # ratio of the largest to the smallest stress (or strain) that counts as held
 _CONSTANT = 1.05
 _ALONE = "if it was not measured, give storage_only=True (--storage-only)"
-_STEP = r"(step|schritt|segment|interval|intervall|block|set|sweep|(mess)?abschnitt)( (no\.?|nr\.?|number|index))?"
-_HOLD = 4  # points at one frequency and temperature that make a sweep of something else
-_HELD = 3.0  # range of temperatures within it [K]
-_SWEPT = 1.5  # ratio of the highest to the lowest frequency of a sweep
-_SAME = 0.5  # [K], within which two temperatures are one, rounded
-_LAST = 10**9  # behind all columns
-# that may stand once, before the columns of several isotherms
-_SHARED = {"time", "frequency"}
-_UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
-_PARTS = (
-    "step|block|set|sweep|run|curve|interval|segment|abschnitt|messung|experiment|stage"
-)
-# a remark with nothing but the temperature, and what may number the block
-_TEMPERATURE = re.compile(
-    rf"[^\w+-]*(?:(?:{_PARTS}|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
-    r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)\s*(?:at|of|bei)?|at|bei)?"
-    rf"\s*[=:,;]?\s*(?<!\d)([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
-    re.IGNORECASE,
-)
-# "Run 3 C" is its number
-_NUMBERED = re.compile(rf"\W*(?:{_PARTS})\s*\d+\s*[CK]\b", re.IGNORECASE)
-_VALUE = rf"(?:T\s*=\s*)?([+-]?\d+(?:[.,]\d+)?)\s*_?({_UNIT}|k?Hz|rad/s)(?![\w/])"
-# in titles: E' (-40 °C) [MPa], E' [MPa] @ -40 °C, E'_-40C, E', 10 Hz, MPa
-_CONDITIONS = (
-    re.compile(rf"\s*[(\[]\s*{_VALUE}\s*[)\]]"),
-    re.compile(rf"[\s,;_@]+(?:(?:at|bei|@)\s*)?{_VALUE}"),
-)
-_RATE = re.compile(
-    r"[^\w]*(?:(?:step|block|sweep|set)\s*\d*[^\w]*)?(?:f|freq\.?|frequency|frequenz)\s*[=:,;]?\s*(\d+(?:[.,]\d+)?)\s*[\[(]?"
-    r"(k?Hz|rad/s)\W*",
-    re.IGNORECASE,
-)
-# of a file
-_NAME = re.compile(
-    rf"(?<![A-Za-z0-9.,])([+-]?\d+(?:[.,]\d+)?)[ _]?({_UNIT})(?![A-Za-z0-9])"
-)
 
 
 class Specimen(NamedTuple):
@@ -356,39 +129,55 @@ def read_dma(
         time=time_unit,
     )
     specimen = _specimen(area, length, ramp, storage_only)
-    paths: Any = [path_or_paths] if _is_source(path_or_paths) else path_or_paths
-    if not isinstance(paths, Sequence) or not paths or not all(map(_is_source, paths)):
-        raise InputError(
-            "path_or_paths must be a file or a list of files, or tables of pandas or "
-            "polars in their place, got "
-            f"{path_or_paths!r}."
-        )
-    files = [str(one) for one in paths if not is_frame(one)]
-    twice = {name for name in files if files.count(name) > 1}
-    if twice:
-        raise InputError(
-            "path_or_paths must name every file once, got "
-            f"{', '.join(sorted(twice))} "
-            "twice or more."
-        )
+    options = _Options(kind, columns, units, specimen)
     unmet = dict(columns or {})
     parts = [
         part
-        for path in paths
-        for part in _read(path, kind, columns, units, unmet, specimen)
+        for source in _checked_sources(path_or_paths)
+        for part in _read(source, options, unmet)
     ]
     if unmet:
         raise InputError(
-            f"columns must name titles or numbers of columns, got {unmet}, which "
-            "no "
+            f"columns must name titles or numbers of columns, got {unmet}, which no "
             "file has."
         )
     if temperature is None:
-        parts = _from_names(parts)
-    dma = join(*_with_temperatures(_without_holds(parts), temperature))
+        parts = with_temperatures_of_names(parts)
+    dma = join(*with_given_temperatures(without_holds(parts), temperature))
     for text in dma.warnings:
-        warnings.warn(text, FitWarning, stacklevel=3)
+        warn(text, FitWarning)
     return dma
+
+
+class _Options(NamedTuple):
+    """What a user says of files."""
+
+    kind: str | None
+    columns: Mapping[str, Any] | None
+    units: dict[str, str]  # by kind
+    specimen: Specimen
+
+
+def _checked_sources(path_or_paths: Any) -> list[Any]:
+    """Files or tables in memory. Raises `InputError`."""
+    sources = [path_or_paths] if _is_source(path_or_paths) else path_or_paths
+    if (
+        not isinstance(sources, Sequence)
+        or not sources
+        or not all(map(_is_source, sources))
+    ):
+        raise InputError(
+            "path_or_paths must be a file or a list of files, or tables of pandas or "
+            f"polars in their place, got {path_or_paths!r}."
+        )
+    files = [str(one) for one in sources if not is_frame(one)]
+    repeated = sorted({name for name in files if files.count(name) > 1})
+    if repeated:
+        raise InputError(
+            f"path_or_paths must name every file once, got {', '.join(repeated)} "
+            "twice or more."
+        )
+    return list(sources)
 
 
 def _is_source(value: Any) -> bool:
@@ -409,162 +198,80 @@ def _specimen(area: Any, length: Any, ramp: Any, storage_only: Any) -> Specimen:
     )
 
 
-def checked_units(**given: Any) -> dict[str, str]:
-    """The units that a user gives, by kind. Raises `InputError` for what is none of its
-    kind.
-    """
-    for kind, unit in given.items():
-        if unit is not None and not (isinstance(unit, str) and to_si(unit, kind)):
-            raise InputError(
-                f"{kind}_unit must be a unit of {kind} such as {usual(kind)}, got "
-                f"{unit!r}."
-            )
-    return {kind: unit for kind, unit in given.items() if unit is not None}
+def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
+    """Each isotherm of a file, or of a table in memory, as a measurement; the
+    temperature is NaN where the file has none.
 
-
-def _read(
-    source: Any,
-    kind: str | None,
-    columns: Mapping[str, Any] | None,
-    units: dict[str, str],
-    unmet: dict[str, Any],
-    specimen: Specimen,
-) -> list[Dma]:
-    """Each table of a file, or one in memory, as a measurement; the temperature is NaN
-    where the file has none.
-
-    Roles of `columns` that are found are taken out of `unmet`.
+    Roles of `options.columns` that are found are taken out of `unmet`.
     """
     sheet = sheet_of_frame(source) if is_frame(source) else read_sheet(source)
-    layout = format_of(sheet)
-    whole = layout.tables(sheet)
-    refuse_wide(sheet.name, whole)
-    found = [part for table in whole for part in _parts(sheet.name, table, columns)]
-    parts: list[Dma] = []
-    absent, known, lines, width = "", [], [], 0
-    for table in found:
-        user, constants = named(sheet.name, columns, table, QUANTITIES)
-        for role in {*user, *constants} & unmet.keys():
-            del unmet[role]
-        places = {column.place for column in user.values()}
-        read = [
-            column for head in table.heads if (column := understand(head, QUANTITIES))
-        ]
-        read = [
-            one
-            for one in read
-            if one.role not in (*user, *constants) and one.place not in places
-        ]
-        roles = (
-            {one.role for one in (*read, *user.values())}
-            | constants.keys()
-            | table.fixed.keys()
-        )
-        lack = _lacking(roles)
-        if (
-            lack
-            and {"frequency", "storage"} <= roles
-            and not {"absolute", "loss"} & roles
-        ):
-            every = {head.place for head in table.heads if head.title} <= {
-                one.place for one in (*read, *user.values())
-            }
-            lack = "" if specimen.storage_only or every else f"{lack}; {_ALONE}"
-        if lack:
-            if not absent:
-                absent = lack
-                known = [
-                    f"{one.place + 1} {one.title!r} as {one.role}"
-                    for one in (*read, *user.values())
-                ]
-            if lines and len(table.heads) == width and table.rows[0].line > lines[-1]:
-                raise InputError(
-                    f"{sheet.name}: the rows from line {table.rows[0].line} on stand "
-                    "below titles that are not understood, "
-                    f"{', '.join(head.title for head in table.heads)[:80]!r}: leave "
-                    "them out, or name the "
-                    "columns."
-                )
-            continue
-        read = [*_of_kind(sheet.name, read, kind), *user.values()]
-        table = table._replace(fixed=table.fixed | constants)
-        users = {*user, *constants}
-        needed = _needed({*(one.role for one in read), *table.fixed}, users)
-        chosen = choose(
-            sheet.name, [one for one in read if one.role in needed], table, units
-        )
-        if not {"loss", "tangent"} & users:
-            refuse_contradiction(sheet.name, table, chosen, read, units)
-        parts.append(
-            _measurement(sheet.name, layout, table, chosen, kind, units, specimen)
-        )
-        lines.append(table.rows[0].line)
-        width = len(table.heads)
-    if not parts:
-        raise InputError(
-            missing(
-                sheet.name, known, absent or "there are no columns of moduli", found
-            )
-        )
-    without = [
-        i
-        for i, one in enumerate(parts)
-        if not np.isfinite([*one.temperature, *one.time_temperature]).all()
+    name, layout = sheet.name, format_of(sheet)
+    tables = layout.tables(sheet)
+    refuse_wide(name, tables)
+    parts = [
+        part for table in tables for part in isotherms(name, table, options.columns)
     ]
-    if 0 < len(without) < len(parts):
+    measurements: list[Dma] = []
+    used: list[Table] = []
+    not_understood: tuple[list[str], str] | None = None
+    for table in parts:
+        columns = understand_table(name, options.columns, table, QUANTITIES)
+        for role in columns.of_user & unmet.keys():
+            del unmet[role]
+        lack = _lack(table, columns, options.specimen)
+        if lack:
+            not_understood = not_understood or (columns.in_words(), lack)
+            if used:
+                _refuse_rows_below(name, table, used[-1])
+            continue
+        measurements.append(_measurement(name, layout, table, columns, options))
+        used.append(table)
+    if not measurements:
+        known, lack = not_understood or ([], "there are no columns of moduli")
+        raise InputError(missing(name, known, lack, parts))
+    without = [i for i, one in enumerate(measurements) if not one.has_temperatures]
+    if 0 < len(without) < len(measurements):
         raise InputError(
-            f"{sheet.name}: the rows from line {lines[without[0]]} on have no "
-            "temperature, and others have: write it "
-            "above them, as 'T = -20 degC', or into a column."
+            f"{name}: the rows from line {used[without[0]].rows[0].line} on have no "
+            "temperature, and others have: write it above them, as 'T = -20 degC', or "
+            "into a column."
         )
-    return parts
+    return measurements
 
 
-def _lacking(roles: set[str]) -> str:
-    """What is missing to make a measurement of columns, in words; an empty text where
-    nothing is.
+def _lack(table: Table, columns: Understood, specimen: Specimen) -> str:
+    """What is missing to make a measurement of a table, in words; empty where nothing
+    is.
     """
-    moduli = any(set(pair) <= roles for pair in _PAIRS)
-    timed = any(set(group) <= roles for group in _TIMED)
-    if (moduli and "frequency" in roles) or (timed and "time" in roles):
+    roles = (
+        {one.role for one in columns.all}
+        | columns.constants.keys()
+        | table.fixed.keys()
+    )
+    lack = lacking(roles)
+    only_storage = {"frequency", "storage"} <= roles and not {
+        "absolute",
+        "loss",
+    } & roles
+    if not lack or not only_storage:
+        return lack
+    titled = {head.place for head in table.heads if head.title}
+    if specimen.storage_only or titled <= {one.place for one in columns.all}:
         return ""
-    if {"relaxation", "creep"} & roles:
-        return "there is no column of time"
-    if "time" in roles and {"stress", "strain"} & roles:
-        other, example = (
-            ("stress", "0.1 MPa") if "strain" in roles else ("strain", "1 %")
-        )
-        return (
-            f"there is no column of {other}; where it was held, give it, as '{example}'"
-        )
-    lack = [] if "frequency" in roles else ["frequency"]
-    if not moduli:
-        lack += (
-            ["loss modulus (or tangent, phase)"]
-            if {"storage", "absolute"} & roles
-            else ["storage and loss modulus"]
-        )
-    return f"there is no column of {' and '.join(lack)}"
+    return f"{lack}; {_ALONE}"
 
 
-def _needed(roles: set[str], users: set[str]) -> tuple[str, ...]:
-    """The roles that make the measurement: rate and both moduli, or time and what was
-    measured over it; temperature.
-
-    Of several pairs of moduli the one with most of what the user names.
+def _refuse_rows_below(name: str, table: Table, before: Table) -> None:
+    """Raises `InputError` for rows, below a table that is read, whose titles are not
+    understood: as wide, they may belong to it.
     """
-    pairs = [pair for pair in _PAIRS if set(pair) <= roles and "frequency" in roles]
-    pair = max(pairs, key=lambda pair: len(users.intersection(pair)), default=None)
-    if pair:
-        return ("frequency", *pair, "temperature", "strain")
-    timed = next(
-        (group for group in _TIMED if set(group) <= roles and "time" in roles), None
-    )
-    return (
-        ("time", *timed, "temperature")
-        if timed
-        else ("frequency", "storage", "temperature", "strain")
-    )
+    line = table.rows[0].line
+    if len(table.heads) == len(before.heads) and line > before.rows[0].line:
+        titles = ", ".join(head.title for head in table.heads)[:80]
+        raise InputError(
+            f"{name}: the rows from line {line} on stand below titles that are not "
+            f"understood, {titles!r}: leave them out, or name the columns."
+        )
 
 
 def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Column]:
@@ -581,38 +288,28 @@ def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Col
             f"{name}: the file has moduli of shear and of tension: give "
             "kind='shear' or 'tensile' (--kind)."
         )
-    found = [
+    of_kind = [
         column
         for column in columns
         if column.letter in ("", "G" if kind == "shear" else "E")
     ]
-    if _lacking({column.role for column in found}):
+    if lacking({column.role for column in of_kind}):
         raise InputError(
             f"{name}: the file has no storage and loss modulus of kind {kind!r}, "
-            "only "
-            "one of both."
+            "only one of "
+            "both."
         )
-    return found
+    return of_kind
 
 
 def _measurement(
-    name: str,
-    layout: Format,
-    table: Table,
-    chosen: dict[str, Column],
-    kind: str | None,
-    units: dict[str, str],
-    specimen: Specimen,
+    name: str, layout: Format, table: Table, columns: Understood, options: _Options
 ) -> Dma:
-    needed = _needed({*chosen, *table.fixed}, set())
-    chosen = {role: chosen[role] for role in needed if role in chosen}
-    if (
-        needed[0] == "frequency"
-        and "strain" in chosen
-        and not _is_strain(table, chosen["strain"])
-    ):
-        del chosen["strain"]
-    kind = _kind(name, table, chosen, kind, layout)
+    """The measurement in a table. Raises `InputError`."""
+    units = options.units
+    chosen, needed = _chosen(name, table, columns, options)
+    table = table._replace(fixed=table.fixed | columns.constants)
+    kind = _kind(name, table, chosen, options.kind, layout)
     chosen, turned = with_sign(name, table, chosen)
     values, good, bad = measured(name, table, chosen, units)
     if not good.any():
@@ -620,15 +317,16 @@ def _measurement(
             f"{name}: no row below {next(iter(chosen.values())).title!r} is a "
             f"measurement ({bad[0]})."
         )
-    n = int(good.sum())
     for role in needed:
         if role not in values:
-            values[role] = np.full(n, table.fixed.get(role, np.nan))
-    said = {role: _said(column, units) for role, column in chosen.items()}
-    none = np.zeros(0)
+            values[role] = np.full(int(good.sum()), table.fixed.get(role, np.nan))
+    written = {role: _unit_in_words(column, units) for role, column in chosen.items()}
+    said = taken(table, chosen, written)
+    if "temperature" in table.fixed:
+        said += "; temperature from the text"
     common: dict[str, Any] = {
         "kind": kind,
-        "units": said,
+        "units": written,
         "warnings": (
             *turned,
             *left_out(name, bad, "bad_rows and in the master curve's table"),
@@ -636,44 +334,85 @@ def _measurement(
         "bad_rows": tuple(bad),
         "source": name,
         "shifted": layout.shifted,
-        "columns": (
-            taken(table, chosen, said)
-            + "; temperature from the text" * ("temperature" in table.fixed),
-        ),
+        "columns": (said,),
     }
     if needed[0] == "time":
-        return _timed(name, values, needed, specimen, common)
+        return _over_time(name, values, needed, options.specimen, common)
+    return _over_frequency(name, values, needed[1:-2], options.specimen, common)
+
+
+def _chosen(
+    name: str, table: Table, columns: Understood, options: _Options
+) -> tuple[dict[str, Column], tuple[str, ...]]:
+    """One column for each role that is needed, and these roles. Raises `InputError`."""
+    candidates = [
+        *_of_kind(name, columns.read, options.kind),
+        *columns.named.values(),
+    ]
+    table = table._replace(fixed=table.fixed | columns.constants)
+    roles = {*(one.role for one in candidates), *table.fixed}
+    wanted = needed_roles(roles, columns.of_user)
+    chosen = choose(
+        name, [one for one in candidates if one.role in wanted], table, options.units
+    )
+    if not {"loss", "tangent"} & columns.of_user:
+        refuse_contradiction(name, table, chosen, candidates, options.units)
+    needed = needed_roles({*chosen, *table.fixed}, set())
+    chosen = {role: chosen[role] for role in needed if role in chosen}
+    if (
+        needed[0] == "frequency"
+        and "strain" in chosen
+        and not _is_strain(table, chosen["strain"])
+    ):
+        del chosen["strain"]
+    return chosen, needed
+
+
+def _over_frequency(
+    name: str,
+    values: dict[str, np.ndarray],
+    pair: tuple[str, ...],
+    specimen: Specimen,
+    common: dict[str, Any],
+) -> Dma:
+    """Storage and loss modulus from a pair of columns; with one column the storage
+    modulus alone.
+    """
     rate, kelvin = values["frequency"], values["temperature"]
-    pair = needed[1:-2]
     if len(pair) == 1:
         text = (
             f"{name}: there is no loss modulus: the fit takes it from the spectrum, "
             "with a wide band."
         )
         common["warnings"] = (*common["warnings"], text)
-        return Dma(
-            none,
-            none,
-            none,
-            none,
-            time=1 / rate,
-            relaxation=values["storage"],
-            time_temperature=kelvin,
-            response="storage",
-            **common,
-        )
+        return _timed(1 / rate, values["storage"], kelvin, response="storage", **common)
     first, second = values[pair[0]], values[pair[1]]
     if pair[0].startswith("stiffness"):
         scale = _scale(name, specimen)
-        first, second = (
-            first * scale,
-            second * scale if pair[1].startswith("stiffness") else second,
-        )
+        first = first * scale
+        second = second * scale if pair[1].startswith("stiffness") else second
     moduli = _moduli(first, second, pair, rate)
     return Dma(kelvin, rate, *moduli, strain=values["strain"], **common)
 
 
 def _timed(
+    time: np.ndarray, modulus: np.ndarray, kelvin: np.ndarray, **common: Any
+) -> Dma:
+    """A measurement over time alone."""
+    none = np.zeros(0)
+    return Dma(
+        none,
+        none,
+        none,
+        none,
+        time=time,
+        relaxation=modulus,
+        time_temperature=kelvin,
+        **common,
+    )
+
+
+def _over_time(
     name: str,
     values: dict[str, np.ndarray],
     needed: tuple[str, ...],
@@ -683,37 +422,16 @@ def _timed(
     """Relaxation or creep; of stress and strain over time the one that was held
     decides.
     """
-    none, response = np.zeros(0), "relaxation"
     ramp = specimen.ramp or 0.0
-    if needed[1] == "relaxation":
-        modulus = values["relaxation"]
-    elif needed[1] == "creep":
-        modulus, response = 1 / values["creep"], "creep"
-    else:
-        modulus = values["stress"] / values["strain"]
-        held = [
-            np.nanmax(values[role]) < _CONSTANT * np.nanmin(values[role])
-            for role in ("stress", "strain")
-        ]
-        if held[0] == held[1]:
-            raise InputError(
-                f"{name}: stress and strain "
-                f"{'both vary' if not held[0] else 'are both constant'} over time, "
-                "which is "
-                "neither creep nor relaxation: give the one that was held, as "
-                "columns={'stress': '0.1 MPa'} (--column 'stress=0.1 MPa') or "
-                "columns={'strain': '1 %'} (--column 'strain=1 %')."
-            )
-        response = "creep" if held[0] else "relaxation"
+    modulus, response = _response(name, values, needed[1])
     time, kelvin = values["time"], values["temperature"]
-    good = np.isfinite(modulus) & (time > ramp)
     if ramp and response == "creep":
         raise InputError(f"ramp must be left out for creep, got {ramp:g} s ({name}).")
+    good = np.isfinite(modulus) & (time > ramp)
     if not good.any():
         raise InputError(
-            f"{name}: no point is behind the ramp of {ramp:g} s; times count from "
-            "its "
-            "start."
+            f"{name}: no point is later than the ramp of {ramp:g} s; times count from "
+            "its start."
         )
     if not good.all():
         text = (
@@ -721,18 +439,33 @@ def _timed(
             "out."
         )
         common["warnings"] = (*common["warnings"], text)
-    return Dma(
-        none,
-        none,
-        none,
-        none,
-        time=time[good],
-        relaxation=modulus[good],
-        time_temperature=kelvin[good],
-        response=response,
-        ramp=ramp,
-        **common,
+    return _timed(
+        time[good], modulus[good], kelvin[good], response=response, ramp=ramp, **common
     )
+
+
+def _response(
+    name: str, values: dict[str, np.ndarray], measured_as: str
+) -> tuple[np.ndarray, str]:
+    """The modulus over time, and whether it is that of relaxation or of creep."""
+    if measured_as == "relaxation":
+        return values["relaxation"], "relaxation"
+    if measured_as == "creep":
+        return 1 / values["creep"], "creep"
+    stress_held, strain_held = (
+        np.nanmax(values[role]) < _CONSTANT * np.nanmin(values[role])
+        for role in ("stress", "strain")
+    )
+    if stress_held == strain_held:
+        raise InputError(
+            f"{name}: stress and strain "
+            f"{'are both constant' if stress_held else 'both vary'} over time, which "
+            "is neither creep nor relaxation: give the one that was held, as "
+            "columns={'stress': '0.1 MPa'} (--column 'stress=0.1 MPa') or "
+            "columns={'strain': '1 %'} (--column 'strain=1 %')."
+        )
+    modulus = values["stress"] / values["strain"]
+    return modulus, "creep" if stress_held else "relaxation"
 
 
 def _scale(name: str, specimen: Specimen) -> float:
@@ -779,7 +512,7 @@ def _moduli(
     )
 
 
-def _said(column: Column, units: dict[str, str]) -> str:
+def _unit_in_words(column: Column, units: dict[str, str]) -> str:
     kind = (
         "frequency"
         if column.quantity.kind == "angular frequency"
@@ -802,339 +535,17 @@ def _kind(
         for head in table.heads
     ):
         letters.add("G")  # torsion is shear
-    found = {"G": "shear", "E": "tensile"}.get(
+    kind_of_file = {"G": "shear", "E": "tensile"}.get(
         "".join(letters), layout.kind if not letters else ""
     )
-    if found and kind and found != kind:
+    if kind_of_file and kind and kind_of_file != kind:
         raise InputError(
-            f"kind must be {found!r}, as the columns of {name!r} say, got {kind!r}."
+            f"kind must be {kind_of_file!r}, as the columns of {name!r} say, got {kind!r}."
         )
-    if len(letters) > 1 or not (found or kind):
+    if len(letters) > 1 or not (kind_of_file or kind):
         raise InputError(
             f"{name}: whether the moduli are of shear or tension is not in the file; "
             "give it, as kind='shear' or "
             "'tensile' (--kind shear or --kind tensile)."
         )
-    return found or str(kind)
-
-
-def _parts(name: str, table: Table, columns: Mapping[str, Any] | None) -> list[Table]:
-    """The isotherms in a table; of those side by side only the ones with all the
-    columns that the user names.
-    """
-    parts = [part for one in _steps(table) for part in _isotherms(name, one)]
-    users = named(name, columns, table, QUANTITIES)[0].keys()
-    if len(parts) < 2 or not users:
-        return parts
-    return [
-        part
-        for part in parts
-        if named(name, columns, part, QUANTITIES)[0].keys() == users
-    ] or [table]
-
-
-def _steps(table: Table) -> list[Table]:
-    """A table for each number in a column of steps; or the table."""
-    for head in table.heads:
-        if not re.fullmatch(_STEP, head.title.strip(), re.IGNORECASE):
-            continue
-        numbers = table.column(head.place)
-        steps = np.unique(numbers[np.isfinite(numbers)])
-        if (
-            1 < steps.size <= len(table.rows) / 3
-            and (steps == np.round(steps)).all()
-            and np.isfinite(numbers).all()
-        ):
-            rows = {
-                step: [
-                    row for row, n in zip(table.rows, numbers, strict=True) if n == step
-                ]
-                for step in steps
-            }
-            return [table._replace(rows=rows[step]) for step in steps]
-    return [table]
-
-
-def _isotherms(name: str, table: Table) -> list[Table]:
-    """The isotherms side by side in a table, each with the temperature that stands in
-    its titles or above.
-    """
-    return [part for one in _by_condition(table) for part in _beside(name, one)]
-
-
-def _by_condition(table: Table) -> list[Table]:
-    """A table for each temperature or frequency that stands in titles, as in "E' (-40
-    degC) [MPa]"; or the table.
-    """
-    groups: dict[tuple[str, float], list[Head]] = {}
-    shared: list[Head] = []
-    for head in table.heads:
-        match = next(
-            (found for one in _CONDITIONS if (found := one.search(head.title))), None
-        )
-        kind = next(
-            (
-                kind
-                for kind in ("temperature", "frequency")
-                if match and to_si(match[2], kind)
-            ),
-            "",
-        )
-        title = (
-            f"{head.title[: match.start()]} {head.title[match.end() :]}"
-            if match
-            else ""
-        )
-        title = re.sub(r"\(\s*\)|\[\s*\]|[(\[]\s*(?=[(\[])", " ", title).replace(
-            " /", "/"
-        )
-        own = head._replace(
-            title=re.sub(r"\s*,\s*(?=[,\[(]|$)|[\s_@]+$", "", title).strip()
-        )
-        column = understand(own, QUANTITIES)
-        if (
-            match is None
-            or not kind
-            or column is None
-            or column.role in ("frequency", "temperature", "time")
-        ):
-            shared.append(head)
-            continue
-        factor, offset = to_si(match[2], kind) or (1.0, 0.0)
-        groups.setdefault(
-            (kind, float(match[1].replace(",", ".")) * factor + offset), []
-        ).append(own)
-    if not groups:
-        return [table]
-    return [
-        table._replace(heads=[*shared, *heads], fixed=table.fixed | dict([key]))
-        for key, heads in groups.items()
-    ]
-
-
-def _beside(name: str, table: Table) -> list[Table]:
-    """A table for each isotherm where the same columns repeat; or the table."""
-    columns = [
-        column for head in table.heads if (column := understand(head, QUANTITIES))
-    ]
-    roles = [column.role for column in columns]
-    found = _repeated(roles)
-    if (
-        "frequency" not in roles
-        and "time" not in roles
-        and "frequency" not in table.fixed
-    ):
-        table = table._replace(fixed=table.fixed | _rate_above(table))
-    if found is None:
-        above = {} if "temperature" in roles else _between(name, table, 0, _LAST)
-        return [table._replace(fixed=above | table.fixed)]
-    once, period = found
-    starts = [columns[i].place for i in range(once, len(columns), period)]
-    heads = {head.place: head for head in table.heads}
-    shared = [heads[column.place] for column in columns[:once]]
-    parts = []
-    for start, end in zip(starts, [*starts[1:], _LAST], strict=True):
-        own = [heads[column.place] for column in columns if start <= column.place < end]
-        above = (
-            {}
-            if "temperature" in roles
-            else _between(name, table, 0 if start == starts[0] else start, end)
-        )
-        rows = [
-            row
-            for row in table.rows
-            if any(row.cells[h.place : h.place + 1] not in ([], [""]) for h in own)
-        ]
-        parts.append(
-            table._replace(heads=[*shared, *own], rows=rows, fixed=above | table.fixed)
-        )
-    if once and not all("temperature" in one.fixed for one in parts):
-        return [table]  # two samples, or raw and smoothed values
-    return [part for part in parts if part.rows]
-
-
-def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
-    """The temperature in the text above some columns. Raises `InputError` where there
-    are two.
-    """
-    found = {
-        kelvin: text
-        for row in table.above
-        for at, kelvin, text in _above(row.cells)
-        if first <= at < end
-    }
-    if found and max(found) - min(found) > _SAME:
-        raise InputError(
-            f"{name}: {' and '.join(map(repr, found.values()))} stand above the same "
-            "columns: leave the one that is "
-            "theirs."
-        )
-    return {"temperature": min(found)} if found else {}
-
-
-def _rate_above(table: Table) -> dict[str, float]:
-    """The frequency [rad/s] in the last line above a table that says one and nothing
-    else.
-    """
-    for row in reversed(table.above):
-        for text in (" ".join(cell for cell in row.cells if cell), *row.cells):
-            match = _RATE.fullmatch(text.strip())
-            if match and (si := to_si(match[2], "frequency")):
-                return {"frequency": float(match[1].replace(",", ".")) * si[0]}
-    return {}
-
-
-def _repeated(roles: Sequence[str]) -> tuple[int, int] | None:
-    """How many columns stand once, and how many repeat behind them; None where none
-    do.
-    """
-    for once in range(len(roles)):
-        if not set(roles[:once]) <= _SHARED:
-            return None
-        rest = roles[once:]
-        for period in range(1, len(rest) // 2 + 1):
-            whole = not _lacking({*roles[:once], *rest[:period]}) and {
-                *rest[:period]
-            }.isdisjoint(roles[:once])
-            if whole and list(rest) == list(rest[:period]) * (len(rest) // period):
-                return once, period
-    return None
-
-
-def _above(cells: Sequence[str]) -> list[tuple[int, float, str]]:
-    """The temperatures that a row of remarks gives, with their columns: one in each
-    cell, or that of the whole row.
-    """
-    whole = [cell for cell in cells if cell]
-    # a decimal comma may have been cut
-    ways = ([",".join(whole)], cells, [" ".join(whole)])
-    return next((found for way in ways if (found := list(_temperatures(way)))), [])
-
-
-def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
-    for place, cell in enumerate(cells):
-        text = re.sub("[\u2212\u2013]", "-", cell.strip())
-        match = (
-            _TEMPERATURE.fullmatch(text)
-            if text and len(text) < 80 and not _NUMBERED.match(text)
-            else None
-        )
-        si = to_si(match[2].replace(" ", ""), "temperature") if match else None
-        if (
-            match
-            and si
-            and (kelvin := float(match[1].replace(",", ".")) * si[0] + si[1]) > 0
-        ):
-            yield place, kelvin, text
-
-
-def _without_holds(parts: list[Dma]) -> list[Dma]:
-    """The measurements without steps at one frequency and temperature beside sweeps of
-    frequency.
-
-    Nobody says what was changed in them: strain, time or preload. Where the strain is
-    known, the fit sorts them out.
-    """
-    held = [_is_hold(part) for part in parts]
-    swept = [
-        part.omega.size > 1 and part.omega.max() > _SWEPT * part.omega.min()
-        for part in parts
-    ]
-    if not any(held) or not any(swept):
-        return parts
-    kept = [part for part, hold in zip(parts, held, strict=True) if not hold]
-    count = sum(part.size for part, hold in zip(parts, held, strict=True) if hold)
-    text = (
-        f"{parts[held.index(True)].source}: {count} points in steps at one frequency "
-        "and temperature are left out: a "
-        "sweep of something that no column holds, such as strain or time."
-    )
-    return [replace(kept[0], warnings=(*kept[0].warnings, text)), *kept[1:]]
-
-
-def _is_hold(part: Dma) -> bool:
-    if part.omega.size < _HOLD or np.isfinite(part.strain).any() or part.time.size:
-        return False
-    one_rate = part.omega.max() < 1.01 * part.omega.min()
-    # NaN where no temperature is known: not held
-    return bool(one_rate and np.ptp(part.temperature) < _HELD)
-
-
-def _from_names(parts: list[Dma]) -> list[Dma]:
-    """The measurements with the temperatures that the names of their files give to
-    those without, one to each file.
-
-    A dash right behind a word ("rubber-20C") may be a minus or not: such names say
-    nothing.
-    """
-    every = [part.source for part in parts]
-    for i, part in enumerate(parts):
-        stem = re.sub("[\u2212\u2013]", "-", Path(part.source).stem)
-        found = _NAME.findall(stem)
-        dash = re.search(
-            r"[A-Za-z0-9)]-\d+(?:[.,]\d+)?[ _]?(?:deg ?C|°C|C|K)(?![A-Za-z0-9])", stem
-        )
-        without = not np.isfinite([*part.temperature, *part.time_temperature]).any()
-        if without and len(found) == 1 and not dash and every.count(part.source) == 1:
-            factor, offset = to_si(found[0][1].replace(" ", ""), "temperature") or (
-                1.0,
-                0.0,
-            )
-            kelvin = float(found[0][0].replace(",", ".")) * factor + offset
-            words = f"temperature {kelvin - 273.15:g} degC from the name of the file"
-            parts[i] = replace(
-                part.at(kelvin),
-                columns=tuple(f"{text}; {words}" for text in part.columns),
-            )
-    return parts
-
-
-def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
-    """The measurements with the temperatures that the user gives to those without."""
-    without = [
-        i
-        for i, one in enumerate(parts)
-        if not np.isfinite([*one.temperature, *one.time_temperature]).all()
-    ]
-    if temperature is None:
-        for i in without:
-            known = np.isfinite(
-                np.concatenate([parts[i].temperature, parts[i].time_temperature])
-            )
-            rates = np.concatenate([parts[i].omega, 1 / parts[i].time])[~known]
-            if parts[i].omega.size and in_strain_sweep(parts[i]).all():
-                continue  # nobody shifts it
-            text = (
-                f"{parts[i].source}: there is no temperature, which shifting needs: "
-                f"{untold(rates)}"
-            )
-            parts[i] = replace(parts[i], warnings=(*parts[i].warnings, text))
-        return parts
-    given = [
-        float(plain("temperature", one))
-        for one in (temperature if np.ndim(temperature) else [temperature])
-    ]
-    in_kelvin("temperature", given, COLDEST)
-    if not without:
-        celsius = np.unique(
-            np.concatenate([[*one.temperature, *one.time_temperature] for one in parts])
-            - 273.15
-        )
-        raise InputError(
-            f"temperature must be left out, got {describe_list(given, 'K')}: the "
-            f"files say {describe_list(np.unique(celsius.round(1)), 'degC')}."
-        )
-    if len(given) not in (1, len(without)):
-        raise InputError(
-            f"temperature must be one number, or one for each of the {len(without)} "
-            f"isotherms without, got {len(given)}."
-        )
-    for i, kelvin in zip(
-        without, given * len(without) if len(given) == 1 else given, strict=True
-    ):
-        words = f"temperature {kelvin - 273.15:g} degC, as given"
-        parts[i] = replace(
-            parts[i].at(kelvin),
-            columns=tuple(f"{text}; {words}" for text in parts[i].columns),
-        )
-    return parts
+    return kind_of_file or str(kind)

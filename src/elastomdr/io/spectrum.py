@@ -16,8 +16,8 @@ import numpy as np
 
 from ..checks import in_si, plain, positive
 from ..errors import InputError
-from ..surface.measured import MeasuredSpectrum, from_spectrum
 from ..surface.spectrum import check_convention
+from ..surface.topography import MeasuredSpectrum, from_spectrum
 from ..units.registry import to_si
 from .columns import logarithm
 from .sheets import read_sheet
@@ -83,8 +83,7 @@ def read_spectrum(
         for key, wave in (("longest", longest), ("shortest", shortest))
     ]
     sheet = read_sheet(path)
-    name = sheet.name
-    table = main_table(sheet)
+    name, table = sheet.name, main_table(sheet)
     if table is None:
         raise InputError(
             f"path must be a table of wave numbers and a spectrum, got {name!r} "
@@ -92,82 +91,45 @@ def read_spectrum(
         )
     first, second = _columns(table, columns, name)
     q = _wave_numbers(table, first, wave_number, q_unit, name)
+    c = _densities(table, second, convention, c_unit, name)
+    kept = _rows(table, (first, second), q, c, name)
+    try:
+        surface = from_spectrum(q[kept], c[kept], convention, *cutoffs)
+    except InputError as error:
+        raise InputError(f"path: {name!r}: {error}") from error
+    if not kept.all():
+        lines = [row.line for row, k in zip(table.rows, kept, strict=True) if not k]
+        shown = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
+        text = (
+            f"{len(lines)} of {len(table.rows)} rows without a number, or at q = 0, "
+            f"left out (line {shown})"
+        )
+        object.__setattr__(surface, "report", (text, *surface.report))
+    return surface
+
+
+def _densities(
+    table: Table, head: Head, convention: str, c_unit: str | None, name: str
+) -> np.ndarray:
+    """C [m^4 or m^3]. Raises `InputError` for a unit that the convention excludes."""
     wanted = "m^4" if convention.startswith("2d") else "m^3"
-    said = _unit(second, "m^4", "m^3")[1]
-    unit = _given(name, second, said, c_unit, "c_unit", "m^4", "m^3")
+    unit_of_title = _unit(head, "m^4", "m^3")[1]
+    unit = _given(name, head, unit_of_title, c_unit, "c_unit", "m^4", "m^3")
     si = to_si(unit, wanted)
     if si is None:
         raise InputError(
             f"path: {name!r} gives C in {unit}, but convention {convention!r} needs "
-            f"{wanted}: m^4 is the spectrum of a "
-            "surface (2d), m^3 that of a straight cut (1d)."
+            f"{wanted}: m^4 is the spectrum of a surface (2d), m^3 that of a straight "
+            "cut (1d)."
         )
-    c = table.column(second.place) * si[0]
-    kept = _rows(table, (first, second), q, c, name)
-    try:
-        found = from_spectrum(q[kept], c[kept], convention, *cutoffs)
-    except InputError as error:
-        raise InputError(f"path: {name!r}: {error}") from error
-    out = [row.line for row, good in zip(table.rows, kept, strict=True) if not good]
-    if out:
-        shown = ", ".join(map(str, out[:5])) + (", ..." if len(out) > 5 else "")
-        text = (
-            f"{len(out)} of {len(table.rows)} rows without a number, or at q = 0, "
-            f"left out (line {shown})"
-        )
-        object.__setattr__(found, "report", (text, *found.report))
-    return found
+    return table.column(head.place) * si[0]
 
 
 def _wave_numbers(
     table: Table, head: Head, wave_number: str | None, q_unit: str | None, name: str
 ) -> np.ndarray:
     """q [rad/m]; NaN where there is no number, infinite for a wavelength of 0."""
-    title, said = _unit(head, "wave number", "length")
-    bare = _bare(title)
-    by_title = next(
-        (
-            counted
-            for counted, pattern in _COUNTED.items()
-            if re.fullmatch(pattern, bare)
-        ),
-        None,
-    )
-    contradiction = _contradiction(bare, by_title, _counts(said)) if said else False
-    if contradiction and q_unit is None:
-        raise InputError(
-            f"path: {name!r} has the title {head.title!r} with the unit {said!r}, "
-            "which contradict each other: say "
-            "what the numbers are, as q_unit = 'rad/m', 'cycles/m' or, for "
-            "wavelengths, 'm'."
-        )
-    unit = _given(
-        name,
-        head,
-        "" if contradiction else said,
-        q_unit,
-        "q_unit",
-        "wave number",
-        "length",
-    )
-    counts = _counts(unit)
-    if not counts:
-        if wave_number and by_title and wave_number != by_title:
-            raise InputError(
-                f"wave_number is {wave_number!r}, but {name!r} says {head.title!r}."
-            )
-        counts = wave_number or by_title or ""
-    elif wave_number not in (None, counts):
-        raise InputError(
-            f"wave_number is {wave_number!r}, but {name!r} gives {unit}, which is "
-            f"{counts}."
-        )
-    if not counts:
-        raise InputError(
-            f"path: {name!r} gives wave numbers in {unit}, which may be q = 2 "
-            f"pi/lambda or 1/lambda: say so, as wave_number = {ANGULAR!r} or "
-            f"{CYCLES!r}."
-        )
+    unit, counts = _unit_and_meaning(head, wave_number, q_unit, name)
     x = table.column(head.place)
     if counts == WAVELENGTH:
         with np.errstate(divide="ignore"):
@@ -175,6 +137,51 @@ def _wave_numbers(
     # pint knows what a cycle is
     turns = 2 * np.pi if counts == CYCLES and "cycle" not in unit else 1.0
     return x * (to_si(unit, "wave number") or (1.0,))[0] * turns
+
+
+def _unit_and_meaning(
+    head: Head, wave_number: str | None, q_unit: str | None, name: str
+) -> tuple[str, str]:
+    """The unit of the first column, and what its numbers are, from title, unit or user.
+    Raises `InputError` where they contradict each other, or leave it open.
+    """
+    title, unit_of_title = _unit(head, "wave number", "length")
+    bare = _bare(title)
+    by_title = next(
+        (meaning for meaning, form in _COUNTED.items() if re.fullmatch(form, bare)),
+        None,
+    )
+    contradiction = bool(
+        unit_of_title and _contradiction(bare, by_title, _counts(unit_of_title))
+    )
+    if contradiction and q_unit is None:
+        raise InputError(
+            f"path: {name!r} has the title {head.title!r} with the unit "
+            f"{unit_of_title!r}, which contradict each other: say what the numbers "
+            "are, as q_unit = 'rad/m', 'cycles/m' or, for wavelengths, 'm'."
+        )
+    known = "" if contradiction else unit_of_title
+    unit = _given(name, head, known, q_unit, "q_unit", "wave number", "length")
+    by_unit = _counts(unit)
+    if by_unit:
+        if wave_number not in (None, by_unit):
+            raise InputError(
+                f"wave_number is {wave_number!r}, but {name!r} gives {unit}, which is "
+                f"{by_unit}."
+            )
+        return unit, by_unit
+    if wave_number and by_title and wave_number != by_title:
+        raise InputError(
+            f"wave_number is {wave_number!r}, but {name!r} says {head.title!r}."
+        )
+    meaning = wave_number or by_title
+    if not meaning:
+        raise InputError(
+            f"path: {name!r} gives wave numbers in {unit}, which may be q = 2 "
+            f"pi/lambda or 1/lambda: say which, as wave_number = {ANGULAR!r} or "
+            f"{CYCLES!r}."
+        )
+    return unit, meaning
 
 
 def _counts(unit: str) -> str:

@@ -1,4 +1,7 @@
-"""Measured heights: arrays, text files with units, and the files of instruments."""
+"""Measured heights: arrays, text files with units, and the files of instruments, without
+what a profilometer could not measure and wrote as numbers: codes, such as -9999, and
+single spikes.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,6 @@ import io
 import os
 import subprocess
 import sys
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,13 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..checks import in_si, plain, positive
-from ..errors import InputError
+from ..errors import InputError, warn
 from ..files import read_bytes
-from ..surface.measured import MeasuredSurface
-from ..surface.topography import Scan, surface
+from ..surface.topography import MeasuredSurface, Scan, surface
 from ..units.registry import to_si, usual
 from .data import FitWarning
-from .dropouts import LEFT_OUT, without_dropouts
 from .sheets import read_sheet
 from .tables import Head, clean, main_table, splits
 
@@ -37,6 +37,20 @@ _TEXT = (*_TABLES, ".txt", ".dat")
 _PATIENCE = 120  # seconds for an instrument's file
 _EVEN = 1e-4  # unevenness of x, relative to its step, that counts as rounding
 _MOST = 4_000_000  # even points along a profile
+_LEFT_OUT = "left out, and bridged"  # ends what is said of dropouts
+_CODES = (9.999, 9.9999, 9.99999, 3.2768, 3.2767)  # digits of -9999, 99999, -32768, ...
+# of the range of all other heights, that such a code is away from them, be it there but
+# once
+_USUAL = 0.2
+_MOST_CODES = 0.25  # share of codes above which too little was measured,
+_MOST_SPIKES = 0.02  # and that of spikes
+# different heights beside a code: with fewer, a far one may be the bottom of a groove
+_FEWEST_LEVELS = 16
+_SPIKE_WIDTH = 3  # points of the widest spike
+_COMMON_SHARE = 0.9  # of all differences over that width, which are below a scale
+# times that scale, above which a spike is none of the surface: 20 standard deviations
+# of Gaussian heights
+_SPIKE = 12.0
 
 Path_ = str | os.PathLike[str]
 PixelSize = float | tuple[float, float] | None
@@ -119,11 +133,9 @@ def read_surface(
         if isinstance(source, (str, os.PathLike))
     ]
     for text in dict.fromkeys(
-        text for scan in scans for text in scan.report if text.endswith(LEFT_OUT)
+        text for scan in scans for text in scan.report if text.endswith(_LEFT_OUT)
     ):
-        warnings.warn(
-            f"{', '.join(paths) or 'heights'}: {text}.", FitWarning, stacklevel=3
-        )
+        warn(f"{', '.join(paths) or 'heights'}: {text}.", FitWarning)
     try:
         return surface(scans, shortest, detrend)
     except InputError as error:
@@ -253,6 +265,33 @@ def _from_instrument(path: Path, pixel_size: Any, unit: str | None) -> Scan:
             "read with SurfaceTopography, which is not installed: pip install "
             "elastomdr[instruments]."
         )
+    x, y, height, sized, unit_of_file = _read_instrument(path)
+    given = unit_of_file or unit
+    if given is None:
+        raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
+    metres = _length(given, path.name)
+    if sized and pixel_size is not None:
+        raise InputError(
+            f"pixel_size must be left out, {path.name!r} has its own, got "
+            f"{pixel_size!r}."
+        )
+    height = height * metres
+    if sized and y.size == 0:
+        return _profile(x * metres, height)
+    if sized:
+        pixel_size = tuple(
+            float(axis[1] - axis[0]) * metres if axis.size > 1 else 1.0
+            for axis in (x, y)
+        )
+    return _even(height, pixel_size, f"{path.name!r}, which has none")
+
+
+def _read_instrument(
+    path: Path,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool, str]:
+    """x, y, heights, whether the file says the size, and its unit, by a program of its
+    own. Raises `InputError`.
+    """
     try:
         read_bytes(path)
         reader = Path(__file__).with_name("instrument.py")
@@ -271,39 +310,19 @@ def _from_instrument(path: Path, pixel_size: Any, unit: str | None) -> Scan:
             f"path: {path.name!r} was not read within {_PATIENCE} s."
         ) from error
     if done.returncode != 0:
-        why = (
-            " ".join(done.stdout.decode(errors="replace").split())[:300]
-            or "the reader gave up"
-        )
+        why = " ".join(done.stdout.decode(errors="replace").split())[:300]
         raise InputError(
             f"path must be a file that SurfaceTopography reads, got {path.name!r}: "
-            f"{why}"
+            f"{why or 'the reader gave up'}"
         )
-    with np.load(io.BytesIO(done.stdout)) as found:
-        x, y, height, sized = (
-            found["x"],
-            found["y"],
-            found["height"],
-            bool(found["sized"]),
+    with np.load(io.BytesIO(done.stdout)) as read:
+        return (
+            read["x"],
+            read["y"],
+            read["height"],
+            bool(read["sized"]),
+            str(read["unit"]),
         )
-        given = str(found["unit"]) or unit
-    if given is None:
-        raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
-    metres = _length(given, path.name)
-    if sized and pixel_size is not None:
-        raise InputError(
-            f"pixel_size must be left out, {path.name!r} has its own, got "
-            f"{pixel_size!r}."
-        )
-    height = height * metres
-    if sized and y.size == 0:
-        return _profile(x * metres, height)
-    if sized:
-        pixel_size = tuple(
-            float(axis[1] - axis[0]) * metres if axis.size > 1 else 1.0
-            for axis in (x, y)
-        )
-    return _even(height, pixel_size, f"{path.name!r}, which has none")
 
 
 def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
@@ -401,3 +420,143 @@ def _length(unit: str, name: str) -> float:
             f"as {usual('length')}."
         )
     return si[0]
+
+
+def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """Heights of a profile or map with NaN in place of dropouts, and what was left out
+    in words.
+
+    Raises `InputError` where more than a quarter are codes, or more than 2 % spikes.
+    """
+    codes: dict[float, int] = {}
+    left = np.array(height, dtype=np.float64)
+    _take_codes(left, codes)
+    largest = _take_spikes(left)
+    if largest:
+        # beside a spike that is further away a code is not the furthest
+        _take_codes(left, codes)
+    lost, coded = int((np.isfinite(height) & np.isnan(left)).sum()), sum(codes.values())
+    words = []
+    if codes:
+        values = " and ".join(
+            f"{count} times {value:.6g} m" for value, count in codes.items()
+        )
+        if coded > _MOST_CODES * height.size:
+            raise InputError(
+                "heights must be measured at three quarters of the points or more, "
+                f"got {coded} of {height.size} dropouts, {values}: measure again, or "
+                "cut that part away."
+            )
+        words.append(
+            f"{coded} of {height.size} points are dropouts, {values}: {_LEFT_OUT}"
+        )
+    if lost > coded:
+        if lost - coded > _MOST_SPIKES * height.size:
+            raise InputError(
+                f"heights must be free of spikes at {1 - _MOST_SPIKES:.0%} of the "
+                f"points or more, got {lost - coded} of {height.size}, by up to "
+                f"{largest:.3g} m beyond their neighbours: filter them, or measure "
+                "again."
+            )
+        words.append(
+            f"{lost - coded} of {height.size} points are spikes, by up to "
+            f"{largest:.3g} m beyond what their neighbours allow: {_LEFT_OUT}"
+        )
+    return left, words
+
+
+def _take_codes(height: np.ndarray, codes: dict[float, int]) -> None:
+    """Puts NaN in place of codes, and how often each was there into `codes`.
+
+    A code is the lowest or the highest value, is there twice or more, bit for bit, and
+    is further from all other heights than these are from each other; those in use may
+    be there once, and a fifth as far.
+    """
+    while True:
+        value, count = _code(height[np.isfinite(height)])
+        if not count:
+            return
+        codes[value] = count
+        height[height == value] = np.nan
+
+
+def _code(height: np.ndarray) -> tuple[float, int]:
+    """The code among heights, and how often it is there; (0, 0) where there is none."""
+    for value in (height.min(), height.max()) if height.size else ():
+        rest = height[height != value]
+        count = height.size - rest.size
+        usual = _is_usual_code(value)
+        if (count < 2 and not usual) or not rest.size:
+            continue
+        apart = np.abs(rest - value).min()
+        if (
+            apart > np.ptp(rest) * (_USUAL if usual else 1.0)
+            and np.unique(rest).size >= _FEWEST_LEVELS
+        ):
+            return float(value), count
+    return 0.0, 0
+
+
+def _is_usual_code(value: float) -> bool:
+    """Whether a height is a code that is in use, in whatever unit of ten."""
+    digits = abs(value) / 10.0 ** np.floor(np.log10(abs(value))) if value else 0.0
+    return bool(np.isclose(digits, _CODES, rtol=1e-6, atol=0).any())
+
+
+def _take_spikes(height: np.ndarray) -> float:
+    """Puts NaN in place of spikes; returns how far the largest stood out, 0 where there
+    is none.
+
+    A spike is up to three points wide (in both directions of a map: scratches and edges
+    stay) and stands out from the points on either side by twelve times the difference
+    that nine tenths of all points three apart are below.
+    """
+    outstanding = np.minimum.reduce(
+        [_outstanding(height, axis) for axis in range(height.ndim)]
+    )
+    scale = max(_usual_difference(height, axis) for axis in range(height.ndim))
+    spikes = outstanding > _SPIKE * scale
+    if not scale or not spikes.any():
+        return 0.0
+    height[spikes] = np.nan
+    return float(outstanding[spikes].max())
+
+
+def _outstanding(height: np.ndarray, axis: int) -> np.ndarray:
+    """How far each point is above (or below) what is within three points on either side
+    of it, by the nearer side.
+    """
+    sides = [_reach(height, axis, side) for side in (-1, 1)]
+    above = np.fmin(*(height - lowest for lowest, _ in sides))
+    below = np.fmin(*(highest - height for _, highest in sides))
+    return np.nan_to_num(np.fmax(above, below), nan=0.0)
+
+
+def _reach(height: np.ndarray, axis: int, side: int) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest and the highest height within three points on one side; NaN where
+    there is none.
+    """
+    lowest = highest = np.full(height.shape, np.nan)
+    for distance in range(1, _SPIKE_WIDTH + 1):
+        neighbour = _shifted(height, axis, side * distance)
+        lowest, highest = np.fmin(lowest, neighbour), np.fmax(highest, neighbour)
+    return lowest, highest
+
+
+def _shifted(height: np.ndarray, axis: int, steps: int) -> np.ndarray:
+    """The heights so many steps further along an axis; NaN beyond its end."""
+    moved = np.full_like(height, np.nan)
+    source, target = np.moveaxis(height, axis, 0), np.moveaxis(moved, axis, 0)
+    if steps > 0:
+        target[:-steps] = source[steps:]
+    else:
+        target[-steps:] = source[:steps]
+    return moved
+
+
+def _usual_difference(height: np.ndarray, axis: int) -> float:
+    """What nine tenths of the differences between points three apart are below."""
+    along = np.moveaxis(height, axis, 0)
+    apart = np.abs(along[_SPIKE_WIDTH:] - along[:-_SPIKE_WIDTH])
+    apart = apart[np.isfinite(apart)]
+    return float(np.quantile(apart, _COMMON_SHARE)) if apart.size else 0.0

@@ -95,9 +95,9 @@ def _table(
     storage = np.array(document["storage"])
     fall = 1 - storage / np.maximum.accumulate(storage)
     if fall.max() > _FALLS:
-        at = document["omega"][int(fall.argmax())]
+        omega = document["omega"][int(fall.argmax())]
         findings.append(
-            f"the storage modulus falls by {fall.max():.0%} up to {at:g} rad/s, "
+            f"the storage modulus falls by {fall.max():.0%} up to {omega:g} rad/s, "
             "but "
             "must rise with omega"
         )
@@ -193,14 +193,14 @@ def _temperatures(material: Any, document: dict[str, Any]) -> list[str]:
     if material.vertical is not None:
         try:
             material.vertical.b(np.asarray(limits, dtype=float))
-            off = (
+            deviation = (
                 0.0
                 if reference is None
                 else abs(float(material.vertical.b(reference)) - 1)
             )
-            if off > _ROUNDED:
+            if deviation > _ROUNDED:
                 findings.append(
-                    f"b_T is off 1 by {off:.3g} at the reference temperature"
+                    f"b_T is off 1 by {deviation:.3g} at the reference temperature"
                 )
         except InputError as error:
             findings.append(

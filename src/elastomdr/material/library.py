@@ -13,7 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, closest
-from .format import SHIFT_KEYS, brief, is_tabulated, read_document, write_document
+from .format import (
+    SHIFT_KEYS,
+    VERTICAL_KEYS,
+    brief,
+    is_tabulated,
+    read_document,
+    write_document,
+)
 
 if TYPE_CHECKING:
     from .prony import Prony
@@ -22,6 +29,16 @@ if TYPE_CHECKING:
 SEARCH_VARIABLE = "ELASTOMDR_MATERIALS"
 ENTRY_POINTS = "elastomdr.materials"
 _MISFIT = ("omega", "storage_residual", "loss_residual")
+# the laws of a file, and their classes in `material/shift.py`
+SHIFT_LAWS = {
+    "WLF": "WLF",
+    "Arrhenius": "Arrhenius",
+    "VFT": "VFT",
+    "table": "ShiftTable",
+}
+# where a law keeps numbers under another name than its file does
+_FIELDS = {"log10_a": "log10_a_table"}
+VERTICAL_LAWS = {"entropic": "EntropicVertical", "table": "VerticalTable"}
 
 
 def materials() -> list[str]:
@@ -42,58 +59,40 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     path = locate(name_or_path)
     document = read_document(path)
     from .prony import Prony
-    from .shift import VFT, WLF, Arrhenius, ShiftTable
     from .softening import Softening
     from .tabulated import TabulatedModulus
-    from .vertical import EntropicVertical, VerticalTable
 
     kind, keys = Prony, ("equilibrium", "moduli", "times")
     if is_tabulated(document):
         kind, keys = TabulatedModulus, ("omega", "storage", "loss")
+    constants = {
+        key: document[key]
+        for key in ("poisson", "bulk", "viscosity")
+        if key in document
+    }
+    softening = document.get("softening")
     try:
-        numbers = {
-            key: document[key]
-            for key in ("poisson", "bulk", "viscosity")
-            if key in document
-        }
-        shift = document.get("shift")
-        if shift is not None:
-            laws = {"WLF": WLF, "Arrhenius": Arrhenius, "VFT": VFT, "table": ShiftTable}
-            shift = laws[shift["law"]](
-                **{key: value for key, value in shift.items() if key != "law"}
-            )
-        vertical = document.get("vertical")
-        if vertical is not None:
-            laws = {"entropic": EntropicVertical, "table": VerticalTable}
-            vertical = laws[vertical["law"]](
-                **{key: value for key, value in vertical.items() if key != "law"}
-            )
-        softening = (
-            Softening(**document["softening"]) if "softening" in document else None
-        )
         material = kind(
             *(document[key] for key in keys),
             kind=document["kind"],
-            shift=shift,
-            vertical=vertical,
-            softening=softening,
+            shift=_law(document.get("shift"), SHIFT_LAWS),
+            vertical=_law(document.get("vertical"), VERTICAL_LAWS),
+            softening=None if softening is None else Softening(**softening),
             name=document.get("name", path.stem),
             citation=_citation(document.get("source", {})),
             range=_range(document),
-            **numbers,
+            **constants,
         )
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    reference = document.get("reference_temperature")
-    if (
-        shift is not None
-        and reference is not None
-        and not abs(float(shift.reference) - reference) < 1e-4
-    ):
-        raise InputError(
-            f"{path}: reference_temperature must be that of the shift law, where its "
-            f"factor is 1: got {reference:.9g} K and {float(shift.reference):.9g} K."
-        )
+    given = document.get("reference_temperature")
+    if material.shift is not None and given is not None:
+        reference = float(material.shift.reference)
+        if not abs(reference - given) < 1e-4:
+            raise InputError(
+                f"{path}: reference_temperature must be that of the shift law, where "
+                f"its factor is 1: got {given:.9g} K and {reference:.9g} K."
+            )
     return material
 
 
@@ -156,26 +155,22 @@ def save_material(
             "traces."
         )
     info = info or {}
-    reference = info.get("reference_temperature")
-    if (
-        reference is None
-        and material.shift is not None
-        and math.isfinite(float(material.shift.reference))
-    ):
-        reference = float(material.shift.reference)
-    cited = {"moduli": {"citation": material.citation}} if material.citation else {}
     known = material.range
+    cited = {"moduli": {"citation": material.citation}} if material.citation else {}
     if known is not None and known.illustrative:
         cited["range"] = {"grade": "illustrative"}
     document = {
         "name": material.name,
         "description": info.get("description"),
         "kind": material.kind,
-        "reference_temperature": reference,
+        "reference_temperature": info.get("reference_temperature")
+        or _reference_temperature(material),
         "poisson": None if material.poisson is None else float(material.poisson),
         **(_series(material) if isinstance(material, Prony) else _tabulated(material)),
-        "shift": _shift_table(material.shift),
-        "vertical": _vertical_table(material.vertical),
+        "shift": _law_table("shift", material.shift, SHIFT_LAWS, SHIFT_KEYS),
+        "vertical": _law_table(
+            "vertical", material.vertical, VERTICAL_LAWS, VERTICAL_KEYS
+        ),
         "softening": _softening_table(material.softening),
         "range": info.get(
             "range", known.table() if known is not None and known.table() else None
@@ -186,6 +181,14 @@ def save_material(
     write_document(
         {key: value for key, value in document.items() if value is not None}, Path(path)
     )
+
+
+def _reference_temperature(material: "Prony | TabulatedModulus") -> float | None:
+    """That of the shift law, where it has one."""
+    if material.shift is None:
+        return None
+    reference = float(material.shift.reference)
+    return reference if math.isfinite(reference) else None
 
 
 def locate(name_or_path: str | os.PathLike[str]) -> Path:
@@ -250,8 +253,10 @@ def _folders() -> list[Path]:
     installed packages.
     """
     # where the wheel has them; a checkout has them at its root
-    own = Path(__file__).parent / "data"
-    folders = [own if own.is_dir() else Path(__file__).parents[3] / "materials"]
+    packaged = Path(__file__).parent / "data"
+    folders = [
+        packaged if packaged.is_dir() else Path(__file__).parents[3] / "materials"
+    ]
     for entry in filter(None, os.environ.get(SEARCH_VARIABLE, "").split(os.pathsep)):
         if not Path(entry).is_dir():
             raise InputError(
@@ -318,6 +323,16 @@ def _misfit_table(known: Any) -> dict[str, list[float]] | None:
     return dict(zip(_MISFIT, map(list, zip(*known.misfit, strict=True)), strict=True))
 
 
+def _law(table: Mapping[str, Any] | None, classes: Mapping[str, str]) -> Any:
+    """A shift law from its table in a file."""
+    from . import shift
+
+    if table is None:
+        return None
+    numbers = {key: value for key, value in table.items() if key != "law"}
+    return getattr(shift, classes[table["law"]])(**numbers)
+
+
 def _range(document: Mapping[str, Any]) -> Any:
     """Where the numbers hold, as the file says; what has no meaning there is for
     `check_material` to find.
@@ -351,44 +366,20 @@ def _citation(source: Mapping[str, Mapping[str, Any]]) -> str:
     return "; ".join(dict.fromkeys(filter(None, texts)))
 
 
-def _shift_table(shift: Any) -> dict[str, Any] | None:
-    from .shift import VFT, WLF, Arrhenius, ShiftTable
-
-    if shift is None:
+def _law_table(
+    name: str, law: Any, classes: Mapping[str, str], keys: Mapping[str, Any]
+) -> dict[str, Any] | None:
+    """A shift law as the table of a file; `keys` has the names of its numbers."""
+    if law is None:
         return None
-    if isinstance(shift, ShiftTable):
-        lists = {"temperature": shift.temperature, "log10_a": shift.log10_a_table}
-        return {
-            "law": "table",
-            **{key: [float(entry) for entry in value] for key, value in lists.items()},
-        }
-    for law in (WLF, Arrhenius, VFT):
-        if isinstance(shift, law):
-            return {
-                "law": law.__name__,
-                **{key: float(getattr(shift, key)) for key in SHIFT_KEYS[law.__name__]},
-            }
-    raise InputError(
-        "material.shift must be a WLF, Arrhenius, VFT or ShiftTable to be saved, "
-        "got "
-        f"{brief(shift)}."
-    )
-
-
-def _vertical_table(vertical: Any) -> dict[str, Any] | None:
-    from .vertical import EntropicVertical, VerticalTable
-
-    if isinstance(vertical, EntropicVertical):
-        return {"law": "entropic", "reference": float(vertical.reference)}
-    if isinstance(vertical, VerticalTable):
-        lists = {"temperature": vertical.temperature, "factor": vertical.factor}
-        return {
-            "law": "table",
-            **{key: [float(entry) for entry in value] for key, value in lists.items()},
-        }
-    if vertical is not None:
+    label = next((key for key in classes if classes[key] == type(law).__name__), None)
+    if label is None:
         raise InputError(
-            "material.vertical must be an EntropicVertical or a VerticalTable to "
-            f"be saved, got {brief(vertical)}."
+            f"material.{name} must be one of {', '.join(classes.values())} to be saved, "
+            f"got {brief(law)}."
         )
-    return None
+    fields = {key: key for key in keys[label]} | _FIELDS
+    return {
+        "law": label,
+        **{key: getattr(law, fields[key]).tolist() for key in keys[label]},
+    }

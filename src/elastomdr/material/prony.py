@@ -10,13 +10,15 @@ import numpy as np
 
 from ..checks import (
     Array,
+    are_texts,
     as_float64,
+    certain,
     in_si,
     is_traced,
     not_negative,
     numpy_unless_traced,
+    one_of,
     positive,
-    require,
     scalar,
 )
 from ..errors import InputError
@@ -26,16 +28,16 @@ from .relaxation import (
     KelvinChain,
     Relaxation,
     checked,
+    poisson_ratio,
     scaled,
     series,
     spring,
     to_kelvin,
     to_relaxation,
 )
-from .shift import AbstractShift
+from .shift import AbstractShift, AbstractVertical, check_laws, thermal_factors
 from .softening import Softening, as_softening
 from .validity import Range, RangeLike, as_range
-from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -112,32 +114,19 @@ class Prony(AbstractRelaxation):
         range: RangeLike | None = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
-        if kind not in ("shear", "tensile"):
-            raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
-        for argument, text in (("name", name), ("citation", citation)):
-            if not isinstance(text, str):
-                raise InputError(f"{argument} must be a text, got {text!r}.")
+        one_of("kind", kind, "shear", "tensile")
+        are_texts(name=name, citation=citation)
+        check_laws(shift, vertical)
         if poisson is not None and bulk is not None:
             raise InputError(
                 "poisson and bulk exclude each other (one of them is constant), "
                 f"got poisson={poisson} and bulk={bulk}."
             )
-        if shift is not None and not isinstance(shift, AbstractShift):
-            raise InputError(
-                f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
-            )
-        check_vertical(vertical)
         if bulk is not None:
             bulk = scalar("bulk", bulk)
             positive("bulk", bulk)
         else:
-            poisson = scalar("poisson", 0.5 if poisson is None else poisson)
-            require(
-                "poisson",
-                poisson,
-                "above -1 and at most 0.5",
-                lambda nu: (nu > -1) & (nu <= 0.5),
-            )
+            poisson = poisson_ratio(0.5 if poisson is None else poisson)
         fill(
             self,
             **vars(law),
@@ -148,19 +137,24 @@ class Prony(AbstractRelaxation):
         )
         fill(self, softening=as_softening(softening))
         fill(self, kind=kind, name=name, citation=citation, range=as_range(range))
-        if kind == "tensile" and self.bulk is not None:
-            if not is_traced(law.viscosity) and law.viscosity > 0:
-                raise InputError(
-                    "viscosity must be 0 for tensile moduli with a constant bulk "
-                    "modulus: "
-                    "Young's modulus cannot exceed 9 bulk, got "
-                    f"{float(law.viscosity):g}."
-                )
-            if not is_traced(law, self.bulk) and law.instantaneous >= 9 * self.bulk:
-                raise InputError(
-                    "bulk must be more than a ninth of the glassy tensile modulus "
-                    f"({float(law.instantaneous):g} Pa), got {float(self.bulk):g}."
-                )
+        if kind == "tensile" and bulk is not None:
+            self._check_bulk(law, bulk)
+
+    def _check_bulk(self, law: Relaxation, bulk: Any) -> None:
+        """Raises `InputError` where Young's modulus would exceed 9 times the bulk
+        modulus.
+        """
+        if certain(lambda eta: eta > 0, law.viscosity):
+            raise InputError(
+                "viscosity must be 0 for tensile moduli with a constant bulk modulus: "
+                "Young's modulus cannot exceed 9 bulk, got "
+                f"{float(law.viscosity):g}."
+            )
+        if certain(lambda law, bulk: law.instantaneous >= 9 * bulk, law, bulk):
+            raise InputError(
+                "bulk must be more than a ninth of the glassy tensile modulus "
+                f"({float(law.instantaneous):g} Pa), got {float(bulk):g}."
+            )
 
     def law(self) -> Relaxation:
         """The relaxation function of `kind`, as given."""
@@ -246,7 +240,7 @@ class Prony(AbstractRelaxation):
             InputError: for a material without a record of its misfit, and for numbers
                 that are not whole.
         """
-        from .draws import drawn_from_misfit
+        from .validity import drawn_from_misfit
 
         return drawn_from_misfit(self, n, seed)
 

@@ -1,27 +1,43 @@
 """The relaxation function shared by materials and foundations: a spring, Maxwell
-branches and a dashpot in parallel.
+branches and a dashpot in parallel, and the Kelvin chain with the same law.
+
+Poles of a relaxation function and of its creep function interlace. With pole times p_1
+< ... < p_n and weights w_k >= 0, the times of the other function are the roots t of the
+secular equation
+
+    sum_k w_k / (t - p_k) = c,        c >= 0,
+
+one in each interval (p_k, p_{k+1}) and, where c > 0, one above p_n. A general
+eigenvalue routine loses the small eigenvalues to rounding once the times span more than
+15 decades; here every root is found as a distance to the nearer end of its interval, so
+that it keeps its relative accuracy over any span.
 """
 
 from __future__ import annotations
 
 import abc
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import on_numpy, xp
+from ..arrays import compiled, fixed, on_numpy, xp
 from ..checks import (
     Array,
     alike,
     as_float64,
+    certain,
     is_traced,
     not_negative,
     numpy_unless_traced,
     positive,
+    possible,
+    require,
+    scalar,
 )
 from ..errors import InputError
+from ..numerics.root import bisect
 from ..trees import Tree
-from .secular import secular_roots
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -30,6 +46,10 @@ if TYPE_CHECKING:
 
 
 _APART = 1e-12  # relative distance of equal times that cannot be made one
+
+# halvings of the logarithm of a distance: from 280 decades down to rounding
+_BISECTIONS = 64
+_SMALLEST = 1e-140  # its square is still a float64
 
 
 class AbstractRelaxation(Tree):
@@ -161,15 +181,21 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     not_negative("moduli", moduli)
     positive("times", times)
     moduli, times = in_order(moduli, times)
-    if (
-        not is_traced(equilibrium, moduli, viscosity)
-        and equilibrium + viscosity + moduli.sum() <= 0
-    ):
+    total = (equilibrium, viscosity, moduli)
+    if certain(lambda e, eta, m: e + eta + m.sum() <= 0, *total):
         raise InputError(
             "equilibrium, moduli and viscosity are all zero: such a material "
             "carries no load."
         )
     return Relaxation(equilibrium, moduli, times, viscosity)
+
+
+def poisson_ratio(poisson: Any) -> Array:
+    """A constant Poisson's ratio as a scalar. Raises `InputError`."""
+    poisson = scalar("poisson", poisson)
+    accepted = "above -1 and at most 0.5"
+    require("poisson", poisson, accepted, lambda nu: (nu > -1) & (nu <= 0.5))
+    return poisson
 
 
 @numpy_unless_traced
@@ -230,7 +256,7 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     """The Kelvin chain, and lambda_j - tau_k to full relative accuracy, however close
     the times lie together.
     """
-    with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
+    with_dashpot = possible(lambda eta: eta > 0, law.viscosity)
     times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
     weights = moduli * times
     if with_dashpot:
@@ -349,3 +375,79 @@ def _without_empty(times: Array, weights: Array) -> tuple[Array, Array, Array]:
         return times, weights, weights > 0
     kept = weights > 0
     return times[kept], weights[kept], np.ones(int(kept.sum()), dtype=bool)
+
+
+@compiled()
+def secular_roots(
+    poles: Float[Array, " n"],  # ascending pole times [s]
+    weights: Float[Array, " n"],  # positive weights
+    constant: Float[Array, ""],  # c >= 0, same unit as weight over time
+) -> tuple[Float[Array, " n"], Float[Array, " n"], Float[Array, "n n"]]:
+    """Roots t of sum_k w_k/(t - p_k) = c, the slope sum_k w_k/(t - p_k)^2 at each, and
+    t_j - p_k to full accuracy.
+
+    The last root is infinite where c = 0. Differentiable: the bisection is not, one
+    Newton step after it is.
+    """
+    n = poles.shape[0]
+    index = xp.arange(n)
+    finite = (index < n - 1) | (constant > 0)
+    # Where the last root is infinite it is sought with a constant that puts it at a
+    # finite place, and masked below: an infinity on the way would turn the derivatives
+    # of all roots into NaN.
+    stand_in = fixed(xp.sum(weights) / xp.maximum(poles[-1], _SMALLEST))
+    constants = xp.where(finite, constant, stand_in)
+    fixed_poles, fixed_weights, fixed_constants = fixed((poles, weights, constants))
+    top = fixed_poles[-1] + xp.sum(fixed_weights) / fixed_constants[-1]
+    upper = xp.append(fixed_poles[1:], top)
+    width = upper - fixed_poles
+
+    def excess(
+        origin: Array, distance: Array, poles: Array, weights: Array, constants: Array
+    ) -> Array:
+        gap = (origin[:, None] - poles[None, :]) + distance[:, None]
+        return xp.sum(weights / _away_from_zero(gap), axis=1) - constants
+
+    # Which end is nearer: the left-hand side falls through its interval from +infinity
+    # to -infinity.
+    right_half = (
+        excess(fixed_poles, 0.5 * width, fixed_poles, fixed_weights, fixed_constants)
+        > 0
+    )
+    right_half = right_half & (index < n - 1)
+    origin = xp.where(right_half, upper, fixed_poles)
+    side = xp.where(right_half, -1.0, 1.0)
+    reach = xp.where(right_half, 0.5, 1.0) * width
+
+    def farther(log_distance: Array) -> Array:
+        """Whether the root lies farther from the origin."""
+        distance = side * xp.exp(log_distance)
+        value = excess(origin, distance, fixed_poles, fixed_weights, fixed_constants)
+        return side * value > 0
+
+    least, most = xp.full(n, math.log(_SMALLEST)), xp.log(xp.maximum(reach, _SMALLEST))
+    low, high = bisect(farther, least, most, _BISECTIONS)
+    distance = side * xp.exp(0.5 * (low + high))
+
+    origin = poles[xp.minimum(index + right_half, n - 1)]
+    roots, slope, gap = _polished(poles, weights, constants, origin, distance)
+    return xp.where(finite, roots, xp.inf), slope, gap
+
+
+def _polished(
+    poles: Array, weights: Array, constants: Array, origin: Array, distance: Array
+) -> tuple[Array, Array, Array]:
+    """Roots after a Newton step on their distances from the origins, which carries the
+    derivatives; the slope at them; their distances from all poles.
+    """
+    gap = (origin[:, None] - poles[None, :]) + distance[:, None]
+    residual = xp.sum(weights / _away_from_zero(gap), axis=1) - constants
+    step = residual / xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
+    step = step - fixed(xp.where(xp.abs(step) < 0.1 * xp.abs(distance), 0.0, step))
+    gap = gap + step[:, None]
+    slope = xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
+    return origin + distance + step, slope, gap
+
+
+def _away_from_zero(gap: Array) -> Array:
+    return xp.where(xp.abs(gap) < _SMALLEST, _SMALLEST, gap)

@@ -1,5 +1,5 @@
-"""Time-temperature superposition: the factor a_T by which all relaxation times grow
-when the material cools.
+"""Shift laws: the factor a_T by which all relaxation times grow when the material cools
+(time-temperature superposition), and b_T by which all moduli grow when it warms.
 """
 
 from __future__ import annotations
@@ -21,17 +21,21 @@ from ..checks import (
     not_negative,
     numpy_unless_traced,
     positive,
+    possible,
     require,
     scalar,
+    untraced,
     written,
 )
 from ..errors import InputError
-from ..trees import Tree, fill
+from ..numerics.interpolation import hermite, monotone_slopes
+from ..trees import Tree, fill, same
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, Number
+
 
 GAS_CONSTANT = 8.31446261815324  # R [J/(mol K)], CODATA 2018 (exact)
 _LN10 = float(np.log(10.0))
@@ -144,13 +148,10 @@ class VFT(AbstractShift):
         positive("b", self.b)
         in_kelvin("reference", self.reference)
         not_negative("t0", self.t0)
-        if not is_traced(self.reference):
-            reference = float(self.reference)
-            require(
-                "t0",
-                self.t0,
-                f"below the reference temperature, {reference:g} K",
-                lambda t: t < reference,
+        if not possible(lambda t0, reference: t0 < reference, self.t0, self.reference):
+            raise InputError(
+                "t0 must be below the reference temperature, "
+                f"{float(self.reference):g} K, got {float(self.t0):g}."
             )
 
     def _log10_a(self, temperature: Array) -> Array:
@@ -217,11 +218,11 @@ class ShiftTable(AbstractShift):
             raise InputError(
                 f"log10_a must fall as the temperature rises, got {log10_a.tolist()}."
             )
-        from scipy.interpolate import PchipInterpolator
+        from scipy.interpolate import CubicHermiteSpline
 
-        curve = PchipInterpolator(temperature, log10_a)
+        slopes = monotone_slopes(temperature, log10_a)
+        curve = CubicHermiteSpline(temperature, log10_a, slopes)
         crossings = np.asarray(curve.solve(0.0, extrapolate=False))
-        slopes = np.asarray(curve.derivative()(temperature))
         reference = np.asarray(crossings[0] if crossings.size else np.nan)
         fill(
             self,
@@ -232,32 +233,10 @@ class ShiftTable(AbstractShift):
         )
 
     def _log10_a(self, temperature: Array) -> Array:
-        return hermite(self.temperature, self.log10_a_table, self.slopes, temperature)
+        return _of_table(self.temperature, self.log10_a_table, self.slopes, temperature)
 
     def _check(self, temperature: Any) -> None:
-        if is_traced(self):
-            return
-        low, high = float(self.temperature[0]), float(self.temperature[-1])
-        accepted = f"within the shift table, {low:g} K to {high:g} K"
-        require(
-            "temperature", temperature, accepted, lambda t: (t >= low) & (t <= high)
-        )
-
-
-def hermite(table: Any, values: Any, slopes: Any, at: Array) -> Array:
-    """Cubics through the values of a table with its slopes; NaN outside."""
-    table, values, slopes = map(xp.asarray, (table, values, slopes))
-    left = xp.clip(xp.searchsorted(table, at, side="right") - 1, 0, table.shape[0] - 2)
-    width = table[left + 1] - table[left]
-    s = (at - table[left]) / width
-    outside = (at < table[0]) | (at > table[-1])
-    value = (
-        (1 + 2 * s) * (1 - s) ** 2 * values[left]
-        + s * (1 - s) ** 2 * width * slopes[left]
-        + s**2 * (3 - 2 * s) * values[left + 1]
-        + s**2 * (s - 1) * width * slopes[left + 1]
-    )
-    return xp.where(outside, xp.nan, value)
+        _within_table("shift table", self.temperature, temperature)
 
 
 def _above_pole(law: str, temperature: Any, pole: Any) -> None:
@@ -265,3 +244,163 @@ def _above_pole(law: str, temperature: Any, pole: Any) -> None:
         limit = float(pole)
         accepted = f"above the {law} pole at {limit:g} K, where the law breaks down"
         require("temperature", temperature, accepted, lambda t: t > limit)
+
+
+class AbstractVertical(Tree):
+    """A law of vertical shifts: M(omega; T) = b_T M(omega a_T; T_ref), M any modulus of
+    the material.
+    """
+
+    def __repr__(self) -> str:
+        return written(self)
+
+    @abc.abstractmethod
+    def _b(self, temperature: Array) -> Array:
+        """b_T, at temperatures [K] that `_check` has let pass."""
+
+    @abc.abstractmethod
+    def _check(self, temperature: Any) -> None:
+        """Raises `InputError` where the law does not hold."""
+
+    @numpy_unless_traced
+    def b(self, temperature: ArrayLike) -> Array:
+        """Vertical shift factor b_T at temperatures [K], any shape. Raises `InputError`
+        outside the law's range.
+        """
+        temperature = as_float64("temperature", temperature)
+        in_kelvin("temperature", temperature)
+        self._check(temperature)
+        return self._b(temperature)
+
+
+class EntropicVertical(AbstractVertical):
+    """b_T = T/T_ref, the elasticity of entropy of a rubber network or a melt (Ferry
+    1980, ch. 11).
+
+    The density is taken as constant: with it, b_T would be lower by 0.06 % per kelvin
+    above the reference temperature (a rubber's volume expansion). Raises `InputError`
+    for a reference temperature that is not positive.
+    """
+
+    reference: Float[Array, ""]  # [K]
+
+    def __init__(self, reference: Number):
+        fill(self, reference=scalar("reference", reference))
+        in_kelvin("reference", self.reference)
+
+    def _b(self, temperature: Array) -> Array:
+        return temperature / self.reference
+
+    def _check(self, temperature: Any) -> None:
+        pass
+
+
+class VerticalTable(AbstractVertical):
+    """Vertical shift factors by their values, joined by monotone cubics (PCHIP);
+    outside the table there is no answer, only an error. Raises `InputError` for lists
+    that do not match, temperatures that do not ascend, and factors that are not
+    positive.
+    """
+
+    temperature: Float[Array, " n"]  # ascending [K]
+    # b_T, 1 at the temperature at which the moduli are given
+    factor: Float[Array, " n"]
+    slopes: Float[Array, " n"]  # of the factor, at the table's temperatures [1/K]
+
+    def __init__(self, temperature: ArrayLike, factor: ArrayLike):
+        temperature, factor = (
+            as_float64("temperature", temperature),
+            as_float64("factor", factor),
+        )
+        alike(2, temperature=temperature, factor=factor)
+        untraced(
+            "temperature", temperature, "a table is differentiated in its factors only"
+        )
+        in_kelvin("temperature", temperature)
+        positive("factor", factor)
+        ascending("temperature", temperature)
+        fill(
+            self,
+            temperature=temperature,
+            factor=factor,
+            slopes=monotone_slopes(temperature, factor),
+        )
+
+    def _b(self, temperature: Array) -> Array:
+        return _of_table(self.temperature, self.factor, self.slopes, temperature)
+
+    def _check(self, temperature: Any) -> None:
+        _within_table("table of vertical shifts", self.temperature, temperature)
+
+
+def _of_table(nodes: Any, values: Any, slopes: Any, temperature: Array) -> Array:
+    """Monotone cubics through a table; NaN outside."""
+    inside = (temperature >= nodes[0]) & (temperature <= nodes[-1])
+    return xp.where(inside, hermite(nodes, values, slopes, temperature), xp.nan)
+
+
+def _within_table(table: str, nodes: Any, temperature: Any) -> None:
+    """Raises `InputError` for temperatures that a table does not hold."""
+    if is_traced(nodes):
+        return
+    low, high = float(nodes[0]), float(nodes[-1])
+    accepted = f"within the {table}, {low:g} K to {high:g} K"
+    require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
+
+
+def check_laws(shift: Any, vertical: Any) -> None:
+    """Raises `InputError` unless they are a shift law and a law of vertical shifts;
+    either may be None.
+    """
+    if shift is not None and not isinstance(shift, AbstractShift):
+        raise InputError(
+            f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
+        )
+    if vertical is not None and not isinstance(vertical, AbstractVertical):
+        raise InputError(
+            "vertical must be an EntropicVertical or a VerticalTable, got "
+            f"{vertical!r}."
+        )
+
+
+def thermal_factors(body: Any, temperature: Any) -> tuple[Any, Any]:
+    """a_T and b_T of a material or foundation at temperatures [K]; 1 for a law that it
+    does not have.
+
+    Raises `InputError` where it has neither, or outside a law's range.
+    """
+    if body.shift is None and body.vertical is None:
+        raise InputError(
+            f"temperature was given ({_brief(temperature)}), but "
+            f"{body.name or 'the material'} has no shift law; give "
+            "the material one with shift=em.WLF(...), or leave the temperature out."
+        )
+    a = 1.0 if body.shift is None else body.shift.a(temperature)
+    return a, 1.0 if body.vertical is None else body.vertical.b(temperature)
+
+
+def _brief(kelvin: Any) -> str:
+    if is_traced(kelvin):
+        return "traced"
+    values = np.asarray(kelvin, dtype=float)
+    ends = f"{values.min():g}" if values.size and values.min() == values.max() else ""
+    return (
+        f"{ends or f'{values.min():g} to {values.max():g}'} K"
+        if values.size
+        else "none"
+    )
+
+
+def same_thermal(one: Any, other: Any) -> bool:
+    """Whether two bodies shift alike with the temperature; under a transformation of
+    JAX as far as can be seen.
+    """
+    return all(
+        _same(getattr(one, law), getattr(other, law)) for law in ("shift", "vertical")
+    )
+
+
+def _same(first: Any, second: Any) -> bool:
+    if first is None or second is None or is_traced(first, second):
+        return first is second
+    return bool(same(first, second))

@@ -14,6 +14,7 @@ from ..checks import (
     alike,
     as_float64,
     ascending,
+    certain,
     is_traced,
     not_negative,
     numpy_unless_traced,
@@ -21,6 +22,7 @@ from ..checks import (
     written,
 )
 from ..errors import InputError
+from ..numerics.interpolation import hermite, monotone_slopes
 from ..trees import Tree, fill, same
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ class Softening(Tree):
         for key, values in zip(lists, arrays, strict=True):
             positive(f"softening: {key}", values)
         ascending("softening: strain", strain)
-        if not is_traced(strain) and strain[-1] > _LARGEST:
+        if certain(lambda x: x[-1] > _LARGEST, strain):
             raise InputError(
                 f"softening: strain must be an amplitude without unit, {_LARGEST:g} "
                 f"at most (0.1 for 10 %), got {strain[-1]:g}; divide per cent by 100."
@@ -98,7 +100,7 @@ class Softening(Tree):
                     f"{storage[i]:g} followed by {storage[i + 1]:g} (entries {i} and "
                     f"{i + 1})."
                 )
-        if not is_traced(loss) and loss.max() > _MOST:
+        if certain(lambda g: g.max() > _MOST, loss):
             raise InputError(
                 "softening: loss must be factors on the loss modulus of small "
                 f"strain, {_MOST:g} at most, got {loss.max():g}."
@@ -132,24 +134,19 @@ class Softening(Tree):
 
     def _at(self, strain: Any, factor: Any) -> Any:
         nodes, values = xp.log(xp.asarray(self.strain)), xp.asarray(factor)
-        slopes = _slopes(nodes, values)
-        x = xp.clip(xp.log(xp.maximum(strain, 1e-300)), nodes[0], nodes[-1])
-        left = xp.clip(
-            xp.searchsorted(nodes, x, side="right") - 1, 0, nodes.shape[0] - 2
+        slopes = monotone_slopes(nodes, values)
+        # At the first point the slope of the line to the origin, as far as it keeps the
+        # cubics monotone; none at the last one, where the factor is held.
+        first, most = values[0] - 1, 3 * (values[1] - values[0]) / (nodes[1] - nodes[0])
+        least = xp.sign(most) * xp.minimum(abs(first), abs(most))
+        first = xp.where(first * most > 0, least, 0.0)
+        slopes = xp.concatenate([first[None], slopes[1:-1], xp.zeros(1)])
+        log_strain = xp.log(xp.maximum(strain, 1e-300))
+        inside = hermite(
+            nodes, values, slopes, xp.clip(log_strain, nodes[0], nodes[-1])
         )
-        h = nodes[left + 1] - nodes[left]
-        s = (x - nodes[left]) / h
-        inside = (
-            (1 + 2 * s) * (1 - s) ** 2 * values[left]
-            + s * (1 - s) ** 2 * h * slopes[left]
-            + s**2 * (3 - 2 * s) * values[left + 1]
-            + s**2 * (s - 1) * h * slopes[left + 1]
-        )
-        return xp.where(
-            strain < self.strain[0],
-            1 - (1 - values[0]) * strain / self.strain[0],
-            inside,
-        )
+        below = 1 - (1 - values[0]) * strain / self.strain[0]
+        return xp.where(strain < self.strain[0], below, inside)
 
     def __repr__(self) -> str:
         return written(self)
@@ -172,26 +169,3 @@ def same_softening(first: Softening | None, second: Softening | None) -> bool:
     if first is None or second is None or is_traced(first, second):
         return first is second
     return same(first, second)
-
-
-def _slopes(x: Any, y: Any) -> Any:
-    """Of monotone cubics: that of the line to the origin at the first point as far as
-    it keeps them monotone, 0 at the last one, where the factor is held, and harmonic
-    means between them (as PCHIP).
-    """
-    h = xp.diff(x)
-    secant = xp.diff(y) / h
-    before, after = secant[:-1], secant[1:]
-    same = before * after > 0
-    w1, w2 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
-    inner = xp.where(
-        same,
-        (w1 + w2)
-        / (w1 / xp.where(same, before, 1.0) + w2 / xp.where(same, after, 1.0)),
-        0.0,
-    )
-    first, limit = y[0] - 1, 3 * secant[0]
-    first = xp.where(
-        first * limit > 0, xp.sign(limit) * xp.minimum(abs(first), abs(limit)), 0.0
-    )
-    return xp.concatenate([first[None], inner, xp.zeros(1)])

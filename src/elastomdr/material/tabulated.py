@@ -21,6 +21,7 @@ back within 0.04 % at ten points per decade, and within 0.7 % by straight lines.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -29,26 +30,29 @@ from ..arrays import xp
 from ..checks import (
     Array,
     alike,
+    are_texts,
     as_float64,
     ascending,
     is_traced,
     not_negative,
     numpy_unless_traced,
+    one_of,
     positive,
-    require,
     scalar,
 )
 from ..errors import InputError
+from ..numerics.interpolation import hermite
 from ..trees import Tree, fill, replaced, static
-from .shift import AbstractShift
+from .relaxation import KelvinChain, poisson_ratio
+from .shift import AbstractShift, AbstractVertical, check_laws, thermal_factors
 from .softening import Softening, as_softening
 from .validity import Range, RangeLike, as_range
-from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, ComplexArray, Kind, Number
+
 
 _STORAGE, _LOSS = (0.0, 2.0), (-1.0, 1.0)  # least and largest slope in logarithms
 # times h: how far a slope may be from that of the straight line across a neighbouring
@@ -60,6 +64,9 @@ _APART = 0.25  # times h^2: how far a solid may be from the cubic, in logarithms
 # points shows where they are evenly spaced, 0.47 at most where they lie at random.
 # Hence the share of that difference which is stated as the error:
 LEFT_OUT = 0.5
+
+_PER_DECADE = 6  # retardation times
+_BESIDE = 10.0  # how far they reach beyond the table
 
 
 class AbstractTable(Tree):
@@ -117,12 +124,12 @@ class AbstractTable(Tree):
     def _moduli(self, omega: Any) -> tuple[Array, Array]:
         omega = as_float64("omega", omega)
         not_negative("omega", omega)
-        at = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
+        log_omega = xp.log(xp.clip(omega, self.omega[0], self.omega[-1]))
         nodes, storage, loss = map(
             xp.log, (self.omega, self.storage_table, self.loss_table)
         )
-        stored = xp.exp(_cubic(nodes, storage, _STORAGE, at))
-        lost = xp.where(omega > 0, xp.exp(_cubic(nodes, loss, _LOSS, at)), 0.0)
+        stored = xp.exp(_cubic(nodes, storage, _STORAGE, log_omega))
+        lost = xp.where(omega > 0, xp.exp(_cubic(nodes, loss, _LOSS, log_omega)), 0.0)
         return stored, lost
 
     @numpy_unless_traced
@@ -164,8 +171,10 @@ class AbstractTable(Tree):
         inside = (omega[2:] >= low) & (omega[:-2] <= high)
 
         def largest(values: Array, slopes: tuple[float, float]) -> Array:
-            off = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))
-            known = xp.max(xp.where(inside, off, -xp.inf), axis=-1, initial=-xp.inf)
+            distance = LEFT_OUT * xp.abs(_left_out(nodes, values, slopes))
+            known = xp.max(
+                xp.where(inside, distance, -xp.inf), axis=-1, initial=-xp.inf
+            )
             error = xp.where(known >= 0, xp.minimum(known, bound), bound)
             return xp.where(bound >= 0, xp.expm1(error), xp.nan)
 
@@ -250,23 +259,10 @@ class TabulatedModulus(AbstractTable):
         for key, value in (("omega", omega), ("storage", storage), ("loss", loss)):
             positive(key, value)
         ascending("omega", omega)
-        if kind not in ("shear", "tensile"):
-            raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
-        for argument, text in (("name", name), ("citation", citation)):
-            if not isinstance(text, str):
-                raise InputError(f"{argument} must be a text, got {text!r}.")
-        if shift is not None and not isinstance(shift, AbstractShift):
-            raise InputError(
-                f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}."
-            )
-        check_vertical(vertical)
-        poisson = scalar("poisson", poisson)
-        require(
-            "poisson",
-            poisson,
-            "above -1 and at most 0.5",
-            lambda nu: (nu > -1) & (nu <= 0.5),
-        )
+        one_of("kind", kind, "shear", "tensile")
+        are_texts(name=name, citation=citation)
+        check_laws(shift, vertical)
+        poisson = poisson_ratio(poisson)
         known = as_range(range)
         if (known is None or known.omega is None) and not is_traced(omega):
             known = (known or Range(None, None))._replace(
@@ -401,15 +397,7 @@ def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
             secant[side] - _BENDS * width[side],
             secant[side] + _BENDS * width[side],
         )
-    left = xp.clip(xp.searchsorted(x, at, side="right") - 1, 0, x.shape[0] - 2)
-    h = width[left]
-    s = (at - x[left]) / h
-    return (
-        (1 + 2 * s) * (1 - s) ** 2 * y[left]
-        + s * (1 - s) ** 2 * h * slope[left]
-        + s**2 * (3 - 2 * s) * y[left + 1]
-        + s**2 * (s - 1) * h * slope[left + 1]
-    )
+    return hermite(x, y, slope, at)
 
 
 def _kept(count: int, first: int) -> np.ndarray:
@@ -424,9 +412,48 @@ def _left_out(x: Array, y: Array, slopes: tuple[float, float]) -> Array:
     without it.
     """
     count = x.shape[0]
-    parts, places = [], []
+    distances, places = [], []
     for first in (1, 2):
         out, kept = np.arange(first, count - 1, 2), _kept(count, first)
-        parts.append(_cubic(x[kept], y[kept], slopes, x[out]) - y[out])
+        distances.append(_cubic(x[kept], y[kept], slopes, x[out]) - y[out])
         places.append(out)
-    return xp.concatenate(parts)[np.argsort(np.concatenate(places))]
+    return xp.concatenate(distances)[np.argsort(np.concatenate(places))]
+
+
+def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
+    """The chain of positive compliances that is nearest to the table, and how far it is
+    from it.
+
+    The distance is the root mean square, over the logarithm of frequency, of the
+    difference of the complex compliances over the loss compliance: about what a loss
+    computed with the chain is off. Raises `InputError` under a transformation of JAX
+    with respect to the table.
+    """
+    if is_traced(table):
+        raise InputError(
+            "material must be an em.Prony to be differentiated here, got a traced "
+            "table."
+        )
+    from scipy.optimize import nnls
+
+    ends = float(table.omega[0]), float(table.omega[-1])
+    omega = np.geomspace(*ends, 2 + math.ceil(12 * math.log10(ends[1] / ends[0])))
+    compliance = 1 / np.asarray(table.complex_modulus(omega))
+    count = 2 + math.ceil(_PER_DECADE * math.log10(ends[1] / ends[0] * _BESIDE**2))
+    times = np.geomspace(1 / (_BESIDE * ends[1]), _BESIDE / ends[0], count)
+    terms = np.concatenate(
+        [np.ones((omega.size, 1)), 1 / (1 + 1j * omega[:, None] * times)], axis=1
+    )
+    size = -compliance.imag
+    rows = terms / size[:, None]
+    wanted = compliance / size
+    compliances, _ = nnls(
+        np.concatenate([rows.real, rows.imag]),
+        np.concatenate([wanted.real, wanted.imag]),
+        maxiter=50 * count,
+    )
+    distance = float(np.sqrt(np.mean(np.abs(rows @ compliances - wanted) ** 2)))
+    kept = compliances[1:] > 0
+    return KelvinChain(
+        np.asarray(compliances[0]), compliances[1:][kept], times[kept], np.zeros(())
+    ), distance

@@ -1,1 +1,1 @@
-"""Numerical ground: root search, exponentials, compiled code."""
+"""Numerical ground: root search, quadrature, interpolation, decaying exponentials."""

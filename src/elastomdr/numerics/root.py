@@ -1,10 +1,11 @@
-"""Roots of many increasing functions at once, with derivatives that do not pass through
-the search.
+"""Roots of many functions at once, with derivatives that do not pass through the
+search.
 """
 
+from collections.abc import Callable
 from typing import Any
 
-from ..arrays import fixed, on_numpy, while_loop, xp
+from ..arrays import fixed, fori_loop, on_numpy, while_loop, xp
 from ..checks import Array
 
 _CLOSE = 3e-4  # change of x from which one more Newton step is at rounding
@@ -28,8 +29,8 @@ def root(residual: Any, guess: Array) -> tuple[Array, Array]:
     x, done = search(residual, guess)
     value, slope = jax.jvp(residual, (x,), (xp.ones_like(x),))
     step = value / fixed(slope)
-    found = done & (xp.abs(step) < 10 * _CLOSE)
-    return x - xp.where(found, step, step - fixed(step)), found
+    converged = done & (xp.abs(step) < 10 * _CLOSE)
+    return x - xp.where(converged, step, step - fixed(step)), converged
 
 
 def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, Array]:
@@ -76,3 +77,19 @@ def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, A
     state = fixed(state)
     state = while_loop(lambda s: ~xp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
     return fixed((state[0], state[4]))
+
+
+def bisect(
+    root_above: Callable[[Any], Any], low: Any, high: Any, halvings: int
+) -> tuple[Any, Any]:
+    """Halves brackets, all lanes at once; `root_above(x)` tells where the root lies
+    above x. Lanes whose bracket holds none end at one of its ends.
+    """
+
+    def halve(_: Any, bracket: tuple) -> tuple:
+        low, high = bracket
+        middle = 0.5 * (low + high)
+        above = root_above(middle)
+        return xp.where(above, middle, low), xp.where(above, high, middle)
+
+    return fori_loop(0, halvings, halve, (low, high))

@@ -2,13 +2,12 @@
 reduction; closed forms.
 """
 
-from ..surface.rough_map import rough_map
-from .full_contact import full_contact_sliding
+from ..surface.spectrum import rough_map
+from .closed_forms import full_contact_sliding, small_damping
 from .half_plane import half_plane_sliding
 from .half_space import half_space_sliding
 from .layer import layer_sliding
 from .persson import persson
-from .small_damping import small_damping
 
 __all__ = [
     "full_contact_sliding",

@@ -4,22 +4,18 @@ on a line of cells.
 
 from __future__ import annotations
 
-import functools
-import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from ..checks import Array, argmax, in_float64, positive, scalar
+from ..checks import numpy_unless_traced, positive, scalar
 from ..element.law import as_foundation
-from ..errors import ConvergenceWarning, InputError
+from ..errors import InputError
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact, HalfPlaneCurve
-from .contact import LEADS, grid, settle, work_against
-from .kernel import sliding_kernel, strip_cell
-from .points import NOT_COMPARED, broadcast
+from ..rough.half_space import EXACT, settle
+from .kernel import LEADS, convolution, sliding_kernel, strip_cell, work_against
+from .points import NOT_COMPARED, points_of, warn_unless
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -31,21 +27,29 @@ MODEL = "half-plane (plane strain), cells of constant pressure (no reduction)"
 _WINDOWS = 8  # windows tried until the contact lies well inside
 
 
-class _Found(NamedTuple):
+class _CylinderContact(NamedTuple):
     """One contact on one grid."""
 
-    mu: Float[Array, ""]
-    edges: Float[Array, "2"]  # trailing, leading [m]
-    settled: Array
-    inside: Array
+    mu: float
+    edges: Float[np.ndarray, "2"]  # trailing, leading [m]
+    settled: bool
+    inside: bool
 
 
-_FAILED = _Found(
-    np.array(np.nan), np.full(2, np.nan), np.asarray(False), np.asarray(True)
-)
+class _Problem(NamedTuple):
+    """A cylinder under a load."""
+
+    radius: float  # [m]
+    law: Relaxation
+    chain: KelvinChain
+    load: float  # per length [N/m]
+    velocity: float  # times a_T [m/s]
 
 
-@in_float64
+_FAILED = _CylinderContact(np.nan, np.full(2, np.nan), False, True)
+
+
+@numpy_unless_traced
 def half_plane_sliding(
     material: Material,
     radius: Number,
@@ -87,7 +91,7 @@ def half_plane_sliding(
         )
     radius = scalar("radius", radius)
     positive("radius", radius)
-    scene = broadcast(
+    scene = points_of(
         foundation,
         velocity=velocity,
         load_per_length=load_per_length,
@@ -96,28 +100,20 @@ def half_plane_sliding(
     )
     at, law = scene.at, foundation.law()
     chain = to_kelvin(law)
-    found = [
-        _one(float(radius), law, chain, w, v, points)
-        for w, v in zip(scene.value, scene.velocity, strict=True)
-    ]
-    good = np.array([bool(fine.settled) for fine, _ in found])
-    if not good.all():
-        warnings.warn(
-            (
-                f"{int((~good).sum())} of {good.size} contacts did not settle; they "
-                "are NaN."
-            ),
-            ConvergenceWarning,
-            stacklevel=3,
-        )
+    contacts, errors = zip(
+        *(
+            _point(_Problem(float(radius), law, chain, w, v), points)
+            for w, v in zip(scene.value, scene.velocity, strict=True)
+        ),
+        strict=True,
+    )
+    good = np.array([contact.settled for contact in contacts])
+    warn_unless(good)
 
-    def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(
-            at.shape
-        )
+    def field(values: Any) -> Any:
+        return scene.field(good, values)
 
-    fine = [pair[0] for pair in found]
-    mu = field([f.mu for f in fine])
+    mu = field(contact.mu for contact in contacts)
     load = (scene.value * scene.vertical).reshape(at.shape)
     rows = scene.inputs(("shape", f"cylinder, radius {float(radius):g} m"), load="N/m")
     return HalfPlaneCurve(
@@ -126,9 +122,10 @@ def half_plane_sliding(
         load_per_length=load,
         friction_per_length=mu * load,
         contact=Contact(
-            field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])
+            field(contact.edges[1] for contact in contacts),
+            field(-contact.edges[0] for contact in contacts),
         ),
-        error=field([error for _, error in found]),
+        error=field(errors),
         converged=good.reshape(at.shape),
         temperature=at.full(at.kelvin),
         model=MODEL,
@@ -140,89 +137,85 @@ def half_plane_sliding(
     )
 
 
-def _one(
-    radius: float,
-    law: Relaxation,
-    chain: KelvinChain,
-    load: float,
-    velocity: float,
-    points: int,
-) -> tuple[_Found, Any]:
+def _point(problem: _Problem, points: int) -> tuple[_CylinderContact, float]:
     """A contact, and the estimated error of its mu."""
     # Hertz, the widest that there can be
-    relaxed = float(np.sqrt(4 * load * radius / (np.pi * law.equilibrium)))
-    window = np.array([-1.2 * relaxed, 1.2 * relaxed])
+    relaxed = 2 * np.sqrt(
+        problem.load * problem.radius / (np.pi * float(problem.law.equilibrium))
+    )
     for lead in LEADS:
-        solve = functools.partial(_solve, radius, law, chain, load, velocity, lead=lead)
-        rough = solve(window, 0.5 * window, count=128)
-        # a glassy contact is narrow: look closer until it fills half of the window
-        for _ in range(_WINDOWS):
-            if not bool(rough.settled):
-                break
-            length = float(rough.edges[1] - rough.edges[0])
-            window, before = (
-                np.array(
-                    [rough.edges[0] - 0.1 * length, rough.edges[1] + 0.1 * length]
-                ),
-                window,
-            )
-            if bool(rough.inside) and window[1] - window[0] > 0.5 * (
-                before[1] - before[0]
-            ):
-                break
-            rough = solve(window, rough.edges, count=128)
-        if not bool(rough.settled):
+        window, rough = _near_contact(problem, 1.2 * relaxed, lead)
+        if not rough.settled:
             continue
         coarse = [
-            solve(window, rough.edges, count=count)
+            _solved(problem, window, rough.edges, count, lead)
             for count in (3 * points // 8, 3 * points // 4, points // 2)
         ]
-        fine = solve(window, coarse[-1].edges, count=points)
-        if all(bool(one.settled & one.inside) for one in (*coarse, fine)):
+        fine = _solved(problem, window, coarse[-1].edges, points, lead)
+        if all(one.settled and one.inside for one in (*coarse, fine)):
             return fine, 2 * max(abs(fine.mu - one.mu) for one in coarse)
     return _FAILED, np.nan
 
 
-@functools.partial(jax.jit, static_argnames=("count",))
-def _solve(
-    radius, law, chain, load, velocity, window, edges, *, count: int, lead: Array
-) -> _Found:
+def _near_contact(
+    problem: _Problem, widest: float, lead: float
+) -> tuple[np.ndarray, _CylinderContact]:
+    """A window that the contact fills by half at least, and the contact there on coarse
+    cells: a glassy one is narrow.
+    """
+    window = np.array([-widest, widest])
+    rough = _solved(problem, window, 0.5 * window, 128, lead)
+    for _ in range(_WINDOWS):
+        if not rough.settled:
+            break
+        before, length = window, rough.edges[1] - rough.edges[0]
+        window = rough.edges + 0.1 * length * np.array([-1.0, 1.0])
+        if rough.inside and np.ptp(window) > 0.5 * np.ptp(before):
+            break
+        rough = _solved(problem, window, rough.edges, 128, lead)
+    return window, rough
+
+
+def _solved(
+    problem: _Problem, window: np.ndarray, edges: np.ndarray, count: int, lead: float
+) -> _CylinderContact:
+    """The contact on `count` cells of a window, begun between `edges`."""
     length = window[1] - window[0]
     h = length / count
-    x = window[0] + h * (jnp.arange(count) + 0.5)
-
+    x = window[0] + h * (np.arange(count) + 0.5)
     # any will do; this keeps the kernel positive
-    far = 4 * length + velocity * jnp.max(chain.times, initial=0.0)
+    slowest = np.max(problem.chain.times, initial=0.0)
+    far = 4 * length + problem.velocity * slowest
 
-    def elastic(at):
-        return strip_cell(at[:, None], h, far)
+    def kernel_of(lead: float) -> Any:
+        def elastic(places: np.ndarray) -> np.ndarray:
+            return strip_cell(places[:, None], h, far)
 
-    def kernel_of(lead):
-        return sliding_kernel(elastic, chain, velocity, h, count, lead)
+        return sliding_kernel(elastic, problem.chain, problem.velocity, h, count, lead)
 
     kernel = kernel_of(lead)
-    height = ((x - lead * h) ** 2 / (2 * radius))[:, None]
-    on = grid(kernel.displacement, law, velocity, (h, h), lead)
-    begin = ((x > edges[0]) & (x < edges[1]))[:, None]
-    solution = settle(on, height, begin, "load", load / h)
-    p = solution.pressure
-    # from centre to centre
-    slope = jax.lax.cond(lead == 0, lambda: kernel.slope, lambda: kernel_of(0.0).slope)
-    mu = work_against(slope, p) * h / load
-    touching = (p > 0)[:, 0]
+    found = settle(
+        convolution(kernel.displacement, problem.law, problem.velocity, (h, h), lead),
+        -((x - lead * h) ** 2 / (2 * problem.radius))[:, None],
+        ((x > edges[0]) & (x < edges[1]))[:, None].astype(float),
+        EXACT,
+        load=problem.load / h,
+    )
+    # the force acts from centre to centre
+    slope = kernel.slope if lead == 0 else kernel_of(0.0).slope
+    mu = work_against(slope, found.pressure) * h / problem.load
+    pressure = found.pressure[:, 0]
+    touching = np.flatnonzero(pressure > 0)
+    if touching.size < 2:
+        return _FAILED
+    first, last = touching[0], touching[-1]
     # The pressure falls as the root of the distance: its square meets zero along a line
     # through the last two cells.
-    square = p[:, 0] ** 2
-    first, last = argmax(touching), count - 1 - argmax(touching[::-1])
-    trailing = x[first] - h * jnp.clip(
-        square[first] / (square[first + 1] - square[first]), 0.0, 1.0
-    )
-    leading = x[last] + h * jnp.clip(
-        square[last] / (square[last - 1] - square[last]), 0.0, 1.0
-    )
-    return _Found(
-        mu,
-        jnp.stack([trailing, leading]),
-        solution.settled,
-        ~(touching[0] | touching[-1]),
-    )
+    square = pressure**2
+
+    def beyond(end: int, inner: int) -> float:
+        return h * np.clip(square[end] / (square[inner] - square[end]), 0.0, 1.0)
+
+    ends = x[first] - beyond(first, first + 1), x[last] + beyond(last, last - 1)
+    inside = first > 0 and last < count - 1
+    return _CylinderContact(mu, np.array(ends), found.settled, inside)

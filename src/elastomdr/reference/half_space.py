@@ -1,31 +1,38 @@
 """Steady sliding on a three-dimensional viscoelastic half-space, solved on a grid of
-cells.
+cells: of one body, or of a periodic map of heights or array of bodies.
+
+Every body of an array meets the wakes of those before it. What the contact of a map
+decides is the separation, the mean distance of the two surfaces: the mean displacement
+of a periodic half-space is not defined.
 """
 
 from __future__ import annotations
 
-import functools
-import warnings
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from ..checks import Array, in_float64
+from ..checks import as_float64, numpy_unless_traced, positive
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError
-from ..material.relaxation import Relaxation, scaled, to_kelvin
+from ..errors import InputError
+from ..material.relaxation import KelvinChain, Relaxation, scaled, to_kelvin
 from ..results.curve import Contact, FrictionCurve, HalfSpaceCurve
-from ..results.words import describe
-from ..smooth.passage import Control, estimate_sizes
+from ..results.words import brief, describe
+from ..rough.half_space import EXACT, area_of, settle, solve
+from ..smooth.passage import estimate_sizes
 from ..surface.lines import SingleLine
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
 from ..trees import replaced
-from .contact import LEADS, grid, settle, work_against
-from .kernel import area_cell, sliding_kernel
-from .periodic import slide_periodic
-from .points import NOT_COMPARED, Points, broadcast
+from .kernel import (
+    LEADS,
+    Kernel,
+    area_cell,
+    convolution,
+    sliding_kernel,
+    work_against,
+)
+from .points import NOT_COMPARED, Points, points_of, warn_unless
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -34,6 +41,10 @@ if TYPE_CHECKING:
     from ..call.types import Indenter, Material
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
+_PERIODIC = (
+    "periodic half-space in three dimensions, one pressure per point of the map (no "
+    "reduction)"
+)
 _WINDOWS = 8  # windows tried until the contact lies well inside
 _FEWEST = 8  # cells that touch in the first window, below which it is far too wide
 _ENDS = 13.9  # thicknesses of a layer beyond which its surface does not move
@@ -42,49 +53,61 @@ _ENDS = 13.9  # thicknesses of a layer beyond which its surface does not move
 _SAFETY = 2.0
 
 
-class _Found(NamedTuple):
-    """One contact on one grid."""
+class _BodyContact(NamedTuple):
+    """The contact of one body on one grid."""
 
-    mu: Float[Array, ""]
-    force: Float[Array, ""]  # normal force [N]
-    depth: Float[Array, ""]  # [m]
+    mu: float
+    force: float  # normal force [N]
+    depth: float  # [m]
     # trailing, leading on the central line; rearmost, foremost of all [m]
-    edges: Float[Array, "4"]
-    half_width: Float[Array, ""]  # across the motion [m]
-    touching: Bool[Array, "along across"]
+    edges: Float[np.ndarray, "4"]
+    half_width: float  # across the motion [m]
+    touching: Bool[np.ndarray, "along across"]
     # of contact, the staircase of its border corrected as in `rough.half_space` [m^2]
-    area: Float[Array, ""]
-    settled: Array
-    inside: Array  # no cell at the border of the window is in contact
+    area: float
+    settled: bool
+    inside: bool  # no cell at the border of the window is in contact
 
-    def in_metres(self, unit: float, stiff: float) -> _Found:
+    def in_metres(self, unit: float, stiff: float) -> _BodyContact:
         """Lengths from `unit`, and stresses from `stiff`, into SI units."""
-        lengths = {
-            name: getattr(self, name) * unit
-            for name in ("depth", "edges", "half_width")
-        }
         return self._replace(
             force=self.force * unit * unit * stiff,
+            depth=self.depth * unit,
+            edges=self.edges * unit,
+            half_width=self.half_width * unit,
             area=self.area * unit * unit,
-            **lengths,
         )
 
 
-_NAN = np.array(np.nan)
-_FAILED = _Found(
-    _NAN,
-    _NAN,
-    _NAN,
+class _Problem(NamedTuple):
+    """A body under a load or at a depth, its lengths in `unit` [m], but those of the
+    shape, and its stresses in the relaxed modulus.
+    """
+
+    shape: AbstractShape
+    unit: float
+    law: Relaxation
+    chain: KelvinChain
+    load: float | None
+    depth: float | None
+    velocity: float
+    cover: Any  # what a layer changes, or None
+
+
+_FAILED = _BodyContact(
+    np.nan,
+    np.nan,
+    np.nan,
     np.full(4, np.nan),
-    _NAN,
+    np.nan,
     np.zeros((1, 1), bool),
-    _NAN,
-    np.asarray(False),
-    np.asarray(True),
+    np.nan,
+    False,
+    True,
 )
 
 
-@in_float64
+@numpy_unless_traced
 def half_space_sliding(
     material: Material,
     shape: Indenter | ArrayLike,
@@ -127,7 +150,7 @@ def half_space_sliding(
     Exact but for the grid of cells of constant pressure: with the influence function of
     a cell that slides (`elastomdr.reference.kernel`) the body is alone on an infinite
     surface and never meets its wake. In a cell it meets those of its neighbours
-    (`elastomdr.reference.periodic`). The friction force is what the material
+    (`elastomdr.rough.half_space`). The friction force is what the material
     dissipates. A point takes 50 ms to 1 s, longest with a glassy modulus a thousand
     times the relaxed one.
     """
@@ -177,8 +200,7 @@ def slide(
             "em.Sphere, em.Cone, em.PowerLaw, em.Profile), or a map of heights with "
             f"its cell, got {shape!r}."
         )
-    law = foundation.law()
-    scene = broadcast(
+    scene = points_of(
         foundation,
         velocity=velocity,
         load=load,
@@ -186,37 +208,35 @@ def slide(
         temperature=temperature,
         points=points,
     )
-    at = scene.at
-    found = [_one(shape, law, scene, cover, i) for i in range(scene.velocity.size)]
-    good = np.array([bool(fine.settled) for fine, _ in found])
+    law, at = foundation.law(), scene.at
+    contacts, errors = zip(
+        *(_point(shape, law, scene, cover, i) for i in range(scene.velocity.size)),
+        strict=True,
+    )
+    good = np.array([contact.settled for contact in contacts])
+    warn_unless(
+        good,
+        " More points resolve a thinner glassy zone; a contact that reaches the end of "
+        "the body has no answer.",
+    )
 
-    def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(
-            at.shape
-        )
+    def field(values: Any) -> Any:
+        return scene.field(good, values)
 
-    if not good.all():
-        warnings.warn(
-            f"{int((~good).sum())} of {good.size} contacts did not settle; they are "
-            "NaN. More points resolve a thinner "
-            "glassy zone; a contact that reaches the end of the body has no answer.",
-            ConvergenceWarning,
-            stacklevel=4,
-        )
-    fine = [pair[0] for pair in found]
-    force = field([f.force for f in fine]) * at.vertical
-    mu = field([f.mu for f in fine])
+    force = field(contact.force for contact in contacts) * at.vertical
+    mu = field(contact.mu for contact in contacts)
     return FrictionCurve(
         velocity=at.full(at.velocity),
         mu=mu,
         normal_force=force,
         friction_force=mu * force,
-        depth=field([f.depth for f in fine]),
-        contact_area=field([f.area for f in fine]),
+        depth=field(contact.depth for contact in contacts),
+        contact_area=field(contact.area for contact in contacts),
         contact=Contact(
-            field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])
+            field(contact.edges[1] for contact in contacts),
+            field(-contact.edges[0] for contact in contacts),
         ),
-        error=field([error for _, error in found]),
+        error=field(errors),
         converged=good.reshape(at.shape),
         temperature=at.full(at.kelvin),
         model=model,
@@ -230,77 +250,84 @@ def grid_words(points: int) -> str:
     return f"{points} by {points} cells; half as many and three eighths for the error"
 
 
-def _one(
+def _point(
     shape: AbstractShape, law: Relaxation, scene: Points, cover: Any, i: int
-) -> tuple[_Found, float]:
-    """A point on the full grid, and how far mu may be off for the grid: from half of it
-    and from three eighths.
-    """
-    value, velocity = scene.value[i], scene.velocity[i]
-    size = estimate_sizes(
-        law,
-        SingleLine(shape),
-        scene.control,
-        scene.value[i : i + 1],
-        scene.velocity[i : i + 1],
-    )
-    size = float(np.asarray(size)[0])
+) -> tuple[_BodyContact, float]:
+    """A point on the full grid, and how far mu may be off for the grid."""
+    value, velocity = scene.value[i : i + 1], scene.velocity[i : i + 1]
+    sizes = estimate_sizes(law, SingleLine(shape), scene.control, value, velocity)
+    size, stiff = float(np.asarray(sizes)[0]), float(law.equilibrium)
     if not 0 < size < np.inf:
         return _FAILED, np.nan
     # Solved with lengths in this size and stresses in the relaxed modulus: the sums
     # over cells hold in any units.
-    stiff = float(law.equilibrium)
-    law = scaled(law, 1 / stiff)
-    chain, velocity = to_kelvin(law), velocity / size
-    value = value / size if scene.control == "depth" else value / size / size / stiff
-    cover = None if cover is None else replaced(cover, thickness=cover.thickness / size)
-    round_start = _round(32)
+    law, given = scaled(law, 1 / stiff), float(value[0]) / size
+    by_depth = scene.control == "depth"
+    problem = _Problem(
+        shape,
+        size,
+        law,
+        to_kelvin(law),
+        None if by_depth else given / size / stiff,
+        given if by_depth else None,
+        float(velocity[0]) / size,
+        None if cover is None else replaced(cover, thickness=cover.thickness / size),
+    )
     for lead in LEADS:
         # anew: one that did not settle may have led astray
-        window = np.array([-1.6, 1.6, 1.6])
-        solve = functools.partial(
-            _solve,
-            shape,
-            size,
-            law,
-            chain,
-            scene.control,
-            value,
-            velocity,
-            cover,
-            lead=lead,
-        )
-        rough = solve(window, round_start)
-        for _ in range(_WINDOWS):
-            if bool(rough.inside):
-                break
-            window = 1.5 * window
-            rough = solve(window, round_start)
-        if (
-            not bool(rough.settled & rough.inside)
-            or int(rough.touching.sum()) < _FEWEST
-        ):
-            continue
-        # at least 1.4 cells of the coarser grid
-        margin = max(0.1, 1.4 / (scene.cells / 4 - 1.4))
-        beyond = margin * float(rough.edges[3] - rough.edges[2])
-        closer = np.array(
-            [
-                rough.edges[2] - beyond,
-                rough.edges[3] + beyond,
-                (1 + margin) * rough.half_width,
-            ]
-        )
-        coarse = solve(closer, _seen(rough.touching, window, closer, scene.cells // 2))
-        fine = solve(closer, _seen(coarse.touching, closer, closer, scene.cells))
-        if bool(coarse.settled & fine.settled & coarse.inside & fine.inside):
-            third = solve(
-                closer, _seen(coarse.touching, closer, closer, 3 * scene.cells // 8)
-            )
-            others = [coarse, third] if bool(third.settled & third.inside) else [coarse]
-            error = _SAFETY * max(abs(float(fine.mu - other.mu)) for other in others)
-            return fine.in_metres(size, stiff), error
+        window, coarse = _near_contact(problem, lead)
+        if window is not None:
+            fine, error = _on_fine_cells(problem, lead, window, coarse, scene.cells)
+            if fine.settled:
+                return fine.in_metres(size, stiff), error
     return _FAILED, np.nan
+
+
+def _near_contact(
+    problem: _Problem, lead: float
+) -> tuple[np.ndarray | None, _BodyContact]:
+    """The window in which the contact lies, and the contact there on coarse cells; None
+    where it does not settle.
+    """
+    window = np.array([-1.6, 1.6, 1.6])
+    rough = _solved(problem, window, _round(32), lead)
+    for _ in range(_WINDOWS):
+        if rough.inside:
+            break
+        window = 1.5 * window
+        rough = _solved(problem, window, _round(32), lead)
+    enough = rough.settled and rough.inside and int(rough.touching.sum()) >= _FEWEST
+    return window if enough else None, rough
+
+
+def _on_fine_cells(
+    problem: _Problem, lead: float, window: np.ndarray, rough: _BodyContact, cells: int
+) -> tuple[_BodyContact, float]:
+    """The contact on `cells` to a side close around that of a first window, and how far
+    its mu may be off, from half and from three eighths as many cells.
+    """
+    # at least 1.4 cells of the coarser grid
+    margin = max(0.1, 1.4 / (cells / 4 - 1.4))
+    beyond = margin * float(rough.edges[3] - rough.edges[2])
+    closer = np.array(
+        [
+            rough.edges[2] - beyond,
+            rough.edges[3] + beyond,
+            (1 + margin) * rough.half_width,
+        ]
+    )
+
+    def solved(count: int, start: _BodyContact, of: np.ndarray) -> _BodyContact:
+        begun = _seen(start.touching, of, closer, count)
+        return _solved(problem, closer, begun, lead)
+
+    coarse = solved(cells // 2, rough, window)
+    fine = solved(cells, coarse, closer)
+    if not (coarse.settled and fine.settled and coarse.inside and fine.inside):
+        return _FAILED, np.nan
+    third = solved(3 * cells // 8, coarse, closer)
+    others = [coarse, third] if third.settled and third.inside else [coarse]
+    return fine, _SAFETY * max(abs(fine.mu - other.mu) for other in others)
 
 
 def _round(count: int) -> Bool[np.ndarray, "count count"]:
@@ -311,7 +338,7 @@ def _round(count: int) -> Bool[np.ndarray, "count count"]:
 
 
 def _seen(
-    touching: Array, window: Array, closer: Array, count: int
+    touching: np.ndarray, window: np.ndarray, closer: np.ndarray, count: int
 ) -> Bool[np.ndarray, "count count"]:
     """The contact in one window, on the cells of another: each as the cell there in
     which its centre lies.
@@ -321,92 +348,183 @@ def _seen(
     i = np.floor((x - window[0]) / (window[1] - window[0]) * cells)
     j = np.floor((0.5 + (centres - 0.5) * closer[2] / window[2]) * cells)
     i, j = (np.clip(k, 0, cells - 1).astype(int) for k in (i, j))
-    return np.asarray(touching)[np.ix_(i, j)]
+    return touching[np.ix_(i, j)]
 
 
-@functools.partial(jax.jit, static_argnames=("control",))
-def _solve(
-    shape,
-    unit,
-    law,
-    chain,
-    control: Control,
-    value,
-    velocity,
-    cover,
-    window,
-    start,
-    *,
-    lead: Array,
-) -> _Found:
+def _solved(
+    problem: _Problem, window: np.ndarray, start: np.ndarray, lead: float
+) -> _BodyContact:
     """The contact in a window from window[0] to window[1] along the motion, and
-    window[2] to either side.
-
-    Lengths are in `unit` [m], but those of the shape, and stresses in the relaxed
-    modulus.
+    window[2] to either side, on the cells of `start`, which says where it begins.
     """
-    largest = shape.largest_contact / unit
     count = start.shape[0]
     h, width = (window[1] - window[0]) / count, 2 * window[2] / count
-    x = window[0] + h * (jnp.arange(count) + 0.5)
-    y = width * (jnp.arange(count) - 0.5 * (count - 1))
-    across = jnp.arange(count) * width
+    x = window[0] + h * (np.arange(count) + 0.5)
+    y = width * (np.arange(count) - 0.5 * (count - 1))
+    largest = float(problem.shape.largest_contact) / problem.unit
+    r = np.hypot((x - lead * h)[:, None], y[None])
+    rise = problem.shape._height(np.minimum(r, largest * (1 - 1e-9)) * problem.unit)
+    height = np.where(
+        r >= largest, -1e3 * (window[1] - window[0]), -np.asarray(rise) / problem.unit
+    )
+    kernel = _kernel(problem, h, width, count, lead)
+    found = settle(
+        convolution(
+            kernel.displacement,
+            problem.law,
+            problem.velocity,
+            (h, width),
+            lead,
+            problem.cover,
+        ),
+        height,
+        start.astype(float),
+        EXACT,
+        load=None if problem.load is None else problem.load / (h * width),
+        depth=problem.depth,
+    )
+    pressure, touching = found.pressure, found.pressure > 0
+    # the force acts from centre to centre
+    centred = kernel if lead == 0 else _kernel(problem, h, width, count, 0.0)
+    force = pressure.sum() * h * width
+    beyond_end = touching & (r > largest - np.hypot(h, width))
+    border = touching[[0, -1]].any() or touching[:, [0, -1]].any()
+    return _BodyContact(
+        work_against(centred.slope, pressure) * h * width / force,
+        force,
+        found.depth,
+        _edges(touching, x, h),
+        np.where(touching.any(axis=0), np.abs(y), 0.0).max() + width / 2,
+        touching,
+        area_of(touching) * touching.size * h * width,
+        found.settled and not beyond_end.any(),
+        not border,
+    )
 
-    def elastic(at):
-        whole = area_cell(at[:, None], across[None], h, width)
+
+def _kernel(
+    problem: _Problem, h: float, width: float, count: int, lead: float
+) -> Kernel:
+    """The influence of a cell, of a layer less than that of a half-space."""
+    across, cover = (np.arange(count) * width)[None], problem.cover
+
+    def elastic(places: np.ndarray) -> np.ndarray:
+        x = places[:, None]
+        whole = area_cell(x, across, h, width)
         if cover is None:
             return whole
-        r = jnp.hypot(at[:, None], across[None])
-        return jnp.where(
-            r < _ENDS * cover.thickness, whole - cover.less(r, (h, width)), 0.0
+        r = np.hypot(x, across)
+        near = r < _ENDS * cover.thickness
+        return np.where(near, whole - cover.less(r, (h, width)), 0.0)
+
+    return sliding_kernel(elastic, problem.chain, problem.velocity, h, count, lead)
+
+
+def _edges(touching: np.ndarray, x: np.ndarray, h: float) -> Float[np.ndarray, "4"]:
+    """Where contact begins and ends along the motion, on the central line and of all
+    cells; infinite where there is none.
+    """
+    ends = []
+    for line in (touching[:, touching.shape[1] // 2], touching.any(axis=1)):
+        ends += [
+            np.where(line, x, np.inf).min() - h / 2,
+            np.where(line, x, -np.inf).max() + h / 2,
+        ]
+    return np.array(ends)
+
+
+def slide_periodic(
+    foundation: Foundation,
+    shape: Any,
+    *,
+    cell: Any,
+    velocity: Any,
+    load: Any,
+    temperature: Any,
+    points: int,
+) -> HalfSpaceCurve:
+    """`half_space_sliding` of a map or an array of bodies on a periodic cell."""
+    sides = _sides(cell)
+    heights, name = _heights(shape, sides, points)
+    scene = points_of(
+        foundation, velocity=velocity, load=load, temperature=temperature, points=points
+    )
+    at, area = scene.at, float(np.prod(sides))
+    law = foundation.law()
+
+    def solved(on: np.ndarray) -> list[Any]:
+        return [
+            solve(law.complex_modulus, on, sides, velocity=float(v), pressure=float(p))
+            for p, v in zip(scene.value / area, scene.velocity, strict=True)
+        ]
+
+    fine, coarse = solved(heights), solved(heights[::2, ::2])
+    good = np.array(
+        [f.settled and c.settled for f, c in zip(fine, coarse, strict=True)]
+    )
+    warn_unless(good)
+
+    def field(values: Any) -> Any:
+        return scene.field(good, values)
+
+    drag = area * field(found.stress for found in fine)
+    change = drag - area * field(found.stress for found in coarse)
+    force = scene.value.reshape(at.shape)
+    grid = f"{heights.shape[0]} by {heights.shape[1]} points"
+    inputs = dict(scene.inputs(("shape", name)))
+    inputs |= {"cell": _metres(sides), "grid": grid}
+    return HalfSpaceCurve(
+        velocity=at.full(at.velocity),
+        mu=drag / force,
+        normal_force=force * at.vertical,
+        friction_force=drag * at.vertical,
+        area=field((found.pressure > 0).mean() for found in fine),
+        separation=field(found.separation for found in fine),
+        error=abs(change) / force,
+        converged=good.reshape(at.shape),
+        temperature=at.full(at.kelvin),
+        model=_PERIODIC,
+        plan=f"{grid}, and every second of them along each side for the error",
+        inputs=(*inputs.items(), NOT_COMPARED),
+    )
+
+
+def _sides(cell: Any) -> np.ndarray:
+    sides = as_float64("cell", cell)
+    if sides.shape not in ((), (2,)):
+        raise InputError(
+            "cell must be the sides (L_x, L_y) of a periodic cell in m, or one for "
+            f"both, got {cell!r}."
         )
+    positive("cell", sides)
+    return np.broadcast_to(sides, (2,)).copy()
 
-    def of_cells(lead):
-        return sliding_kernel(elastic, chain, velocity, h, count, lead)
 
-    kernel = of_cells(lead)
-    r = jnp.hypot((x - lead * h)[:, None], y[None])
-    height = shape._height(jnp.minimum(r, largest * (1 - 1e-9)) * unit) / unit
-    beyond = r >= largest
-    height = jnp.where(beyond, 1e3 * (window[1] - window[0]), height)
-    on = grid(kernel.displacement, law, velocity, (h, width), lead, cover)
-    solution = settle(
-        on, height, start, control, value / (h * width) if control == "load" else value
-    )
-    p = solution.pressure
-    # not at the end of the body
-    whole = ~jnp.any((p > 0) & (r > largest - jnp.hypot(h, width)))
-    force = jnp.sum(p) * h * width
-    # from centre to centre
-    slope = jax.lax.cond(lead == 0, lambda: kernel.slope, lambda: of_cells(0.0).slope)
-    mu = work_against(slope, p) * h * width / force
-    touching = p > 0
-    line = touching[:, count // 2]
-    edges = [
-        jnp.min(jnp.where(line, x, jnp.inf)) - h / 2,
-        jnp.max(jnp.where(line, x, -jnp.inf)) + h / 2,
-    ]
-    every = jnp.any(touching, axis=1)
-    edges += [
-        jnp.min(jnp.where(every, x, jnp.inf)) - h / 2,
-        jnp.max(jnp.where(every, x, -jnp.inf)) + h / 2,
-    ]
-    half_width = (
-        jnp.max(jnp.where(jnp.any(touching, axis=0), jnp.abs(y), 0.0)) + width / 2
-    )
-    border = jnp.any(touching[jnp.array([0, -1])]) | jnp.any(
-        touching[:, jnp.array([0, -1])]
-    )
-    steps = sum(jnp.sum(jnp.diff(touching.astype(int), axis=i) != 0) for i in (0, 1))
-    area = (jnp.sum(touching) - (jnp.pi - 1 + jnp.log(2.0)) / 24 * steps) * h * width
-    return _Found(
-        mu,
-        force,
-        solution.depth,
-        jnp.stack(edges),
-        half_width,
-        touching,
-        area,
-        solution.settled & whole,
-        ~border,
-    )
+def _heights(shape: Any, sides: np.ndarray, points: int) -> tuple[np.ndarray, str]:
+    """Heights into the rubber [m] on the cell, and what they are in words."""
+    if isinstance(shape, AbstractShape):
+        x, y = (np.arange(points) / points - 0.5 for _ in range(2))
+        r = np.hypot(x[:, None] * sides[0], y[None] * sides[1])
+        widest = float(shape.largest_contact)
+        if widest < r.max():
+            raise InputError(
+                f"cell must lie within the body, whose radius is {widest:g} m, got "
+                f"{_metres(sides)}."
+            )
+        return -np.asarray(shape.height(r)), f"{describe(shape)}, one in each cell"
+    heights = np.asarray(as_float64("shape", shape))
+    if (
+        heights.ndim != 2
+        or any(n % 4 or n < 8 for n in heights.shape)
+        or not np.isfinite(heights).all()
+    ):
+        raise InputError(
+            "shape must be a body or a map of heights [m] into the rubber, finite, "
+            "(n_x, n_y), with n_x and n_y "
+            f"multiples of 4 and at least 8, got shape {heights.shape}."
+        )
+    return heights, f"map of heights, {math.sqrt(np.var(heights)):.3g} m rms"
+
+
+def _metres(sides: np.ndarray) -> str:
+    return f"{brief(sides[0], 'm')} by {brief(sides[1], 'm')}"

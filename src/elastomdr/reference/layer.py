@@ -12,18 +12,21 @@ falls exponentially beyond a few thicknesses, and is taken as zero from y = 14 o
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from typing import TYPE_CHECKING, Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from ..arrays import numpy_unless_traced
-from ..checks import Array, in_float64
+from ..checks import numpy_unless_traced
 from ..element.layer import Layer, layer_deficit
 from ..errors import InputError
+from ..numerics.quadrature import gauss_on_panels
+from ..rough.adhesion import on_cells
+from ..smooth.problem import no_pressure
+from ..smooth.softening import LINEAR
 from ..trees import Tree, static
-from .half_space import slide
+from .half_space import half_space_sliding, slide
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -37,13 +40,13 @@ _FAR, _PANEL, _DEGREE = 14.0, 0.5, 9
 class Cover(Tree):
     """What a layer changes in the half-space's cells."""
 
-    near: Array  # Chebyshev coefficients of n on panels of y
-    bend: Array  # of its Laplacian
+    near: np.ndarray  # Chebyshev coefficients of n on panels of y
+    bend: np.ndarray  # of its Laplacian
     squeeze: Any  # 1 - 2 nu
     thickness: Any
     bonded: bool = static()
 
-    def less(self, r: Array, cell: tuple[Array, Array]) -> Array:
+    def less(self, r: np.ndarray, cell: tuple[float, float]) -> np.ndarray:
         """By how much a loaded cell moves the surface at r less than that of a
         half-space, per unit of pressure.
         """
@@ -53,18 +56,18 @@ class Cover(Tree):
             self.near
             + self.bend * (cell[0] ** 2 + cell[1] ** 2) / 48 / self.thickness**2
         )
-        i = jnp.clip((y / _PANEL).astype(int), 0, table.shape[0] - 1)
+        i = np.clip((y / _PANEL).astype(int), 0, table.shape[0] - 1)
         t = 2 * (y / _PANEL - i) - 1
         rows = table[i]
-        b1 = b2 = jnp.zeros_like(y)
+        b1 = b2 = np.zeros_like(y)
         for n in range(_DEGREE, 0, -1):
             b1, b2 = rows[..., n] + 2 * t * b1 - b2, b1
         return (
-            cell[0] * cell[1] / (jnp.pi * self.thickness) * (rows[..., 0] + t * b1 - b2)
+            cell[0] * cell[1] / (np.pi * self.thickness) * (rows[..., 0] + t * b1 - b2)
         )
 
 
-@in_float64
+@numpy_unless_traced
 def layer_sliding(
     material: Layer,
     shape: Indenter,
@@ -94,6 +97,26 @@ def layer_sliding(
         cover_of(material),
         MODEL,
     )
+
+
+def friction_on_cells(
+    material: Any,
+    shape: Any,
+    cells: int,
+    *,
+    pressure: Any,
+    adhesion: Any,
+    **scene: Any,
+) -> Any:
+    """`em.friction` of a smooth body on a half-space or a layer with `em.HalfSpace`.
+    Raises `InputError`.
+    """
+    no_pressure(shape, pressure)
+    solver: Any = layer_sliding if isinstance(material, Layer) else half_space_sliding
+    curve = solver(material, shape, points=cells, **scene)
+    if getattr(material, "softening", None) is not None:
+        curve = dataclasses.replace(curve, model=curve.model + LINEAR)
+    return curve if adhesion is None else on_cells(curve, adhesion)
 
 
 def cover_of(material: Layer) -> Cover:
@@ -132,10 +155,7 @@ def foundation_of(material: Layer) -> Any:
 def _tables(squeeze: float, bonded: bool) -> tuple[np.ndarray, np.ndarray]:
     from scipy.special import j0
 
-    node, share = np.polynomial.legendre.leggauss(24)
-    edges = np.linspace(0.0, 20.0, 61)
-    half = 0.5 * np.diff(edges)[:, None]
-    z, dz = (edges[:-1, None] + half * (1 + node)).ravel(), (half * share).ravel()
+    z, dz = gauss_on_panels(np.linspace(0.0, 20.0, 61), 24)
     lack = dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
     at = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
     order = np.polynomial.chebyshev.chebvander(at, _DEGREE).T * 2 / (_DEGREE + 1)

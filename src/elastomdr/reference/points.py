@@ -1,4 +1,4 @@
-"""What the reference solvers do with a user's arguments."""
+"""What the reference solvers do with a user's arguments and with what they found."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..call.problem import Scene, steady_scene
+from ..checks import as_float64, broadcast_shape, in_kelvin, positive
 from ..element.law import Foundation
-from ..errors import InputError
+from ..errors import ConvergenceWarning, InputError, warn
+from ..material.shift import thermal_factors
 from ..smooth.passage import Control
 
 if TYPE_CHECKING:
@@ -34,10 +36,26 @@ class Points(NamedTuple):
     def inputs(
         self, *body: tuple[str, str], load: str = "N"
     ) -> tuple[tuple[str, str], ...]:
+        """The rows of a result."""
         return *self.at.inputs(*body, load=load), ("grid", f"{self.cells} points")
 
+    def field(self, good: np.ndarray, values: Any) -> Float[np.ndarray, "..."]:
+        """One number per point in the shape of the call, NaN where not `good`."""
+        numbers = np.array([float(value) for value in values])
+        return np.where(good, numbers, np.nan).reshape(self.at.shape)
 
-def broadcast(
+
+def warn_unless(good: np.ndarray, advice: str = "") -> None:
+    """Counts the contacts that did not settle in one warning at the user's call."""
+    if not good.all():
+        warn(
+            f"{int((~good).sum())} of {good.size} contacts did not settle; they are "
+            f"NaN.{advice}",
+            ConvergenceWarning,
+        )
+
+
+def points_of(
     foundation: Foundation,
     *,
     velocity: Any,
@@ -79,3 +97,23 @@ def broadcast(
         at.reduced.ravel(),
         int(points),
     )
+
+
+def at_reference(
+    foundation: Any, temperature: Any, *, velocity: Any, **force: Any
+) -> tuple[Any, Any]:
+    """Velocity times a_T, and a load or pressure over b_T, checked. Raises
+    `InputError`.
+    """
+    ((name, value),) = force.items()
+    velocity, value = as_float64("velocity", velocity), as_float64(name, value)
+    positive("velocity", velocity)
+    positive(name, value)
+    factor: Any = 1.0
+    vertical: Any = 1.0
+    if temperature is not None:
+        temperature = as_float64("temperature", temperature)
+        in_kelvin("temperature", temperature)
+        factor, vertical = thermal_factors(foundation, temperature)
+    broadcast_shape(velocity=velocity, **{name: value}, temperature=temperature)
+    return velocity * factor, value / vertical

@@ -12,6 +12,7 @@ kinds:
 """
 
 import dataclasses
+import importlib
 import io
 import os
 import re
@@ -172,8 +173,8 @@ class Result:
     # the field along the horizontal axis of a figure
     across: ClassVar[str] = "velocity"
     shows: ClassVar[str]  # the field along its vertical axis
-    # the function of the module `plotting` that draws it
-    figure: ClassVar[str] = "draw"
+    # what draws it, as "module.function" of this room
+    figure: ClassVar[str] = "plotting.draw"
     error_of: ClassVar[str]  # what `error` is the error of, in a sentence
     each: ClassVar[str] = "points"  # what one value of a field belongs to
     # name of the last axis where every result of the class has it
@@ -307,49 +308,15 @@ class Result:
             np.shape(r.converged)[-1] if np.ndim(r.converged) else None for r in results
         ]
         ragged = len(set(lengths)) > 1
-        missing = [
-            frozenset(
-                f.name for f in dataclasses.fields(r) if getattr(r, f.name) is None
-            )
-            for r in results
-        ]
         origins = tuple(
-            Origin(name, r.model, r.inputs, none, length if ragged else None)
-            for name, r, none, length in zip(
-                unique, results, missing, lengths, strict=True
-            )
+            Origin(name, r.model, r.inputs, _missing(r), length if ragged else None)
+            for name, r, length in zip(unique, results, lengths, strict=True)
         )
-        told = [dict(r.inputs) for r in results]
-        named = (
-            {"material": ", ".join(unique)}
-            if drawn is None
-            else {"material": drawn[0], "drawn": drawn[1]}
-        )
-        inputs = named | {
-            key: told[0][key]
-            if all(t.get(key) == told[0].get(key) for t in told)
-            else "; ".join(
-                f"{name}: {t[key]}"
-                for name, t in zip(unique, told, strict=True)
-                if key in t
-            )
-            for key in dict.fromkeys(key for t in told for key in t)
-            if key != "material"
-            and not (drawn and any(t.get(key) != told[0].get(key) for t in told))
-        }
-        known = [r.extrapolated is not None for r in results]
-        if any(known) and not all(known):
-            unknown = ", ".join(
-                name for name, k in zip(unique, known, strict=True) if not k
-            )
-            inputs["range of the data"] = (
-                f"not known for {unknown}, never marked as extrapolated"
-            )
         return _joined(
             list(results),
             model="; ".join(dict.fromkeys(r.model for r in results)),
             plan=tuple(r.plan for r in results),
-            inputs=tuple(inputs.items()),
+            inputs=tuple(_joined_inputs(results, unique, drawn).items()),
             origins=origins,
             drawn=drawn is not None,
         )
@@ -365,14 +332,14 @@ class Result:
             )
         i = self.materials.index(material)
         _, model, inputs, missing, length = self.origins[i]
-        one = _part(self, i, length, missing)
-        named = (
-            ("material", material),
-            *(pair for pair in inputs if pair[0] != "material"),
-        )
-        plan = self.plan[i] if isinstance(self.plan, tuple) else self.plan
+        inputs = [pair for pair in inputs if pair[0] != "material"]
         return dataclasses.replace(
-            one, model=model, plan=plan, inputs=named, origins=(), drawn=False
+            _part(self, i, length, missing),
+            model=model,
+            plan=self.plan[i] if isinstance(self.plan, tuple) else self.plan,
+            inputs=(("material", material), *inputs),
+            origins=(),
+            drawn=False,
         )
 
     def each_material(self) -> Iterator[Self]:
@@ -523,18 +490,18 @@ class Result:
         flattened in C order.
         """
         fields = self.fields()
-        found = {q.title: values.ravel() for q, values in fields.items()}
+        columns = {q.title: values.ravel() for q, values in fields.items()}
         if not self.origins:
-            return found
+            return columns
         shape = next(iter(fields.values())).shape
         names = np.repeat(np.array(self.materials), int(np.prod(shape[1:])))
         # of a shorter spectrum
         padding = np.all(
-            [np.isnan(x) for x in found.values() if x.dtype.kind == "f"], axis=0
+            [np.isnan(x) for x in columns.values() if x.dtype.kind == "f"], axis=0
         )
         return {
             title: values[~padding]
-            for title, values in {"material": names, **found}.items()
+            for title, values in {"material": names, **columns}.items()
         }
 
     def header(self, notes: Iterable[tuple[str, str]] = ()) -> list[str]:
@@ -594,42 +561,16 @@ class Result:
             raise InputError(
                 f"path: a sheet of Excel has {_ROWS - 1} rows, got {rows}: use to_csv."
             )
+        values = zip(*(column.tolist() for column in columns.values()), strict=True)
+        meanings = [[q.label, q.path, q.unit, q.meaning] for q in self.fields()]
         book = openpyxl.Workbook()
-        sheets = {
-            "result": [
-                list(columns),
-                *map(list, zip(*(c.tolist() for c in columns.values()), strict=True)),
-            ],
-            "inputs": [["elastomdr", __version__], *map(list, self.findings())],
-            "columns": [["column", "field", "unit", "meaning"]]
-            + [[q.label, q.path, q.unit, q.meaning] for q in self.fields()],
-        }
         book.remove(book.active)
-        for name, lines in sheets.items():
-            sheet = book.create_sheet(name)
-            for i, line in enumerate(lines, 1):
-                for j, value in enumerate(line, 1):
-                    if isinstance(value, float) and not np.isfinite(value):
-                        value = None if np.isnan(value) else str(value)
-                    cell = sheet.cell(
-                        i,
-                        j,
-                        re.sub(r"[\x00-\x1f]+", " ", value)
-                        if isinstance(value, str)
-                        else value,
-                    )
-                    if isinstance(value, str):
-                        cell.data_type = "s"  # never a formula
-            for j, width in enumerate(
-                (
-                    max(len(str(line[k])) for line in lines[:1])
-                    for k in range(len(lines[0]))
-                ),
-                1,
-            ):
-                sheet.column_dimensions[
-                    openpyxl.utils.get_column_letter(j)
-                ].width = max(14, width + 2)
+        for name, lines in (
+            ("result", [list(columns), *map(list, values)]),
+            ("inputs", [["elastomdr", __version__], *map(list, self.findings())]),
+            ("columns", [["column", "field", "unit", "meaning"], *meanings]),
+        ):
+            _fill_sheet(book.create_sheet(name), lines)
         book["result"].freeze_panes = "A2"
         buffer = io.BytesIO()
         book.save(buffer)
@@ -707,20 +648,18 @@ class Result:
             title: instead of the quantity and the material.
             label: of this result in the legend.
         """
-        from . import plotting
+        from .plotting import Ask
 
-        return self._draw(
-            getattr(plotting, self._figure()), plotting.Ask(ax, style, title, label)
-        )
+        module, function = self._figure().split(".")
+        drawing = importlib.import_module(f".{module}", __package__)
+        return self._draw(getattr(drawing, function), Ask(ax, style, title, label))
 
     def _figure(self) -> str:
-        """The function of the module `plotting` that draws this result."""
+        """What draws this result, as "module.function" of this room."""
         return self.figure
 
     def _draw(self, draw: Callable[..., Any], ask: Any, **options: Any) -> Any:
-        """Draws each material with a function of the module `plotting`, on the same
-        axes.
-        """
+        """Draws each material on the same axes."""
         for one in self.each_material():
             label = ask.label
             if self.origins and label:
@@ -764,37 +703,101 @@ def _quantities(record: Any, path: str) -> Iterator[Quantity]:
             yield from _quantities(getattr(record, f.name), f"{path}{f.name}.")
 
 
+def _missing(result: Result) -> frozenset[str]:
+    """The fields that a result does not have."""
+    fields = dataclasses.fields(result)
+    return frozenset(f.name for f in fields if getattr(result, f.name) is None)
+
+
+def _joined_inputs(
+    results: Sequence[Result], names: Sequence[str], drawn: tuple[str, str] | None
+) -> dict[str, str]:
+    """The inputs of several materials: what is the same is said once, what differs for
+    each of them, of draws not at all.
+    """
+    every = [dict(result.inputs) for result in results]
+    first = every[0]
+    inputs = {"material": ", ".join(names)}
+    if drawn is not None:
+        inputs = {"material": drawn[0], "drawn": drawn[1]}
+    for key in dict.fromkeys(key for each in every for key in each):
+        same = all(each.get(key) == first.get(key) for each in every)
+        if key == "material" or (drawn and not same):
+            continue
+        inputs[key] = (
+            first[key]
+            if same
+            else "; ".join(
+                f"{name}: {each[key]}"
+                for name, each in zip(names, every, strict=True)
+                if key in each
+            )
+        )
+    unknown = [
+        name
+        for name, result in zip(names, results, strict=True)
+        if result.extrapolated is None
+    ]
+    if unknown and len(unknown) < len(results):
+        inputs["range of the data"] = (
+            f"not known for {', '.join(unknown)}, never marked as extrapolated"
+        )
+    return inputs
+
+
+def _fill_sheet(sheet: Any, lines: list[list[Any]]) -> None:
+    """Writes lines into a sheet of Excel; what is not known is an empty cell, and no
+    text is a formula.
+    """
+    for i, line in enumerate(lines, 1):
+        for j, value in enumerate(line, 1):
+            if isinstance(value, str):
+                cell = sheet.cell(i, j, re.sub(r"[\x00-\x1f]+", " ", value))
+                cell.data_type = "s"
+            elif not isinstance(value, float) or np.isfinite(value):
+                sheet.cell(i, j, value)
+            elif np.isinf(value):
+                sheet.cell(i, j, str(value)).data_type = "s"
+    for cell in sheet[1]:
+        width = max(14, len(str(lines[0][cell.column - 1])) + 2)
+        sheet.column_dimensions[cell.column_letter].width = width
+
+
 def _joined(parts: list[Any], **given: Any) -> Any:
     """One record of several: their numbers along a new first axis, what is no number as
     a tuple.
     """
-    kind = type(parts[0])
     values = dict(given)
-    for f in dataclasses.fields(kind):
-        column = [getattr(part, f.name) for part in parts]
-        there = [x for x in column if x is not None]
-        if f.name in values:
-            continue
-        if "static" in f.metadata:
-            if any(x != column[0] for x in column):
-                raise InputError(
-                    f"results must have been computed alike, got {f.name} = {column}."
-                )
-            values[f.name] = column[0]
-        elif not there:
-            values[f.name] = None
-        elif "quantity" in f.metadata:
-            values[f.name] = _stacked(f.name, column, there)
-        elif any(True for _ in _quantities(there[0], "")):
-            if len(there) < len(parts):
-                raise InputError(
-                    f"results must have been computed alike, got {f.name} in "
-                    f"{len(there)} of {len(parts)}."
-                )
-            values[f.name] = _joined(there)
-        else:
-            values[f.name] = tuple(column)
-    return kind(**values)
+    for f in dataclasses.fields(type(parts[0])):
+        if f.name not in values:
+            column = [getattr(one, f.name) for one in parts]
+            values[f.name] = _joined_field(f, column)
+    return type(parts[0])(**values)
+
+
+def _joined_field(f: Any, column: list[Any]) -> Any:
+    """The values of one field of several records. Raises `InputError` where they do not
+    fit together.
+    """
+    there = [value for value in column if value is not None]
+    if "static" in f.metadata:
+        if any(value != column[0] for value in column):
+            raise InputError(
+                f"results must have been computed alike, got {f.name} = {column}."
+            )
+        return column[0]
+    if not there:
+        return None
+    if "quantity" in f.metadata:
+        return _stacked(f.name, column, there)
+    if not any(True for _ in _quantities(there[0], "")):
+        return tuple(column)
+    if len(there) < len(column):
+        raise InputError(
+            f"results must have been computed alike, got {f.name} in {len(there)} of "
+            f"{len(column)}."
+        )
+    return _joined(there)
 
 
 def _stacked(name: str, column: list[Any], there: list[Any]) -> Any:

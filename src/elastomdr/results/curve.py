@@ -1,16 +1,22 @@
 """Coefficients against velocity: what `em.friction`, `em.rolling` and the references of
-sliding return.
+sliding return; and the ranking of the materials of a friction curve.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from .. import __version__
 from ..checks import significant
 from ..errors import InputError
+from ..files import csv_text, write_files
 from .axes import peak
 from .base import Array, Quantity, Result, part, quantity, record, setting
 from .friction_law import FrictionLaw, gridded
@@ -20,9 +26,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
-    from .ranking import Ranking
 
-_SHOWN = 6  # curves that a summary lists one by one
+_LISTED = 6  # curves that a summary lists one by one
+# the input of a result that tells what a fit misses
+FITTED = "material against its data"
+_SIGNIFICANT = {
+    True: "significant",
+    False: "not significant",
+    None: "not known whether significant",
+}
 
 
 @part
@@ -113,7 +125,8 @@ class AbstractCurve(Result):
             measured: points to draw on top, a mapping with "velocity" [m/s], "mu" and,
                 if known, "temperature" [K], lists of the same length.
         """
-        from .plotting import Ask, draw_curve
+        from .plot_curves import draw_curve
+        from .plotting import Ask
 
         if self.drawn:
             ask = Ask(ax, style, title, label)
@@ -128,7 +141,7 @@ class AbstractCurve(Result):
         """
         fields = {q.key: value for q, value in self.fields().items()}
         _, every = self.curves()
-        for curve in every[:_SHOWN]:
+        for curve in every[:_LISTED]:
             velocity, value, beyond = (
                 np.atleast_1d(
                     fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at]
@@ -139,8 +152,8 @@ class AbstractCurve(Result):
                 "at " + curve.label if curve.label else "result",
                 self._extremes(velocity, value, beyond),
             )
-        if len(every) > _SHOWN:
-            yield "...", f"and {len(every) - _SHOWN} more curves"
+        if len(every) > _LISTED:
+            yield "...", f"and {len(every) - _LISTED} more curves"
         if "model_error" in fields and np.isfinite(fields[self.shows]).any():
             there = np.isfinite(fields[self.shows])
             yield (
@@ -200,9 +213,10 @@ class AbstractCurve(Result):
         largest = f"{top.kind} {self.symbol} = {point(top.x, top.y)}"
         if top.inside:
             return f"{largest}; ends: {low}, {high}"
+        highest = top.x == velocity[-1]
         return (
-            f"{largest}, an end of the range; at the other end "
-            f"{low if top.x == velocity[-1] else high}"
+            f"{largest}, the {'highest' if highest else 'lowest'} velocity computed; no "
+            f"peak inside the range; at the other end {low if highest else high}"
         )
 
 
@@ -347,9 +361,7 @@ class FrictionCurve(AbstractCurve):
 
         Raises `InputError` for a single material, and a place outside of the curve.
         """
-        from .ranking import ranked
-
-        return ranked(self, velocity, temperature, pressure)
+        return _ranked(self, velocity, temperature, pressure)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """As of every curve; where its parts are known, what they are at the largest
@@ -474,3 +486,178 @@ class PerssonCurve(AbstractCurve):
     spread: Array = quantity("G", "-", "at q_high")
 
     title: ClassVar[str] = "Friction by Persson's theory"
+
+
+class Place(NamedTuple):
+    """A material in a ranking."""
+
+    material: str
+    mu: float
+    # absolute: numerical, and what the material's fit misses of its data; NaN where not
+    # known
+    uncertainty: float
+    ahead: float  # of the next one; NaN for the last
+    # whether `ahead` exceeds both uncertainties together; None where one is not known
+    significant: bool | None
+
+    def words(self) -> str:
+        """Friction, uncertainty and lead."""
+        uncertainty = "(uncertainty not known)"
+        if not np.isnan(self.uncertainty):
+            uncertainty = f"+- {significant(self.uncertainty, 2)}"
+        words = f"mu {significant(self.mu)} {uncertainty}"
+        if np.isfinite(self.ahead):
+            ahead = significant(self.ahead, 2)
+            words += f"; ahead by {ahead}, {_SIGNIFICANT[self.significant]}"
+        return words
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ranking:
+    """What `FrictionCurve.ranking` returns: `places`, best grip first, and where they
+    hold.
+
+    An uncertainty is the numerical error and what the fitted series misses of the
+    measured moduli, no more: the error of the model is common to all materials and left
+    out. The difference of two neighbours is significant where it exceeds the root of
+    the sum of the squares of both. Of a material whose fit has no record, such as an
+    illustrative one, it is not known.
+    """
+
+    places: tuple[Place, ...]
+    velocity: float  # [m/s]
+    temperature: float | None  # [K]
+    pressure: float | None  # nominal [Pa]
+    curve: FrictionCurve
+
+    def where(self) -> str:
+        """Velocity, temperature and pressure in words."""
+        known = {
+            "velocity": self.velocity,
+            "temperature": self.temperature,
+            "pressure": self.pressure,
+        }
+        return ", ".join(
+            in_words(name, value) for name, value in known.items() if value is not None
+        )
+
+    def words(self) -> Iterator[str]:
+        """The lines of `summary`."""
+        yield f"ranking by friction at {self.where()}"
+        width = max(len(place.material) for place in self.places)
+        for i, place in enumerate(self.places, 1):
+            yield f"{i:>3}  {place.material:<{width}}  {place.words()}"
+        yield (
+            "uncertainty: numerical error and misfit of the material; the model error, "
+            "common to all, is left out"
+        )
+
+    def summary(self) -> str:
+        """The ranking in a few lines."""
+        return "\n".join(self.words())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the ranking as comma-separated text, an empty cell for what is not
+        known.
+        """
+        said = {True: "yes", False: "no", None: ""}
+        columns = {
+            "rank": np.arange(1, len(self.places) + 1),
+            "material": np.array([place.material for place in self.places]),
+            "friction coefficient [-]": np.array([place.mu for place in self.places]),
+            "uncertainty [-]": np.array([place.uncertainty for place in self.places]),
+            "ahead of the next [-]": np.array([place.ahead for place in self.places]),
+            "significant": np.array([said[place.significant] for place in self.places]),
+        }
+        header = [
+            f"elastomdr {__version__}: ranking by friction",
+            self.where(),
+            *list(self.words())[-1:],
+        ]
+        write_files({Path(path): csv_text(header, columns).encode()})
+
+    def plot(self, style: Style | None = None, *, title: str | None = None) -> Axes:
+        """Draws friction against velocity at this temperature and the ranking beside
+        it; returns the left Axes.
+        """
+        from .plot_curves import draw_ranking
+
+        return draw_ranking(self, style, title)
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+
+def _ranked(
+    curve: FrictionCurve,
+    velocity: float | None,
+    temperature: float | None,
+    pressure: float | None,
+) -> Ranking:
+    """The ranking of the materials of a curve; see `FrictionCurve.ranking`."""
+    if not curve.origins:
+        raise InputError(
+            "material must be a list for a ranking: em.friction([a, b], ...)."
+        )
+    laws = {name: _laws(curve.select(name)) for name in curve.materials}
+    axes = next(iter(laws.values()))[0].axes()
+    asked = {"velocity": velocity, "temperature": temperature, "pressure": pressure}
+    for name, value in asked.items():
+        if value is not None and name not in axes:
+            raise InputError(
+                f"{name} must be left out: the curve was computed without one."
+            )
+    point: dict[str, Any] = {
+        name: _middle(name, np.asarray(axis)) if asked[name] is None else asked[name]
+        for name, axis in axes.items()
+    }
+    values = [
+        (name, float(mu(**point)), float(error(**point)) if fitted else np.nan)
+        for name, (mu, error, fitted) in laws.items()
+    ]
+    values.sort(key=lambda value: -value[1] if np.isfinite(value[1]) else np.inf)
+
+    def coordinate(name: str) -> float | None:
+        return float(point[name]) if name in point else None
+
+    return Ranking(
+        tuple(_places(values)),
+        float(point["velocity"]),
+        coordinate("temperature"),
+        coordinate("pressure"),
+        curve,
+    )
+
+
+def _places(values: list[tuple[str, float, float]]) -> Iterator[Place]:
+    """Materials, friction and uncertainties in order, with their leads."""
+    last = "", np.nan, np.nan
+    for (name, mu, error), (_, next_mu, next_error) in pairwise([*values, last]):
+        both = np.hypot(error, next_error)
+        known = np.isfinite(both + next_mu)
+        sure = bool(mu - next_mu > both) if known else None
+        yield Place(name, mu, error, mu - next_mu, sure)
+
+
+def _laws(curve: FrictionCurve) -> tuple[FrictionLaw, FrictionLaw, bool]:
+    """mu and its uncertainty as they are interpolated, and whether the latter knows of
+    the material's fit.
+    """
+    fields = {q.key: value.ravel() for q, value in curve.fields().items()}
+    points = {
+        name: fields[name]
+        for name in ("velocity", "temperature", "pressure")
+        if name in fields
+    }
+    error = np.abs(fields["error"])
+    return curve.law(), gridded({**points, "mu": error}), FITTED in dict(curve.inputs)
+
+
+def _middle(name: str, axis: np.ndarray) -> float:
+    """The middle of an axis: of velocities and pressures that of their logarithms."""
+    low, high = float(axis[0]), float(axis[-1])
+    return (
+        0.5 * (low + high)
+        if name == "temperature"
+        else min(max(float(np.sqrt(low * high)), low), high)
+    )

@@ -105,9 +105,12 @@ class FrictionSpectrum(Result):
         `colour` is that of a result of one point; the rest as of every result,
         `Result.plot`.
         """
-        from .plotting import Ask, draw_bands
+        from .plot_curves import draw_friction_spectrum
+        from .plotting import Ask
 
-        return self._draw(draw_bands, Ask(ax, style, title, label), colour=colour)
+        return self._draw(
+            draw_friction_spectrum, Ask(ax, style, title, label), colour=colour
+        )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Where eight tenths of each point's friction arise."""
@@ -161,7 +164,7 @@ class Dissipation(Result):
     )
 
     title: ClassVar[str] = "Where the loss happens"
-    figure: ClassVar[str] = "draw_dissipation"
+    figure: ClassVar[str] = "plot_curves.draw_dissipation"
     across: ClassVar[str] = "time"
     shows: ClassVar[str] = "share"
     scale: ClassVar[str] = "log"

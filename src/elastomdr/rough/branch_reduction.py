@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..material.relaxation import Relaxation
+from .free_recovery import rates_apart
 from .period import Lanes
-from .recovery_steps import rates_apart
 
 if TYPE_CHECKING:
     from jaxtyping import Float

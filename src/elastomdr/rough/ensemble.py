@@ -19,8 +19,7 @@ from ..surface.direction import (
     shared_grid,
 )
 from ..surface.rough_line import RoughLine
-from ..surface.synthesis import PERIODS, synthesise
-from .mean import Mean
+from ..surface.spectrum import PERIODS, synthesise
 from .periodic import ROUNDING, Line
 
 # least relative error asked of the direction average: contacts that come and go leave
@@ -30,6 +29,18 @@ AVERAGE = 1e-5
 SAMPLING = 0.1
 _MOST = 2**20  # samples of a line that nobody asked for
 _SAMPLES = 4096  # least number of samples of a line that is given by its points
+
+
+class Mean(NamedTuple):
+    """The answer at each point, a mean over the lines."""
+
+    mu: Array
+    error: Array
+    load: Array
+    depth: Array
+    share: Array
+    good: Array
+    scatter: Array | None  # standard error of mu
 
 
 class Ask(NamedTuple):

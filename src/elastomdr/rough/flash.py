@@ -6,28 +6,67 @@ scales on which the heat arises. So one curve of mu against v a_T, coarse and
 interpolated, shows where
 
     dT = mu(v a_T(T_0 + dT)) p v r(v, v a_T),
-    r the flash temperature per heat flux (`rough.heat`),
+    r the flash temperature per heat flux,
 
 has its roots. The smallest is taken, which is stable and the state that cold rubber
 reaches: where mu rises with dT (on the glassy side of the peak) there may be others.
 The line is then solved at that temperature itself, and the root moved by what the curve
 was wrong, until both agree.
+
+**The flash temperature per heat flux** (sources as in `rough.heat`). Rubber is heated
+in its volume where it is deformed: a wave q of the surface to the depth 1/2q, by exp(-2
+q z). Split in depth into cosines of wave number k, the source at the distance r warms
+as I0(w r) K0(r sqrt(w^2 + k^2)), so that a pattern of heated spots has the mean
+temperature
+
+    dT = (2/(pi lambda)) int_0^inf dk S(k)^2
+         int_0^inf r dr [j(r) - j] I0(w r) K0(r sqrt(w^2 + k^2)),
+    S(k) = sum_q s_q 4 q^2/(k^2 + 4 q^2),        j(r) = j/P(pi/r),
+
+with j = mu p v the mean heat flux, s_q the share of the friction that the waves q have,
+and j(r) the mean flux at the distance r from a heated point. Two points closer than
+half a wave, pi/q, lie in one contact region as it is seen at the wave number q, and
+P(q) is the share of the surface in such regions, from Persson's theory, since the line
+of the MDR has no contact area:
+
+    P = erf(1/(2 sqrt G)),
+    G(q) = (1/8) int_q_low^q k^3 C(k) dk int_0^2pi |E*(k v cos phi)/p|^2 dphi.
+
+Exact for an isotropic pattern with that j(r), at every Peclet number; what is assumed
+is j(r), exp(-2 q z), and one temperature for all waves, the mean over where the heat
+arises. What the mean flux j adds is left out: it warms the whole body, by its size,
+time and cooling, and belongs to the `temperature` that is given. All heat goes into the
+rubber, where the losses are: the road takes none.
+
+By length scale, with q exp(-2 q z) and P, as in Persson, J. Phys.: Condens. Matter 18
+(2006) 7789; there the heat spreads in depth for the time of one contact, here also
+sideways, and slowly moving spots have their steady limit. The thermal foundation of the
+MDR (2 lambda dx per element) is for spots at rest: at a Peclet number w a it is too hot
+by the root of it.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..element.law import Foundation
-from ..errors import InputError
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..surface.spectrum import AbstractSpectrum
-from .heat import Heat, Scales, rise, scales
-from .mean import Mean
+from .heat import Heat, highest_rise
+from .psd_integrals import read, tables
+from .psd_integrals import share as contact_share
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _PER_DECADE = 8  # of v a_T, of the curve that is interpolated
-_HIGHEST = 1000.0  # rise beyond which nothing is looked for [K]
+_WAVES = (
+    40  # wave numbers and distances per decade, trapezoidal rule in their logarithm
+)
+_FAR = 1e-3  # smallest distance, in half waves of the upper cutoff
 SETTLED = 1e-5  # relative agreement of the temperature with the friction found at it
 # temperatures tried at once; how often between the two on either side of a root
 _SCAN, _ZOOMS = 512, 3
@@ -40,7 +79,7 @@ class Warm(NamedTuple):
 
     rise: np.ndarray  # [K]
     reduced: np.ndarray  # v a_T at the raised temperature [m/s]
-    mean: Mean
+    mean: Any  # as of `friction` at the raised temperature
     heat: np.ndarray  # mu p v, by the friction at the raised temperature [W/m^2]
     vertical: np.ndarray  # b_T at the raised temperature
 
@@ -52,13 +91,14 @@ def warmed(
     velocity: np.ndarray,
     kelvin: np.ndarray,
     pressure: np.ndarray,
-    cold: Mean,
-    friction: Callable[[np.ndarray, np.ndarray, bool], Mean],
+    cold: Any,
+    friction: Callable[[np.ndarray, np.ndarray, bool], Any],
 ) -> Warm:
     """Raises the temperature of each point until it is that which its friction makes.
 
     `friction(reduced, pressure, coarse)` solves points at v a_T and p/b_T, less exactly
-    where `coarse` is true. Points without a root below a rise of 1000 K, or below the
+    where `coarse` is true; of its answer, as of `cold`, a named tuple of arrays, mu and
+    good are looked at. Points without a root below a rise of 1000 K, or below the
     end of the shift law, are NaN.
     """
     mean = _each(lambda field: np.array(field, dtype=np.float64), cold)
@@ -73,7 +113,7 @@ def warmed(
             for points, kelvins, state in group.settle(np.asarray(cold.mu)[at]):
                 found[at[points]] = kelvins
                 for field, values in zip(mean, state, strict=True):
-                    if field is not None:
+                    if isinstance(field, np.ndarray):
                         field[at[points]] = values
     a, b = thermal_factors(foundation, kelvin + np.nan_to_num(found))
     made = np.asarray(mean.mu) * pressure * velocity
@@ -86,9 +126,14 @@ def warmed(
     )
 
 
-def _each(function: Callable[[Any], Any], mean: Mean) -> Mean:
-    fields: list[Any] = [None if field is None else function(field) for field in mean]
-    return Mean(*fields)
+def _each(function: Callable[[Any], Any], answer: Any) -> Any:
+    """`function` of the arrays of an answer."""
+    return type(answer)(
+        *(
+            field if field is None or isinstance(field, str) else function(field)
+            for field in answer
+        )
+    )
 
 
 class _Group(NamedTuple):
@@ -100,13 +145,13 @@ class _Group(NamedTuple):
     velocity: np.ndarray
     kelvin: np.ndarray
     pressure: float
-    friction: Callable[[np.ndarray, np.ndarray, bool], Mean]
+    friction: Callable[[np.ndarray, np.ndarray, bool], Any]
 
-    def settle(self, cold: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Mean]]:
+    def settle(self, cold: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
         """Points that have settled, their rise and their friction."""
         every, still = np.arange(cold.size), np.zeros_like(cold)
         made = self.made(self.reduced(still), self.carried(still), cold, every)
-        highest = self.highest()
+        highest = highest_rise(self.foundation, self.kelvin)
         top = min(2 * float(np.max(made)) + 1, highest)
         curve = self.curve(top)
         correction, first = np.ones(cold.size), np.maximum(1e-6 * made, _NOTHING)
@@ -180,20 +225,6 @@ class _Group(NamedTuple):
         ]
         return mu * self.pressure * self.velocity[points] * np.array(own)
 
-    def highest(self) -> float:
-        """The largest rise to look at: that of the shift law's end, or 1000 K."""
-        low, high = 0.0, 2 * _HIGHEST
-        while high - low > 1e-3 * low + 1e-3:
-            middle = 0.5 * (low + high)
-            try:
-                thermal_factors(self.foundation, self.kelvin.max() + middle)
-                low = middle
-            except InputError:
-                high = middle
-            if low >= _HIGHEST:
-                break
-        return min(low, _HIGHEST)
-
     def curve(self, top: float) -> list[Callable[[Any], Any]]:
         """The logarithm of the rise that friction makes against log(v a_T), for each
         point's velocity.
@@ -248,3 +279,85 @@ class _Group(NamedTuple):
             )
             tried = np.linspace(low, high, _SCAN).T
         return np.where(none, np.nan, tried.mean(axis=1))
+
+
+class Scales(NamedTuple):
+    """Where on the scale of lengths a surface is in contact and loses energy, for n
+    reduced velocities.
+    """
+
+    q: Float[np.ndarray, " waves"]  # [rad/m]
+    area: Float[np.ndarray, "n waves"]  # P(q)
+    share: Float[np.ndarray, "n waves"]  # s_q, sums to one
+
+
+def scales(
+    foundation: Any,
+    surface: AbstractSpectrum,
+    reduced: Float[np.ndarray, " n"],
+    pressure: Any,
+) -> Scales:
+    """Apparent contact share P and share s of the friction, by wave number, at v a_T
+    and the nominal pressures.
+    """
+    count = max(24, int(np.ceil(_WAVES * np.log10(surface.q_high / surface.q_low))))
+    q = np.geomspace(surface.q_low, surface.q_high, count + 1)
+    width = np.log(q[1] / q[0])
+    log_omega = np.log(reduced[:, None] * q)
+    of = tables(
+        foundation.complex_modulus, np.exp(log_omega.min()), np.exp(log_omega.max())
+    )
+    slope = q**4 * surface.at(q)  # q^3 C dq, per dlog q
+    rate = (
+        slope
+        * read(of, of.stiffness, log_omega)
+        / (8 * np.reshape(pressure, (-1, 1)) ** 2)
+    )
+    spread = np.concatenate(
+        [
+            np.zeros((reduced.size, 1)),
+            np.cumsum(0.5 * width * (rate[:, 1:] + rate[:, :-1]), 1),
+        ],
+        1,
+    )
+    area = contact_share(spread)
+    share = slope * area * read(of, of.drag, log_omega)
+    share[:, [0, -1]] *= 0.5
+    return Scales(q, area, share / share.sum(axis=1, keepdims=True))
+
+
+def rise(
+    heat: Heat, at: Scales, velocity: Float[np.ndarray, " m"]
+) -> Float[np.ndarray, "m n"]:
+    """Flash temperature per mean heat flux [K m^2/W] of m velocities, at each of the n
+    states of `at`.
+
+    The double integral at the head of this file, by the trapezoidal rule in log r and log k,
+    to about 1e-3.
+    """
+    from scipy.special import i0e, k0e
+
+    step = np.log(at.q[1] / at.q[0])
+    near = np.arange(1, int(np.ceil(-np.log(_FAR) / step)) + 1)
+    # descending
+    r = np.concatenate([np.pi / at.q, np.pi / at.q[-1] * np.exp(-step * near)])
+    excess = 1 / at.area - 1
+    excess = np.concatenate(
+        [excess, np.repeat(excess[:, -1:], near.size, axis=1)], axis=1
+    )
+    low, high = 1e-3 / r[0], 1e3 * at.q[-1]
+    k = np.geomspace(low, high, int(np.ceil(12 * np.log10(high / low))))
+    dk = k * np.log(k[1] / k[0])
+    dk[0] = 0.5 * dk[0] + k[0]  # what lies below counts as even
+    sampled = (at.share @ (4 * at.q**2 / (k[:, None] ** 2 + 4 * at.q**2)).T) ** 2 * dk
+    found = np.empty((velocity.size, excess.shape[0]))
+    for i, v in enumerate(velocity):
+        w = v / (2 * heat.diffusivity)
+        whole = np.hypot(w, k)[:, None]
+        kernel = (
+            i0e(w * r) * k0e(whole * r) * np.exp(-(k[:, None] ** 2) / (whole + w) * r)
+        )
+        found[i] = np.einsum(
+            "nk,kr,nr->n", sampled, kernel * r**2 * step, excess, optimize=True
+        )
+    return np.asarray(2 / (np.pi * heat.conductivity) * found)

@@ -1,28 +1,48 @@
-"""Which frequencies the friction of a rough line or surface comes from."""
+"""Which frequencies the friction of a rough line or surface comes from.
+
+In steady sliding the motion u and the force q of an element are periodic in the
+distance x = v t, and its law holds for each of their waves, q_k = E*(k v) u_k, in
+contact or not. So the friction force per length is a sum over waves
+
+    F_x = <q du/dx> = sum_{k>0} 2 k |u_k|^2 E''(k v),      k = 2 pi j/L,
+
+each of which is what rubber that is strained at the frequency k v dissipates per
+distance. The contact step takes u to be straight between samples, h apart, and is exact
+for that motion, whose waves are those of the samples times sinc^2(k h/2), beyond the
+Nyquist frequency too. The sum over all of them is the work of the step, but for what
+the waves that are left out hold (|u_k|^2 falls as k^-4), and for the bends where
+contact begins within a step. Derived here.
+"""
 
 from __future__ import annotations
 
-import warnings
-from typing import TYPE_CHECKING, Any, Literal
+import dataclasses
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+import jax
 import numpy as np
 
 from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.several_materials import over_materials
 from ..checks import in_float64, is_traced
-from ..element.law import as_foundation
-from ..errors import ConvergenceWarning, InputError
+from ..element.law import Foundation, as_foundation
+from ..errors import ConvergenceWarning, InputError, warn
+from ..material.relaxation import Relaxation
 from ..results.spectrum import FrictionSpectrum
 from ..smooth.problem import AVERAGED, BARE
 from ..surface.direction import directions
 from ..surface.rough_line import RoughLine
+from .branch_reduction import lanes as unreduced
 from .ensemble import coarse_at
-from .excitation import excitation
 from .line import ensemble_words, surface_words
-from .line_problem import set_up
+from .line_problem import RoughScene, set_up
+from .period import coefficients, motion
+from .periodic import rises, solve_states
 
 if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
     from .._types import ArrayLike
     from ..call.types import Materials, Surface
     from ..models import Line
@@ -34,6 +54,10 @@ _MARGIN = 10.0
 # relative distance of the sum of the bands from friction, to which they are scaled;
 # part of `error`
 _CLOSED = 3e-2
+_AT_ONCE = 64  # lanes, whose motions are held in memory
+# multiples of the sampling wave number up to which waves of the straight pieces are
+# summed
+_TURNS = 6
 
 
 @over_materials
@@ -55,7 +79,7 @@ def friction_spectrum(
 
         mu = sum_k 2 k |u_k|^2 E''(k v) / q_mean
 
-    u_k are the waves of the motion of an element (`elastomdr.rough.excitation`), in
+    u_k are the waves of the motion of an element (`elastomdr.rough.friction_spectrum`), in
     partial contact too. Averaged over directions, the line that slides at v cos(phi) is
     strained at k v cos(phi).
 
@@ -84,12 +108,54 @@ def friction_spectrum(
     Exact for the line. Not differentiable.
     """
     foundation = as_foundation(material)
+    _check(foundation, surface, per_decade, velocity, load, pressure, temperature)
+    model = of_line(model, "friction_spectrum")
+    scene = set_up(
+        foundation,
+        surface,
+        velocity=velocity,
+        load=load,
+        depth=None,
+        pressure=pressure,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
+    )
+    edges = _edges(surface, scene.lines[0], int(per_decade))
+    mu, error, good = _by_bands(scene, model.average, float(rtol), edges)
+    if not good.all():
+        warn(
+            f"{int((~good).sum())} of {good.size} points did not converge; they are "
+            "NaN.",
+            ConvergenceWarning,
+        )
+    at = scene.at
+    outside = excited_outside(foundation.range, surface, at.reduced.reshape(at.shape))
+    beyond = rough_beyond(foundation.range, outside, at.full(at.kelvin), at.shape)
+    spectrum = _packed(scene, edges, mu, error, good, beyond.points)
+    inputs = [
+        *scene.inputs(("surface", surface_words(surface, scene.lines[0]))),
+        ("ensemble", ensemble_words(scene.seeds, scene.lines[0].count)),
+    ]
+    return dataclasses.replace(
+        spectrum,
+        model=(AVERAGED if model.average else BARE) + scene.rule,
+        plan=(
+            f"{good.size * _directions(model.average)[0].size * len(scene.lines)} line "
+            f"solutions of {scene.lines[0].count} samples, all branches carried"
+        ),
+        inputs=(*inputs, *beyond.said),
+    )
+
+
+def _check(foundation: Foundation, surface: Any, per_decade: Any, *points: Any) -> None:
+    """Raises `InputError` for what has no spectrum of friction."""
     if not is_rough(surface):
         raise InputError(
             "surface must be an em.RoughLine, or a surface such as em.SelfAffine, "
             f"got {surface!r}."
         )
-    if is_traced(foundation, surface, velocity, load, pressure, temperature):
+    if is_traced(foundation, surface, *points):
         raise InputError(
             "friction_spectrum must be called outside jax.grad, jit and vmap: it "
             "is not differentiable."
@@ -108,108 +174,82 @@ def friction_spectrum(
         raise InputError(
             f"per_decade must be a whole number from 1 to 20, got {per_decade!r}."
         )
-    model = of_line(model, "friction_spectrum")
-    scene = set_up(
-        foundation,
-        surface,
-        velocity=velocity,
-        load=load,
-        depth=None,
-        pressure=pressure,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-    )
-    at, lines, control, length, loads = (
-        scene.at,
-        scene.lines,
-        scene.control,
-        scene.length,
-        scene.given,
-    )
-    shape, v, reduced = at.shape, at.full(at.velocity).ravel(), at.reduced.ravel()
-    edges = _edges(surface, lines[0], int(per_decade))
-    rule_of = directions(_DIRECTIONS)
-    cosines, weights = (
-        (rule_of.cosines, rule_of.weights)
-        if model.average
-        else (np.ones(1), np.ones(1))
-    )
-    lanes = (
-        np.outer(reduced, cosines).ravel(),
-        np.repeat(loads, cosines.size),
-        np.tile(cosines, v.size),
-    )
-    mu, error, good = (
-        np.zeros((v.size, edges.size - 1)),
-        np.zeros(v.size),
-        np.ones(v.size, bool),
-    )
-    for line in lines:
+
+
+def _directions(average: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Cosines of the directions of sliding, and their weights."""
+    if not average:
+        return np.ones(1), np.ones(1)
+    rule = directions(_DIRECTIONS)
+    return rule.cosines, rule.weights
+
+
+def _by_bands(
+    scene: RoughScene, average: bool, rtol: float, edges: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """mu by bands of wave number (points, bands), the error of its sum and where there
+    is an answer (points,): means over lines and directions.
+    """
+    reduced, bins = scene.at.reduced.ravel(), edges.size - 1
+    cosines, weights = _directions(average)
+    shape = (reduced.size, cosines.size, -1)
+    mu, error = np.zeros((reduced.size, bins)), np.zeros(reduced.size)
+    good = np.ones(reduced.size, bool)
+    for line in scene.lines:
         found = excitation(
             np.asarray(line.height),
             float(line.spacing),
-            law,
-            lanes[0],
-            lanes[1],
-            control,
-            float(rtol),
+            scene.at.foundation.law(),
+            np.outer(reduced, cosines).ravel(),
+            np.repeat(scene.given, cosines.size),
+            scene.control,
+            rtol,
             edges,
-            lanes[2],
+            np.tile(cosines, reduced.size),
         )
-        bands, total, missed, fine = (
-            field.reshape(v.size, cosines.size, -1) for field in found
-        )
+        bands, total, missed, fine = (field.reshape(shape) for field in found)
         gap = np.abs(bands.sum(axis=-1) - total[..., 0])
         bands = bands * (total / bands.sum(axis=-1, keepdims=True))
-        mu += np.einsum("vdb,d->vb", bands, weights) / len(lines)
-        error += (missed[..., 0] + gap) @ weights / len(lines)
-        good &= fine.all(axis=(1, 2)) & (
-            gap @ weights <= _CLOSED * (total[..., 0] @ weights)
-        )
-    good &= ~coarse_at(error, mu.sum(axis=1))
-    if not good.all():
-        warnings.warn(
-            (
-                f"{int((~good).sum())} of {good.size} points did not converge; they "
-                "are NaN."
-            ),
-            ConvergenceWarning,
-            stacklevel=3,
-        )
+        mu += np.einsum("vdb,d->vb", bands, weights) / len(scene.lines)
+        error += (missed[..., 0] + gap) @ weights / len(scene.lines)
+        closed = gap @ weights <= _CLOSED * (total[..., 0] @ weights)
+        good &= fine.all(axis=(1, 2)) & closed
+    return mu, error, good & ~coarse_at(error, mu.sum(axis=1))
+
+
+def _packed(
+    scene: RoughScene,
+    edges: np.ndarray,
+    mu: np.ndarray,
+    error: np.ndarray,
+    good: np.ndarray,
+    extrapolated: Any,
+) -> FrictionSpectrum:
+    """The numbers of the result; its last axis are the bands."""
+    at, bands = scene.at, edges.size - 1
+    middle = np.sqrt(edges[1:] * edges[:-1])
+    velocity = at.full(at.velocity).ravel()
 
     def banded(values: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(
-            values.reshape(*shape, -1), (*shape, edges.size - 1)
-        ).copy()
+        return np.broadcast_to(values.reshape(*at.shape, -1), (*at.shape, bands)).copy()
 
-    middle = np.sqrt(edges[1:] * edges[:-1])
-    inputs = [
-        *scene.inputs(("surface", surface_words(surface, lines[0]))),
-        ("ensemble", ensemble_words(scene.seeds, lines[0].count)),
-    ]
-    known, kelvin = foundation.range, at.full(at.kelvin)
-    outside = excited_outside(known, surface, at.reduced.reshape(shape))
-    beyond = rough_beyond(known, outside, kelvin, shape, stacklevel=4)
+    pressure = None
+    if scene.length is not None:
+        pressure = banded(scene.given * at.vertical.ravel() / scene.length)
     return FrictionSpectrum(
-        velocity=banded(v),
-        omega=np.multiply.outer(v, middle).reshape(*shape, -1),
-        wave_number=banded(np.multiply.outer(np.ones(v.size), middle)),
+        velocity=banded(velocity),
+        omega=np.multiply.outer(velocity, middle).reshape(*at.shape, -1),
+        wave_number=banded(np.multiply.outer(np.ones(velocity.size), middle)),
         mu=banded(np.where(good[:, None], mu, np.nan)),
         error=banded(np.where(good, error, np.nan)),
         converged=banded(good),
-        extrapolated=None if beyond.points is None else banded(beyond.points.ravel()),
-        temperature=None if at.kelvin is None else banded(kelvin),
-        pressure=None
-        if length is None
-        else banded(loads * at.vertical.ravel() / length),
+        extrapolated=None if extrapolated is None else banded(extrapolated.ravel()),
+        temperature=None if at.kelvin is None else banded(at.full(at.kelvin)),
+        pressure=pressure,
         width=float(edges[1] / edges[0]),
-        model=(AVERAGED if model.average else BARE) + scene.rule,
-        plan=(
-            f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} "
-            "samples, all branches carried"
-        ),
-        inputs=(*inputs, *beyond.said),
+        model="",
+        plan="",
+        inputs=(),
     )
 
 
@@ -224,3 +264,98 @@ def _edges(surface: Any, line: RoughLine, per_decade: int) -> np.ndarray:
         np.ceil(np.log10(high * _MARGIN) - 1e-9),
     )
     return 10 ** (first + np.arange(per_decade * int(last - first) + 1) / per_decade)
+
+
+class Excitation(NamedTuple):
+    """Friction by wave number for each lane; NaN where it did not converge."""
+
+    mu: Float[np.ndarray, "lanes bins"]
+    total: Float[np.ndarray, " lanes"]  # mu from the work of the contact step
+    error: Float[np.ndarray, " lanes"]  # of the total, from the sampling
+    good: Bool[np.ndarray, " lanes"]
+
+
+def excitation(
+    height: Float[np.ndarray, " n"],
+    spacing: float,
+    law: Relaxation,
+    velocity: Float[np.ndarray, " lanes"],
+    value: Float[np.ndarray, " lanes"],
+    control: str,
+    rtol: float,
+    edges: Float[np.ndarray, " edges"],
+    stretch: Float[np.ndarray, " lanes"],
+) -> Excitation:
+    """mu of each lane by bins of `stretch` times the wave number, what lies outside the
+    edges in the bins at the ends.
+
+    `velocity` is times a_T, and all of the branches are carried.
+    """
+    batches = []
+    for start in range(0, velocity.size, _AT_ONCE):
+        lanes = slice(start, start + _AT_ONCE)
+        batches.append(
+            _of_lanes(
+                height,
+                spacing,
+                law,
+                velocity[lanes],
+                value[lanes],
+                control,
+                rtol,
+                edges,
+                stretch[lanes],
+            )
+        )
+    return Excitation(
+        *(np.concatenate(fields) for fields in zip(*batches, strict=True))
+    )
+
+
+def _of_lanes(
+    height, spacing, law, velocity, value, control, rtol, edges, stretch
+) -> Excitation:
+    line, state = solve_states(height, spacing, law, velocity, value, control, rtol)
+    with jax.enable_x64(True):
+        by = coefficients(unreduced(law, velocity.size), spacing / velocity)
+        depth, branches = (
+            np.where(line.converged, x, 0.0) for x in (state.depth, state.branches)
+        )
+        u = np.asarray(motion(rises(height), depth, branches, by).surface)
+    n = u.shape[0]
+    square = np.abs(np.fft.fft(u, axis=0) / n) ** 2
+    by_bins = np.zeros((velocity.size, edges.size - 1))
+    # waves of straight pieces: those of the samples times sinc^2(k h/2), beyond Nyquist
+    for turn in range(_TURNS):
+        j = np.arange(n) + turn * n
+        k = 2 * np.pi * j / (n * spacing)
+        power = (
+            2
+            * k[:, None]
+            * square
+            * (np.sinc(j / n) ** 4)[:, None]
+            * _loss(law, k[:, None] * velocity)
+        )
+        for lane in range(velocity.size):
+            place = np.searchsorted(edges, stretch[lane] * k, side="right") - 1
+            by_bins[lane] += np.bincount(
+                np.clip(place, 0, edges.size - 2), power[:, lane], edges.size - 1
+            )
+    good = line.converged
+    mu = np.where(
+        good[:, None], by_bins / np.where(good, line.load, 1.0)[:, None], np.nan
+    )
+    return Excitation(mu, line.mu, line.error, good)
+
+
+def _loss(law: Relaxation, omega: np.ndarray) -> np.ndarray:
+    """E''(omega), a branch at a time: there are as many frequencies as samples and
+    lanes.
+    """
+    loss = float(law.viscosity) * omega
+    for modulus, time in zip(
+        np.asarray(law.moduli), np.asarray(law.times), strict=True
+    ):
+        x = omega * time
+        loss += modulus * x / (1 + x**2)
+    return loss

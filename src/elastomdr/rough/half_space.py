@@ -1,57 +1,207 @@
-"""Steady sliding of a periodic map on a three-dimensional viscoelastic half-space, in
-Fourier space.
+"""Contact of a rigid surface that slides steadily over a viscoelastic half-space, on a
+grid of cells in three dimensions: the solver of random maps (`em.HalfSpace`) and of the
+references, periodic maps and single bodies.
 
-In the frame of the map, which moves along +x with velocity v, the wave (kx, ky) shakes
-the rubber at the frequency kx v, and a pressure p of that wave displaces the surface by
+The pressures p >= 0 of the cells displace the surface by u = K p, a convolution in the
+plane. Where p > 0 the rubber follows the heights h of the rigid surface, u - h = d; the
+gap u - h - d is positive elsewhere. It is found by block pivoting (Portugal, Judice and
+Vicente, Math. Comp. 63 (1994) 625): K p = h + d is solved on the cells in contact, then
+cells that pull are let go and cells that overlap are taken in, until none does. Where
+the changes go in circles (at a glassy leading edge thinner than a cell a pressure sinks
+in further behind than at its own place) cells are let go only, for a while.
 
-    u = K p,
+Each pivot is solved by BiCGSTAB, whose preconditioner is the inverse of K on the
+infinite surface, restricted to the contact. Under a given load the equation is P K p =
+P h, where P takes the mean over the contact off a field, and the preconditioner is P/K,
+which changes no mean: the load is held exactly, and the depth d follows as the mean of
+u - h over the contact.
+
+**Periodic maps.** In the frame of the map, which moves along +x with velocity v, the
+wave (kx, ky) shakes the rubber at the frequency kx v, so that
+
     K = 2/(|k| E*(-kx v)),
-    so that
     tau = <p dh/dx> = sum |p_k|^2 2 kx E''(kx v)/(|k| |E*(kx v)|^2)
 
-is the mean friction stress: only the loss, so that the smallest keeps its digits.
-Contact is where p > 0; there the gap is zero, elsewhere p = 0 and the gap is positive.
-The mean displacement of a periodic half-space is not defined; it is left out by P,
-which takes its mean over the contact off a field.
-
-Each pivot solves P K p = P h on the cells in contact by GMRES, preconditioned by P/K,
-which changes no mean, so that the load is held exactly and there is one right-hand
-side. Then cells that pull are let go and cells that overlap are taken in, until none
-does. Where the changes go in circles, cells are let go only, for a while. The contact
-to begin with is that of a grid half as fine, or of a neighbouring velocity or load.
-
-The code is written over an array namespace: NumPy with SciPy's transforms, or
-`jax.numpy` on whatever device it runs.
+is the mean friction stress: only the loss, so that the smallest keeps its digits. The
+mean displacement of a periodic half-space is not defined; the wave k = 0 is left out of
+K, and d counts from the mean height. The contact to begin with is that of a grid half
+as fine, or of a neighbouring velocity or load.
 """
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy import fft
+from scipy.sparse.linalg import LinearOperator, bicgstab
 
+from ..arrays import one_thread
+
+_FunctionOperator: Any = LinearOperator  # its type hints lack the functions
 _PIVOTS = 60
-_MEMORY, _RESTARTS = 50, 2  # of GMRES in one pivot
-# relative residual of the last pivot in 32 and in 64 bits
-_SINGLE, _DOUBLE = 5e-5, 1e-9
+_ITERATIONS = 100  # of BiCGSTAB in one pivot
 # pivots in which fewer cells change than ever before, or those that pull are let go
 # only
 _PATIENCE = 2
 _COARSEST = 32  # cells along a side below which no coarser grid is solved
 
 
-class Found(NamedTuple):
-    """One contact."""
+class Convolution(NamedTuple):
+    """K and about its inverse, as factors in Fourier space."""
 
-    stress: float  # mean friction stress [Pa]
-    area: float  # real contact area over nominal area
-    separation: float  # mean gap [m]
+    kernel: Any  # K [m/Pa]
+    inverse: Any  # about 1/K
+    shape: tuple[int, int]  # of the transforms: of a single body twice the grid
+
+    def displacement(self, pressure: Any) -> Any:
+        """u = K p."""
+        return self._times(self.kernel, pressure)
+
+    def pressure(self, displacement: Any) -> Any:
+        """p of about that displacement."""
+        return self._times(self.inverse, displacement)
+
+    def _times(self, factor: Any, field: Any) -> Any:
+        waves: Any = fft.rfft2(field, self.shape)
+        whole: Any = fft.irfft2(factor * waves, self.shape, overwrite_x=True)
+        return whole[: field.shape[0], : field.shape[1]]
+
+
+class Accuracy(NamedTuple):
+    """How exactly a contact is found."""
+
+    residual: float  # relative residual of the last pivot
+    first: float  # the same of the first pivot
+    # share of the cells in contact that may go on changing
+    changing: float
+    at_once: bool  # whether so many may at once, or only where they do not settle
+
+
+# In 32 bits rounding decides of the last cells. In 64 a few may go in and out for ever
+# at a glassy leading edge.
+_SINGLE = Accuracy(5e-5, 1e-2, 1 / 500, True)
+_DOUBLE = Accuracy(1e-9, 1e-6, 1 / 5000, False)
+EXACT = Accuracy(1e-10, 1e-6, 0.0, False)
+
+
+class Contact(NamedTuple):
+    """Where and how hard cells touch."""
+
     pressure: Any  # of each cell [Pa]
+    depth: float  # d [m]
     settled: bool
     products: int  # with K, the measure of the work
 
 
+@one_thread()
+def settle(
+    cells: Convolution,
+    height: Any,
+    start: Any,
+    accuracy: Accuracy,
+    *,
+    load: float | None = None,
+    depth: float | None = None,
+) -> Contact:
+    """Contact of `height` [m], positive into the rubber, from the pressures `start` on.
+
+    Either `load`, the sum of the pressures over the cells [Pa], or `depth` is given.
+    The arrays may be of 32 or of 64 bits.
+    """
+    pressure = start
+    touching = pressure > 0
+    fewest, waited, products, deep = height.size + 1, 0, 0, np.nan
+    tolerance = accuracy.first
+    for _ in range(_PIVOTS):
+        if not touching.any():
+            break
+        pressure, residual, used = _solved(
+            cells, height, touching, pressure, tolerance, load, depth
+        )
+        over = cells.displacement(pressure) - height
+        products += used + 1
+        deep = float(over[touching].mean()) if depth is None else depth
+        pulling, overlapping = touching & (pressure <= 0), ~touching & (over < deep)
+        changed, count = int((pulling | overlapping).sum()), int(touching.sum())
+        waited = 0 if changed < fewest else waited + 1
+        few = _tolerated(accuracy, count, waited)
+        if changed <= few and residual <= 4 * accuracy.residual:
+            return Contact(pressure, deep, True, products)
+        fewest = min(fewest, changed)
+        touching = touching & ~pulling
+        if not (waited >= _PATIENCE and pulling.any()):
+            touching |= overlapping
+        # what is left of the solve may keep cells changing
+        loose = 1e-2 * min(1.0, 10 * changed / height.size) * 0.1**waited
+        last = changed <= max(few, 2, count / 5000)
+        tolerance = accuracy.residual if last else max(accuracy.residual, loose)
+    return Contact(pressure, deep, False, products)
+
+
+def _tolerated(accuracy: Accuracy, count: int, waited: int) -> float:
+    """How many of `count` cells in contact may go on changing."""
+    if accuracy.at_once:
+        return accuracy.changing * count
+    if not accuracy.changing or waited <= _PATIENCE + 2:
+        return 0
+    return max(2, accuracy.changing * count)
+
+
+def _solved(
+    cells: Convolution,
+    height: Any,
+    touching: Any,
+    pressure: Any,
+    tolerance: float,
+    load: float | None,
+    depth: float | None,
+) -> tuple[Any, float, int]:
+    """Pressures on one set of cells, their relative residual and how many products with
+    K they took; from `pressure` on.
+    """
+    index = np.flatnonzero(touching)
+
+    def on_grid(values: Any) -> Any:
+        field = np.zeros(height.size, height.dtype)
+        field[index] = values
+        return field.reshape(height.shape)
+
+    def projected(field: Any) -> Any:
+        values = field.reshape(-1)[index]
+        return values - values.mean() if depth is None else values
+
+    def product(values: Any) -> Any:
+        return projected(cells.displacement(on_grid(values)))
+
+    def precondition(values: Any) -> Any:
+        return projected(cells.pressure(on_grid(values)))
+
+    def operator(function: Callable[[Any], Any]) -> Any:
+        shape = (index.size, index.size)
+        return _FunctionOperator(shape, matvec=function, dtype=height.dtype)
+
+    iterations = []
+    begun = np.maximum(pressure.reshape(-1)[index], 0)
+    if load is not None:
+        begun = begun - (begun.sum() - load) / index.size
+    wanted = projected(height) + (0 if depth is None else depth)
+    size = float(np.linalg.norm(wanted)) or 1.0
+    rest = wanted - product(begun)
+    change, _ = bicgstab(
+        operator(product),
+        rest,
+        rtol=0.0,
+        atol=tolerance * size,
+        maxiter=_ITERATIONS,
+        M=operator(precondition),
+        callback=lambda _: iterations.append(1),
+    )
+    residual = float(np.linalg.norm(rest - product(change))) / size
+    return on_grid(begun + change), residual, 2 * len(iterations) + 2
+
+
 class Waves(NamedTuple):
-    """The waves of a grid, as `rfft2` orders them, and what the material makes of
+    """The waves of a map, as `rfft2` orders them, and what the material makes of
     them.
     """
 
@@ -64,7 +214,7 @@ class Waves(NamedTuple):
 def waves(
     modulus: Callable[[Any], Any], velocity: float, shape: tuple[int, int], sides: Any
 ) -> Waves:
-    """The waves of a grid of `shape` cells on `sides` [m]; `modulus(omega)` is E* [Pa]
+    """The waves of a map of `shape` cells on `sides` [m]; `modulus(omega)` is E* [Pa]
     at omega >= 0 [rad/s].
     """
     nx, ny = shape
@@ -87,6 +237,17 @@ def waves(
     return Waves(kernel, inverse, loss)
 
 
+class MapContact(NamedTuple):
+    """The contact of a periodic map."""
+
+    stress: float  # mean friction stress [Pa]
+    area: float  # real contact area over nominal area
+    separation: float  # mean gap [m]
+    pressure: Any  # of each cell [Pa]
+    settled: bool
+    products: int  # with K, the measure of the work
+
+
 def solve(
     modulus: Callable[[Any], Any],
     heights: Any,
@@ -96,9 +257,9 @@ def solve(
     pressure: float,
     start: Any = None,
     double: bool = True,
-    xp: Any = np,
-) -> Found:
-    """Contact of `heights` [m] (positive into the rubber) at a mean `pressure` [Pa].
+) -> MapContact:
+    """Contact of periodic `heights` [m] (positive into the rubber) at a mean `pressure`
+    [Pa].
 
     `start` is a map of pressures on the same grid, for its cells in contact: those of a
     neighbouring velocity or load; without it they come from a grid half as fine. The
@@ -110,7 +271,7 @@ def solve(
         return full
     if start is None:
         if min(heights.shape) <= _COARSEST or any(n % 2 for n in heights.shape):
-            start = xp.where(heights >= np.median(np.asarray(heights)), pressure, 0.0)
+            start = np.where(heights >= np.median(heights), pressure, 0.0)
         else:
             half = solve(
                 modulus,
@@ -119,218 +280,67 @@ def solve(
                 velocity=velocity,
                 pressure=pressure,
                 double=False,
-                xp=xp,
             )
-            start = xp.repeat(xp.repeat(half.pressure, 2, axis=0), 2, axis=1)
-    found = _settle(on, heights, pressure, start, np.float32, np.complex64, xp)
+            start = np.repeat(np.repeat(half.pressure, 2, axis=0), 2, axis=1)
+    found = _settled(on, heights, pressure, start, np.float32, _SINGLE)
     if not double:
         return found
-    last = _settle(on, heights, pressure, found.pressure, np.float64, np.complex128, xp)
+    last = _settled(on, heights, pressure, found.pressure, np.float64, _DOUBLE)
     return last._replace(products=last.products + found.products)
 
 
-def _in_full_contact(on: Waves, heights: Any, mean: float) -> Found | None:
+def _in_full_contact(on: Waves, heights: Any, mean: float) -> MapContact | None:
     """The solution where it is positive everywhere, from the heights' own waves; else
     None.
     """
-    spread = np.fft.rfft2(np.asarray(heights, dtype=np.float64)) * on.inverse
+    spread = np.fft.rfft2(heights) * on.inverse
     pressed = mean + np.fft.irfft2(spread, s=heights.shape)
     if not pressed.min() > 0:
         return None
     stress = float((on.loss * np.abs(spread / heights.size) ** 2).sum())
-    return Found(stress, 1.0, 0.0, pressed, True, 1)
+    return MapContact(stress, 1.0, 0.0, pressed, True, 1)
 
 
-def _settle(
-    on: Waves, heights: Any, mean: float, start: Any, real: Any, complex_: Any, xp: Any
-) -> Found:
-    """Pivots from the contact and the pressures `start` on, until no cell changes and
-    the residual is small.
-    """
-    scale = float(np.std(np.asarray(heights)))
-    height = xp.asarray((heights - heights.mean()) / scale, dtype=real)
-    size = height.size
+def _settled(
+    on: Waves, heights: Any, mean: float, start: Any, real: Any, accuracy: Accuracy
+) -> MapContact:
+    """The contact in numbers of type `real`, and its friction and area."""
+    scale = float(np.std(heights))
+    height = np.asarray((heights - heights.mean()) / scale, dtype=real)
     unit = mean / scale  # pressures are counted in the mean one, heights in their rms
-    kernel, inverse = (
-        xp.asarray(on.kernel * unit, dtype=complex_),
-        xp.asarray(on.inverse / unit, dtype=complex_),
+    complex_ = np.result_type(real, np.complex64)
+    cells = Convolution(
+        (on.kernel * unit).astype(complex_),
+        (on.inverse / unit).astype(complex_),
+        height.shape,
     )
-    transform = _transforms(xp, height.shape)
-
-    def apply(factor: Any, field: Any) -> Any:
-        return transform.back(factor * transform.forth(field))
-
-    single = real is np.float32
-    tight = _SINGLE if single else _DOUBLE
-    pressed = xp.asarray(start / mean, dtype=real)
-    touching = pressed > 0
-    fewest, waited, products, settled, level = size + 1, 0, 0, False, np.nan
-    tolerance = 1e-2 if single else 1e-6
-    for _ in range(_PIVOTS):
-        cells = _cells(xp, touching)
-        count = float(touching.sum())
-        if count == 0:
-            break
-
-        def project(values: Any, cells: Any = cells, count: float = count) -> Any:
-            return cells.centred(values, values.sum() / count)
-
-        def precondition(
-            values: Any, cells: Any = cells, project: Any = project
-        ) -> Any:
-            return project(cells.take(apply(inverse, cells.put(values))))
-
-        def product(values: Any, cells: Any = cells, project: Any = project) -> Any:
-            return project(cells.take(apply(kernel, cells.put(values))))
-
-        p = xp.maximum(cells.take(pressed), 0.0)
-        p = cells.centred(p, (p.sum() - size) / count)
-        p, missed, used = _gmres(
-            xp, product, precondition, project(cells.take(height)), p, tolerance
-        )
-        pressed = cells.put(p)
-        miss = apply(kernel, pressed) - height
-        products += used + 1
-        level = float((miss * touching).sum()) / count
-        pulling, overlapping = touching & (pressed <= 0), ~touching & (miss < level)
-        changed = int((pulling | overlapping).sum())
-        waited = 0 if changed < fewest else waited + 1
-        # In 32 bits rounding decides of the last cells. In 64 a few may go in and out
-        # for ever at a glassy leading edge, where a pressure sinks in further behind
-        # than at its own place.
-        few = (
-            count / 500
-            if single
-            else 0
-            if waited <= _PATIENCE + 2
-            else max(2, count / 5000)
-        )
-        if changed <= few and missed <= 4 * tight:
-            settled = True
-            break
-        fewest = min(fewest, changed)
-        only_drop = waited >= _PATIENCE and bool(pulling.any())
-        touching = (
-            touching & ~pulling if only_drop else (touching & ~pulling) | overlapping
-        )
-        # what is left of the solve may keep cells changing
-        loose = 1e-2 * min(1.0, 10 * changed / size) * 0.1**waited
-        tolerance = tight if changed <= max(few, 2, count / 5000) else max(tight, loose)
-    spread = transform.forth(pressed) / size
+    found = settle(
+        cells,
+        height,
+        np.asarray(start / mean, dtype=real),
+        accuracy,
+        load=height.size,
+    )
+    transformed: Any = fft.rfft2(found.pressure)
     most = float(on.loss.max()) or 1.0  # 32 bits hold no loss of 1e-45
-    stress = (
-        float((xp.asarray(on.loss / most, dtype=real) * xp.abs(spread) ** 2).sum())
-        * most
-        * mean
-        * mean
-    )
-    return Found(
-        stress,
-        _area(xp, pressed > 0),
-        -level * scale,
-        pressed * mean,
-        settled,
-        products,
+    share = (on.loss / most).astype(real) * np.abs(transformed / height.size) ** 2
+    return MapContact(
+        float(share.sum()) * most * mean * mean,
+        area_of(found.pressure > 0),
+        -found.depth * scale,
+        found.pressure * mean,
+        found.settled,
+        found.products,
     )
 
 
-def _area(xp: Any, touching: Any) -> float:
-    """Share of the area in contact, from cells whose border is a staircase.
+def area_of(touching: Any) -> float:
+    """Share of the cells in contact, corrected for the staircase of their border.
 
-    Corrected by the length of that border (Yastrebov, Anciaux and Molinari, Tribol.
-    Int. 114 (2017) 161): four cells per shortest wave then give the area of ever finer
-    grids within 2 %, where the cells by themselves give 10 to 15 % more.
+    By the length of that border (Yastrebov, Anciaux and Molinari, Tribol. Int. 114
+    (2017) 161): four cells per shortest wave then give the area of ever finer grids
+    within 2 %, where the cells by themselves give 10 to 15 % more.
     """
-    border = sum(int((touching ^ xp.roll(touching, 1, axis)).sum()) for axis in (0, 1))
-    return (
-        float(touching.sum()) - (np.pi - 1 + np.log(2)) / 24 * border
-    ) / touching.size
-
-
-def _gmres(
-    xp: Any, product: Any, precondition: Any, right: Any, p: Any, tolerance: float
-) -> tuple[Any, float, int]:
-    """GMRES for P K p = P h, preconditioned on the right by P/K: p, its relative
-    residual and how many products.
-    """
-    size = float(xp.sqrt((right * right).sum()))
-    products, missed = 0, np.inf
-    for _ in range(_RESTARTS):
-        r = right - product(p)
-        products += 1
-        beta = float(xp.sqrt((r * r).sum()))
-        missed = beta / size
-        if missed <= tolerance:
-            break
-        basis, hessenberg = [r / beta], np.zeros((_MEMORY + 1, _MEMORY))
-        right_side = np.zeros(_MEMORY + 1)
-        right_side[0] = beta
-        y = np.zeros(1)
-        for j in range(_MEMORY):
-            w = product(precondition(basis[j]))
-            products += 1
-            for i, b in enumerate(basis):
-                hessenberg[i, j] = float((w * b).sum())
-                w = w - hessenberg[i, j] * b
-            hessenberg[j + 1, j] = float(xp.sqrt((w * w).sum()))
-            part = hessenberg[: j + 2, : j + 1]
-            y, *_ = np.linalg.lstsq(part, right_side[: j + 2], rcond=None)
-            missed = float(np.linalg.norm(part @ y - right_side[: j + 2])) / size
-            if missed <= 0.7 * tolerance or hessenberg[j + 1, j] <= 1e-12 * beta:
-                break
-            basis.append(w / hessenberg[j + 1, j])
-        step = y[0] * basis[0]
-        for factor, b in zip(y[1:], basis[1:], strict=False):
-            step = step + factor * b
-        p = p + precondition(step)
-        if missed <= 0.7 * tolerance:
-            break
-    return p, missed, products
-
-
-class _Cells(NamedTuple):
-    """The cells in contact as a list of values, and back to the grid."""
-
-    take: Callable[[Any], Any]
-    put: Callable[[Any], Any]
-    centred: Callable[[Any, Any], Any]  # values less a number, on the cells in contact
-
-
-def _cells(xp: Any, touching: Any) -> _Cells:
-    """NumPy keeps the cells in contact only; elsewhere sizes must not change, and the
-    other cells are zero.
-    """
-    if xp is not np:
-        return _Cells(
-            lambda field: xp.where(touching, field, 0),
-            lambda values: values,
-            lambda values, number: xp.where(touching, values - number, 0),
-        )
-    index, shape = np.flatnonzero(touching), touching.shape
-
-    def put(values: Any) -> Any:
-        field = np.zeros(touching.size, values.dtype)
-        field[index] = values
-        return field.reshape(shape)
-
-    return _Cells(
-        lambda field: field.reshape(-1)[index],
-        put,
-        lambda values, number: values - number,
-    )
-
-
-class _Transforms(NamedTuple):
-    forth: Callable[[Any], Any]
-    back: Callable[[Any], Any]
-
-
-def _transforms(xp: Any, shape: tuple[int, ...]) -> _Transforms:
-    if xp is not np:
-        return _Transforms(xp.fft.rfft2, lambda spread: xp.fft.irfft2(spread, s=shape))
-    from scipy import fft
-
-    return _Transforms(
-        lambda field: fft.rfft2(field),
-        lambda spread: fft.irfft2(spread, s=shape, overwrite_x=True),
-    )
+    border = sum(int((touching ^ np.roll(touching, 1, axis)).sum()) for axis in (0, 1))
+    cells = float(touching.sum()) - (np.pi - 1 + np.log(2)) / 24 * border
+    return cells / touching.size

@@ -1,46 +1,15 @@
-"""Conduction of friction heat: closed forms of moving sources, and the flash
-temperature by length scale.
+"""Conduction of friction heat: closed forms of moving sources.
 
 A heat source on the insulated surface of a half-space moves along x at v. With thermal
 conductivity lambda [W/(m K)], heat capacity per volume rho c [J/(m^3 K)], diffusivity D
 = lambda/(rho c) and w = v/2D, a unit of power at the distance r and the angle phi from
 a point warms it, in the steady state, by exp(-w (r + r cos phi))/(2 pi lambda r)
 (Jaeger 1942); on average over angles by I0(w r) exp(-w r)/(2 pi lambda r).
-
-**The flash temperature.** Rubber is heated in its volume where it is deformed: a wave q
-of the surface to the depth 1/2q, by exp(-2 q z). Split in depth into cosines of wave
-number k, the source at the distance r warms as I0(w r) K0(r sqrt(w^2 + k^2)), so that a
-pattern of heated spots has the mean temperature
-
-    dT = (2/(pi lambda)) int_0^inf dk S(k)^2
-         int_0^inf r dr [j(r) - j] I0(w r) K0(r sqrt(w^2 + k^2)),
-    S(k) = sum_q s_q 4 q^2/(k^2 + 4 q^2),        j(r) = j/P(pi/r),
-
-with j = mu p v the mean heat flux, s_q the share of the friction that the waves q have,
-and j(r) the mean flux at the distance r from a heated point. Two points closer than
-half a wave, pi/q, lie in one contact region as it is seen at the wave number q, and
-P(q) is the share of the surface in such regions, from Persson's theory, since the line
-of the MDR has no contact area:
-
-    P = erf(1/(2 sqrt G)),
-    G(q) = (1/8) int_q_low^q k^3 C(k) dk int_0^2pi |E*(k v cos phi)/p|^2 dphi.
-
-Exact for an isotropic pattern with that j(r), at every Peclet number; what is assumed
-is j(r), exp(-2 q z), and one temperature for all waves, the mean over where the heat
-arises. What the mean flux j adds is left out: it warms the whole body, by its size,
-time and cooling, and belongs to the `temperature` that is given. All heat goes into the
-rubber, where the losses are: the road takes none.
-
-By length scale, with q exp(-2 q z) and P, as in Persson, J. Phys.: Condens. Matter 18
-(2006) 7789; there the heat spreads in depth for the time of one contact, here also
-sideways, and slowly moving spots have their steady limit. The thermal foundation of the
-MDR (2 lambda dx per element) is for spots at rest: at a Peclet number w a it is too hot
-by the root of it.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -53,17 +22,15 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
-from ..surface.spectrum import AbstractSpectrum
+from ..material.shift import thermal_factors
 from ..trees import Tree, fill
-from .psd_integrals import read, tables
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, Number, Scalar
 
-_PER_DECADE = 40  # wave numbers and distances, trapezoidal rule in their logarithm
-_FAR = 1e-3  # smallest distance, in half waves of the upper cutoff
+HIGHEST = 1000.0  # largest rise that is looked for [K]
 
 
 class Heat(Tree):
@@ -273,88 +240,18 @@ def check_heat(
         )
 
 
-class Scales(NamedTuple):
-    """Where on the scale of lengths a surface is in contact and loses energy, for n
-    reduced velocities.
+def highest_rise(body: Any, kelvin: Any) -> float:
+    """The largest rise to look for [K]: that of a shift law's end above the warmest
+    body, or 1000 K.
     """
-
-    q: Float[np.ndarray, " waves"]  # [rad/m]
-    area: Float[np.ndarray, "n waves"]  # P(q)
-    share: Float[np.ndarray, "n waves"]  # s_q, sums to one
-
-
-def scales(
-    foundation: Any,
-    surface: AbstractSpectrum,
-    reduced: Float[np.ndarray, " n"],
-    pressure: Any,
-) -> Scales:
-    """Apparent contact share P and share s of the friction, by wave number, at v a_T
-    and the nominal pressures.
-    """
-    from scipy.special import erf
-
-    count = max(
-        24, int(np.ceil(_PER_DECADE * np.log10(surface.q_high / surface.q_low)))
-    )
-    q = np.geomspace(surface.q_low, surface.q_high, count + 1)
-    width = np.log(q[1] / q[0])
-    log_omega = np.log(reduced[:, None] * q)
-    of = tables(
-        foundation.complex_modulus, np.exp(log_omega.min()), np.exp(log_omega.max())
-    )
-    slope = q**4 * surface.at(q)  # q^3 C dq, per dlog q
-    rate = (
-        slope
-        * read(of, of.stiffness, log_omega)
-        / (8 * np.reshape(pressure, (-1, 1)) ** 2)
-    )
-    spread = np.concatenate(
-        [
-            np.zeros((reduced.size, 1)),
-            np.cumsum(0.5 * width * (rate[:, 1:] + rate[:, :-1]), 1),
-        ],
-        1,
-    )
-    with np.errstate(divide="ignore"):
-        area = erf(0.5 / np.sqrt(spread))
-    share = slope * area * read(of, of.drag, log_omega)
-    share[:, [0, -1]] *= 0.5
-    return Scales(q, area, share / share.sum(axis=1, keepdims=True))
-
-
-def rise(
-    heat: Heat, at: Scales, velocity: Float[np.ndarray, " m"]
-) -> Float[np.ndarray, "m n"]:
-    """Flash temperature per mean heat flux [K m^2/W] of m velocities, at each of the n
-    states of `at`.
-
-    The double integral of this file's head, by the trapezoidal rule in log r and log k,
-    to about 1e-3.
-    """
-    from scipy.special import i0e, k0e
-
-    step = np.log(at.q[1] / at.q[0])
-    near = np.arange(1, int(np.ceil(-np.log(_FAR) / step)) + 1)
-    # descending
-    r = np.concatenate([np.pi / at.q, np.pi / at.q[-1] * np.exp(-step * near)])
-    excess = 1 / at.area - 1
-    excess = np.concatenate(
-        [excess, np.repeat(excess[:, -1:], near.size, axis=1)], axis=1
-    )
-    low, high = 1e-3 / r[0], 1e3 * at.q[-1]
-    k = np.geomspace(low, high, int(np.ceil(12 * np.log10(high / low))))
-    dk = k * np.log(k[1] / k[0])
-    dk[0] = 0.5 * dk[0] + k[0]  # what lies below counts as even
-    sampled = (at.share @ (4 * at.q**2 / (k[:, None] ** 2 + 4 * at.q**2)).T) ** 2 * dk
-    found = np.empty((velocity.size, excess.shape[0]))
-    for i, v in enumerate(velocity):
-        w = v / (2 * heat.diffusivity)
-        whole = np.hypot(w, k)[:, None]
-        kernel = (
-            i0e(w * r) * k0e(whole * r) * np.exp(-(k[:, None] ** 2) / (whole + w) * r)
-        )
-        found[i] = np.einsum(
-            "nk,kr,nr->n", sampled, kernel * r**2 * step, excess, optimize=True
-        )
-    return np.asarray(2 / (np.pi * heat.conductivity) * found)
+    low, high, warmest = 0.0, 2 * HIGHEST, float(np.max(kelvin))
+    while high - low > 1e-3 * low + 1e-3:
+        middle = 0.5 * (low + high)
+        try:
+            thermal_factors(body, warmest + middle)
+            low = middle
+        except InputError:
+            high = middle
+        if low >= HIGHEST:
+            break
+    return min(low, HIGHEST)

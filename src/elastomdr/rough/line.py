@@ -2,24 +2,24 @@
 average, heating; and its plan.
 """
 
-import warnings
+import dataclasses
 from collections.abc import Callable
-from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..call.extrapolation import NOT_KNOWN, excited_outside, rough_beyond
 from ..checks import Array, in_float64, nan_unless
-from ..errors import ConvergenceWarning, ModelWarning
+from ..errors import ConvergenceWarning, ModelWarning, warn
 from ..models import Line as LineModel
 from ..results.curve import FrictionCurve, Lines
 from ..smooth.problem import AVERAGED, BARE
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
-from . import ensemble as ensemble_of
 from .ensemble import (
+    SAMPLING,
     Ask,
+    Mean,
     coarse_at,
     ensemble,
     lanes_of,
@@ -27,14 +27,13 @@ from .ensemble import (
     on_enough_samples,
     solutions,
 )
-from .flash import SETTLED, warmed
+from .flash import SETTLED, Warm, warmed
 from .heat import Heat
-from .line_bound import factor, missed
 from .line_derivatives import traced_mean_of_lines
-from .line_problem import RoughScene, load_level, set_up
-from .mean import Mean
+from .line_problem import RoughScene, factor, load_level, missed, set_up
 from .periodic import Job, Line, solve_lines
 from .periodic_plan import RoughPlan, plan_lines
+from .surface import SOFTENING_LEFT_OUT, excited_beyond
 
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
 _ROUNDS = 4  # of a call's solutions that heating takes, about
@@ -48,231 +47,309 @@ _FLASH = (
 )
 
 
+class _Solver:
+    """Solves points on the lines of a scene, and tells `progress` how far it is."""
+
+    def __init__(
+        self,
+        scene: RoughScene,
+        surface: Any,
+        model: LineModel,
+        rtol: float,
+        skip: bool,
+        heated: bool,
+        progress: Callable[[int, int], None] | None,
+        store: Any,
+    ):
+        self.scene, self.surface, self.model = scene, surface, model
+        self.law, self.rtol, self.skip = scene.at.foundation.law(), rtol, skip
+        self.heated, self.progress, self.store = heated, progress, store
+        self.asked = self.finished = 0  # line solutions
+        self.largest = scene.lines[0].count  # samples of a line so far
+        self.first = 0 if scene.at.traced else len(scene.lines) * self._solutions()
+
+    def cold(self) -> Mean:
+        """The points of the scene, at the temperatures that are given."""
+        scene, reduced = self.scene, self.scene.at.reduced.ravel()
+        if scene.at.traced:
+            return traced_mean_of_lines(
+                scene.lines,
+                self.law,
+                reduced,
+                scene.given,
+                scene.control,
+                self.rtol,
+                self.model.average,
+            )
+        mean = self.mean(reduced, scene.given)
+        # nothing is lost, and what is left is rounding
+        if not np.any(self.law.moduli) and not float(self.law.viscosity):
+            mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
+        return mean
+
+    def warm(self, heat: Heat, cold: Mean) -> Warm:
+        """The points of the scene, at the temperatures that their friction makes."""
+        at, length = self.scene.at, self.scene.length
+
+        def at_pressure(
+            reduced: np.ndarray, pressure: np.ndarray, coarse: bool
+        ) -> Mean:
+            return self.mean(reduced, pressure * length, coarse)
+
+        return warmed(
+            heat,
+            at.foundation,
+            self.surface,
+            at.full(at.velocity).ravel(),
+            at.full(at.kelvin).ravel(),
+            self.scene.given * at.vertical.ravel() / length,
+            cold,
+            at_pressure,
+        )
+
+    def mean(
+        self, reduced: np.ndarray, value: np.ndarray, coarse: bool = False
+    ) -> Mean:
+        """Mean over the lines at v a_T and line loads or depths, on so many samples
+        that the error from the sampling is small, unless `coarse`.
+        """
+        scene = self.scene
+        tolerance = max(_COARSE, self.rtol) if coarse else self.rtol
+        ask = Ask(reduced, value, scene.control, tolerance, self.skip)
+        mean = self._on(ask, scene.lines)
+        if coarse or self.model.samples is not None:
+            return mean
+
+        def finer(ask: Ask, samples: int) -> Mean:
+            lines = ensemble(self.surface, samples, self.model.periods, scene.seeds)
+            return self._on(ask, lines)
+
+        mean, used = on_enough_samples(
+            ask, mean, scene.lines[0], float(self.law.equilibrium), finer
+        )
+        self.largest = max(self.largest, int(used.max()))
+        return mean
+
+    def _on(self, ask: Ask, lines: list[RoughLine]) -> Mean:
+        self.asked += len(lines) * solutions(ask, self.model.average)
+
+        def solved(
+            wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]],
+        ) -> list[Line]:
+            jobs = [
+                Job(
+                    np.asarray(line.height),
+                    float(line.spacing),
+                    speeds,
+                    values,
+                    control,
+                )
+                for line, speeds, values, control in wanted
+            ]
+            return solve_lines(
+                jobs, self.law, ask.rtol, self.skip, self._tick, self.store
+            )
+
+        return mean_of_lines(ask, lines, self.model.average, solved)
+
+    def _solutions(self) -> int:
+        scene = self.scene
+        ask = Ask(
+            scene.at.reduced.ravel(), scene.given, scene.control, self.rtol, self.skip
+        )
+        return solutions(ask, self.model.average)
+
+    def _tick(self, count: int) -> None:
+        self.finished += count
+        if self.progress is not None:
+            # how many rounds heating takes is not known before
+            least = _ROUNDS * self.first if self.heated else 1
+            total = max(self.asked, least)
+            self.progress(min(self.finished, total), total)
+
+
+class _Answer(NamedTuple):
+    """The means over the lines, flat, and which of them are handed out."""
+
+    mean: Mean
+    cold: Array  # mu at the temperatures that are given
+    warm: Warm | None
+    reduced: Any  # v a_T at the raised temperature, in the shape of the call
+    vertical: Array  # b_T at the raised temperature
+    error: Array  # numerical error of mu
+    good: Array
+
+
 @in_float64
 def rough_friction(
     material: Any,
     surface: RoughLine | AbstractSpectrum,
     *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    pressure: Any,
-    temperature: Any,
     model: LineModel,
     rtol: Any,
     skip: bool,
     heat: Heat | None,
     progress: Callable[[int, int], None] | None,
     store: Any,
+    **arguments: Any,
 ) -> FrictionCurve:
     """`em.friction` of a rough line or surface on lines; see there."""
-    scene = set_up(
-        material,
+    scene = set_up(material, surface, model=model, rtol=rtol, heat=heat, **arguments)
+    solver = _Solver(
+        scene,
         surface,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        pressure=pressure,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-        heat=heat,
+        model,
+        float(rtol),
+        bool(skip),
+        heat is not None,
+        progress,
+        store,
     )
-    at, lines, length, given, control = (
-        scene.at,
-        scene.lines,
-        scene.length,
-        scene.given,
-        scene.control,
+    cold = solver.cold()
+    answer = _judged(scene, cold, None if heat is None else solver.warm(heat, cold))
+    at, foundation = scene.at, scene.at.foundation
+    spread, far = _model_bounds(scene, surface, model, answer)
+    outside = (
+        None
+        if at.traced
+        else excited_outside(foundation.range, surface, answer.reduced)
     )
-    foundation, shape, kelvin, reduced, traced = (
-        at.foundation,
-        at.shape,
-        at.kelvin,
-        at.reduced,
-        at.traced,
+    inputs = _inputs(scene, surface, model, heat, solver.largest, outside)
+    beyond = (
+        NOT_KNOWN
+        if at.traced
+        else rough_beyond(foundation.range, outside, at.kelvin, at.shape)
     )
-    law, average = foundation.law(), model.average
-    asked, finished, largest, count = [0], [0], [lines[0].count], len(lines)
-    first = (
-        0
-        if traced
-        else solutions(
-            Ask(reduced.ravel(), given, control, float(rtol), bool(skip)), average
-        )
+    curve = _packed(scene, surface, answer, spread, far)
+    return dataclasses.replace(
+        curve,
+        model=_model(scene, model.average, heat),
+        plan=_plan(scene, surface, model.average, rtol, skip, heat),
+        inputs=(*inputs, *beyond.said),
+        extrapolated=beyond.points,
+        outside=outside,
     )
 
-    def tick(some: int) -> None:
-        finished[0] += some
-        if progress is not None:
-            # how many rounds heating takes is not known before
-            least = 1 if heat is None else _ROUNDS * count * first
-            total = max(asked[0], least)
-            progress(min(finished[0], total), total)
 
-    def solved(
-        wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]], rtol: float
-    ) -> list[Line]:
-        jobs = [
-            Job(np.asarray(line.height), float(line.spacing), v, x, how)
-            for line, v, x, how in wanted
-        ]
-        return solve_lines(jobs, law, rtol, bool(skip), tick, store)
-
-    def points(reduced: np.ndarray, value: np.ndarray, coarse: bool = False) -> Mean:
-        tolerance = max(_COARSE, float(rtol)) if coarse else float(rtol)
-
-        def mean(ask: Ask, on: list[RoughLine]) -> Mean:
-            asked[0] += count * solutions(ask, average)
-            return mean_of_lines(ask, on, average, partial(solved, rtol=tolerance))
-
-        def finer(ask: Ask, size: int) -> Mean:
-            return mean(ask, ensemble(surface, size, model.periods, scene.seeds))
-
-        ask = Ask(reduced, value, control, tolerance, bool(skip))
-        found = mean(ask, lines)
-        if coarse or model.samples is not None:
-            return found
-        found, used = on_enough_samples(
-            ask, found, lines[0], float(law.equilibrium), finer
-        )
-        largest[0] = max(largest[0], int(used.max()))
-        return found
-
-    if traced:
-        found = traced_mean_of_lines(
-            lines, law, reduced.ravel(), given, control, float(rtol), average
-        )
-    else:
-        found = points(reduced.ravel(), given)
-        # nothing is lost, and what is left is rounding
-        if not np.any(law.moduli) and not float(law.viscosity):
-            found = found._replace(mu=0 * found.mu, error=0 * found.error)
-    warm, cold = None, found.mu
-    vertical = at.vertical.ravel()
-    if (
-        heat is not None
-        and isinstance(surface, AbstractSpectrum)
-        and kelvin is not None
-    ):
-        v, t = (at.full(a).ravel() for a in (at.velocity, kelvin))
-
-        def at_pressure(
-            reduced: np.ndarray, pressure: np.ndarray, coarse: bool
-        ) -> Mean:
-            return points(reduced, pressure * length, coarse)
-
-        warm = warmed(
-            heat,
-            foundation,
-            surface,
-            v,
-            t,
-            given * vertical / length,
-            found,
-            at_pressure,
-        )
-        found, reduced, vertical = warm.mean, warm.reduced.reshape(shape), warm.vertical
-    mu, good, force = found.mu, found.good, found.load * vertical
-    error = found.error + (0.0 if warm is None else SETTLED * np.abs(mu - cold))
-    coarse = good & coarse_at(error, mu)
-    good = good & ~coarse
-    if not traced and not good.all():
-        text = (
+def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
+    """The answer at the temperatures that friction makes, if it heats, and which points
+    have one; one warning counts the others.
+    """
+    at, mean = scene.at, cold if warm is None else warm.mean
+    error = mean.error
+    if warm is not None:
+        error = error + SETTLED * np.abs(mean.mu - cold.mu)
+    coarse = mean.good & coarse_at(error, mean.mu)
+    good = mean.good & ~coarse
+    if not at.traced and not good.all():
+        sentence = (
             f"{int((~good).sum())} of {good.size} points did not converge; they are "
             "NaN."
         )
         if coarse.any():
-            text += (
+            sentence += (
                 f" Of {int(coarse.sum())} the estimated error for the sampling of the "
-                f"line, up to {(error / mu)[coarse].max():.1g} of mu, is above "
-                f"{ensemble_of.SAMPLING:g}: more samples lower it."
+                f"line, up to {(error / mean.mu)[coarse].max():.1g} of mu, is above "
+                f"{SAMPLING:g}: more samples lower it."
             )
-        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+        warn(sentence, ConvergenceWarning)
+    reduced = at.reduced if warm is None else warm.reduced.reshape(at.shape)
+    vertical = at.vertical.ravel() if warm is None else warm.vertical
+    return _Answer(mean, cold.mu, warm, reduced, vertical, error, good)
+
+
+def _model_bounds(
+    scene: RoughScene, surface: Any, model: LineModel, answer: _Answer
+) -> tuple[Any, Any]:
+    """Error of mu for the number of lines, and the bound of the line's distance from
+    three dimensions over mu; with a warning where that is large.
+    """
+    if not isinstance(surface, AbstractSpectrum):
+        return 0.0, np.nan
     # A surface is all its lines; about 95 % of means of as many lines lie within twice
     # their standard error.
-    spread, far = 0.0, np.nan
-    if isinstance(surface, AbstractSpectrum):
-        spread = np.nan if found.scatter is None else 2 * found.scatter
-        if pressure is not None:
-            far = factor(surface, model) - 1
-            if not traced and (text := missed(surface, model)) is not None:
-                warnings.warn(text, ModelWarning, stacklevel=4)
+    scatter = answer.mean.scatter
+    spread = np.nan if scatter is None else 2 * scatter
+    if scene.length is None:
+        return spread, np.nan
+    if not scene.at.traced and (sentence := missed(surface, model)) is not None:
+        warn(sentence, ModelWarning)
+    softens = scene.at.foundation.softening is not None
+    return spread, np.nan if softens else factor(surface, model) - 1
+
+
+def _packed(
+    scene: RoughScene, surface: Any, answer: _Answer, spread: Any, far: Any
+) -> FrictionCurve:
+    """The numbers of the result."""
+    at, mean, warm = scene.at, answer.mean, answer.warm
 
     def field(values: Array) -> Array:
-        return nan_unless(good, values).reshape(shape)
+        return nan_unless(answer.good, values).reshape(at.shape)
 
-    outside = None if traced else excited_outside(foundation.range, surface, reduced)
-    inputs = scene.inputs(
-        ("surface", surface.label if traced else surface_words(surface, lines[0])),
-        *(("as read", text) for text in getattr(surface, "report", ())),
-    )
-    inputs += (
-        []
-        if pressure is None or traced
-        else load_level(foundation, surface, pressure, model.equivalent_length)
-    )
-    words = ensemble_words(scene.seeds, lines[0].count, largest[0])
-    if isinstance(surface, AbstractSpectrum) and count == 1:
-        words += ": how far lines scatter is not known, and so no error of mu"
-    inputs += [("ensemble", words)]
-    inputs += [] if heat is None else [("heat", heat.words())]
-    if foundation.softening is not None:
-        far = np.nan
-        inputs.append(
-            (
-                "softening",
-                (
-                    "of the material is left out: this model is linear, its moduli "
-                    "are of small strain"
-                ),
-            )
-        )
-    if outside is not None:
-        inputs.append(
-            (
-                "excited beyond",
-                (
-                    f"the material's data: at most {np.nanmax(outside):.0%} of <|grad "
-                    "h|^2>"
-                ),
-            )
-        )
-    beyond = (
-        NOT_KNOWN
-        if traced
-        else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
-    )
-    inputs += beyond.said
-    return FrictionCurve(
+    on_line = isinstance(surface, RoughLine)
+    force = mean.load * answer.vertical
+    curve = FrictionCurve(
         velocity=at.full(at.velocity),
-        mu=field(mu),
+        mu=field(mean.mu),
         normal_force=field(force),
-        friction_force=field(mu * force),
-        depth=field(found.depth),
+        friction_force=field(mean.mu * force),
+        depth=field(mean.depth),
         contact=None,
-        error=field(error + spread),
-        converged=good.reshape(shape),
-        temperature=at.full(kelvin),
-        model=_model(scene, average, heat),
-        plan=_plan(scene, surface, average, rtol, skip, heat),
-        inputs=tuple(inputs),
-        extrapolated=beyond.points,
-        model_error=None if isinstance(surface, RoughLine) else field(mu * far),
-        pressure=None
-        if pressure is None
-        else (given * at.vertical.ravel() / length).reshape(shape),
-        temperature_rise=None if warm is None else field(warm.rise),
-        cold=None if warm is None else field(cold),
-        heat_flux=None if warm is None else field(warm.heat),
-        outside=outside,
+        error=field(answer.error + spread),
+        converged=answer.good.reshape(at.shape),
+        temperature=at.full(at.kelvin),
+        model="",
+        plan="",
+        inputs=(),
+        model_error=None if on_line else field(mean.mu * far),
         lines=Lines(
-            field(found.share),
-            None if found.scatter is None else field(found.scatter),
-            None if isinstance(surface, RoughLine) else field(error),
-            count,
+            field(mean.share),
+            None if mean.scatter is None else field(mean.scatter),
+            None if on_line else field(answer.error),
+            len(scene.lines),
         ),
     )
+    if scene.length is not None:
+        pressure = scene.given * at.vertical.ravel() / scene.length
+        curve = dataclasses.replace(curve, pressure=pressure.reshape(at.shape))
+    if warm is None:
+        return curve
+    return dataclasses.replace(
+        curve,
+        temperature_rise=field(warm.rise),
+        cold=field(answer.cold),
+        heat_flux=field(warm.heat),
+    )
+
+
+def _inputs(
+    scene: RoughScene,
+    surface: Any,
+    model: LineModel,
+    heat: Heat | None,
+    largest: int,
+    outside: Any,
+) -> list[tuple[str, str]]:
+    """What a result says of its arguments."""
+    at, line = scene.at, scene.lines[0]
+    rows = scene.inputs(
+        ("surface", surface.label if at.traced else surface_words(surface, line)),
+        *(("as read", text) for text in getattr(surface, "report", ())),
+    )
+    if scene.length is not None and not at.traced:
+        rows += load_level(at.foundation, surface, at.value, model.equivalent_length)
+    words = ensemble_words(scene.seeds, line.count, largest)
+    if isinstance(surface, AbstractSpectrum) and len(scene.lines) == 1:
+        words += ": how far lines scatter is not known, and so no error of mu"
+    rows += [("ensemble", words)]
+    if heat is not None:
+        rows += [("heat", heat.words())]
+    if at.foundation.softening is not None:
+        rows += [SOFTENING_LEFT_OUT]
+    if outside is not None:
+        rows += [excited_beyond(outside)]
+    return rows
 
 
 @in_float64

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..call.extrapolation import excited_outside, rough_beyond
+from ..call.extrapolation import Beyond, excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.several_materials import over_materials
 from ..checks import in_float64, is_traced
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
+from ..material.relaxation import Relaxation
 from ..models import seeds_of
 from ..smooth.problem import BARE
 from ..surface.rough_line import RoughLine
+from .branch_reduction import lanes
 from .line import surface_words
-from .line_contact_result import LineContact
-from .line_problem import set_up
-from .periodic_field import field
+from .line_problem import RoughScene, set_up
+from .period import coefficients, motion
+from .periodic import Line as SolvedLine
+from .periodic import rises, solve_states
+from .results import LineContact
 
 if TYPE_CHECKING:
+    from jaxtyping import Float
+
     from .._types import Number
     from ..call.types import Material, Surface
     from ..models import Line
@@ -68,25 +73,9 @@ def line_contact(
 
     Exact for the line. Not differentiable.
     """
-    if not is_rough(surface):
-        raise InputError(
-            "surface must be a rough line or a surface by its spectrum, got "
-            f"{surface!r}."
-        )
-    model = of_line(model, "line_contact")
-    if model.average:
-        raise InputError(
-            "model must be em.Line() without average in em.line_contact: the "
-            "average has no single field."
-        )
-    model = dataclasses.replace(
-        model, seeds=1 if isinstance(surface, RoughLine) else seeds_of(model.seeds)[:1]
+    model = _checked(
+        surface, model, (material, velocity, load, depth, pressure, temperature)
     )
-    if is_traced(material, surface, velocity, load, depth, pressure, temperature):
-        raise InputError(
-            "line_contact has no derivatives, and cannot run under jax.jit, grad "
-            "or vmap: em.friction can."
-        )
     scene = set_up(
         material,
         surface,
@@ -104,44 +93,117 @@ def line_contact(
             f"velocity, {at.name} and temperature must be single numbers, got "
             f"{at.shape}."
         )
-    (line,) = scene.lines
-    height = np.asarray(line.height)
-    law, speed, value = (
+    found = _field(
+        np.asarray(scene.lines[0].height),
+        float(scene.lines[0].spacing),
         at.foundation.law(),
         float(at.reduced.ravel()[0]),
         float(scene.given[0]),
+        scene.control,
+        float(rtol),
     )
-    found = field(
-        height, float(line.spacing), law, speed, value, scene.control, float(rtol)
-    )
-    good = bool(found.line.converged[0])
-    if not good:
-        warnings.warn(
-            "the point did not converge; it is NaN.", ConvergenceWarning, stacklevel=3
-        )
-    mu, load_, deep, share = (
-        float(getattr(found.line, name)[0]) for name in ("mu", "load", "depth", "share")
-    )
+    if not found.line.converged[0]:
+        warn("the point did not converge; it is NaN.", ConvergenceWarning)
     known = at.foundation.range
     outside = excited_outside(known, surface, at.reduced.reshape(()))
-    beyond = rough_beyond(known, outside, at.kelvin, (), stacklevel=4)
-    vertical = float(at.vertical.ravel()[0])
+    beyond = rough_beyond(known, outside, at.kelvin, ())
+    return _packed(scene, surface, found, beyond)
+
+
+def _checked(surface: Any, model: Any, points: tuple[Any, ...]) -> Line:
+    """The model with its first seed. Raises `InputError`."""
+    if not is_rough(surface):
+        raise InputError(
+            "surface must be a rough line or a surface by its spectrum, got "
+            f"{surface!r}."
+        )
+    model = of_line(model, "line_contact")
+    if model.average:
+        raise InputError(
+            "model must be em.Line() without average in em.line_contact: the "
+            "average has no single field."
+        )
+    if is_traced(surface, *points):
+        raise InputError(
+            "line_contact has no derivatives, and cannot run under jax.jit, grad "
+            "or vmap: em.friction can."
+        )
+    return dataclasses.replace(
+        model, seeds=1 if isinstance(surface, RoughLine) else seeds_of(model.seeds)[:1]
+    )
+
+
+def _packed(
+    scene: RoughScene, surface: Any, found: _Field, beyond: Beyond
+) -> LineContact:
+    """The result: one error, one flag at every sample."""
+    (line,) = scene.lines
+    height, vertical = np.asarray(line.height), float(scene.at.vertical.ravel()[0])
+    mu, load, depth, share, error = (
+        float(getattr(found.line, name)[0])
+        for name in ("mu", "load", "depth", "share", "error")
+    )
+    inputs = scene.inputs(("surface", surface_words(surface, line)))
     return LineContact(
         x=np.asarray(line.x),
-        height=height - height.max() + deep,
+        height=height - height.max() + depth,
         surface=found.surface,
         force=vertical * found.force,
         touching=found.force > 0,
         mu=mu,
-        load=vertical * load_,
-        depth=deep,
+        load=vertical * load,
+        depth=depth,
         share=share,
-        error=np.full(height.size, float(found.line.error[0])),
-        converged=np.full(height.size, good),
+        error=np.full(height.size, error),
+        converged=np.full(height.size, bool(found.line.converged[0])),
         extrapolated=None
         if beyond.points is None
         else np.full(height.size, beyond.points),
         model=BARE + scene.rule,
         plan=f"one periodic state of {height.size} samples",
-        inputs=(*scene.inputs(("surface", surface_words(surface, line))), *beyond.said),
+        inputs=(*inputs, *beyond.said),
     )
+
+
+class _Field(NamedTuple):
+    """The line and the rubber at each sample, along +x.
+
+    Every element sees the same history, so that what one element does in time is what
+    the line shows in space, read against the motion.
+    """
+
+    line: SolvedLine  # of one lane
+    surface: Float[np.ndarray, " n"]  # u, how far the rubber is pushed back [m]
+    # q, force per length of line [N/m]; 0 out of contact
+    force: Float[np.ndarray, " n"]
+
+
+def _field(
+    height: Float[np.ndarray, " n"],
+    spacing: float,
+    law: Relaxation,
+    velocity: float,
+    value: float,
+    control: Literal["load", "depth"],
+    rtol: float,
+) -> _Field:
+    """Solves one velocity and lays its period out along the line; NaN where it did not
+    converge.
+    """
+    speed, n = np.array([velocity]), height.size
+    line, state = solve_states(
+        height, spacing, law, speed, np.array([value]), control, rtol
+    )
+    if not line.converged[0]:
+        return _Field(line, np.full(n, np.nan), np.full(n, np.nan))
+    found = motion(
+        rises(height),
+        line.depth,
+        state.branches,
+        coefficients(lanes(law, 1), spacing / speed),
+    )
+    # where along +x each sample of the period lies
+    back = np.roll(np.arange(n)[::-1], -int(np.argmax(height[::-1])))
+    laid = _Field(line, np.empty(n), np.empty(n))
+    laid.surface[back], laid.force[back] = (np.asarray(x)[:, 0] for x in found)
+    return laid

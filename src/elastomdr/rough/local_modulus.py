@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..material.vertical import thermal_factors
-from .psd_integrals import namespace
+from ..arrays import namespace
+from ..material.shift import thermal_factors
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
 _ONSET = 0.1  # c of `place_of`

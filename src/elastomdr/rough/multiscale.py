@@ -18,21 +18,26 @@ the friction in light contact. Exact in full contact; for small loss mu is linea
 loss, and for p -> 0 it does not depend on p.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..checks import is_traced
+from ..arrays import fixed, namespace, xp
+from ..checks import is_traced, known
 from ..material.tabulated import LEFT_OUT
 from ..models import SurfaceFriction
-from .local_modulus import Local
+from ..numerics.implicit import as_doubles, numbers_with_slopes
+from ..numerics.interpolation import hermite
+from ..numerics.quadrature import gauss
+from .local_modulus import Local, Softened, Warmed
 from .psd_integrals import (
     PER_DECADE,
     Nodes,
+    cell_counts,
     direct,
     factor,
-    namespace,
     nodes,
     read,
     share,
@@ -109,47 +114,23 @@ def solve(
     Cells of log q are halved until the change by the last halving is below `rtol`, or
     no more memory should be spent.
     """
-    xp = namespace(
-        velocity, pressure, spectrum.q, spectrum.c, modulus(np.ones(1)), *local.arrays()
-    )
-    if xp is not np:
-        coarsest, coarse, fine = (
-            _evaluate(
-                modulus,
-                nodes(spectrum, _TRACED // part),
-                velocity,
-                pressure,
-                model,
-                None,
-                local,
-            )
-            for part in (4, 2, 1)
-        )
-        return Found(*fine, *map(_error, fine, coarse, coarsest))
-    mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
-    left, per_decade = np.arange(velocity.size), PER_DECADE
-    coarsest, coarse = (
-        _in_batches(
+
+    def evaluated(points: Any, per_decade: int) -> Any:
+        return _in_batches(
             modulus,
             spectrum,
-            velocity,
-            pressure,
-            model,
-            per_decade // part,
-            local,
-        )
-        for part in (4, 2)
-    )
-    while left.size and per_decade <= _FINEST:
-        fine = _in_batches(
-            modulus,
-            spectrum,
-            velocity[left],
-            pressure[left],
+            velocity[points],
+            pressure[points],
             model,
             per_decade,
-            local.of(left),
+            local.of(points),
         )
+
+    mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
+    left, per_decade = np.arange(velocity.size), PER_DECADE
+    coarsest, coarse = (evaluated(left, per_decade // part) for part in (4, 2))
+    while left.size and per_decade <= _FINEST:
+        fine = evaluated(left, per_decade)
         mu[left], area[left] = fine
         error[left], area_error[left] = map(_error, fine, coarse, coarsest)
         # one may be by chance
@@ -157,11 +138,8 @@ def solve(
             area_error[left] <= rtol * area[left]
         )
         again = ~met & np.isfinite(fine[0])
-        left, coarsest, coarse = (
-            left[again],
-            [x[again] for x in coarse],
-            [x[again] for x in fine],
-        )
+        left = left[again]
+        coarsest, coarse = ([x[again] for x in level] for level in (coarse, fine))
         per_decade *= 2
     return Found(mu, area, error, area_error)
 
@@ -170,8 +148,7 @@ def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
     """Half the last change, or an eighth of that before if more: of second order, as
     where a table's cubics meet.
     """
-    xp = namespace(fine)
-    return xp.maximum(abs(fine - coarse) / 2, abs(coarse - coarsest) / 8)
+    return np.maximum(abs(fine - coarse) / 2, abs(coarse - coarsest) / 8)
 
 
 def _in_batches(
@@ -284,6 +261,22 @@ def _averages(
     return loss * drag, stiffness * (storage**2 + (loss**2 - storage**2) * lost)
 
 
+def rate_of(at: Nodes, stiffness: Any, pressure: Any) -> Any:
+    """dR/dlog q = q^4 C stiffness/(8 p^2), R the integral of G without S."""
+    return at.power * stiffness / (8 * pressure**2)
+
+
+def stress_variance(
+    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, per_decade: int
+) -> Any:
+    """R of all waves, at points (velocity [m/s], pressure [Pa]), flat."""
+    at = nodes(spectrum, per_decade)
+    table = _table(modulus, at, velocity, np.log(10.0) / per_decade, _LINEAR)
+    _, stiffness = _averages(modulus, velocity, at.q, table)
+    rate = rate_of(at, stiffness, pressure[:, None, None])
+    return (rate * at.weight).sum((-2, -1))
+
+
 def waves_of_persson(
     modulus: Any,
     at: Nodes,
@@ -296,7 +289,7 @@ def waves_of_persson(
     """Friction wave by wave, by Persson's theory; none of contact edges."""
     p = pressure[:, None, None]
     drag, stiffness = _averages(modulus, velocity, at.q, table, local)
-    rate = at.power * stiffness / (8 * p**2)
+    rate = rate_of(at, stiffness, p)
     shares = contact(until(rate, at.weight), *energy_factor)
     full = at.weight * at.power * drag / (2 * p)
     area = contact((rate * at.weight).sum((-2, -1)), *energy_factor)
@@ -315,14 +308,14 @@ def parts(
     """What Multiscale weighs, at points (velocity [m/s], pressure [Pa]), flat."""
     p = pressure[:, None, None]
     drag, stiffness = _averages(modulus, velocity, at.q, table, local)
-    rate = at.power * stiffness / (8 * p**2)
+    rate = rate_of(at, stiffness, p)
     total = (rate * at.weight).sum((-2, -1))
     end = (
         at.end_power
         * _averages(modulus, velocity, at.end, table, local)[1]
         / (8 * p**2)
     )[..., 0, 0]
-    points, weights = np.polynomial.legendre.leggauss(12)
+    points, weights = gauss(12)
     x = 0.5 * np.log(_BEYOND) * (points + 1)
     drag_beyond, stiffness_beyond = (
         a[..., 0]
@@ -376,15 +369,7 @@ def _later(found: Parts, shift: float) -> Any:
     slope = xp.concatenate([found.rate.reshape(flat), found.end[:, None]], -1) / r
     log_r = xp.log(r)
     x = xp.minimum(log_q[:-1] + shift, log_q[-1])
-    left = xp.clip(xp.searchsorted(log_q, x) - 1, 0, log_q.shape[0] - 2)
-    width = log_q[left + 1] - log_q[left]
-    s = (x - log_q[left]) / width
-    later = (
-        (1 + 2 * s) * (1 - s) ** 2 * log_r[:, left]
-        + s * (1 - s) ** 2 * width * slope[:, left]
-        + s**2 * (3 - 2 * s) * log_r[:, left + 1]
-        + s**2 * (s - 1) * width * slope[:, left + 1]
-    )
+    later = hermite(log_q, log_r, slope, x)
     return share(spread_of(xp.exp(later), _GAMMA, True)).reshape(found.rate.shape)
 
 
@@ -406,44 +391,108 @@ def friction(
     progress: Callable[[int, int], None] | None,
 ) -> SurfaceFriction:
     """`solve` with the error of a table of moduli, and which points met `rtol`."""
-    found = solve(
-        foundation.complex_modulus,
+    if is_traced(foundation, surface, velocity, pressure, local):
+        shared, points = _taken_apart(foundation, surface, velocity, pressure, local)
+        counts = cell_counts(known(fixed(surface)), _TRACED)
+        found = _with_slopes(model, float(rtol), counts)(shared, points)
+        return found._replace(good=found.good > 0)
+    modulus = foundation.complex_modulus
+    found = solve(modulus, surface, velocity, pressure, model, rtol, local=local)
+    if progress is not None:
+        progress(velocity.size, velocity.size)
+    good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
+    change = table_error(
+        model,
+        foundation,
         surface,
         velocity,
         pressure,
-        model,
-        rtol,
-        local=local,
+        local,
+        max(rtol, 1e-3),
+        found.mu,
     )
-    traced = is_traced(found.mu)
-    good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
-    if traced:
-        good = found.mu == found.mu
-    if progress is not None and not is_traced(velocity):
-        progress(velocity.size, velocity.size)
-    # The friction of the halves of a table shows the error of its interpolation.
-    change = 0.0
-    for half in () if traced else _half_tables(foundation):
-        other = solve(
-            half.complex_modulus,
-            surface,
-            velocity,
-            pressure,
-            model,
-            max(rtol, 1e-3),
-            local=local,
-        )
-        change = np.maximum(change, LEFT_OUT * np.abs(other.mu - found.mu))
     return SurfaceFriction(
         found.mu, found.area, found.error + change, good, found.area_error
     )
 
 
-def _half_tables(foundation: Any) -> tuple[Any, ...]:
-    """The halves of a table of moduli; none for a series."""
+def _taken_apart(
+    foundation: Any, surface: Any, velocity: Any, pressure: Any, local: Local
+) -> tuple[Any, Any]:
+    """What all points share, and what each has of its own, for `_with_slopes`."""
+    share = None if local.softened is None else local.softened.share
+    if local.warmed is None:
+        return as_doubles(((foundation, surface, share, None), (velocity, pressure)))
+    warmed = local.warmed
+    shared = foundation, surface, share, (warmed.ends, warmed.highest)
+    return as_doubles(
+        (shared, (velocity, pressure, warmed.kelvin, xp.transpose(warmed.rise)))
+    )
+
+
+def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
+    foundation, surface, share, range_of_scales = shared
+    softened = warmed = None
+    if share is not None:
+        softened = Softened(foundation.softening, surface, share)
+    if range_of_scales is not None:
+        (ends, highest), (_, _, kelvin, rise) = range_of_scales, points
+        warmed = Warmed(ends, rise.T, highest, kelvin, foundation)
+    return foundation, surface, Local(softened, warmed)
+
+
+@functools.lru_cache(64)
+def _with_slopes(
+    model: Any, rtol: float, counts: tuple[int, ...]
+) -> Callable[..., SurfaceFriction]:
+    """`friction` under a transformation of JAX, of what `_taken_apart` gives: numbers
+    from NumPy, derivatives of the same integrals on `counts` cells.
+    """
+
+    def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
+        foundation, surface, local = _put_together(shared, points)
+        velocity, pressure = points[:2]
+        found = friction(
+            model, foundation, surface, velocity, pressure, local, rtol, None
+        )
+        return found.mu, found.area, found.error, found.good, found.area_error
+
+    def integrals(shared: Any, points: Any) -> tuple[Any, Any]:
+        foundation, surface, local = _put_together(shared, points)
+        velocity, pressure = points[:2]
+        at = nodes(surface, _TRACED, counts=counts)
+        modulus = foundation.complex_modulus
+        return _evaluate(modulus, at, velocity, pressure, model, None, local)
+
+    def like(shared: Any, points: Any) -> tuple[Any, ...]:
+        return (points[0],) * 5
+
+    solve = numbers_with_slopes(numbers, ((integrals, 2),), like)
+    return lambda shared, points: SurfaceFriction(*solve(shared, points))
+
+
+def table_error(
+    model: Any,
+    foundation: Any,
+    surface: Any,
+    velocity: Any,
+    pressure: Any,
+    local: Local,
+    rtol: float,
+    mu: Any,
+) -> Any:
+    """Error of mu by the interpolation of a table of moduli, from the friction of its
+    halves; 0 for a series.
+    """
     if not hasattr(foundation, "thinned") or is_traced(foundation):
-        return ()
-    return tuple(foundation.thinned())
+        return 0.0
+    change = np.zeros_like(mu)
+    for half in foundation.thinned():
+        other = solve(
+            half.complex_modulus, surface, velocity, pressure, model, rtol, local=local
+        )
+        change = np.maximum(change, LEFT_OUT * np.abs(other.mu - mu))
+    return change
 
 
 # |ln(mu/mu_3D)| <= a + b (-ln A) for 95 % of the map's points, each predicted without

@@ -10,7 +10,7 @@ h = dx/v is
     f_k+ = e_k f_k + g_k (u+ - u),
     q+ = (u+ - u_free)/r_0,
 
-with r_0 and s_k such that a free element recovers exactly (`rough.recovery_steps`), and
+with r_0 and s_k such that a free element recovers exactly (`rough.free_recovery`), and
 the period starts at the highest point of the line, which touches in every steady
 motion: u = d there. Over a period the sum of q is that of E_inf u.
 
@@ -35,8 +35,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..checks import Array, one_kernel
-from .free_recovery import Stretches, recover
-from .recovery_steps import weights
+from .free_recovery import Stretches, recover, weights
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -58,7 +57,7 @@ class Lanes(NamedTuple):
     viscosity: Float[np.ndarray, " lanes"]  # eta [Pa s]
     # theta, the sum of E tau^2 of branches that are part of eta [Pa s^2]
     second: Float[np.ndarray, " lanes"]
-    # of the rates, see `rough.recovery_steps` [1/s]
+    # of the rates, see `rough.free_recovery` [1/s]
     apart: Float[np.ndarray, "1+branches 1+branches lanes"]
 
 
@@ -257,3 +256,31 @@ def _sweep(
         )[-1]
     f, u, _, _, work, load, sums, *counts = state
     return Swept(f / scale, u, work, load, sums / scale[:slow], *counts)
+
+
+class Motion(NamedTuple):
+    """One period of an element, from the highest point of the line on."""
+
+    surface: Float[Array, "n lanes"]  # u [m]
+    force: Float[Array, "n lanes"]  # q [N/m]
+
+
+@jax.jit
+def motion(
+    rise: Float[Array, " n"],
+    depth: Float[Array, " lanes"],
+    branches: Float[Array, "branches lanes"],
+    by: Coefficients,
+) -> Motion:
+    """u and q at each sample of a period that begins with the branch forces f_k at the
+    highest point, where u = d.
+    """
+
+    def one(state, w):
+        f, u = state
+        loose = u - (by.relaxed * u + (by.seen * f).sum(axis=0)) * by.give
+        new = jnp.maximum(loose, w + depth)
+        return (by.keep * f + by.gain * (new - u), new), (new, (new - loose) / by.give)
+
+    found = jax.lax.scan(one, (branches, depth), jnp.roll(rise, -1))[1]
+    return Motion(*(jnp.roll(field, 1, axis=0) for field in found))

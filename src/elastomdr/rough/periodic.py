@@ -113,51 +113,17 @@ def solve_lines(
         if hasattr(os, "sched_getaffinity")
         else os.cpu_count() or 1
     )
-    size = min(
-        _LANES,
-        max(_FEWEST_LANES, -(-sum(job.velocity.size for job in jobs) // threads)),
-    )
-    tasks, parts_of = [], []
-    for job in jobs:
-        # Lanes alike: speeds near each other need the same branches, and light loads
-        # leave the same stretches free.
-        apart = job.value.size >= _MANY * np.unique(job.value).size
-        order = (
-            np.lexsort((job.velocity, job.value))
-            if apart
-            else np.argsort(job.velocity, kind="stable")
-        )
-        count = -(-order.size // size)
-        # of one size nearly, so that the last core is not left alone
-        parts_of.append(np.array_split(order, count))
+    lanes = sum(job.velocity.size for job in jobs)
+    size = min(_LANES, max(_FEWEST_LANES, -(-lanes // threads)))
+    batches = [_batches_of(job, size) for job in jobs]
+    tasks = []
+    for job, parts in zip(jobs, batches, strict=True):
         rise = rises(job.height)
-        tasks += [(job, rise, batch) for batch in parts_of[-1]]
+        tasks += [(job, rise, batch) for batch in parts]
 
     def run(task: tuple[Job, np.ndarray, np.ndarray]) -> Line:
         job, rise, batch = task
-        velocity, value, spacing = (
-            job.velocity[batch],
-            job.value[batch],
-            float(job.spacing),
-        )
-        # the settings belong to the thread
-        with jax.enable_x64(True), np.errstate(all="ignore"):
-            key = (
-                ""
-                if store is None
-                else _key(
-                    rise, law, velocity, value, (spacing, job.control, rtol, skip)
-                )
-            )
-            kept = None if store is None else store.get(key)
-            if kept is None:
-                found, _ = _batch(
-                    rise, spacing, law, velocity, value, job.control, rtol, skip
-                )
-                if store is not None:
-                    store.put(key, np.array(found, dtype=np.float64))
-            else:
-                found = Line._make((*kept[:-1], kept[-1] > 0))
+        found = _stored_batch(job, rise, batch, law, rtol, skip, store)
         if done is not None:
             done(batch.size)
         return found
@@ -165,13 +131,55 @@ def solve_lines(
     with ThreadPoolExecutor(min(threads, len(tasks))) as pool:
         found = iter(list(pool.map(run, tasks)))
     lines = []
-    for parts in parts_of:
+    for parts in batches:
         back = np.argsort(np.concatenate(parts), kind="stable")
-        some = [next(found) for _ in parts]
+        solved = [next(found) for _ in parts]
         lines.append(
-            Line(*(np.concatenate(fields)[back] for fields in zip(*some, strict=True)))
+            Line(
+                *(np.concatenate(fields)[back] for fields in zip(*solved, strict=True))
+            )
         )
     return lines
+
+
+def _batches_of(job: Job, size: int) -> list[np.ndarray]:
+    """The lanes of a job in batches of about `size`, each of lanes that are alike."""
+    # Speeds near each other need the same branches, and light loads leave the same
+    # stretches free.
+    apart = job.value.size >= _MANY * np.unique(job.value).size
+    order = (
+        np.lexsort((job.velocity, job.value))
+        if apart
+        else np.argsort(job.velocity, kind="stable")
+    )
+    # of one size nearly, so that the last core is not left alone
+    return np.array_split(order, -(-order.size // size))
+
+
+def _stored_batch(
+    job: Job,
+    rise: np.ndarray,
+    batch: np.ndarray,
+    law: Relaxation,
+    rtol: float,
+    skip: bool,
+    store: Any,
+) -> Line:
+    """A batch of lanes, from the store where it is kept."""
+    velocity, value = job.velocity[batch], job.value[batch]
+    spacing = float(job.spacing)
+    # the settings belong to the thread
+    with jax.enable_x64(True), np.errstate(all="ignore"):
+        key = ""
+        if store is not None:
+            how = (spacing, job.control, rtol, skip)
+            key = _key(rise, law, velocity, value, how)
+            if (kept := store.get(key)) is not None:
+                return Line._make((*kept[:-1], kept[-1] > 0))
+        found, _ = _batch(rise, spacing, law, velocity, value, job.control, rtol, skip)
+        if store is not None:
+            store.put(key, np.array(found, dtype=np.float64))
+    return found
 
 
 def solve_states(

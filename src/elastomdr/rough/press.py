@@ -1,10 +1,24 @@
 """A rough surface pressed into rubber: approach, stiffness and conductance, at rest and
 in sliding.
+
+At rest a rigid rough line is pressed into independent elements. Let g be how far each
+place of a line of heights h lies below its highest one. At the depth d a share s(d) has
+g < d, and the elements carry the mean N(d) = <max(d - g, 0)> times the modulus, so
+that N' = s. Between its points the line is taken as straight: s is then a straight line
+and N a parabola between one sorted end of a piece and the next, and the depth for a
+load follows in closed form, with its derivatives.
+
+The mean displacement of the surface belongs to the bulk, not to the interface. Less of
+it, the mean gap and the stiffness against it are
+
+    gap = <g> - d + N,    d(load)/d(-gap) = s/(1 - s),
+
+which goes to infinity in full contact, as that of a half-space does.
 """
 
 from __future__ import annotations
 
-import warnings
+import dataclasses
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -31,19 +45,20 @@ from ..checks import (
     scalar,
 )
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError
-from ..material.vertical import thermal_factors
+from ..errors import ConvergenceWarning, InputError, warn
+from ..material.shift import thermal_factors
 from ..models import Line, seeds_of, whole_number
 from ..results.words import brief
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
-from .bearing import bearing, highest, least_conductance, pressed
-from .press_result import RoughContact
+from .results import RoughContact
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Material, Surface
 
+# least rise of a piece over that of the line: a horizontal one would be a jump of s
+_FLAT = 1e-6
 _USUAL = Line(seeds=8, periods=16)
 _FINE = 16  # samples of the shortest wave, where none are given
 # bound against 3D, where p J/rms slope and q_high/q_low lie in the range
@@ -102,15 +117,65 @@ def press(
     at rest with respect to material, surface, pressure, time and temperature. Source:
     Popov & Hess 2015, ch. 10; Barber, Proc. R. Soc. A 459 (2003) 53; `docs/theory.md`.
     """
+    foundation, model = _checked(material, surface, model, time, velocity, rtol)
+    points = _points(foundation, pressure, time, velocity, temperature)
+    traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
+    if traced and velocity is not None:
+        raise InputError(
+            "velocity cannot be given to em.press under jax.jit, grad or vmap, "
+            "where only rest is computed."
+        )
+    length, rule = _length(surface, model)
+    lines = _lines(surface, model)
+    found = (
+        _at_rest(points, lines, length)
+        if velocity is None
+        else _sliding(points, lines, length, foundation, rtol)
+    )
+    contact = _packed(points, surface, model, lines, found, traced)
+    if not traced and not found.good.all():
+        warn(
+            f"{int((~found.good).sum())} of {found.good.size} points did not converge; "
+            "they are NaN.",
+            ConvergenceWarning,
+        )
+    beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
+    inputs = [
+        ("material", foundation.name or "given directly"),
+        (
+            "surface",
+            surface.label
+            if traced or isinstance(surface, RoughLine)
+            else f"{surface.label}, {surface.words()}",
+        ),
+        ("pressure", brief(pressure, "Pa")),
+        *([] if time is None else [("time", brief(time, "s"))]),
+        *([] if velocity is None else [("velocity", brief(velocity, "m/s"))]),
+        *([] if temperature is None else [("temperature", brief(temperature, "K"))]),
+        ("ensemble", _ensemble(surface, lines, model)),
+    ]
+    good, conductance = found.good, found.conductance
+    return dataclasses.replace(
+        contact,
+        thermal=_times(good, conductance, conductivity, "conductivity", False),
+        electrical=_times(good, conductance, resistivity, "resistivity", True),
+        extrapolated=beyond.points,
+        model="MDR line of the interface" + rule,
+        inputs=(*inputs, *beyond.said),
+    )
+
+
+def _checked(
+    material: Any, surface: Any, model: Any, time: Any, velocity: Any, rtol: Any
+) -> tuple[Foundation, Line]:
+    """The foundation and the model. Raises `InputError`."""
     if not is_rough(surface):
         raise InputError(
             "surface must be a rough line or a surface by its spectrum, got "
             f"{surface!r}."
         )
-    foundation, model = (
-        as_foundation(material),
-        of_line(_USUAL if model is None else model, "press"),
-    )
+    foundation = as_foundation(material)
+    model = of_line(_USUAL if model is None else model, "press")
     if model.average:
         raise InputError(
             "model must be em.Line() without average in em.press: directions have "
@@ -128,53 +193,29 @@ def press(
         )
     if time is None:
         check_carries(foundation)
-    points = _points(foundation, pressure, time, velocity, temperature)
-    traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
-    if traced and velocity is not None:
-        raise InputError(
-            "velocity cannot be given to em.press under jax.jit, grad or vmap, "
-            "where only rest is computed."
-        )
-    length, rule = _length(surface, model)
-    lines = _lines(surface, model)
-    found = (
-        _at_rest(points, lines, length)
-        if velocity is None
-        else _sliding(points, lines, length, foundation, rtol)
-    )
-    low = (
-        _least(points, surface, lines[0])
-        if velocity is None
-        else np.full(points.shape, np.nan)
-    )
-    if not traced and not found.good.all():
-        count = int((~found.good).sum())
-        text = f"{count} of {found.good.size} points did not converge; they are NaN."
-        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+    return foundation, model
+
+
+def _packed(
+    points: _Points,
+    surface: Any,
+    model: Line,
+    lines: list[RoughLine],
+    found: _Found,
+    traced: bool,
+) -> RoughContact:
+    """The numbers of the result."""
 
     def field(values: Any) -> Any:
         return nan_unless(found.good, values)
 
-    known = (
+    at_rest = points.velocity is None
+    unknown = xp.full(points.shape, np.nan)
+    compared = (
         not traced
         and isinstance(surface, AbstractSpectrum)
         and model.equivalent_length is None
     )
-    inputs = [
-        ("material", foundation.name or "given directly"),
-        (
-            "surface",
-            surface.label
-            if traced or isinstance(surface, RoughLine)
-            else f"{surface.label}, {surface.words()}",
-        ),
-        ("pressure", brief(pressure, "Pa")),
-        *([] if time is None else [("time", brief(time, "s"))]),
-        *([] if velocity is None else [("velocity", brief(velocity, "m/s"))]),
-        *([] if temperature is None else [("temperature", brief(temperature, "K"))]),
-        ("ensemble", _ensemble(surface, lines, model)),
-    ]
-    beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
     return RoughContact(
         pressure=points.pressure,
         time=points.time,
@@ -184,21 +225,16 @@ def press(
         separation=field(found.gap),
         stiffness=field(found.stiffness),
         conductance=field(found.conductance),
-        conductance_low=low,
-        thermal=_times(found.conductance, conductivity, "conductivity", False, field),
-        electrical=_times(found.conductance, resistivity, "resistivity", True, field),
+        conductance_low=_least(points, surface, lines[0]) if at_rest else unknown,
         error=field(found.error),
         approach_error=field(found.approach_error),
-        model_error=_model_error(surface, points)
-        if known
-        else xp.full(points.shape, np.nan),
+        model_error=_model_error(surface, points) if compared else unknown,
         converged=found.good,
-        extrapolated=beyond.points,
-        model="MDR line of the interface" + rule,
+        model="",
         plan="closed form of the sorted heights of each line"
-        if velocity is None
+        if at_rest
         else "periodic states of each line",
-        inputs=(*inputs, *beyond.said),
+        inputs=(),
     )
 
 
@@ -303,7 +339,7 @@ def _length(surface: Any, model: Line) -> tuple[Any, str]:
 
 
 def _lines(surface: Any, model: Line) -> list[RoughLine]:
-    from ..surface.synthesis import MOST, line_count, synthesise
+    from ..surface.spectrum import MOST, line_count, synthesise
     from .ensemble import ensemble
 
     whole_number("periods", model.periods, 1, MOST)
@@ -468,7 +504,7 @@ def _least(points: _Points, surface: Any, line: RoughLine) -> Any:
     return least_conductance(load, spread * highest(spread, slope, line.period**2))
 
 
-def _times(conductance: Any, values: Any, name: str, inverse: bool, field: Any) -> Any:
+def _times(good: Any, conductance: Any, values: Any, name: str, inverse: bool) -> Any:
     """The conductance with conductivities, or resistivities (`inverse`), of one body or
     two; None without them.
     """
@@ -481,7 +517,7 @@ def _times(conductance: Any, values: Any, name: str, inverse: bool, field: Any) 
             f"shape {each.shape}."
         )
     positive(name, each)
-    return field(conductance / xp.sum(each if inverse else 1 / each))
+    return nan_unless(good, conductance / xp.sum(each if inverse else 1 / each))
 
 
 def _beyond(foundation: Foundation, surface: Any, points: _Points) -> Beyond:
@@ -494,13 +530,9 @@ def _beyond(foundation: Foundation, surface: Any, points: _Points) -> Beyond:
         outside = excited_outside(
             foundation.range, surface, points.velocity * points.factor
         )
-        return rough_beyond(
-            foundation.range, outside, points.kelvin, points.shape, stacklevel=5
-        )
+        return rough_beyond(foundation.range, outside, points.kelvin, points.shape)
     factor = np.broadcast_to(points.factor, points.shape)
-    return held_beyond(
-        foundation.range, points.time, points.kelvin, factor, stacklevel=5
-    )
+    return held_beyond(foundation.range, points.time, points.kelvin, factor)
 
 
 def _model_error(surface: Any, points: _Points) -> Any:
@@ -513,3 +545,86 @@ def _model_error(surface: Any, points: _Points) -> Any:
         1 + 1e-9
     )
     return np.where(inside, _OFF, np.nan)
+
+
+class Bearing(NamedTuple):
+    """The share and the mean load of a line over its depth, at the sorted ends of its
+    pieces.
+    """
+
+    depth: Any  # [m]
+    share: Any
+    load: Any  # N [m]
+    rate: Any  # ds/dd from here to the next [1/m]
+    mean: Any  # <g> [m], the height of the highest peak over the mean
+
+
+class Pressed(NamedTuple):
+    """A line under a load."""
+
+    depth: Any  # from the first touch, with the mean displacement of the surface [m]
+    gap: Any  # mean distance of the surfaces [m]
+    share: Any  # of the line in contact
+
+
+def bearing(height: Any) -> Bearing:
+    """The table of a periodic line of evenly spaced heights [m]."""
+    g = xp.max(height) - height
+    least = _FLAT * xp.max(g)
+    following = xp.roll(g, -1)
+    middle, half = 0.5 * (g + following), 0.5 * xp.maximum(abs(following - g), least)
+    middle = xp.maximum(middle, half)  # a flat summit begins at the first touch
+    ends = xp.concatenate([middle - half, middle + half])
+    steps = xp.concatenate([0.5 / half, -0.5 / half]) / g.size
+    order = xp.argsort(ends)
+    depth, rate = ends[order], xp.cumsum(steps[order])
+    width = xp.diff(depth)
+    share = xp.concatenate([xp.zeros(1), xp.cumsum(rate[:-1] * width)])
+    load = xp.concatenate(
+        [xp.zeros(1), xp.cumsum((share[:-1] + 0.5 * rate[:-1] * width) * width)]
+    )
+    return Bearing(depth, share, load, rate, xp.mean(middle))
+
+
+def pressed(on: Bearing, load: Any) -> Pressed:
+    """The line under mean loads over the modulus [m], p L/E*, any shape."""
+    last = on.depth.shape[0] - 1
+    at = xp.clip(xp.searchsorted(on.load, load, side="right") - 1, 0, last - 1)
+    share, rate, more = on.share[at], on.rate[at], load - on.load[at]
+    root = xp.sqrt(xp.maximum(share**2 + 2 * rate * more, 1e-300))
+    further = 2 * more / (share + root)
+    full = load >= on.load[last]
+    depth = xp.where(full, on.mean + load, on.depth[at] + further)
+    share = xp.where(full, 1.0, xp.clip(share + rate * further, 0.0, 1.0))
+    return Pressed(
+        depth, xp.where(full, 0.0, xp.maximum(on.mean - depth + load, 0.0)), share
+    )
+
+
+def highest(spread: Any, steepness: Any, area: Any, chance: float = 0.05) -> Any:
+    """Height that the highest peak of a Gaussian surface exceeds with a small chance,
+    in units of `spread`.
+
+    `spread` is the rms height, `steepness` the rms slope along one direction. The
+    expected Euler characteristic of what stands above u rms heights, area
+    (steepness/spread)^2 u exp(-u^2/2)/(2 pi)^(3/2), is the chance that anything does
+    (Adler, The Geometry of Random Fields, 1981).
+    """
+    number = xp.maximum(
+        area * (steepness / spread) ** 2 / (2 * np.pi) ** 1.5 / chance, 2.0
+    )
+    u = xp.sqrt(2 * xp.log(number))
+    for _ in range(20):
+        u = xp.sqrt(2 * xp.log(number * xp.maximum(u, 1.0)))
+    return u
+
+
+def least_conductance(load: Any, peak: Any) -> Any:
+    """Least conductance over conductivity [1/m] of elastic rough surfaces under p/E* =
+    `load`.
+
+    `peak` is the height of the highest point over the mean [m]. The pressure is a
+    convex function of the approach that begins at zero, so that its slope is at least
+    that of the chord from there, p/approach >= p/peak (Barber 2003).
+    """
+    return 2 * load / peak

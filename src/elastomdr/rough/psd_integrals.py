@@ -32,6 +32,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import namespace
+from ..numerics.interpolation import hermite
+from ..numerics.quadrature import gauss
+
 PER_DECADE = 32  # cells of log q that a solution begins with
 _COARSEST = PER_DECADE // 4  # and those of the coarser of two that it is compared with
 # how many factors of 2 the smallest cell, next to q_low, is below those that are even
@@ -61,36 +65,34 @@ class Tables(NamedTuple):
     lost: Any = None  # int (Im E*)^2 dphi over `stiffness`, where moduli soften
 
 
-def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes:
-    """Nodes over a spectrum, in `per_decade` cells of even width in log q; where q is
-    traced three decades are assumed.
+def nodes(
+    spectrum: Any,
+    per_decade: int = PER_DECADE,
+    bends: Any = (),
+    counts: tuple[int, ...] | None = None,
+) -> Nodes:
+    """Nodes over a spectrum, in `per_decade` cells of even width in log q.
 
     Cells end at the points of the spectrum, and at the wave numbers `bends`, where an
-    integrand may bend (not where q is traced).
+    integrand may bend (not where q is traced). `counts`: as `cell_counts` gives them.
     """
-    table, c = spectrum.q, spectrum.c
-    xp = namespace(table, c)
-    log_q, log_c = xp.log(xp.asarray(table)), xp.log(xp.asarray(c))
-    ends, level, slope = [], [], []
-    for i in range(log_q.shape[0] - 1):
-        width = np.log(1e3) if xp is not np else float(log_q[i + 1] - log_q[i])
-        count = max(1, int(np.ceil(width / np.log(10.0) * per_decade)))
-        share = (
-            _graded(count, per_decade) if i == 0 else np.linspace(0.0, 1.0, count + 1)
-        )
+    xp = namespace(spectrum.q, spectrum.c)
+    log_q, log_c = xp.log(xp.asarray(spectrum.q)), xp.log(xp.asarray(spectrum.c))
+    counts = cell_counts(spectrum, per_decade) if counts is None else counts
+    ends = []
+    for i, count in enumerate(counts):
+        share = _graded(count, per_decade) if i == 0 else np.linspace(0, 1, count + 1)
         end = log_q[i] + (log_q[i + 1] - log_q[i]) * share
         if xp is np and len(bends):
             at = _with_between(np.sort(np.log(bends)), per_decade)
             end = np.union1d(end, at[(at > end[0]) & (at < end[-1])])
         ends.append(end)
-        steep = (log_c[i + 1] - log_c[i]) / (log_q[i + 1] - log_q[i])
-        level.append(xp.broadcast_to(log_c[i] - steep * log_q[i], (end.size - 1,)))
-        slope.append(xp.broadcast_to(steep, (end.size - 1,)))
-    low, high = (
-        xp.concatenate([e[:-1] for e in ends]),
-        xp.concatenate([e[1:] for e in ends]),
-    )
-    level, slope = xp.concatenate(level)[:, None], xp.concatenate(slope)[:, None]
+    low = xp.concatenate([e[:-1] for e in ends])
+    high = xp.concatenate([e[1:] for e in ends])
+    piece = np.repeat(np.arange(len(ends)), [e.shape[0] - 1 for e in ends])
+    steep = xp.diff(log_c) / xp.diff(log_q)
+    level = (log_c[:-1] - steep * log_q[:-1])[piece][:, None]
+    slope = steep[piece][:, None]
     x = low[:, None] + (high - low)[:, None] * np.array(
         [0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6]
     )
@@ -101,6 +103,16 @@ def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes
         xp.exp(log_q[-1]),
         xp.exp(4 * log_q[-1] + log_c[-1]),
     )
+
+
+def cell_counts(spectrum: Any, per_decade: int) -> tuple[int, ...]:
+    """How many cells there are between the points of a spectrum; where q is traced
+    three decades are assumed.
+    """
+    if namespace(spectrum.q) is not np:
+        return (3 * per_decade,) * (spectrum.q.shape[0] - 1)
+    decades = np.diff(np.log(spectrum.q)) / np.log(10.0)
+    return tuple(int(n) for n in np.maximum(1, np.ceil(decades * per_decade)))
 
 
 def _with_between(at: np.ndarray, per_decade: int) -> np.ndarray:
@@ -259,7 +271,7 @@ def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     from scipy.special import erf
 
     log_g = np.linspace(np.log(1e-4), np.log(1e9), 2400)
-    nodes, weights = np.polynomial.legendre.leggauss(4)
+    nodes, weights = gauss(4)
     middle = (
         0.5 * (log_g[1:] + log_g[:-1])[:, None] + 0.5 * np.diff(log_g)[:, None] * nodes
     )
@@ -279,33 +291,10 @@ def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
     xp = namespace(rate)
     log_r, log_g, slope = _stored(float(gamma))
     x = xp.log(xp.maximum(rate, 1e-300))
-    left = xp.clip(xp.searchsorted(xp.asarray(log_r), x) - 1, 0, log_r.size - 2)
-    log_r, log_g, slope = xp.asarray(log_r), xp.asarray(log_g), xp.asarray(slope)
-    width = log_r[left + 1] - log_r[left]
-    s = (x - log_r[left]) / width
-    inside = (
-        (1 + 2 * s) * (1 - s) ** 2 * log_g[left]
-        + s * (1 - s) ** 2 * width * slope[left]
-        + s**2 * (3 - 2 * s) * log_g[left + 1]
-        + s**2 * (s - 1) * width * slope[left + 1]
-    )
+    inside = hermite(log_r, log_g, slope, x)
     # Below the table S is 1, above it gamma.
     return xp.exp(
         xp.where(
             x < log_r[0], x, xp.where(x > log_r[-1], log_g[-1] + x - log_r[-1], inside)
         )
     )
-
-
-def namespace(*values: Any) -> Any:
-    """NumPy, or jax.numpy where a value is JAX's: only then has JAX been imported
-    already.
-    """
-    import sys
-
-    if "jax" in sys.modules:
-        import jax
-
-        if any(isinstance(value, jax.Array) for value in values):
-            return jax.numpy
-    return np

@@ -1,6 +1,6 @@
 """Friction of a surface on random maps of it, in three dimensions: `em.HalfSpace`.
 
-A map (`surface.rough_map`) has the amplitudes of the spectrum and random phases. Its
+A map (`surface.spectrum.rough_map`) has the amplitudes of the spectrum and random phases. Its
 friction is divided by that of full contact on the same waves, and multiplied by that of
 the spectrum, which takes off what the waves of a finite cell miss.
 
@@ -12,16 +12,18 @@ the load. With one of them friction was 14 % low, with four 1 %: `error` has 0.3
 of them; below one there is no answer.
 """
 
+import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError
-from ..models import SurfaceFriction
-from ..surface.rough_map import rough_map
+from ..models import Multiscale, SurfaceFriction
+from ..surface.spectrum import rough_map
 from .half_space import solve, waves
-from .psd_integrals import nodes, read, share, spread_of, tables, until
+from .multiscale import contact, parts
+from .psd_integrals import nodes, until
 
 SAMPLES = 4  # cells per shortest wave
 # cells to a side that are aimed at, and the most, where none are given
@@ -67,6 +69,15 @@ def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> Grid:
     return Grid(cells, periods, 2 * np.pi * periods / spectrum.q_low)
 
 
+class _MapFriction(NamedTuple):
+    """One map at each point; NaN where there is no answer."""
+
+    mu: np.ndarray
+    area: np.ndarray
+    mu_error: np.ndarray  # from a grid half as fine
+    area_error: np.ndarray
+
+
 def friction(
     modulus: Callable[[Any], Any],
     spectrum: Any,
@@ -77,76 +88,89 @@ def friction(
     rtol: float,
     progress: Callable[[int, int], None] | None,
 ) -> SurfaceFriction:
-    """Points (velocity [m/s], pressure [Pa]), flat, each on every map; neighbours begin
-    with each other's contact.
-    """
-    count, done = velocity.size, 0
-    mu, area, off, missed = (np.full((len(seeds), count), np.nan) for _ in range(4))
-    order = np.lexsort((velocity, pressure))
+    """Points (velocity [m/s], pressure [Pa]), flat, each on every map."""
     full = full_contact(modulus, spectrum, velocity, pressure)
     enough = summits(modulus, spectrum, velocity, pressure, grid)
-    sides = (grid.side, grid.side)
-    for j, seed in enumerate(seeds):
+    done = itertools.count(1)
+
+    def tick() -> None:
+        number = next(done)
+        if progress is not None:
+            progress(number, velocity.size * len(seeds))
+
+    maps = []
+    for seed in seeds:
         heights, _ = rough_map(spectrum, seed, periods=grid.periods, points=grid.cells)
-        last, start = None, None
-        for i in order:
-            if last is not None and pressure[last] != pressure[i]:
-                start = None
-            v, p = float(velocity[i]), float(pressure[i])
-            done += 1
-            if progress is not None:
-                progress(done, count * len(seeds))
-            if not enough[i] >= 1:
-                # no answer, whatever the solution; far below that there may be no
-                # contact in 32 bits
-                continue
-            found = solve(
-                modulus,
-                heights,
-                sides,
-                velocity=v,
-                pressure=p,
-                start=start,
-                double=rtol < 1e-4,
+        maps.append(
+            _on_map(
+                modulus, heights, grid, velocity, pressure, full, enough, rtol, tick
             )
-            coarse = solve(
-                modulus, heights[::2, ::2], sides, velocity=v, pressure=p, double=False
-            )
-            start, last = (found.pressure if found.settled else None), i
-            if found.settled:
-                own = full_contact_of_map(modulus, heights, sides, v, p)
-                mu[j, i], area[j, i] = found.stress / p * full[i] / own, found.area
-                off[j, i] = (
-                    _OF_HALF * abs(found.stress - coarse.stress) / p
-                    if coarse.settled
-                    else np.nan
-                )
-                missed[j, i] = (
-                    _OF_HALF * abs(found.area - coarse.area)
-                    if coarse.settled
-                    else np.nan
-                )
-    scatter, scattered = (
-        np.std(x, axis=0, ddof=1) / np.sqrt(len(seeds))
-        if len(seeds) > 1
-        else np.full(count, np.nan)
-        for x in (mu, area)
-    )
+        )
+    each = _MapFriction(*map(np.array, zip(*maps, strict=True)))
+    mu, area = each.mu.mean(axis=0), each.area.mean(axis=0)
+    of_mu = each.mu_error.mean(axis=0) + _OF_SUMMITS * np.abs(mu) / enough
+    of_area = each.area_error.mean(axis=0) + _OF_SUMMITS * area / enough
+    good = np.isfinite(each.mu).all(axis=0) & (enough >= 1)
     said = (
         f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest "
         f"waves to a side; at least {enough.min():.2g} summits carry the load"
     )
-    said += (
-        ""
-        if len(seeds) > 1
-        else "; how far maps scatter is not known, and so no error of mu"
+    if len(seeds) == 1:
+        said += "; how far maps scatter is not known, and so no error of mu"
+    return SurfaceFriction(
+        mu,
+        area,
+        of_mu + 2 * _standard_error(each.mu),
+        good,
+        of_area + 2 * _standard_error(each.area),
+        said,
     )
-    good = np.isfinite(mu).all(axis=0) & (enough >= 1)
-    mean = mu.mean(axis=0)
-    error = off.mean(axis=0) + _OF_SUMMITS * np.abs(mean) / enough + 2 * scatter
-    touching = area.mean(axis=0)
-    of_area = missed.mean(axis=0) + _OF_SUMMITS * touching / enough + 2 * scattered
-    return SurfaceFriction(mean, touching, error, good, of_area, said)
+
+
+def _standard_error(values: np.ndarray) -> np.ndarray:
+    """Of the mean over maps (maps, points); NaN of a single one."""
+    if len(values) == 1:
+        return np.full(values.shape[1], np.nan)
+    return np.std(values, axis=0, ddof=1) / np.sqrt(len(values))
+
+
+def _on_map(
+    modulus: Callable[[Any], Any],
+    heights: np.ndarray,
+    grid: Grid,
+    velocity: np.ndarray,
+    pressure: np.ndarray,
+    full: np.ndarray,
+    enough: np.ndarray,
+    rtol: float,
+    tick: Callable[[], None],
+) -> _MapFriction:
+    """All points on one map; neighbours begin with each other's contact."""
+    answer = _MapFriction(*(np.full(velocity.size, np.nan) for _ in range(4)))
+    sides = (grid.side, grid.side)
+    start, last = None, None
+    for i in np.lexsort((velocity, pressure)):
+        if last is not None and pressure[last] != pressure[i]:
+            start = None
+        tick()
+        if not enough[i] >= 1:
+            # no answer, whatever the solution; far below that there may be no contact
+            # in 32 bits
+            continue
+        given = {"velocity": float(velocity[i]), "pressure": float(pressure[i])}
+        fine = solve(modulus, heights, sides, **given, start=start, double=rtol < 1e-4)
+        coarse = solve(modulus, heights[::2, ::2], sides, **given, double=False)
+        start, last = (fine.pressure if fine.settled else None), i
+        if not fine.settled:
+            continue
+        on_map = full_contact_of_map(modulus, heights, sides, **given)
+        answer.mu[i] = fine.stress / pressure[i] * full[i] / on_map
+        answer.area[i] = fine.area
+        if coarse.settled:
+            change = abs(fine.stress - coarse.stress) / pressure[i]
+            answer.mu_error[i] = _OF_HALF * change
+            answer.area_error[i] = _OF_HALF * abs(fine.area - coarse.area)
+    return answer
 
 
 def summits(
@@ -154,12 +178,9 @@ def summits(
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
     at = nodes(spectrum, 16)
-    table = tables(modulus, velocity.min() * at.q.min(), velocity.max() * at.q.max())
-    v, p = velocity[:, None, None], pressure[:, None, None]
-    rate = at.power * read(table, table.stiffness, np.log(v * at.q)) / (8 * p**2)
-    shares = share(spread_of(until(rate, at.weight), 0.5, True)).reshape(
-        velocity.size, -1
-    )
+    rate = parts(modulus, at, velocity, pressure).rate
+    shares = contact(until(rate, at.weight), *Multiscale().energy_factor())
+    shares = shares.reshape(velocity.size, -1)
     longest = spectrum.q[
         int(np.argmax(np.diff(np.log(spectrum.c)) / np.diff(np.log(spectrum.q)) < -1))
     ]
@@ -172,17 +193,14 @@ def summits(
 def full_contact(
     modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray
 ) -> np.ndarray:
-    at = nodes(spectrum, 32)
-    table = tables(modulus, velocity.min() * at.q.min(), velocity.max() * at.q.max())
-    v, p = velocity[:, None, None], pressure[:, None, None]
-    return (
-        at.weight * at.power * read(table, table.drag, np.log(v * at.q)) / (2 * p)
-    ).sum((-2, -1))
+    """Friction in full contact of all waves of a spectrum."""
+    return parts(modulus, nodes(spectrum, 32), velocity, pressure).full.sum((-2, -1))
 
 
 def full_contact_of_map(
     modulus: Any, heights: np.ndarray, sides: Any, velocity: float, pressure: float
 ) -> float:
+    """The same of the waves of one map."""
     on = waves(modulus, velocity, heights.shape, sides)
     spread = np.abs(np.fft.rfft2(heights) / heights.size) ** 2
     return float((on.loss * spread * np.abs(on.inverse) ** 2).sum()) / pressure

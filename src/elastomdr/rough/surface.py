@@ -3,29 +3,27 @@ pack.
 """
 
 import dataclasses
-import warnings
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import fixed
 from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from ..call.problem import Scene, rough_scene
-from ..checks import is_traced, nan_unless, require, scalar
+from ..checks import is_traced, known, nan_unless, require, scalar
 from ..element.law import surface_foundation
-from ..errors import ConvergenceWarning, InputError, ModelWarning
+from ..errors import ConvergenceWarning, InputError, ModelWarning, warn
+from ..material.shift import thermal_factors
 from ..material.validity import misfit
-from ..material.vertical import thermal_factors
 from ..models import SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
 from ..smooth.softening import LINEAR
 from ..surface.spectrum import AbstractSpectrum
-from .adhesion import sheared, why_hotter
-from .adhesive_shear import AdhesiveShear, check_adhesion
-from .heat import Heat, check_heat
+from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
+from .heat import HIGHEST, Heat, check_heat, highest_rise
 from .local_modulus import Local, Softened
-from .mean import Mean
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-4  # share of real contact below which it probably is
@@ -34,6 +32,10 @@ _HOT = (
 )
 _HOT_BY_SCALE = (
     "; rubber at a temperature for each length scale, heated by its friction"
+)
+SOFTENING_LEFT_OUT = (
+    "softening",
+    "of the material is left out: this model is linear, its moduli are of small strain",
 )
 _SOFTENED = "; moduli softened by the strain of each length scale"
 _STRAIN_SHARE = 2.0  # factor within which the strain at a scale is taken to be known
@@ -63,6 +65,31 @@ class SurfacePlan:
         )
 
 
+class _Answer(NamedTuple):
+    """Friction at each point, flat, and at which temperatures."""
+
+    found: SurfaceFriction
+    cold: SurfaceFriction  # at the temperatures that are given
+    local: Local  # how moduli differ from scale to scale
+    warm: Any  # one flash temperature (`rough.flash.Warm`), or None
+    by_scale: Any  # temperatures by length scale, or None
+    reduced: Any  # v a_T at the raised temperature, in the shape of the call
+
+    def field(self, shape: tuple[int, ...], values: Any) -> Any:
+        """`values` in the shape of the call, NaN where there is no answer."""
+        return nan_unless(self.found.good, values).reshape(shape)
+
+
+class _Strained(NamedTuple):
+    """What softening changes."""
+
+    linear: Any  # mu without softening, or None
+    # how far mu and, relatively, the area are off at half and twice the strain
+    of_mu: Any
+    of_area: Any
+    rows: list[tuple[str, str]]
+
+
 def surface_friction(
     material: Any,
     surface: AbstractSpectrum,
@@ -88,198 +115,305 @@ def surface_friction(
     scene = scene._replace(
         traced=scene.traced or is_traced(heat, adhesion, strain_share)
     )
-    shape, kelvin, traced = scene.shape, scene.kelvin, scene.traced
-    pressures = scene.full(scene.value)  # [Pa]
-    # by the material at its reference temperature
-    carried = (pressures / scene.vertical).ravel()
-    solved = partial(
-        model.solve, foundation, surface, rtol=float(rtol), progress=progress
-    )
     softened = None
     if foundation.softening is not None and model.softens:
         softened = Softened(foundation.softening, surface, strain_share)
-    local = Local(softened)
-    found = solved(scene.reduced.ravel(), carried, local=local)
-    if not traced:
-        _doubt_unit(found, pressures.ravel())
-    reduced, warm, cold, by_scale = scene.reduced, None, found, None
-    if heat is not None and model.heats_by_scale:
-        found, by_scale, local = _heated(
-            heat, adhesion, foundation, surface, model, scene, found, local, solved
+    solved = partial(
+        model.solve, foundation, surface, rtol=float(rtol), progress=progress
+    )
+    answer = _solved(scene, surface, model, heat, adhesion, Local(softened), solved)
+    if not scene.traced:
+        _warn_of_failed(answer.found, rtol)
+    outside = (
+        None
+        if scene.traced
+        else excited_outside(foundation.range, surface, answer.reduced)
+    )
+    of_data = (
+        np.zeros(())
+        if scene.traced
+        else _misfit(foundation, surface, answer.reduced.ravel())
+    )
+    strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
+    beyond = (
+        NOT_KNOWN
+        if scene.traced
+        else rough_beyond(foundation.range, outside, scene.kelvin, scene.shape)
+    )
+    rows = beyond.said
+    if softened is not None and not scene.traced:
+        beyond = _strained_beyond(
+            softened, surface, beyond, scene.shape, foundation.range
         )
-        if not traced:
-            factors = thermal_factors(
-                foundation, scene.full(kelvin).ravel() + by_scale.mean
-            )
-            reduced, carried = (
-                scene.full(scene.velocity) * factors[0].reshape(shape),
-                pressures.ravel() / factors[1],
-            )
-    elif heat is not None:
-        if adhesion is not None:
-            raise InputError(
-                "heat with adhesion needs em.Multiscale() or em.Persson(), got "
-                f"{model!r}."
-            )
-        v, t, p = (scene.full(a).ravel() for a in (scene.velocity, kelvin, pressures))
+        rows += beyond.said[-1:]
+    inputs = _inputs(scene, surface, heat, answer, strained, of_data, outside)
+    curve = _packed(scene, surface, model, answer, strained, of_data)
+    curve = dataclasses.replace(
+        curve,
+        model=curve.model + _hot(model, heat),
+        plan=_plan(foundation, scene, surface, model, heat),
+        inputs=(*inputs, *rows),
+        extrapolated=beyond.points,
+        outside=outside,
+    )
+    if heat is not None:
+        curve = _with_heat(curve, heat, scene, answer)
+    if adhesion is None:
+        return curve
+    return _with_adhesion(
+        curve, adhesion, heat, scene, surface, model, answer, strained
+    )
 
-        from .flash import SETTLED, warmed
 
-        def again(reduced: np.ndarray, pressure: np.ndarray, coarse: bool) -> Mean:
-            return _as_mean(solved(reduced, pressure, local=local))
-
-        warm = warmed(heat, foundation, surface, v, t, p, _as_mean(found), again)
-        reduced = warm.reduced.reshape(shape)
-        found = found._replace(
-            mu=warm.mean.mu,
-            area=warm.mean.share,
-            good=warm.mean.good,
-            error=warm.mean.error + SETTLED * np.abs(warm.mean.mu - cold.mu),
+def _solved(
+    scene: Scene,
+    surface: AbstractSpectrum,
+    model: SurfaceModel,
+    heat: Heat | None,
+    adhesion: AdhesiveShear | None,
+    local: Local,
+    solved: Callable[..., SurfaceFriction],
+) -> _Answer:
+    """Friction at the temperatures that are given or, with `heat`, that it makes."""
+    pressure = scene.full(scene.value)
+    # by the material at its reference temperature
+    carried = (pressure / scene.vertical).ravel()
+    cold = solved(scene.reduced.ravel(), carried, local=local)
+    if not scene.traced:
+        _doubt_unit(cold, pressure.ravel())
+    answer = _Answer(cold, cold, local, None, None, scene.reduced)
+    if heat is None:
+        return answer
+    if model.heats_by_scale:
+        return _heated_by_scale(heat, adhesion, surface, model, scene, answer, solved)
+    if adhesion is not None:
+        raise InputError(
+            f"heat with adhesion needs em.Multiscale() or em.Persson(), got {model!r}."
         )
-    if not traced and not found.good.all():
-        warnings.warn(
-            (
-                f"{int((~found.good).sum())} of {found.good.size} points did not "
-                f"converge to rtol={rtol:g}; they are NaN."
-            )
-            + (
-                f" Maps: {found.said}; more cells hold more of them."
-                if found.said
-                else ""
-            ),
-            ConvergenceWarning,
-            stacklevel=4,
-        )
+    return _heated(heat, surface, scene, answer, solved)
 
-    def field(values: Any) -> Any:
-        return nan_unless(found.good, values).reshape(shape)
 
-    outside = None if traced else excited_outside(foundation.range, surface, reduced)
-    series = np.zeros(()) if traced else _misfit(foundation, surface, reduced.ravel())
+def _heated(
+    heat: Heat,
+    surface: AbstractSpectrum,
+    scene: Scene,
+    answer: _Answer,
+    solved: Callable[..., SurfaceFriction],
+) -> _Answer:
+    """Friction at the one flash temperature that it makes."""
+    from .flash import SETTLED, warmed
+
+    def again(
+        reduced: np.ndarray, pressure: np.ndarray, coarse: bool
+    ) -> SurfaceFriction:
+        return solved(reduced, pressure, local=answer.local)
+
+    velocity, kelvin, pressure = (
+        scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
+    )
+    cold = answer.cold
+    warm = warmed(
+        heat, scene.foundation, surface, velocity, kelvin, pressure, cold, again
+    )
+    found = cold._replace(
+        mu=warm.mean.mu,
+        area=warm.mean.area,
+        good=warm.mean.good,
+        error=warm.mean.error + SETTLED * np.abs(warm.mean.mu - cold.mu),
+    )
+    reduced = warm.reduced.reshape(scene.shape)
+    return answer._replace(found=found, warm=warm, reduced=reduced)
+
+
+def _heated_by_scale(
+    heat: Heat,
+    adhesion: AdhesiveShear | None,
+    surface: AbstractSpectrum,
+    model: SurfaceModel,
+    scene: Scene,
+    answer: _Answer,
+    solved: Callable[..., SurfaceFriction],
+) -> _Answer:
+    """Friction at the temperatures by length scale that it makes."""
+    from .temperature_by_scale import Problem, warmed
+
+    velocity, kelvin, pressure = (
+        scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
+    )
+    reduced, carried = scene.reduced.ravel(), pressure / scene.vertical.ravel()
+    foundation = scene.foundation
+    problem = Problem(
+        foundation,
+        surface,
+        answer.local.softened,
+        heat,
+        adhesion,
+        velocity,
+        reduced,
+        kelvin,
+        pressure,
+        carried,
+    )
+    highest = HIGHEST if scene.traced else highest_rise(foundation, kelvin)
+    by_scale = warmed(problem, model, highest)
+    local = answer.local._replace(warmed=by_scale.warmed)
+    found = solved(reduced, carried, local=local)
+    good = found.good & answer.cold.good & by_scale.good
+    found = found._replace(error=found.error + by_scale.error, good=good)
+    answer = answer._replace(found=found, local=local, by_scale=by_scale)
+    if scene.traced:
+        return answer
+    factor, _ = thermal_factors(foundation, kelvin + by_scale.mean)
+    reduced = scene.full(scene.velocity) * factor.reshape(scene.shape)
+    return answer._replace(reduced=reduced)
+
+
+def _warn_of_failed(found: SurfaceFriction, rtol: Any) -> None:
+    """Counts the points without an answer in one warning."""
+    if found.good.all():
+        return
+    maps = f" Maps: {found.said}; more cells hold more of them." if found.said else ""
+    warn(
+        f"{int((~found.good).sum())} of {found.good.size} points did not converge to "
+        f"rtol={rtol:g}; they are NaN.{maps}",
+        ConvergenceWarning,
+    )
+
+
+def _inputs(
+    scene: Scene,
+    surface: AbstractSpectrum,
+    heat: Heat | None,
+    answer: _Answer,
+    strained: _Strained,
+    of_data: Any,
+    outside: Any,
+) -> list[tuple[str, str]]:
+    """What a result says of its arguments."""
+    found = answer.found
     label = (
         surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
     )
-    inputs = scene.inputs(
+    rows = scene.inputs(
         ("surface", label),
         *(("as read", text) for text in getattr(surface, "report", ())),
     )
     if heat is not None:
-        inputs.append(
-            ("heat", heat.words(None if traced else float(2 * np.pi / surface.q_low)))
-        )
-    inputs += (
-        []
-        if by_scale is None or traced
-        else _scales_in_words(by_scale, np.asarray(found.good))
-    )
-    straight, spread = None, (0.0, 0.0)
-    if softened is not None:
-        straight, spread, said = _softening(
-            softened, foundation, surface, model, scene, found, local, carried, rtol
-        )
-        inputs += said
-    elif foundation.softening is not None:
-        inputs.append(
-            (
-                "softening",
-                (
-                    "of the material is left out: this model is linear, its moduli "
-                    "are of small strain"
-                ),
-            )
-        )
-    inputs += [] if not found.said else [("maps", found.said)]
-    if np.any(series):
-        inputs.append(
-            (
-                "material against its data",
-                f"at most {np.max(series):.0%} of mu, part of the error",
-            )
-        )
+        longest = None if scene.traced else float(2 * np.pi / surface.q_low)
+        rows += [("heat", heat.words(longest))]
+    if answer.by_scale is not None and not scene.traced:
+        rows += _scales_in_words(answer.by_scale, np.asarray(found.good))
+    rows += strained.rows
+    if found.said:
+        rows += [("maps", found.said)]
+    if np.any(of_data):
+        share = f"at most {np.max(of_data):.0%} of mu, part of the error"
+        rows += [("material against its data", share)]
     if outside is not None:
-        inputs.append(
-            (
-                "excited beyond",
-                (
-                    f"the material's data: at most {np.nanmax(outside):.0%} of <|grad "
-                    "h|^2>"
-                ),
-            )
-        )
-    beyond = (
-        NOT_KNOWN
-        if traced
-        else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
+        rows += [excited_beyond(outside)]
+    return rows
+
+
+def excited_beyond(outside: Any) -> tuple[str, str]:
+    """A row for results: the share of the slope excited beyond the data."""
+    return (
+        "excited beyond",
+        f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>",
     )
-    inputs += beyond.said
-    if softened is not None and not traced:
-        beyond = _strained_beyond(softened, surface, beyond, shape, foundation.range)
-        inputs += beyond.said[-1:]
-    kind = (
-        ""
-        if foundation.softening is None
-        else LINEAR
-        if softened is None
-        else _SOFTENED
-    )
-    stress = field(found.mu * pressures.ravel())
-    curve = FrictionCurve(
+
+
+def _packed(
+    scene: Scene,
+    surface: AbstractSpectrum,
+    model: SurfaceModel,
+    answer: _Answer,
+    strained: _Strained,
+    of_data: Any,
+) -> FrictionCurve:
+    """The numbers of the result, of hysteresis alone."""
+    found, shape = answer.found, scene.shape
+    field = partial(answer.field, shape)
+    pressure = scene.full(scene.value)
+    softening = ""
+    if scene.foundation.softening is not None:
+        softening = LINEAR if answer.local.softened is None else _SOFTENED
+    bound = _model_error(model, scene, surface, answer, strained.of_mu)
+    return FrictionCurve(
         velocity=scene.full(scene.velocity),
         mu=field(found.mu),
-        normal_force=field(pressures.ravel()),
-        friction_force=stress,
+        normal_force=field(pressure.ravel()),
+        friction_force=field(found.mu * pressure.ravel()),
         depth=None,
         contact=None,
-        error=field(found.error + series * abs(found.mu)),
+        error=field(found.error + of_data * abs(found.mu)),
         converged=found.good.reshape(shape),
-        temperature=scene.full(kelvin),
-        model=model.words() + kind + _hot(model, heat),
-        plan=_plan(foundation, scene, surface, model, heat),
-        inputs=tuple(inputs),
-        extrapolated=beyond.points,
-        model_error=_model_error(
-            model, foundation, surface, found, reduced, spread[0], field
-        ),
-        pressure=pressures,
+        temperature=scene.full(scene.kelvin),
+        model=model.words() + softening,
+        plan="",
+        inputs=(),
+        model_error=bound,
+        pressure=pressure,
         area_ratio=field(found.area),
-        temperature_rise=None if warm is None else field(warm.rise),
-        cold=None if heat is None else field(cold.mu),
-        heat_flux=None if warm is None else field(warm.heat),
-        linear=None if straight is None else field(straight),
-        outside=outside,
+        linear=None if strained.linear is None else field(strained.linear),
     )
-    if by_scale is not None:
-        curve = dataclasses.replace(
+
+
+def _with_heat(
+    curve: FrictionCurve, heat: Heat, scene: Scene, answer: _Answer
+) -> FrictionCurve:
+    """The temperatures that friction makes, beside mu without them."""
+    field = partial(answer.field, scene.shape)
+    warm, by_scale, cold = answer.warm, answer.by_scale, field(answer.cold.mu)
+    if by_scale is None:
+        return dataclasses.replace(
             curve,
-            temperature_rise=field(by_scale.mean),
-            contact_rise=field(by_scale.contact),
-            heat_flux=field(by_scale.flux * (1 - by_scale.to_road)),
-            road_share=None
-            if heat is None or heat.road is None
-            else field(by_scale.to_road),
+            temperature_rise=field(warm.rise),
+            cold=cold,
+            heat_flux=field(warm.heat),
         )
-    if adhesion is None:
-        return curve
-    area, of_area, more = field(found.area), field(found.area_error), {}
-    if heat is not None:
-        stress = adhesion.shear_stress(scene.full(scene.velocity), scene.full(kelvin))
-        more = {"cold": curve.cold + stress * field(cold.area) / pressures}
-    bound = _model_error(
-        model, foundation, surface, found, reduced, spread[1], field, of_area=True
+    return dataclasses.replace(
+        curve,
+        temperature_rise=field(by_scale.mean),
+        contact_rise=field(by_scale.contact),
+        cold=cold,
+        heat_flux=field(by_scale.flux * (1 - by_scale.to_road)),
+        road_share=None if heat.road is None else field(by_scale.to_road),
     )
+
+
+def _with_adhesion(
+    curve: FrictionCurve,
+    adhesion: AdhesiveShear,
+    heat: Heat | None,
+    scene: Scene,
+    surface: AbstractSpectrum,
+    model: SurfaceModel,
+    answer: _Answer,
+    strained: _Strained,
+) -> FrictionCurve:
+    """The shear of the real contact added."""
+    field = partial(answer.field, scene.shape)
+    found, pressure = answer.found, scene.full(scene.value)
+    area, cold_area = field(found.area), field(answer.cold.area)
+    stress, fields = None, {}
+    if heat is not None:
+        stress = adhesion.shear_stress(
+            scene.full(scene.velocity), scene.full(scene.kelvin)
+        )
+        fields = {"cold": curve.cold + stress * cold_area / pressure}
     both = sheared(
         curve,
         adhesion,
-        area / pressures,
-        of_area / area,
-        bound,
+        area / pressure,
+        field(found.area_error) / area,
+        _model_error(model, scene, surface, answer, strained.of_area, of_area=True),
         "area of real contact",
-        **more,
+        **fields,
     )
-    if heat is None or traced:
+    if heat is None or scene.traced:
         return both
     return dataclasses.replace(
-        both, inputs=(*both.inputs, *why_hotter(both, field(cold.area), stress))
+        both, inputs=(*both.inputs, *why_hotter(both, cold_area, stress))
     )
 
 
@@ -292,44 +426,6 @@ def _checked_share(share: Any) -> Any:
         lambda x: (x > 0) & (x <= _MOST_SHARE),
     )
     return share
-
-
-def _heated(
-    heat: Heat,
-    adhesion: AdhesiveShear | None,
-    foundation: Any,
-    surface: Any,
-    model: SurfaceModel,
-    scene: Scene,
-    cold: SurfaceFriction,
-    local: Local,
-    solved: Callable[..., SurfaceFriction],
-) -> tuple[SurfaceFriction, Any, Local]:
-    """Friction at the temperatures that it makes, and those."""
-    from .temperature_by_scale import HIGHEST, Problem, reach, warmed
-
-    v, kelvin, p = (
-        scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
-    )
-    reduced, carried = scene.reduced.ravel(), p / scene.vertical.ravel()
-    highest = HIGHEST if scene.traced else reach(foundation, kelvin)
-    problem = Problem(
-        foundation,
-        surface,
-        local.softened,
-        heat,
-        adhesion,
-        v,
-        reduced,
-        kelvin,
-        p,
-        carried,
-    )
-    by_scale = warmed(problem, model, highest)
-    hot = local._replace(warmed=by_scale.warmed)
-    found = solved(reduced, carried, local=hot)
-    good = found.good & cold.good & by_scale.good
-    return found._replace(error=found.error + by_scale.error, good=good), by_scale, hot
 
 
 def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
@@ -361,58 +457,67 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
     return said
 
 
-def _softening(
-    softened: Softened,
+def _strained(
+    softened: Softened | None,
     foundation: Any,
     surface: Any,
     model: SurfaceModel,
     scene: Scene,
-    found: SurfaceFriction,
-    local: Local,
-    carried: Any,
+    answer: _Answer,
     rtol: Any,
-) -> tuple[Any, tuple[Any, Any], list[tuple[str, str]]]:
-    """mu without softening; how far mu and, relatively, the area are off at half and
-    twice the strain; all in words.
+) -> _Strained:
+    """What softening changes; how far mu is off where the strain is not that taken.
 
     Nothing of it under a transformation of JAX, but that how far they are off is not
     known.
     """
+    if softened is None:
+        left_out = foundation.softening is not None
+        return _Strained(None, 0.0, 0.0, [SOFTENING_LEFT_OUT] if left_out else [])
     if scene.traced:
-        return None, (np.nan, np.nan), []
-    v = scene.reduced.ravel()
+        return _Strained(None, np.nan, np.nan, [])
+    velocity = scene.reduced.ravel()
     carried = (scene.full(scene.value) / scene.vertical).ravel()
 
     def at(share: Any) -> Any:
-        other = local._replace(
+        other = answer.local._replace(
             softened=None if share is None else softened._replace(share=share)
         )
         return model.solve(
-            foundation, surface, v, carried, other, max(float(rtol), 1e-3), None
+            foundation, surface, velocity, carried, other, max(float(rtol), 1e-3), None
         )
 
-    straight, here = at(None), at(softened.share)
+    linear, here = at(None), at(softened.share)
     others = [
         at(softened.share * factor) for factor in (_STRAIN_SHARE, 1 / _STRAIN_SHARE)
     ]
-    off = np.max([abs(other.mu - here.mu) for other in others], axis=0)
-    off_area = np.max([abs(other.area / here.area - 1) for other in others], axis=0)
+    of_mu = np.max([abs(other.mu - here.mu) for other in others], axis=0)
+    of_area = np.max([abs(other.area / here.area - 1) for other in others], axis=0)
+    words = _softening_words(softened, surface, here, linear, answer.found.good)
+    return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
+
+
+def _softening_words(
+    softened: Softened,
+    surface: Any,
+    here: SurfaceFriction,
+    linear: SurfaceFriction,
+    good: Any,
+) -> str:
+    """How far moduli soften, and what that does."""
     strain = float(softened.strain(surface.q_high))
     storage, loss = (float(x) for x in softened.softening.factors(strain))
-    ratio, more = (
-        (a / b)[found.good]
-        for a, b in ((here.mu, straight.mu), (here.area, straight.area))
-    )
-    text = (
+    words = (
         f"strain up to {strain:.2g}, where the storage modulus is {storage:.0%} and "
         f"the loss modulus {loss:.0%}"
     )
-    if ratio.size:
-        text += (
-            f"; hysteresis {ratio.min():.2f} to {ratio.max():.2f} times, contact area "
-            f"{more.min():.2f} to {more.max():.2f} times those without"
-        )
-    return straight.mu, (off, off_area), [("softening", text)]
+    if not good.any():
+        return words
+    mu, area = (here.mu / linear.mu)[good], (here.area / linear.area)[good]
+    return (
+        f"{words}; hysteresis {mu.min():.2f} to {mu.max():.2f} times, contact area "
+        f"{area.min():.2f} to {area.max():.2f} times those without"
+    )
 
 
 def _strained_beyond(
@@ -433,7 +538,6 @@ def _strained_beyond(
         np.ones(shape, dtype=bool),
         what,
         known is not None and known.illustrative,
-        stacklevel=4,
     )
 
 
@@ -515,11 +619,6 @@ def _set_up(
     return foundation, scene
 
 
-def _as_mean(found: SurfaceFriction) -> Mean:
-    unknown = np.full(np.shape(found.mu), np.nan)
-    return Mean(found.mu, found.error, unknown, unknown, found.area, found.good, None)
-
-
 def _doubt_unit(found: SurfaceFriction, pressure: np.ndarray) -> None:
     """Warns of a pressure that is likely to be meant in MPa: a small number, under
     which hardly anything touches.
@@ -528,12 +627,11 @@ def _doubt_unit(found: SurfaceFriction, pressure: np.ndarray) -> None:
     least = int(np.argmin(area))
     if area[least] < _LEAST:
         given = f"{pressure[least]:g}"
-        warnings.warn(
+        warn(
             f"pressure is taken in Pa: {given} Pa give a real contact of "
             f"{area[least]:.1g} of the nominal area. If {given} MPa are meant, write "
             f"{1e6 * pressure[least]:g}.",
             ModelWarning,
-            stacklevel=4,
         )
 
 
@@ -556,24 +654,29 @@ def _misfit(
 
 def _model_error(
     model: SurfaceModel,
-    foundation: Any,
+    scene: Scene,
     surface: AbstractSpectrum,
-    found: SurfaceFriction,
-    reduced: Any,
-    spread: Any,
-    field: Callable[[Any], Any],
+    answer: _Answer,
+    of_strain: Any,
     of_area: bool = False,
 ) -> Any:
     """Bound on mu's distance from three dimensions, or on the area's relative one; None
     for that model itself.
 
-    `spread` is what the strain at a scale, not known better than within a factor of
+    `of_strain` is what the strain at a scale, not known better than within a factor of
     two, adds to it. The bound itself holds with softening as without: each scale is
     linear, and moduli that change with the wave number are what it was established for.
     """
+    found, foundation = answer.found, scene.foundation
     if foundation.softening is not None and not model.softens:
-        return field(np.full(np.shape(found.mu), np.nan))
-    bound = model.bound(foundation, surface, reduced.ravel(), found.area, of_area)
+        return answer.field(scene.shape, np.full(np.shape(found.mu), np.nan))
+    # a bound has no derivatives: of plain numbers nothing is traced
+    body, road, velocity, area = known(
+        fixed((foundation, surface, answer.reduced.ravel(), found.area))
+    )
+    bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:
         return None
-    return field((bound if of_area else abs(found.mu) * bound) + spread)
+    if not of_area:
+        bound = abs(found.mu) * bound
+    return answer.field(scene.shape, bound + of_strain)

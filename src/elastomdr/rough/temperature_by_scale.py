@@ -30,19 +30,23 @@ sources at rest and moving: Jaeger 1942, Carslaw & Jaeger 1959, ch. 10.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import as_numpy, fixed, is_traced, while_loop
-from .heat import Heat
+from ..arrays import fixed, is_traced, namespace, xp
+from ..checks import known
+from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
+from ..numerics.quadrature import gauss_unit
+from .heat import HIGHEST, Heat, highest_rise
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, _table, bends
-from .psd_integrals import Nodes, namespace, nodes, until
+from .psd_integrals import Nodes, cell_counts, nodes, until
 
-HIGHEST = 1000.0  # largest rise that is looked for [K]
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
+_BATCH = 512  # points whose first temperatures are looked for at once
 _NEAR_NODES = 24  # over the distances below half the shortest wave
 # relative change of temperatures at which they have settled; most rounds
 _SETTLED, _ROUNDS = 1e-8, 80
@@ -55,6 +59,8 @@ _CELLS, _STATIONS = 6, 2  # of q per decade on the coarsest level
 _LEVELS = (1, 2, 4, 8, 16)  # how many times finer each is
 # the number of the level that all points reach; further ones only where they ask for it
 _USUAL = 2
+# cells per decade of the equation whose derivatives are taken, as on that level
+_TRACED_CELLS = _CELLS * _LEVELS[_USUAL]
 _ASKED = 1e-3  # relative error of friction up to which no finer level is asked for
 _MOST = 1e-2  # and that above which a point has not converged
 # what the change before the last one is divided by: splines are of fourth order
@@ -120,7 +126,7 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
     """The temperatures that friction makes, the lowest ones where there are several;
     see the head of this file.
     """
-    if namespace(*_leaves(problem)) is not np:
+    if is_traced(problem):
         return _of_traced(problem, model, highest)
     rise, seen, several = _first(
         problem, model, _count(problem.spectrum, _SCAN_STATIONS), highest
@@ -178,56 +184,89 @@ def _at_stations(rise: Any, count: int, highest: float) -> Any:
 
 
 def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
-    """`warmed` under a transformation of JAX.
-
-    The search runs without derivatives, and one step of Newton's method from where it
-    ends gives them: exact, since the rest is zero there. What is not traced becomes
-    NumPy's: in a loop JAX would trace its own arrays too.
+    """`warmed` under a transformation of JAX: numbers from NumPy, the derivatives of
+    temperatures from the equation that they solve on one level of cells.
     """
-    import jax
-
-    level = _LEVELS[_USUAL]
-    leaves, tree = jax.tree.flatten(problem)
-    traced = [is_traced(leaf) for leaf in leaves]
-
-    def whole(values: list[Any]) -> Problem:
-        rest = iter(values)
-        return jax.tree.unflatten(
-            tree,
-            [
-                next(rest) if own else as_numpy(leaf)
-                for leaf, own in zip(leaves, traced, strict=True)
-            ],
-        )
-
-    def solve(values: list[Any]) -> tuple[Any, ...]:
-        moving, still = whole(values), whole([fixed(value) for value in values])
-        count = _count(moving.spectrum, level)
-        rise, seen, several = _first(still, model, count, highest)
-        of_still = _state(
-            still, model, _conduction(still, model, _CELLS * level, count), highest
-        )
-        rise, good = _settle(of_still, rise, highest)
-        of = _state(
-            moving, model, _conduction(moving, model, _CELLS * level, count), highest
-        )
-        rise = _newton(of, of_still, rise)
-        state = of(rise)
-        return (
-            _ends(moving.spectrum),
-            rise,
-            state.mean,
-            state.flux,
-            state.to_road,
-            good & seen,
-            several,
-        )
-
-    ends, rise, mean, flux, to_road, good, several = solve(
-        [leaf for leaf, own in zip(leaves, traced, strict=True) if own]
+    spectrum = known(fixed(problem.spectrum))
+    counts = cell_counts(spectrum, _TRACED_CELLS)
+    stations = _count(spectrum, _LEVELS[_USUAL])
+    share = None if problem.softened is None else problem.softened.share
+    shared = problem.body, problem.spectrum, share, problem.heat, problem.adhesion
+    points = (problem.velocity, problem.reduced, problem.kelvin)
+    points += (problem.pressure, problem.carried)
+    solve = _with_slopes(model, stations, counts)
+    rise, mean, flux, to_road, error, good, several = solve(
+        *as_doubles((shared, points))
     )
-    own = Warmed(ends, rise, highest, problem.kelvin, problem.body)
-    return Warm(own, 0.0 * mean, mean, rise[:, -1], flux, to_road, good, several)
+    ends = _ends(problem.spectrum)
+    found = Warmed(ends, xp.transpose(rise), highest, problem.kelvin, problem.body)
+    return Warm(found, error, mean, rise[-1], flux, to_road, good > 0, several > 0)
+
+
+def _problem(shared: Any, points: Any) -> Problem:
+    body, spectrum, share, heat, adhesion = shared
+    softened = None if share is None else Softened(body.softening, spectrum, share)
+    return Problem(body, spectrum, softened, heat, adhesion, *points)
+
+
+@functools.lru_cache(64)
+def _with_slopes(
+    model: Any, stations: int, counts: tuple[int, ...]
+) -> Callable[..., tuple[Any, ...]]:
+    """Rises at the stations (stations, points), their mean, the heat flux and what the
+    road takes, with derivatives; their error, where they are good and where several.
+    """
+
+    def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
+        problem = _problem(shared, points)
+        highest = highest_rise(problem.body, problem.kelvin)
+        warm = warmed(problem, model, highest)
+        rise = _at_stations(warm.warmed.rise, stations, highest).T
+        made = warm.mean, warm.flux, warm.to_road
+        return (rise, *made, warm.error, warm.good, warm.several)
+
+    def rises(shared: Any, points: Any) -> tuple[Any, ...]:
+        return (_rises(model, stations, counts)(shared, points),)
+
+    def others(shared: Any, points: Any) -> tuple[Any, ...]:
+        problem = _problem(shared, points)
+        conduct = _conduction(problem, model, _TRACED_CELLS, stations, counts)
+        (rise,) = rises(shared, points)
+        state = _state(problem, model, conduct, HIGHEST)(rise.T)
+        return state.mean, state.flux, state.to_road
+
+    def like(shared: Any, points: Any) -> tuple[Any, ...]:
+        return (_shape(stations, points), *(points[0],) * 6)
+
+    return numbers_with_slopes(numbers, ((rises, 1), (others, 3)), like)
+
+
+@functools.lru_cache(64)
+def _rises(model: Any, stations: int, counts: tuple[int, ...]) -> Callable[..., Any]:
+    """Rises (stations, points) that friction makes at these rises."""
+
+    def search(shared: Any, points: Any) -> tuple[Any, None]:
+        problem = _problem(shared, points)
+        highest = highest_rise(problem.body, problem.kelvin)
+        conduct = _conduction(problem, model, _TRACED_CELLS, stations)
+        start, seen, _ = _first(problem, model, stations, highest)
+        state = _state(problem, model, conduct, highest)
+        rise, good = _settle(state, start, highest)
+        return np.where((good & seen)[:, None], rise, np.nan).T, None
+
+    def equation(rise: Any, _: None, shared: Any, points: Any) -> Any:
+        problem = _problem(shared, points)
+        conduct = _conduction(problem, model, _TRACED_CELLS, stations, counts)
+        return _state(problem, model, conduct, HIGHEST)(rise.T).rise.T - rise
+
+    def like(shared: Any, points: Any) -> tuple[Any, None]:
+        return _shape(stations, points), None
+
+    return implicit(search, equation, like, coupled=True)
+
+
+def _shape(stations: int, points: Any) -> Any:
+    return xp.zeros((stations, *points[0].shape))
 
 
 class State(NamedTuple):
@@ -265,10 +304,11 @@ def _state(
 
 def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any:
     """Tables for temperatures up to a rise, None where JAX traces."""
-    if namespace(problem.reduced, *_leaves(problem)) is not np:
+    if is_traced(problem):
         return None
     hottest = np.full(
-        (problem.kelvin.size, 1), min(highest, reach(problem.body, problem.kelvin))
+        (problem.kelvin.size, 1),
+        min(highest, highest_rise(problem.body, problem.kelvin)),
     )
     local = Local(
         problem.softened, Warmed(None, hottest, highest, problem.kelvin, problem.body)
@@ -337,12 +377,21 @@ def _heated(
 
 
 def _conduction(
-    problem: Problem, model: Any, per_decade: int, count: int
+    problem: Problem,
+    model: Any,
+    per_decade: int,
+    count: int,
+    cells: tuple[int, ...] | None = None,
 ) -> Conduction:
-    """Kernels on cells of q, for `count` stations."""
-    traced = namespace(problem.spectrum.q, problem.spectrum.c) is not np
-    bent = () if traced else bends(problem.spectrum, model, Local(problem.softened))
-    at, ends = nodes(problem.spectrum, per_decade, bent), _ends(problem.spectrum)
+    """Kernels on cells of q, for `count` stations; `cells` as `cell_counts` gives
+    them, where the spectrum is traced.
+    """
+    bent, decades = (), sum(cells or ()) / per_decade
+    if cells is None:
+        bent = bends(problem.spectrum, model, Local(problem.softened))
+        decades = _decades(problem.spectrum)
+    at = nodes(problem.spectrum, per_decade, bent, cells)
+    ends = _ends(problem.spectrum)
     log_q = log_stations(count, ends)
     xp = namespace(
         at.q,
@@ -359,7 +408,7 @@ def _conduction(
     )
     place = of_q.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
     low, high = 1e-3 * at.q[0, 0], 1e3 * at.end
-    waves_down = int(_K * (6 + _decades(problem.spectrum))) + 1
+    waves_down = int(_K * (6 + decades)) + 1
     k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, waves_down))
     dk = (
         k
@@ -370,9 +419,8 @@ def _conduction(
     dk = dk + k * np.concatenate([[1.0], np.zeros(waves_down - 1)])
     # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
     # dlog r = 4 dy/y.
-    y, gauss = np.polynomial.legendre.leggauss(_NEAR_NODES)
-    y, gauss = 0.5 * (y + 1), 0.5 * gauss
-    gauss = 4 * gauss / y
+    y, weights, _ = gauss_unit(_NEAR_NODES)
+    weights = 4 * weights / y
     # The kernel of points that share a velocity is made once.
     velocity, again = problem.velocity, None
     if xp is np:
@@ -392,14 +440,14 @@ def _conduction(
         )
 
     far, close = np.pi / at.q, np.pi / at.end * y**4
-    own, below = kernel(far), kernel(close) @ gauss
+    own, below = kernel(far), kernel(close) @ weights
     parts = own * at.weight
     inside = parts.sum((-2, -1))[..., None] - _until_stations(own, at, cell, place)
     near = below[..., None] + inside
     speed = w.reshape(-1, 1, 1)
     line, line_near = (
         far * _i0e(speed * far),
-        (close * _i0e(speed[..., 0] * close)) @ gauss,
+        (close * _i0e(speed[..., 0] * close)) @ weights,
     )
     if again is not None:
         own, near, line, line_near = (
@@ -473,37 +521,35 @@ def _first(
     would make is far steeper where the finest waves are glassy. Where no steady state
     is reached in a few rounds, it is the profile of cold rubber after all.
     """
-    xp = namespace(problem.reduced, *_leaves(problem))
     conduct = _conduction(problem, model, _SCAN, stations)
     count = problem.reduced.shape[0]
     of = _state(problem, model, conduct, highest)
-    cold = xp.zeros((count, stations))
+    cold = np.zeros((count, stations))
     rise, steady = _settle(of, cold, highest, _PROFILE)
-    state = of(xp.where(steady[:, None], rise, cold))
-    top = xp.maximum(state.rise.max(-1), _NOTHING)
+    state = of(np.where(steady[:, None], rise, cold))
+    top = np.maximum(state.rise.max(-1), _NOTHING)
     shape = state.rise / top[:, None]
     table = _tables(problem, conduct.at, _SCAN, highest)
-    low, middle = 0.02 * top, xp.minimum(5 * top + 5.0, highest)
-    steps = [xp.minimum(low, 0.5 * highest)]
+    low, middle = 0.02 * top, np.minimum(5 * top + 5.0, highest)
+    steps = [np.minimum(low, 0.5 * highest)]
     for start, end, n in (
         (low, middle, 24),
-        (middle, highest * xp.ones_like(middle), 12),
+        (middle, highest * np.ones_like(middle), 12),
     ):
-        start = xp.minimum(start, 0.5 * highest)
+        start = np.minimum(start, 0.5 * highest)
         steps += [
-            start * (xp.maximum(end, 1.01 * start) / start) ** (i / n)
+            start * (np.maximum(end, 1.01 * start) / start) ** (i / n)
             for i in range(1, n + 1)
         ]
-    tried = xp.stack(steps)  # (steps, points)
+    tried = np.stack(steps)  # (steps, points)
     many = problem.of(np.tile(np.arange(count), len(steps)))
     rise = (tried[..., None] * shape).reshape(-1, stations)
     local = Local(
         problem.softened, Warmed(conduct.ends, rise, highest, many.kelvin, many.body)
     )
-    batch = 512 if xp is np else rise.shape[0]
     power = []
-    for i in range(0, rise.shape[0], batch):
-        some = slice(i, i + batch)
+    for i in range(0, rise.shape[0], _BATCH):
+        some = slice(i, i + _BATCH)
         part = many.of(some)
         found = model.waves(
             problem.body.complex_modulus,
@@ -520,21 +566,21 @@ def _first(
             )
             mu = mu + stress * found.area / part.pressure
         power.append(mu * part.pressure * part.velocity)
-    made = top * xp.concatenate(power).reshape(tried.shape) / state.flux
+    made = top * np.concatenate(power).reshape(tried.shape) / state.flux
     below = made <= tried
-    first = xp.argmax(below, axis=0)
+    first = np.argmax(below, axis=0)
     crossed = below[1:] & ~below[:-1]
     several = (crossed.sum(0) + below[0]) > 1
     every = np.arange(count)
-    before = xp.maximum(first - 1, 0)
+    before = np.maximum(first - 1, 0)
     (x_0, x_1), (y_0, y_1) = (
         [a[i, every] for i in (before, first)] for a in (tried, made)
     )
-    slope = (y_1 - y_0) / xp.where(x_1 > x_0, x_1 - x_0, 1.0)
-    root = xp.clip((y_0 - slope * x_0) / xp.where(slope < 1, 1 - slope, 1.0), x_0, x_1)
-    start = xp.where(first == 0, xp.minimum(made[0], tried[0]), root)[:, None] * shape
+    slope = (y_1 - y_0) / np.where(x_1 > x_0, x_1 - x_0, 1.0)
+    root = np.clip((y_0 - slope * x_0) / np.where(slope < 1, 1 - slope, 1.0), x_0, x_1)
+    start = np.where(first == 0, np.minimum(made[0], tried[0]), root)[:, None] * shape
     # another height is a steady state only where its temperatures settle
-    if xp is np and several.any():
+    if several.any():
         last = crossed.shape[0] - np.argmax(crossed[::-1], axis=0)
         lowest, settled = _settle(of, start, highest, _PROFILE)
         height = tried[last, every, None]
@@ -552,113 +598,26 @@ def _settle(
     """Fixed point of temperatures, and where it was found: Anderson's method with one
     step of memory.
     """
-    xp = namespace(rise)
-
-    class Step(NamedTuple):
-        x: Any
-        before: Any
-        off_before: Any
-        good: Any
-        count: Any
-
-    def rest(x: Any) -> tuple[Any, Any]:
-        off = of(x).rise - x
-        size = xp.maximum(xp.abs(x).max(-1), 1e4 * _NOTHING)
-        return off, xp.abs(off).max(-1) <= within * size
-
-    def body(step: Any) -> Any:
-        off, good = rest(step.x)
-        turn, move = off - step.off_before, step.x - step.before
-        share = (turn * off).sum(-1) / xp.maximum((turn**2).sum(-1), 1e-300)
-        share = xp.clip(share, -20.0, 20.0)[:, None]
-        new = xp.where(
-            step.count > 0, step.x + off - share * (move + turn), step.x + 0.5 * off
-        )
-        new = xp.clip(xp.where(xp.isfinite(new), new, 0.0), 0.0, highest)
+    before, off_before = np.zeros_like(rise), np.zeros_like(rise)
+    good = np.zeros(rise.shape[0], dtype=bool)
+    for count in range(_ROUNDS):
+        off = of(rise).rise - rise
+        size = np.maximum(np.abs(rise).max(-1), 1e4 * _NOTHING)
+        good = np.abs(off).max(-1) <= within * size
+        turn, move = off - off_before, rise - before
+        share = (turn * off).sum(-1) / np.maximum((turn**2).sum(-1), 1e-300)
+        share = np.clip(share, -20.0, 20.0)[:, None]
+        new = rise + off - share * (move + turn) if count else rise + 0.5 * off
+        new = np.clip(np.where(np.isfinite(new), new, 0.0), 0.0, highest)
         done = good[:, None]
-        return Step(
-            xp.where(done, step.x, new),
-            xp.where(done, step.before, step.x),
-            xp.where(done, step.off_before, off),
-            good,
-            step.count + 1,
+        before, off_before = (
+            np.where(done, before, rise),
+            np.where(done, off_before, off),
         )
-
-    def going(step: Any) -> Any:
-        return (step.count < _ROUNDS) & ~step.good.all()
-
-    none = xp.zeros(rise.shape[0], dtype=bool)
-    step = while_loop(
-        going,
-        body,
-        Step(rise, xp.zeros_like(rise), xp.zeros_like(rise), none, xp.asarray(0)),
-    )
-    return step.x, step.good & (step.x.max(-1) < highest)
-
-
-def _newton(
-    of: Callable[[Any], State], still: Callable[[Any], State], rise: Any
-) -> Any:
-    """One step of Newton's method, whose derivatives are those of the solution."""
-    import jax
-    import jax.numpy as jnp
-
-    rise = fixed(rise)
-    count = rise.shape[1]
-
-    def column(unit: Any) -> Any:
-        return jax.jvp(
-            lambda x: still(x).rise, (rise,), (jnp.broadcast_to(unit, rise.shape),)
-        )[1]
-
-    # (points, stations, of stations)
-    slopes = fixed(jnp.moveaxis(jax.lax.map(column, jnp.eye(count)), 0, -1))
-    off = of(rise).rise - rise
-    return rise + jnp.linalg.solve(jnp.eye(count) - slopes, off[..., None])[..., 0]
-
-
-def reach(body: Any, kelvin: Any) -> float:
-    """The largest rise to look for: that of a shift law's end above the warmest body,
-    or 1000 K.
-    """
-    from ..errors import InputError
-    from ..material.vertical import thermal_factors
-
-    low, high, warmest = 0.0, 2 * HIGHEST, float(np.max(kelvin))
-    while high - low > 1e-3 * low + 1e-3:
-        middle = 0.5 * (low + high)
-        try:
-            thermal_factors(body, warmest + middle)
-            low = middle
-        except InputError:
-            high = middle
-        if low >= HIGHEST:
+        rise = np.where(done, rise, new)
+        if good.all():
             break
-    return min(low, HIGHEST)
-
-
-def _leaves(problem: Problem) -> list[Any]:
-    """Arrays that decide whether JAX traces."""
-    body = problem.body.complex_modulus(np.ones(1))
-    softened = () if problem.softened is None else Local(problem.softened).arrays()
-    heat = (
-        problem.heat.conductivity,
-        problem.heat.heat_capacity,
-        *(problem.heat.road or ()),
-    )
-    shear = () if problem.adhesion is None else (problem.adhesion.stress,)
-    return [
-        body,
-        problem.reduced,
-        problem.kelvin,
-        problem.spectrum.q,
-        problem.spectrum.c,
-        problem.carried,
-        problem.velocity,
-        *softened,
-        *heat,
-        *shear,
-    ]
+    return rise, good & (rise.max(-1) < highest)
 
 
 def _i0e(x: Any) -> Any:

@@ -22,40 +22,41 @@ measured); K. L. Johnson, Contact Mechanics (1985), section 5.6.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from ..arrays import is_traced, numpy_unless_traced, xp
-from ..call.extrapolation import NOT_KNOWN, held_beyond
+from ..call.extrapolation import NOT_KNOWN, Beyond, held_beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
+    broadcast,
     broadcast_shape,
     in_kelvin,
     not_negative,
     positive,
     require,
 )
-from ..element.radok import normal_operator
+from ..element.law import normal_operator
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
+from ..material.shift import thermal_factors
 from ..material.tabulated import needs_series
-from ..material.vertical import thermal_factors
-from ..results.words import brief
-from .o_ring_result import ORing
+from ..results.base import Array, Result, quantity, record
+from ..results.words import brief, in_unit, span
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Style
     from ..call.types import Solid
 
-_MOST = 0.25  # squeeze up to which the formula holds
-_STEPS = 8  # of Newton's method: u - ln u is nearly straight, and convex
-
-
-MODELS = {
+_LARGEST_SQUEEZE = 0.25  # up to which the formula holds
+_NEWTON_STEPS = 8  # u - ln u is nearly straight, and convex
+FORMULAS = {
     "lindley": (
         "Lindley's formula for the load (measured cords), Hertz' width; straight "
         "cord, free to bulge"
@@ -65,6 +66,87 @@ MODELS = {
         "to bulge"
     ),
 }
+_UNITS = {
+    "diameter": "m",
+    "squeeze": "of the diameter",
+    "time": "s",
+    "temperature": "K",
+}
+
+
+@record
+class ORing(Result):
+    """Contact of a squeezed cord with either wall.
+
+    `error` is that of the arithmetic alone, zero: what the formula itself leaves open
+    `model` says.
+    """
+
+    diameter: Array = quantity("diameter of the cord", "m", "d", shown="mm")
+    squeeze: Array = quantity(
+        "squeeze", "-", "C, part of d", axis="squeeze of the diameter", shown="%"
+    )
+    time: Array | None = quantity(
+        "time since it was squeezed", "s", "None: relaxed", default=None
+    )
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    line_load: Array = quantity(
+        "line load",
+        "N/m",
+        "W, force per length of cord",
+        axis="force per length of cord",
+    )
+    width: Array = quantity("width of the contact", "m", "2a", shown="mm")
+    pressure: Array = quantity(
+        "mean pressure",
+        "Pa",
+        "W/2a, of the contact; the largest is 4/pi of it",
+        axis="mean pressure of the contact",
+        shown="MPa",
+    )
+    error: Array = quantity("error of the arithmetic", "N/m")
+
+    title: ClassVar[str] = "Squeezed cord"
+    across: ClassVar[str] = "squeeze"
+    scale: ClassVar[str] = "auto"
+    shows: ClassVar[str] = "pressure"
+    error_of: ClassVar[str] = "the arithmetic"
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "time",
+        "squeeze",
+        "temperature",
+        "diameter",
+    )
+
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        show: Literal["pressure", "width", "line_load"] = "pressure",
+    ) -> "Axes":
+        """Draws pressure, width or line_load against time where there are several
+        times, else against the squeeze.
+
+        The rest as of every result, `Result.plot`. Raises `InputError`.
+        """
+        shown = ("pressure", "width", "line_load")
+        if show not in shown:
+            raise InputError(f"show must be one of {', '.join(shown)}, got {show!r}.")
+        from ..results.plotting import Ask, draw
+
+        x = "time" if any(axis.name == "time" for axis in self.axes()) else "squeeze"
+        return self._draw(draw, Ask(ax, style, title, label), x=x, y=show)
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The ranges of line load, width and pressure."""
+        yield "line load", span(self.line_load, "N/m")
+        yield "contact width", span(in_unit(self.width, "mm"), "mm")
+        yield "mean pressure", span(in_unit(self.pressure, "MPa"), "MPa")
 
 
 @over_materials
@@ -108,105 +190,139 @@ def o_ring(
 
     Source: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209, quoted from memory.
     """
-    needs_series("material", material, "a squeezed cord")
-    if not isinstance(material, Prony):
-        raise InputError(
-            "material must be that of the cord (em.Prony, em.load_material(...)), not "
-            "a foundation: its load needs "
-            f"Young's modulus, got {material!r}."
-        )
-    if formula not in ("lindley", "hertz"):
+    solid = _checked_material(material)
+    if formula not in FORMULAS:
         raise InputError(f"formula must be 'lindley' or 'hertz', got {formula!r}.")
-    d, part = as_float64("diameter", diameter), as_float64("squeeze", squeeze)
-    positive("diameter", d)
-    accepted = f"positive and at most {_MOST:g}, a part of the diameter"
-    require("squeeze", part, accepted, lambda c: (c > 0) & (c <= _MOST))
-    if time is not None:
-        time = as_float64("time", time)
-    if temperature is not None:
-        temperature = as_float64("temperature", temperature)
-    laws = material.tensile().law(), normal_operator(material)
-    young, plane = (_modulus(law, material, time, temperature) for law in laws)
+    given = _checked(diameter, squeeze, time, temperature)
+    young, plane = (
+        _modulus(law, solid, given["time"], given["temperature"])
+        for law in (solid.tensile().law(), normal_operator(solid))
+    )
     if not is_traced(young) and not np.all(young > 0):
         raise InputError(
             "time must be given for a material without an equilibrium modulus: it "
-            "relaxes altogether."
+            "relaxes completely."
         )
-    # W/(modulus d)
-    relative = (
-        1.25 * part**1.5 + 50 * part**6 if formula == "lindley" else _small_strain(part)
+    shape = broadcast_shape(**given)
+    load, width = _load_and_width(
+        given["diameter"], given["squeeze"], young, plane, formula
     )
-    modulus = young if formula == "lindley" else plane
-    shape = broadcast_shape(
-        diameter=d, squeeze=part, time=time, temperature=temperature
-    )
-    load, width = (
-        modulus * d * relative,
-        d * xp.sqrt(8 / np.pi * relative * modulus / plane),
-    )
-    given = [
-        ("diameter", d, "m"),
-        ("squeeze", part, "of the diameter"),
-        ("time", time, "s"),
-        ("temperature", temperature, "K"),
-    ]
-    inputs = [("material", material.name or "given directly")]
-    inputs += [
-        (name, brief(value, unit)) for name, value, unit in given if value is not None
-    ]
-    inputs += [("relaxed", "altogether")] if time is None else []
-    fields = {
+    beyond = NOT_KNOWN
+    if not is_traced(young, given["diameter"], given["squeeze"]):
+        beyond = _extrapolated(solid, given["time"], given["temperature"], shape)
+    fields: dict[str, Any] = {
+        **given,
         "line_load": load,
         "width": width,
         "pressure": load / width,
         "error": 0.0,
         "converged": True,
     }
-    fields |= {name: value for name, value, _ in given}
-    beyond = NOT_KNOWN
-    if not is_traced(young, d, part):
-        factor = (
-            1.0 if temperature is None else thermal_factors(material, temperature)[0]
-        )
-        beyond = held_beyond(
-            material.range,
-            time,
-            temperature,
-            np.broadcast_to(factor, shape),
-            stacklevel=4,
-        )
-    whole: dict[str, Any] = {
-        name: None if x is None else xp.broadcast_to(x, shape)
-        for name, x in fields.items()
-    }
     return ORing(
-        **whole,
+        **broadcast(**fields),
         extrapolated=beyond.points,
-        model=MODELS[formula],
+        model=FORMULAS[formula],
         plan="closed form",
-        inputs=(*inputs, *beyond.said),
+        inputs=(*_inputs_in_words(solid, given), *beyond.said),
     )
+
+
+def _checked_material(material: Any) -> Prony:
+    """The material. Raises `InputError` for anything but a Prony series."""
+    needs_series("material", material, "a squeezed cord")
+    if not isinstance(material, Prony):
+        raise InputError(
+            "material must be that of the cord (em.Prony, em.load_material(...)), "
+            "not a foundation: the load depends on Young's modulus, got "
+            f"{material!r}."
+        )
+    return material
+
+
+def _checked(
+    diameter: Any, squeeze: Any, time: Any, temperature: Any
+) -> dict[str, Any]:
+    """The arguments as arrays. Raises `InputError`."""
+    arguments = {
+        "diameter": diameter,
+        "squeeze": squeeze,
+        "time": time,
+        "temperature": temperature,
+    }
+    given = {
+        name: None if value is None else as_float64(name, value)
+        for name, value in arguments.items()
+    }
+    positive("diameter", given["diameter"])
+    require(
+        "squeeze",
+        given["squeeze"],
+        f"positive and at most {_LARGEST_SQUEEZE:g}, a part of the diameter",
+        lambda c: (c > 0) & (c <= _LARGEST_SQUEEZE),
+    )
+    return given
 
 
 def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> Any:
     """A modulus at a time and a temperature; relaxed without a time."""
-    factor, vertical = 1.0, 1.0
+    time_factor, vertical_factor = 1.0, 1.0
     if temperature is not None:
         in_kelvin("temperature", temperature)
-        factor, vertical = thermal_factors(material, temperature)
+        time_factor, vertical_factor = thermal_factors(material, temperature)
     if time is None:
-        return law.equilibrium * vertical
+        return law.equilibrium * vertical_factor
     not_negative("time", time)
     broadcast_shape(time=time, temperature=temperature)
-    return law.relaxation(time / factor) * vertical
+    return law.relaxation(time / time_factor) * vertical_factor
 
 
-def _small_strain(part: Any) -> Any:
+def _load_and_width(
+    diameter: Any, squeeze: Any, young: Any, plane: Any, formula: str
+) -> tuple[Any, Any]:
+    """W [N/m], and the width 2a = sqrt(8 W d/(pi E*)) [m]."""
+    if formula == "lindley":
+        load_per_modulus = 1.25 * squeeze**1.5 + 50 * squeeze**6
+        modulus = young
+    else:
+        load_per_modulus = _small_strain(squeeze)
+        modulus = plane
+    load = modulus * diameter * load_per_modulus
+    width = diameter * xp.sqrt(8 / np.pi * load_per_modulus * modulus / plane)
+    return load, width
+
+
+def _small_strain(squeeze: Any) -> Any:
     """W/(E* d) of two Hertzian contacts: both halves of the cord approach its middle by
     C d/2.
     """
-    target = xp.log(4 / part) - 1
+    # u - ln u = ln(4/C) - 1 by Newton's method; s = 4 exp(-1 - u)
+    target = xp.log(4 / squeeze) - 1
     u = target + xp.log(target + 1)
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         u = u - (u - xp.log(u) - target) / (1 - 1 / u)
     return np.pi / 2 * 4 * xp.exp(-1 - u)
+
+
+def _extrapolated(
+    material: Prony, time: Any, temperature: Any, shape: tuple[int, ...]
+) -> Beyond:
+    """Which points lie outside the range of the material, with a warning."""
+    time_factor = (
+        1.0 if temperature is None else thermal_factors(material, temperature)[0]
+    )
+    return held_beyond(
+        material.range,
+        time,
+        temperature,
+        np.broadcast_to(time_factor, shape),
+    )
+
+
+def _inputs_in_words(material: Prony, given: dict[str, Any]) -> list[tuple[str, str]]:
+    inputs = [("material", material.name or "given directly")]
+    inputs += [
+        (name, brief(given[name], unit))
+        for name, unit in _UNITS.items()
+        if given[name] is not None
+    ]
+    return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,13 +17,13 @@ from ..call.problem import Scene, check_rtol, steady_scene
 from ..checks import Array, is_traced, nan_unless, require
 from ..element.law import surface_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.relaxation import KelvinChain, to_kelvin
-from ..material.table_chain import to_chain
-from ..material.tabulated import TabulatedModulus
+from ..material.tabulated import TabulatedModulus, to_chain
+from ..numerics.interpolation import lagrange
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe
-from ..surface.direction import directions, lagrange, layer_asymmetry, shared_grid
+from ..surface.direction import directions, layer_asymmetry, shared_grid
 from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
 from .layer_line import Slid, Sliding, elastic_curve, slide_on_layer
 from .problem import OnLayer, Steady
@@ -211,9 +210,7 @@ def ball_on_layer(
 
     contact = Contact(shaped(found.line.leading), shaped(found.line.trailing))
     size = 0.5 * (contact.leading + contact.trailing)
-    beyond = steady_beyond(
-        material.range, points.full(points.reduced), size, kelvin, stacklevel=5
-    )
+    beyond = steady_beyond(material.range, points.full(points.reduced), size, kelvin)
     inputs = points.inputs(
         ("shape", describe(shape)), *(("cover", cover) for cover in plan.covers)
     )
@@ -584,4 +581,4 @@ def _say(good: Any, sunk: Any, thick: Any, rtol: float) -> None:
             f" {int(np.sum(sunk))} of them would sink deeper than the layer is thick "
             f"({1e3 * float(thick):.4g} mm)."
         )
-    warnings.warn(text, ConvergenceWarning, stacklevel=5)
+    warn(text, ConvergenceWarning)

@@ -5,25 +5,25 @@ arguments, plan, result.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
-import warnings
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import one_thread, xp
+from ..arrays import fixed, one_thread, xp
 from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, steady_scene
-from ..checks import is_traced, nan_unless, require
-from ..element.law import TabulatedFoundation, surface_foundation
+from ..checks import is_traced, known, nan_unless, require
+from ..element.law import TabulatedFoundation, normal_operator, surface_foundation
 from ..element.layer import Layer, layer_kernel
-from ..element.radok import normal_operator
-from ..errors import ConvergenceWarning, InputError, ModelWarning
+from ..errors import ConvergenceWarning, InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.relaxation import to_kelvin
-from ..material.table_chain import to_chain
-from ..material.tabulated import TabulatedModulus
+from ..material.tabulated import TabulatedModulus, to_chain
+from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe, significant
 from ..surface.shapes import Cylinder
@@ -31,6 +31,7 @@ from ..trees import replaced
 from .cylinder_collocation import (
     Cover,
     Cylinders,
+    Solution,
     depth,
     half_of,
     layer_waves,
@@ -52,11 +53,10 @@ _ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))
 # relative error below which a point counts whatever `rtol` asks: `error` says what was
 # reached
 _FLOOR = 1e-5
-_TRACED = (32, 48)
+_TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
-# relative, beyond which a point has failed under a JAX transformation
-_TRACED_ERROR = 1e-2
-_TRACED_RATIO = 12.0  # half-length over thickness served under a JAX transformation
+# half-length over thickness up to which derivatives are known
+_TRACED_RATIO = 12.0
 # of what the lower order changes, at most, that is left of it in the higher one
 _SHARE = 0.3
 _NOTHING = 1e-12  # of the width of the contact over the radius
@@ -118,12 +118,14 @@ class CylinderPlan:
 
 
 class _Found(NamedTuple):
+    """What is found at each point."""
+
     mu: Any
-    error: Any
     load: Any  # [N/m]
-    depth: Any
     leading: Any
     trailing: Any
+    depth: Any  # NaN on a half-space
+    error: Any
     good: Any
 
 
@@ -164,7 +166,11 @@ def cylinder_on_layer(
         _not_too_deep(body, control, points)
     name = describe(shape).replace(" on a layer", "")
     words = f"{name} on {body.name or ('a layer' if layers else 'a half-space')}"
-    bodies = _covers(body, points)
+    reduced = xp.asarray(points.reduced).reshape(-1)
+    carriers: Any = body
+    misfit = 0.0
+    if not points.traced or _has_table(body):
+        carriers, misfit = _covers(body, reduced)
     label = ON_LAYER if layers else ON_HALF_SPACE
     label += "" if getattr(body, "softening", None) is None else LINEAR
     plan = CylinderPlan(
@@ -175,30 +181,21 @@ def cylinder_on_layer(
         int(np.prod(points.shape)),
         float(rtol),
         covers_in_words(body),
-        sum(int(np.shape(cover.chain.times)[0]) for cover, _ in bodies),
+        _branches(carriers),
     )
     if not solved:
         return OnLayer(None, points.full(points.kelvin), label, plan)
-    covers, misfit = tuple(cover for cover, _ in bodies), max(off for _, off in bodies)
-    flat = Cylinders(
-        xp.asarray(shape.radius), covers, xp.asarray(points.reduced).reshape(-1)
-    )
-    value = xp.asarray(points.at_reference())
-    wanted = value / shape.length if control == "load" else value
-    dashpot = not is_traced(covers) and all(
-        float(cover.chain.instantaneous) == 0 for cover in covers
-    )
-    guess = _guess(flat, wanted, control == "depth")
+    wanted = xp.asarray(points.at_reference())
+    wanted = wanted / shape.length if control == "load" else wanted
+    by_depth, radius = control == "depth", xp.asarray(shape.radius)
     if points.traced:
-        found = _once(
-            flat, wanted, control == "depth", guess, _TRACED, _TRACED_RATIO, dashpot
-        )
-        good = found.good & (found.error <= _TRACED_ERROR * xp.abs(found.mu) + _NOTHING)
+        dashpot = _begins_with_dashpot(known(fixed(carriers)))
+        solve = _with_slopes(layers, by_depth, dashpot, float(rtol), misfit)
+        found = solve(*as_doubles(((carriers, radius), (wanted, reduced))))
+        found = found._replace(good=found.good > 0)
     else:
-        found, good = _refined(
-            flat, wanted, control == "depth", guess, dashpot, rtol, misfit
-        )
-    found = found._replace(error=found.error + misfit * xp.abs(found.mu), good=good)
+        flat = Cylinders(radius, carriers, reduced)
+        found = _refined(flat, wanted, by_depth, rtol, misfit)
     sunk = False
     if layers and control == "load":
         thin = sum(cover.thickness for cover in body.covers)
@@ -214,9 +211,7 @@ def cylinder_on_layer(
     contact = Contact(shaped(found.leading), shaped(-found.trailing))
     size = 0.5 * (contact.leading + contact.trailing)
     kelvin = points.full(points.kelvin)
-    beyond = steady_beyond(
-        body.range, points.full(points.reduced), size, kelvin, stacklevel=4
-    )
+    beyond = steady_beyond(body.range, points.full(points.reduced), size, kelvin)
     inputs = points.inputs(
         ("shape", name), *(("cover", cover) for cover in plan.covers)
     )
@@ -237,57 +232,153 @@ def cylinder_on_layer(
     return OnLayer(steady, kelvin, label, plan)
 
 
-def _covers(body: Any, points: Scene) -> list[tuple[Cover, float]]:
+def _covers(body: Any, reduced: Any) -> tuple[tuple[Cover, ...], float]:
     """What carries the pressure, and how far a Prony series is from a table of moduli,
     relatively.
     """
-    if not isinstance(body, Layer):
-        if isinstance(body, TabulatedFoundation):
-            chain, off = to_chain(body)
-            return [(Cover(chain), off)]
-        law = body.law()
-        if not is_traced(law.equilibrium) and float(law.equilibrium) == 0:
-            raise InputError(
-                "material must have an equilibrium modulus under a cylinder on a "
-                "half-space, got a liquid: in plane strain it sinks without end. Give "
-                "an em.layer."
-            )
-        return [(Cover(to_kelvin(law)), 0.0)]
-    return [_cover(layer, points) for layer in body.covers]
+    if isinstance(body, Layer):
+        covers = [_cover(layer, reduced) for layer in body.covers]
+        return tuple(cover for cover, _ in covers), max(off for _, off in covers)
+    if isinstance(body, TabulatedFoundation):
+        chain, off = to_chain(body)
+        return (Cover(chain),), off
+    law = body.law()
+    if not is_traced(law.equilibrium) and float(law.equilibrium) == 0:
+        raise InputError(
+            "material must have an equilibrium modulus under a cylinder on a "
+            "half-space, got a liquid: in plane strain it sinks without end. Give "
+            "an em.layer."
+        )
+    return (Cover(to_kelvin(law)),), 0.0
 
 
-def _cover(layer: Layer, points: Scene) -> tuple[Cover, float]:
+def _cover(layer: Layer, reduced: Any) -> tuple[Cover, float]:
     material = layer.material
     if isinstance(material, TabulatedModulus):
         table: Any = surface_foundation(material)
         chain, off = to_chain(table)
-        return Cover(
-            chain, layer.thickness, 1 - 2 * material.poisson, bonded=layer.bonded
-        ), off
-    solid = _solid(material.shear(), layer, points)
+        squeeze = 1 - 2 * material.poisson
+        return Cover(chain, layer.thickness, squeeze, bonded=layer.bonded), off
+    solid = _solid(material.shear(), layer, reduced)
     chain = to_kelvin(normal_operator(solid))
     if material.bulk is None:
         return Cover(chain, layer.thickness, layer.squeeze(), bonded=layer.bonded), 0.0
-    return Cover(
-        chain, layer.thickness, None, solid.law(), material.bulk, layer.bonded
-    ), 0.0
+    bulk = material.bulk
+    return Cover(chain, layer.thickness, None, solid.law(), bulk, layer.bonded), 0.0
 
 
-def _solid(shear: Prony, layer: Layer, points: Scene) -> Prony:
+def _solid(shear: Prony, layer: Layer, reduced: Any) -> Prony:
     """A liquid with so small an equilibrium modulus that it flows like one as long as
     it matters.
     """
     if not is_traced(shear.equilibrium) and float(shear.equilibrium) > 0:
         return shear
     flow = shear.viscosity + xp.sum(xp.asarray(shear.moduli) * xp.asarray(shear.times))
-    slowest = xp.min(xp.asarray(points.reduced))
-    little = flow * slowest / (_FLOWING * layer.thickness)
-    return replaced(
-        shear,
-        equilibrium=xp.where(
-            xp.asarray(shear.equilibrium) > 0, shear.equilibrium, little
-        ),
-    )
+    little = flow * xp.min(reduced) / (_FLOWING * layer.thickness)
+    relaxed = xp.where(xp.asarray(shear.equilibrium) > 0, shear.equilibrium, little)
+    return replaced(shear, equilibrium=relaxed)
+
+
+def _materials(body: Any) -> list[Any]:
+    return [x.material for x in body.covers] if isinstance(body, Layer) else [body]
+
+
+def _has_table(body: Any) -> bool:
+    tables = TabulatedModulus, TabulatedFoundation
+    return any(isinstance(material, tables) for material in _materials(body))
+
+
+def _branches(carriers: Any) -> int:
+    """How many retardation times there are; of a body whose values are traced, how
+    many relaxation times.
+    """
+    if isinstance(carriers, tuple):
+        return sum(int(np.shape(cover.chain.times)[0]) for cover in carriers)
+    return sum(int(np.shape(x.times)[0]) for x in _materials(carriers))
+
+
+def _begins_with_dashpot(carriers: Any) -> bool:
+    """Whether none of them gives way at once; False where that cannot be seen."""
+    if is_traced(carriers):
+        return False
+    if isinstance(carriers, tuple):
+        return all(float(cover.chain.instantaneous) == 0 for cover in carriers)
+    return all(float(x.viscosity) > 0 for x in _materials(carriers))
+
+
+# Under a transformation of JAX: functions of what all points share, (carriers, radius),
+# and of what each has of its own. Carriers are covers, or the body that they make up:
+# then their retardation times are derived in the same program.
+
+
+def _cylinders(shared: Any, velocity: Any) -> Cylinders:
+    carriers, radius = shared
+    if not isinstance(carriers, tuple):
+        carriers, _ = _covers(carriers, velocity)
+    return Cylinders(radius, carriers, velocity)
+
+
+@functools.lru_cache(64)
+def _with_slopes(
+    layers: bool, by_depth: bool, dashpot: bool, rtol: float, misfit: float
+) -> Callable[..., _Found]:
+    """Contacts from (load per length or depth, velocity): numbers from NumPy,
+    derivatives from the equations of `_TRACED_ORDER` terms.
+    """
+
+    def numbers(shared: Any, points: Any) -> _Found:
+        wanted, velocity = points
+        flat = _cylinders(shared, velocity)
+        return _refined(flat, wanted, by_depth, rtol, misfit)
+
+    def solution(shared: Any, points: Any) -> tuple[Cylinders, Solution]:
+        flat = _cylinders(shared, points[1])
+        half = _half(by_depth, dashpot)(shared, points)
+        waves = layer_waves(flat, _TRACED_RATIO)
+        return flat, solve_at(flat, half, _TRACED_ORDER, waves, dashpot)
+
+    def forces(shared: Any, points: Any) -> tuple[Any, ...]:
+        _, found = solution(shared, points)
+        edges = found.shift + found.half, found.shift - found.half
+        return found.mu, found.load, *edges
+
+    def sunk(shared: Any, points: Any) -> tuple[Any, ...]:
+        flat, found = solution(shared, points)
+        return (depth(flat, found, _TRACED_ORDER),)
+
+    def like(shared: Any, points: Any) -> tuple[Any, ...]:
+        return (points[0],) * len(_Found._fields)
+
+    formulas = ((forces, 4), (sunk, 1)) if layers else ((forces, 4),)
+    solve = numbers_with_slopes(numbers, formulas, like)
+    return lambda shared, points: _Found(*solve(shared, points))
+
+
+@functools.lru_cache(64)
+def _half(by_depth: bool, dashpot: bool) -> Callable[..., Any]:
+    """Half-length of the contact from (load per length or depth, velocity)."""
+
+    @one_thread()
+    def search(shared: Any, points: Any) -> tuple[Any, None]:
+        wanted, velocity = points
+        flat = _cylinders(shared, velocity)
+        waves = layer_waves(flat, _TRACED_RATIO)
+        guess = _guess(flat, wanted, by_depth)
+        half = half_of(flat, wanted, by_depth, guess, _TRACED_ORDER, waves, dashpot)
+        if waves is not None:
+            served = 1.02 * _TRACED_RATIO * waves.thickness
+            half = np.where(half < served, half, np.nan)
+        return half, None
+
+    def equation(half: Any, _: None, shared: Any, points: Any) -> Any:
+        wanted, velocity = points
+        flat = _cylinders(shared, velocity)
+        waves = layer_waves(flat, _TRACED_RATIO)
+        found = solve_at(flat, half, _TRACED_ORDER, waves, dashpot)
+        value = depth(flat, found, _TRACED_ORDER) if by_depth else found.load
+        return value - wanted
+
+    return implicit(search, equation, lambda _, points: (points[0], None))
 
 
 def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
@@ -295,8 +386,8 @@ def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
     passage is fast and short.
     """
     if by_depth:
-        return xp.sqrt(2 * flat.radius * wanted)
-    half = xp.full_like(wanted, 1e-3)
+        return np.sqrt(2 * flat.radius * wanted)
+    half = np.full_like(wanted, 1e-3)
     for _ in range(12):
         k = _TYPICAL / half
         omega = flat.velocity / half
@@ -305,7 +396,7 @@ def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
             for c in flat.covers
         ]
         softness = sum(part[0] for part in parts)
-        half = xp.sqrt(half * xp.sqrt(4 * wanted * flat.radius / math.pi * softness))
+        half = np.sqrt(half * np.sqrt(4 * wanted * flat.radius / math.pi * softness))
     return half
 
 
@@ -344,13 +435,13 @@ def _once(
     # share of mu
     error = off + (pull + _ROUNDING) * xp.abs(solution.mu) + 1e-15 * half / flat.radius
     return _Found(
-        solution.mu,
-        error,
-        solution.load,
-        deep,
-        solution.shift + half,
-        solution.shift - half,
-        good,
+        mu=solution.mu,
+        load=solution.load,
+        leading=solution.shift + half,
+        trailing=solution.shift - half,
+        depth=deep,
+        error=error,
+        good=good,
     )
 
 
@@ -359,12 +450,15 @@ def _refined(
     flat: Cylinders,
     wanted: Any,
     by_depth: bool,
-    guess: Any,
-    dashpot: bool,
     rtol: float,
     misfit: float,
-) -> tuple[_Found, Any]:
-    """Points by more and more terms until their error is below `rtol`; numbers only."""
+) -> _Found:
+    """Points by more and more terms until their error is below `rtol`; numbers only.
+
+    `misfit` is how far a Prony series is from a table of moduli, relatively.
+    """
+    guess = _guess(flat, wanted, by_depth)
+    dashpot = _begins_with_dashpot(flat.covers)
     result = [np.full(wanted.shape, np.nan) for _ in _Found._fields]
     left, thick = np.arange(wanted.size), None
     if flat.on_layers:
@@ -387,7 +481,8 @@ def _refined(
         ok = found.good & _met(found, rtol, flat.radius)
         left = left[~ok]
     done = _Found(*result)
-    return done, (done.good == 1) & _met(done, max(rtol, _FLOOR), flat.radius)
+    good = (done.good == 1) & _met(done, max(rtol, _FLOOR), flat.radius)
+    return done._replace(error=done.error + misfit * np.abs(done.mu), good=good)
 
 
 def _met(found: _Found, rtol: float, radius: Any) -> Any:
@@ -440,13 +535,13 @@ def _say(
                 f" Their estimated errors are up to {missed.max():.1e} of mu, so a "
                 "larger rtol would accept them."
             )
-        warnings.warn(text, ConvergenceWarning, stacklevel=5)
+        warn(text, ConvergenceWarning)
     half = 0.5 * (found.leading - found.trailing)
     if is_traced(shape) or not found.good.any():
         return
     widest, length = float(half[found.good].max()), float(shape.length)
     if length < _ENDS * widest:
-        warnings.warn(
+        warn(
             f"The cylinder, {1e3 * length:.4g} mm long, is only "
             f"{significant(length / widest, 2)} times as long as half the contact is "
             f"wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over "
@@ -454,7 +549,6 @@ def _say(
             "distance from each end the rubber moves aside, so that the same load "
             "needs more depth, and the pressure there is not that of the middle.",
             ModelWarning,
-            stacklevel=5,
         )
 
 
@@ -513,7 +607,7 @@ def cylinder_losses(
         model=model,
         rtol=rtol,
     )
-    cover, _ = _covers(body, points)[0]
+    (cover,), _ = _covers(body, np.asarray(points.reduced))
     speed, there = (
         np.asarray(points.reduced).reshape(-1),
         np.ravel(done.found.converged),
@@ -563,7 +657,7 @@ def cylinder_pressure(
     points = steady_scene(
         material, shape, velocity=velocity, temperature=temperature, **given
     )
-    covers = tuple(cover for cover, _ in _covers(material, points))
+    covers, _ = _covers(material, np.asarray(points.reduced))
     contact = done.found.contact
     half = np.nan_to_num(0.5 * np.ravel(contact.leading + contact.trailing), nan=1e-3)
     flat = Cylinders(

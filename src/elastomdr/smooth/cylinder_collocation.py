@@ -33,10 +33,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, xp
+from ..arrays import fixed, xp
 from ..checks import Array
 from ..element.layer import layer_deficit, layer_kernel
 from ..material.relaxation import KelvinChain, Relaxation
+from ..numerics.quadrature import gauss, gauss_on_panels
 from ..numerics.root import search
 from ..trees import Tree, static
 
@@ -214,49 +215,27 @@ def half_of(
     dashpot: bool,
 ) -> Array:
     """Half-length [m] at which load per length [N/m] or depth [m] is the one `wanted`,
-    NaN where none was found.
-
-    Derivatives pass through the last step of Newton's method.
+    NaN where none was found; on NumPy.
     """
 
-    def residual(
-        of: Cylinders, with_waves: Waves | None, target: Array, log: Array, n: int
-    ) -> Array:
-        found = solve_at(of, xp.exp(log), n, with_waves, dashpot)
-        value = depth(of, found, n) if by_depth else found.load
-        return xp.log(xp.maximum(value, 1e-300)) - xp.log(target)
+    def residual(log: Array, terms: int) -> Array:
+        found = solve_at(problem, np.exp(log), terms, waves, dashpot)
+        value = depth(problem, found, terms) if by_depth else found.load
+        return np.log(np.maximum(value, 1e-300)) - np.log(wanted)
 
-    still = fixed((problem, waves, wanted))
-    log, found = search(lambda x: residual(*still, x, _FIRST), fixed(xp.log(guess)))
-    if on_numpy():
-        slope = (
-            residual(*still, log + 1e-4, _FIRST) - residual(*still, log, _FIRST)
-        ) / 1e-4
-        off, step = residual(*still, log, order), xp.zeros_like(log)
-        for _ in range(_STEPS):
-            step = xp.clip(-off / slope, -0.5, 0.5)
-            log, before = log + step, off
-            if not (xp.abs(step) > _SMALL_STEP).any():
-                break
-            off = residual(*still, log, order)
-            moved = (off - before) * step > 0  # few terms may know little of the slope
-            slope = xp.where(
-                moved & (xp.abs(step) > 1e-3),
-                (off - before) / xp.where(step == 0, 1.0, step),
-                slope,
-            )
-        return xp.where(found & (xp.abs(step) <= _REACHED), xp.exp(log), xp.nan)
-    import jax
-
-    step = xp.zeros_like(log)
-    for inputs in (still, still, (problem, waves, wanted)):
-        function = functools.partial(residual, *inputs, n=order)
-        value, slope = jax.jvp(
-            lambda x, function=function: function(x), (log,), (xp.ones_like(log),)
-        )
-        step = xp.clip(value / fixed(slope), -0.5, 0.5)
-        log = log - step
-    return xp.where(found & (xp.abs(fixed(step)) <= _REACHED), xp.exp(log), xp.nan)
+    log, found = search(lambda x: residual(x, _FIRST), np.log(guess))
+    slope = (residual(log + 1e-4, _FIRST) - residual(log, _FIRST)) / 1e-4
+    off, step = residual(log, order), np.zeros_like(log)
+    for _ in range(_STEPS):
+        step = np.clip(-off / slope, -0.5, 0.5)
+        log, before = log + step, off
+        if not (np.abs(step) > _SMALL_STEP).any():
+            break
+        off = residual(log, order)
+        moved = (off - before) * step > 0  # few terms may know little of the slope
+        secant = (off - before) / np.where(step == 0, 1.0, step)
+        slope = np.where(moved & (np.abs(step) > 1e-3), secant, slope)
+    return np.where(found & (np.abs(step) <= _REACHED), np.exp(log), np.nan)
 
 
 def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
@@ -389,7 +368,7 @@ def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
         them.
         """
         l = memory[where]
-        nodes, weights = _gauss(24 + n)
+        nodes, weights = gauss(24 + n)
         reach = np.minimum((1 - t) / l, 42.0)  # in units of the memory
         s = 0.5 * reach[..., None] * (nodes + 1)
         there = np.clip(t[:, None] + l[..., None] * s, -1, 1)
@@ -442,7 +421,7 @@ def _ahead(top: int, memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At t = 1: S_n, n = 0 ... top, and the slope of the infinite pressure, as
     remembered from ahead of the contact.
     """
-    nodes, weights = _panels(
+    nodes, weights = gauss_on_panels(
         np.concatenate([[0.0], 2.0 ** np.arange(-16, -5), np.arange(1, 33) / 32]), 12
     )
     far = np.arccosh(1 + 42 * memory)[:, None]
@@ -460,18 +439,6 @@ def _points(order: int) -> np.ndarray:
     return np.append(np.cos(math.pi * (np.arange(order + 1) + 0.5) / (order + 1)), 1.0)
 
 
-@functools.cache
-def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
-    return np.polynomial.legendre.leggauss(count)
-
-
-def _panels(ends: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss' nodes and weights on each of the panels between `ends`."""
-    nodes, weights = _gauss(count)
-    middle, half = 0.5 * (ends[1:] + ends[:-1])[:, None], 0.5 * np.diff(ends)[:, None]
-    return (middle + half * nodes).ravel(), (half * weights).ravel()
-
-
 _SHRINKING = np.concatenate([[0.0], 4.0 ** np.arange(-26, 1)])  # panels towards zero
 
 
@@ -482,8 +449,8 @@ def _wave_rule(ratio: float) -> tuple[np.ndarray, ...]:
     """
     width = 1.0  # of the first panel
     few = 10 + math.ceil(1.5 * ratio * width)
-    nodes, _ = _gauss(few)
-    fine, weights = _panels(_SHRINKING, 10)
+    nodes, _ = gauss(few)
+    fine, weights = gauss_on_panels(_SHRINKING, 10)
     # cardinal polynomials of the few nodes, at the fine ones, by Legendre's expansion
     # of each
     legendre = np.polynomial.legendre.legvander(nodes, few - 1)
@@ -493,7 +460,7 @@ def _wave_rule(ratio: float) -> tuple[np.ndarray, ...]:
     spread = width * weights[:, None] * cardinal
     ends = [(width, 3.0, 16), (3.0, 8.0, 16), (8.0, _DEEP, 16)]
     rest = [
-        _panels(np.array([a, b]), n + math.ceil(0.75 * ratio * (b - a)))
+        gauss_on_panels(np.array([a, b]), n + math.ceil(0.75 * ratio * (b - a)))
         for a, b, n in ends
     ]
     others, weight = (np.concatenate(x) for x in zip(*rest, strict=True))
@@ -527,7 +494,9 @@ def _depth_waves() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     y, weight = (
         np.concatenate(x)
         for x in zip(
-            _panels(_SHRINKING, 8), _panels(np.linspace(1.0, _LAST, 41), 8), strict=True
+            gauss_on_panels(_SHRINKING, 8),
+            gauss_on_panels(np.linspace(1.0, _LAST, 41), 8),
+            strict=True,
         )
     )
     s, _ = _pressure_rule(2, _LAST)
@@ -567,7 +536,7 @@ def losses(
     edge = np.sum(spread[:, late] * y[late] ** 3 * weight[late], axis=1) / np.sum(
         weight[late]
     )
-    far, far_weight = _panels(_LOSS_END * 2.0 ** np.arange(0, 31), 8)
+    far, far_weight = gauss_on_panels(_LOSS_END * 2.0 ** np.arange(0, 31), 8)
     y, weight = np.concatenate([y, far]), np.concatenate([weight, far_weight])
     spread = np.concatenate([spread, edge[:, None] / far**3], axis=1)
     k = y / solution.half[:, None]
@@ -595,7 +564,7 @@ def _loss_waves(order: int) -> tuple[np.ndarray, ...]:
     from scipy.special import jv
 
     ends = np.concatenate([_SHRINKING, np.arange(5.0, _LOSS_END + 1, 4.0)])
-    y, weight = _panels(ends, 8)
+    y, weight = gauss_on_panels(ends, 8)
     terms = (
         math.pi
         * np.arange(1, order + 1)[:, None]

@@ -4,7 +4,6 @@ heat.
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from ..arrays import xp
 from ..call.several_materials import over_materials
 from ..checks import Array, is_traced, nan_unless, numpy_unless_traced
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.relaxation import Relaxation
 from ..results.spectrum import Dissipation
 from ..surface.direction import directions
@@ -120,7 +119,7 @@ def dissipation(
             f"the losses of {lost} of {good.size} points did not converge to "
             f"rtol={scene.plan.rtol:g}; they are NaN."
         )
-        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+        warn(text, ConvergenceWarning)
     share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
     share = nan_unless(good[..., None], share)
     times = xp.asarray(scene.law.times)
@@ -186,7 +185,7 @@ def _on_layer(
             f"the losses of {lost} of {good.size} points did not converge to "
             f"{max(rtol, _LAYER_SHARE):g}; they are NaN."
         )
-        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+        warn(text, ConvergenceWarning)
     share = nan_unless(good[..., None], np.moveaxis(each / total, 0, -1))
 
     def spread(field: Any) -> Any:

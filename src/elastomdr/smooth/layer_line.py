@@ -33,6 +33,7 @@ import numpy as np
 from ..arrays import fixed, on_numpy, while_loop, xp
 from ..checks import Array
 from ..material.relaxation import KelvinChain
+from ..numerics.quadrature import gauss, gauss_unit
 from ..surface.shapes import AbstractShape
 
 if TYPE_CHECKING:
@@ -294,7 +295,7 @@ def _rule(n: int) -> _Rule:
     )
     l = np.exp(logs)[:, None]
     way = (1 - node)[None]  # to the leading end of the panel
-    gauss, share = np.polynomial.legendre.leggauss(n + 12)
+    nodes, share = gauss(n + 12)
     # exp(-s/l) over [0, way]: panels of the width of its fall, where that is shorter
     ends = [np.zeros(np.broadcast_shapes(l.shape, way.shape))]
     ends += [np.minimum(way, 3.0 * k * l) for k in (0.5, 2, 5, 12)] + [
@@ -305,7 +306,7 @@ def _rule(n: int) -> _Rule:
         half = 0.5 * (high - low)
         # nothing is left beyond
         some = np.flatnonzero(((half > 0) & (low < 35 * l)).any(axis=1))
-        s = low[some, :, None] + half[some, :, None] * (1 + gauss)
+        s = low[some, :, None] + half[some, :, None] * (1 + nodes)
         fall = (
             np.exp(-s / l[some, :, None])
             * half[some, :, None]
@@ -316,8 +317,7 @@ def _rule(n: int) -> _Rule:
         for k in range(n + 1):
             total[some, :, k] += np.sum(fall * np.cos(k * angle), axis=-1)
     table = total @ inverse
-    tau, dtau = np.polynomial.legendre.leggauss(2 * n)
-    tau, dtau = 0.5 * (1 + tau), 0.5 * dtau
+    tau, dtau, _ = gauss_unit(2 * n)
     place = tau**2
     to_place = np.polynomial.chebyshev.chebvander(2 * place - 1, n) @ inverse
     return _Rule(node, moments @ inverse, table, place, 2 * tau * dtau, to_place)

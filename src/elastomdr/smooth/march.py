@@ -28,6 +28,7 @@ from ..checks import Array, in_float64, is_traced
 from ..element.contact_step import Elements, rest
 from ..element.contact_step_solver import ContactStep, RigidSurface
 from ..material.relaxation import Relaxation
+from ..numerics.interpolation import halving_limit
 from ..surface.lines import AbstractLines
 from .passage import Control, Passages, estimate_sizes
 
@@ -122,10 +123,7 @@ def march_passages(
 
     coarse, fine = marches[-2:]
     limit = _March(
-        *(
-            new + (new - old) / 3
-            for old, new in zip(coarse[:-1], fine[:-1], strict=True)
-        ),
+        *map(halving_limit, coarse[:-1], fine[:-1]),
         good=good,
     )
     limit = limit._replace(trailing=fine.trailing)

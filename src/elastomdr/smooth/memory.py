@@ -42,9 +42,10 @@ from ..arrays import fixed, on_numpy, scan, xp
 from ..checks import Array
 from ..element.moments import panel_sums
 from ..material.relaxation import Relaxation
+from ..numerics.quadrature import gauss_unit
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.profile import Profile
-from ..surface.sampling import Rule, gauss
+from ..surface.sampling import Rule
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -83,6 +84,9 @@ class Passage(NamedTuple):
     # of the panels, where they are fixed: (panels, 1, 1, 1, points or 1)
     ends: Array | None = None
     table: Memory | None = None  # at these ends
+    judged: bool = (
+        True  # whether what is summed in full has the variants of the samples
+    )
 
     @property
     def decay(self) -> Float[Array, "branches points"]:
@@ -234,7 +238,7 @@ class _Panel(NamedTuple):
 
 
 def _panel(p: Passage, size: Array, start: Array, width: Array, full: bool) -> _Panel:
-    nodes, _, to_legendre = gauss(p.rule.nodes)
+    nodes, _, to_legendre = gauss_unit(p.rule.nodes)
     line = xp.arange(p.lines.count)[:, None, None]
     x = start + width * nodes.reshape(-1, *[1] * width.ndim)
     c = _applied(to_legendre.T, p.lines.slope(x, size, line))
@@ -248,7 +252,7 @@ def _panel(p: Passage, size: Array, start: Array, width: Array, full: bool) -> _
         rise = end - begin
         mean = xp.where(wide, rise / xp.where(wide, width, 1.0), c[0])
         c = xp.concatenate([mean[None], c[1:]])
-    if full and not p.rule.exact:
+    if full and p.judged and not p.rule.exact:
         c = xp.concatenate([c, fixed(_variants(p.rule, c))], axis=2)
     return _Panel(start, width, c, full)
 
@@ -427,8 +431,8 @@ def _correlating(count: int) -> np.ndarray:
     """
     from numpy.polynomial.legendre import legvander
 
-    distance, _, to_legendre = gauss(2 * count)
-    c, w, _ = gauss(count)
+    distance, _, to_legendre = gauss_unit(2 * count)
+    c, w, _ = gauss_unit(count)
     x = (1 - distance[:, None]) * c
     first, second = (
         legvander(1 - 2 * x, count - 1),

@@ -11,17 +11,21 @@ again, and holding on would need tension.
 
 from __future__ import annotations
 
+import functools
 import math
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, compiled, fixed, fori_loop, on_numpy, while_loop, xp
+from ..arrays import fixed, on_numpy, xp
 from ..checks import Array
-from ..element.modes import recovery_modes
+from ..element.episode import recovery_modes
 from ..material.relaxation import Relaxation
+from ..numerics.implicit import as_doubles, implicit, on_host, stationary
+from ..numerics.quadrature import gauss_unit
 from ..surface.lines import AbstractLines, SingleLine
-from ..surface.sampling import Rule, gauss
+from ..surface.sampling import Rule
 from .memory import Passage, first_variant, selected, tabulated
 from .passage_integrals import (
     balance,
@@ -29,6 +33,8 @@ from .passage_integrals import (
     branch_losses,
     exit_density,
     forces,
+    friction_force,
+    normal_force,
 )
 
 if TYPE_CHECKING:
@@ -39,7 +45,7 @@ Control = Literal["load", "depth"]
 # b/a below which contact is lost at the apex itself (a kink under a dashpot)
 _NEAREST_EXIT = 1e-15
 _ITERATIONS = 60  # after which a point is given up
-_MET = 1e-3  # relative miss of the load from which Newton's last step gets home
+_MET = 1e-3  # relative miss of the load up to which a small step is believed
 _FAR = 1e-6  # relative distance of two values from which their difference gives a slope
 # relative to the slope of an elastic contact, below which a slope is rounding
 _ROUNDING = 1e-12
@@ -60,8 +66,7 @@ _STEPS = 15
 _TABLES = 3  # how often panels are laid out anew,
 _MOVED = 0.05  # where the contact has grown or shrunk by as much
 _CLOSE = 1e-7  # the length of its last step, squared by it
-# steps at which the searches stop; Newton's last step squares what error is left
-_TIGHT, _LOOSE = 1e-9, 1e-6
+_TIGHT = 1e-9  # step at which the searches stop
 
 
 class Passages(NamedTuple):
@@ -88,46 +93,122 @@ def solve_passages(
     value: Float[Array, " points"],  # load [N] or depth [m]
     velocity: Float[Array, " points"],  # times a_T [m/s]
     start: Passages | None = None,
-    found: Found | None = None,
 ) -> Passages:
-    """Steady passages, differentiable in the law, the shape, the load or depth, and the
-    velocity.
+    """Steady passages; under a transformation of JAX differentiable in the law, the
+    shape, the load or depth, and the velocity.
 
-    Of numbers the edges are sought to rounding, from those of `start` on where it is
-    given. Under a transformation of JAX the search runs on values cut off from
-    differentiation, unless it has been made by `found_of_numbers`; one Newton step on
-    the full equations, with the derivatives in it, makes the answer differentiable in
-    forward and reverse mode.
+    The edges are sought to rounding, from those of `start` on where it is given. Under
+    a transformation they are sought in NumPy all the same; `error` is then zero.
     """
     lines = lines.refined(rule.strips)
     if on_numpy():
-        return _forces(
-            *_edges_of_numbers(
-                Passage(law, lines, rule, velocity), control, value, start
-            )
-        )
-    law, lines, value, velocity = arrays((law, lines, value, velocity))
-    if found is None:
-        found = _search(
-            *fixed((law, lines, value, velocity)), rule=rule, control=control
-        )
-    return _polish(
-        law, lines, value, velocity, fixed(found), rule=rule, control=control
+        p = Passage(law, lines, rule, velocity)
+        return _forces(*_edges(p, control, value, start))
+    law, lines, value, velocity = as_doubles((law, lines, value, velocity))
+    shared = law, lines
+    size = _size(rule, control)(shared, (value, velocity))
+    drag = _drag(rule)(shared, (size, velocity))
+    normal = value
+    if control == "depth":
+        normal = _normal(rule)(shared, (size, velocity))
+    entry = lines.entry(size)
+    leading = entry[0]
+    trailing = (_ratio(rule)(shared, (size, velocity)) * entry)[0]
+    return Passages(
+        mu=drag / normal,
+        normal_force=normal,
+        friction_force=drag,
+        depth=lines.depth(size),
+        leading=leading,
+        trailing=trailing,
+        exponent=lines.rise(leading, trailing),
+        error=xp.zeros_like(normal),
+        converged=xp.isfinite(drag),
     )
 
 
-class Found(NamedTuple):
-    """What the search hands to Newton's last step."""
-
-    size: Array
-    ratio: Array
-    converged: Array
-    reached_size: Array  # derivative of load or depth by size
-    density_size: Array  # derivatives of the exit density by size and by ratio
-    density_ratio: Array
+# Under a transformation of JAX: functions of what all points share, (law, lines), and
+# of what each has of its own. A value is found in NumPy, its derivative follows from
+# the equation that it solves.
 
 
-@compiled("control")
+@functools.cache
+def _size(rule: Rule, control: Control) -> Any:
+    """Contact size from (load or depth, velocity)."""
+
+    def search(shared: Any, points: Any) -> tuple[Array, None]:
+        law, lines = shared
+        value, velocity = points
+        p = Passage(law, lines, rule, velocity)
+        _, size, _, converged = _edges(p, control, value)
+        return np.where(converged, size, np.nan), None
+
+    def equation(size: Array, _: None, shared: Any, points: Any) -> Array:
+        value, velocity = points
+        if control == "depth":
+            return shared[1].depth(size) - value
+        return _normal(rule)(shared, (size, velocity)) - value
+
+    return implicit(search, equation, lambda _, points: (points[0], None))
+
+
+@functools.cache
+def _ratio(rule: Rule) -> Any:
+    """Trailing edges over leading ones from (contact size, velocity)."""
+
+    def search(shared: Any, points: Any) -> tuple[Array, Array]:
+        law, lines = shared
+        size, velocity = points
+        p = Passage(law, lines, rule, velocity)
+        p, size, ratio, converged = _edges(p, "depth", lines.depth(size))
+        # Where both edges agree to rounding, a kink (a cone) has no slope there: the
+        # edge stays where it was found.
+        slope = size * balance_and_slopes(first_variant(p), size, ratio).density_exit
+        nothing = _ROUNDING * _elastic_slope(p, size)
+        free = (ratio > 2 * _NEAREST_EXIT) & (slope < nothing)
+        return np.where(converged, ratio, np.nan), free.astype(float)
+
+    def equation(ratio: Array, free: Array, shared: Any, points: Any) -> Array:
+        law, lines = shared
+        size, velocity = points
+        density = exit_density(Passage(law, lines, rule, velocity), size, ratio)
+        return xp.where(free > 0, density, ratio - fixed(ratio))
+
+    def like(shared: Any, points: Any) -> tuple[Array, Array]:
+        edges = xp.zeros((shared[1].count, *points[0].shape))
+        return edges, edges
+
+    return implicit(search, equation, like)
+
+
+@functools.cache
+def _normal(rule: Rule) -> Any:
+    """Normal force from (contact size, velocity).
+
+    It does not change with the trailing edge: dF_N/db = q(-b), which is zero there.
+    """
+
+    def force(shared: Any, points: Any, ratio: Array) -> Array:
+        law, lines = shared
+        size, velocity = points
+        return normal_force(Passage(law, lines, rule, velocity), size, ratio)
+
+    return stationary(force, _ratio(rule))
+
+
+@functools.cache
+def _drag(rule: Rule) -> Any:
+    """Friction force from (contact size, velocity); dF_x/db = -g'(b) q(-b) = 0."""
+
+    def force(shared: Any, points: Any, ratio: Array) -> Array:
+        law, lines = shared
+        size, velocity = points
+        p = Passage(law, lines, rule, velocity, judged=False)
+        return friction_force(p, size, ratio)
+
+    return stationary(force, _ratio(rule))
+
+
 def estimate_sizes(
     law: Relaxation,
     lines: AbstractLines,
@@ -136,46 +217,33 @@ def estimate_sizes(
     velocity: Array,
 ) -> Float[Array, " points"]:
     """Contact sizes [m] for planning, within a factor of 2."""
-    top = _largest(lines, value)
-    if control == "depth":
-        return _size_of_depth(lines, value, top)
-    return xp.exp(_first_guess(Passage(law, lines, Rule(2), velocity), value, top))
+    if not on_numpy():
+        return on_host(_estimated(control), value, (law, lines), (value, velocity))
+    return _estimated(control)((law, lines), (value, velocity))
+
+
+@functools.cache
+def _estimated(control: Control) -> Any:
+    def sizes(shared: Any, points: Any) -> Array:
+        law, lines = shared
+        value, velocity = points
+        top = _largest(lines, value)
+        if control == "depth":
+            return _size_of_depth(lines, value, top)
+        return np.exp(_first_guess(Passage(law, lines, Rule(2), velocity), value, top))
+
+    return sizes
 
 
 def _largest(lines: AbstractLines, value: Array) -> Array:
     """Logarithm of the largest contact size that the shape allows."""
-    largest = xp.broadcast_to(
-        xp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape
+    largest = np.broadcast_to(
+        np.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape
     )
-    return xp.log(xp.minimum(largest * (1 - 1e-13), 1e60))
+    return np.log(np.minimum(largest * (1 - 1e-13), 1e60))
 
 
-@compiled("rule", "control")
-def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> Found:
-    import jax
-
-    top = _largest(lines, value)
-    ratio = xp.full((lines.count, *value.shape), 0.8)
-    passage = Passage(law, lines, rule, velocity)
-    if control == "depth":
-        size = _size_of_depth(lines, value, top)
-        passage = tabulated(passage, size)
-        ratio, _, converged = _exits(passage, size, ratio, xp.ones_like(ratio))
-    else:
-        guess = _first_guess(passage, value, top)
-        passage = tabulated(passage, xp.exp(guess))
-        size, ratio, converged = _size_of_load(passage, value, guess, ratio, top)
-    _, tangent = jax.linearize(
-        lambda size, ratio: balance(passage, size, ratio), size, ratio
-    )
-    density_size, force_size = tangent(xp.ones_like(size), xp.zeros_like(ratio))
-    density_ratio, _ = tangent(xp.zeros_like(size), xp.ones_like(ratio))
-    if control == "depth":
-        _, force_size = jax.jvp(lines.depth, (size,), (xp.ones_like(size),))
-    return Found(size, ratio, converged, force_size, density_size, density_ratio)
-
-
-def _edges_of_numbers(
+def _edges(
     p: Passage, control: Control, value: Array, start: Passages | None = None
 ) -> tuple[Passage, Array, Array, Array]:
     """The passage with its table, contact sizes and trailing edges to rounding, and
@@ -216,34 +284,6 @@ def _edges_of_numbers(
         if p.table is None or np.all(np.abs(log_size - before) < _MOVED):
             break
     return p, np.exp(log_size), ratio, found
-
-
-def found_of_numbers(
-    law: Relaxation,
-    lines: AbstractLines,
-    rule: Rule,
-    control: Control,
-    value: Array,
-    velocity: Array,
-) -> Found:
-    """The search of single lines on NumPy, with the derivatives that Newton's last step
-    takes in closed form.
-    """
-    p, size, ratio, good = _edges_of_numbers(
-        Passage(law, lines, rule, velocity), control, value
-    )
-    at = balance_and_slopes(first_variant(p), size, ratio)
-    reached = (lines.weight(size) * (at.force_entry + ratio * at.density))[0]
-    if control == "depth":
-        reached = lines.slope(size[None], size, np.zeros((1, 1), int))[0]
-    return Found(
-        size,
-        ratio,
-        good,
-        reached,
-        at.density_entry + ratio * at.density_exit,
-        size * at.density_exit,
-    )
 
 
 def _sought(
@@ -342,72 +382,60 @@ def _settled(p: Passage, size: Array, ratio: Array) -> Array:
 
 
 def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
-    """Contact size by Newton's method of numbers, or by bisection of its logarithm;
-    `_polish` adds the last digits.
-    """
-    if on_numpy():
-        log_size = np.minimum(_USUAL, top - 0.5) + np.zeros_like(depth)
-        for _ in range(_GUESSES):
-            step = np.log(lines.depth(np.exp(log_size)) / depth) / lines.exponent(
-                np.exp(log_size)
-            )
-            log_size = np.minimum(log_size - step, top)
-            if (np.abs(step) < _CLOSE).all():
-                return np.exp(log_size)
+    """Contact size by Newton's method, or by bisection of its logarithm."""
+    log_size = np.minimum(_USUAL, top - 0.5) + np.zeros_like(depth)
+    for _ in range(_GUESSES):
+        size = np.exp(log_size)
+        step = np.log(lines.depth(size) / depth) / lines.exponent(size)
+        log_size = np.minimum(log_size - step, top)
+        if (np.abs(step) < _CLOSE).all():
+            return np.exp(log_size)
+    low = np.full_like(depth, -140.0)
+    return np.exp(_halved(lambda x: lines.depth(np.exp(x)) > depth, low, top, 56))
 
-    def halve(_, bounds):
-        low, high = bounds
+
+def _halved(
+    above: Callable[[Array], Array], low: Array, high: Array, times: int
+) -> Array:
+    """Bisection: the middle of where `above` changes from false to true."""
+    for _ in range(times):
         middle = 0.5 * (low + high)
-        above = lines.depth(xp.exp(middle)) > depth
-        return xp.where(above, low, middle), xp.where(above, middle, high)
-
-    low, high = fori_loop(0, 56, halve, (xp.full_like(depth, -140.0), top))
-    return xp.exp(0.5 * (low + high))
+        beyond = above(middle)
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return 0.5 * (low + high)
 
 
 def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     """log A of an elastic contact whose modulus is about the mean of E(t) over one
     passage.
     """
-    c, w, _ = (xp.asarray(x) for x in gauss(6))
-    line = xp.arange(p.lines.count)[:, None, None]
+    c, w, _ = gauss_unit(6)
+    line = np.arange(p.lines.count)[:, None, None]
 
-    def force(log_size):
-        size = xp.exp(log_size)
+    def force(log_size: Array) -> Array:
+        size = np.exp(log_size)
         mean = _mean_modulus(p, size)
         entry = p.lines.entry(size)
         x = entry[:, None] * c[:, None]
         volume = (
-            2 * entry * xp.sum(w[:, None] * x * p.lines.slope(x, size, line), axis=1)
+            2 * entry * np.sum(w[:, None] * x * p.lines.slope(x, size, line), axis=1)
         )
-        return mean * xp.sum(p.lines.weight(size) * volume, axis=0)
+        return mean * np.sum(p.lines.weight(size) * volume, axis=0)
 
-    if on_numpy():
-        # Of a profile that is a power, log force against log size rises by between n
-        # and n + 1.
-        log_size = np.minimum(np.full_like(load, _USUAL), top - 0.5)
-        for _ in range(_GUESSES):
-            step = np.log(force(log_size) / load) / (
-                p.lines.exponent(np.exp(log_size)) + 0.5
-            )
-            log_size = np.minimum(log_size - step, top)
-            if (np.abs(step) < _GUESSED).all():
-                return log_size
-
-    def halve(_, bounds):
-        low, high = bounds
-        middle = 0.5 * (low + high)
-        above = force(middle) > load
-        return xp.where(above, low, middle), xp.where(above, middle, high)
-
+    # Of a profile that is a power, log force against log size rises by between n and
+    # n + 1.
+    log_size = np.minimum(np.full_like(load, _USUAL), top - 0.5)
+    for _ in range(_GUESSES):
+        rise = p.lines.exponent(np.exp(log_size)) + 0.5
+        step = np.log(force(log_size) / load) / rise
+        log_size = np.minimum(log_size - step, top)
+        if (np.abs(step) < _GUESSED).all():
+            return log_size
     # 1e-26 to 1e17 m, as a rule
-    small, large = xp.full_like(load, -60.0), xp.minimum(top, 40.0)
-    ends = (
-        xp.where(force(small) > load, -260.0, small),
-        xp.where(force(large) < load, top, large),
-    )
-    low, high = fori_loop(0, 11, halve, ends)
-    return 0.5 * (low + high)
+    small, large = np.full_like(load, -60.0), np.minimum(top, 40.0)
+    low = np.where(force(small) > load, -260.0, small)
+    high = np.where(force(large) < load, top, large)
+    return _halved(lambda log_size: force(log_size) > load, low, high, 11)
 
 
 def _of_parabola(
@@ -423,7 +451,7 @@ def _of_parabola(
     L, q(-b) = 0 gives b = M_1/(M_0 + eta v), and the force follows.
     """
     law, lines, line, exact = p.law, p.lines, np.zeros((1, 1), int), p.rule.parabola
-    c, w, _ = gauss(6)
+    c, w, _ = gauss_unit(6)
     rate, drag, widest = 1 / p.decay, p.velocity * law.viscosity, np.exp(top)
     lossy = bool(np.any(drag))
     log_length = (
@@ -500,7 +528,7 @@ def _mean_modulus(p: Passage, size: Array) -> Array:
 def _elastic_slope(p: Passage, size: Array) -> Array:
     """Derivative of the exit density by b/a, about, in a contact that loses nothing."""
     entry = p.lines.entry(size)
-    line = xp.arange(p.lines.count)[:, None]
+    line = np.arange(p.lines.count)[:, None]
     return -_mean_modulus(p, size) * entry * p.lines.slope(0.8 * entry, size, line)
 
 
@@ -514,61 +542,40 @@ def _exits(
     factor that it ended with.
     """
     elastic = _elastic_slope(p, size)
-
-    def density(ratio):
-        return exit_density(p, size, ratio)
-
-    def advance(state):
-        ratio, before, value_before, slope, low, high, done, count = state
-        value = density(ratio)
-        low, high = xp.where(value > 0, ratio, low), xp.where(value > 0, high, ratio)
-        slope = _secant(ratio - before, value - value_before, slope, _FAR * ratio)
-        following = ratio - value / slope
+    slope = factor * elastic
+    low, high = np.full_like(ratio, _NEAREST_EXIT), np.full_like(ratio, 1 + 1e-14)
+    done = np.zeros(ratio.shape, bool)
+    if p.rule.split:
+        done = exit_density(p, size, low) <= 0  # contact is lost at the apex
+        ratio = np.where(done, low, ratio)
+    before, density_before = ratio, np.zeros_like(ratio)
+    for _ in range(_ITERATIONS):
+        if done.all():
+            break
+        density = exit_density(p, size, ratio)
+        low = np.where(density > 0, ratio, low)
+        high = np.where(density > 0, high, ratio)
+        slope = _secant(ratio - before, density - density_before, slope, _FAR * ratio)
+        following = ratio - density / slope
         inside = (following >= low) & (following <= high)
         # Near a kink at the apex the edge may lie anywhere between rounding and a
         # thousandth.
-        middle = xp.where(high < _NEAR, xp.sqrt(low * high), 0.5 * (low + high))
-        following = xp.where(inside, following, middle)
-        small = (
-            xp.abs(following - ratio) <= _TIGHT * xp.minimum(ratio, 1 - ratio) + 4e-15
-        )
-        following = xp.where(done, ratio, following)
-        return (
-            following,
-            ratio,
-            value,
-            slope,
-            low,
-            high,
-            done | small | (value == 0),
-            count + 1,
-        )
-
-    low, high = xp.full_like(ratio, _NEAREST_EXIT), xp.full_like(ratio, 1 + 1e-14)
-    lost_at_apex = xp.zeros(ratio.shape, bool)
-    if p.rule.split:
-        lost_at_apex = density(low) <= 0
-        ratio = xp.where(lost_at_apex, low, ratio)
-    state = (
-        ratio,
-        ratio,
-        xp.zeros_like(ratio),
-        factor * elastic,
-        low,
-        high,
-        lost_at_apex,
-        0,
-    )
-    state = while_loop(lambda s: ~xp.all(s[6]) & (s[7] < _ITERATIONS), advance, state)
-    return state[0], state[3] / elastic, xp.all(state[6], axis=0)
+        middle = np.where(high < _NEAR, np.sqrt(low * high), 0.5 * (low + high))
+        following = np.where(inside, following, middle)
+        close = _TIGHT * np.minimum(ratio, 1 - ratio) + 4e-15
+        small = np.abs(following - ratio) <= close
+        before, density_before = ratio, density
+        ratio = np.where(done, ratio, following)
+        done = done | small | (density == 0)
+    return ratio, slope / elastic, np.all(done, axis=0)
 
 
 def _secant(step: Array, change: Array, slope: Array, far: Array | float) -> Array:
     """Slope of a falling or rising function from its last two values, where they lie
     far enough apart to tell.
     """
-    known = (xp.abs(step) > far) & (change * step * slope > 0)
-    return xp.where(known, change / xp.where(known, step, 1.0), slope)
+    known = (np.abs(step) > far) & (change * step * slope > 0)
+    return np.where(known, change / np.where(known, step, 1.0), slope)
 
 
 def _size_of_load(
@@ -578,76 +585,30 @@ def _size_of_load(
     straight line. An edge that is off by a little leaves the force as it is, since
     dF/db = q(-b) = 0.
     """
-
-    def advance(state):
-        (
-            log_size,
-            before,
-            excess_before,
-            slope,
-            ratio,
-            factor,
-            low,
-            high,
-            done,
-            count,
-        ) = state
-        size = xp.exp(log_size)
-        ratio, factor, found = _exits(p, size, ratio, factor)
-        excess = xp.log(balance(p, size, ratio)[1]) - xp.log(load)
-        low, high = (
-            xp.where(excess < 0, log_size, low),
-            xp.where(excess < 0, high, log_size),
-        )
+    low, high = np.full_like(load, -140.0), top
+    before, excess_before = log_size, np.zeros_like(load)
+    slope, factor = np.full_like(load, 2.5), np.ones_like(ratio)
+    done = np.zeros(load.shape, bool)
+    for _ in range(_ITERATIONS):
+        if done.all():
+            break
+        size = np.exp(log_size)
+        ratio, factor, converged = _exits(p, size, ratio, factor)
+        excess = np.log(balance(p, size, ratio)[1]) - np.log(load)
+        low = np.where(excess < 0, log_size, low)
+        high = np.where(excess < 0, high, log_size)
         slope = _secant(log_size - before, excess - excess_before, slope, _FAR)
-        straight = log_size - xp.clip(excess / slope, -3.0, 3.0)
+        straight = log_size - np.clip(excess / slope, -3.0, 3.0)
         # A bracket that closes at the widest contact has not met the load, hence the
         # second condition.
-        small = (xp.abs(straight - log_size) <= (_TIGHT if on_numpy() else _LOOSE)) & (
-            xp.abs(excess) <= _MET
-        )
+        small = (np.abs(straight - log_size) <= _TIGHT) & (np.abs(excess) <= _MET)
         inside = (straight > low) & (straight < high)
-        middle = 0.5 * (xp.maximum(low, log_size - 3) + xp.minimum(high, log_size + 3))
-        following = xp.where(inside | small, straight, middle)
-        following = xp.where(done, log_size, following)
-        return (
-            following,
-            log_size,
-            excess,
-            slope,
-            ratio,
-            factor,
-            low,
-            high,
-            done | (small & found),
-            count + 1,
-        )
-
-    fresh = xp.zeros_like(load)
-    state = (
-        log_size,
-        log_size,
-        fresh,
-        fresh + 2.5,
-        ratio,
-        xp.ones_like(ratio),
-        fresh - 140,
-        top,
-        fresh > 0,
-        0,
-    )
-    state = while_loop(lambda s: ~xp.all(s[8]) & (s[9] < _ITERATIONS), advance, state)
-    return xp.exp(state[0]), state[4], state[8]
-
-
-@compiled("rule", "control")
-def _polish(
-    law, lines, value, velocity, found: Found, *, rule: Rule, control: Control
-) -> Passages:
-    """One Newton step on both equations, then forces and their sampling error."""
-    p = tabulated(Passage(law, lines, rule, velocity), found.size, full=True)
-    size, ratio, settled = _edges(p, value, found, control)
-    return _forces(p, size, ratio, found.converged & settled)
+        middle = 0.5 * (np.maximum(low, log_size - 3) + np.minimum(high, log_size + 3))
+        following = np.where(inside | small, straight, middle)
+        before, excess_before = log_size, excess
+        log_size = np.where(done, log_size, following)
+        done = done | (small & converged)
+    return np.exp(log_size), ratio, done
 
 
 def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages:
@@ -667,30 +628,6 @@ def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages
         error=fixed((drag_error + xp.abs(mu) * normal_error) / normal),
         converged=converged,
     )
-
-
-def _edges(
-    p: Passage, value: Array, found: Found, control: Control
-) -> tuple[Array, Array, Array]:
-    """Contact size and trailing edges after one Newton step, which carries the
-    derivatives, and whether it was small: a search that was led astray by a steep
-    density stops where a step is not.
-    """
-    size, ratio = found.size, found.ratio
-    density, reached = balance(p, size, ratio)
-    if control == "depth":
-        reached = p.lines.depth(size)
-    step = _small((value - reached) / found.reached_size, size)
-    # Where both edges agree to rounding, a kink (a cone) has no slope there: the edge
-    # stays as it was found.
-    nothing = _ROUNDING * fixed(_elastic_slope(p, size))
-    pinned = (ratio <= 2 * _NEAREST_EXIT) | (found.density_ratio >= nothing)
-    slope = xp.where(pinned, 1.0, found.density_ratio)
-    ratio_step = -(density + found.density_size * step) / slope
-    room = 1e-3 * xp.minimum(ratio, 1 - ratio) + 1e-13
-    settled = xp.all(pinned | (xp.abs(fixed(ratio_step)) <= room), axis=0)
-    ratio = ratio + xp.where(pinned, 0.0, _small(ratio_step, ratio))
-    return size + step, ratio, settled
 
 
 class Losses(NamedTuple):
@@ -714,33 +651,20 @@ def solve_losses(
     `solve_passages` is.
     """
     modes, lines = recovery_modes(law), lines.refined(rule.strips)
+    p = Passage(law, lines, rule, velocity)
     if on_numpy():
-        p, size, ratio, good = _edges_of_numbers(
-            Passage(law, lines, rule, velocity), control, value
-        )
+        p, size, ratio, good = _edges(p, control, value)
         return Losses(
             *branch_losses(p, modes, size, ratio), forces(p, size, ratio).friction, good
         )
-    law, lines, value, velocity = arrays((law, lines, value, velocity))
-    found = _search(*fixed((law, lines, value, velocity)), rule=rule, control=control)
-    return _losses(law, modes, lines, value, velocity, fixed(found), rule, control)
-
-
-@compiled("rule", "control")
-def _losses(
-    law, modes, lines, value, velocity, found: Found, rule: Rule, control: Control
-) -> Losses:
-    p = tabulated(Passage(law, lines, rule, velocity), found.size, full=True)
-    size, ratio, settled = _edges(p, value, found, control)
+    law, lines, value, velocity = as_doubles((law, lines, value, velocity))
+    size = _size(rule, control)((law, lines), (value, velocity))
+    ratio = _ratio(rule)((law, lines), (size, velocity))
+    p = Passage(law, lines, rule, velocity, judged=False)
     dashpot, branches = branch_losses(p, modes, size, ratio)
     return Losses(
-        dashpot, branches, forces(p, size, ratio).friction, found.converged & settled
+        dashpot,
+        branches,
+        _drag(rule)((law, lines), (size, velocity)),
+        xp.isfinite(size),
     )
-
-
-def _small(step: Array, base: Array) -> Array:
-    """A Newton step as computed where it is small; where it is not, the point has
-    failed and keeps only its tangent.
-    """
-    wild = xp.abs(step) > 1e-3 * xp.abs(base)
-    return step - fixed(xp.where(wild, step, 0.0))

@@ -23,7 +23,7 @@ import numpy as np
 
 from ..arrays import fixed, xp
 from ..checks import Array
-from ..element.modes import Modes
+from ..element.episode import Modes
 from .memory import Passage, direct, memory, one_panel
 
 if TYPE_CHECKING:
@@ -125,6 +125,18 @@ def part_of_contact(
         + drag * rise
     )
     return density[0], *_total(p, size, force, 0.0)
+
+
+def normal_force(p: Passage, size: Array, ratio: Array) -> Float[Array, " points"]:
+    """Normal force [N], of all lines."""
+    return xp.sum(p.lines.weight(size) * _contact(p, size, ratio).force()[0], axis=0)
+
+
+def friction_force(p: Passage, size: Array, ratio: Array) -> Float[Array, " points"]:
+    """Friction force [N], of all lines; its error is not estimated."""
+    return xp.sum(
+        p.lines.weight(size) * _contact(p, size, ratio, full=True).drag()[0], axis=0
+    )
 
 
 class Forces(NamedTuple):

@@ -12,12 +12,11 @@ import numpy as np
 from ..checks import is_traced
 from ..material.relaxation import Relaxation
 from ..material.validity import SLOWEST, Range
-from ..surface.direction import directions
+from ..surface.direction import directions, shared_curve_size
 from ..surface.lines import AbstractLines
 from ..surface.profile import Profile
 from ..surface.sampling import Rule, ladder
 from ..surface.shapes import AbstractShape, Cone, PowerLaw
-from ..surface.shared_curve import shared_curve_size
 from .branch_reduction import Condensation, choose
 from .passage import Control, estimate_sizes
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -10,11 +9,10 @@ import numpy as np
 from ..arrays import compiled
 from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
-from ..call.problem import check_rtol, steady_scene
-from ..call.radius_hint import hint_at_metres
+from ..call.problem import check_rtol, hint_at_metres, steady_scene
 from ..checks import Array, is_traced, nan_unless, require
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.relaxation import Relaxation
 from ..results.curve import Contact
 from ..results.words import describe
@@ -234,7 +232,7 @@ def solve(scene: SmoothScene) -> Steady:
                     f" Their estimated errors are up to {missed.max():.1e} of mu, "
                     "so a larger rtol would accept them."
                 )
-        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+        warn(text, ConvergenceWarning)
     # A Foundation given directly is a line by definition; a half-space under the bare
     # line is not.
     bare = (
@@ -252,7 +250,6 @@ def solve(scene: SmoothScene) -> Steady:
         scene.reduced.reshape(scene.shape),
         size,
         scene.temperature,
-        stacklevel=4,
     )
     beyond_sweep = None
     if softening is not None and soft is not None and not traced:

@@ -15,20 +15,21 @@ and mu is g/f times its mu. f and the contact are found together.
 from __future__ import annotations
 
 import dataclasses
+import functools
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, fori_loop, xp
+from ..arrays import xp
 from ..checks import is_traced
 from ..errors import InputError
+from ..numerics.implicit import as_doubles, implicit
 from ..surface.shapes import Cylinder
 from .solve import Sweep, run
 
 if TYPE_CHECKING:
     from ..element.law import Foundation
     from ..material.relaxation import Relaxation
-    from ..material.softening import Softening
     from ..surface.lines import AbstractLines
     from .passage import Passages
     from .plan import Plan
@@ -37,7 +38,6 @@ SOFTENED = "; moduli at one effective strain of the contact"
 LINEAR = "; linear: softening with strain left out"
 TABOR = 0.2  # representative strain over the slope at the edge
 _ROUNDS = 30  # of secants; 3 to 5 are usual
-_TRACED = 12
 _ROUNDING = 1e-12
 
 
@@ -75,38 +75,17 @@ def run_softened(
     )
     assert softening is not None
     alone = dataclasses.replace(plan, averaged=False, corrected=False, shared=False)
-
-    def strain(line: Passages, body: Any, thickness: Any) -> Any:
-        return _strain(line, body, thickness)
-
-    def next_of(
-        factor: Any,
-        own: Softening,
-        law: Any,
-        body: Any,
-        value: Any,
-        velocity: Any,
-        thickness: Any,
-    ) -> Any:
-        """The factor at the strain of the contact that has the moduli of `factor`."""
-        load = value / factor if plan.control == "load" else value
-        line = run(alone, law, body, load, velocity).line
-        return own.factors(strain(line, body, thickness))[0]
-
-    given = (softening, law, lines, value, velocity, foundation.thickness)
+    shared, points = (softening, law, lines, foundation.thickness), (value, velocity)
     if traced:
-        factor = _traced_factor(next_of, given)
+        factor = _traced_factor(alone)(*as_doubles((shared, points)))
+        linear = None
     else:
-        factor = _factor(
-            lambda factor: next_of(factor, *given),
-            np.ones(np.shape(value)),
-            0.1 * plan.rtol,
-        )
-    linear = None if traced else run(plan, law, lines, value, velocity).mu
+        factor = _factor(alone, shared, points)
+        linear = run(plan, law, lines, value, velocity).mu
     found = run(
         plan, law, lines, value / factor if plan.control == "load" else value, velocity
     )
-    amplitude = strain(found.line, lines, foundation.thickness)
+    amplitude = _strain(found.line, lines, foundation.thickness)
     storage, loss = softening.factors(amplitude)
     ratio = loss / storage
     untouched = (abs(storage - 1) < _ROUNDING) & (abs(loss - 1) < _ROUNDING)
@@ -138,17 +117,26 @@ def _strain(line: Passages, lines: AbstractLines, thickness: Any) -> Any:
     return xp.sqrt(part) * line.depth / thickness
 
 
-def _factor(next_of: Any, start: np.ndarray, tolerance: float) -> np.ndarray:
-    """The factor that its own contact has, by secants; NaN contacts stay as they
-    are.
-    """
-    before, after = start, next_of(start)
+def _next_factor(alone: Plan, factor: Any, shared: Any, points: Any) -> Any:
+    """The factor at the strain of the contact that has the moduli of `factor`."""
+    softening, law, lines, thickness = shared
+    value, velocity = points
+    load = value / factor if alone.control == "load" else value
+    line = run(alone, law, lines, load, velocity).line
+    return softening.factors(_strain(line, lines, thickness))[0]
+
+
+def _factor(alone: Plan, shared: Any, points: Any) -> np.ndarray:
+    """The factor that its own contact has, by secants; NaN contacts stay as they are."""
+    tolerance = 0.1 * alone.rtol
+    before = np.ones(np.shape(points[0]))
+    after = _next_factor(alone, before, shared, points)
     off = after - before
     for _ in range(_ROUNDS):
         if not (np.abs(off) > tolerance * after).any():
             break
         here = after
-        missed = next_of(here) - here
+        missed = _next_factor(alone, here, shared, points) - here
         steep = (missed - off) / np.where(here == before, 1.0, here - before)
         step = np.where(
             np.isfinite(steep) & (steep < -0.1) & (here != before),
@@ -160,19 +148,17 @@ def _factor(next_of: Any, start: np.ndarray, tolerance: float) -> np.ndarray:
     return np.round(np.where(np.isfinite(after), after, 1.0), 12)
 
 
-def _traced_factor(next_of: Any, given: tuple[Any, ...]) -> Any:
-    """The same while JAX traces: rounds without derivatives, then one Newton step that
-    has them.
-    """
-    import jax
+@functools.cache
+def _traced_factor(alone: Plan) -> Any:
+    """`_factor` of (shared, points) while JAX traces, with derivatives."""
 
-    held = fixed(given)
-    start = xp.ones(xp.shape(given[3]))
-    factor = fixed(fori_loop(0, _TRACED, lambda _, at: next_of(at, *held), start))
-    again, slope = jax.jvp(
-        lambda at: next_of(at, *held), (factor,), (xp.ones_like(factor),)
-    )
-    return factor + (next_of(factor, *given) - factor) / fixed(1 - slope) + 0.0 * again
+    def search(shared: Any, points: Any) -> tuple[Any, None]:
+        return _factor(alone, shared, points), None
+
+    def equation(factor: Any, _: None, shared: Any, points: Any) -> Any:
+        return _next_factor(alone, factor, shared, points) - factor
+
+    return implicit(search, equation, lambda _, points: (points[0], None))
 
 
 def softened_words(

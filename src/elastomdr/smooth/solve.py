@@ -4,33 +4,35 @@ tolerance asked for.
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, xp
-from ..checks import Array, is_traced, known, numpy_unless_traced
+from ..arrays import fixed, on_numpy, xp
+from ..checks import Array
 from ..material.relaxation import Relaxation
+from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..surface.direction import (
-    asymmetry,
-    directions,
-    interpolation_error,
-    quadrature_error,
-    within_maps,
-)
-from ..surface.lines import AbstractLines, SingleLine
-from ..surface.profile import Profile
-from ..surface.sampling import Rule
-from ..surface.shared_curve import (
+    Directions,
     SharedCurve,
+    asymmetry,
     at_points,
     average,
     between_orders,
+    directions,
+    interpolation_error,
+    quadrature_error,
     shared_curve,
+    within_maps,
 )
+from ..surface.lines import AbstractLines
+from ..surface.profile import Profile
+from ..surface.sampling import Rule
 from .branch_reduction import condensed, filled
-from .passage import Control, Found, Passages, found_of_numbers, solve_passages
-from .plan import TRACED, Plan, traced_level
+from .passage import Control, Passages, solve_passages
+from .plan import TRACED, Plan, make_plan, traced_level
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -76,16 +78,15 @@ def run(
     with `line.converged` False.
     """
     if plan.traced and plan.marched:
-        # looks at its errors where it can, under `jax.grad` for one
-        return _traced(plan, law, lines, value, velocity)
+        return _marched(plan, law, lines, value, velocity)
+    if plan.traced and on_numpy():
+        return _of_values(plan, law, lines, value, velocity)
     if plan.traced:
-        values = known(fixed((law, lines, value, velocity)))
-        search = (
-            None
-            if is_traced(values) or not isinstance(lines, SingleLine)
-            else _search_of_values(plan, *values)
-        )
-        return _traced_at_once(plan, law, lines, value, velocity, search)
+        law, lines, value, velocity = as_doubles((law, lines, value, velocity))
+        fields = _with_slopes(plan)((law, lines), (value, velocity))
+        mu, *line, error, model_error = fields
+        passages = Passages(*line)._replace(converged=line[-1] > 0)
+        return Sweep(mu, error, passages, model_error)
     whole, law = law, condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
@@ -430,53 +431,132 @@ def _in_batches(
     return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
-@numpy_unless_traced
-def _search_of_values(
+# Under a transformation of JAX
+
+
+@functools.cache
+def _with_slopes(plan: Plan) -> Any:
+    """A sweep as one tuple of arrays: numbers from NumPy, derivatives from formulas.
+
+    The numbers are those of the same call outside, since the plan is made of the
+    values that NumPy sees.
+    """
+
+    def numbers(shared: Any, points: Any) -> Any:
+        (law, lines), (value, velocity) = shared, points
+        sweep = _of_values(plan, law, lines, value, velocity)
+        return (sweep.mu, *sweep.line, sweep.error, sweep.model_error)
+
+    def friction(shared: Any, points: Any) -> Any:
+        (law, lines), (value, velocity) = shared, points
+        return (_averaged_by_formula(plan, law, lines, value, velocity),)
+
+    def line(shared: Any, points: Any) -> Any:
+        (law, lines), (value, velocity) = shared, points
+        rule, control = plan.rules[0], plan.control
+        return solve_passages(law, lines, rule, control, value, velocity)[:-2]
+
+    def like(shared: Any, points: Any) -> Any:
+        return (points[0],) * (3 + len(Passages._fields))
+
+    formulas = (friction, 1), (line, len(Passages._fields) - 2)
+    return numbers_with_slopes(numbers, formulas, like)
+
+
+def _of_values(
     plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
-) -> tuple[Found, ...]:
-    """What `_traced` has to search for, in its order, where values are known: under
-    `jax.grad`, not `jit` and `vmap`.
-
-    A search takes far longer to compile than to run.
-    """
-    rule, own = plan.rules[0], []
-    if not plan.averaged or plan.control == "depth":
-        own = [found_of_numbers(law, lines, rule, plan.control, value, velocity)]
-    if not plan.averaged:
-        return tuple(own)
-    if own:
-        value = solve_passages(law, lines, rule, "depth", value, velocity).normal_force
-    slowed = (
-        velocity[:, None]
-        * directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends)).cosines
-    )
-    loads = np.broadcast_to(value[:, None], slowed.shape).ravel()
-    return (*own, found_of_numbers(law, lines, rule, "load", loads, slowed.ravel()))
-
-
-def _traced(
-    plan: Plan,
-    law: Relaxation,
-    lines: AbstractLines,
-    value: Array,
-    velocity: Array,
-    search: tuple[Found, ...] | None = None,
 ) -> Sweep:
-    """The same under a JAX transformation: no sharing, no batches, one rule;
-    convergence is judged by the estimate.
+    """`run` by a plan made of values; NaN where no contact can have them."""
+    good = np.isfinite(value) & (value > 0) & np.isfinite(velocity) & (velocity > 0)
+    good &= all(np.all(np.isfinite(x) & (x >= 0)) for x in vars(law).values())
+    blank = np.full((3 + len(Passages._fields), value.size), np.nan)
+    mu, error, model_error, *line = blank
+    sweep = Sweep(mu, error, Passages(*line), model_error)
+    if not good.any():
+        return sweep
+    value, velocity = np.asarray(value[good]), np.asarray(velocity[good])
+    known_plan = make_plan(
+        plan.quantity,
+        plan.scene,
+        plan.model,
+        law,
+        lines,
+        plan.control,
+        value,
+        velocity,
+        value.size,
+        plan.temperatures,
+        plan.averaged,
+        plan.corrected,
+        plan.rtol,
+        plan.skip,
+        plan.range,
+    )
+    solved = run(known_plan, law, lines, value, velocity)
+    sweep.mu[good] = solved.mu
+    sweep.error[good] = solved.error
+    sweep.model_error[good] = solved.model_error
+    _put(sweep.line, good, solved.line)
+    return sweep
+
+
+def _averaged_by_formula(
+    plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
+) -> Array:
+    """Friction by a fixed rule for directions, for its derivatives."""
+
+    def solve(control: Control, value: Array, velocity: Array) -> Passages:
+        return solve_passages(law, lines, plan.rules[0], control, value, velocity)
+
+    if not plan.averaged:
+        return solve(plan.control, value, velocity).mu * (0.0 if plan.elastic else 1.0)
+    around = _all_directions(plan, solve, value, velocity)
+    nothing = xp.zeros_like(around.mu)
+    return _against_half_space(
+        plan, law, around.mu, around.skew, nothing, around.ahead
+    )[0]
+
+
+class _AllDirections(NamedTuple):
+    """Passages in all directions by one rule, and their averages."""
+
+    rule: Directions
+    passages: Passages  # (points, directions)
+    ahead: Passages  # in the direction of the motion itself
+    mu: Array
+    skew: Array
+
+
+def _all_directions(
+    plan: Plan, solve: Callable[..., Passages], value: Array, velocity: Array
+) -> _AllDirections:
+    """The direction average by one rule without sharing: nothing can be refined."""
+    rule = directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends))
+    load = value
+    if plan.control == "depth":
+        load = solve("depth", value, velocity).normal_force
+    slowed = velocity[:, None] * rule.cosines
+    loads = xp.broadcast_to(load[:, None], slowed.shape)
+    passages = solve("load", loads.ravel(), slowed.ravel())
+    passages = Passages(*(field.reshape(slowed.shape) for field in passages))
+    ahead = Passages(*(field[:, 0] for field in passages))
+    mu = passages.mu @ rule.weights
+    skew = xp.stack([x @ rule.weights for x in _skew(passages)])
+    return _AllDirections(rule, passages, ahead, mu, skew)
+
+
+def _marched(
+    plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
+) -> Sweep:
+    """The friction of a profile that is marched through. Its errors are looked at
+    where values are known, as under `jax.grad`; else the estimate judges convergence.
     """
-    rule, left = plan.rules[0], iter(search or ())
 
-    def solve(control, value, velocity):
-        if plan.marched:
-            from .march import march_passages
+    def solve(control: Control, value: Array, velocity: Array) -> Passages:
+        from .march import march_passages
 
-            return march_passages(
-                law, lines, control, value, velocity, max(0.1 * plan.rtol, 1e-9)
-            )
-        return solve_passages(
-            law, lines, rule, control, value, velocity, found=next(left, None)
-        )
+        rtol = max(0.1 * plan.rtol, 1e-9)
+        return march_passages(law, lines, control, value, velocity, rtol)
 
     if not plan.averaged:
         own = solve(plan.control, value, velocity)
@@ -488,33 +568,16 @@ def _traced(
             0.0 * own.mu,
         )
     else:
-        around = directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends))
-        load = (
-            value
-            if plan.control == "load"
-            else solve("depth", value, velocity).normal_force
+        around = _all_directions(plan, solve, value, velocity)
+        rule, own, mu = around.rule, around.ahead, around.mu
+        half, quarter = (around.passages.mu @ x for x in (rule.half, rule.quarter))
+        unseen = rule.tail + _UNSEEN * TRACED * plan.rtol
+        error = quadrature_error(mu, half, quarter, unseen)
+        error = error + around.passages.error @ rule.weights
+        good = around.passages.converged.all(axis=1)
+        mu, error, model_error = _against_half_space(
+            plan, law, mu, around.skew, error, own
         )
-        slowed = velocity[:, None] * around.cosines
-        every = solve(
-            "load", xp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel()
-        )
-        every = Passages(*(field.reshape(slowed.shape) for field in every))
-        # the first direction is the motion itself
-        own = Passages(*(field[:, 0] for field in every))
-        mu, skew = (
-            every.mu @ around.weights,
-            xp.stack([field @ around.weights for field in _skew(every)]),
-        )
-        unseen = around.tail + _UNSEEN * TRACED * plan.rtol
-        quadrature = quadrature_error(
-            mu, every.mu @ around.half, every.mu @ around.quarter, unseen
-        )
-        error = quadrature + every.error @ around.weights
-        good = every.converged.all(axis=1)
-        mu, error, model_error = _against_half_space(plan, law, mu, skew, error, own)
     error = fixed(error + mu * _ROUNDING)
     good = fixed(good & (error <= plan.rtol * mu))
     return Sweep(mu, error, own._replace(converged=good), fixed(model_error))
-
-
-_traced_at_once = compiled("plan")(_traced)

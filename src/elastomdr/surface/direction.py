@@ -23,9 +23,11 @@ import numpy as np
 from ..arrays import xp
 from ..checks import Array, numpy_unless_traced
 from ..material.relaxation import Relaxation
+from ..numerics.interpolation import lagrange
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    from jaxtyping import Float, Int
+
 
 STENCIL = 14  # points of local Lagrange interpolation in log v
 # of a profile, and for each, of the excess of the average:
@@ -46,6 +48,8 @@ _MAPPED = 2.05, 1001.0
 # of mu: how far below the line of the textbook the half-space lay at most on the
 # validity map
 BARE_LINE = 0.52
+
+_MARGIN = STENCIL // 2
 
 
 @numpy_unless_traced
@@ -212,15 +216,31 @@ def asymmetry(
     s = xp.maximum((leading - trailing) / (leading + trailing), 1e-12)
     apart = 0.0 if mean is None else mean - s
     ratio = average / xp.where(line > 0, line, 1.0)
-    c, p, q, d, per_s = (xp.interp(exponent, _POWERS, row) for row in _EXCESS)
+    c, p, q, d, per_s = _between_powers(exponent)
     factor = c * s**p
     excess = factor * xp.maximum(2 * ratio - 1, 1e-9) ** q + d * apart
     excess = xp.where(line > 0, excess, 0.0)
-    known = xp.where(exponent <= _STEEPEST, 1.0, xp.nan)
-    left = known * (0.25 * xp.abs(excess) + per_s * (s + xp.maximum(apart, 0.0)))
-    return Asymmetry(
-        excess, left + xp.abs(excess), left, 4 * factor + 2 * xp.abs(d) * (s + apart)
+    within_map = xp.where(exponent <= _STEEPEST, 1.0, xp.nan)
+    corrected_bound = within_map * (
+        0.25 * xp.abs(excess) + per_s * (s + xp.maximum(apart, 0.0))
     )
+    return Asymmetry(
+        excess,
+        corrected_bound + xp.abs(excess),
+        corrected_bound,
+        4 * factor + 2 * xp.abs(d) * (s + apart),
+    )
+
+
+def _between_powers(exponent: Array) -> Array:
+    """The rows of `_EXCESS` at a power of a profile, linear between those of the table
+    and held beyond.
+    """
+    held = xp.clip(exponent, _POWERS[0], _POWERS[-1])
+    left = xp.sum(held >= _POWERS[1:-1].reshape(-1, *[1] * held.ndim), axis=0)
+    slope = np.diff(_EXCESS) / np.diff(_POWERS)
+    start, below, rise = (xp.asarray(x)[..., left] for x in (_POWERS, _EXCESS, slope))
+    return rise * (held - start) + below
 
 
 @numpy_unless_traced
@@ -240,14 +260,14 @@ def layer_asymmetry(
     to 100 and 2a/h up to 6 (`benchmarks/layer_map.py`), as are the bounds, which are
     NaN for wider contacts and steeper profiles.
     """
-    found = asymmetry(average, line, leading, trailing, exponent)
+    half_space = asymmetry(average, line, leading, trailing, exponent)
     n = xp.clip(exponent, 1.0, 2.0)
     more = 1 + (0.8 + 0.6 * n) * width**2 / (width**2 + 0.64)
-    excess = more * found.excess
+    excess = more * half_space.excess
     s = xp.maximum((leading - trailing) / (leading + trailing), 1e-12)
-    known = xp.where((width <= 6.5) & (exponent <= 2.05), 1.0, xp.nan)
-    bound = known * (0.5 * excess + 0.08 * s + 0.003 + 0.02 * (2 - n))
-    return Asymmetry(excess, bound + excess, bound, more * found.sensitivity)
+    within_map = xp.where((width <= 6.5) & (exponent <= 2.05), 1.0, xp.nan)
+    bound = within_map * (0.5 * excess + 0.08 * s + 0.003 + 0.02 * (2 - n))
+    return Asymmetry(excess, bound + excess, bound, more * half_space.sensitivity)
 
 
 def spacing(rtol: float) -> float:
@@ -257,23 +277,125 @@ def spacing(rtol: float) -> float:
     return 0.4 * (rtol / 1e-2) ** (1 / STENCIL)
 
 
-def lagrange(place: np.ndarray, stencil: int) -> tuple[np.ndarray, np.ndarray]:
-    """Indices and weights of the `stencil` nodes around each place on a grid of unit
-    spacing: (..., stencil).
+class SharedCurve(NamedTuple):
+    """A line curve and what it takes to average and to interpolate it."""
+
+    velocity: Float[np.ndarray, " nodes"]  # of the line solutions [m/s]
+    # `average` of the line's friction at the means, a part of the nodes
+    kernel: Float[np.ndarray, " width"]
+    half: Float[np.ndarray, " width"]  # the same with every second direction
+    quarter: Float[np.ndarray, " width"]  # and with every fourth
+    lower: Float[np.ndarray, " width"]  # the same with interpolation of lower order
+    means: slice  # which nodes the averages belong to
+    near: Int[np.ndarray, "points stencil"]  # the means about each velocity
+    local: Float[np.ndarray, "points stencil"]  # and their weights
+    coarse: Float[np.ndarray, "points stencil"]  # the same of lower order
+
+
+def shared_curve(
+    velocity: Float[np.ndarray, " points"], rtol: float, level: int = 0
+) -> SharedCurve:
+    """The grid for velocities [m/s] at one load, to a relative error of about `rtol`;
+    `level` halves it as often.
     """
-    left = np.floor(place).astype(int) - (stencil // 2 - 1)
-    offsets = np.arange(stencil)
-    gaps = (place - left)[..., None] - offsets
-    gaps = np.where(gaps == 0, 1e-300, gaps)
-    barycentric = _barycentric(stencil) / gaps
-    return left[..., None] + offsets, barycentric / barycentric.sum(
-        axis=-1, keepdims=True
+    step, kernels = spacing(rtol) / 2**level, _kernels(rtol, level)
+    place = np.log(velocity) / step
+    first, last = (
+        math.floor(place.min()) - _MARGIN + 1,
+        math.floor(place.max()) + _MARGIN,
+    )
+    index, local = lagrange(place - first, STENCIL)
+    coarse = np.pad(lagrange(place - first, STENCIL - 2)[1], ((0, 0), (1, 1)))
+    below = kernels.below
+    return SharedCurve(
+        np.exp(step * np.arange(first - below, last + _MARGIN + 1)),
+        kernels.whole,
+        kernels.half,
+        kernels.quarter,
+        kernels.lower,
+        slice(below, below + last - first + 1),
+        index,
+        local,
+        coarse,
     )
 
 
+class _Kernels(NamedTuple):
+    """The part of a `SharedCurve` that is the same for all velocities."""
+
+    below: int  # nodes of a kernel below its own
+    whole: np.ndarray
+    half: np.ndarray
+    quarter: np.ndarray
+    lower: np.ndarray
+
+
+@functools.lru_cache(64)
+def _kernels(rtol: float, level: int) -> _Kernels:
+    rule, step = directions(rtol, level), spacing(rtol) / 2**level
+    shift = np.log(rule.cosines) / step  # of the directions, down the grid
+    below = _MARGIN - 1 - math.floor(shift.min())
+    width = below + _MARGIN + 1
+
+    def kernel(stencil: int, weights: np.ndarray) -> np.ndarray:
+        index, local = lagrange(shift + below, stencil)
+        return np.bincount(index.ravel(), (local * weights[:, None]).ravel(), width)
+
+    return _Kernels(
+        below,
+        kernel(STENCIL, rule.weights),
+        kernel(STENCIL, rule.half),
+        kernel(STENCIL, rule.quarter),
+        kernel(STENCIL - 2, rule.weights),
+    )
+
+
+def shared_curve_size(velocity: Float[np.ndarray, " points"], rtol: float) -> int:
+    """Number of line solutions that `shared_curve` asks for, to within two."""
+    span = math.log(velocity.max() / velocity.min()) - math.log(
+        directions(rtol).cosines[-1]
+    )
+    return math.ceil(span / spacing(rtol)) + 2 * STENCIL - 1
+
+
+def average(
+    line: Float[Array, " nodes"], kernel: Float[np.ndarray, " width"]
+) -> Float[np.ndarray, " means"]:
+    """The direction average of a line curve at the means."""
+    return np.correlate(np.asarray(line), kernel, "valid")
+
+
+def at_points(
+    values: Float[np.ndarray, " means *n"],
+    near: Int[np.ndarray, "points stencil"],
+    weights: Float[np.ndarray, "points stencil"],
+) -> Float[np.ndarray, " points *n"]:
+    """Values at the means, interpolated to the velocities asked for."""
+    return np.einsum("ps,ps...->p...", weights, values[near])
+
+
+def between_orders(
+    values: Float[np.ndarray, "means fields"], near: Int[np.ndarray, "points stencil"]
+) -> Float[np.ndarray, " points"]:
+    """How far interpolation is from that of lower order about each point, the largest
+    of all fields.
+
+    Taken in the middle of the interval of each point and of both beside it, since it
+    may vanish by chance at a point.
+    """
+    windows = np.lib.stride_tricks.sliding_window_view(values, STENCIL, axis=0)
+    difference = np.abs(windows @ _orders_apart()).max(axis=1)
+    padded = np.pad(difference, 1, "edge")
+    return np.max([padded[:-2], difference, padded[2:]], axis=0)[near[:, 0]]
+
+
 @functools.cache
-def _barycentric(stencil: int) -> np.ndarray:
-    factorial = [
-        math.factorial(j) * math.factorial(stencil - 1 - j) for j in range(stencil)
-    ]
-    return (-1.0) ** np.arange(stencil) / np.array(factorial)
+def _orders_apart() -> np.ndarray:
+    """Weights of interpolation in the middle of an interval, less those of lower
+    order.
+    """
+    (fine,), (coarse,) = (
+        lagrange(np.array([_MARGIN - 0.5]), stencil)[1]
+        for stencil in (STENCIL, STENCIL - 2)
+    )
+    return fine - np.pad(coarse, 1)

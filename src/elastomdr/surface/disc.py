@@ -8,6 +8,8 @@ surface w = d - g(x) over it, and for a contact that has only grown everything f
 from
 
     A(a) = int_0^a weight (g(a) - g(x)) dx,    dA/dd = W(a) = int_0^a weight dx,    V(a) = int A dd.
+
+The force of an elastic foundation is E A. Lengths in m.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import numpy as np
 
 from ..arrays import fixed, while_loop, xp
 from ..checks import Array
+from ..numerics.quadrature import gauss_on_panels
 from ..trees import Tree, static
 from .profile import Profile
 from .shapes import (
@@ -32,9 +35,10 @@ from .shapes import (
 )
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    pass
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
+
+_NODES = 10  # Gauss points per panel
 # Panels that narrow towards both ends: a sphere's profile is singular at its equator, a
 # power law's at its axis.
 _GRADED = np.concatenate(
@@ -46,6 +50,8 @@ _GRADED = np.concatenate(
     ]
 )
 _ITERATIONS = 60
+
+_STEPS = 6  # Newton's on a sphere: from 13 % to rounding
 
 
 class Disc(Tree):
@@ -129,6 +135,8 @@ class Disc(Tree):
             return _root(depth / c, n)
         if self.flat:
             return xp.where(depth > 0, self.shape.largest_contact, 0.0)
+        if isinstance(self.shape, Sphere):
+            return _sphere_radius(self.shape.radius, depth, self.kind == "layer")
         return _invert(self, "depth", depth, _root(depth * self._tip, 2.0))
 
     def radius_of_area(self, area: Array) -> Array:
@@ -197,18 +205,7 @@ class Disc(Tree):
             if isinstance(self.shape, Profile)
             else xp.asarray(_GRADED) * a
         )
-        return gauss(edges, _NODES, _WEIGHTS)
-
-
-def gauss(
-    edges: Float[Array, "*batch panels+1"], nodes: np.ndarray, weights: np.ndarray
-) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss' rule on adjoining panels, shape (..., panels * n)."""
-    half = 0.5 * (edges[..., 1:] - edges[..., :-1])[..., None]
-    x = edges[..., :-1, None] + half * (1 + xp.asarray(nodes))
-    dx = half * xp.asarray(weights)
-    flat = (*edges.shape[:-1], -1)
-    return x.reshape(flat), xp.broadcast_to(dx, x.shape).reshape(flat)
+        return gauss_on_panels(edges, _NODES)
 
 
 def _invert(
@@ -220,10 +217,10 @@ def _invert(
     carries the derivatives.
     """
     value = xp.asarray(value)
-    held, goal = fixed((disc, value))
+    known, goal = fixed((disc, value))
     there = goal > 0
     goal = xp.log(xp.where(there, goal, 1.0))
-    top = xp.broadcast_to(xp.log(xp.minimum(held.largest, 1e60)), goal.shape)
+    top = xp.broadcast_to(xp.log(xp.minimum(known.largest, 1e60)), goal.shape)
 
     def level(disc: Disc, x: Array) -> tuple[Array, Array]:
         if name == "depth":
@@ -233,11 +230,11 @@ def _invert(
     def advance(state: tuple) -> tuple:
         log_x, low, high, done, count = state
         x = xp.exp(log_x)
-        height, rate = level(held, x)
-        off = xp.log(height) - goal
-        step = off * height / (x * rate)
+        height, rate = level(known, x)
+        excess = xp.log(height) - goal
+        step = excess * height / (x * rate)
         done = done | (xp.abs(step) < 1e-8)  # the last step, below, squares this
-        low, high = xp.where(off < 0, log_x, low), xp.where(off < 0, high, log_x)
+        low, high = xp.where(excess < 0, log_x, low), xp.where(excess < 0, high, log_x)
         following = log_x - step
         middle = 0.5 * (xp.maximum(low, log_x - 8) + xp.minimum(high, log_x + 8))
         following = xp.where((following > low) & (following < high), following, middle)
@@ -253,8 +250,8 @@ def _invert(
     step = (value - height) / fixed(rate)
     # Where the step is not that of a root, the value is more than the largest contact
     # can have.
-    found = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
-    return xp.where(there, found, 0.0)
+    root = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
+    return xp.where(there, root, 0.0)
 
 
 def _sphere_area(c: Array, layer: bool) -> Array:
@@ -273,6 +270,23 @@ def _sphere_area(c: Array, layer: bool) -> Array:
     return xp.where(c < 0.4, series, (1 + large**2) * xp.arctanh(large) - large)
 
 
+def _sphere_radius(radius: Any, depth: Array, layer: bool) -> Array:
+    """a = R tanh(u) with u tanh(u) = d/R of a sphere, by Newton's method; on a layer
+    sqrt(2 R d - d^2).
+    """
+    ratio = depth / radius
+    touches = ratio > 0
+    ratio = xp.where(touches, ratio, 0.1)  # any number will do where it is masked
+    if layer:
+        square = xp.where(ratio < 1, ratio * (2 - ratio), xp.nan)
+        return xp.where(touches, radius * xp.sqrt(square), 0.0)
+    u = xp.sqrt(ratio * (1 + ratio))
+    for _ in range(_STEPS):
+        t = xp.tanh(u)
+        u = u - (u * t - ratio) / (t + u * (1 - t**2))
+    return xp.where(touches, radius * xp.tanh(u), 0.0)
+
+
 def _root(value: Array, n: float) -> Array:
     """value^(1/n), zero where the value is not positive, with finite derivatives."""
     value = xp.asarray(value)
@@ -288,3 +302,26 @@ def _power(x: Array, n: float) -> Array:
         if n == int(n)
         else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
     )
+
+
+def disc_under(shape: AbstractShape, per_area: bool) -> Disc:
+    """The contact of a body on a half-space, or on springs, whose stiffness is one per
+    area.
+    """
+    if isinstance(shape, Cylinder):
+        return Disc(shape, "cylinder")
+    return Disc(shape, "layer" if per_area else "half-space")
+
+
+def contact_measure(shape: AbstractShape | Disc, depth: Array, per_area: bool) -> Array:
+    """dA/dd [m, or m^2 on springs] at depths d > 0 [m] of a contact that grows; a flat
+    punch has its own at d = 0 too.
+
+    In place of a shape it takes the `Disc` of a contact on rubber of finite thickness.
+    """
+    if isinstance(shape, Disc):
+        return shape.measure(depth)
+    disc = disc_under(shape, per_area)
+    if disc.flat:
+        return disc.width(xp.full_like(depth, shape.largest_contact))
+    return disc.measure(depth)

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..arrays import xp
 from ..checks import Array
+from ..numerics.quadrature import gauss, shares_to_legendre
 from ..trees import Tree, static
 from .shapes import AbstractShape, Cylinder
 
@@ -170,7 +171,7 @@ class Strips(AbstractLines):
         # c_n^2/c_n/2 for a power and less for an exponential. Against 96 strips of
         # spheres, cones and power laws on three rubbers that was up to 3 times too
         # small, hence the 4.
-        size = xp.abs(xp.asarray(_to_legendre(self.strips)) @ parts)
+        size = xp.abs(xp.asarray(shares_to_legendre(self.strips)) @ parts)
         half, last = (
             xp.max(size[self.strips // 2 - 2 : self.strips // 2], axis=0),
             xp.max(size[-2:], axis=0),
@@ -186,16 +187,5 @@ class Strips(AbstractLines):
 
 @functools.cache
 def _angles(strips: int) -> tuple[np.ndarray, np.ndarray]:
-    nodes, weights = np.polynomial.legendre.leggauss(strips)
+    nodes, weights = gauss(strips)
     return math.pi / 4 * (nodes + 1), math.pi / 4 * weights
-
-
-@functools.cache
-def _to_legendre(strips: int) -> np.ndarray:
-    """From the strips' shares of an integral to the Legendre coefficients of its
-    integrand, times the range.
-    """
-    nodes, _ = np.polynomial.legendre.leggauss(strips)
-    return np.polynomial.legendre.legvander(nodes, strips - 1).T * (
-        2 * np.arange(strips)[:, None] + 1
-    )

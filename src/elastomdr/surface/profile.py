@@ -17,9 +17,12 @@ from ..checks import (
     is_traced,
     not_negative,
     numpy_unless_traced,
+    one_of,
     require,
+    untraced,
 )
 from ..errors import InputError
+from ..numerics.interpolation import monotone_slopes
 from ..trees import fill, static
 from .shapes import AbstractShape
 
@@ -75,59 +78,33 @@ class Profile(AbstractShape):
         curve: Literal["auto", "spline", "monotone"] = "auto",
     ):
         r, z = as_float64("r", r), as_float64("z", z)
-        alike(4, r=r, z=z)
-        if is_traced(r):
-            raise InputError(
-                "r must be plain numbers: a Profile is differentiable in its "
-                "heights z, not in its radii."
-            )
-        not_negative("r", r)
-        ascending("r", r)
-        require("r", r, "below 1e50 m", lambda x: x < 1e50)
-        require("z", z, "finite, and below 1e50 m", lambda x: np.abs(x) < 1e50)
-        if r[0] != 0:
-            raise InputError(
-                "r must start at 0, the lowest point of the indenter, got "
-                f"r[0]={r[0]:g}."
-            )
-        if apex not in ("auto", "smooth", "sharp"):
-            raise InputError(f"apex must be 'auto', 'smooth' or 'sharp', got {apex!r}.")
-        if curve not in ("auto", "spline", "monotone"):
-            raise InputError(
-                f"curve must be 'auto', 'spline' or 'monotone', got {curve!r}."
-            )
-        if not is_traced(z) and (np.diff(z) < 0).any():
-            raise InputError(
-                f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}."
-            )
-        sharp = apex == "sharp"
-        if apex == "auto" and not is_traced(z):
-            from scipy.interpolate import CubicSpline
-
-            start = CubicSpline(r, z, bc_type="not-a-knot").derivative()([0.0, r[1]])
-            flat = z[1] - z[0] <= _FALL * (z[-1] - z[0])
-            sharp = bool(start[0] > 0.2 * abs(start[1])) and not flat
+        _check_points(r, z)
+        one_of("apex", apex, "auto", "smooth", "sharp")
+        one_of("curve", curve, "auto", "spline", "monotone")
+        sharp = apex == "sharp" or (apex == "auto" and _looks_sharp(r, z))
         fill(self, r=r, z=z, sharp=sharp, convex=True)
-        pieces, line = _joined(
-            r, z, sharp, "monotone" if curve == "monotone" else "spline"
-        )
-        fill(self, pieces=pieces, line=line)
-        if not is_traced(z):
+        self._join("spline" if curve == "auto" else curve)
+        if is_traced(z):
+            return
+        slope = self._slopes()
+        if curve == "auto" and slope.min() < -_FALL * np.abs(slope).max():
+            self._join("monotone")
             slope = self._slopes()
-            if curve == "auto" and slope.min() < -_FALL * np.abs(slope).max():
-                pieces, line = _joined(r, z, sharp, "monotone")
-                fill(self, pieces=pieces, line=line)
-                slope = self._slopes()
-            if not (slope >= -_FALL * np.abs(slope).max()).all() or slope.max() <= 0:
-                raise InputError(
-                    "z must describe a body whose contact grows as a disc (its MDR "
-                    "profile must rise with x), but "
-                    f"dg/dx = {slope.min():.3g} near x = "
-                    f"{8 * r[-1] * (slope.argmin() + 1) / (64 * r.size + 8):.3g} m. "
-                    "Smooth the points, or leave out the part beyond which the "
-                    "contact would jump."
-                )
-            fill(self, convex=bool((np.diff(slope) > -1e-6 * slope.max()).all()))
+        if not (slope >= -_FALL * np.abs(slope).max()).all() or slope.max() <= 0:
+            raise InputError(
+                "z must describe a body whose contact grows as a disc (its MDR "
+                "profile must rise with x), but "
+                f"dg/dx = {slope.min():.3g} near x = "
+                f"{8 * r[-1] * (slope.argmin() + 1) / (64 * r.size + 8):.3g} m. "
+                "Smooth the points, or leave out the part beyond which the "
+                "contact would jump."
+            )
+        fill(self, convex=bool((np.diff(slope) > -1e-6 * slope.max()).all()))
+
+    def _join(self, curve: Literal["spline", "monotone"]) -> None:
+        """Joins the points by cubics, and finds the MDR profile of that curve."""
+        pieces, line = _joined(self.r, self.z, self.sharp, curve)
+        fill(self, pieces=pieces, line=line)
 
     def __repr__(self) -> str:
         apex = "sharp" if self.sharp else "smooth"
@@ -187,6 +164,37 @@ class Profile(AbstractShape):
     @property
     def largest_contact(self) -> Array | float:
         return self.r[-1]
+
+
+def _check_points(r: Array, z: Array) -> None:
+    """Raises `InputError` unless they are radii from 0 on and heights that do not
+    fall.
+    """
+    alike(4, r=r, z=z)
+    untraced("r", r, "a Profile is differentiable in its heights z only")
+    not_negative("r", r)
+    ascending("r", r)
+    require("r", r, "below 1e50 m", lambda x: x < 1e50)
+    require("z", z, "finite, and below 1e50 m", lambda x: np.abs(x) < 1e50)
+    if r[0] != 0:
+        raise InputError(
+            f"r must start at 0, the lowest point of the indenter, got r[0]={r[0]:g}."
+        )
+    if not is_traced(z) and (np.diff(z) < 0).any():
+        raise InputError(
+            f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}."
+        )
+
+
+def _looks_sharp(r: Array, z: Array) -> bool:
+    """Whether the points rise from the axis at an angle; not seen where JAX traces."""
+    if is_traced(z):
+        return False
+    from scipy.interpolate import CubicSpline
+
+    slope = CubicSpline(r, z, bc_type="not-a-knot").derivative()([0.0, r[1]])
+    flat = z[1] - z[0] <= _FALL * (z[-1] - z[0])
+    return bool(slope[0] > 0.2 * abs(slope[1])) and not flat
 
 
 @numpy_unless_traced
@@ -294,18 +302,10 @@ def _monotone(r: Array, z: Array, sharp: bool) -> Float[Array, "3 n-1"]:
     slopes on its two sides.
     """
     h = xp.diff(r)
-    m = xp.diff(z) / h  # not negative
-    before, after = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
-    flat = (m[:-1] <= 0) | (m[1:] <= 0)
-    safe = xp.where(flat[None], 1.0, xp.stack([m[:-1], m[1:]]))
-    inner = xp.where(flat, 0.0, (before + after) / (before / safe[0] + after / safe[1]))
-
-    # the parabola through three points, kept from overshooting
-    def outer(h0, h1, m0, m1):
-        return xp.clip(((2 * h0 + h1) * m0 - h0 * m1) / (h0 + h1), 0.0, 3 * m0)
-
-    start = xp.where(sharp, outer(h[0], h[1], m[0], m[1]), 0.0)
-    d = xp.concatenate([start[None], inner, outer(h[-1], h[-2], m[-1], m[-2])[None]])
+    m = xp.diff(z) / h
+    slopes = monotone_slopes(r, z)
+    start = xp.where(sharp, slopes[:1], 0.0)
+    d = xp.concatenate([start, slopes[1:]])
     return xp.stack(
         [d[:-1], (3 * m - 2 * d[:-1] - d[1:]) / h, (d[:-1] + d[1:] - 2 * m) / h**2]
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..arrays import compiled, fixed, xp
+from ..arrays import compiled, fixed, on_numpy, xp
 from ..checks import (
     Array,
     alike,
@@ -16,8 +16,8 @@ from ..checks import (
     ascending,
     finite,
     in_float64,
-    is_traced,
     numpy_unless_traced,
+    untraced,
 )
 from ..errors import InputError
 from ..trees import Tree, fill, replaced
@@ -51,10 +51,7 @@ class RoughLine(Tree):
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, x=x, height=height)
-        if is_traced(x):
-            raise InputError(
-                "x must be plain numbers: a RoughLine is differentiable in its heights."
-            )
+        untraced("x", x, "a RoughLine is differentiable in its heights")
         finite("x", x)
         finite("height", height)
         ascending("x", x)
@@ -94,8 +91,8 @@ class RoughLine(Tree):
         """The highest place of the spline [m], from which a depth counts; seldom one of
         the points.
         """
-        part, between = _summits(fixed(xp.asarray(self.height)))
-        place = argmax(between)
+        share, heights = _summits(fixed(xp.asarray(self.height)))
+        place = argmax(heights)
         coefficients = spline_coefficients(xp.asarray(self.height))
         # Sums, not an index: its derivative would be taken outside of `in_float64`.
         near = [
@@ -103,7 +100,7 @@ class RoughLine(Tree):
         ]
         return _cubic(
             xp.stack([xp.sum(xp.where(here, coefficients, 0.0)) for here in near]),
-            part[place],
+            share[place],
         )
 
     @property
@@ -125,7 +122,7 @@ class RoughLine(Tree):
         """The heights, and their spectrum, side by side; returns the two matplotlib
         Axes.
         """
-        from ..results.plotting import draw_surface
+        from ..results.plot_contacts import draw_surface
 
         return draw_surface(self, axes=axes)
 
@@ -155,6 +152,17 @@ def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
     return xp.fft.irfft(
         xp.fft.rfft(height) * 3 / (2 + xp.cos(angle)), n=height.shape[0]
     )
+
+
+def _slice(x: Array, start: Array, count: int) -> Array:
+    """`count` entries from `start` on: so the compiled loop over four such slices runs
+    over whole vectors, five times as fast as over parts of one.
+    """
+    if on_numpy():
+        return x[start : start + count]
+    from jax.lax import dynamic_slice
+
+    return dynamic_slice(x, (start,), (count,))
 
 
 def _cubic(c: Array, t: Array) -> Array:
@@ -202,11 +210,7 @@ def spline(
     t = shift - whole
     start = xp.mod(whole.astype(xp.int64) - 1, n)
     wrapped = xp.concatenate([coefficients, coefficients, coefficients[:3]])
-    # Four slices, not four parts of one: so the compiled loop runs over whole vectors,
-    # five times as fast.
-    from jax.lax import dynamic_slice
-
-    near = [dynamic_slice(wrapped, (start + m,), (n,)) for m in range(4)]
+    near = [_slice(wrapped, start + m, n) for m in range(4)]
     u = 1 - t
     value = (
         u**3 / 6,

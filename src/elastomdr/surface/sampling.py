@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 
-import numpy as np
-
+from ..numerics.quadrature import graded
 from .profile import Profile
 from .shapes import AbstractShape, Cone, Cylinder, Paraboloid, PowerLaw
 
@@ -47,24 +45,6 @@ class Rule:
             nodes=min(self.nodes, 6),
             fractions=(0.0, *self.fractions[:0:-2][::-1]),
         )
-
-
-@functools.cache
-def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes c and weights w on [0, 1], and T[i, j] = (2j+1) w_i P_j(1 - 2 c_i), samples
-    to Legendre coefficients.
-    """
-    x, w = np.polynomial.legendre.leggauss(nodes)
-    c, w = 0.5 * (1 + x), 0.5 * w
-    legendre = np.polynomial.legendre.legvander(1 - 2 * c, nodes - 1)
-    return c, w, w[:, None] * legendre * (2 * np.arange(nodes) + 1)
-
-
-def graded(levels: int, ratio: float = 0.15) -> tuple[float, ...]:
-    """Divisions of [0, 1] that shrink geometrically towards 0, for an algebraic
-    singularity there.
-    """
-    return (0.0, *(ratio**k for k in range(levels, 0, -1)), 1.0)
 
 
 def ladder(

@@ -10,10 +10,22 @@ sum of closed forms,
 and a self-affine spectrum is a table of two or three points. The line of the MDR has
 the spectrum C_1D = pi q C, two-sided: it keeps <h^2>, and its mean square slope is the
 full <|grad h|^2>, twice that of a cut (Popov & Hess 2015, ch. 10).
+
+Lines and maps are drawn with random phases from a seed. On a line with the period L the
+waves are q_j = 2 pi j/L, and the wave j carries what the band of width 2 pi/L about it
+holds,
+
+    A_j^2/2 = 2 int C_1D dq = 2 pi int_band q C dq,     h(x) = sum A_j cos(q_j x + phase_j),
+
+so that the rms height is that of the surface whatever the period. Amplitudes are those
+of the spectrum: every seed has the same rms values. On a map of side L each wave (i, j)
+carries C(q) (2 pi/L)^2, q = 2 pi |(i, j)|/L, and the heights are then scaled to the rms
+slope of the surface, from which the sum over the waves of a square differs a little.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -24,23 +36,29 @@ from ..checks import (
     alike,
     as_float64,
     ascending,
+    certain,
+    in_si,
     is_traced,
     not_negative,
     numpy_unless_traced,
     only_one,
     positive,
+    possible,
     require,
     scalar,
 )
 from ..errors import InputError, closest
+from ..material.validity import Draws, check_draws
+from ..models import whole_number
 from ..trees import Tree, fill, static
+from .rough_line import RoughLine, line_of_heights
 
 if TYPE_CHECKING:
     from jaxtyping import Float
     from matplotlib.axes import Axes
 
     from .._types import Array, ArrayLike, Convention, Number, Scalar
-    from .rough_line import RoughLine
+
 
 CONVENTIONS = {
     "2d": "<h^2> = int C d^2q",
@@ -52,6 +70,10 @@ CONVENTIONS = {
     ),
     "1d one-sided/2pi": "of a straight cut, <h^2> = int C dq / (2 pi) over q > 0",
 }
+
+PER_WAVE = 8  # samples of the shortest wave
+PERIODS = 4  # longest waves in a period of the line
+MOST = 2**26  # samples of a line, which are half a gigabyte
 
 
 class AbstractSpectrum(Tree):
@@ -118,10 +140,10 @@ class AbstractSpectrum(Tree):
         width = xp.clip(xp.log(q)[..., None] - start, 0.0, xp.diff(xp.log(self.q)))
         flat = xp.abs(slope * width) < 1e-9
         safe = xp.where(xp.abs(slope) < 1e-12, 1.0, slope)
-        part = xp.where(
+        integrals = xp.where(
             flat, width * (1 + 0.5 * slope * width), xp.expm1(slope * width) / safe
         )
-        return xp.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
+        return xp.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * integrals, axis=-1)
 
     def line(
         self, seed: int = 0, periods: int = 1, samples: int | None = None
@@ -133,8 +155,6 @@ class AbstractSpectrum(Tree):
         (where `em.friction` takes 4), in `samples` points (a power of 2 that resolves
         the shortest wave where none is given).
         """
-        from .synthesis import synthesise
-
         return synthesise(self, seed, periods, samples)
 
     def ended(self, q_high: Number) -> "Spectrum":
@@ -178,8 +198,6 @@ class AbstractSpectrum(Tree):
         Raises:
             InputError: for numbers that are negative, not whole, or all zero.
         """
-        from ..material.draws import Draws, check_draws
-
         check_draws(n, seed)
         sizes = np.array([scalar("level", level), scalar("cutoff", cutoff)])
         not_negative("level", sizes[0])
@@ -191,16 +209,16 @@ class AbstractSpectrum(Tree):
             )
         factors = np.exp(sizes * np.random.default_rng(seed).standard_normal((n, 2)))
         lowest = 1.001 * self.q_low
-        each = [
+        surfaces = [
             self.raised(a**0.5).ended(max(self.q_high * b, lowest)) for a, b in factors
         ]
-        parts = {"C": sizes[0], "its upper cutoff": sizes[1]}
+        deviations = {"C": sizes[0], "its upper cutoff": sizes[1]}
         words = " and ".join(
             f"{name} to +- {size:.2g} (one sigma)"
-            for name, size in parts.items()
+            for name, size in deviations.items()
             if size
         )
-        return Draws(each, self.label, words)
+        return Draws(surfaces, self.label, words)
 
     def plot(
         self, axes: Sequence[Axes] | None = None, seed: int = 0
@@ -208,8 +226,7 @@ class AbstractSpectrum(Tree):
         """The line made from `seed`, and the spectrum, side by side; returns the two
         matplotlib Axes.
         """
-        from ..results.plotting import draw_surface
-        from .synthesis import synthesise
+        from ..results.plot_contacts import draw_surface
 
         return draw_surface(
             synthesise(self, seed), self, axes, f"Line of the method, seed {seed}"
@@ -269,17 +286,16 @@ class SelfAffine(AbstractSpectrum):
         )
         value = scalar(name, wanted)
         positive(name, value)
-        traced = is_traced(hurst, low, knee, high, value)
-        if not is_traced(low, knee, high) and not low <= knee < high:
+        if not possible(lambda a, b, c: a <= b < c, low, knee, high):
             raise InputError(
                 f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} "
                 f"and {high:g} rad/m."
             )
-        whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
+        whole = q_rolloff is None or certain(np.equal, knee, low)
         q, c = _power_law(hurst, [low, high] if whole else [low, knee, high], knee)
         fill(self, hurst=hurst, q=q, c=c)
         fill(self, c=_scaled(c, value, getattr(self, name)))
-        if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
+        if not possible(lambda c: ((c > 0) & np.isfinite(c)).all(), self.c):
             said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(
                 f"{name} must be of a surface whose power spectrum double "
@@ -408,3 +424,85 @@ def as_spectrum(name: str, value: Any) -> AbstractSpectrum:
             f"surface, got {value!r}."
         )
     return value
+
+
+def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int:
+    """Samples of a line, a power of two. Raises `InputError` beyond `MOST`."""
+    needed = periods * per_wave * spectrum.q_high / spectrum.q_low
+    if not needed <= MOST:
+        raise InputError(
+            f"the surface, from q = {spectrum.q_low:.3g} to {spectrum.q_high:.3g} "
+            f"rad/m, needs {needed:.3g} samples on a line of {periods} of its longest "
+            f"waves, and at most {MOST} are drawn: give a shorter longest wave or "
+            "a longer shortest one."
+        )
+    return max(64, 2 ** math.ceil(math.log2(needed) - 1e-9))
+
+
+@numpy_unless_traced
+def synthesise(
+    spectrum: AbstractSpectrum,
+    seed: int,
+    periods: int = PERIODS,
+    samples: int | None = None,
+) -> RoughLine:
+    """One line of the ensemble, `periods` longest wavelengths long; the same numbers
+    for the same seed.
+    """
+    whole_number("periods", periods, 1, MOST)
+    if samples is not None:
+        whole_number("samples", samples, 64, MOST)
+    if samples is None and is_traced(spectrum.q):
+        raise InputError(
+            "samples must be given where JAX traces the cutoffs of a surface: how "
+            "many a line needs depends on them."
+        )
+    n = line_count(spectrum, periods, PER_WAVE) if samples is None else samples
+    length = 2 * np.pi * periods / spectrum.q_low
+    step = 2 * np.pi / length
+    wave = step * np.arange(1, n // 2)
+    share = 2 * np.pi * spectrum.moment(1, wave - 0.5 * step, wave + 0.5 * step)
+    phase = 2 * np.pi * np.random.default_rng(seed).random(n // 2 - 1)
+    # beyond the cutoffs there is nothing, and the root has no derivative
+    present = share > 0
+    amplitude = xp.where(present, xp.sqrt(2 * xp.where(present, share, 1.0)), 0.0)
+    waves = 0.5 * n * amplitude * np.exp(1j * phase)
+    waves = xp.pad(waves, (1, n // 2 - wave.shape[0]))
+    return line_of_heights(xp.fft.irfft(waves, n), length / n)
+
+
+@in_si
+def rough_map(
+    spectrum: AbstractSpectrum, seed: int = 0, *, periods: int = 2, points: int = 256
+) -> "tuple[Float[np.ndarray, 'points points'], float]":
+    """Heights [m] of a square cell of the surface, `periods` longest wavelengths wide,
+    and its side [m].
+
+    For `em.reference.half_space_sliding`. Raises `InputError` where `points` do not
+    give the shortest wave four.
+    """
+    spectrum = as_spectrum("spectrum", spectrum)
+    whole_number("periods", periods, 1, MOST)
+    whole_number("points", points, 8, 8192)
+    whole_number("seed", seed, 0, MOST)
+    side = float(2 * np.pi * periods / spectrum.q_low)
+    least = 4 * periods * spectrum.q_high / spectrum.q_low
+    if points % 4 or points < least * (1 - 1e-9):
+        raise InputError(
+            f"points must be a multiple of 4, at least {math.ceil(least)} for "
+            f"four on the shortest wave, got {points}."
+        )
+    along = np.fft.fftfreq(points, 1 / points)
+    q = 2 * np.pi / side * np.hypot(along[:, None], along[None, : points // 2 + 1])
+    power = spectrum.at(np.where(q > 0, q, np.inf)) * (2 * np.pi / side) ** 2
+    white = np.fft.rfft2(np.random.default_rng(seed).standard_normal((points, points)))
+    waves = np.sqrt(power) * white / np.maximum(np.abs(white), 1e-300)
+    height = np.fft.irfft2(waves, s=(points, points))
+    along = np.where(2 * np.abs(along) == points, 0.0, along)
+    slopes = [
+        np.fft.irfft2(2j * np.pi / side * k * waves, s=height.shape)
+        for k in (along[:, None], along[None, : points // 2 + 1])
+    ]
+    return height * (
+        spectrum.rms_slope / np.sqrt(sum(np.mean(slope**2) for slope in slopes))
+    ), side

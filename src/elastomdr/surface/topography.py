@@ -16,16 +16,22 @@ by the window. N is the number of independent waves. Nothing is scaled to the rm
 of the data. Several scans add their likelihoods.
 """
 
-import warnings
+from __future__ import annotations
+
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
-from scipy import ndimage
 
-from ..errors import InputError
-from .measured import MeasuredSurface
-from .spectrum import Spectrum
+from ..errors import InputError, warn
+from ..trees import static
+from .spectrum import AbstractSpectrum, Spectrum
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import Convention
+
 
 _NODES = 10  # per decade of q
 _FINE = 40  # bands per decade in which waves are averaged
@@ -57,6 +63,12 @@ _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
 _PASSES = 30  # over the points of holes, at each of the sizes
 _LEAST = {1: 64, 2: 16}  # points along each direction
+
+_SAME = 1e-9  # relative distance of two wave numbers that count as one
+_APART = 10  # times more or less than the neighbours say: reported
+# rms slopes beyond which a table is doubted: of polished surfaces and of the roughest
+# roads
+_SLOPES = (1e-3, 3.0)
 
 
 class Scan(NamedTuple):
@@ -138,25 +150,54 @@ def surface(
             `shortest`.
     """
     ready = [_mended(scan, detrend) for scan in scans]
-    names = (
-        [""] if len(scans) == 1 else [f"scan {i}: " for i in range(1, len(scans) + 1)]
-    )
-    report = [
-        name + text
-        for name, scan in zip(names, ready, strict=True)
-        for text in scan.report
-    ]
+    several = len(scans) > 1
+    names = [f"scan {i}: " if several else "" for i in range(1, len(scans) + 1)]
     waves = [_waves(scan) for scan in ready]
     limits = [_limit(each, scan) for each, scan in zip(waves, ready, strict=True)]
+    highest = _highest(ready, waves, limits, shortest)
+    alone = [_fitted([each], [high]) for each, high in zip(waves, highest, strict=True)]
+    fit = _fitted(waves, highest) if several else alone[0]
+    _check_metres(fit)
+    widest = int(np.argmin([each.first for each in waves]))
+    height = float(ready[widest].height.std())
+
+    report = [
+        name + sentence
+        for name, scan in zip(names, ready, strict=True)
+        for sentence in scan.report
+    ]
     report += [
         name + limit.reason
         for name, limit in zip(names, limits, strict=True)
         if limit.reason
     ]
+    report += [_overlap(alone)] if several else []
+    report.append(_heights(fit, height))
+    for name, scan, each, one, high in zip(
+        names, ready, waves, alone, highest, strict=True
+    ):
+        sentences = (_slopes(scan, each, one), *_directions(each, high))
+        report += [name + sentence for sentence in sentences]
+    return MeasuredSurface(
+        q=fit.q,
+        c=fit.c,
+        relative_error=fit.error,
+        measured_height=height,
+        report=tuple(report),
+    )
+
+
+def _highest(
+    scans: Sequence[Scan],
+    waves: Sequence[_Waves],
+    limits: Sequence[_Limit],
+    shortest: float | None,
+) -> list[float]:
+    """The highest wave number that is used of each scan [rad/m]. Raises `InputError`."""
     highest = [limit.q for limit in limits]
-    finest = int(np.argmax(highest))
     if shortest is not None:
-        least = 2 * max(ready[finest].steps)
+        finest = int(np.argmax(highest))
+        least = 2 * max(scans[finest].steps)
         longest = min(2 * np.pi / each.first for each in waves)
         if not least <= shortest <= longest / 2:
             raise InputError(
@@ -174,44 +215,14 @@ def surface(
                 f"half of that or less, got none shorter than {2 * np.pi / high:.4g} "
                 f"m{why}."
             )
-    alone = [_fitted([each], [high]) for each, high in zip(waves, highest, strict=True)]
-    fit = alone[0]
-    if len(scans) > 1:
-        fit = _fitted(waves, highest)
-        report.append(_overlap(alone))
-    _check_metres(fit)
-    widest = int(np.argmin([each.first for each in waves]))
-    height = float(ready[widest].height.std())
-    report.append(_heights(fit, height))
-    for name, scan, each, one, high in zip(
-        names, ready, waves, alone, highest, strict=True
-    ):
-        report += [
-            name + text for text in (_slopes(scan, each, one), *_directions(each, high))
-        ]
-    return MeasuredSurface(
-        q=fit.q,
-        c=fit.c,
-        relative_error=fit.error,
-        measured_height=height,
-        report=tuple(report),
-    )
+    return highest
 
 
 def _mended(scan: Scan, detrend: bool) -> Scan:
     """The scan without holes and trend, about zero."""
     height, report = np.array(scan.height, dtype=np.float64), list(scan.report)
     missing = ~np.isfinite(height)
-    least = _LEAST[height.ndim]
-    if min(height.shape) < least:
-        size = " x ".join(map(str, height.shape))
-        kind = (
-            f"a profile must have {least} points"
-            if height.ndim == 1
-            else f"a map must have {least} x {least} points"
-        )
-        hint = "; give a profile as an array of shape (n,)" if 1 in height.shape else ""
-        raise InputError(f"heights: {kind} or more, got {size}{hint}.")
+    _check_size(height.shape)
     if missing.all():
         raise InputError("heights must be numbers, got none that is finite.")
     report += _coarse(height[~missing])
@@ -232,20 +243,15 @@ def _mended(scan: Scan, detrend: bool) -> Scan:
         height = _bridged(height)
     height = height - height.mean()
     if detrend:
-        # even grids: the directions of a plane are orthogonal
-        for axis, n in enumerate(height.shape):
-            x = np.expand_dims(
-                np.arange(n) - (n - 1) / 2, [i for i in range(height.ndim) if i != axis]
-            )
-            height = (
-                height - x * (x * height).sum() / (x**2 * np.ones(height.shape)).sum()
-            )
+        height = _without_trend(height)
     # What rounding leaves of a plane is no roughness.
     if not height.std() > 1e-12 * np.abs(np.where(missing, 0, scan.height)).max():
         raise InputError(
             "heights must differ from a straight line or plane, got a flat surface."
         )
-    holes = ndimage.binary_opening(missing, np.ones((_HOLE,) * height.ndim))
+    from scipy.ndimage import binary_opening
+
+    holes = binary_opening(missing, np.ones((_HOLE,) * height.ndim))
     if holes.all():
         raise InputError("heights must have values outside of holes, got hardly any.")
     if holes.mean() > _HOLLOW:
@@ -254,6 +260,31 @@ def _mended(scan: Scan, detrend: bool) -> Scan:
             "waves: C is that of the rest"
         )
     return Scan(height, scan.steps, tuple(report), holes)
+
+
+def _check_size(shape: tuple[int, ...]) -> None:
+    """Raises `InputError` for a scan of too few points."""
+    least = _LEAST[len(shape)]
+    if min(shape) >= least:
+        return
+    kind = f"a profile must have {least} points"
+    if len(shape) == 2:
+        kind = f"a map must have {least} x {least} points"
+    hint = "; give a profile as an array of shape (n,)" if 1 in shape else ""
+    size = " x ".join(map(str, shape))
+    raise InputError(f"heights: {kind} or more, got {size}{hint}.")
+
+
+def _without_trend(height: np.ndarray) -> np.ndarray:
+    """Heights about zero less their straight line or plane, whose directions are
+    orthogonal on an even grid.
+    """
+    for axis, n in enumerate(height.shape):
+        others = [i for i in range(height.ndim) if i != axis]
+        x = np.expand_dims(np.arange(n) - (n - 1) / 2, others)
+        square = (x**2 * np.ones(height.shape)).sum()
+        height = height - x * (x * height).sum() / square
+    return height
 
 
 def _waves(scan: Scan) -> _Waves:
@@ -403,9 +434,9 @@ def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
     for _ in range(200):
         curvature, ascent = bend.T @ bend, -bend.T @ bend @ log_c
         for _, power, number, weight, hats in terms:
-            part = weight * np.exp(hats @ log_c)
-            mean = part.sum(axis=1)  # E
-            slope = np.einsum("bt,btn->bn", part, hats) / mean[:, None]
+            contributions = weight * np.exp(hats @ log_c)
+            mean = contributions.sum(axis=1)  # E
+            slope = np.einsum("bt,btn->bn", contributions, hats) / mean[:, None]
             curvature = curvature + slope.T * number @ slope
             ascent = ascent + slope.T @ (number * np.clip(power / mean - 1, -1, 3))
         change = np.linalg.solve(curvature, ascent)
@@ -477,10 +508,10 @@ def _overlap(alone: Sequence[_Fit]) -> str:
 
 
 def _heights(fit: _Fit, measured: float) -> str:
-    held = _moment(fit, 1) ** 0.5
-    share = max(0.0, 1 - (held / measured) ** 2)
+    in_spectrum = _moment(fit, 1) ** 0.5
+    share = max(0.0, 1 - (in_spectrum / measured) ** 2)
     return (
-        f"rms height {measured:.4g} m in the data, {held:.4g} m in the spectrum: "
+        f"rms height {measured:.4g} m in the data, {in_spectrum:.4g} m in the spectrum: "
         f"{share:.0%} of <h^2> is in waves longer than {2 * np.pi / fit.q[0]:.4g} m, "
         "which the spectrum leaves out"
     )
@@ -500,35 +531,35 @@ def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
         )
         ** 0.5
     )
-    part = sum(
+    slope_square = sum(
         (2 * np.sin(k * d / 2) / d) ** 2
         for k, d in zip(waves.k, scan.steps, strict=True)
     )
-    part = part * np.prod(waves.lowest)
+    slope_square = slope_square * np.prod(waves.lowest)
     q, mean = fit.expected
     inside = (waves.q >= q[0]) & (waves.q <= q[-1])
     power = np.where(
         inside, np.exp(np.interp(np.log(waves.q), np.log(q), np.log(mean))), waves.power
     )
-    square = float((waves.copies * part * power).sum())
+    square = float((waves.copies * slope_square * power).sum())
     scatter = (
         float(
-            (2 * waves.copies * (part * power) ** 2).sum()
+            (2 * waves.copies * (slope_square * power) ** 2).sum()
             / _INDEPENDENT**waves.dimensions
         )
         ** 0.5
         / square
     )
-    text = (
+    sentence = (
         f"rms slope {measured:.4g} by differences of neighbours, {square**0.5:.4g} "
         "expected from the spectrum"
     )
     if abs(2 * np.log(measured) - np.log(square)) > 3 * scatter + 0.2:
-        text += (
+        sentence += (
             ": they disagree by more than chance allows, the data may hold steps, "
             "spikes or regions of their own"
         )
-    return text
+    return sentence
 
 
 def _directions(waves: _Waves, highest: float) -> list[str]:
@@ -562,14 +593,14 @@ def _directions(waves: _Waves, highest: float) -> list[str]:
     if factor < 1.5 or np.abs(mean[worst]) < 4 * error[worst]:
         return []
     along = 15 * (worst + (0 if mean[worst] > 0 else 6))
-    text = (
+    sentence = (
         f"the surface is not isotropic: C along {along} degrees from x is "
         f"{factor:.2g} times that across; "
         "its mean over directions is used"
     )
     if factor > _UNEQUAL:
-        warnings.warn(text, UserWarning, stacklevel=4)
-    return [text]
+        warn(sentence, UserWarning)
+    return [sentence]
 
 
 def _coarse(height: np.ndarray) -> list[str]:
@@ -624,3 +655,146 @@ def _bridged(height: np.ndarray) -> np.ndarray:
     for _ in range(_PASSES):
         filled[i, j] = sum(filled[at] for at in around) / 4
     return filled
+
+
+class MeasuredSurface(AbstractSpectrum):
+    """A measured surface by its spectrum, with what was found and mended in the
+    data.
+    """
+
+    q: Float[np.ndarray, " n"]
+    c: Float[np.ndarray, " n"]
+    # standard error of ln C, from the number of waves in the data
+    relative_error: Float[np.ndarray, " n"]
+    # rms of the data about the straight line or plane [m]
+    measured_height: float = static()
+    report: tuple[str, ...] = static()
+    label: ClassVar[str] = "measured surface"
+
+    def __repr__(self) -> str:
+        return f"MeasuredSurface({self.words()}; {'; '.join(self.report)})"
+
+
+class MeasuredSpectrum(AbstractSpectrum):
+    """A surface by a spectrum that was read from a file, with what was found and mended
+    in the table.
+    """
+
+    q: Float[np.ndarray, " n"]
+    c: Float[np.ndarray, " n"]
+    # of the table; c is normalised by <h^2> = int C d^2q, whatever it is
+    convention: str = static()
+    report: tuple[str, ...] = static()
+    label: ClassVar[str] = "surface by its measured spectrum"
+
+    def __repr__(self) -> str:
+        return (
+            f"MeasuredSpectrum({self.words()}; "
+            f"{'; '.join(self.report) or 'nothing to report'})"
+        )
+
+
+def from_spectrum(
+    q: np.ndarray,
+    c: np.ndarray,
+    convention: Convention,
+    low: float | None,
+    high: float | None,
+) -> MeasuredSpectrum:
+    """A surface from a table of q [rad/m] and C in any order, cut to the cutoffs `low`
+    and `high` [rad/m] if given.
+    """
+    report: list[str] = []
+    q, c = _averaged(*_sorted(q, c, report), report)
+    _say_outliers(q, c, report)
+    spectrum = Spectrum(q, c, convention=convention)
+    if low is not None or high is not None:
+        spectrum = _cut(spectrum, low, high, report)
+    slope = spectrum.rms_slope
+    if not _SLOPES[0] <= slope <= _SLOPES[1]:
+        report.append(
+            f"an rms slope of {slope:.3g} is unlike a real surface's, "
+            f"{_SLOPES[0]:g} to {_SLOPES[1]:g}: are "
+            "units, convention and cutoffs right?"
+        )
+    return MeasuredSpectrum(
+        q=spectrum.q, c=spectrum.c, convention=convention, report=tuple(report)
+    )
+
+
+def _sorted(
+    q: np.ndarray, c: np.ndarray, report: list[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The table with ascending wave numbers."""
+    if not (np.diff(q) < 0).any():
+        return q, c
+    # A table of wavelengths runs the other way round, which needs no mention.
+    if (np.diff(q) > 0).any():
+        report.append("wave numbers were not in order: sorted")
+    order = np.argsort(q, kind="stable")
+    return q[order], c[order]
+
+
+def _averaged(
+    q: np.ndarray, c: np.ndarray, report: list[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The table with the mean of all points at one wave number in their place."""
+    group = np.concatenate([[0], np.cumsum(np.diff(q) > _SAME * q[1:])])
+    repeats = q.size - group[-1] - 1
+    if not repeats:
+        return q, c
+    log_c, starts = np.log10(c), np.flatnonzero(np.diff(group, prepend=-1))
+    highest = np.maximum.reduceat(log_c, starts)
+    spread = float((highest - np.minimum.reduceat(log_c, starts)).max())
+    report.append(
+        f"{repeats} points at a wave number that came before, with "
+        f"values up to a factor of {10**spread:.3g} apart: averaged"
+    )
+    count = np.bincount(group)
+    return np.bincount(group, q) / count, np.bincount(group, c) / count
+
+
+def _say_outliers(q: np.ndarray, c: np.ndarray, report: list[str]) -> None:
+    """Reports points that lie far from what their neighbours let expect."""
+    between = _neighbours(q, c)
+    distance = np.abs(np.log(c[1:-1]) - between)
+    outliers = distance > np.log(_APART)
+    if outliers.any():
+        worst = int(distance.argmax()) + 1
+        report.append(
+            f"C = {c[worst]:.3g} at q = {q[worst]:.4g} rad/m is "
+            f"{c[worst] / np.exp(between[worst - 1]):.2g} times what its neighbours "
+            f"let expect: is it mistyped? ({int(outliers.sum())} points are off, or "
+            "beside such)"
+        )
+
+
+def _cut(
+    spectrum: Spectrum, low: float | None, high: float | None, report: list[str]
+) -> Spectrum:
+    """The spectrum between two wave numbers of its table."""
+    lowest, highest = spectrum.q_low, spectrum.q_high
+    first, last = lowest if low is None else low, highest if high is None else high
+    if not lowest * (1 - 1e-9) <= first < last <= highest * (1 + 1e-9):
+        raise InputError(
+            "longest and shortest must be wavelengths within the table, "
+            f"{2 * np.pi / lowest:.4g} to {2 * np.pi / highest:.4g} m, "
+            f"got {2 * np.pi / first:.4g} and {2 * np.pi / last:.4g} m."
+        )
+    first, last = float(max(first, lowest)), float(min(last, highest))
+    inner = spectrum.q[(spectrum.q > first) & (spectrum.q < last)]
+    kept = np.concatenate([[first], inner, [last]])
+    share = spectrum.moment(3, first, last) / spectrum.moment(3)
+    report.append(
+        f"cut to wavelengths of {2 * np.pi / first:.4g} to "
+        f"{2 * np.pi / last:.4g} m, which keeps {share**0.5:.2g} of the rms "
+        "slope"
+    )
+    return Spectrum(kept, spectrum.at(kept), convention="2d")
+
+
+def _neighbours(q: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """ln C at all points but the ends, from the points on either side of each."""
+    x, y = np.log(q), np.log(c)
+    share = (x[1:-1] - x[:-2]) / (x[2:] - x[:-2])
+    return y[:-2] + share * (y[2:] - y[:-2])

@@ -17,7 +17,7 @@ from ..call.model_choice import is_rough
 from ..call.several_materials import RTOL
 from ..checks import is_traced
 from ..errors import InputError
-from ..material.draws import Draws
+from ..material.validity import Draws
 from ..results.base import distinct
 from ..trees import Tree
 
@@ -130,8 +130,8 @@ class Grid(NamedTuple):
         together = [axis for axis in self.axes if axis.broadcast]
         arrays: dict[str, Any] = {}
         for i, axis in enumerate(together):
-            part = chunk[self.axes.index(axis)]
-            values = np.asarray(axis.values[part], dtype=float)
+            along = chunk[self.axes.index(axis)]
+            values = np.asarray(axis.values[along], dtype=float)
             arrays[axis.name] = values.reshape((-1,) + (1,) * (len(together) - 1 - i))
         one_by_one = [
             (k, axis) for k, axis in enumerate(self.axes) if not axis.broadcast
@@ -187,65 +187,77 @@ def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
             f"axes must be a dict of one or more names to their values, got {axes!r}."
         )
     arrays = _IMPACT if call.__name__ == "impact" else _STEADY
-    made = []
-    for name, values in axes.items():
+    for name in axes:
         if name in fixed:
             raise InputError(f"{name} must be an axis or fixed, got both.")
-        if is_traced(values):
-            raise InputError(
-                f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
-            )
-        listed = np.asarray(values).tolist() if hasattr(values, "__array__") else values
-        if (
-            isinstance(listed, (str, bytes, Mapping))
-            or not hasattr(listed, "__len__")
-            or not hasattr(listed, "__getitem__")
-            or not len(listed)
-            or any(
-                isinstance(value, list) and not isinstance(value, Draws)
-                for value in listed
-            )
-        ):
-            raise InputError(
-                f"axes[{name!r}] must be a list or an array with one dimension, "
-                f"got {values!r}."
-            )
-        if is_traced(*listed):
-            raise InputError(
-                f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
-            )
-        made.append(
-            Axis(str(name), list(listed), name in arrays and None not in listed)
-        )
+    checked = [
+        Axis(str(name), listed, name in arrays and None not in listed)
+        for name, values in axes.items()
+        for listed in [_checked_values(name, values)]
+    ]
     for name, value in fixed.items():
-        if name in arrays and np.ndim(value):
-            raise InputError(
-                f"{name} must be one value or an axis, got an array of the shape "
-                f"{np.shape(value)}."
-            )
-        if (
-            name in ("material", *_BODIES)
-            and isinstance(value, (list, tuple))
-            and not isinstance(value, Draws)
-        ):
-            raise InputError(
-                f"{name} must be one, draws of one, or an axis, got a list of "
-                f"{len(value)}."
-            )
-    draws = _draws(made, fixed)
-    made = [Axis(_DRAW, draws, False), *made] if draws else made
-    found = Grid(call, made, fixed, bool(draws))
+        _check_fixed(name, value, arrays)
+    draws = _draws(checked, fixed)
+    if draws:
+        checked = [Axis(_DRAW, draws, False), *checked]
+    points = Grid(call, checked, fixed, bool(draws))
+    _check_signature(points)
+    return points
+
+
+def _checked_values(name: str, values: Any) -> list[Any]:
+    """The values of an axis. Raises `InputError`."""
+    traced = InputError(
+        f"axes[{name!r}] must not be traced: a sweep writes numbers to a store."
+    )
+    if is_traced(values):
+        raise traced
+    listed = np.asarray(values).tolist() if hasattr(values, "__array__") else values
+    is_list = (
+        not isinstance(listed, (str, bytes, Mapping))
+        and hasattr(listed, "__len__")
+        and hasattr(listed, "__getitem__")
+        and len(listed) > 0
+    )
+    if not is_list or any(
+        isinstance(value, list) and not isinstance(value, Draws) for value in listed
+    ):
+        raise InputError(
+            f"axes[{name!r}] must be a list or an array with one dimension, "
+            f"got {values!r}."
+        )
+    if is_traced(*listed):
+        raise traced
+    return list(listed)
+
+
+def _check_fixed(name: str, value: Any, arrays: tuple[str, ...]) -> None:
+    """Raises `InputError` for several values of what is no axis."""
+    if name in arrays and np.ndim(value):
+        raise InputError(
+            f"{name} must be one value or an axis, got an array of the shape "
+            f"{np.shape(value)}."
+        )
+    is_list = isinstance(value, (list, tuple)) and not isinstance(value, Draws)
+    if name in ("material", *_BODIES) and is_list:
+        raise InputError(
+            f"{name} must be one, draws of one, or an axis, got a list of {len(value)}."
+        )
+
+
+def _check_signature(points: Grid) -> None:
+    """Raises `InputError` for arguments that the call does not take."""
     try:
-        _, arguments = next(found.calls(found.chunks()[0]))
-        places, named = positional(arguments)
-        inspect.signature(call).bind(*places, **named)
+        _, arguments = next(points.calls(points.chunks()[0]))
+        by_position, by_name = positional(arguments)
+        inspect.signature(points.call).bind(*by_position, **by_name)
     except TypeError as error:
         raise InputError(
-            f"axes and fixed arguments must be those of {call.__name__}: {error}."
+            f"axes and fixed arguments must be those of {points.call.__name__}: "
+            f"{error}."
         ) from error
     except ValueError:  # a function that has no signature
         pass
-    return found
 
 
 def _draws(axes: list[Axis], fixed: dict[str, Any]) -> list[int]:
@@ -292,52 +304,56 @@ def described(value: Any) -> Any:
             "each": described(list(value)),
         }
     if isinstance(value, Tree) or hasattr(value, "__dataclass_fields__"):
-        return {"": type(value).__name__} | {
-            key: described(each) for key, each in sorted(vars(value).items())
-        }
+        return _described_fields(value)
     if isinstance(value, Mapping):
         return {str(key): described(each) for key, each in value.items()}
-    if isinstance(value, (list, tuple)) and not all(
-        isinstance(each, (int, float)) for each in value
-    ):
-        every = [described(each) for each in value]
-        return (
-            every
-            if len(every) <= _LONG
-            else f"{len(every)} entries, digest {_digest(json.dumps(every).encode())}"
-        )
     if isinstance(value, (list, tuple)) or hasattr(value, "shape"):
-        array = np.ascontiguousarray(value)
-        if array.size <= 12:
-            return array.tolist() if np.ndim(value) else array.item()
-        array = array.astype(float) if array.dtype.kind in "iu" else array
-        ends = f"{array.flat[0]!s} to {array.flat[-1]!s}"
-        return (
-            f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest "
-            f"{_digest(array.tobytes())}"
-        )
+        return _described_list(value)
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if hasattr(value, "__code__") and not str(value.__module__).startswith(
         f"{__name__.split('.')[0]}."
     ):
-        inner = [
-            cell.cell_contents
-            for cell in value.__closure__ or ()
-            if cell.cell_contents is not value
-        ]
-        given = [value.__defaults__, value.__kwdefaults__, *inner]
-        return (
-            f"{value.__name__}, code "
-            f"{_digest(json.dumps([_code(value.__code__), described(given)]).encode())}"
-        )
-    if (
-        not hasattr(value, "__name__")
-        and type(value).__repr__ is object.__repr__
-        and hasattr(value, "__dict__")
-    ):
-        return {"": type(value).__name__} | described(vars(value))
+        return _described_function(value)
+    named = hasattr(value, "__name__") or type(value).__repr__ is not object.__repr__
+    if not named and hasattr(value, "__dict__"):
+        return _described_fields(value)
     return getattr(value, "__name__", None) or repr(value)
+
+
+def _described_fields(value: Any) -> dict[str, Any]:
+    fields = {key: described(each) for key, each in sorted(vars(value).items())}
+    return {"": type(value).__name__} | fields
+
+
+def _described_list(values: Any) -> Any:
+    """A list or an array; numbers by their digest where they are more than twelve."""
+    is_list = isinstance(values, (list, tuple))
+    if is_list and not all(isinstance(each, (int, float)) for each in values):
+        entries = [described(each) for each in values]
+        if len(entries) <= _LONG:
+            return entries
+        digest = _digest(json.dumps(entries).encode())
+        return f"{len(entries)} entries, digest {digest}"
+    array = np.ascontiguousarray(values)
+    if array.size <= 12:
+        return array.tolist() if np.ndim(values) else array.item()
+    array = array.astype(float) if array.dtype.kind in "iu" else array
+    shape = "x".join(map(str, array.shape))
+    ends = f"{array.flat[0]!s} to {array.flat[-1]!s}"
+    return f"{array.dtype} {shape}, {ends}, digest {_digest(array.tobytes())}"
+
+
+def _described_function(function: Any) -> str:
+    """A function of a user, by its code and what it holds."""
+    held = [
+        cell.cell_contents
+        for cell in function.__closure__ or ()
+        if cell.cell_contents is not function
+    ]
+    given = [function.__defaults__, function.__kwdefaults__, *held]
+    code = json.dumps([_code(function.__code__), described(given)])
+    return f"{function.__name__}, code {_digest(code.encode())}"
 
 
 def _code(code: CodeType) -> list[Any]:
@@ -362,27 +378,26 @@ def difference(made: Any, asked: Any, name: str = "") -> str:
     they do not.
     """
     if isinstance(made, dict) and isinstance(asked, dict):
-        for key in [*made, *(key for key in asked if key not in made)]:
-            text = difference(
+        entries = (
+            difference(
                 made.get(key), asked.get(key), f"{name}.{key}".strip(".") or name
             )
-            if text:
-                return text
-        return ""
-    if isinstance(made, list) and isinstance(asked, list) and len(made) == len(asked):
-        return next(
-            (
-                t
-                for i, pair in enumerate(zip(made, asked, strict=True))
-                if (t := difference(*pair, f"{name}[{i}]"))
-            ),
-            "",
+            for key in dict.fromkeys([*made, *asked])
         )
-    short = [
-        text if len(text) < 120 else f"{text[:117]}..."
-        for text in (json.dumps(made), json.dumps(asked))
-    ]
-    return "" if made == asked else f"{name} was {short[0]} and is {short[1]}"
+        return next(filter(None, entries), "")
+    if isinstance(made, list) and isinstance(asked, list) and len(made) == len(asked):
+        entries = (
+            difference(*pair, f"{name}[{i}]")
+            for i, pair in enumerate(zip(made, asked, strict=True))
+        )
+        return next(filter(None, entries), "")
+    if made == asked:
+        return ""
+    before, now = (
+        json_text if len(json_text) < 120 else f"{json_text[:117]}..."
+        for json_text in (json.dumps(made), json.dumps(asked))
+    )
+    return f"{name} was {before} and is {now}"
 
 
 def _label(value: Any) -> str:

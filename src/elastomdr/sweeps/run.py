@@ -13,6 +13,7 @@ import time
 import uuid
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -21,7 +22,7 @@ import numpy as np
 
 from .. import __version__
 from ..checks import in_si
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from .grid import Grid, grid, positional
 from .store import DONE, OPEN, RAISED, Store
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     import xarray
     from distributed import Client
 
-    from ..results.base import Result
+    from ..results.base import Quantity, Result
 
 _NEEDED = ("dask", "distributed", "filelock", "tqdm", "xarray", "zarr")
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
@@ -107,16 +108,7 @@ def sweep(
             packages of `elastomdr[sweep]` that are not installed.
         ConnectionError: the cluster was lost. What was done is kept.
     """
-    missing = [name for name in _NEEDED if not _installed(name)]
-    if missing:
-        raise InputError(
-            f"em.sweep needs {', '.join(missing)}: pip install elastomdr[sweep]"
-        )
-    if not isinstance(store, (str, os.PathLike)) or "://" in str(store):
-        raise InputError(f"store must be a folder of this machine, got {store!r}.")
-    path = Path(store).resolve()
-    if not path.name:
-        raise InputError(f"store must be a folder of this machine, got {store!r}.")
+    path = _checked_store(store)
     if client is not None and not hasattr(client, "submit"):
         raise InputError(
             f"client must be a dask.distributed.Client or None, got {client!r}."
@@ -126,35 +118,48 @@ def sweep(
         with _written(path):
             kept = Store(path, asked)
         if kept.damaged:
-            warnings.warn(
+            warn(
                 f"{len(kept.damaged)} of {kept.state.size} chunks of store "
                 f"{str(path)!r} are damaged and computed again; the first: "
                 f"{next(iter(kept.damaged.values()))!r} is missing or not as it was "
                 "written.",
                 UserWarning,
-                stacklevel=2,
             )
         _compute(asked, kept, client, progress)
         with _written(path):
             kept.finish()
+    _warn_of_failures(asked, kept)
+    return kept.opened()
+
+
+def _checked_store(store: Any) -> Path:
+    """The folder of a store, once all packages are there. Raises `InputError`."""
+    missing = [name for name in _NEEDED if find_spec(name) is None]
+    if missing:
+        raise InputError(
+            f"em.sweep needs {', '.join(missing)}: pip install elastomdr[sweep]"
+        )
+    is_local = isinstance(store, (str, os.PathLike)) and "://" not in str(store)
+    if not is_local or not Path(store).resolve().name:
+        raise InputError(f"store must be a folder of this machine, got {store!r}.")
+    return Path(store).resolve()
+
+
+def _warn_of_failures(asked: Grid, kept: Store) -> None:
+    """One warning of calls that raised, or else of points that did not converge."""
     if raised := kept.raised():
-        warnings.warn(
+        warn(
             f"{len(raised)} of {kept.state.size} chunks hold calls that raised; their "
             f"points are NaN. The first: {next(iter(raised.values()))} All are in the "
             "attribute 'raised'.",
             ConvergenceWarning,
-            stacklevel=2,
         )
     elif failed := kept.not_converged():
-        warnings.warn(
-            (
-                f"{failed} of {int(np.prod(asked.shape))} points did not converge; "
-                "they are NaN."
-            ),
+        warn(
+            f"{failed} of {int(np.prod(asked.shape))} points did not converge; they "
+            "are NaN.",
             ConvergenceWarning,
-            stacklevel=2,
         )
-    return kept.opened()
 
 
 def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) -> None:
@@ -182,22 +187,16 @@ def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) ->
     # it may kill this process
     apart = len(todo) > 1 or not kept.raised().keys().isdisjoint(todo)
     with bar, _workers(client, len(todo) if apart else 0) as work:
-        for number, found in work(asked, chunks, todo):
-            with _written(kept.path):
+        for number, computed in work(asked, chunks, todo):
+            if isinstance(computed, str):
                 # it killed its workers, and is open for the next call
-                if isinstance(found, str):
-                    kept.keep(
-                        number,
-                        {},
-                        f"{_place(asked, chunks[number])}: {found}",
-                        [],
-                        OPEN,
-                    )
-                else:
-                    parts, message, models = found
-                    kept.keep(
-                        number, parts, message, models, RAISED if message else DONE
-                    )
+                message = f"{_place(asked, chunks[number])}: {computed}"
+                parts, models, state = {}, [], OPEN
+            else:
+                parts, message, models = computed
+                state = RAISED if message else DONE
+            with _written(kept.path):
+                kept.keep(number, parts, message, models, state)
             bar.update(sizes[number])
 
 
@@ -299,21 +298,17 @@ def _on_cluster(
     shared = client.submit(_given, asked, pure=False) if todo else None
     suspects: list[int] = []
     try:
-        for number, found in _as_completed(client, shared, chunks, todo, alone=False):
-            if isinstance(found, KilledWorker):
+        for number, outcome in _as_completed(client, shared, chunks, todo, alone=False):
+            if isinstance(outcome, KilledWorker):
                 suspects.append(number)
             else:
-                yield number, found
-        for number, found in _as_completed(
+                yield number, outcome
+        for number, outcome in _as_completed(
             client, shared, chunks, suspects, alone=True
         ):
-            killed = isinstance(found, KilledWorker)
-            yield (
-                number,
-                "workers died over it, for want of memory perhaps."
-                if killed
-                else found,
-            )
+            if isinstance(outcome, KilledWorker):
+                outcome = "its workers were killed, possibly for lack of memory."
+            yield number, outcome
     except (CancelledError, TimeoutError, OSError) as error:
         why = (
             ""
@@ -361,11 +356,11 @@ def _as_completed(
             future = next(done)
             _, number = under_way.pop(future.key).key
             try:
-                found = future.result()
+                outcome = future.result()
             except KilledWorker as error:
-                found = error
-            del future  # or the worker keeps what it found
-            yield number, found
+                outcome = error
+            del future  # or the worker keeps its result
+            yield number, outcome
     finally:
         with contextlib.suppress(Exception):  # of a cluster that may be gone
             client.cancel(list(under_way.values()))
@@ -387,53 +382,54 @@ def compute(
             f"{__version__}."
         )
     _keep_memory()
-    shape = tuple(place.stop - place.start for place in chunk)
-    axes = [axis.name for axis in asked.axes]
+    shape = tuple(along.stop - along.start for along in chunk)
     parts: dict[str, Any] = {}
     messages, models = [], []
     for where, arguments in asked.calls(chunk):
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                places, named = positional(arguments)
-                result = asked.call(*places, **named)
-            fields = {
-                q: values for q, values in result.fields().items() if q.key not in axes
-            }
             expected = np.zeros(shape, bool)[where].shape
-            if odd := next(
-                (q.key for q, values in fields.items() if values.shape != expected),
-                None,
-            ):
-                got = next(values.shape for q, values in fields.items() if q.key == odd)
-                raise InputError(
-                    f"call must give one value per point, {expected}, got {odd} of "
-                    f"the shape {got}."
-                )
+            model, fields = _call(asked, arguments, expected)
         except Exception as error:
-            messages.append(
-                f"{_place(asked, chunk, where)}: {type(error).__name__}: {error}"
-            )
+            place = _place(asked, chunk, where)
+            messages.append(f"{place}: {type(error).__name__}: {error}")
             continue
-        models += [result.model] * (result.model not in models)
+        models += [model] * (model not in models)
         for q, values in fields.items():
             if q.key not in parts:
-                about = {
-                    "long_name": q.label,
-                    "units": q.unit,
-                    "description": q.meaning,
-                }
-                empty = (
-                    np.zeros(shape, bool)
-                    if values.dtype == bool
-                    else np.full(shape, np.nan)
-                )
-                parts[q.key] = (
-                    empty,
-                    {key: text for key, text in about.items() if text},
-                )
+                parts[q.key] = _empty(values.dtype, shape), _attributes(q)
             parts[q.key][0][where] = values
     return parts, " | ".join(messages), models
+
+
+def _call(
+    asked: Grid, arguments: dict[str, Any], expected: tuple[int, ...]
+) -> tuple[str, dict[Any, np.ndarray]]:
+    """Model and fields of one call, without those that are axes. Raises `InputError`
+    for a field with another shape than expected.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        by_position, by_name = positional(arguments)
+        result = asked.call(*by_position, **by_name)
+    axes = [axis.name for axis in asked.axes]
+    fields = {q: values for q, values in result.fields().items() if q.key not in axes}
+    for q, values in fields.items():
+        if values.shape != expected:
+            raise InputError(
+                f"call must give one value per point, {expected}, got {q.key} of the "
+                f"shape {values.shape}."
+            )
+    return result.model, fields
+
+
+def _empty(dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
+    """What stands in a chunk where nothing was computed."""
+    return np.zeros(shape, bool) if dtype.kind == "b" else np.full(shape, np.nan)
+
+
+def _attributes(q: Quantity) -> dict[str, str]:
+    about = {"long_name": q.label, "units": q.unit, "description": q.meaning}
+    return {key: words for key, words in about.items() if words}
 
 
 @functools.cache
@@ -515,9 +511,3 @@ def _cores() -> int:
     from dask.system import cpu_count  # knows affinity and the limits of containers
 
     return cpu_count()
-
-
-def _installed(name: str) -> bool:
-    from importlib.util import find_spec
-
-    return find_spec(name) is not None

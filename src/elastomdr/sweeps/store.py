@@ -5,6 +5,8 @@ points are done.
 from __future__ import annotations
 
 import json
+import zlib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +15,15 @@ import numpy as np
 from .. import __version__
 from ..errors import InputError
 from .grid import Grid, difference
-from .record import Record, damaged
 
 if TYPE_CHECKING:
     import xarray
 
 OPEN, DONE, RAISED = 0, 1, 2  # the state of a chunk
+_RECORD = (
+    ".record"  # in the folder of an array, where zarr looks for nothing but chunks
+)
+_METADATA = (".zarray", ".zattrs")  # what zarr says of an array
 _STATE, _RAISED, _MADE_OF, _MODEL = "state", "raised", "sweep", "model"
 # the attribute by which xarray knows the dimensions of an array
 _DIMENSIONS = "_ARRAY_DIMENSIONS"
@@ -28,6 +33,108 @@ _ABOUT_STATE = {
     "flag_meanings": "open done raised",
     "description": "whether a point has been computed, or its call raised",
 }
+
+
+class Record:
+    """Which files of a store were written, and a checksum of each.
+
+    One line of JSON for each array that was made and for each chunk that was kept,
+    written after their files. So a chunk that has a line was written whole, and whatever
+    differs from its line was changed afterwards. Of each the last line counts.
+    """
+
+    def __init__(self, store: Path, array: str):
+        self._store, self._file = store, store / array / _RECORD
+        self.arrays: dict[str, dict[str, Any]] = {}  # checksums by file, of each array
+        # state, message, models and checksums, of each chunk
+        self.chunks: dict[int, dict[str, Any]] = {}
+        for line in self._lines():
+            try:
+                self._take(json.loads(line))
+            except (ValueError, KeyError, TypeError) as error:
+                raise damaged(store, self._file) from error
+
+    def _lines(self) -> list[str]:
+        """The lines that are whole; the beginning of one, which a killed process
+        leaves, is cut off.
+        """
+        if not self._file.is_file():
+            return []
+        data = self._file.read_bytes()
+        whole = data[: data.rfind(b"\n") + 1]
+        if whole != data:
+            with self._file.open("r+b") as file:
+                file.truncate(len(whole))
+        return whole.decode("utf-8", errors="replace").splitlines()
+
+    def _take(self, line: dict[str, Any]) -> None:
+        if "array" in line:
+            self.arrays[line["array"]] = dict(line["files"])
+        else:
+            self.chunks[int(line["chunk"])] = {
+                "state": int(line["state"]),
+                "message": str(line["message"]),
+                "models": list(line["models"]),
+                "files": dict(line["files"]),
+            }
+
+    def _add(self, line: dict[str, Any]) -> None:
+        with self._file.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+        self._take(line)
+
+    def add_array(self, name: str) -> None:
+        """Says that an array was made."""
+        self._add(
+            {
+                "array": name,
+                "files": self._checksums(f"{name}/{file}" for file in _METADATA),
+            }
+        )
+
+    def add_chunk(
+        self, number: int, state: int, message: str, models: list[str], files: list[str]
+    ) -> None:
+        """Says that a chunk was kept, in these files."""
+        line = {"chunk": number, "state": state, "message": message, "models": models}
+        self._add({**line, "files": self._checksums(files)})
+
+    def array_is_there(self, name: str) -> bool:
+        """Whether an array was made and is there. Raises `InputError` where what zarr
+        says of it was changed.
+        """
+        files = self.arrays.get(name, {})
+        if not files or not all((self._store / file).is_file() for file in files):
+            return False
+        if changed := self._changed(files):
+            raise damaged(self._store, self._store / changed)
+        return True
+
+    def changed(self, number: int, arrays: Iterable[str]) -> str:
+        """The first file of a chunk that is not as it was written, or whose array is
+        none of those that are there.
+        """
+        files = self.chunks[number]["files"]
+        lost = (name for name in files if name.partition("/")[0] not in arrays)
+        return next(lost, "") or self._changed(files)
+
+    def clear(self) -> None:
+        """Forgets everything."""
+        self._file.unlink(missing_ok=True)
+        self.arrays, self.chunks = {}, {}
+
+    def _changed(self, files: dict[str, Any]) -> str:
+        return next(
+            (
+                name
+                for name, kept in files.items()
+                if _checksum(self._store / name) != kept
+            ),
+            "",
+        )
+
+    def _checksums(self, files: Iterable[str]) -> dict[str, list[int] | None]:
+        return {name: _checksum(self._store / name) for name in files}
 
 
 class Store:
@@ -257,4 +364,27 @@ def _is_json(path: Path) -> bool:
 def _not_ours(path: Path) -> InputError:
     return InputError(
         f"store must be a new folder or one that em.sweep has made, got {str(path)!r}."
+    )
+
+
+def _checksum(path: Path) -> list[int] | None:
+    """Size and CRC-32 of a file; None where there is none, as zarr writes none for a
+    chunk that is NaN all over.
+    """
+    try:
+        data = path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        return None
+    return [len(data), zlib.crc32(data)]
+
+
+def damaged(store: Path, file: Path) -> InputError:
+    """What is raised for a file from which nothing can be made anew unless it is
+    removed.
+    """
+    whole = file.parent == store
+    remove = "this store" if whole else f"its folder {file.parent.name!r}"
+    return InputError(
+        f"store {str(store)!r} is damaged: {str(file.relative_to(store))!r} is not as "
+        f"em.sweep wrote it. Remove {remove}, and the same call computes it again."
     )

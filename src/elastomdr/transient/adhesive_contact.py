@@ -22,9 +22,10 @@ import jax
 import jax.numpy as jnp
 
 from ..checks import Array
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1, phi2
+from ..numerics.root import bisect
 from ..surface.disc import Disc
 from ..surface.shapes import FlatPunch
 
@@ -221,72 +222,105 @@ def receding(
     a0 = jnp.where(
         by_depth[0], rest.radius("depth", depth[0]), rest.radius("load", load[0])
     )
-    ends = {name: (rest.breaks(name), bond.breaks(name)) for name in ("depth", "load")}
-    holds_depth, holds_load = (
-        _reaches(depth[0], ends["depth"][0].depth),
-        _reaches(load[0], ends["load"][0].force),
+    ends = bond.breaks("depth"), bond.breaks("load")
+    there = jnp.where(
+        by_depth[0],
+        _reaches(depth[0], rest.breaks("depth").depth),
+        _reaches(load[0], rest.breaks("load").force),
     )
-    there = jnp.where(by_depth[0], holds_depth, holds_load)
     d0 = jnp.where(by_depth[0], depth[0], _depth_under(rest, a0, load[0]))
-    h = jnp.diff(time)
+    # a depth is larger beyond rounding
+    size = 1e-9 * (jnp.abs(d0) + rest.stretch(a0))
+    begin = _Begin(a0, d0, size)
 
-    end_depth, end_load = ends["depth"][1], ends["load"][1]
+    def step(state: _Receding, now: tuple) -> tuple[_Receding, tuple]:
+        return _recede(law, modes, bond, ends, begin, state, now)
 
-    def step(carry: tuple, now: tuple) -> tuple:
-        a, d, level, held, f, z = (
-            # level: D; f: branches of the half-space; z: Kelvin modes under E_inf (D -
-            # d_0)
-            carry
-        )
-        h, depth, load, control = now
-        x, y = h * modes.rate, h / law.times
-        ramp = law.moduli * phi1(y)
-        # D by the motion where the depth rules, by the load at the radius found where
-        # that does.
-        moved = depth + (
-            jnp.sum(jnp.exp(-y) * f + ramp * (depth - d)) / law.equilibrium
-        )
-        stays = jnp.where(control, moved, _depth_under(bond, a, load)) >= bond.depth(a)
-        stable = jnp.where(
-            control, _reaches(moved, end_depth.depth), _reaches(load, end_load.force)
-        )
-        wide = a >= jnp.where(control, end_depth.radius, end_load.radius)
-        held = held & (stays | (stable & wide))
-        edge = jnp.where(
-            control, bond.radius("depth", moved), bond.radius("load", load)
-        )
-        a_new = jnp.where(stays, a, jnp.minimum(a, edge))
-        new = jnp.where(control, moved, _depth_under(bond, a_new, load))
-        before, after = law.equilibrium * (level - d0), law.equilibrium * (new - d0)
-        z = jnp.exp(-x) * z + modes.gain * h * (
-            before * phi1(x) + (after - before) * phi2(x)
-        )
-        d_new = jnp.where(control, depth, d0 + modes.instantaneous * after + jnp.sum(z))
-        f = jnp.exp(-y) * f + ramp * (d_new - d)
-        size = 1e-9 * (jnp.abs(d0) + rest.stretch(a0))
-        grows = (d_new > d0 + size) | ((a_new < a0) & (d_new > d + size))
-        force = jnp.where(control, bond.force(a_new, moved), load)
-        kept = (
-            d_new,
-            jnp.where(held, force, 0.0),
-            jnp.where(held, a_new, 0.0),
-            control | held,
-            grows & held,
-        )
-        return (a_new, d_new, new, held, f, z), kept
-
-    start = (a0, d0, d0, there, jnp.zeros_like(law.times), jnp.zeros_like(modes.rate))
+    none = jnp.zeros_like(law.times), jnp.zeros_like(modes.rate)
+    start = _Receding(a0, d0, d0, there, *none)
     _, (d, force, a, known, grows) = jax.lax.scan(
-        step, start, (h, depth[1:], load[1:], by_depth[1:])
+        step, start, (jnp.diff(time), depth[1:], load[1:], by_depth[1:])
     )
     first = (d0, jnp.where(by_depth[0], rest.force(a0, d0), load[0]), a0)
     known = jnp.append(there, there & known & ~(jnp.cumsum(grows) > 0))
     nan = jnp.full(time.shape, jnp.nan)
     d, force, a = (
-        jnp.append(one, many) for one, many in zip(first, (d, force, a), strict=True)
+        jnp.where(known, jnp.append(one, many), jnp.nan)
+        for one, many in zip(first, (d, force, a), strict=True)
     )
-    d, force, a = (jnp.where(known, part, jnp.nan) for part in (d, force, a))
     return Adhesive(d, force, a, nan, nan)
+
+
+class _Begin(NamedTuple):
+    """The contact at rest."""
+
+    radius: Array
+    depth: Array
+    size: Array  # change of a depth that is more than rounding
+
+
+class _Receding(NamedTuple):
+    """A contact that recedes, at the end of a step."""
+
+    radius: Array
+    depth: Array
+    level: Array  # D
+    held: Array  # whether it has not broken
+    f: Array  # branches of the half-space
+    z: Array  # Kelvin modes under E_inf (D - d_0)
+
+
+def _recede(
+    law: Relaxation,
+    modes: Modes,
+    bond: Sticky,
+    ends: tuple[Edge, Edge],
+    begin: _Begin,
+    state: _Receding,
+    now: tuple[Array, Array, Array, Array],
+) -> tuple[_Receding, tuple]:
+    """One step of depth or load, and (depth, force, radius, whether they are known,
+    whether the contact would grow).
+    """
+    h, depth, load, control = now
+    a, d, held = state.radius, state.depth, state.held
+    x, y = h * modes.rate, h / law.times
+    ramp = law.moduli * phi1(y)
+    # D by the motion where the depth rules, by the load at the radius found where that
+    # does.
+    moved = depth + (
+        jnp.sum(jnp.exp(-y) * state.f + ramp * (depth - d)) / law.equilibrium
+    )
+    level = jnp.where(control, moved, _depth_under(bond, a, load))
+    stays = level >= bond.depth(a)
+    stable = jnp.where(
+        control, _reaches(moved, ends[0].depth), _reaches(load, ends[1].force)
+    )
+    wide = a >= jnp.where(control, ends[0].radius, ends[1].radius)
+    held = held & (stays | (stable & wide))
+    edge = jnp.where(control, bond.radius("depth", moved), bond.radius("load", load))
+    a_new = jnp.where(stays, a, jnp.minimum(a, edge))
+    new = jnp.where(control, moved, _depth_under(bond, a_new, load))
+    before = law.equilibrium * (state.level - begin.depth)
+    after = law.equilibrium * (new - begin.depth)
+    z = jnp.exp(-x) * state.z + modes.gain * h * (
+        before * phi1(x) + (after - before) * phi2(x)
+    )
+    crept = begin.depth + modes.instantaneous * after + jnp.sum(z)
+    d_new = jnp.where(control, depth, crept)
+    f = jnp.exp(-y) * state.f + ramp * (d_new - d)
+    grows = (d_new > begin.depth + begin.size) | (
+        (a_new < begin.radius) & (d_new > d + begin.size)
+    )
+    force = jnp.where(control, bond.force(a_new, moved), load)
+    seen = (
+        d_new,
+        jnp.where(held, force, 0.0),
+        jnp.where(held, a_new, 0.0),
+        control | held,
+        grows & held,
+    )
+    return _Receding(a_new, d_new, new, held, f, z), seen
 
 
 def _reaches(value: Array, end: Array) -> Array:
@@ -311,14 +345,11 @@ def _rising(level: Any, sticky: Sticky, value: Array, least: Array) -> Array:
     top = jnp.log(jnp.minimum(fixed.disc.largest, _WIDEST))
     low = jnp.broadcast_to(jnp.log(jnp.maximum(least, 1 / _WIDEST)), goal.shape)
 
-    def halve(_: Any, ends: tuple) -> tuple:
-        low, high = ends
-        middle = 0.5 * (low + high)
-        below = level(fixed, jnp.exp(middle)) < goal
-        return jnp.where(below, middle, low), jnp.where(below, high, middle)
-
-    low, high = jax.lax.fori_loop(
-        0, _HALVINGS, halve, (low, jnp.broadcast_to(top, goal.shape))
+    low, high = bisect(
+        lambda log_a: level(fixed, jnp.exp(log_a)) < goal,
+        low,
+        jnp.broadcast_to(top, goal.shape),
+        _HALVINGS,
     )
     a = jnp.exp(0.5 * (low + high))
     now, slope = jax.jvp(lambda a: level(sticky, a), (a,), (jnp.ones_like(a),))

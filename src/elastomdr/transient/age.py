@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from ..call.extrapolation import NOT_KNOWN, Beyond, told
-from ..checks import is_traced, significant
+from ..checks import is_traced, numpy_unless_traced, significant
 from ..material.validity import Range
+from ..surface.disc import disc_under
 from ..surface.lines import AbstractLines, SingleLine
-from ..surface.reach import contact_size
 from ..surface.rough_line import RoughLine
 from .problem import GivenHistory
 
@@ -34,7 +34,6 @@ def history_beyond(
     *,
     slid: Any = None,
     at_once: bool = True,
-    stacklevel: int,
 ) -> Beyond:
     """Instants [s] along the last axis of depths [m] or loads [N] `pressed`, and
     displacements [m] `slid`, all of the shape of `time`. `at_once`: whether what is put
@@ -53,7 +52,7 @@ def history_beyond(
         young |= _came(time, slid, ages[0]) > _YOUNG * largest
         old |= np.abs(_before(time, slid, ages[1])) > _OLD * largest
     young[..., 0] &= at_once
-    return _instants(known, young, old, ages, temperature, stacklevel + 1)
+    return _instants(known, young, old, ages, temperature)
 
 
 def sliding_beyond(
@@ -61,8 +60,6 @@ def sliding_beyond(
     body: RoughLine | AbstractLines,
     depth: Any,
     course: Any,
-    *,
-    stacklevel: int,
 ) -> Beyond:
     """Instants of a body that slides, `depth` [m] deep, under a `course` of depths [m]
     or loads [N, or N/m].
@@ -85,7 +82,7 @@ def sliding_beyond(
     fast[1:] = 2 * way * ages[0] > size[1:] * np.diff(time) * (1 + _ROUNDING)
     young = (_pressed(time, course, ages)[0] | fast) & (course > 0)
     young[0] = False
-    return _instants(known, young, old, ages, history.temperature, stacklevel + 1)
+    return _instants(known, young, old, ages, history.temperature)
 
 
 def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
@@ -95,8 +92,9 @@ def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
     if isinstance(body, RoughLine):
         slope = float(body.rms_slope)
         return 0.5 * np.pi * float(body.rms_height) / slope if slope > 0 else np.inf
-    deep = np.where(np.asarray(depth) > 0, depth, np.nan)
-    return np.asarray(contact_size(body.shape, deep, not isinstance(body, SingleLine)))
+    disc = disc_under(body.shape, not isinstance(body, SingleLine))
+    radius = np.asarray(numpy_unless_traced(disc.radius_of_depth)(np.asarray(depth)))
+    return np.where(radius > 0, radius, np.nan)
 
 
 def _ages(known: Range, factor: Any) -> tuple[float, float]:
@@ -140,7 +138,6 @@ def _instants(
     old: np.ndarray,
     ages: tuple[float, float],
     temperature: Any,
-    stacklevel: int,
 ) -> Beyond:
     none = np.zeros(young.shape)
     kelvin = None if temperature is None else np.broadcast_to(temperature, young.shape)
@@ -159,4 +156,4 @@ def _instants(
     )
     what += ["the data determine the loss modulus nowhere"] if nowhere else []
     what += elsewhere.findings(none, kelvin)
-    return told(points, "; ".join(what), known.illustrative, stacklevel + 1)
+    return told(points, "; ".join(what), known.illustrative)

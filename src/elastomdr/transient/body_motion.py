@@ -1,5 +1,5 @@
-"""Masses on springs and dampers coupled to a line of elements: one step for bodies and
-contact.
+"""A body over elements: one step for the contact, and for masses on springs and
+dampers.
 
 The body stands at X along the line, at depth d. A drive at D(t) pulls it, a load P(t)
 presses it:
@@ -7,16 +7,16 @@ presses it:
     m_t X'' = k_t (D - X) + c_t (D' - X') - F_x,        or X = D without a tangential mount,
     m_n d'' = P - k_n d - c_n d' - F_N,                 or F_N = P without a normal one,
 
-F_x and F_N being those of the elements (`transient.body_over_line`). Bodies take the
-trapezoidal rule, elements the exact contact step, both of second order, and they are
-solved together. The force of an element is linear in its displacement at the end, and
-so is its mean over the step, which is what accelerates a body: with d+ = d + h (d' +
-d'+)/2 the normal equation is
+or its depth is given. F_x and F_N are the forces of the elements
+(`transient.body_over_line`). Bodies take the trapezoidal rule, elements the exact
+contact step, both of second order, and they are solved together. The force of an
+element is linear in its displacement at the end, and so is its mean over the step,
+which is what accelerates a body: with d+ = d + h (d' + d'+)/2 the normal equation is
 
     A d+ + sum W S max(0, d+ - l) = known,        A = 2 m/h^2 + k/2 + c/h,
 
-piecewise linear, solved exactly (`transient.depth_from_load`); the tangential one takes
-a fixed number of Newton steps. The work of the mean forces is that of the elements but
+piecewise linear, solved exactly (`transient.march.settle`); the tangential one takes a
+fixed number of Newton steps. The work of the mean forces is that of the elements but
 for those whose contact begins or ends within the step.
 """
 
@@ -24,21 +24,66 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..arrays import checkpointed, compiled, cond, fixed, in_steps, mapped, on_numpy, xp
-from ..checks import Array
-from ..element.contact_step import coefficients, fade, lag, released
+from ..arrays import compiled, mapped, on_numpy, xp
+from ..checks import Array, positive, scalar
+from ..element.contact_step import (
+    Coefficients,
+    Elements,
+    Fading,
+    advance,
+    coefficients,
+    coefficients_of_steps,
+    fade,
+    lag,
+    released,
+)
 from ..material.relaxation import Relaxation
+from ..smooth.passage import Control
+from ..trees import Tree, fill
 from .body_over_line import AbstractOverLine
-from .depth_from_load import settle
-from .mount import Mount
-from .slide_march import Line, energy, felt_by, press, untouched
+from .march import edges, if_so, march, settle, total
+from .problem import Steps
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import Number, Plain
 
 _NEWTON = 4  # steps for the place of a body that is pulled through a spring, under JAX
 # steps at most on NumPy, to a balance of forces relative to the largest of them
 _SECANTS, _CLOSE = 40, 1e-12
-_INSTANT = 1e-12  # duration of the first touch, over the shortest time
+
+
+class Mount(Tree):
+    """A mass on a spring and a damper beside it; per metre of line under a rough line.
+
+    Args:
+        mass: mass [kg].
+        stiffness: stiffness of the spring [N/m].
+        damping: constant of the damper [N s/m].
+    """
+
+    mass: Plain
+    stiffness: Plain
+    damping: Plain
+
+    def __init__(self, mass: Number, stiffness: Number = 0.0, damping: Number = 0.0):
+        fill(self, mass=mass, stiffness=stiffness, damping=damping)
+
+    def for_line(self, load: Number, normal_force: Number) -> Mount:
+        """The share that a metre of rough line has of this mount of a whole body,
+        load/normal_force of it.
+
+        `load` [N/m] of the line, `normal_force` [N] of the whole body on the rubber,
+        for which the line stands. Raises `InputError`.
+        """
+        given = scalar("load", load), scalar("normal_force", normal_force)
+        positive("load", given[0])
+        positive("normal_force", given[1])
+        part = given[0] / given[1]
+        return Mount(part * self.mass, part * self.stiffness, part * self.damping)
 
 
 class Scene(NamedTuple):
@@ -46,149 +91,345 @@ class Scene(NamedTuple):
 
     law: Relaxation
     surface: AbstractOverLine
-    tangential: Mount | None
-    normal: Mount | None
+    tangential: Mount | None = None
+    normal: Mount | None = None
+
+
+class Line(NamedTuple):
+    """What n elements remember from one step to the next; see
+    `element.contact_step.Elements`.
+    """
+
+    u: Float[Array, " n"]  # [m]
+    f: Float[Array, "k n"]  # [Pa m]
+    q: Float[Array, " n"]  # [Pa m]
+    velocity: Float[Array, " n"] | None  # [m/s], which only a dashpot needs
+    stored: Float[Array, " n"]  # in the branches [Pa m^2]
+    w: Float[Array, " n"]  # where the rigid surface is [m]
 
 
 class Motion(NamedTuple):
-    """Bodies and elements at one instant, and the work done since the start."""
+    """Body and elements at one instant, and the work done since the start."""
 
     line: Line
+    drive: Array  # D [m]
+    value: Array  # load [N], or depth [m]
     position: Array  # X [m]
     velocity: Array  # X' [m/s]
     depth: Array  # d [m]
     sinking: Array  # d' [m/s]
-    drag: Array  # F_x [N]
-    normal: Array  # F_N [N]
+    ahead: Array  # guess for the depth at the end of the next step [m]
     work: Array  # of the contact forces on the elements [J]
     driven: Array  # of the drive [J]
     pressed: Array  # of the load [J]
     damped: Array  # lost in the dampers [J]
 
 
-def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motion:
-    """The body at rest, put down at once with its load on rubber that was never
-    touched.
+class History(NamedTuple):
+    """What a motion leaves behind at each instant."""
+
+    depth: Array  # d [m]
+    normal: Array  # F_N [N]
+    drag: Array  # F_x [N]
+    work: Array
+    stored: Array  # in the elements [J]
+    position: Array
+    velocity: Array
+    driven: Array
+    pressed: Array
+    damped: Array
+    kinetic: Array  # [J]
+    spring: Array  # in the springs of the mounts [J]
+
+
+@compiled("control", "viscous", "balance")
+def run(
+    scene: Scene,
+    steps: Steps,
+    instants: Any = None,
+    *,
+    control: Control = "load",
+    viscous: bool = True,
+    balance: bool = True,
+) -> tuple[History, Line]:
+    """The whole motion: what is known at the ends of the steps `instants`, or of all,
+    and the line at the end. In the first step, always kept, the body is put down at
+    once, at rest, on rubber that was never touched.
+
+    `viscous=False` saves some work for a law whose viscosity is known to be zero,
+    `balance=False` for motions whose energy balance nobody asks for.
     """
-    c = coefficients(scene.law, _INSTANT * shortest)
-    rise, slope = scene.surface.rise_and_slope(position)
-    line, weight = untouched(scene.law, scene.surface, position), scene.surface.weight
-    fading = fade(c, line.f)
-    spring = 0.0 if scene.normal is None else scene.normal.stiffness
-    between, level = scene.surface.between, released(c, line.u, fading.seen) - rise
-    depth = settle(level, weight * c.stiffness[0], spring, load, xp.zeros(()), between)
-    line, work = press(c, line, fading, rise, depth)
-    work = xp.sum(weight * work)
-    zero = xp.zeros(())
-    normal, drag = felt_by(weight, line.q, slope, depth - level if between else None)
-    held = spring * depth**2 / 2
-    return Motion(
-        line,
-        position + zero,
-        zero,
-        depth,
-        zero,
-        drag,
-        normal,
-        work,
-        zero,
-        work + held,
-        zero,
+
+    def prepare(block: Steps) -> tuple[Steps, Coefficients]:
+        return block, coefficients_of_steps(scene.law, block.h, viscous=viscous)
+
+    def step(y: Motion, now: tuple[Steps, Coefficients]) -> tuple[Motion, Any]:
+        end, c = now
+        # sums over both are made once
+        c = c if viscous else c._replace(seen=c.decay)
+        return _advance(scene, c, y, end, control, viscous, balance)
+
+    def look(y: Motion, felt: tuple[Array, Array | None]) -> History:
+        return _history(scene, y, *felt)
+
+    if not balance:
+        start = _untouched(scene, steps, viscous)
+        end, seen = march(step, look, start, steps, instants, prepare)
+        return seen, end.line
+    begin, others = (mapped(lambda x, i=i: x[i], steps) for i in (0, slice(1, None)))
+    start, felt = _put_down(scene, _untouched(scene, steps, viscous), begin, viscous)
+    later = None if instants is None else instants[1:] - 1
+    end, seen = march(step, look, start, others, later, prepare)
+    first = look(start, felt)
+    return mapped(lambda a, b: xp.concatenate([a[None], b]), first, seen), end.line
+
+
+def _untouched(scene: Scene, steps: Steps, viscous: bool) -> Motion:
+    """A body just above rubber at rest, where the first step ends."""
+    position, zero = steps.position[0] + 0.0, xp.zeros(())
+    rise = scene.surface.rise(position)
+    none, f = xp.zeros_like(rise), xp.zeros((scene.law.moduli.shape[0], rise.size))
+    velocity = none if viscous else None
+    line = Line(none, f, none, velocity, none, rise - xp.max(rise))
+    # From above, where all are touched: a dashpot carries a sudden load within 1e-10 m,
+    # where a search from below ends too early.
+    above = xp.max(-rise)
+    motion = Motion(line, position, *[zero] * (len(Motion._fields) - 2))
+    return motion._replace(position=position, ahead=above)
+
+
+def _put_down(
+    scene: Scene, y: Motion, begin: Steps, viscous: bool
+) -> tuple[Motion, tuple[Array, Array | None]]:
+    """The body at rest, put down at once with its load."""
+    surface, spring = scene.surface, 0.0
+    if scene.normal is not None:
+        spring = scene.normal.stiffness
+    c = coefficients(scene.law, begin.h, viscous=viscous)
+    rise, slope = surface.rise_and_slope(y.position)
+    fading = fade(c, y.line.f)
+    level = released(c, y.line.u, fading.seen) - rise
+    stiffness = surface.weight * c.stiffness[0]
+    depth = settle(level, stiffness, spring, begin.value, y.ahead, surface.between)
+    line, done = _press(c, y.line, fading, rise, depth)
+    work = total(surface.weight, done)
+    motion = y._replace(
+        line=line,
+        value=begin.value,
+        depth=depth,
+        ahead=depth,
+        work=work,
+        pressed=work + spring * depth**2 / 2,
     )
+    return motion, (slope, depth - level if surface.between else None)
 
 
 def _advance(
     scene: Scene,
-    c: Any,
+    c: Coefficients,
     y: Motion,
-    before: tuple[Array, Array],
-    after: tuple[Array, Array],
-    h: Any,
-) -> Motion:
-    (drive, load), (drive_end, load_end) = before, after
-    weight, up, along = scene.surface.weight, scene.normal, scene.tangential
-    between = scene.surface.between
-    fading = fade(c, y.line.f)
+    end: Steps,
+    control: Control,
+    viscous: bool,
+    balance: bool,
+) -> tuple[Motion, tuple[Array, Array | None]]:
+    """One step of body and elements, and the slope of the body and what the elements
+    are pressed beyond u_free at its end.
+    """
+    surface = scene.surface
+    fading = if_so(end.h >= 0, functools.partial(fade, c), y.line.f)
     u_free = released(c, y.line.u, fading.seen)
-    # Mean force of an element over the step, if it follows the surface: mean S (w+ -
-    # idle).
-    mean = (0.5 * c.equilibrium + c.drag)[0]
-    idle = y.line.u - (c.equilibrium * y.line.u + fading.mean) / mean
+    mean: Any = _Mean(scene, c, y, end, fading) if balance else None
 
     def depth_at(rise: Array, guess: Array) -> Array:
-        if up is None:
-            return settle(
-                u_free - rise, weight * c.stiffness[0], 0.0, load_end, guess, between
-            )
-        inertia = 2 * up.mass / h**2 + up.stiffness / 2 + up.damping / h
+        if control == "depth":
+            return end.value
+        if scene.normal is not None:
+            return mean.depth_at(rise, guess)
+        stiffness = surface.weight * c.stiffness[0]
+        return settle(u_free - rise, stiffness, 0.0, end.value, guess, surface.between)
+
+    def forces(moved: Array, guess: Array) -> tuple[Array, Array]:
+        """Mean F_x of the step in which the body moves so far; the depth at the end."""
+        rise = surface.rise(y.position + moved)
+        _, slope = surface.rise_and_slope(y.position + moved / 2)
+        depth = depth_at(rise, guess)
+        return mean.drag(depth + rise, slope), depth
+
+    moved, guess = end.position - y.position, y.ahead
+    if scene.tangential is not None:
+        moved, guess = _pulled(scene.tangential, forces, y, end)
+    position = y.position + moved
+    rise, slope = surface.rise_and_slope(position)
+    if balance:
+        drag, depth = forces(moved, guess)
+    else:
+        drag, depth = xp.zeros(()), depth_at(rise, guess)
+    if viscous:
+        _, slope = surface.rise_and_slope(position - lag(c) * moved)
+    line, done = _press(c, y.line, fading, rise, depth)
+    after = y._replace(
+        line=line,
+        drive=end.position,
+        value=end.value,
+        position=position,
+        depth=depth,
+        work=y.work + total(surface.weight, done),
+    )
+    after = _moved(scene, y, after, end.h, drag)
+    return after, (slope, depth + rise - u_free if surface.between else None)
+
+
+class _Mean:
+    """The mean force of the elements over a step, if they follow the surface: mean S
+    (w+ - idle).
+    """
+
+    def __init__(
+        self, scene: Scene, c: Coefficients, y: Motion, end: Steps, fading: Fading
+    ):
+        self.scene, self.y, self.end = scene, y, end
+        self.stiffness = (0.5 * c.equilibrium + c.drag)[0]
+        self.idle = y.line.u - (c.equilibrium * y.line.u + fading.mean) / self.stiffness
+
+    def drag(self, w: Array, slope: Array) -> Array:
+        """F_x for the surface at w at the end, db/dX in the middle of the step."""
+        weight, excess = self.scene.surface.weight, w - self.idle
+        q = self.stiffness * xp.maximum(excess, 0.0)
+        between = self.scene.surface.between
+        return felt_by(weight, q, slope, excess if between else None)[1]
+
+    def depth_at(self, rise: Array, guess: Array) -> Array:
+        """The depth at the end of a body on a normal mount."""
+        mount, surface, y = self.scene.normal, self.scene.surface, self.y
+        assert mount is not None
+        inertia = _inertia(mount, self.end.h)
         known = (
-            2 * up.mass * y.sinking / h + (load + load_end) / 2 - up.stiffness * y.depth
+            2 * mount.mass * y.sinking / self.end.h
+            + (y.value + self.end.value) / 2
+            - mount.stiffness * y.depth
         )
         return settle(
-            idle - rise,
-            weight * mean,
+            self.idle - rise,
+            surface.weight * self.stiffness,
             inertia,
             known + inertia * y.depth,
             guess,
-            between,
+            surface.between,
         )
 
-    def forces(moved: Array, guess: Array) -> tuple[Array, tuple[Array, Array]]:
-        """Mean F_x of the step in which the body moves so far; mean F_N, and the depth
-        at the end.
-        """
-        rise = scene.surface.rise(y.position + moved)
-        _, slope = scene.surface.rise_and_slope(y.position + moved / 2)
-        depth = depth_at(rise, guess)
-        excess = depth + rise - idle
-        normal, drag = felt_by(
-            weight, mean * xp.maximum(excess, 0.0), slope, excess if between else None
-        )
-        return drag, (normal, depth)
 
-    guess = y.depth + h * y.sinking
-    if along is None:
-        moved = drive_end - y.position
-    else:
-        inertia = 2 * along.mass / h**2 + along.stiffness / 2 + along.damping / h
-        pull = (
-            along.stiffness * ((drive + drive_end) / 2 - y.position)
-            + along.damping * (drive_end - drive) / h
-        )
-        known = 2 * along.mass * y.velocity / h + pull
+def _inertia(mount: Mount, h: Array) -> Array:
+    """A: force per displacement in a step of the trapezoidal rule."""
+    return 2 * mount.mass / h**2 + mount.stiffness / 2 + mount.damping / h
 
-        search = _by_secants if on_numpy() else _by_newton
-        moved, guess = search(forces, inertia, known, h * y.velocity, guess)
 
-    drag_mean, (_, depth) = forces(moved, guess)
-    position = y.position + moved
-    rise = scene.surface.rise(position)
-    _, slope = scene.surface.rise_and_slope(position - lag(c) * moved)
-    line, work = press(c, y.line, fading, rise, depth)
-    normal, drag = felt_by(
-        weight, line.q, slope, depth + rise - u_free if between else None
+def _pulled(
+    mount: Mount, forces: Callable[..., Any], y: Motion, end: Steps
+) -> tuple[Array, Array]:
+    """How far the body moves that is pulled through a spring, and a guess for its
+    depth.
+    """
+    pull = (
+        mount.stiffness * ((y.drive + end.position) / 2 - y.position)
+        + mount.damping * (end.position - y.drive) / end.h
     )
-    sunk, driven, damped = depth - y.depth, drag_mean * moved, xp.zeros(())
-    if along is not None:
-        stretch = along.stiffness * ((drive + drive_end) / 2 - y.position - moved / 2)
-        slip = drive_end - drive - moved
-        driven = (stretch + along.damping * slip / h) * (drive_end - drive)
-        damped = along.damping * slip**2 / h
-    if up is not None:
-        damped = damped + up.damping * sunk**2 / h
-    return Motion(
-        line=line,
-        position=position,
-        velocity=moved / h if along is None else 2 * moved / h - y.velocity,
-        depth=depth,
-        sinking=sunk / h if up is None else 2 * sunk / h - y.sinking,
-        drag=drag,
-        normal=normal,
-        work=y.work + xp.sum(weight * work),
+    known = 2 * mount.mass * y.velocity / end.h + pull
+    search = _by_secants if on_numpy() else _by_newton
+    return search(forces, _inertia(mount, end.h), known, end.h * y.velocity, y.ahead)
+
+
+def _moved(scene: Scene, y: Motion, after: Motion, h: Array, drag: Array) -> Motion:
+    """`after` with its velocities and what drive, load and dampers did; `drag` is the
+    mean F_x.
+    """
+    moved, sunk = after.position - y.position, after.depth - y.depth
+    velocity, sinking, driven, damped = moved / h, sunk / h, drag * moved, 0.0
+    if scene.tangential is not None:
+        mount, pulled = scene.tangential, after.drive - y.drive
+        velocity = 2 * moved / h - y.velocity
+        stretch = (y.drive + after.drive) / 2 - y.position - moved / 2
+        slip = pulled - moved
+        driven = (mount.stiffness * stretch + mount.damping * slip / h) * pulled
+        damped = mount.damping * slip**2 / h
+    if scene.normal is not None:
+        sinking = 2 * sunk / h - y.sinking
+        damped = damped + scene.normal.damping * sunk**2 / h
+    ahead = sunk if scene.normal is None else h * sinking
+    return after._replace(
+        velocity=velocity,
+        sinking=sinking,
+        ahead=after.depth + ahead,
         driven=y.driven + driven,
-        pressed=y.pressed + (load + load_end) / 2 * sunk,
+        pressed=y.pressed + (y.value + after.value) / 2 * sunk,
         damped=y.damped + damped,
     )
+
+
+def _history(scene: Scene, y: Motion, slope: Array, excess: Array | None) -> History:
+    """What is known at an instant."""
+    weight, line = scene.surface.weight, y.line
+    normal, drag = felt_by(weight, line.q, slope, excess)
+    kinetic = spring = xp.zeros(())
+    if scene.tangential is not None:
+        kinetic = scene.tangential.mass * y.velocity**2 / 2
+        spring = scene.tangential.stiffness * (y.drive - y.position) ** 2 / 2
+    if scene.normal is not None:
+        kinetic = kinetic + scene.normal.mass * y.sinking**2 / 2
+        spring = spring + scene.normal.stiffness * y.depth**2 / 2
+    return History(
+        depth=y.depth,
+        normal=normal,
+        drag=drag,
+        work=y.work,
+        stored=total(weight, 0.5 * scene.law.equilibrium * line.u**2 + line.stored),
+        position=y.position,
+        velocity=y.velocity,
+        driven=y.driven,
+        pressed=y.pressed,
+        damped=y.damped,
+        kinetic=kinetic,
+        spring=spring,
+    )
+
+
+def felt_by(
+    weight: Array, q: Array, slope: Array, excess: Array | None
+) -> tuple[Array, Array]:
+    """F_N and F_x of the forces q of the elements, db/dX at each of them being `slope`.
+
+    `excess` is what q is in proportion to where it is positive, if the contact ends
+    between two elements (`carried`).
+    """
+    normal, drag = total(weight, q), total(weight, q * slope)
+    if excess is None:
+        return normal, drag
+    edge, _ = edges(excess)
+    a, b = xp.abs(excess[:-1]), xp.abs(excess[1:])
+    there = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
+    top = xp.max(excess)  # q is S times what is positive of it
+    stiffness = weight * xp.max(q) / xp.where(top > 0, top, 1.0)
+    return normal + stiffness * xp.sum(edge), drag + stiffness * xp.sum(edge * there)
+
+
+def _press(
+    c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array
+) -> tuple[Line, Array]:
+    """The line after a step at whose end the body stands at `depth`, and the work done
+    on each element [Pa m^2].
+    """
+    zero = xp.zeros_like(line.u)
+    w = depth + rise
+    # The integrals of `advance` count from zero in each step and are summed at once: an
+    # element carries few numbers.
+    velocity = zero if line.velocity is None else line.velocity
+    before = Elements(
+        line.u, line.f, line.q, velocity, zero, zero, zero, line.stored, zero
+    )
+    after = advance(c, before, line.w, w, fading, functools.partial(if_so, c.h[0] >= 0))
+    work = after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)
+    velocity = None if line.velocity is None else after.velocity
+    return Line(after.u, after.f, after.q, velocity, after.stored, w), work
 
 
 def _by_newton(
@@ -201,7 +442,7 @@ def _by_newton(
         state: tuple[Array, Array], _: None
     ) -> tuple[tuple[Array, Array], None]:
         moved, guess = state
-        drag, steepness, (_, guess) = jax.jvp(
+        drag, steepness, guess = jax.jvp(
             functools.partial(forces, guess=guess),
             (moved,),
             (xp.ones_like(moved),),
@@ -222,7 +463,7 @@ def _by_secants(
     """The same without derivatives."""
     steepness, before = 0.0, None
     for _ in range(_SECANTS):
-        drag, (_, guess) = forces(moved, guess)
+        drag, guess = forces(moved, guess)
         miss = inertia * moved + drag - known
         if not abs(miss) > _CLOSE * (abs(inertia * moved) + abs(drag) + abs(known)):
             break
@@ -240,114 +481,3 @@ def _tangent(inertia: Array, steepness: Array | float) -> Array:
     below half the inertia.
     """
     return inertia + xp.maximum(steepness, -0.5 * inertia)
-
-
-def energies(scene: Scene, y: Motion, drive: Array) -> tuple[Array, Array]:
-    """Of the masses and of the springs they hang on [J]."""
-    kinetic, spring = xp.zeros(()), xp.zeros(())
-    if scene.tangential is not None:
-        kinetic = scene.tangential.mass * y.velocity**2 / 2
-        spring = scene.tangential.stiffness * (drive - y.position) ** 2 / 2
-    if scene.normal is not None:
-        kinetic = kinetic + scene.normal.mass * y.sinking**2 / 2
-        spring = spring + scene.normal.stiffness * y.depth**2 / 2
-    return kinetic, spring
-
-
-class History(NamedTuple):
-    """What a motion leaves behind at each instant; the first three are what
-    `transient.refinement` looks at.
-    """
-
-    depth: Array
-    normal: Array
-    drag: Array
-    position: Array
-    velocity: Array
-    sinking: Array
-    work: Array
-    stored: Array
-    driven: Array
-    pressed: Array
-    damped: Array
-    kinetic: Array  # [J]
-    spring: Array  # in the springs of the mounts [J]
-
-
-@compiled("samples", "early")
-def run(
-    scene: Scene,
-    time: Array,
-    drive: Array,
-    load: Array,
-    shortest: Any,
-    samples: int,
-    used: Any,
-    early: int = 0,
-) -> tuple[History, Line]:
-    """The whole motion: what is known at the instants, and the line at the end. `used`
-    contact steps are made between two instants, in a program that has room for
-    `samples`.
-
-    A load that is put on at once is answered on all time scales of the rubber: the
-    first interval is divided by `early` further instants in geometric series, from the
-    `shortest` time on.
-    """
-    number = xp.arange(samples + 1)
-
-    def given(t: Any) -> tuple[Array, Array]:
-        return xp.interp(t, time, drive), xp.interp(t, time, load)
-
-    @checkpointed
-    def interval(scene: Scene, start: Motion, begin: Array, end: Array) -> Motion:
-        h = (end - begin) / used
-        c = coefficients(scene.law, h)
-        now = given(begin + (end - begin) * xp.minimum(number / used, 1.0))
-
-        def one(state: Motion, now: Any) -> tuple[Motion, None]:
-            going, before, after = now
-            step = functools.partial(
-                _advance, scene, c, before=before, after=after, h=h
-            )
-            return cond(going, step, lambda y: y, state), None
-
-        ends = [
-            tuple(part[at] for part in now) for at in (slice(None, -1), slice(1, None))
-        ]
-        return in_steps(one, start, (number[:-1] < used, *ends))[0]
-
-    def seen(t: Any, y: Motion) -> History:
-        kinetic, spring = energies(scene, y, given(t)[0])
-        return History(
-            y.depth,
-            y.normal,
-            y.drag,
-            y.position,
-            y.velocity,
-            y.sinking,
-            y.work,
-            energy(scene.law, y.line, scene.surface.weight),
-            y.driven,
-            y.pressed,
-            y.damped,
-            kinetic,
-            spring,
-        )
-
-    def step(y: Motion, ends: tuple[Array, Array]) -> tuple[Motion, History]:
-        y = interval(scene, y, *ends)
-        return y, seen(ends[1], y)
-
-    start = put_down(scene, drive[0], load[0], shortest)
-    first = time[1] - time[0]
-    ratio = fixed(xp.minimum(shortest / first, 0.5)) ** (1 / max(early, 1))
-    instants = xp.concatenate(
-        [time[:1], time[0] + first * ratio ** xp.arange(early, 0, -1), time[1:]]
-    )
-    last, history = in_steps(step, start, (instants[:-1], instants[1:]))
-    history = mapped(
-        lambda begin, kept: xp.concatenate([begin[None], kept[early:]]),
-        seen(instants[0], start),
-        history,
-    )
-    return history, last.line

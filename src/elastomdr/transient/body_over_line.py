@@ -15,8 +15,11 @@ from __future__ import annotations
 import abc
 from typing import TYPE_CHECKING, Any
 
-from ..arrays import compiled, xp
+from ..arrays import compiled, fixed, xp
 from ..checks import Array
+from ..errors import InputError
+from ..material.relaxation import Relaxation
+from ..smooth.passage import Control, estimate_sizes
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import spline, spline_coefficients
 from ..surface.shapes import AbstractShape
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
 
 # where the surface is beyond the end of a body: far above any rubber [m]
 _NOTHING = -1e3
+_ELEMENTS = 1e6  # along a path: more steps of so many elements than anybody waits for
 
 
 class AbstractOverLine(Tree):
@@ -177,3 +181,45 @@ def indenter(
         weight=weight,
         track=zero,
     )
+
+
+def check_path(length: float, spacing: float) -> None:
+    """Raises `InputError` for a path that is too long for elements of the size that the
+    contact asks for [m].
+    """
+    if not length <= _ELEMENTS * spacing:
+        raise InputError(
+            f"position must stay within {_ELEMENTS:g} elements, each {spacing:.3g} m "
+            f"wide as the contact asks for, got a path over {length:.3g} m: shorten "
+            "it, or take em.friction for steady sliding."
+        )
+
+
+@compiled("control")
+def contact_sizes(
+    law: Relaxation, lines: AbstractLines, control: Control, value: Any, duration: float
+) -> tuple[Any, Any]:
+    """The smallest and the largest contact radius to expect [m], each within a factor
+    of 2.
+
+    The largest is that of the relaxed rubber under the largest load, or for a liquid of
+    what creeps in the time given.
+    """
+    law, lines, value = fixed((law, lines, value))
+    glass = law.equilibrium + xp.sum(law.moduli) + law.viscosity / duration
+    # A lower bound of E(t): each branch, and the dashpot, as a spring that has relaxed
+    # for the whole time.
+    soft = (
+        law.equilibrium
+        + xp.sum(law.moduli / (1 + duration / law.times))
+        + law.viscosity / duration
+    )
+    top = xp.max(value)
+    positive_values = xp.where(value > 0, value, top)
+    ends = xp.stack([xp.min(positive_values), top])
+    ends = xp.where(ends > 0, ends, 1e-9)
+    sizes = []
+    for modulus, end in zip((glass, soft), ends, strict=True):
+        spring = Relaxation(modulus, xp.zeros(1), xp.ones(1), xp.zeros(()))
+        sizes.append(estimate_sizes(spring, lines, control, end[None], xp.ones(1))[0])
+    return sizes[0], xp.maximum(*sizes)

@@ -26,15 +26,16 @@ import numpy as np
 
 from ..arrays import arrays, compiled, in_steps, xp
 from ..checks import Array
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1, phi2
+from ..numerics.quadrature import gauss_on_panels
 from ..surface.disc import Disc
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_NODES = 6  # Gauss points per panel
 _RATIO = 4.0  # of neighbouring panels
 _ROUNDING = 1e-12  # of A, below which a fall of it is rounding
 
@@ -48,6 +49,17 @@ class Creep(NamedTuple):
     stored: Float[Array, " m"]  # elastic energy of the elements [J]
     heat: Float[Array, " m"]  # of branches and dashpot [J]
     growing: Bool[Array, " m"]  # whether the contact has not shrunk up to this instant
+
+
+class _Inside(NamedTuple):
+    """The history at nodes inside the intervals, (interval, node)."""
+
+    s: Float[Array, " n"]  # place, of 1
+    ds: Float[Array, " n"]
+    load: Array  # [N]
+    area: Array  # A
+    rate: Array  # of A, per interval
+    share: Array  # B_k, (interval, node, branch)
 
 
 @compiled("levels")
@@ -69,71 +81,85 @@ def creep(
     gain = (
         modes.gain * h[:, None] * (load[:-1, None] * phi1(y) + rise[:, None] * phi2(y))
     )
-
-    def relax(z: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
-        z = step[0] * z + step[1]
-        return z, z
-
-    _, z = in_steps(relax, xp.zeros_like(modes.rate), (xp.exp(-y), gain))
+    _, z = in_steps(_relaxed, xp.zeros_like(modes.rate), (xp.exp(-y), gain))
     # retarded part of A, per mode
     z = xp.concatenate([xp.zeros((1, modes.rate.size)), z])
     area = modes.instantaneous * load + xp.sum(z, axis=1)
-    depth = disc.depth_of_area(area)
-    radius = disc.radius_of_area(area)
-
-    # Inside the intervals: place s (of 1), A and its rate.
-    s, ds = _panels(levels)
-    inner = y[:, None] * s[:, None]  # (interval, node, mode)
-    ramp = h[:, None] * s
-    force = load[:-1, None] + rise[:, None] * s
-    z_in = xp.exp(-inner) * z[:-1, None] + ramp[..., None] * modes.gain * (
-        load[:-1, None, None] * phi1(inner)
-        + (force - load[:-1, None])[..., None] * phi2(inner)
-    )
-    area_in = modes.instantaneous * force + xp.sum(z_in, axis=-1)
-    rate = modes.instantaneous * rise[:, None] + h[:, None] * xp.sum(
-        modes.gain * force[..., None] - modes.rate * z_in, axis=-1
-    )
-    if disc.flat:
-        depth_rate = rate / disc.width(xp.asarray(disc.shape.largest_contact))
-    else:
-        width = disc.width(disc.radius_of_area(area_in))
-        depth_rate = xp.where(width > 0, rate / xp.where(width > 0, width, 1.0), 0.0)
-    growing = xp.all(rate >= -_ROUNDING * xp.abs(area_in), axis=1) & (
+    depth, radius = disc.depth_of_area(area), disc.radius_of_area(area)
+    inside = _inside(modes, h, load, z, levels)
+    growing = xp.all(inside.rate >= -_ROUNDING * xp.abs(inside.area), axis=1) & (
         area[1:] >= area[:-1] * (1 - _ROUNDING)
     )
     growing = xp.concatenate([xp.ones(1, bool), (xp.cumprod(growing) > 0) | disc.flat])
+    work, stored, heat = _energies(law, modes, disc, h, radius, depth, inside)
+    return Creep(depth, radius, work, stored, heat, growing)
 
-    # Energies. At the first instant the contact is elastic and glassy; a parallel
-    # dashpot lets nothing happen there.
+
+def _relaxed(z: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
+    """What is left of z after a step, and what is gained."""
+    z = step[0] * z + step[1]
+    return z, z
+
+
+def _inside(modes: Modes, h: Array, load: Array, z: Array, levels: int) -> _Inside:
+    s, ds = _panels(levels)
+    rise = xp.diff(load)
+    inner = h[:, None, None] * modes.rate * s[:, None]  # (interval, node, mode)
+    ramp = h[:, None] * s
+    force = load[:-1, None] + rise[:, None] * s
+    z = xp.exp(-inner) * z[:-1, None] + ramp[..., None] * modes.gain * (
+        load[:-1, None, None] * phi1(inner)
+        + (force - load[:-1, None])[..., None] * phi2(inner)
+    )
+    area = modes.instantaneous * force + xp.sum(z, axis=-1)
+    rate = modes.instantaneous * rise[:, None] + h[:, None] * xp.sum(
+        modes.gain * force[..., None] - modes.rate * z, axis=-1
+    )
+    return _Inside(s, ds, force, area, rate, area[..., None] - z @ modes.shape)
+
+
+def _energies(
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    h: Array,
+    radius: Array,
+    depth: Array,
+    inside: _Inside,
+) -> tuple[Array, Array, Array]:
+    """Work, elastic energy and heat at every instant."""
+    s, ds = inside.s, inside.ds
+    flat = disc.width(xp.asarray(disc.shape.largest_contact)) if disc.flat else None
+    width = disc.width(disc.radius_of_area(inside.area)) if flat is None else flat
+    if flat is None:
+        safe = xp.where(width > 0, width, 1.0)
+        depth_rate = xp.where(width > 0, inside.rate / safe, 0.0)
+    else:
+        depth_rate = inside.rate / flat
+    # At the first instant the contact is elastic and glassy; a parallel dashpot lets
+    # nothing happen there.
     start = _elastic(disc, radius[0], depth[0])
     glassy = xp.where(
         modes.instantaneous > 0, law.equilibrium + xp.sum(law.moduli), 0.0
     )
-    work = xp.cumsum(xp.append(glassy * start, xp.sum(ds * force * depth_rate, axis=1)))
-    share = area_in[..., None] - z_in @ modes.shape  # B_k
+    work = xp.append(glassy * start, xp.sum(ds * inside.load * depth_rate, axis=1))
     fading = xp.exp(-2 * h[:, None, None] * (1 - s)[:, None] / law.times)
-    gained = xp.sum(2 * ds[:, None] * fading * share * depth_rate[..., None], axis=1)
+    into = inside.share * depth_rate[..., None]
+    gained = xp.sum(2 * ds[:, None] * fading * into, axis=1)
     first = xp.broadcast_to(2 * start, law.times.shape)
-    _, squares = in_steps(relax, first, (xp.exp(-2 * h[:, None] / law.times), gained))
+    left = xp.exp(-2 * h[:, None] / law.times)
+    _, squares = in_steps(_relaxed, first, (left, gained))
     squares = xp.concatenate([first[None], squares])
     stored = (
         law.equilibrium * _elastic(disc, radius, depth) + 0.5 * squares @ law.moduli
     )
     # What goes into each branch, less what it holds; what goes into the dashpot, whose
     # force is eta d' over the width.
-    into = xp.sum(ds[:, None] * share * depth_rate[..., None], axis=1)
-    spread = (
-        xp.cumsum(xp.concatenate([0.5 * first[None], into]), axis=0) - 0.5 * squares
-    )
-    width = disc.width(
-        xp.asarray(disc.shape.largest_contact)
-        if disc.flat
-        else disc.radius_of_area(area_in)
-    )
+    given = xp.concatenate([0.5 * first[None], xp.sum(ds[:, None] * into, axis=1)])
+    spread = xp.cumsum(given, axis=0) - 0.5 * squares
     damped = xp.sum(ds * width * depth_rate**2, axis=1) / h
     heat = spread @ law.moduli + law.viscosity * xp.append(0.0, xp.cumsum(damped))
-    return Creep(depth, radius, work, stored, heat, growing)
+    return xp.cumsum(work), stored, heat
 
 
 def levels_for(law: Relaxation, modes: Modes, time: Array) -> int:
@@ -166,5 +192,4 @@ def _panels(levels: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights on [0, 1], panels narrowing towards both ends."""
     left = np.concatenate([[0.0], 0.5 * _RATIO ** -np.arange(levels, -1.0, -1)])
     edges = np.concatenate([left, 1 - left[-2::-1]])
-    half = 0.5 * np.diff(edges)[:, None]
-    return (edges[:-1, None] + half * (1 + _NODES)).ravel(), (half * _WEIGHTS).ravel()
+    return gauss_on_panels(edges, _NODES)

@@ -8,23 +8,33 @@ neighbouring edges force density and displacement are smooth in x: panels of Gau
 that end at all the edges sum forces and energies without an error from the moving
 contact. The panels narrow towards their ends as far as short relaxation times ask for
 it. Their places carry no derivative, since the sums do not depend on them.
+
+Three kinds of integrand. Smooth in x, where the Legendre coefficients of a panel fall
+geometrically and tell the error. A power x^s that is not whole, at the axis, where they
+fall as j^-(2s+1) and the error is a known part of the last ones. And a layer at an edge
+that advances: an element touched a time t ago carries E_k v tau_k (1 - exp(-t/tau_k)),
+so that where v tau_k/g' is far below a panel no node sees the exponential, of which the
+sum then is too large by its integral.
+
+Many histories are computed at once, in batches of few sizes, so that few programs are
+compiled.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, fori_loop, in_steps, mapped, on_numpy, xp
+from ..arrays import compiled, fixed, fori_loop, in_steps, mapped, on_numpy, xp
 from ..checks import Array, is_traced
-from ..element.episode import Touching, energies, follow, force, pressed
-from ..element.modes import Modes
+from ..element.episode import Modes, Touching, energies, follow, force, pressed
 from ..material.relaxation import Relaxation
-from ..surface.disc import Disc, gauss
-from .panels import NODES, missed, missed_layers
+from ..numerics.quadrature import gauss, gauss_on_panels, shares_to_legendre
+from ..surface.disc import Disc
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -34,6 +44,17 @@ _SEARCH = 8  # steps of that search
 # change of a force, relative, below which it does not show where the edge is
 _FLAT = 1e-9
 _SIZES = (32, 64, 104, 208, 320, 512)  # numbers of instants that are compiled
+NODES = 6  # per panel
+_RATIO = 0.2  # of neighbouring panels within one that narrows
+_NARROWING = {1: 1, 2: 2, 3: 3}  # levels: how often their panels narrow
+# the same of higher levels, and of those that look for layers
+_NARROWEST, _DEEP = 4, 13
+LAYERS = 7  # the level from which panels narrow that far
+_IN_A_ROW = 2  # parts of a panel that are summed at once
+_SAFETY = 2.0  # on the error of a power at the axis
+# on that of a layer, which is wider than v tau/g' where the profile is curved
+_CURVED = 1.1
+_BATCH = 64  # histories computed at once
 
 
 class History(NamedTuple):
@@ -74,9 +95,7 @@ def indent_between(
     """
     between = xp.sort(xp.append(radius, 0.0))
     edges = between[:-1, None] + xp.diff(between)[:, None] * parts
-    x, dx = (
-        a.reshape(-1) for a in gauss(edges, *np.polynomial.legendre.leggauss(NODES))
-    )
+    x, dx = (nodes.reshape(-1) for nodes in gauss_on_panels(edges, NODES))
     begin = edges[:, :-1].reshape(-1)
     weight = disc.weight(x) * dx
 
@@ -291,3 +310,203 @@ def edges_of_growth(
 def _level(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
     """Whether two elements carry the same but for rounding."""
     return xp.abs(near[1] - far[1]) <= _FLAT * xp.abs(near[1])
+
+
+def cuts(levels: int) -> Float[np.ndarray, "rows n"]:
+    """Where panels are cut, from 0 to 1, in rows of a few parts each: of one size on
+    all levels, from 1 to `LAYERS`.
+    """
+    at = np.append(_fractions(levels), 1.0)
+    return at[np.arange(0, len(at) - 1, _IN_A_ROW)[:, None] + np.arange(_IN_A_ROW + 1)]
+
+
+@functools.cache
+def _fractions(levels: int) -> np.ndarray:
+    """Where the parts of a panel begin, from 0 to 1."""
+    deep = _NARROWING.get(levels, _NARROWEST if levels < LAYERS else _DEEP)
+    left = 0.5 * _RATIO ** np.arange(deep - 1, -1.0, -1)
+    ends = np.concatenate([[0.0], left, 1 - left[-2::-1], [1.0]])
+    parts = 1 + min(levels, LAYERS - 1) // 2
+    return (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts).ravel()
+
+
+def missed(
+    shares: Float[Array, " n"], begin: Float[Array, " panels"], disc: Disc
+) -> Float[Array, ""]:
+    """What Gauss' rule misses of an integral, from the nodes' shares of it; layers
+    apart. Panels begin at `begin`.
+
+    About the Legendre coefficient 2 `NODES`, four times as far from the last even and
+    odd ones as those are from the ones before, by geometric fall (kept apart: a
+    parabola would hide in the second how the others fall). In the panel at the axis of
+    a profile c x^n, n not whole, what the rule misses of that power.
+    """
+    size = xp.abs(shares.reshape(-1, NODES) @ xp.asarray(shares_to_legendre(NODES)).T)
+    before, last = size[:, 2:4], size[:, 4:6]
+    error = xp.sum(
+        last * xp.minimum(last / xp.where(before > 0, before, 1.0), 1.0) ** 4, axis=1
+    )
+    power, _ = disc._power()
+    if power is not None and power != int(power):
+        at_axis = (
+            _SAFETY * _of_power(power + (disc.kind == "layer")) * xp.max(last, axis=1)
+        )
+        error = xp.where(begin == 0, xp.maximum(error, at_axis), error)
+    return xp.sum(error)
+
+
+def missed_layers(
+    law: Relaxation,
+    disc: Disc,
+    time: Array,
+    depth: Array,
+    radius: Float[Array, " m"],
+    part: Any,
+) -> Float[Array, " m"]:
+    """What the panels miss of layers at the edges: sum over W E_k v tau_k w_k r(q), [N]
+    at every instant.
+
+    `part` is the share of a panel between two edges that the part of it at an edge has.
+
+    w_k = v tau_k/g'(a) is the layer's width, W the weight at the edge, q the widths in
+    a panel that ends there (less of the layer is left in panels further in), r what the
+    rule misses of an exponential over its integral. A layer fades with its branch after
+    its instant. Holds for rubber that is touched for the first time; elsewhere an
+    estimate.
+    """
+    law, disc, time, depth, radius = fixed((law, disc, time, depth, radius))
+    h = xp.diff(time)
+    pressing = xp.maximum(xp.diff(depth) / h, 0.0)
+    ends = xp.sort(xp.append(radius, 0.0))
+    panel = xp.diff(ends) * part
+    edge = radius[1:]
+    slope = disc.slope(xp.where(edge > 0, edge, 1.0))
+    width = xp.where(edge > 0, pressing / slope, 0.0)[:, None] * law.times  # (m-1, k)
+    behind = edge[:, None] - ends[1:]  # of every panel
+    fits = xp.maximum(panel, 1e-300) / xp.where(width > 0, width, 1.0)[..., None]
+    # From above within a factor of 15 for q from 5 on, of 2 from 60 on; r = 1 - (...)/q
+    # once no node sees the layer.
+    unseen = (
+        85 / fits * xp.exp(-((fits / 80) ** 1.5))
+        + xp.maximum(behind, 0.0)[:, None] / xp.where(panel > 0, panel, 1.0) * fits
+    )
+    unseen = xp.where((behind >= 0)[:, None] & (panel > 0), xp.exp(-unseen), 0.0)
+    size = _CURVED * width * unseen.sum(-1)
+    amount = (
+        disc.weight(edge)[:, None] * law.moduli * pressing[:, None] * law.times * size
+    )
+
+    def fading(left: Array, new: tuple[Array, Array]) -> tuple[Array, Array]:
+        left = left * xp.exp(-new[0] / law.times) + new[1]
+        return left, xp.sum(left)
+
+    _, total = in_steps(fading, xp.zeros_like(law.times), (h, amount))
+    return xp.append(0.0, total)
+
+
+@functools.cache
+def _of_power(s: float) -> float:
+    """What the rule misses of int x^s over a panel at x = 0, over the larger of the
+    last two coefficients.
+    """
+    nodes, weights = gauss(NODES)
+    shares = 0.5 * weights * (0.5 + 0.5 * nodes) ** s
+    last = np.abs(shares_to_legendre(NODES) @ shares)[-2:].max()
+    return abs(shares.sum() - 1 / (s + 1)) / last
+
+
+def over_histories(
+    function: Any,
+    law: Any,
+    modes: Any,
+    disc: Any,
+    *histories: Any,
+    levels: int | None = None,
+) -> Any:
+    """`function` for every history, where JAX computes in one compiled call; NumPy
+    arrays unless traced.
+    """
+    count = histories[0].shape[0]
+    if on_numpy():
+        static = {} if levels is None else {"levels": levels}
+        found = [
+            function(law, modes, disc, *(h[i] for h in histories), **static)
+            for i in range(count)
+        ]
+        return mapped(lambda *a: np.stack(a), *found)
+    size = batch(count)
+    more = -count % size
+    traced = is_traced(law, modes, disc, *histories)
+    numpy = xp if traced else np
+    full = tuple(
+        numpy.concatenate([h, numpy.repeat(h[:1], more, axis=0)]) if more else h
+        for h in histories
+    )
+    out = _mapped(law, modes, disc, *full, function=function, levels=levels, size=size)
+    return mapped(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
+
+
+def batch(count: int) -> int:
+    """How many of `count` histories are computed at once."""
+    return min(_BATCH, 1 << (count - 1).bit_length())
+
+
+@compiled("function", "levels", "size")
+def _mapped(
+    law: Any,
+    modes: Any,
+    disc: Any,
+    *histories: Any,
+    function: Any,
+    levels: int | None,
+    size: int,
+) -> Any:
+    import jax
+
+    static = {} if levels is None else {"levels": levels}
+
+    def one(history: tuple[Array, ...]) -> Any:
+        return function(law, modes, disc, *history, **static)
+
+    if histories[0].shape[0] == size:
+        return jax.vmap(one)(histories)
+    return jax.lax.map(one, histories, batch_size=size)
+
+
+def indent_all(
+    law: Any,
+    modes: Any,
+    disc: Any,
+    time: np.ndarray,
+    depth: np.ndarray,
+    radius: np.ndarray,
+    levels: int,
+    size: int,
+) -> History:
+    """Depths that are linear between the instants, (histories, m), with panels of a
+    level between the edges.
+
+    One compiled program serves all levels: it takes `size` rows of `cuts` of any
+    histories.
+    """
+    rows = cuts(levels)
+    if on_numpy():
+        parts = np.tile(np.append(rows[:, :-1], 1.0), (len(time), 1))
+        found, _ = over_histories(
+            indent_between, law, modes, disc, time, depth, radius, parts
+        )
+        return found._replace(radius=np.array(radius))
+    which, row = np.divmod(np.arange(len(time) * len(rows)), len(rows))
+    sums = []
+    for i in range(0, which.size, size):
+        taken = np.minimum(np.arange(i, i + size), which.size - 1)
+        history = (a[which[taken]] for a in (time, depth, radius))
+        found, _ = over_histories(
+            indent_between, law, modes, disc, *history, rows[row[taken]]
+        )
+        sums.append(found)
+    joined = mapped(
+        lambda *a: np.concatenate(a)[: which.size].reshape(len(time), len(rows), -1),
+        *sums,
+    )
+    return mapped(lambda a: a.sum(axis=1), joined)._replace(radius=np.array(radius))

@@ -5,12 +5,12 @@ with its contact.
 from __future__ import annotations
 
 import math
-import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, mapped, on_jax, on_numpy, xp
+from ..arrays import arrays, xp
+from ..call.extrapolation import Beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     is_traced,
@@ -19,22 +19,33 @@ from ..checks import (
     numpy_unless_traced,
     positive,
     scalar,
+    warn_unless,
 )
-from ..element.law import as_foundation
-from ..errors import ConvergenceWarning, InputError
-from ..results.words import brief, describe
-from ..smooth.problem import BARE, LAYER, contact
+from ..errors import InputError
+from ..results.words import brief
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine, spline_coefficients
-from ..surface.shapes import AbstractShape, Cylinder
+from ..surface.shapes import AbstractShape
 from .age import sliding_beyond
-from .body_motion import History, Scene, run
-from .body_over_line import AbstractOverLine, Indenter, rough
-from .contact_sizes import check_path, contact_sizes, shared_level
+from .body_motion import Mount
+from .body_over_line import (
+    AbstractOverLine,
+    Indenter,
+    check_path,
+    contact_sizes,
+    rough,
+)
 from .history_result import Drive
-from .mount import Mount
-from .problem import LINE, GivenHistory, SlidePlan, describe_line, given_history
-from .refinement import Levels, at_level, finest, refine
+from .problem import (
+    GivenHistory,
+    SlidePlan,
+    SlidingBody,
+    describe_line,
+    even_steps,
+    given_history,
+    sliding_body,
+)
+from .refinement import Cut, Levels, solve_levels, widened
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number
@@ -45,9 +56,6 @@ _FINEST = 4  # levels beyond the coarsest, unless they are short
 _LONG = 1e9  # elements times steps times branches of what is not short: half a minute
 # elements times steps times branches marched sooner than another program is compiled
 _ROOM = 3e7
-# a step takes NumPy so many times as long as one of em.slide: the motion of the body is
-# sought in it
-_SLOWER = 4.0
 _EARLY = 4.0  # ratio of the instants that divide the first interval
 _MOST_EARLY, _TRACED_EARLY = 40, 12
 # steps per period of a mass on its spring and the contact, on the coarsest level
@@ -111,59 +119,42 @@ def drive(
 
     Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
     """
-    foundation = as_foundation(material)
-    per_length = isinstance(shape, RoughLine)
-    if track is not None and (per_length or not isinstance(track, RoughLine)):
+    body = sliding_body(material, shape)
+    if track is not None and (body.per_length or not isinstance(track, RoughLine)):
         raise InputError(
             "track must be an em.RoughLine under an indenter; under a rough line "
             "there is no track."
         )
-    if per_length and foundation.per_area:
-        raise InputError(
-            "material must be a half-space under a RoughLine, got a layer: give "
-            "the material itself."
-        )
-    lines = None if per_length else contact(foundation, shape)[0]
-    if lines is not None and not isinstance(lines, SingleLine):
+    if not isinstance(body.over, (RoughLine, SingleLine)):
         raise InputError(
             "material must be a half-space under this shape; on a layer em.drive "
             "takes an em.Cylinder."
         )
-    history = given_history(
-        foundation, time, position, load, None, temperature, rtol, elements, per_length
-    )
+    given = (time, position, load, None, temperature, rtol, elements)
+    history = given_history(body, *given)
     if (np.diff(history.time) <= 0).any():
         raise InputError(
             "time must ascend without repeats: bodies with a mass have no jumps."
         )
-    mounts = [
-        _mount(name, mount)
-        for name, mount in (("tangential", tangential), ("normal", normal))
-    ]
-    body: Any = shape if lines is None else lines
-    found, size = (
-        on_jax(_solve, body, history, mounts, None)
-        if per_length
-        else _solve(body, history, mounts, track)
-    )
-    model = LINE if per_length else LAYER if isinstance(shape, Cylinder) else BARE
-    what = describe_line(shape) if per_length else describe(shape)
-    inputs = [("material", foundation.name or "given directly"), ("shape", what)]
-    inputs += [
-        (f"{name} mount", _in_words(mount, per_length))
-        for name, mount in (("tangential", tangential), ("normal", normal))
-        if mount is not None
+    mounts = {
+        "tangential": _mount("tangential", tangential),
+        "normal": _mount("normal", normal),
+    }
+    found, plan = _solve(body.over, history, list(mounts.values()), track)
+    inputs = [
+        *body.words,
+        *(
+            (f"{name} mount", _in_words(mount, body.per_length))
+            for name, mount in mounts.items()
+            if mount is not None
+        ),
     ]
     if track is not None:
         inputs.append(("track", describe_line(track)))
-    left_out = "elements that cannot be touched are left out"
-    plan = SlidePlan(
-        size[0], size[1], int(history.law.times.size), found.levels, left_out
-    )
-    deep = found.forces.depth
-    beyond = sliding_beyond(history, body, deep, deep, stacklevel=4)
+    deep = found.seen.depth
+    beyond = sliding_beyond(history, body.over, deep, deep)
     inputs = (*inputs, *history.inputs, *beyond.said)
-    return _pack(history, found, mounts, plan, model, inputs, per_length, beyond.points)
+    return _pack(history, found, mounts["tangential"], body, plan, inputs, beyond)
 
 
 def _mount(name: str, mount: Any) -> Mount | None:
@@ -197,114 +188,82 @@ def _solve(
     history: GivenHistory,
     mounts: list[Any],
     track: RoughLine | None,
-) -> tuple[Levels, list[int]]:
+) -> tuple[Levels, SlidePlan]:
     """Marches at finer and finer levels; more elements where the body turns out to
     reach further.
     """
     law = arrays(history.law)
-    load = xp.asarray(history.value)
     traced = history.traced or is_traced(body, mounts, track)
-    gone = float(np.ptp(history.time))
-    reach, spacing, widest = 0.0, None, 1.0
-    slope = body.rms_slope if isinstance(body, RoughLine) else None
-    if isinstance(body, AbstractLines):
-        glassy, widest = contact_sizes(law, body, "load", load, gone)
-        # no contact, of which to choose elements
-        if not traced and not np.any(history.value > 0):
-            glassy = widest = xp.asarray(max(float(np.ptp(history.position)), 1e-6))
-        reach, spacing = (
-            2 * widest,
-            (
-                track.spacing
-                if track is not None
-                else 2 * xp.sqrt(glassy * widest) / _ACROSS
-            ),
-        )
-        slope = body.depth(widest) / widest
-        if track is not None and not traced:
-            spacing = spacing / math.ceil(
-                float(spacing) * _ACROSS / float(2 * xp.sqrt(glassy * widest))
-            )
-    while True:
-        found, size, outside = _within(
-            body, history, law, mounts, track, spacing, reach, slope
-        )
-        if not outside or float(reach) > 30 * float(widest):
-            return found, size
-        reach = 2 * reach
+    if isinstance(body, RoughLine):
+        grid = _Grid(body.count, body.spacing, xp.zeros(()))
+        slope = body.rms_slope
+        return _on_grid(body, history, mounts, track, grid, slope, traced)[:2]
+    load, duration = xp.asarray(history.value), float(np.ptp(history.time))
+    glassy, widest = contact_sizes(law, body, "load", load, duration)
+    # no contact, of which to choose elements
+    if not traced and not np.any(history.value > 0):
+        glassy = widest = xp.asarray(max(float(np.ptp(history.position)), 1e-6))
+    spacing = 2 * xp.sqrt(glassy * widest) / _ACROSS
+    if track is not None:
+        wanted, spacing = spacing, track.spacing
+        if not traced:
+            spacing = spacing / math.ceil(float(spacing) / float(wanted))
+    slope = body.depth(widest) / widest
+
+    def within(reach: Any) -> tuple[Levels, SlidePlan, bool]:
+        place = xp.asarray(history.position)
+        low, high = xp.min(place) - reach, xp.max(place) + reach
+        if traced:
+            grid = _Grid(history.elements, (high - low) / history.elements, low)
+        else:
+            check_path(float(high - low), float(spacing))
+            count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
+            grid = _Grid(count, spacing, low)
+        return _on_grid(body, history, mounts, track, grid, slope, traced)
+
+    return widened(within, 2 * widest, widest)
 
 
-def _within(
+class _Grid(NamedTuple):
+    """Elements on the coarsest level, along the path from `low` on."""
+
+    elements: int
+    spacing: Any  # [m]
+    low: Any  # [m]
+
+
+def _on_grid(
     body: RoughLine | AbstractLines,
     history: GivenHistory,
-    law: Any,
     mounts: list[Any],
     track: Any,
-    spacing: Any,
-    reach: Any,
+    grid: _Grid,
     slope: Any,
-) -> tuple[Levels, list[int], bool]:
-    """Marches elements up to `reach` [m] from where the drive comes; whether the
-    outermost of them were touched.
+    traced: bool,
+) -> tuple[Levels, SlidePlan, bool]:
+    """Marches elements from where the drive comes; whether the outermost of them were
+    touched.
     """
-    time, place, load = (
-        xp.asarray(x) for x in (history.time, history.position, history.value)
-    )
-    traced = history.traced or is_traced(body, mounts, track)
-    low, high = xp.min(place) - reach, xp.max(place) + reach
-    if isinstance(body, RoughLine):
-        count, spacing = body.count, body.spacing
-    elif traced:
-        count = history.elements
-        spacing = (high - low) / count
-    else:
-        check_path(float(high - low), float(spacing))
-        count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
-    samples = 8 if traced else _samples(history, spacing, mounts, law)
+    samples = 8 if traced else _samples(history, grid.spacing, mounts)
     shortest, early = _early(history)
-    size, outside = [0, 0], [False]
-    work = count * samples * (history.time.size + early) * max(law.times.size, 1)
-    most = finest(work, traced)
-    most = most if 4.0**most * work <= _LONG else min(_FINEST, most)
-    shared = shared_level(work, most, _ROOM)
-
-    def solve(level: int) -> tuple[History, Any]:
-        finer = 2**level
-        room = finer if on_numpy() else max(finer, 2**shared)
-        surface = _surface(
-            body,
-            track,
-            low,
-            xp.asarray(spacing / finer),
-            count * room,
-            finer,
-            room // finer,
-        )
-        scene = Scene(law, surface, *mounts)
-        used = xp.asarray(samples * finer)
-        seen, line = run(
-            scene, time, place, load, shortest, samples * room, used, early
-        )
-        size[:] = count * finer, samples * finer * (history.time.size - 1 + early)
-        inside = (
-            xp.bool_(True)
-            if isinstance(body, RoughLine)
-            else (line.u[0] == 0) & (line.u[count * finer - 1] == 0)
-        )
-        if is_traced(seen):
-            return seen, inside
-        outside[0] = not inside
-        if not np.any(history.value > 0):  # what is left is rounding
-            seen = seen._replace(normal=0 * seen.normal, drag=0 * seen.drag)
-        return mapped(np.asarray, (seen, inside))
-
-    def solved(level: int) -> tuple[History, Any]:
-        return at_level(solve, level, _SLOWER * work * 4.0**level)
-
-    return refine(solved, history.rtol, most, slope, _missing), size, outside[0]
+    given = (history.time, xp.asarray(history.position), xp.asarray(history.value))
+    cut = Cut(
+        surface=lambda finer, room: _surface(body, track, grid, finer, room),
+        steps=lambda finer: even_steps(*given, shortest, early, samples * finer),
+        elements=grid.elements,
+        strips=1,
+        most_steps=samples * (history.time.size - 1 + early),
+        traced=traced,
+        endless=isinstance(body, RoughLine),
+        skipped="elements that cannot be touched are left out",
+        mounts=mounts,
+        room=_ROOM,
+        long=(_LONG, _FINEST),
+    )
+    return solve_levels(history, cut, slope, missing=_missing)
 
 
-def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -> int:
+def _samples(history: GivenHistory, spacing: Any, mounts: list[Any]) -> int:
     """Contact steps between two instants: none moves further than an element, and a
     mass on its spring is followed.
     """
@@ -337,32 +296,21 @@ def _early(history: GivenHistory) -> tuple[Any, int]:
 def _surface(
     body: RoughLine | AbstractLines,
     track: RoughLine | None,
-    low: Any,
-    spacing: Any,
-    count: int,
+    grid: _Grid,
     finer: int,
-    periods: int,
+    room: int,
 ) -> AbstractOverLine:
-    """The body over `count` elements; over so many periods of a rough line, with
-    `finer` elements for each point.
+    """The body over `finer` elements for each of the grid, with `room` for more:
+    further places, or periods of a rough line.
     """
+    spacing = xp.asarray(grid.spacing / finer)
     if isinstance(body, RoughLine):
-        return rough(
-            xp.tile(body._finer(finer), periods), spacing, xp.asarray(body.highest)
-        )
-    x = low + spacing * (xp.arange(count) + 0.5)
-    height: Any = xp.zeros(())
-    if track is not None:
-        height = _heights(track, x)
+        height = xp.tile(body._finer(finer), room // finer)
+        return rough(height, spacing, xp.asarray(body.highest))
+    x = grid.low + spacing * (xp.arange(grid.elements * room) + 0.5)
     weight = spacing * body.weight(xp.ones(1))[0, 0]
-    return Indenter(
-        shape=body.shape,
-        x=x,
-        y=None,
-        spacing=xp.asarray(spacing),
-        weight=weight,
-        track=height,
-    )
+    height = xp.zeros(()) if track is None else _heights(track, x)
+    return Indenter(weight, body.shape, x, None, spacing, height)
 
 
 def _heights(track: RoughLine, x: Any) -> Any:
@@ -396,31 +344,21 @@ def _missing(seen: Any) -> tuple[Any, Any]:
 def _pack(
     history: GivenHistory,
     found: Levels,
-    mounts: list[Any],
-    plan: Any,
-    model: str,
-    inputs: Any,
-    per_length: bool,
-    extrapolated: Any,
+    tangential: Mount | None,
+    body: SlidingBody,
+    plan: SlidePlan,
+    inputs: tuple[tuple[str, str], ...],
+    beyond: Beyond,
 ) -> Drive:
-    traced = is_traced(found)
-    if not traced and not found.good.all():
-        text = (
-            f"{int((~found.good).sum())} of {found.good.size} instants did not "
-            f"converge to rtol={history.rtol:g}; "
-        )
-        warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
+    warn_unless(found.good, "instants", f" to rtol={history.rtol:g}")
 
     def shown(field: Any) -> Any:
         return nan_unless(found.shown, field)
 
-    seen: Any = found.forces
-    tangential = mounts[0]
-    pull = (
-        seen.drag
-        if tangential is None
-        else tangential.stiffness * (history.position - seen.position)
-    )
+    seen = found.seen
+    pull = seen.drag
+    if tangential is not None:
+        pull = tangential.stiffness * (history.position - seen.position)
     return Drive(
         time=history.time,
         drive=history.position,
@@ -438,9 +376,9 @@ def _pack(
         imbalance=shown(_missing(seen)[0]),
         error=shown(found.error),
         converged=found.good,
-        per_length=per_length,
-        model=model,
+        per_length=body.per_length,
+        model=body.model,
         plan=plan,
         inputs=inputs,
-        extrapolated=extrapolated,
+        extrapolated=beyond.points,
     )

@@ -107,7 +107,7 @@ class ForceSpectrum(Result):
     shows_density: bool = setting(default=False)  # whether a window was used
 
     title: ClassVar[str] = "Spectrum of a force"
-    figure: ClassVar[str] = "draw_force_spectrum"
+    figure: ClassVar[str] = "plot_curves.draw_force_spectrum"
     across: ClassVar[str] = "frequency"
     shows: ClassVar[str] = "amplitude"
     error_of: ClassVar[str] = "the amplitude"
@@ -150,66 +150,27 @@ def force_spectrum(
     motion: Any, force: str, since: float | None, period: float | None
 ) -> ForceSpectrum:
     """`Slide.spectrum` and `Drive.spectrum`; see there."""
-    if is_traced(motion):
-        raise InputError("spectrum is for numbers: call it outside jit, grad and vmap.")
-    if motion.origins:
-        raise InputError(
-            "spectrum is of one material: take that of result.select(name)."
-        )
-    known = [
-        name
-        for name in ("normal_force", "friction_force", "pull")
-        if hasattr(motion, name)
-    ]
-    if force not in known:
-        raise InputError(f"force must be one of {', '.join(known)}, got {force!r}.")
-    time, values = np.asarray(motion.time), np.asarray(getattr(motion, force))
-    since = float(time[0]) if since is None else plain("since", since)
-    later = time >= since - 1e-9 * np.ptp(time)
-    time, values = time[later], values[later]
-    if time.size < 8:
-        raise InputError(
-            f"since must leave eight instants or more, got {since:g} s with "
-            f"{time.size} after it."
-        )
+    later, values = _late(motion, force, since)
+    time = np.asarray(motion.time)[later]
     step, each, count = np.ptp(time) / (time.size - 1), 0, 0
-    if np.abs(np.diff(time) - step).max() > 1e-6 * step:
-        raise InputError(
-            "spectrum needs evenly spaced instants: give em.slide or em.drive "
-            "np.linspace(...) as time."
-        )
-    if not np.isfinite(values).all():
-        raise InputError(
-            "spectrum needs a motion of which every instant after `since` has "
-            "converged."
-        )
     if period is None:
         values = values[:-1] if values.size % 2 else values
         window = np.hanning(values.size + 1)[:-1]
     else:
-        length = plain("period", period)
-        positive("period", length)
-        each = round(length / step)
-        count = int((time.size - 1) // each) if each else 0
-        if each < 4 or count < 1 or abs(each * step / length - 1) > 1e-6:
-            raise InputError(
-                f"period must be four steps of the time ({step:g} s) or more, a whole "
-                "number of them, and fit into what is left after since "
-                f"({np.ptp(time):g} s), got {length:g} s."
-            )
+        each, count = _whole_periods(time, step, period)
         values = values[values.size - 1 - count * each : -1]
         window = np.ones(values.size)
     amplitude, density = _waves(values, window, step)
     error = np.full(amplitude.shape, np.nan)
     if count > 1:
         half = (count // 2) * each
-        parts = [
+        first, second = (
             _waves(part, np.ones(half), step)[0]
             for part in (values[:half], values[-half:])
-        ]
+        )
         stride = values.size / half  # of the frequencies that the halves have
         near = np.arange(1, amplitude.size + 1) / stride
-        error = np.interp(near, np.arange(1, half // 2 + 1), abs(parts[1] - parts[0]))
+        error = np.interp(near, np.arange(1, half // 2 + 1), abs(second - first))
     beyond = motion.extrapolated
     if beyond is not None:
         beyond = np.full(amplitude.shape, np.asarray(beyond)[later].any())
@@ -232,6 +193,60 @@ def force_spectrum(
             ("since", f"{significant(float(time[0]))} s"),
         ),
     )
+
+
+def _late(
+    motion: Any, force: str, since: float | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which instants count, and the force at them. Raises `InputError` for a motion of
+    which there is no spectrum.
+    """
+    if is_traced(motion):
+        raise InputError("spectrum is for numbers: call it outside jit, grad and vmap.")
+    if motion.origins:
+        raise InputError(
+            "spectrum is of one material: take that of result.select(name)."
+        )
+    names = ("normal_force", "friction_force", "pull")
+    known = [name for name in names if hasattr(motion, name)]
+    if force not in known:
+        raise InputError(f"force must be one of {', '.join(known)}, got {force!r}.")
+    time, values = np.asarray(motion.time), np.asarray(getattr(motion, force))
+    since = float(time[0]) if since is None else plain("since", since)
+    later = time >= since - 1e-9 * np.ptp(time)
+    time, values = time[later], values[later]
+    if time.size < 8:
+        raise InputError(
+            f"since must leave eight instants or more, got {since:g} s with "
+            f"{time.size} after it."
+        )
+    step = np.ptp(time) / (time.size - 1)
+    if np.abs(np.diff(time) - step).max() > 1e-6 * step:
+        raise InputError(
+            "spectrum needs evenly spaced instants: give em.slide or em.drive "
+            "np.linspace(...) as time."
+        )
+    if not np.isfinite(values).all():
+        raise InputError(
+            "spectrum needs a motion of which every instant after `since` has "
+            "converged."
+        )
+    return later, values
+
+
+def _whole_periods(time: np.ndarray, step: float, period: float) -> tuple[int, int]:
+    """Steps of a period, and how many periods there are. Raises `InputError`."""
+    length = plain("period", period)
+    positive("period", length)
+    each = round(length / step)
+    count = int((time.size - 1) // each) if each else 0
+    if each < 4 or count < 1 or abs(each * step / length - 1) > 1e-6:
+        raise InputError(
+            f"period must be four steps of the time ({step:g} s) or more, a whole "
+            "number of them, and fit into what is left after since "
+            f"({np.ptp(time):g} s), got {length:g} s."
+        )
+    return each, count
 
 
 def _waves(

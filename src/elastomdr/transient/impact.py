@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from ..arrays import on_jax, xp
 from ..call.extrapolation import NOT_KNOWN, Beyond, told
-from ..call.radius_hint import hint_at_metres
+from ..call.problem import check_rtol, hint_at_metres
 from ..checks import (
     as_float64,
     broadcast_shape,
@@ -18,21 +17,20 @@ from ..checks import (
     nan_unless,
     numpy_unless_traced,
     positive,
+    warn_unless,
 )
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError
+from ..errors import InputError
 from ..material.relaxation import Relaxation
-from ..material.vertical import thermal_factors
+from ..material.shift import thermal_factors
 from ..results.base import Origin, distinct
 from ..results.words import brief, describe
-from ..surface.shapes import AbstractShape, Cylinder
-from .impact_levels import impacts
-from .impact_motion import Body
+from .impact_motion import Body, Impacts, impacts
 from .impact_result import History, Impact
-from .layer_disc import LayerDisc
+from .layer_disc import incompressible_enough, of_layer
 from .oblique_impact import check_oblique, solve_oblique
-from .on_layer import incompressible_enough, of_layer
+from .problem import check_shape, standing
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -111,17 +109,16 @@ def impact(
     Source: Popov & Hess 2015, ch. 7; Ting 1966 for the rebound.
     """
     slips = check_oblique(material, tangential_velocity, friction, inertia, tangential)
-    extra = (slips.velocity, slips.friction) if slips is not None else ()
+    extra = {}
+    if slips is not None:
+        extra = {"tangential_velocity": slips.velocity, "friction": slips.friction}
     scene = _scene(material, shape, mass, velocity, temperature, rtol, extra)
     found = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
-    traced = is_traced(found.motion.restitution)
-    good = found.converged
-    if isinstance(scene.body.shape, LayerDisc):
-        disc = scene.body.shape
-        good = good & (found.motion.max_depth < disc.thickness)
-        numpy = xp if is_traced(disc, found.motion.max_depth) else np
-        radius = numpy.asarray(disc.radius_of_depth(found.motion.max_depth))
-        incompressible_enough(material, disc, radius, found.motion.max_force)  # type: ignore[arg-type]
+    motion, good = found.motion, found.converged
+    reason = ""
+    if isinstance(material, Layer):
+        good, reason = _within_layer(material, scene.body.shape, found)
+    warn_unless(good, "impacts", f" to rtol={rtol:g}", reason)
 
     def shaped(field: Any) -> Any:
         return nan_unless(good, field).reshape(scene.shape)
@@ -129,26 +126,20 @@ def impact(
     def series(field: Any) -> Any:
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
-    if not traced and not good.all():
-        text = (
-            f"{int((~good).sum())} of {good.size} impacts did not converge to "
-            f"rtol={rtol:g}; they are NaN."
-        )
-        if isinstance(material, Layer) and (found.converged & ~good).any():
-            text += (
-                " The body would go deeper than the layer is thick, "
-                f"{float(material.thickness):.4g} m."
-            )
-        warnings.warn(text, ConvergenceWarning, stacklevel=3)
-    motion = found.motion
     duration = shaped(nan_unless(found.timed, motion.duration))
-    beyond = NOT_KNOWN if traced else _beyond(scene, duration)
+    beyond = NOT_KNOWN
+    if not is_traced(motion.restitution):
+        beyond = _beyond(scene, duration)
     history = History(
         series(motion.time),
         series(motion.depth),
         series(motion.speed),
         series(motion.force),
     )
+    oblique = None
+    if slips is not None:
+        oblique = on_jax(solve_oblique, slips, scene, shape, history, found)
+    energy = 0.5 * scene.body.mass * scene.body.velocity**2
     return Impact(
         mass=scene.mass,
         velocity=scene.velocity,
@@ -156,25 +147,14 @@ def impact(
         duration=duration,
         max_depth=shaped(motion.max_depth),
         max_force=shaped(motion.max_force),
-        lost=shaped(
-            0.5
-            * scene.mass.reshape(-1)
-            * scene.velocity.reshape(-1) ** 2
-            * (1 - motion.restitution**2)
-        ),
+        lost=shaped(energy * (1 - motion.restitution**2)),
         history=history,
-        oblique=None
-        if slips is None
-        else on_jax(solve_oblique, slips, scene, shape, history, found),
+        oblique=oblique,
         error=nan_unless(good, found.error).reshape(scene.shape),
         stuck=found.stuck.reshape(scene.shape),
         converged=good.reshape(scene.shape),
         temperature=scene.temperature,
-        model=FINITE
-        if isinstance(material, Layer)
-        else LAYER
-        if scene.per_area
-        else HALF_SPACE,
+        model=scene.model,
         plan="velocities as the grid, extrapolated in the number of steps",
         inputs=scene.inputs + beyond.said,
         extrapolated=beyond.points,
@@ -182,15 +162,29 @@ def impact(
     )
 
 
+def _within_layer(material: Layer, disc: Any, found: Impacts) -> tuple[np.ndarray, str]:
+    """Which impacts are solved and less deep than the layer is thick, and why others
+    are not. Raises `InputError` for rubber that is not incompressible enough.
+    """
+    motion = found.motion
+    good = found.converged & (motion.max_depth < disc.thickness)
+    numpy = xp if is_traced(disc, motion.max_depth) else np
+    radius = numpy.asarray(disc.radius_of_depth(motion.max_depth))
+    incompressible_enough(material, disc, radius, motion.max_force)
+    if is_traced(good) or not (found.converged & ~good).any():
+        return good, ""
+    h = float(disc.thickness)
+    return good, f"The body would go deeper than the layer is thick, {h:.4g} m."
+
+
 def _origins(scene: "_Scene") -> tuple[Origin, ...]:
     """The materials along the first axis."""
-    model = LAYER if scene.per_area else HALF_SPACE
     names = distinct(
         [f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)]
     )
     rest = tuple(pair for pair in scene.inputs if pair[0] != "material")
     return tuple(
-        Origin(name, model, (("material", name), *rest), frozenset(), None)
+        Origin(name, scene.model, (("material", name), *rest), frozenset(), None)
         for name in names
     )
 
@@ -198,6 +192,7 @@ def _origins(scene: "_Scene") -> tuple[Origin, ...]:
 class _Scene(NamedTuple):
     body: Body
     per_area: bool
+    model: str
     mass: Any  # broadcast
     velocity: Any
     temperature: Any
@@ -214,52 +209,83 @@ def _scene(
     velocity: Any,
     temperature: Any,
     rtol: Any,
-    extra: tuple = (),
+    extra: dict[str, Any],
 ) -> _Scene:
+    """Everything checked and broadcast; `extra` are arguments of an oblique impact that
+    broadcast too. Raises `InputError`.
+    """
     many = isinstance(material, Sequence) and not isinstance(material, str)
+    struck, foundations, per_area, model = _struck(material, shape, many, bool(extra))
+    check_rtol(rtol, "1e-10", "1e-2")
+    mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
+    positive("mass", mass)
+    positive("velocity", velocity)
+    kelvin = None if temperature is None else as_float64("temperature", temperature)
+    points = broadcast_shape(mass=mass, velocity=velocity, temperature=kelvin, **extra)
+    result = (len(foundations), *points) if many else points
+    columns = _columns(foundations, kelvin, points, many)
+
+    def full(array: Any) -> Any:
+        return xp.broadcast_to(array, result)
+
+    names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
+    inputs = [
+        ("material", names),
+        ("shape", describe(shape)),
+        ("mass", brief(mass, "kg")),
+        ("velocity", brief(velocity, "m/s")),
+    ]
+    if kelvin is not None:
+        inputs.append(("temperature", brief(kelvin, "K")))
+    inputs.append(("relative tolerance", f"{rtol:g}"))
+    flat = (full(mass).reshape(-1), full(velocity).reshape(-1))
+    return _Scene(
+        body=Body(struck, *columns, *flat),
+        per_area=per_area,
+        model=model,
+        mass=full(mass),
+        velocity=full(velocity),
+        temperature=None if kelvin is None else full(kelvin),
+        shape=result,
+        inputs=tuple(inputs),
+        foundations=foundations,
+        many=many,
+    )
+
+
+def _struck(
+    material: Any, shape: Any, many: bool, oblique: bool
+) -> tuple[Any, list[Foundation], bool, str]:
+    """The body over its elements, the foundations, whether they are per area, and the
+    model. Raises `InputError`.
+    """
     if many and not material:
         raise InputError(
             "material must be a material or a list of them, got an empty list."
         )
-    if not isinstance(shape, AbstractShape):
-        raise InputError(
-            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
-            f"like, got {shape!r}."
-        )
+    check_shape(shape)
     hint_at_metres(shape)
-    struck: Any = shape
     if isinstance(material, Layer):
-        if extra:
+        if oblique:
             raise InputError(
                 "tangential_velocity must be left out on an em.layer: only its "
                 "normal impact is known."
             )
         struck, foundation = of_layer(material, shape)
-        foundations, per_area = [foundation], False
-    else:
-        if many and any(isinstance(m, Layer) for m in material):
-            raise InputError(
-                "material must be one em.layer, not a list of them, in an impact."
-            )
-        foundations = (
-            [as_foundation(m) for m in material] if many else [as_foundation(material)]
+        return struck, [foundation], False, FINITE
+    if many and any(isinstance(m, Layer) for m in material):
+        raise InputError(
+            "material must be one em.layer, not a list of them, in an impact."
         )
-        per_area = _standing(foundations, shape)
-    if (
-        isinstance(rtol, bool)
-        or not isinstance(rtol, (int, float))
-        or not 1e-10 <= rtol <= 1e-2
-    ):
-        raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
-    mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
-    positive("mass", mass)
-    positive("velocity", velocity)
-    kelvin = None if temperature is None else as_float64("temperature", temperature)
-    oblique = dict(zip(("tangential_velocity", "friction"), extra, strict=False))
-    points = broadcast_shape(
-        mass=mass, velocity=velocity, temperature=kelvin, **oblique
-    )
-    result = (len(foundations), *points) if many else points
+    foundations = [as_foundation(m) for m in (material if many else [material])]
+    per_area = standing(foundations, shape)
+    return shape, foundations, per_area, LAYER if per_area else HALF_SPACE
+
+
+def _columns(
+    foundations: list[Foundation], kelvin: Any, points: tuple[int, ...], many: bool
+) -> tuple[Any, Any, Any]:
+    """(rates, moduli, viscosity) of all laws, a column for each point, or one for all."""
     laws = [_at(foundation, kelvin, points) for foundation in foundations]
     most = max(law.moduli.shape[0] for law in laws)
     width = next((n for n in _WIDTHS if n >= most), most)
@@ -267,34 +293,14 @@ def _scene(
     rates, moduli, viscosity = (
         xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True)
     )
-
-    def flat(array: Any) -> Any:
-        return xp.broadcast_to(array, result).reshape(-1)
-
     # one column per material: one per point
+    repeats = 1
     if many and rates.shape[-1] == len(foundations):
-        count = int(np.prod(points))
-        rates, moduli, viscosity = (
-            xp.repeat(x, count, axis=-1) for x in (rates, moduli, viscosity)
-        )
-    names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
-    inputs = [("material", names), ("shape", describe(shape))]
-    inputs += [("mass", brief(mass, "kg")), ("velocity", brief(velocity, "m/s"))]
-    if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
-    inputs.append(("relative tolerance", f"{rtol:g}"))
-    body = Body(struck, rates, moduli, viscosity, flat(mass), flat(velocity))
-    return _Scene(
-        body,
-        per_area,
-        xp.broadcast_to(mass, result),
-        xp.broadcast_to(velocity, result),
-        None if kelvin is None else xp.broadcast_to(kelvin, result),
-        result,
-        tuple(inputs),
-        foundations,
-        many,
+        repeats = int(np.prod(points))
+    rates, moduli, viscosity = (
+        xp.repeat(x, repeats, axis=-1) for x in (rates, moduli, viscosity)
     )
+    return rates, moduli, viscosity
 
 
 def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
@@ -331,28 +337,7 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
         points.reshape(scene.shape),
         "; ".join(dict.fromkeys(what)),
         illustrative,
-        stacklevel=4,
     )
-
-
-def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
-    """Whether the scene is one on a layer. Raises `InputError` where half-space and
-    shape do not go together.
-    """
-    cylinder = isinstance(shape, Cylinder)
-    kinds = {cylinder if f.per_area is None else f.per_area for f in foundations}
-    if len(kinds) > 1:
-        raise InputError(
-            "material must be a list of half-spaces or a list of layers, got both."
-        )
-    per_area = kinds.pop()
-    if cylinder and not per_area:
-        raise InputError(
-            "material must be a layer under a Cylinder, got a half-space: use "
-            "em.springs(material, thickness, ...). A cylinder on a half-space is no "
-            "MDR problem."
-        )
-    return per_area
 
 
 def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...]) -> Relaxation:

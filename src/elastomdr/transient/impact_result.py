@@ -89,9 +89,9 @@ class Impact(Result):
     def _figure(self) -> str:
         """Force against time for one impact, restitution against velocity for many."""
         return (
-            "draw_impact"
+            "plot_contacts.draw_impact"
             if np.size(self.velocity) == max(1, len(self.origins))
-            else "draw"
+            else "plotting.draw"
         )
 
     def outcome(self) -> Iterator[tuple[str, str]]:

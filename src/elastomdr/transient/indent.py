@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..arrays import on_jax, xp
-from ..call.radius_hint import hint_at_metres
+from ..call.problem import check_rtol, hint_at_metres
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -21,21 +20,21 @@ from ..checks import (
     representable,
     require,
     scalar,
+    warn_unless,
 )
+from ..element.episode import recovery_modes
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
-from ..element.modes import recovery_modes
-from ..errors import ConvergenceWarning, InputError
-from ..material.relaxation import Relaxation, scaled
-from ..material.vertical import thermal_factors
+from ..errors import InputError
+from ..material.relaxation import Relaxation
 from ..results.words import brief, describe
 from ..surface.disc import Disc
-from ..surface.shapes import AbstractShape, Cylinder, PowerLaw
+from ..surface.shapes import Cylinder, PowerLaw
 from .age import history_beyond
 from .indentation_result import Indentation
 from .indentation_route import Course, Found, indent_under, indent_with_adhesion
-from .layer_disc import LayerDisc
-from .on_layer import incompressible_enough, of_layer
+from .layer_disc import LayerDisc, incompressible_enough, of_layer
+from .problem import at_temperature, check_shape
 from .surface_fields import Elements
 
 if TYPE_CHECKING:
@@ -116,83 +115,29 @@ def indent(
     disc, foundation = contact(material, shape)
     law, kelvin, factor = at_temperature(foundation, temperature)
     course = _course(law, time, depth, load, pull=adhesion is not None)
-    rtol = _tolerance(rtol)
-    if course.depth is not None and not is_traced(disc, course.depth) and not disc.flat:
-        deepest = _deepest(disc)
-        accepted = (
-            f"below {deepest:.4g} m, where the contact reaches the end of the profile"
-        )
-        require("depth", np.nan_to_num(course.depth), accepted, lambda d: d < deepest)
-    gamma = None
+    rtol = check_rtol(rtol, "1e-10", "1e-2")
+    _check_depth(disc, course, adhesion)
+    gamma = None if adhesion is None else _work_of_adhesion(law, shape, adhesion)
+    found = _solved(law, disc, course, gamma, rtol)
     if isinstance(disc, LayerDisc):
-        if adhesion is not None:
-            raise InputError(
-                "adhesion must be left out on an em.layer: it is known for "
-                "half-spaces and springs only."
-            )
-        if course.depth is not None and not is_traced(disc, course.depth):
-            h = float(disc.thickness)
-            accepted = f"below the thickness of the layer, {h:.4g} m"
-            require("depth", np.nan_to_num(course.depth), accepted, lambda d: d < h)
-    if adhesion is None:
-        found = indent_under(law, recovery_modes(law), disc, course, rtol)
-    else:
-        gamma = _work_of_adhesion(law, shape, adhesion)
-        found = on_jax(
-            indent_with_adhesion, law, recovery_modes(law), disc, course, gamma
-        )
-    traced = is_traced(found.depth, found.force)
-    numpy = xp if traced else np
-    if isinstance(disc, LayerDisc):
-        found = _within(found, disc)
         layer: Any = material
         incompressible_enough(layer, disc, found.radius, found.force)
-    if not traced and not found.converged.all():
-        failed = int((~found.converged).sum())
-        text = (
-            f"{failed} of {found.converged.size} instants did not converge to "
-            f"rtol={rtol:g}; they are NaN."
-        )
-        if found.reason:
-            text += f" {found.reason}"
-        warnings.warn(text, ConvergenceWarning, stacklevel=3)
-    if (
-        not traced
-        and (lost := int(np.sum(found.converged & np.isnan(found.heat))))
-        and adhesion is None
-    ):
-        text = (
-            f"the heat at {lost} of {found.converged.size} instants did not converge "
-            f"to rtol={rtol:g}; it is NaN."
-        )
-        warnings.warn(text, ConvergenceWarning, stacklevel=3)
-    inputs = [
-        ("material", foundation.name or "given directly"),
-        ("shape", describe(shape)),
-    ]
-    inputs += [
-        (name, brief(value, unit))
-        for name, value, unit in course.words()
-        if value is not None
-    ]
-    if adhesion is not None:
-        inputs.append(("work of adhesion", brief(gamma, "J/m^2")))
-    if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
-    inputs.append(("relative tolerance", f"{rtol:g}"))
-
-    ruled = (
-        found.depth if course.load is None or course.depth is not None else course.load
-    )
+    asked = f" to rtol={rtol:g}"
+    warn_unless(found.converged, "instants", asked, found.reason)
+    if adhesion is None:
+        known_heat = ~(found.converged & xp.isnan(xp.asarray(found.heat)))
+        warn_unless(known_heat, "values of the heat", asked)
+    traced = is_traced(found.depth, found.force)
+    numpy = xp if traced else np
+    every_time = numpy.broadcast_to(course.time, found.depth.shape)
+    given_load = course.load is not None and course.depth is None
     beyond = history_beyond(
         foundation.range,
-        numpy.broadcast_to(course.time, found.depth.shape),
-        ruled,
+        every_time,
+        course.load if given_load else found.depth,
         kelvin,
         factor,
-        stacklevel=3,
     )
-
     # Under a transformation the steps are fixed: what they give is handed out, with its
     # error.
     shown = found.converged | (found.error <= _SHOWN) if traced else found.converged
@@ -201,7 +146,7 @@ def indent(
         return nan_unless(shown, field)
 
     return Indentation(
-        time=numpy.broadcast_to(course.time, found.depth.shape),
+        time=every_time,
         depth=known(found.depth),
         force=known(found.force),
         contact_radius=known(found.radius),
@@ -215,9 +160,71 @@ def indent(
         surface=Elements(law, disc, course) if adhesion is None else None,
         model=_model(law, disc, adhesion),
         plan=found.plan,
-        inputs=(*inputs, *beyond.said),
+        inputs=(*_inputs(foundation, shape, course, gamma, kelvin, rtol), *beyond.said),
         extrapolated=beyond.points,
     )
+
+
+def _solved(
+    law: Relaxation, disc: Disc, course: Course, gamma: Any, rtol: float
+) -> Found:
+    modes = recovery_modes(law)
+    if gamma is not None:
+        return on_jax(indent_with_adhesion, law, modes, disc, course, gamma)
+    found = indent_under(law, modes, disc, course, rtol)
+    return _within(found, disc) if isinstance(disc, LayerDisc) else found
+
+
+def _inputs(
+    foundation: Foundation,
+    shape: Any,
+    course: Course,
+    gamma: Any,
+    kelvin: Any,
+    rtol: float,
+) -> list[tuple[str, str]]:
+    """What was given, in words."""
+    given = [
+        ("time", course.time, "s"),
+        ("depth", course.depth, "m"),
+        ("load", course.load, "N"),
+        ("work of adhesion", gamma, "J/m^2"),
+        ("temperature", kelvin, "K"),
+    ]
+    return [
+        ("material", foundation.name or "given directly"),
+        ("shape", describe(shape)),
+        *(
+            (name, brief(value, unit))
+            for name, value, unit in given
+            if value is not None
+        ),
+        ("relative tolerance", f"{rtol:g}"),
+    ]
+
+
+def _check_depth(disc: Disc, course: Course, adhesion: Any) -> None:
+    """Raises `InputError` for depths beyond what body or layer have, and for adhesion on
+    a layer.
+    """
+    if isinstance(disc, LayerDisc) and adhesion is not None:
+        raise InputError(
+            "adhesion must be left out on an em.layer: it is known for "
+            "half-spaces and springs only."
+        )
+    if course.depth is None or is_traced(disc, course.depth):
+        return
+    depth = np.nan_to_num(course.depth)
+    if not disc.flat:
+        deepest = _deepest(disc)
+        accepted = (
+            f"below {deepest:.4g} m, where the contact reaches the end of the profile"
+        )
+        require("depth", depth, accepted, lambda d: d < deepest)
+    if isinstance(disc, LayerDisc):
+        h = float(disc.thickness)
+        accepted = f"below the thickness of the layer, {h:.4g} m"
+        require("depth", depth, accepted, lambda d: d < h)
 
 
 @numpy_unless_traced
@@ -258,11 +265,7 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     """The elements of a contact, and what they are made of. Raises `InputError` for a
     pair that does not fit.
     """
-    if not isinstance(shape, AbstractShape):
-        raise InputError(
-            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
-            f"like, got {shape!r}."
-        )
+    check_shape(shape)
     hint_at_metres(shape)
     if isinstance(material, Layer):
         return of_layer(material, shape)
@@ -276,32 +279,6 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
             )
         return Disc(shape, "cylinder"), foundation
     return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
-
-
-def at_temperature(
-    foundation: Foundation, temperature: Any
-) -> tuple[Relaxation, Any, Any]:
-    """The law with times and moduli shifted to a temperature [K], that as an array, and
-    a_T; None leaves it.
-    """
-    law = foundation.law()
-    if temperature is None:
-        return law, None, 1.0
-    kelvin = scalar("temperature", temperature)
-    factor, vertical = thermal_factors(foundation, kelvin)
-    if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
-        raise InputError(
-            "temperature must be near where the shift law was measured, got "
-            f"{float(kelvin):g} K, a_T = {factor:.3g}."
-        )
-    law = scaled(law, vertical)
-    return (
-        Relaxation(
-            law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor
-        ),
-        kelvin,
-        factor,
-    )
 
 
 def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
@@ -329,6 +306,32 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
     """Checks a history and brings its parts to one shape. Raises `InputError`."""
     if depth is None and load is None:
         raise InputError("load or depth must be given, got neither.")
+    time, both = _ascending(time), depth is not None and load is not None
+    parts: dict[str, Any] = {}
+    for name, value in (("depth", depth), ("load", load)):
+        if value is not None:
+            parts[name] = as_float64(name, value)
+            signed = pull or name == "depth"
+            _check_course(name, parts[name], signed, both)
+    full = broadcast_shape(time=time, **parts)
+    traced = is_traced(time, *parts.values())
+    numpy = xp if traced else np
+    time, *values = (numpy.broadcast_to(a, full) for a in (time, *parts.values()))
+    parts = dict(zip(parts, values, strict=True))
+    by_depth = _where_depth_rules(**parts) if both else None
+    course = Course(time, parts.get("depth"), parts.get("load"), by_depth)
+    depth = course.depth
+    if depth is not None and not is_traced(law, depth) and law.viscosity > 0:
+        accepted = (
+            "zero or negative at the first instant, since a parallel dashpot "
+            "cannot be pressed down at once"
+        )
+        require("depth", np.nan_to_num(depth[..., 0]), accepted, lambda d: d <= 0)
+    return course
+
+
+def _ascending(time: Any) -> Any:
+    """Instants along the last axis. Raises `InputError`."""
     time = as_float64("time", time)
     finite("time", time)
     if time.ndim == 0 or time.shape[-1] < 2:
@@ -341,64 +344,31 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
             f"time must be ascending, got {time[i]:g} followed by "
             f"{time[(*i[:-1], i[-1] + 1)]:g}."
         )
-    parts: dict[str, Any] = {}
-    both = depth is not None and load is not None
-    for name, value in (("depth", depth), ("load", load)):
-        if value is None:
-            continue
-        parts[name] = as_float64(name, value)
-        signed = pull or name == "depth"
-        given = parts[name]
-        if both and not is_traced(given):
-            given = given[~np.isnan(given)]
-        if not signed:
-            accepted = "zero or positive and finite (a pull needs adhesion)"
-            require(name, given, accepted, lambda x: np.isfinite(x) & (x >= 0))
-            representable(name, given)
-        finite(name, given)
-    full = broadcast_shape(time=time, **parts)
-    traced = is_traced(time, *parts.values())
-    numpy = xp if traced else np
-    time, *values = (numpy.broadcast_to(a, full) for a in (time, *parts.values()))
-    parts = dict(zip(parts, values, strict=True))
-    by_depth = None
-    if both:
-        if is_traced(*parts.values()):
-            raise InputError(
-                "depth and load together must be plain numbers: where each rules "
-                "is read from their NaNs."
-            )
-        by_depth = ~np.isnan(parts["depth"])
-        if not (by_depth ^ ~np.isnan(parts["load"])).all():
-            raise InputError(
-                "depth and load: at every instant one of them must be NaN, and the "
-                "other a number."
-            )
-    course = Course(time, parts.get("depth"), parts.get("load"), by_depth)
-    if (
-        not is_traced(law, course.depth)
-        and law.viscosity > 0
-        and course.depth is not None
-    ):
-        require(
-            "depth",
-            np.nan_to_num(course.depth[..., 0]),
-            (
-                "zero or negative at the first instant, since a parallel dashpot "
-                "cannot be pressed down at once"
-            ),
-            lambda d: d <= 0,
+    return time
+
+
+def _check_course(name: str, given: Any, signed: bool, both: bool) -> None:
+    """Raises `InputError`. Of a course of `both`, NaN stands where the other rules."""
+    if both and not is_traced(given):
+        given = given[~np.isnan(given)]
+    if not signed:
+        accepted = "zero or positive and finite (a pull needs adhesion)"
+        require(name, given, accepted, lambda x: np.isfinite(x) & (x >= 0))
+        representable(name, given)
+    finite(name, given)
+
+
+def _where_depth_rules(depth: Any, load: Any) -> np.ndarray:
+    """Raises `InputError` unless at each instant one of both is given."""
+    if is_traced(depth, load):
+        raise InputError(
+            "depth and load together must be plain numbers: where each rules "
+            "is read from their NaNs."
         )
-    return course
-
-
-def _tolerance(rtol: Any) -> float:
-    if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
-        rtol = rtol.item()
-    if (
-        isinstance(rtol, bool)
-        or not isinstance(rtol, (int, float))
-        or not 1e-10 <= rtol <= 1e-2
-    ):
-        raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
-    return float(rtol)
+    by_depth = ~np.isnan(depth)
+    if not (by_depth ^ ~np.isnan(load)).all():
+        raise InputError(
+            "depth and load: at every instant one of them must be NaN, and the "
+            "other a number."
+        )
+    return by_depth

@@ -68,7 +68,7 @@ class Indentation(AbstractHistory):
     surface: Elements | None = None
 
     title: ClassVar[str] = "Indentation"
-    figure: ClassVar[str] = "draw_indentation"
+    figure: ClassVar[str] = "plot_contacts.draw_indentation"
     across: ClassVar[str] = "depth"
     shows: ClassVar[str] = "force"
     error_of: ClassVar[str] = "force or depth, relative"

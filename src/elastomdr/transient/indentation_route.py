@@ -11,14 +11,22 @@ import numpy as np
 
 from ..arrays import arrays, fixed, mapped, on_jax, on_numpy, xp
 from ..checks import Array, is_traced, nan_unless
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..surface.disc import Disc
-from .batches import batch, indent_all, over_histories
 from .creep import Creep, creep, levels_for
-from .depth_history import edges, edges_of_growth, indent_between_smooth, padded
-from .panels import LAYERS, cuts
-from .refinement import beside
+from .depth_history import (
+    LAYERS,
+    batch,
+    cuts,
+    edges,
+    edges_of_growth,
+    indent_all,
+    indent_between_smooth,
+    over_histories,
+    padded,
+)
+from .refinement import beside, limit
 
 if TYPE_CHECKING:
     from .load_steps import Edges, Marched
@@ -64,14 +72,6 @@ class Course(NamedTuple):
     load: Any
     by_depth: Any
 
-    def words(self) -> list[tuple[str, Any, str]]:
-        """Name, values and unit of what was given."""
-        return [
-            ("time", self.time, "s"),
-            ("depth", self.depth, "m"),
-            ("load", self.load, "N"),
-        ]
-
 
 class Found(NamedTuple):
     """Solved histories, every field of their shape."""
@@ -113,8 +113,7 @@ def indent_with_adhesion(
     shape = course.time.shape
     traced = is_traced(law, disc, course, gamma)
     numpy = xp if traced else np
-    zero = numpy.zeros(shape)
-    by_depth = course.by_depth
+    zero, by_depth = numpy.zeros(shape), course.by_depth
     if by_depth is None:
         by_depth = numpy.full(shape, course.load is None)
     depth, load = (
@@ -123,53 +122,53 @@ def indent_with_adhesion(
     )
     rows = tuple(a.reshape(-1, shape[-1]) for a in (course.time, depth, load, by_depth))
     simple = law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any())
-    sticky = Sticky(disc, law.equilibrium, gamma)
+    sticky, plan = Sticky(disc, law.equilibrium, gamma), JKR
     if simple:
         out = jax.vmap(elastic, in_axes=(None, 0, 0, 0))(sticky, *rows[1:])
-        plan = JKR
     else:
-        out = jax.vmap(receding, in_axes=(None, None, None, None, 0, 0, 0, 0))(
-            law, modes, disc, gamma, *rows
-        )
-        sticky = sticky._replace(
-            gamma=gamma * (law.equilibrium + law.moduli.sum()) / law.equilibrium
-        )
-        plan = STICKY
+        axes = (None, None, None, None, 0, 0, 0, 0)
+        out = jax.vmap(receding, in_axes=axes)(law, modes, disc, gamma, *rows)
+        glassy = (law.equilibrium + law.moduli.sum()) / law.equilibrium
+        sticky, plan = sticky._replace(gamma=gamma * glassy), STICKY
     depth, force, radius, work, stored = (numpy.asarray(a).reshape(shape) for a in out)
+    known, reason = numpy.isfinite(force), ""
     if not traced:
-        for name in ("load", "depth"):
-            a, d, f = (
-                float(x) for x in jax.jit(Sticky.breaks, static_argnums=1)(sticky, name)
-            )
-            plan += (
-                f"; breaks under falling {name} at F = {f:.6g} N, d = {d:.6g} m, a = "
-                f"{a:.6g} m"
-            )
-    known = numpy.isfinite(force)
-    error = numpy.where(known, _ROUNDING, numpy.nan)
-    reason = (
-        ""
-        if traced or known.all()
-        else "A load pulled the body off"
-        + (
-            "."
-            if simple
-            else ", or the contact would have grown, for which there is no rule."
-        )
-    )
+        plan += _breaks(sticky)
+        if not known.all():
+            reason = "A load pulled the body off"
+            if not simple:
+                reason += (
+                    ", or the contact would have grown, for which there is no rule"
+                )
+            reason += "."
     return Found(
-        depth,
-        force,
-        radius,
-        work,
-        stored,
-        zero,
-        work - stored,
-        error,
-        known,
-        plan,
-        reason,
+        depth=depth,
+        force=force,
+        radius=radius,
+        work=work,
+        stored=stored,
+        locked=zero,
+        heat=work - stored,
+        error=numpy.where(known, _ROUNDING, numpy.nan),
+        converged=known,
+        plan=plan,
+        reason=reason,
     )
+
+
+def _breaks(sticky: Any) -> str:
+    """Where an adhesive contact breaks, in words."""
+    import jax
+
+    words = ""
+    for name in ("load", "depth"):
+        edge = jax.jit(type(sticky).breaks, static_argnums=1)(sticky, name)
+        a, d, f = (float(x) for x in edge)
+        words += (
+            f"; breaks under falling {name} at F = {f:.6g} N, d = {d:.6g} m, a = "
+            f"{a:.6g} m"
+        )
+    return words
 
 
 def _by_depth(
@@ -327,61 +326,29 @@ def _stepped(
     nothing will come of it, since every march takes four times as long as the one
     before. Under jit or vmap, where nothing can be looked at, three marches are made.
     """
-    from .load_steps import early_steps, extrapolated, limit, steady_ratio, unaccounted
+    from .load_steps import early_steps, extrapolated, unaccounted
 
     given = (law, modes, disc, *histories)
     # values, unless under jit or vmap
     frozen = fixed(given) if is_traced(given) else given
-    instants = histories[0].shape[-1]
     blind = is_traced(frozen)
-    error: Any = None
-    edges: Any = None  # of the march before
-    ratio: Any = None
-    levels, marches, limits, misses = (
-        max(kept, _BLIND_STEPS if blind else 4),
-        [],
-        [],
-        [],
-    )
+    levels = max(kept, _BLIND_STEPS if blind else 4)
     early = _BLIND_EARLY if blind else early_steps(frozen[0], *frozen[3:], levels)
     sizes: Any = {"kept": kept, "early": early, "coarsest": levels}
-    while True:
-        found, edges = _marched(
-            *(given if blind else frozen), before=edges, levels=levels, **sizes
-        )
-        marches.append(found)
-        if len(marches) > 1:
-            limits.append(limit(marches[-2:], (2,)))
-        if len(limits) > 1:
-            error = _change(limits[1].depth, limits[0].depth) + _change(
-                limits[1].force, limits[0].force
-            )
-            if blind:
-                break
-            last, ratio = ratio, steady_ratio(marches)
-            if last is not None:
-                new, old = (
-                    extrapolated(marches, ratio),
-                    extrapolated(marches[:-1], last),
-                )
-                agree = _change(new.depth, old.depth) + _change(new.force, old.force)
-                error = np.where(
-                    np.isnan(ratio + last), error, np.fmin(error, 3 * agree)
-                )
-            missed = (
-                np.fmax(error / 3, unaccounted(extrapolated(marches, ratio))) / rtol
-            )
-            misses.append(float(np.fmax.reduce(missed, axis=None, initial=0.0)))
-            steps = levels * (instants - 1) + levels // sizes["coarsest"] * early
-            if misses[-1] <= 1 or _hopeless(misses, int(np.log2(_MOST_STEPS / steps))):
-                break
-            limits.pop(0)
-        levels *= 2
-    if is_traced(given) and not blind:  # once more, with derivatives
+    marches: list[Marched] = []
+    error: Any = None
+    ratio: Any = None
+    if blind:
+        levels *= 4
+    else:
+        marches, error, ratio, levels = _series(frozen, levels, sizes, rtol)
+    if is_traced(given):  # with derivatives
         marches = [
             _marched(*given, levels=n, **sizes)[0]
             for n in (levels // 4, levels // 2, levels)
         ]
+    if blind:
+        error = _apart(limit(marches[1:], (2,)), limit(marches[:2], (2,)))
     last = extrapolated(marches, ratio)
     fits = xp.where(last.fits, 1.0, xp.nan)
     heat = nan_unless(unaccounted(last) <= rtol, last.heat)
@@ -401,6 +368,41 @@ def _stepped(
     )
 
 
+def _series(
+    given: tuple, levels: int, sizes: dict[str, int], rtol: float
+) -> tuple[list[Marched], Array, Array, int]:
+    """Marches of ever more steps, from `levels` to so many as meet `rtol`, or will not;
+    the change of their limit, the ratio of its changes, and the last number of steps.
+    """
+    from .load_steps import extrapolated, steady_ratio, unaccounted
+
+    instants = given[3].shape[-1]
+    marches: list[Marched] = []
+    misses: list[float] = []
+    edges: Any = None  # of the march before
+    before: Any = None
+    ratio: Any = None
+    while True:
+        found, edges = _marched(*given, before=edges, levels=levels, **sizes)
+        marches.append(found)
+        if len(marches) > 2:
+            error = _apart(limit(marches[-2:], (2,)), limit(marches[-3:-1], (2,)))
+            before, ratio = ratio, steady_ratio(marches)
+            if before is not None:
+                new = extrapolated(marches, ratio)
+                change = _apart(new, extrapolated(marches[:-1], before))
+                irregular = np.isnan(ratio + before)
+                error = np.where(irregular, error, np.fmin(error, 3 * change))
+            imbalance = unaccounted(extrapolated(marches, ratio))
+            missed = np.fmax(error / 3, imbalance) / rtol
+            misses.append(float(np.fmax.reduce(missed, axis=None, initial=0.0)))
+            early = levels // sizes["coarsest"] * sizes["early"]
+            steps = levels * (instants - 1) + early
+            if misses[-1] <= 1 or _hopeless(misses, int(np.log2(_MOST_STEPS / steps))):
+                return marches, error, ratio, levels
+        levels *= 2
+
+
 def _hopeless(misses: list[float], left: int) -> bool:
     """Whether the last miss, a multiple of what is asked, does not become 1 when the
     steps are halved `left` times, each time with twice the gain of the best of the last
@@ -408,6 +410,11 @@ def _hopeless(misses: list[float], left: int) -> bool:
     """
     gains = [before / after for before, after in itertools.pairwise(misses[-3:])]
     return left < 1 or (len(gains) > 1 and misses[-1] > (2 * max(gains)) ** left)
+
+
+def _apart(new: Marched, old: Marched) -> Array:
+    """Difference of two histories in depth and force."""
+    return _change(new.depth, old.depth) + _change(new.force, old.force)
 
 
 def _change(new: Array, old: Array) -> Array:
@@ -424,10 +431,10 @@ def _marched(
     before: Edges | None = None,
     **sizes: int,
 ) -> tuple[Marched, Edges]:
-    """`march` for every history; a few at once, since each takes memory for all of its
+    """`march_load` for every history; a few at once, since each takes memory for all of its
     elements.
     """
-    from .load_steps import Edges, march
+    from .load_steps import Edges, march_load
 
     count, instants = histories[0].shape
     steps = sizes["levels"] * (instants - 1)
@@ -447,7 +454,9 @@ def _marched(
             if before is None or numpy is not np
             else Edges(*(a[which] for a in before))
         )
-        out.append(march(law, modes, disc, *rows, room=room, before=known, **sizes))
+        out.append(
+            march_load(law, modes, disc, *rows, room=room, before=known, **sizes)
+        )
     return mapped(
         lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count],
         *out,

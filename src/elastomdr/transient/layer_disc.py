@@ -22,7 +22,6 @@ Derived here; W(a) against Hayes et al. 1972.
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -30,20 +29,28 @@ import numpy as np
 
 from ..arrays import fixed, xp
 from ..checks import Array, is_traced, numpy_unless_traced
-from ..element.layer import layer_deficit
+from ..element.law import Foundation, half_space
+from ..element.layer import Layer, layer_deficit
+from ..errors import InputError
+from ..material.prony import Prony
+from ..numerics.quadrature import gauss, gauss_on_panels
 from ..surface.disc import Disc
 from ..surface.profile import Profile
-from ..surface.shapes import AbstractShape, Cone, FlatPunch, PowerLaw
+from ..surface.shapes import AbstractShape, Cone, Cylinder, FlatPunch, PowerLaw
 from ..trees import replaced, static
 
 if TYPE_CHECKING:
     from jaxtyping import Float
+
+    from ..checks import Array
 
 _ENDS = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0])  # panels of a/h
 WIDEST = float(_ENDS[-1])  # a/h up to which the tables reach
 _DEGREE = 13  # of the series on a panel
 _STEPS = 3  # Newton's from the table to rounding
 _TAIL = 17.0  # z = kh beyond which 1 - W is below rounding
+# (a/h)^2 G/K below which rubber of a bulk modulus K is incompressible on a layer
+_STIFFER = 0.01
 
 
 class Resolvents(NamedTuple):
@@ -64,7 +71,7 @@ def kernel_line(squeeze: Any, bonded: bool, reach: float) -> tuple[np.ndarray, A
     x/h = `reach`.
     """
     panels = math.ceil(2 + 1.1 * reach)
-    z, dz = _on_panels(np.linspace(0.0, _TAIL, panels + 1), 24)
+    z, dz = gauss_on_panels(np.linspace(0.0, _TAIL, panels + 1), 24)
     return z, -2 / math.pi * dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
 
 
@@ -73,7 +80,7 @@ def _resolvents(squeeze: Any, bonded: bool, low: float, high: float) -> Resolven
     alpha = 0.5 * (low + high) + 0.5 * (high - low) * _places()
     count = 18 + math.ceil(2.5 * high)
     z, weight = kernel_line(squeeze, bonded, high)
-    node, share = np.polynomial.legendre.leggauss(count)
+    node, share = gauss(count)
     s, ds = alpha[:, None] * 0.5 * (1 + node), alpha[:, None] * 0.5 * share
     parts = []
     for a, x, dx in zip(alpha, s, ds, strict=True):
@@ -145,7 +152,7 @@ class LayerDisc(Disc):
 
     def energy(self, a: Array) -> Array:
         """V(a): an elastic contact stores E* V."""
-        node, share = _on_panels(np.array([0.0, 0.02, 0.2, 1.0]), 16)
+        node, share = gauss_on_panels(np.array([0.0, 0.02, 0.2, 1.0]), 16)
         x = a[..., None] * node
         gap = self.profile(a)[..., None] - self.profile(x)
         return 0.5 * xp.sum(a[..., None] * share * self.weight(x) * gap**2, axis=-1)
@@ -253,68 +260,35 @@ def layer_disc(
     """
     traced = is_traced(shape, thickness, squeeze)
     numpy: Any = xp if traced else np
-    power = tip_power(shape)
-    top = (
-        np.inf
-        if traced
-        else float(np.asarray(shape.largest_contact) / np.asarray(thickness))
-    )
+    top = np.inf
+    if not traced:
+        top = float(np.asarray(shape.largest_contact) / np.asarray(thickness))
     columns: list = []
     for panel in range(_ENDS.size - 1):
         if is_traced(squeeze):
-            at = _resolvents(
-                squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1])
-            )
+            ends = float(_ENDS[panel]), float(_ENDS[panel + 1])
+            line = _resolvents(squeeze, bonded, *ends)
         else:
-            at = _of_numbers(float(np.asarray(squeeze)), bonded, panel)
-        total = numpy.sum(at.ds * at.unit, axis=1)
-        pull = held = numpy.zeros_like(total)
-        if not isinstance(shape, FlatPunch):
-            a = at.alpha * thickness
-            if isinstance(shape, Profile):  # its pieces are panels of the rule
-                pull, held = _over_pieces(shape, thickness, at, squeeze, bonded)
-            else:
-                g = shape._profile(
-                    numpy.minimum(at.s * thickness, shape.largest_contact * (1 - 1e-12))
-                )
-                pull = numpy.sum(at.ds * at.row * g, axis=1)
-                held = numpy.sum(at.ds * at.unit * g, axis=1) * thickness
-            pull, held = pull / a**power, held / a ** (power + 1)
-        columns.append(
-            [
-                _series(numpy, values)
-                for values in (total / at.alpha, at.edge, pull, held)
-            ]
-        )
-        if at.alpha[-1] > top:
+            line = _of_numbers(float(np.asarray(squeeze)), bonded, panel)
+        columns.append(_tables(numpy, shape, thickness, squeeze, bonded, line))
+        if line.alpha[-1] > top:
             columns += [columns[-1]] * (_ENDS.size - 2 - panel)
             break
-    stiffness, edge, pull, held = (
-        numpy.stack(list(column)) for column in zip(*columns, strict=True)
-    )
-    places = np.minimum(
-        np.concatenate(
-            [
-                0.5 * (l + h) + 0.5 * (h - l) * _places()
-                for l, h in itertools.pairwise(_ENDS)
-            ]
-        ),
-        0.999 * top,
-    )
-    places = numpy.minimum(places * thickness, 0.999 * shape.largest_contact)
+    tables = (numpy.stack(list(column)) for column in zip(*columns, strict=True))
+    middle, half = 0.5 * (_ENDS[:-1] + _ENDS[1:]), 0.5 * np.diff(_ENDS)
+    places = (middle[:, None] + half[:, None] * _places()).ravel()
+    places = np.minimum(places, 0.999 * top) * thickness
+    places = numpy.minimum(places, 0.999 * shape.largest_contact)
     disc = LayerDisc(
         shape,
         "half-space",
         numpy.asarray(thickness),
-        stiffness,
-        edge,
-        pull,
-        held,
-        places,
-        places,
-        places,
-        squeeze,
-        bonded,
+        *tables,
+        places=places,
+        depths=places,
+        areas=places,
+        squeeze=squeeze,
+        bonded=bonded,
     )
     if disc.flat:
         return disc
@@ -322,6 +296,31 @@ def layer_disc(
         (disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places)))
     )
     return replaced(disc, depths=depths, areas=areas)
+
+
+def _tables(
+    numpy: Any,
+    shape: AbstractShape,
+    thickness: Any,
+    squeeze: Any,
+    bonded: bool,
+    line: Resolvents,
+) -> list:
+    """Series on a panel of stiffness, edge, pull and held (`LayerDisc`)."""
+    total, power = numpy.sum(line.ds * line.unit, axis=1), tip_power(shape)
+    pull = held = numpy.zeros_like(total)
+    if not isinstance(shape, FlatPunch):
+        a = line.alpha * thickness
+        if isinstance(shape, Profile):  # its pieces are panels of the rule
+            pull, held = _over_pieces(shape, thickness, line, squeeze, bonded)
+        else:
+            end = shape.largest_contact * (1 - 1e-12)
+            g = shape._profile(numpy.minimum(line.s * thickness, end))
+            pull = numpy.sum(line.ds * line.row * g, axis=1)
+            held = numpy.sum(line.ds * line.unit * g, axis=1) * thickness
+        pull, held = pull / a**power, held / a ** (power + 1)
+    functions = (total / line.alpha, line.edge, pull, held)
+    return [_series(numpy, values) for values in functions]
 
 
 def tip_power(shape: AbstractShape) -> float:
@@ -339,15 +338,11 @@ def _over_pieces(
 ) -> tuple[Array, Array]:
     numpy: Any = xp if is_traced(shape, h, squeeze) else np
     z, weight = kernel_line(squeeze, bonded, float(at.alpha[-1]))
-    rule, places = np.polynomial.legendre.leggauss(6), numpy.asarray(shape.r) / h
+    places = numpy.asarray(shape.r) / h
     pulls, helds = [], []
     for k, alpha in enumerate(at.alpha):
         edges = numpy.minimum(places, numpy.minimum(alpha, places[-1] * (1 - 1e-12)))
-        half = 0.5 * numpy.diff(edges)[:, None]
-        s, ds = (
-            (edges[:-1, None] + half * (1 + rule[0])).ravel(),
-            (half * rule[1]).ravel(),
-        )
+        s, ds = gauss_on_panels(edges, 6)
         wave = numpy.cos(s[:, None] * z) * weight
         inner = np.cos(at.s[k][:, None] * z)
         unit = 1 - wave @ (inner.T @ (at.ds[k] * at.unit[k]))
@@ -375,7 +370,7 @@ class ElasticLine(NamedTuple):
         """q_1(x; a) at places x <= a: the force density under a flat punch of radius
         a.
         """
-        node, share = np.polynomial.legendre.leggauss(self.nodes)
+        node, share = gauss(self.nodes)
         s, ds = 0.5 * a * (1 + node), 0.5 * a * share
         unit = np.linalg.solve(
             np.eye(self.nodes) + self.kernel(s, s) * ds, np.ones(self.nodes)
@@ -406,12 +401,6 @@ def _series(numpy: Any, values: Array) -> Array:
     return numpy.asarray(order) @ values
 
 
-def _on_panels(edges: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    node, share = np.polynomial.legendre.leggauss(count)
-    half = 0.5 * np.diff(edges)[:, None]
-    return (edges[:-1, None] + half * (1 + node)).ravel(), (half * share).ravel()
-
-
 def _raised(x: Array, n: float) -> Array:
     """x^n for x >= 0 with finite derivatives at zero."""
     return (
@@ -419,3 +408,67 @@ def _raised(x: Array, n: float) -> Array:
         if n == int(n)
         else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
     )
+
+
+def of_layer(material: Layer, shape: AbstractShape) -> tuple[LayerDisc, Foundation]:
+    """The elements of an axisymmetric contact on a layer and what they are made of.
+    Raises `InputError`.
+    """
+    if isinstance(shape, Cylinder):
+        raise InputError(
+            "shape must be axisymmetric in a normal contact on an em.layer, got a "
+            "Cylinder: em.rolling and em.friction take it, or em.springs(material, "
+            "thickness) here."
+        )
+    if material.other is not None:
+        raise InputError(
+            "material must be one em.layer under an axisymmetric body, got two covers."
+        )
+    solid: Any = material.material
+    if not isinstance(solid, Prony):
+        raise InputError(
+            "material must be a series (em.Prony) for a history in time, got a "
+            "table of moduli."
+        )
+    # incompressible, as far as `incompressible_enough` allows
+    if not material.constant:
+        shear = solid.shear()
+        solid = Prony(
+            shear.equilibrium,
+            shear.moduli,
+            shear.times,
+            viscosity=shear.viscosity,
+            shift=shear.shift,
+            vertical=shear.vertical,
+            name=shear.name,
+        )
+    squeeze = 0.0 if not material.constant else material.squeeze()
+    squeeze = squeeze if is_traced(squeeze) else float(np.asarray(squeeze))
+    foundation = half_space(solid)
+    return layer_disc(shape, material.thickness, squeeze, material.bonded), foundation
+
+
+def incompressible_enough(
+    material: Layer, disc: LayerDisc, radius: Array, force: Array
+) -> None:
+    """Refuses a constant bulk modulus where it would show, since W then depends on
+    time. Raises `InputError`.
+    """
+    bulk: Any = getattr(material.material, "bulk", None)
+    if bulk is None or is_traced(bulk, disc, radius, force):
+        return
+    there = np.isfinite(radius) & (radius > 0)
+    a = np.asarray(radius)[there]
+    if not a.size:
+        return
+    shear = np.asarray(force)[there] / (4 * np.asarray(disc.area(a)))
+    share = float(np.max((a / float(disc.thickness)) ** 2 * shear / float(bulk)))
+    if share > _STIFFER:
+        raise InputError(
+            "bulk must be left out, or so large that (a/h)^2 G/K stays below "
+            f"{_STIFFER:g} in a history on a layer; it reaches {share:.2g} here with "
+            f"K = {float(bulk):.4g} Pa. Give a constant Poisson's ratio in its place, "
+            "or "
+            "use em.springs(material, thickness) where the contact is much wider than "
+            "the layer is thick."
+        )

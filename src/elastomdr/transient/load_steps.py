@@ -16,12 +16,11 @@ halved steps.
 
 from __future__ import annotations
 
-import itertools
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, fori_loop, in_steps, mapped, on_numpy, xp
+from ..arrays import compiled, fixed, fori_loop, mapped, on_numpy, xp
 from ..checks import Array, is_traced
 from ..element.contact_step import (
     Coefficients,
@@ -33,11 +32,13 @@ from ..element.contact_step import (
     released,
     rest,
 )
-from ..element.modes import Modes
+from ..element.episode import Modes
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
-from ..surface.disc import Disc, gauss
-from .depth_from_load import settle
+from ..numerics.quadrature import gauss_on_panels
+from ..surface.disc import Disc
+from .march import march, settle
+from .refinement import limit
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -90,7 +91,7 @@ class Edges(NamedTuple):
     radius: Float[Array, "b s"]
 
 
-def march(
+def march_load(
     law: Relaxation,
     modes: Modes,
     disc: Disc,
@@ -115,62 +116,82 @@ def march(
     # NumPy has nothing to compile for a new size
     numpy: Any = xp if is_traced(law, time, depth, load) else np
     target = numpy.where(by_depth, depth, load)
-    batch, intervals = time.shape[0], time.shape[1] - 1
-    part = np.tile(places(levels), (batch, intervals, 1))
-    early_ends = _early(numpy, law, time[:, 1:2] - time[:, :1], levels, coarsest, early)
-    rest_of_first, others = (
-        part[:, 0, 1 + levels // coarsest :],
-        part[:, 1:, 1:].reshape(batch, -1),
-    )
-    share = numpy.concatenate([early_ends, rest_of_first, others], axis=1)
-    more = early * (levels // coarsest)
+    share = _shares(numpy, law, time, levels, coarsest, early)
+    intervals, more = time.shape[1] - 1, early * (levels // coarsest)
     interval = np.repeat(
         np.arange(intervals), [levels + more] + [levels] * (intervals - 1)
     )
-    first = np.append(True, np.diff(interval) > 0)
-    start = numpy.where(
-        first, 0.0, numpy.concatenate([share[:, :1], share[:, :-1]], axis=1)
-    )
-    steps = Steps(
-        h=numpy.diff(time)[:, interval] * (share - start),
-        part=share,
-        first=np.tile(first, (batch, 1)),
-        by_depth=by_depth[:, 1:][:, interval],
-        target=target[:, 1:][:, interval],
-    )
-    if room:
-        size = next((n for n in _SIZES if n >= interval.size), interval.size)
-        held = np.minimum(np.arange(size), interval.size - 1)
-        steps = Steps(*(a[:, held] for a in steps))
+    steps = _steps(numpy, time, target, by_depth, interval, share)
+    count = interval.size
+    size = next((n for n in _SIZES if room and n >= count), count)
+    steps = Steps(*(a[:, np.minimum(np.arange(size), count - 1)] for a in steps))
+    place = numpy.concatenate([numpy.zeros((len(time), 1)), interval + share], axis=1)
+    place = place[:, np.minimum(np.arange(size + 1), count)]
     reach = fixed(_reach(modes, disc, time, depth, load, by_depth))
-    frozen = fixed((law, disc, steps, (target[:, 0], by_depth[:, 0]), reach))
-    place = numpy.concatenate([numpy.zeros((batch, 1)), interval + share], axis=1)
-    place = numpy.concatenate(
-        [
-            place,
-            numpy.repeat(place[:, -1:], steps.h.shape[1] + 1 - place.shape[1], axis=1),
-        ],
-        axis=1,
-    )
-    radius = reach[:, None] * np.linspace(0.0, 1.0, steps.h.shape[1] + 2)[1:]
-    if before is not None:
-        radius = np.stack([np.interp(*row) for row in zip(place, *before, strict=True)])
-    if is_traced(frozen):  # a loop, since there the code of every march is compiled
-        radius = fori_loop(
-            0, _MARCHES - 1, lambda _, radius: _all(*frozen, radius)[1], radius
-        )
-    else:
-        for _ in range((_MARCHES if before is None else _AGAIN) - 1):
-            radius = _all(*frozen, radius)[1]
-    sums, radius, fits = _all(
-        law, disc, steps, (target[:, 0], by_depth[:, 0]), reach, radius
-    )
+    start = target[:, 0], by_depth[:, 0]
+    radius = _edges(law, disc, steps, start, reach, place, before)
+    sums, radius, fits = _all(law, disc, steps, start, reach, radius)
     every = np.arange(intervals * kept + 1) * (levels // kept)
     every[1:] += more
     found = Marched(
         *(numpy.asarray(a)[:, every] for a in (*sums[:2], radius, *sums[2:], fits))
     )
     return found, Edges(place, fixed(radius))
+
+
+def _shares(
+    numpy: Any, law: Relaxation, time: Array, levels: int, coarsest: int, early: int
+) -> Float[Array, "b s"]:
+    """Where each step ends, as a part of its interval."""
+    batch, intervals = time.shape[0], time.shape[1] - 1
+    part = np.tile(places(levels), (batch, intervals, 1))
+    early_ends = _early(numpy, law, time[:, 1:2] - time[:, :1], levels, coarsest, early)
+    rest_of_first = part[:, 0, 1 + levels // coarsest :]
+    others = part[:, 1:, 1:].reshape(batch, -1)
+    return numpy.concatenate([early_ends, rest_of_first, others], axis=1)
+
+
+def _steps(
+    numpy: Any,
+    time: Array,
+    target: Array,
+    by_depth: Array,
+    interval: np.ndarray,
+    share: Array,
+) -> Steps:
+    first = np.append(True, np.diff(interval) > 0)
+    before = numpy.concatenate([share[:, :1], share[:, :-1]], axis=1)
+    return Steps(
+        h=numpy.diff(time)[:, interval] * (share - numpy.where(first, 0.0, before)),
+        part=share,
+        first=np.tile(first, (len(time), 1)),
+        by_depth=by_depth[:, 1:][:, interval],
+        target=target[:, 1:][:, interval],
+    )
+
+
+def _edges(
+    law: Relaxation,
+    disc: Disc,
+    steps: Steps,
+    start: tuple[Array, Array],
+    reach: Array,
+    place: Array,
+    before: Edges | None,
+) -> Array:
+    """The edges at the ends of all steps, from a few marches, each on the edges of the
+    march before.
+    """
+    frozen = fixed((law, disc, steps, start, reach))
+    radius = reach[:, None] * np.linspace(0.0, 1.0, steps.h.shape[1] + 2)[1:]
+    if before is not None:
+        radius = np.stack([np.interp(*row) for row in zip(place, *before, strict=True)])
+    marches = (_MARCHES if before is None else _AGAIN) - 1
+    if is_traced(frozen):  # a loop, since there the code of every march is compiled
+        return fori_loop(0, marches, lambda _, radius: _all(*frozen, radius)[1], radius)
+    for _ in range(marches):
+        radius = _all(*frozen, radius)[1]
+    return radius
 
 
 def extrapolated(marches: list[Marched], ratio: Array | None = None) -> Marched:
@@ -226,20 +247,6 @@ def unaccounted(found: Marched) -> Array:
     return abs(found.work - found.stored - found.locked - found.heat) / (
         largest + (largest == 0)
     )
-
-
-def limit(marches: list[Marched], powers: tuple[int, ...]) -> Marched:
-    """The last marches, each with twice the steps of the one before, without the given
-    powers of the step.
-    """
-    rows = marches[-1 - len(powers) :]
-    for power in powers[: len(rows) - 1]:
-        gain = 2**power - 1
-        rows = [
-            mapped(lambda a, b: a & b if b.dtype == bool else b + (b - a) / gain, *pair)  # noqa: B023
-            for pair in itertools.pairwise(rows)
-        ]
-    return rows[-1]
 
 
 def places(levels: int) -> np.ndarray:
@@ -300,6 +307,37 @@ def _early(
     ).reshape(h.shape[0], -1)
 
 
+class _Row(NamedTuple):
+    """Elements under the disc: Gauss nodes on panels that end at all edges."""
+
+    x: Array  # [m]
+    weight: Array  # [m]
+    profile: Array  # g [m]
+
+
+class _State(NamedTuple):
+    """Elements and body at the end of a step, and where its interval began."""
+
+    elements: Elements
+    depth: Array
+    force: Array
+    work: Array
+    first_depth: Array
+    first_force: Array
+
+
+def _row(disc: Disc, reach: Array, edges: Array) -> _Row:
+    # a light load is carried near the axis
+    tip = xp.min(xp.where(edges > 0, edges, reach)) * _TIP
+    outer = xp.sort(xp.append(fixed(edges), tip[-1]))
+    rules = (
+        gauss_on_panels(tip, _INNER),
+        gauss_on_panels(xp.maximum(outer, tip[-1]), _NODES),
+    )
+    x, dx = (xp.concatenate(both) for both in zip(*rules, strict=True))
+    return _Row(x, disc.weight(x) * dx, disc.profile(x))
+
+
 def _once(
     law: Relaxation,
     disc: Disc,
@@ -311,50 +349,50 @@ def _once(
     """(depth, force, work, stored, locked, heat), contact radius, whether the shape was
     wide enough, at every step.
     """
-    # a light load is carried near the axis
-    tip = xp.min(xp.where(edges > 0, edges, reach)) * _TIP
-    outer = xp.sort(xp.append(fixed(edges), tip[-1]))
-    rules = (np.polynomial.legendre.leggauss(n) for n in (_INNER, _NODES))
-    parts = [
-        gauss(ends, *rule)
-        for ends, rule in zip((tip, xp.maximum(outer, tip[-1])), rules, strict=True)
-    ]
-    x, dx = (xp.concatenate(part) for part in zip(*parts, strict=True))
-    weight, g = disc.weight(x) * dx, disc.profile(x)
-    strength = xp.where(
-        law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0
+    row = _row(disc, reach, edges)
+    viscous = not on_numpy() or bool(law.viscosity > 0)
+
+    def prepare(block: Steps) -> tuple[Steps, Coefficients]:
+        return block, coefficients_of_steps(law, block.h, viscous=viscous)
+
+    def step(state: _State, now: tuple[Steps, Coefficients]) -> tuple[_State, Array]:
+        end, c = now
+        # so that sums over both are made once
+        c = c if viscous else c._replace(seen=c.decay)
+        return _advance(law, row, c, state, end)
+
+    def look(state: _State, excess: Array) -> tuple[tuple[Array, ...], Array]:
+        edge = _edge(row.x, excess, state.elements.q > 0)
+        return _measured(law, row, state), edge
+
+    first = _put_down(law, disc, row, *start)
+    _, (sums, radius) = march(step, look, first, steps, None, prepare)
+    count = edges.shape[0]
+    radius = xp.append(
+        _edge(row.x, first.depth - row.profile, first.elements.u > 0), radius
+    )[:count]
+    sums = tuple(
+        xp.append(a, b)[:count]
+        for a, b in zip(_measured(law, row, first), sums, strict=True)
     )
+    if disc.flat:
+        radius = xp.where(radius > 0, disc.shape.largest_contact, 0.0)
+    return sums, xp.minimum(radius, disc.largest), radius < disc.largest
 
-    def measure(
-        state: Elements, d: Array, total: Array, work: Array
-    ) -> tuple[Array, ...]:
-        held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
-        touching = state.q > 0
-        stored, locked = (
-            xp.sum(weight * xp.where(is_in, held, 0.0))
-            for is_in in (touching, ~touching)
-        )
-        return (
-            d,
-            total,
-            work,
-            stored,
-            locked,
-            xp.sum(weight * state.work) - stored - locked,
-        )
 
-    # A step at the first instant meets a glassy foundation; a dashpot lets nothing
-    # happen at once.
-    value, depth_rules = start
+def _put_down(
+    law: Relaxation, disc: Disc, row: _Row, value: Array, by_depth: Array
+) -> _State:
+    """A step of depth or load at the first instant meets a glassy foundation; a dashpot
+    lets nothing happen at once.
+    """
     glassy, damped = law.equilibrium + xp.sum(law.moduli), law.viscosity > 0
-    viscous = not on_numpy() or bool(damped)
     area = xp.where(damped, 0.0, value / xp.where(damped, 1.0, glassy))
-    d = xp.where(depth_rules, value, disc.depth_of_area(area))
-    u = xp.maximum(d - g, 0.0)
-    f = law.moduli[:, None] * u
-    q = xp.where(damped, 0.0, glassy * u)
-    branches = strength @ f**2
-    first = rest(law, x.size)._replace(
+    depth = xp.where(by_depth, value, disc.depth_of_area(area))
+    u = xp.maximum(depth - row.profile, 0.0)
+    f, q = law.moduli[:, None] * u, xp.where(damped, 0.0, glassy * u)
+    branches = _strength(law) @ f**2
+    elements = rest(law, row.x.size)._replace(
         u=u,
         f=f,
         q=q,
@@ -362,60 +400,67 @@ def _once(
         inelastic=branches,
         stored=branches,
     )
-    total, work = (
-        xp.where(depth_rules, xp.sum(weight * q), value),
-        xp.sum(weight * first.work),
+    force = xp.where(by_depth, xp.sum(row.weight * q), value)
+    work = xp.sum(row.weight * elements.work)
+    return _State(elements, depth, force, work, depth, force)
+
+
+def _strength(law: Relaxation) -> Array:
+    """1/(2 E_k), zero for an empty branch."""
+    return xp.where(
+        law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0
     )
 
-    def step(carry: tuple, entry: tuple[Steps, Coefficients]) -> tuple[tuple, tuple]:
-        (state, d, total, work, d_start, total_start), (now, c) = carry, entry
-        # so that sums over both are made once
-        c = c if viscous else c._replace(seen=c.decay)
-        d_start, total_start = (
-            xp.where(now.first, d, d_start),
-            xp.where(now.first, total, total_start),
-        )
-        end = total_start + (now.target - total_start) * now.part
-        fading = fade(c, state.f)
-        free = released(c, state.u, fading.seen)
-        # With a dashpot q is a mean over the end of the step: the load is averaged in
-        # the same way.
-        carried = end - (end - total) * lag(c)
-        found = settle(g + free, weight * c.stiffness, 0.0, xp.maximum(carried, 0.0), d)
-        # without a load it lies on the surface
-        found = xp.where(carried > 0, found, xp.min(g + free))
-        new = xp.where(now.by_depth, d_start + (now.target - d_start) * now.part, found)
-        received, state = state.work, advance(c, state, d - g, new - g, fading)
-        force = (
-            law.equilibrium * state.u
-            + xp.sum(state.f, axis=0)
-            + law.viscosity * (new - d) / now.h
-        )
-        before, total = (
-            total,
-            xp.where(
-                now.by_depth, xp.sum(weight * xp.where(state.q > 0, force, 0.0)), end
-            ),
-        )
-        # int F dd of the body, apart from what elements receive; a dashpot's force
-        # jumps with the rate of the depth.
-        done = 0.5 * (before + total) * (new - d)
-        work = work + xp.where(
-            now.by_depth & damped, xp.sum(weight * (state.work - received)), done
-        )
-        kept = measure(state, new, total, work), _edge(x, new - g - free, state.q > 0)
-        return (state, new, total, work, d_start, total_start), kept
 
-    over = steps, coefficients_of_steps(law, steps.h, viscous=viscous)
-    _, (sums, radius) = in_steps(step, (first, d, total, work, d, total), over)
-    radius = xp.append(_edge(x, d - g, u > 0), radius)
-    sums = tuple(
-        xp.append(a, b)
-        for a, b in zip(measure(first, d, total, work), sums, strict=True)
+def _advance(
+    law: Relaxation, row: _Row, c: Coefficients, before: _State, now: Steps
+) -> tuple[_State, Array]:
+    """One step, and w - u_free at its end."""
+    elements, weight = before.elements, row.weight
+    first_depth = xp.where(now.first, before.depth, before.first_depth)
+    first_force = xp.where(now.first, before.force, before.first_force)
+    load = first_force + (now.target - first_force) * now.part
+    fading = fade(c, elements.f)
+    free = released(c, elements.u, fading.seen)
+    level, stiffness = row.profile + free, weight * c.stiffness
+    # With a dashpot q is a mean over the end of the step: the load is averaged in the
+    # same way.
+    carried = load - (load - before.force) * lag(c)
+    depth = settle(level, stiffness, 0.0, xp.maximum(carried, 0.0), before.depth)
+    # without a load it lies on the surface
+    depth = xp.where(carried > 0, depth, xp.min(level))
+    given = first_depth + (now.target - first_depth) * now.part
+    depth = xp.where(now.by_depth, given, depth)
+    places = before.depth - row.profile, depth - row.profile
+    after = advance(c, elements, *places, fading)
+    felt = (
+        law.equilibrium * after.u
+        + xp.sum(after.f, axis=0)
+        + law.viscosity * (depth - before.depth) / now.h
     )
-    if disc.flat:
-        radius = xp.where(radius > 0, disc.shape.largest_contact, 0.0)
-    return sums, xp.minimum(radius, disc.largest), radius < disc.largest
+    held = xp.sum(weight * xp.where(after.q > 0, felt, 0.0))
+    force = xp.where(now.by_depth, held, load)
+    # int F dd of the body, apart from what elements receive; a dashpot's force jumps
+    # with the rate of the depth.
+    received = xp.sum(weight * (after.work - elements.work))
+    done = 0.5 * (before.force + force) * (depth - before.depth)
+    work = xp.where(now.by_depth & (law.viscosity > 0), received, done)
+    state = _State(after, depth, force, before.work + work, first_depth, first_force)
+    return state, depth - level
+
+
+def _measured(law: Relaxation, row: _Row, state: _State) -> tuple[Array, ...]:
+    """Depth, force, work, and the energies stored in contact, locked out of it and
+    turned into heat.
+    """
+    elements, weight = state.elements, row.weight
+    held = 0.5 * law.equilibrium * elements.u**2 + _strength(law) @ elements.f**2
+    touching = elements.q > 0
+    stored, locked = (
+        xp.sum(weight * xp.where(is_in, held, 0.0)) for is_in in (touching, ~touching)
+    )
+    heat = xp.sum(weight * elements.work) - stored - locked
+    return state.depth, state.force, state.work, stored, locked, heat
 
 
 def _edge(x: Array, excess: Array, touching: Array) -> Array:

@@ -1,22 +1,46 @@
-"""The oblique part of `em.impact`: arguments, and the tangential motion of every
-point.
+"""The oblique part of `em.impact`: arguments, and the tangential motion of every point,
+with Coulomb friction element by element.
+
+Normal motion does not feel the tangential one, so that d(t) is that of
+`transient.impact_motion`; in between its instants it is the quintic through depth,
+velocity and acceleration. The point of contact has the velocity u = v_x + R omega, and
+
+    m_t u' = -F_x,    1/m_t = 1/m + R^2/I        (m_t = 2/7 m for a homogeneous ball),
+
+F_x from `transient.shear_motion`. The momentum is changed by the trapezoidal rule, the
+displacement of a step is found together with the force at its end, which rises with it.
+Second order in the step. For an elastic ball this is the problem of Maw, Barber &
+Fawcett (1976), in MDR Lyashenko & Popov (2015).
 """
 
-from typing import Any, NamedTuple
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..checks import as_float64, finite, nan_unless, positive, require, scalar
-from ..element.law import Foundation, half_space
+from ..arrays import compiled, fixed, mapped, while_loop, xp
+from ..checks import Array, as_float64, finite, nan_unless, positive, require, scalar
+from ..element.contact_step import coefficients_of_steps
+from ..element.law import Foundation
 from ..errors import InputError
-from ..material.prony import Prony
 from ..material.relaxation import Relaxation
-from ..material.vertical import thermal_factors
-from ..surface.reach import contact_size
+from ..material.shift import thermal_factors
+from ..surface.disc import disc_under
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
 from .impact_result import History, Oblique
+from .march import march
+from .problem import both_laws
+from .refinement import limit
+from .shear_motion import Scene, line, step, untouched
 
-_ELEMENTS, _STEPS = 500, 16
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+_ELEMENTS, _STEPS = 500, 16  # over the radius, and between two instants
+_ITERATIONS = 40
+_MET = 1e-13  # relative change of a step's displacement at which its search ends
 
 
 class Slips(NamedTuple):
@@ -39,9 +63,8 @@ def check_oblique(
         for name, value in given.items():
             if value is not None:
                 raise InputError(
-                    f"{name} belongs to an oblique impact: give "
-                    "tangential_velocity "
-                    "as well."
+                    f"{name} belongs to an oblique impact: give tangential_velocity as "
+                    "well."
                 )
         return None
     if friction is None:
@@ -50,128 +73,84 @@ def check_oblique(
         raise InputError(
             "material must be one material in an oblique impact, got a list."
         )
-    velocity, friction = (
-        as_float64("tangential_velocity", velocity),
-        as_float64("friction", friction),
-    )
+    velocity = as_float64("tangential_velocity", velocity)
+    friction = as_float64("friction", friction)
     finite("tangential_velocity", velocity)
-    require(
-        "friction", friction, "zero or positive, infinity included", lambda x: x >= 0
-    )
+    accepted = "zero or positive, infinity included"
+    require("friction", friction, accepted, lambda x: x >= 0)
     if inertia is not None:
         inertia = scalar("inertia", inertia)
         positive("inertia", inertia)
-    if tangential is None and not isinstance(material, Prony):
-        raise InputError(
-            "tangential must be given with a Foundation, which only knows the normal "
-            "direction: em.half_space(material, tangential=True), or an em.Foundation "
-            "of G*."
-        )
-    tangential = material if tangential is None else tangential
-    if isinstance(tangential, Prony):
-        tangential = half_space(tangential, tangential=True)
-    if not isinstance(tangential, Foundation):
-        raise InputError(
-            f"tangential must be an em.Foundation of G*, got {tangential!r}."
-        )
-    return Slips(velocity, friction, inertia, tangential)
+    return Slips(velocity, friction, inertia, both_laws(material, tangential)[1])
+
+
+class Course(NamedTuple):
+    """A normal impact at its instants."""
+
+    time: Float[Array, " instants"]
+    depth: Float[Array, " instants"]
+    velocity: Float[Array, " instants"]
+    force: Float[Array, " instants"]
+
+
+class Moved(NamedTuple):
+    """What moves tangentially."""
+
+    mass: Array  # m [kg]
+    tangential_mass: Array  # m_t [kg]
+    velocity: Array  # u at touch [m/s]
+
+
+class Deflection(NamedTuple):
+    """The tangential motion at the same instants."""
+
+    velocity: Float[Array, " instants"]  # u [m/s]
+    force: Float[Array, " instants"]  # F_x against the motion [N]
+    slip_loss: Float[Array, " instants"]  # turned into heat by slip [J]
+
+
+class Steps(NamedTuple):
+    """Contact steps."""
+
+    h: Float[Array, " steps"]  # [s]
+    depth: Float[Array, " steps"]  # at the end [m]
 
 
 def solve_oblique(
     slips: Slips, scene: Any, shape: AbstractShape, history: History, found: Any
 ) -> Oblique:
     """The tangential motion of every point of an impact that is solved already; NaN
-    where that failed.
+    where that failed. On JAX.
     """
     import jax
-    import jax.numpy as jnp
-
-    from .oblique_motion import Course, deflect
-    from .shear_motion import Scene
 
     count = int(np.prod(scene.shape))
-
-    def flat(field: Any) -> Any:
-        return jnp.broadcast_to(jnp.asarray(field), scene.shape).reshape(-1)
-
-    body = jax.tree.map(jnp.asarray, scene.body)
-    mass, u = flat(scene.mass), flat(slips.velocity)
-    lever = shape.rolling_radius
-    rotation = (
-        0.0
-        if lever is None
-        else 1 / ((0.5 if isinstance(shape, Cylinder) else 0.4) * mass)
+    mass, u, friction = (
+        xp.broadcast_to(xp.asarray(field), scene.shape).reshape(-1)
+        for field in (scene.mass, slips.velocity, slips.friction)
     )
-    if slips.inertia is not None:
-        rotation = (0.0 if lever is None else lever) ** 2 / slips.inertia
-    effective = 1 / (1 / mass + rotation)
-    law = slips.tangential.law()
-    factor, vertical, own = jnp.ones(count), jnp.ones(count), slips.tangential
-    if scene.temperature is not None and (
-        own.shift is not None or own.vertical is not None
-    ):
-        factor, vertical = (flat(x) for x in thermal_factors(own, scene.temperature))
-    deepest = jnp.asarray(found.motion.max_depth)
-    ring = scene.per_area and not isinstance(shape, Cylinder)
-    reach = contact_size(shape, jnp.where(deepest > 0, deepest, 1e-9), ring)
-    reach = reach if isinstance(shape, FlatPunch) else reach * (1 + 2 / _ELEMENTS)
-    reach = jnp.minimum(reach, jnp.asarray(shape.largest_contact) * (1 - 1e-12))
-    rates = jnp.broadcast_to(body.rates, (body.rates.shape[0], count))[1:]
-    moduli = jnp.broadcast_to(body.moduli, (body.moduli.shape[0], count))
-    viscosity = jnp.broadcast_to(body.viscosity, (count,))
+    moved = Moved(mass, _tangential_mass(shape, mass, slips.inertia), u)
+    fields = (history.time, history.depth, history.velocity, history.force)
+    course = Course(*(xp.asarray(field).reshape(count, -1) for field in fields))
+    laws = _laws(slips, scene, count)
+    reach = _reach(shape, scene.per_area, xp.asarray(found.motion.max_depth))
 
-    def one(point: tuple, finer: int) -> Any:
-        rates, moduli, viscosity, factor, vertical, reach, mu, course = point
-        times = 1 / jnp.where(rates > 0, rates, 1.0)
-        normal = Relaxation(moduli[0], moduli[1:], times, viscosity)
-        sheared = Relaxation(
-            jnp.asarray(law.equilibrium) * vertical,
-            jnp.asarray(law.moduli) * vertical,
-            jnp.asarray(law.times) * factor,
-            law.viscosity * factor * vertical,
-        )
-        place = Scene(shape, normal, sheared, mu, reach)
-        elements, steps = _ELEMENTS * finer // 2, _STEPS * finer // 2
-        return deflect(
-            place, course, elements=elements, steps=steps, per_area=scene.per_area
-        )
+    def marched(finer: int) -> Deflection:
+        def one(point: tuple) -> Deflection:
+            (normal, tangential), friction, reach, course, moved = point
+            place = Scene(shape, normal, tangential, friction, reach)
+            cut = {"elements": _ELEMENTS * finer // 2, "steps": _STEPS * finer // 2}
+            return _deflect(place, course, moved, **cut, per_area=scene.per_area)
 
-    def series(field: Any) -> Any:
-        return jnp.asarray(field).reshape(count, -1)
+        return jax.lax.map(one, (laws, friction, reach, course, moved))
 
-    course = Course(
-        series(history.time),
-        series(history.depth),
-        series(history.velocity),
-        series(history.force),
-        mass,
-        effective,
-        u,
-    )
-    points = (
-        rates.T,
-        moduli.T,
-        viscosity,
-        factor,
-        vertical,
-        reach,
-        flat(slips.friction),
-        course,
-    )
-    coarse, fine = (
-        jax.lax.map(lambda point, n=n: one(point, n), points) for n in (1, 2)
-    )
+    coarse, fine = marched(1), marched(2)
     # Where nothing slips until it lets go the scheme is of first order, else of second.
-    limit = jax.tree.map(lambda a, b: b + (b - a) / 3, coarse, fine)
-    after = limit.velocity[:, -1]
-    error = (
-        jnp.where(jnp.isinf(flat(slips.friction)), 2, 1)
-        * jnp.abs(after - coarse.velocity[:, -1])
-        * 0.75
-    )
-    good = (
-        jnp.asarray(found.converged) & ~jnp.asarray(found.stuck) & jnp.isfinite(after)
-    )
+    best = limit((coarse, fine), (2,))
+    after = best.velocity[:, -1]
+    order = xp.where(xp.isinf(friction), 2, 1)
+    error = order * xp.abs(after - coarse.velocity[:, -1]) * 0.75
+    good = xp.asarray(found.converged & ~found.stuck) & xp.isfinite(after)
 
     def shaped(field: Any) -> Any:
         field = nan_unless(good.reshape(-1, *[1] * (field.ndim - 1)), field)
@@ -180,10 +159,143 @@ def solve_oblique(
     return Oblique(
         before=u.reshape(scene.shape),
         after=shaped(after),
-        slip_loss=shaped(limit.slip_loss),
-        lost=shaped(0.5 * effective * (u**2 - after**2)),
-        velocity=shaped(limit.velocity),
-        force=shaped(limit.force),
+        slip_loss=shaped(best.slip_loss[:, -1]),
+        lost=shaped(0.5 * moved.tangential_mass * (u**2 - after**2)),
+        velocity=shaped(best.velocity),
+        force=shaped(best.force),
         error=shaped(error),
-        tangential_mass=effective.reshape(scene.shape),
+        tangential_mass=moved.tangential_mass.reshape(scene.shape),
     )
+
+
+def _tangential_mass(shape: AbstractShape, mass: Array, inertia: Any) -> Array:
+    """m_t: 1/m_t = 1/m + R^2/I, by default of a homogeneous ball or cylinder."""
+    lever = shape.rolling_radius
+    if lever is None:
+        return 1 / (1 / mass)
+    share = 0.5 if isinstance(shape, Cylinder) else 0.4  # I/(m R^2)
+    rotation = 1 / (share * mass) if inertia is None else lever**2 / inertia
+    return 1 / (1 / mass + rotation)
+
+
+def _laws(slips: Slips, scene: Any, count: int) -> tuple[Relaxation, Relaxation]:
+    """E* and G* of each point, at its temperature, points along the first axis."""
+    body = mapped(xp.asarray, scene.body)
+    rates, moduli, viscosity = (
+        xp.broadcast_to(x, (*x.shape[:-1], count)).T
+        for x in (body.rates, body.moduli, body.viscosity)
+    )
+    times = 1 / xp.where(rates > 0, rates, 1.0)
+    normal = Relaxation(moduli[:, 0], moduli[:, 1:], times[:, 1:], viscosity)
+    law, own = slips.tangential.law(), slips.tangential
+    factor, vertical = xp.ones((count, 1)), xp.ones((count, 1))
+    shifted = own.shift is not None or own.vertical is not None
+    if scene.temperature is not None and shifted:
+        factor, vertical = (
+            xp.broadcast_to(xp.asarray(x), scene.shape).reshape(-1, 1)
+            for x in thermal_factors(own, scene.temperature)
+        )
+    tangential = Relaxation(
+        (law.equilibrium * vertical)[:, 0],
+        xp.asarray(law.moduli) * vertical,
+        xp.asarray(law.times) * factor,
+        (law.viscosity * factor * vertical)[:, 0],
+    )
+    return normal, tangential
+
+
+def _reach(shape: AbstractShape, per_area: bool, deepest: Array) -> Array:
+    """A radius [m] that the contact of each point does not exceed."""
+    disc = disc_under(shape, per_area)
+    reach = disc.radius_of_depth(xp.where(deepest > 0, deepest, 1e-9))
+    if not isinstance(shape, FlatPunch):
+        reach = reach * (1 + 2 / _ELEMENTS)
+    return xp.minimum(reach, xp.asarray(shape.largest_contact) * (1 - 1e-12))
+
+
+@compiled("elements", "steps", "per_area")
+def _deflect(
+    scene: Scene,
+    course: Course,
+    moved: Moved,
+    *,
+    elements: int,
+    steps: int,
+    per_area: bool,
+) -> Deflection:
+    """The tangential motion, with `steps` contact steps between two instants."""
+    grid = line(scene, elements, per_area)
+    laws = scene.normal, scene.tangential
+
+    def prepare(block: Steps) -> tuple[Any, ...]:
+        return block, *(coefficients_of_steps(law, block.h) for law in laws)
+
+    def advance(carry: tuple, now: tuple) -> tuple[tuple, tuple]:
+        (state, speed, force), (end, normal, tangential) = carry, now
+        free, compliance = speed * end.h, 0.25 * end.h**2 / moved.tangential_mass
+        slide = functools.partial(_displacement, free, force, compliance)
+        state, ((after, *_), _) = step(
+            scene, grid, normal, tangential, state, end.depth, slide, False
+        )
+        speed = speed - 0.5 * end.h * (force + after) / moved.tangential_mass
+        return (state, speed, after), ()
+
+    def look(carry: tuple, _: tuple) -> Deflection:
+        return Deflection(carry[1], carry[2], carry[0].slip_loss)
+
+    start = (untouched(scene, grid), moved.velocity, xp.zeros(()))
+    instants = steps * np.arange(1, course.time.shape[0]) - 1
+    every = _steps(course, moved.mass, steps)
+    _, seen = march(advance, look, start, every, instants, prepare)
+    return mapped(lambda a, b: xp.concatenate([a[None], b]), look(start, ()), seen)
+
+
+def _steps(course: Course, mass: Array, steps: int) -> Steps:
+    """The depth between the instants: the quintic from depth, velocity and acceleration
+    at both ends.
+    """
+    span = xp.diff(course.time)[:, None]
+    depth, velocity, force = (x[:, None] for x in course[1:])
+    bend = -(span**2) / mass
+    p0, p1, v0, v1 = depth[:-1], depth[1:], span * velocity[:-1], span * velocity[1:]
+    a0, a1 = bend * force[:-1], bend * force[1:]
+    rise = p1 - p0 - v0 - 0.5 * a0
+    slope, bend = v1 - v0 - a0, a1 - a0
+    cubic = 10 * rise - 4 * slope + 0.5 * bend
+    quartic = -15 * rise + 7 * slope - bend
+    quint = 6 * rise - 3 * slope + 0.5 * bend
+    s = xp.arange(1, steps + 1) / steps
+    ends = p0 + s * (v0 + s * (0.5 * a0 + s * (cubic + s * (quartic + s * quint))))
+    return Steps(xp.repeat(span[:, 0] / steps, steps), ends.reshape(-1))
+
+
+def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> Array:
+    """x with x = free - compliance (F_before + F(x)): Newton in a bracket, since F
+    rises in straight pieces.
+    """
+    import jax
+
+    def residual(x: Array) -> Array:
+        return x - free + compliance * (before + force(x))
+
+    def value_and_slope(x: Array) -> tuple[Array, Array]:
+        return jax.jvp(residual, (x,), (xp.ones_like(x),))
+
+    def improve(state: tuple) -> tuple:
+        x, low, high, _, count = state
+        value, slope = value_and_slope(x)
+        low, high = xp.where(value < 0, x, low), xp.where(value < 0, high, x)
+        newton = x - value / slope
+        inside = (newton >= low) & (newton <= high)
+        following = xp.where(inside, newton, 0.5 * (low + high))
+        done = xp.abs(following - x) <= _MET * (xp.abs(free) + xp.abs(following))
+        return following, low, high, done, count + 1
+
+    edge = xp.abs(free) + compliance * xp.abs(before) + 1e-300
+    edge = edge + compliance * (
+        xp.abs(fixed(force(edge))) + xp.abs(fixed(force(-edge)))
+    )
+    start = fixed((free, -2 * edge, 2 * edge, xp.zeros((), bool), 0))
+    x = while_loop(lambda s: ~s[3] & (s[4] < _ITERATIONS), improve, start)[0]
+    value, slope = value_and_slope(fixed(x))
+    return fixed(x) - value / fixed(slope)

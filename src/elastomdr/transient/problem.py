@@ -1,13 +1,24 @@
-"""The history of a sliding body as it was given: its arguments checked, and what is
-known of its time scales.
+"""The history of a sliding body as it was given: its arguments checked, what is known
+of its time scales, and its contact steps.
+
+It is linear between its instants; two equal ones are a jump of load or depth. Where
+motion or load changes abruptly, the rubber answers on all its time scales: the first
+step after it is divided geometrically, down to the shortest relaxation time. Every step
+of the finer levels is a part of one of the coarsest, so that errors fall in proportion
+to the square of the step.
 """
 
-from typing import Any, NamedTuple
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import xp
+from ..arrays import fixed, xp
+from ..call.problem import check_rtol
 from ..checks import (
+    Array,
     alike,
     as_float64,
     finite,
@@ -15,17 +26,31 @@ from ..checks import (
     is_traced,
     not_negative,
     only_one,
+    scalar,
 )
-from ..element.law import Foundation
+from ..element.law import Foundation, as_foundation, half_space
 from ..errors import InputError
+from ..material.prony import Prony
 from ..material.relaxation import Relaxation, scaled
+from ..material.shift import thermal_factors
 from ..material.validity import Range
-from ..material.vertical import thermal_factors
-from ..results.words import brief
+from ..results.words import brief, describe
 from ..smooth.passage import Control
+from ..smooth.problem import BARE, LAYER, contact
+from ..surface.lines import AbstractLines
 from ..surface.rough_line import RoughLine
+from ..surface.shapes import AbstractShape, Cylinder
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _TRACED = 1024  # elements and steps of the coarser level under a transformation
+
+_FEWEST = 4  # steps between two instants
+# change of a rate, relative to the larger of both, from which it counts as abrupt
+_ABRUPT = 0.3
+_HALVINGS = 40  # of the first step after an abrupt change, at most
+_INSTANT = 1e-12  # duration of a jump, over the shortest time of the scene
 
 LINE = (
     "bare MDR line under a rough line (forces and friction; no real contact area; no "
@@ -48,6 +73,34 @@ class SlidePlan(NamedTuple):
             f"on the finest of {self.levels}"
         )
         return f"{size} levels; {self.skipped}"
+
+
+class SlidingBody(NamedTuple):
+    """A body and what it slides over."""
+
+    foundation: Foundation
+    over: RoughLine | AbstractLines
+    per_length: bool  # whether loads and forces are per metre of line
+    model: str
+    words: tuple[tuple[str, str], ...]
+
+
+def sliding_body(material: Any, shape: Any) -> SlidingBody:
+    """Raises `InputError` for a pair that does not go together."""
+    foundation = as_foundation(material)
+    name = ("material", foundation.name or "given directly")
+    if isinstance(shape, RoughLine):
+        if foundation.per_area:
+            raise InputError(
+                "material must be a half-space under a RoughLine, got a layer: give "
+                "the material itself."
+            )
+        words = (name, ("shape", describe_line(shape)))
+        return SlidingBody(foundation, shape, True, LINE, words)
+    lines = contact(foundation, shape)[0]
+    on_layer = foundation.per_area or isinstance(shape, Cylinder)
+    words = (name, ("shape", describe(shape)))
+    return SlidingBody(foundation, lines, False, LAYER if on_layer else BARE, words)
 
 
 class GivenHistory(NamedTuple):
@@ -92,7 +145,7 @@ class GivenHistory(NamedTuple):
 
 
 def given_history(
-    foundation: Foundation,
+    body: SlidingBody,
     time: Any,
     position: Any,
     load: Any,
@@ -100,11 +153,59 @@ def given_history(
     temperature: Any,
     rtol: Any,
     elements: Any,
-    per_length: bool,
 ) -> GivenHistory:
     """The history that `em.slide` and `em.drive` were asked for. Raises `InputError`
     for one that they cannot take.
     """
+    time, position = _path(time, position)
+    control: Control = "load" if only_one(load=load, depth=depth) == "load" else "depth"
+    value = as_float64(control, load if depth is None else depth)
+    if value.shape not in ((), time.shape):
+        raise InputError(
+            f"{control} must be one number, or one for each of {time.size} "
+            f"instants, got {value.shape}."
+        )
+    if control == "load":
+        not_negative("load", value)
+    else:
+        finite("depth", value)
+    rtol = check_rtol(rtol, "1e-6", "1e-1")
+    if elements is not None and (not isinstance(elements, int) or elements < 16):
+        raise InputError(
+            f"elements must be a whole number, 16 at least, got {elements!r}."
+        )
+    law, kelvin, factor = at_temperature(body.foundation, temperature)
+    unit = "m" if control == "depth" else "N/m" if body.per_length else "N"
+    inputs = [
+        ("time", brief(time, "s")),
+        ("position", brief(position, "m")),
+        (control, brief(value, unit)),
+    ]
+    if kelvin is not None:
+        inputs.append(("temperature", brief(kelvin, "K")))
+    inputs.append(("relative tolerance", f"{rtol:g}"))
+    traced = is_traced(law, position, value)
+    value = (xp if traced else np).broadcast_to(value, time.shape)
+    if control == "depth" and not traced and float(law.viscosity) > 0:
+        _check_jumps(time, value)
+    return GivenHistory(
+        law=law,
+        control=control,
+        time=time,
+        position=position,
+        value=value,
+        rtol=rtol,
+        elements=elements or _TRACED,
+        traced=traced,
+        inputs=tuple(inputs),
+        range=body.foundation.range,
+        temperature=kelvin,
+        factor=factor,
+    )
+
+
+def _path(time: Any, position: Any) -> tuple[np.ndarray, Any]:
+    """Instants and places. Raises `InputError` for what no body can follow."""
     if is_traced(time):
         raise InputError(
             "time must be plain numbers under jax.jit, grad and vmap: "
@@ -125,72 +226,41 @@ def given_history(
         raise InputError(
             "position must not jump: it differs where two instants of time are equal."
         )
-    control: Control = "load" if only_one(load=load, depth=depth) == "load" else "depth"
-    value = as_float64(control, load if depth is None else depth)
-    if value.shape not in ((), time.shape):
+    return time, position
+
+
+def _check_jumps(time: np.ndarray, depth: np.ndarray) -> None:
+    """Raises `InputError` for depths into the rubber that a dashpot cannot follow."""
+    sudden = np.append(True, np.diff(time) == 0)
+    if ((np.diff(depth, prepend=0.0) > 0) & (depth > 0) & sudden).any():
         raise InputError(
-            f"{control} must be one number, or one for each of {time.size} "
-            f"instants, got {value.shape}."
+            "depth must not jump on a material with a viscosity, whose force "
+            "would be infinite."
         )
-    if control == "load":
-        not_negative("load", value)
-    else:
-        finite("depth", value)
-    if (
-        isinstance(rtol, bool)
-        or not isinstance(rtol, (int, float))
-        or not 1e-6 <= rtol <= 1e-1
-    ):
-        raise InputError(f"rtol must be a number from 1e-6 to 1e-1, got {rtol!r}.")
-    if elements is not None and (not isinstance(elements, int) or elements < 16):
-        raise InputError(
-            f"elements must be a whole number, 16 at least, got {elements!r}."
-        )
+
+
+def at_temperature(
+    foundation: Foundation, temperature: Any
+) -> tuple[Relaxation, Any, Any]:
+    """The law with times and moduli shifted to a temperature [K], that as an array, and
+    a_T; None leaves it.
+    """
     law = foundation.law()
-    kelvin, factor = None, 1.0
-    inputs = [("time", brief(time, "s")), ("position", brief(position, "m"))]
-    inputs.append(
-        (
-            control,
-            brief(value, ("N/m" if per_length else "N") if control == "load" else "m"),
+    if temperature is None:
+        return law, None, 1.0
+    kelvin = scalar("temperature", temperature)
+    in_kelvin("temperature", kelvin)
+    factor, vertical = thermal_factors(foundation, kelvin)
+    if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
+        raise InputError(
+            "temperature must be near where the shift law was measured, got "
+            f"{float(kelvin):g} K, a_T = {factor:.3g}."
         )
-    )
-    if temperature is not None:
-        kelvin = as_float64("temperature", temperature)
-        in_kelvin("temperature", kelvin)
-        factor, vertical = thermal_factors(foundation, kelvin)
-        law = scaled(law, vertical)
-        law = Relaxation(
+    law = scaled(law, vertical)
+    return (
+        Relaxation(
             law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor
-        )
-        inputs.append(("temperature", brief(kelvin, "K")))
-    inputs.append(("relative tolerance", f"{rtol:g}"))
-    traced = is_traced(law, position, value)
-    value = (xp if traced else np).broadcast_to(value, time.shape)
-    if control == "depth" and not traced and float(law.viscosity) > 0:
-        jumps = np.diff(np.concatenate([np.zeros(1), value]))[
-            np.concatenate([np.ones(1, bool), still])
-        ]
-        if (
-            np.maximum(value[np.concatenate([np.ones(1, bool), still])], 0)
-            * (jumps > 0)
-            > 0
-        ).any():
-            raise InputError(
-                "depth must not jump on a material with a viscosity, whose force "
-                "would be infinite."
-            )
-    return GivenHistory(
-        law,
-        control,
-        time,
-        position,
-        value,
-        float(rtol),
-        elements or _TRACED,
-        traced,
-        tuple(inputs),
-        foundation.range,
+        ),
         kelvin,
         factor,
     )
@@ -204,3 +274,187 @@ def describe_line(line: RoughLine) -> str:
         if is_traced(line)
         else f"{text}, rms height {float(line.rms_height):.4g} m"
     )
+
+
+def check_shape(shape: Any) -> None:
+    """Raises `InputError` for what is no indenter."""
+    if not isinstance(shape, AbstractShape):
+        raise InputError(
+            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
+            f"like, got {shape!r}."
+        )
+
+
+def standing(foundations: list[Foundation], shape: Any) -> bool:
+    """Whether the scene is one on a layer. Raises `InputError` for what is no shape, and
+    where half-space and shape do not go together.
+    """
+    check_shape(shape)
+    cylinder = isinstance(shape, Cylinder)
+    kinds = {cylinder if f.per_area is None else f.per_area for f in foundations}
+    if len(kinds) > 1:
+        raise InputError(
+            "material must be a list of half-spaces or a list of layers, got both."
+        )
+    per_area = kinds.pop()
+    if cylinder and not per_area:
+        raise InputError(
+            "material must be a layer under a Cylinder, got a half-space: use "
+            "em.springs(material, thickness, ...). A cylinder on a half-space is no "
+            "MDR problem."
+        )
+    return per_area
+
+
+def both_laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:
+    """E* of a material or `Foundation`, and G* of it or of what is given. Raises
+    `InputError`.
+    """
+    normal = as_foundation(material)
+    if tangential is None:
+        if not isinstance(material, Prony):
+            raise InputError(
+                "tangential must be given with a Foundation, which only knows the "
+                "normal direction: em.half_space(material, tangential=True), or an "
+                "em.Foundation of G*."
+            )
+        return normal, half_space(material, tangential=True)
+    if isinstance(tangential, Prony):
+        return normal, half_space(tangential, tangential=True)
+    if not isinstance(tangential, Foundation):
+        raise InputError(
+            f"tangential must be an em.Foundation of G*, got {tangential!r}."
+        )
+    return normal, tangential
+
+
+class Steps(NamedTuple):
+    """Contact steps: how long each is, and where the history stands at its end."""
+
+    h: Float[Array, " steps"]  # [s]
+    position: Float[Array, " steps"]  # X [m]
+    value: Float[Array, " steps"]  # load [N] or depth [m]
+
+
+class Timeline(NamedTuple):
+    """The coarsest steps after the body is put down: which interval each belongs to and
+    how far in it ends, from 0 to 1.
+    """
+
+    interval: np.ndarray  # (steps,)
+    fraction: np.ndarray  # at the end of each step
+    part: np.ndarray  # of the interval that the step takes
+    instant: np.ndarray  # (instants - 1,) index of the step that ends there
+
+
+def timeline(
+    time: np.ndarray,
+    position: Any,
+    value: Any,
+    spacing: float | None,
+    shortest: float,
+    even: int,
+) -> Timeline:
+    """Cuts a history. A moving body takes one step per `spacing` [m]; `even` steps per
+    interval where that is None.
+    """
+    pieces: list[np.ndarray] = []
+    before: np.ndarray | None = None
+    for j, length in enumerate(np.diff(time)):
+        if length == 0:
+            pieces.append(np.ones(1))
+            before = None
+            continue
+        if spacing is None:
+            pieces.append(np.full(even, 1 / even))
+            continue
+        change = np.array([position[j + 1] - position[j], value[j + 1] - value[j]])
+        count = max(_FEWEST, math.ceil(abs(change[0]) / spacing))
+        parts, rate = np.full(count, 1 / count), change / length
+        if before is None or _is_abrupt(before, rate):
+            halvings = math.ceil(math.log2(length / count / shortest))
+            halves = 0.5 ** np.arange(1, min(_HALVINGS, max(0, halvings)) + 1)
+            first = parts[0] * np.append(halves, halves[-1:] if halves.size else 1.0)
+            parts = np.concatenate([first[::-1], parts[1:]])
+        before = rate
+        pieces.append(parts)
+    sizes = [piece.size for piece in pieces]
+    return Timeline(
+        interval=np.repeat(np.arange(len(pieces)), sizes),
+        fraction=np.concatenate([np.cumsum(piece) for piece in pieces]),
+        part=np.concatenate(pieces),
+        instant=np.cumsum(sizes) - 1,
+    )
+
+
+def _is_abrupt(before: np.ndarray, rate: np.ndarray) -> bool:
+    larger = np.maximum(np.abs(rate), np.abs(before))
+    return bool((np.abs(rate - before) > _ABRUPT * larger).any())
+
+
+def cut(
+    line: Timeline,
+    time: np.ndarray,
+    position: Any,
+    value: Any,
+    shortest: float,
+    finer: int,
+) -> tuple[Steps, np.ndarray]:
+    """The steps, each divided into `finer` equal ones, and the index of the last step
+    before each instant. In the first step the body is put down at once.
+    """
+    duration = np.diff(time)
+    times = duration[duration > 0]
+    jump = _INSTANT * min(shortest, float(times.min()) if times.size else shortest)
+    interval = np.repeat(line.interval, finer)
+    within = (np.tile(np.arange(finer) + 1, line.part.size) / finer - 1) * np.repeat(
+        line.part, finer
+    )
+    share = np.clip(np.repeat(line.fraction, finer) + within, 0.0, 1.0)
+    last = finer * (line.instant + 1) - 1
+    share[last] = 1.0
+    length = np.where(duration > 0, duration, jump)
+    h = np.repeat(line.part / finer, finer) * length[interval]
+    numpy = xp if is_traced(position, value) else np
+
+    def along(values: Any) -> Any:
+        left = values[:-1][interval]
+        ends = left + share * (values[1:][interval] - left)
+        return numpy.concatenate([values[:1], ends])
+
+    steps = Steps(np.append(jump, h), along(position), along(value))
+    return steps, np.append(0, last + 1)
+
+
+def even_steps(
+    time: np.ndarray,
+    position: Any,
+    value: Any,
+    shortest: Any,
+    early: int,
+    samples: int,
+) -> tuple[Steps, np.ndarray]:
+    """As `cut`, with `samples` equal steps between two instants.
+
+    A load that is put on at once is answered on all time scales of the rubber: the
+    first interval is divided by `early` further instants in geometric series, from the
+    `shortest` time on.
+    """
+    traced = is_traced(position, value, shortest)
+    numpy = xp if traced else np
+    first = time[1] - time[0]
+    ratio = numpy.minimum(shortest / first, 0.5) ** (1 / max(early, 1))
+    ratio = fixed(ratio) if traced else ratio
+    more = time[0] + first * ratio ** np.arange(early, 0, -1)
+    instants = numpy.concatenate([time[:1], more, time[1:]])
+    duration = numpy.diff(instants)
+    part = np.arange(1, samples + 1) / samples
+    ends = (instants[:-1, None] + duration[:, None] * part).reshape(-1)
+    begin = numpy.reshape(_INSTANT * shortest, 1)
+    steps = Steps(
+        numpy.concatenate([begin, numpy.repeat(duration / samples, samples)]),
+        numpy.concatenate([position[:1], numpy.interp(ends, time, position)]),
+        numpy.concatenate([value[:1], numpy.interp(ends, time, value)]),
+    )
+    kept = samples * (early + np.arange(1, time.size))
+    return steps, np.append(0, kept)

@@ -1,22 +1,29 @@
-"""A history marched at finer and finer resolution until the friction coefficient is
+"""A motion marched at finer and finer resolution until the friction coefficient is
 known to the tolerance.
 
 Elements and steps are halved together. The scheme is of second order, so the limit is
 extrapolated from the last two levels, and what is left falls by about 8 per level where
-the edges of contact are resolved (`transient.depth_from_load`). What is stated as the
-error of a limit is its change against the limit of one level less, and of the first
-that of the marches themselves. A difference may vanish by chance: so it is not taken
-smaller than those at the neighbouring instants, nor than an eighth of the one before.
+the edges of contact are resolved (`transient.march`). What is stated as the error of a
+limit is its change against the limit of one level less, and of the first that of the
+marches themselves. A difference may vanish by chance: so it is not taken smaller than
+those at the neighbouring instants, nor than an eighth of the one before.
 """
 
-from collections.abc import Callable
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import on_jax, on_numpy, xp
-from ..checks import Array, is_traced
-from .slide_march import Forces
+from ..arrays import arrays, mapped, on_jax, on_numpy, xp
+from ..checks import Array, is_traced, known
+from ..numerics.interpolation import halving_limit
+from .body_motion import History, Mount, Scene, run
+from .body_over_line import AbstractOverLine
+from .march import padded
+from .problem import GivenHistory, SlidePlan, Steps
 
 # error over mu beyond which a number is not handed out under a transformation either
 _SHOWN = 0.1
@@ -26,16 +33,35 @@ _SYMMETRIC = 0.03
 _ROUNDING = 1e-9  # mu of a flat body
 _FINEST = 6  # levels beyond the coarsest
 _WORK = 3e10  # elements times steps times branches of a march that is still made
-# and of one that NumPy takes seconds for, as JAX does to compile it: by size, so that
-# bits do not change
-_MUCH = 2e7
+# A march that takes NumPy longer, in seconds of a processor of 2024, is compiled, which
+# takes JAX three to four; by size, never by time, so that bits do not change. Measured
+# with 128 to 8192 elements and 1 to 10 branches: one of them takes `_ONE`, a step as
+# many more, an element so many branches more, and a body on mounts `_ON_MOUNTS` times.
+_PATIENCE, _ONE = 3.0, 2e-8
+_OF_A_STEP, _OF_AN_ELEMENT, _ON_MOUNTS = 3e4, 5, 2.4
 _EMPTY = 1e-12  # of the largest normal force: no contact
+
+
+def limit(marches: Sequence[Any], powers: Sequence[int]) -> Any:
+    """Marches, each of half the step of the one before, without the given powers of the
+    step in their error: Richardson's extrapolation of the last ones.
+    """
+    rows = list(marches[-1 - len(powers) :])
+    for power in powers[: len(rows) - 1]:
+
+        def without(coarse: Array, fine: Array, power: int = power) -> Array:
+            if fine.dtype == bool:
+                return coarse & fine
+            return halving_limit(coarse, fine, power)
+
+        rows = [mapped(without, *pair) for pair in itertools.pairwise(rows)]
+    return rows[-1]
 
 
 class Levels(NamedTuple):
     """The limit at the instants of the history, and how it was reached."""
 
-    forces: Forces
+    seen: History
     mu: Array
     error: Array  # of mu, absolute
     good: Array
@@ -43,6 +69,119 @@ class Levels(NamedTuple):
     # what is handed out: good points, and under a transformation all whose error is
     # known
     shown: Array
+
+
+class Cut(NamedTuple):
+    """How a motion is cut into elements and steps; finer levels have `finer` times as
+    many of both.
+    """
+
+    # of `finer`, with `room` times as many elements as the coarsest level
+    surface: Callable[[int, int], AbstractOverLine]
+    # of `finer`, and where the instants are
+    steps: Callable[[int], tuple[Steps, Any]]
+    elements: int  # along the path, on the coarsest level
+    strips: int  # beside each other there
+    most_steps: int  # on the coarsest level
+    traced: bool
+    endless: bool  # of a rough line: no element is the outermost
+    skipped: str  # elements left out, in words
+    mounts: Sequence[Mount | None] = (None, None)
+    # elements times steps times branches marched sooner than another program is
+    # compiled
+    room: float = 5e6
+    long: tuple[float, int] = (np.inf, 0)  # work of a long march, and its finest level
+
+    def work(self, history: GivenHistory) -> int:
+        """Elements times steps times branches of the coarsest level."""
+        branches = max(history.law.times.size, 1)
+        return self.elements * self.strips * self.most_steps * branches
+
+    @property
+    def growth(self) -> float:
+        """Of the work from level to level."""
+        return 4.0 if self.strips == 1 else 8.0
+
+    def seconds_on_numpy(self, history: GivenHistory, level: int) -> float:
+        """What a march takes NumPy, by the number of steps, elements and branches."""
+        branches = history.law.times.size + _OF_AN_ELEMENT
+        step = (
+            _OF_A_STEP
+            + self.elements * self.strips * branches * (self.growth / 2) ** level
+        )
+        slower = _ON_MOUNTS if any(self.mounts) else 1.0
+        return slower * _ONE * step * self.most_steps * 2.0**level
+
+
+def solve_levels(
+    history: GivenHistory,
+    cut: Cut,
+    slope: Any,
+    *,
+    missing: Callable[[Any], tuple[Array, Array]] | None = None,
+    deepest: Any = np.inf,
+) -> tuple[Levels, SlidePlan, bool]:
+    """A motion to its tolerance, and whether the outermost elements were touched: then
+    the body reaches further than was thought.
+
+    `slope` and `missing` as in `refine`; `deepest` [m] is where the contact reaches the
+    end of the body.
+    """
+    law, work = arrays(history.law), cut.work(history)
+    most = finest(work, cut.traced)
+    if cut.growth**most * work > cut.long[0]:
+        most = min(cut.long[1], most)
+    shared = shared_level(work, most, cut.room, cut.growth)
+    size, outside = (0, 0), False
+
+    def solve(level: int) -> tuple[History, Any]:
+        nonlocal size, outside
+        finer = 2**level
+        # NumPy has nothing to compile for a new size
+        room = finer if on_numpy() else max(finer, 2**shared)
+        steps, instants = cut.steps(finer)
+        seen, line = run(
+            Scene(law, cut.surface(finer, room), *cut.mounts),
+            padded(steps, cut.most_steps * room),
+            instants,
+            control=history.control,
+            viscous=history.viscous,
+            balance=missing is not None,
+        )
+        seen, u = known((seen, line.u))
+        strips = 1 if cut.strips == 1 else -(-cut.elements * finer // 2)
+        size = cut.elements * finer * strips, steps.h.shape[0] - 1
+        u = u.reshape(-1, cut.elements * room)
+        ends = (u[:, 0] == 0).all() & (u[:, cut.elements * finer - 1] == 0).all()
+        inside = (ends | cut.endless) & (seen.depth < deepest)
+        if is_traced(seen):
+            return seen, inside
+        outside = not (ends or cut.endless)
+        if history.control == "load" and not np.any(history.value > 0):
+            # what is left is rounding
+            seen = seen._replace(normal=0 * seen.normal, drag=0 * seen.drag)
+        return seen, inside
+
+    def solved(level: int) -> tuple[History, Any]:
+        large = cut.seconds_on_numpy(history, level) > _PATIENCE
+        return on_jax(solve, level) if on_numpy() and large else solve(level)
+
+    levels = refine(solved, history.rtol, most, slope, missing)
+    branches = int(history.law.times.size)
+    return levels, SlidePlan(*size, branches, levels.levels, cut.skipped), outside
+
+
+def widened(
+    within: Callable[[Any], tuple[Levels, SlidePlan, bool]], reach: Any, widest: Any
+) -> tuple[Levels, SlidePlan]:
+    """What is found `within` a reach [m] of the path, twice as far as long as elements
+    outside of it are touched; `widest` is the largest contact expected.
+    """
+    while True:
+        found, plan, outside = within(reach)
+        if not outside or float(reach) > 30 * float(widest):
+            return found, plan
+        reach = 2 * reach
 
 
 def refine(
@@ -63,60 +202,68 @@ def refine(
     large part of mu: the elements are given there, and rtol cannot be met by more of
     them.
     """
-    old, fits = solve(0)
+    old, _ = solve(0)
     level, last, before = 0, 0.0, None
     while True:
         level += 1
         new, fits = solve(level)
         numpy = xp if is_traced(new) else np
-        limit = type(new)(*(b + (b - a) / 3 for a, b in zip(old, new, strict=True)))
-        mu = _ratio(numpy, limit, new.normal)
-        pairs = [
-            (_ratio(numpy, old), _ratio(numpy, new)),
-            (old.depth, new.depth),
-            (old.normal, new.normal),
-        ]
-        changes = [numpy.abs(b - a) for a, b in pairs]
-        seen = (mu, limit.depth, limit.normal)
+        finest_limit = limit((old, new), (2,))
+        mu = _ratio(finest_limit, new.normal)
+        sought = (mu, finest_limit.depth, finest_limit.normal)
+        pairs = zip(_sought(old), _sought(new), strict=True)
         if before is not None:
-            changes = [numpy.abs(b - a) for a, b in zip(before, seen, strict=True)]
+            pairs = zip(before, sought, strict=True)
+        changes = [numpy.abs(fine - coarse) for coarse, fine in pairs]
         error = beside(numpy.fmax(changes[0], last))
         scale = numpy.maximum(
             numpy.nanmax(numpy.where(numpy.isfinite(mu), numpy.abs(mu), 0.0)),
             _SYMMETRIC * slope + _ROUNDING,
         )
-        sure = (
-            numpy.isfinite(new.normal)
-            & numpy.isfinite(new.drag)
-            & numpy.isfinite(new.depth)
-            & fits
-        )
-        known = sure
-        # the depth is then that of the elements' grid
-        apart = numpy.max(numpy.abs(new.normal)) == 0
-        for change, value in zip(changes[1:], seen[1:], strict=True):
-            sure = sure & (apart | (change <= rtol * numpy.max(numpy.abs(value))))
-        if missing is not None:
-            part, largest = missing(limit)
-            sure = sure & (numpy.abs(part) <= rtol * largest)
+        finite = [numpy.isfinite(x) for x in (new.normal, new.drag, new.depth)]
+        computed = finite[0] & finite[1] & finite[2] & fits
         # without contact there is no mu, and no error of it
-        good = sure & ~(error > rtol * scale)
-        if (
-            is_traced(new)
-            or level >= most
-            or bool(np.all(good))
-            or not bool(np.any(fits))
-        ):
-            shown = known & ~(error > _SHOWN * scale) if is_traced(new) else good
-            return Levels(limit, mu, error, good, level + 1, shown)
-        old, last, before = new, changes[0] / 8, seen
+        good = computed & ~(error > rtol * scale)
+        good = good & _is_met(new, sought[1:], changes[1:], rtol)
+        if missing is not None:
+            unaccounted, largest = missing(finest_limit)
+            good = good & (numpy.abs(unaccounted) <= rtol * largest)
+        hopeless = is_traced(new) or level >= most or not np.any(fits)
+        if hopeless or np.all(good):
+            shown = computed & ~(error > _SHOWN * scale) if is_traced(new) else good
+            return Levels(finest_limit, mu, error, good, level + 1, shown)
+        old, last, before = new, changes[0] / 8, sought
 
 
-def at_level(
-    solve: Callable[[int], tuple[Any, Array]], level: int, work: float
-) -> tuple[Any, Array]:
-    """`solve(level)`, of which `work` is elements times steps times branches."""
-    return on_jax(solve, level) if on_numpy() and work > _MUCH else solve(level)
+def _sought(seen: Any) -> tuple[Array, Array, Array]:
+    return _ratio(seen), seen.depth, seen.normal
+
+
+def _is_met(new: Any, values: Any, changes: Any, rtol: float) -> Array:
+    """Where depth and normal force are known to rtol of their largest values."""
+    numpy = xp if is_traced(new) else np
+    # the depth is then that of the elements' grid
+    apart = numpy.max(numpy.abs(new.normal)) == 0
+    depth, normal = (
+        apart | (change <= rtol * numpy.max(numpy.abs(value)))
+        for change, value in zip(changes, values, strict=True)
+    )
+    return depth & normal
+
+
+def shared_level(work: float, most: int, room: float, factor: float = 4.0) -> int:
+    """The finest level of refinement, up to `most`, whose compiled program serves the
+    coarser ones as well.
+
+    `work` is elements times steps times branches of level 0; each further level has
+    `factor` times as much, and `room` is what is marched sooner than another program is
+    compiled. Compiling takes seconds, most marches milliseconds: so the coarse levels
+    are marched with as many elements as that level has, the further ones lying where
+    the body does not come (of a rough line: in further periods).
+    """
+    return max(
+        level for level in range(most + 1) if level <= 1 or factor**level * work <= room
+    )
 
 
 def finest(work: int, traced: bool) -> int:
@@ -129,12 +276,13 @@ def finest(work: int, traced: bool) -> int:
     return most
 
 
-def _ratio(numpy: Any, forces: Forces, contact: Any = None) -> Any:
+def _ratio(seen: Any, contact: Any = None) -> Any:
     """F_x/F_N, NaN without contact."""
-    normal = forces.normal if contact is None else contact
+    numpy = xp if is_traced(seen) else np
+    normal = seen.normal if contact is None else contact
     touching = normal > _EMPTY * numpy.max(normal)
-    safe = numpy.where(touching, forces.normal, 1.0)
-    return numpy.where(touching, forces.drag / safe, numpy.nan)
+    safe = numpy.where(touching, seen.normal, 1.0)
+    return numpy.where(touching, seen.drag / safe, numpy.nan)
 
 
 def beside(error: Any, reach: int = 2) -> Any:

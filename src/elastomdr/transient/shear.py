@@ -4,12 +4,12 @@ frictional damping.
 
 from __future__ import annotations
 
-import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, fixed, fori_loop, on_jax, on_numpy, xp
+from ..arrays import arrays, fixed, mapped, on_jax, on_numpy, xp
+from ..call.extrapolation import Beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -23,21 +23,22 @@ from ..checks import (
     only_one,
     require,
     scalar,
+    warn_unless,
 )
 from ..element.law import Foundation
-from ..errors import ConvergenceWarning, InputError
+from ..errors import InputError
 from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import shared
+from ..numerics.quadrature import gauss_unit
+from ..numerics.root import bisect
 from ..results.words import brief, describe
-from ..surface.reach import contact_measure, contact_size
-from ..surface.sampling import gauss
-from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
+from ..surface.disc import contact_measure, disc_under
+from ..surface.shapes import AbstractShape, FlatPunch
 from .age import history_beyond
 from .history_result import Shear
-from .impact import _standing
+from .problem import both_laws, standing
 from .refinement import beside
 from .shear_motion import History, Scene, Sheared, line, panels, shear_history
-from .tangential_law import both_laws
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -117,28 +118,112 @@ def shear(
 
     Source: Cattaneo 1938; Mindlin 1949; Popov & Hess 2015, ch. 5.
     """
-    normal, tangential = both_laws(material, tangential)
-    if not isinstance(shape, AbstractShape):
-        raise InputError(
-            "shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the "
-            f"like, got {shape!r}."
-        )
-    per_area = _standing([normal], shape)
-    name = only_one(load=load, depth=depth)
-    time, displacement = (
-        as_float64("time", time),
+    laws = both_laws(material, tangential)
+    per_area, name = standing([laws[0]], shape), only_one(load=load, depth=depth)
+    given = _checked_history(
+        laws, time, name, depth if load is None else load, displacement
+    )
+    mu = scalar("friction", friction)
+    require("friction", mu, "zero or positive, infinity included", lambda x: x >= 0)
+    exact = elements is None and steps is None and _is_elastic(laws)
+    usual = _ELASTIC if _is_elastic(laws) else _VISCOELASTIC
+    cut = _Cut(
+        _count("elements", elements, usual[0], least=2),
+        _count("steps", steps, usual[1], least=1),
+        per_area,
+        by_load=name == "load",
+        elastic=_is_elastic(laws),
+    )
+    reach = _reach(shape, laws[0].law(), per_area, name, given, cut.elements)
+    scene = _scene(shape, laws, mu, reach)
+    found, error = _solved(scene, given, cut, exact)
+    numpy = xp if is_traced(found) else np
+    inside: Any = True
+    if not isinstance(shape, FlatPunch):
+        inside = found.contact_radius <= reach * (1 - 0.25 / cut.elements)
+    good = numpy.isfinite(found.force) & numpy.isfinite(found.normal_force) & inside
+    reason = "The contact is wider there than the body or the grid."
+    warn_unless(good, "instants", reason=reason)
+    beyond = _beyond(laws, given)
+    fields = {key: nan_unless(good, x) for key, x in found._asdict().items()}
+    del fields["missed"]
+    return Shear(
+        time=given.time,
+        displacement=given.displacement,
+        **fields,
+        error=nan_unless(good, error),
+        converged=good,
+        model=LAYER if per_area else HALF_SPACE,
+        plan="marched element by element",
+        inputs=(*_inputs(laws, shape, name, given, mu, cut), *beyond.said),
+        extrapolated=beyond.points,
+    )
+
+
+def _beyond(laws: tuple[Foundation, Foundation], given: History) -> Beyond:
+    """Instants beyond the range of both laws."""
+    moved = given.displacement
+    return history_beyond(
+        shared(laws[0].range, laws[1].range),
+        given.time,
+        given.value,
+        None,
+        1.0,
+        slid=moved,
+        # else nothing happens at the first instant
+        at_once=is_traced(moved) or bool(moved[0] != 0),
+    )
+
+
+def _inputs(
+    laws: tuple[Foundation, Foundation],
+    shape: AbstractShape,
+    name: str,
+    given: History,
+    mu: Any,
+    cut: _Cut,
+) -> list[tuple[str, str]]:
+    """What was given, in words."""
+    size = f"{cut.elements} on a half line, {cut.steps} between two instants"
+    return [
+        ("material", laws[0].name or "given directly"),
+        ("shape", describe(shape)),
+        (name, brief(given.value, "N" if name == "load" else "m")),
+        ("displacement", brief(given.displacement, "m")),
+        ("time", brief(given.time, "s")),
+        ("friction coefficient", "traced" if is_traced(mu) else f"{float(mu):g}"),
+        ("elements and steps", size),
+    ]
+
+
+class _Cut(NamedTuple):
+    """How a contact is cut into elements and steps."""
+
+    elements: int  # over the radius
+    steps: int  # between two instants
+    per_area: bool
+    by_load: bool
+    elastic: bool
+
+
+def _checked_history(
+    laws: tuple[Foundation, Foundation],
+    time: Any,
+    name: str,
+    value: Any,
+    displacement: Any,
+) -> History:
+    """Raises `InputError` for what is no history, or none that a dashpot can follow."""
+    time = as_float64("time", time)
+    value, displacement = (
+        as_float64(name, value),
         as_float64("displacement", displacement),
     )
-    value, mu = (
-        as_float64(name, depth if load is None else load),
-        scalar("friction", friction),
-    )
-    if depth is None:
+    if name == "load":
         not_negative(name, value)
     else:
         finite(name, value)
     finite("displacement", displacement)
-    require("friction", mu, "zero or positive, infinity included", lambda x: x >= 0)
     if time.ndim != 1 or time.shape[0] < 2:
         raise InputError(
             "time must be a list of two instants or more, got an array of shape "
@@ -146,155 +231,87 @@ def shear(
         )
     if not is_traced(time) and not (np.diff(time) > 0).all():
         raise InputError("time must be ascending, without repeats.")
-    traced = is_traced(normal, tangential, shape, time, displacement, value, mu)
-    numpy: Any = xp if traced else np
-    try:
-        full: list[Array] = [
-            numpy.broadcast_to(x, time.shape) for x in (value, displacement)
-        ]
-        value, displacement = full
-    except ValueError as error:
+    traced = is_traced(laws, time, displacement, value)
+    if any(x.shape not in ((), (1,), time.shape) for x in (value, displacement)):
         raise InputError(
             f"displacement and {name} must be single numbers or as long as time "
             f"({time.shape[0]}), got shapes {np.shape(displacement)} and "
             f"{np.shape(value)}."
-        ) from error
-    laws = normal.law(), tangential.law()
-    seen = not is_traced(laws)
-    dashpots = seen and any(float(law.viscosity) > 0 for law in laws)
-    if (
-        dashpots
-        and not is_traced(value, displacement)
-        and (displacement[0] != 0 or (load is None and value[0] > 0))
-    ):
-        what = "displacement" if displacement[0] != 0 else name
-        raise InputError(
-            f"{what} must be 0 at the first instant, since a dashpot cannot follow a "
-            f"sudden motion, got {float(displacement[0] or value[0]):g}."
         )
-    elastic = seen and not dashpots and all(law.moduli.size == 0 for law in laws)
-    usual, exact = (
-        _ELASTIC if elastic else _VISCOELASTIC,
-        elastic and elements is None and steps is None,
+    numpy: Any = xp if traced else np
+    value, displacement = (
+        numpy.broadcast_to(x, time.shape) for x in (value, displacement)
     )
-    elements, steps = (
-        _count("elements", elements, usual[0]),
-        _count("steps", steps, usual[1]),
-    )
-    reach = _reach(shape, laws[0], per_area, name, value, time, elements)
-    scene = Scene(shape, laws[0], laws[1], mu, reach)
-    scene, history = _with_arrays(scene), History(time, value, displacement)
-    between = 1
-    if not elastic:
-        history = _with_early_instants(history)
-    elif (
-        load is not None
-        and not is_traced(history)
-        and (np.diff(value) * np.diff(displacement) != 0).any()
-    ):
-        between = max(1, min(_BETWEEN, _INSTANTS // time.shape[0]))
-        history = _divided(history, between)
-    options = {"by_load": load is not None}
-    found = _marched(
-        scene, history, elements, per_area, steps=steps, used=steps, **options
-    )
-    numpy = xp if is_traced(found) else np
+    if not traced and any(float(law.viscosity) > 0 for law in laws):
+        moved = displacement[0] != 0
+        if moved or (name == "depth" and value[0] > 0):
+            raise InputError(
+                f"{'displacement' if moved else name} must be 0 at the first instant, "
+                "since a dashpot cannot follow a sudden motion, got "
+                f"{float(displacement[0] if moved else value[0]):g}."
+            )
+    return History(time, value, displacement)
+
+
+def _is_elastic(laws: tuple[Foundation, Foundation]) -> bool:
+    """Whether all elements are springs, for all that is known."""
+    if is_traced([law.law() for law in laws]):
+        return False
+    return not any(law.moduli.size or float(law.viscosity) > 0 for law in laws)
+
+
+def _turns(given: History) -> bool:
+    """Whether load and displacement are known to change together between instants."""
+    if is_traced((given.value, given.displacement)):
+        return False
+    return bool(np.any(np.diff(given.value) * np.diff(given.displacement) != 0))
+
+
+def _solved(
+    scene: Scene, given: History, cut: _Cut, exact: bool
+) -> tuple[Sheared, Array]:
+    """The history at the instants given, and the error of its force."""
+    history, parts = given, 1
+    if not cut.elastic:
+        history = _with_early_instants(given)
+    elif cut.by_load and _turns(given):
+        parts = max(1, min(_BETWEEN, _INSTANTS // given.time.shape[0]))
+        history = _divided(given, parts)
+    found = _marched(scene, history, cut, cut.elements, cut.steps)
     if exact:
-        found, error = _summed(scene, history, found, per_area, **options)
+        found, error = _summed(scene, history, found, cut)
     else:
-        fewer, half = (
-            (elements // 2, steps) if elastic or steps == 1 else (elements, steps // 2)
-        )
-        coarse = _marched(
-            scene, history, fewer, per_area, steps=steps, used=half, **options
-        )
+        elements, steps = cut.elements, cut.steps // 2
+        if cut.elastic or cut.steps == 1:
+            elements, steps = cut.elements // 2, cut.steps
+        coarse = _marched(scene, history, cut, elements, steps)
+        change = abs(found.force - coarse.force)
+        if not cut.elastic:
+            change = 2 * beside(change)
         # What is left of a force that has faded is the difference of what was carried
         # before.
-        force = fixed(abs(found.force)) if is_traced(found) else abs(found.force)
-        largest = _so_far(force)
-        change = (
-            abs(found.force - coarse.force)
-            if elastic
-            else 2 * beside(abs(found.force - coarse.force))
-        )
+        force = abs(found.force)
+        largest = _so_far(fixed(force) if is_traced(force) else force)
         error = change + found.missed + _ROUNDING * largest
-    instants = found.force.shape[0]
-    chosen = np.append(0, np.arange(between, instants, between)[1 - time.shape[0] :])
-    found, error = type(found)(*(x[chosen] for x in found)), error[chosen]
-    inside = (
-        found.contact_radius <= reach * (1 - 0.25 / elements)
-        if not isinstance(shape, FlatPunch)
-        else True
-    )
-    good = numpy.isfinite(found.force) & numpy.isfinite(found.normal_force) & inside
-    if not is_traced(good) and not np.all(good):
-        text = "the contact is wider than the body or the grid, and they are NaN"
-        warnings.warn(
-            f"{int((~good).sum())} of {good.size} instants: {text}.",
-            ConvergenceWarning,
-            stacklevel=3,
-        )
-    found = type(found)(*(nan_unless(good, x) for x in found))
-    inputs = [("material", normal.name or "given directly"), ("shape", describe(shape))]
-    inputs += [
-        (name, brief(value, "N" if name == "load" else "m")),
-        ("displacement", brief(displacement, "m")),
-    ]
-    inputs += [
-        ("time", brief(time, "s")),
-        ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced"),
-    ]
-    inputs.append(
-        (
-            "elements and steps",
-            f"{elements} on a half line, {steps} between two instants",
-        )
-    )
-    measured = shared(normal.range, tangential.range)
-    # else nothing happens at the first instant
-    moved = is_traced(displacement) or bool(displacement[0] != 0)
-    beyond = history_beyond(
-        measured, time, value, None, 1.0, slid=displacement, at_once=moved, stacklevel=3
-    )
-    return Shear(
-        time=time,
-        displacement=displacement,
-        **{name: value for name, value in found._asdict().items() if name != "missed"},
-        error=nan_unless(good, error),
-        converged=good,
-        model=LAYER if per_area else HALF_SPACE,
-        plan="marched element by element",
-        inputs=(*inputs, *beyond.said),
-        extrapolated=beyond.points,
-    )
+    count, instants = given.time.shape[0], found.force.shape[0]
+    chosen = np.append(0, np.arange(parts, instants, parts)[1 - count :])
+    return mapped(lambda x: x[chosen], (found, error))
 
 
 def _marched(
-    scene: Scene,
-    history: History,
-    elements: int,
-    per_area: bool,
-    *,
-    steps: int,
-    **options: Any,
+    scene: Scene, history: History, cut: _Cut, elements: int, steps: int
 ) -> Sheared:
-    """The history of `elements` equal elements."""
+    """The history of `elements` equal elements, in `steps` between two instants."""
     branches = max(law.moduli.shape[0] for law in (scene.normal, scene.tangential))
-    work = elements * steps * history.time.shape[0] * (1 + branches)
-    if on_numpy() and work > _MUCH:
-        return on_jax(
-            _by_elements, scene, history, elements, per_area, steps=steps, **options
-        )
-    return _by_elements(scene, history, elements, per_area, steps=steps, **options)
+    work = elements * cut.steps * history.time.shape[0] * (1 + branches)
 
+    def by_elements() -> Sheared:
+        place, course = arrays((scene, history))
+        grid = line(place, elements, cut.per_area)
+        options: Any = {"steps": steps, "by_load": cut.by_load, "room": cut.steps}
+        return known(shear_history(place, course, grid, **options))
 
-def _by_elements(
-    scene: Scene, history: History, elements: int, per_area: bool, **options: Any
-) -> Sheared:
-    scene, history = arrays((scene, history))
-    return known(
-        shear_history(scene, history, line(scene, elements, per_area), **options)
-    )
+    return on_jax(by_elements) if on_numpy() and work > _MUCH else by_elements()
 
 
 def _so_far(x: Any) -> Any:
@@ -307,7 +324,7 @@ def _so_far(x: Any) -> Any:
 
 
 def _summed(
-    scene: Scene, history: History, found: Sheared, per_area: bool, *, by_load: bool
+    scene: Scene, history: History, found: Sheared, cut: _Cut
 ) -> tuple[Sheared, Any]:
     """An elastic contact summed by Gauss' rule between the edges of stick and contact
     in `found`, and the error of F_x.
@@ -319,12 +336,12 @@ def _summed(
     numpy = xp if is_traced(found) else np
     radii = numpy.concatenate([found.contact_radius, found.stick_radius])
     rules = [
-        panels(scene, radii, parts, nodes, per_area)
+        panels(scene, radii, parts, nodes, cut.per_area)
         for parts, nodes in ((4, 6), (6, 4))
     ]
+    options = {"steps": 1, "by_load": cut.by_load, "room": 1}
     best, other = (
-        known(shear_history(scene, history, rule, steps=1, by_load=by_load))
-        for rule in rules
+        known(shear_history(scene, history, rule, **options)) for rule in rules
     )
     best = best._replace(
         contact_radius=found.contact_radius, stick_radius=found.stick_radius
@@ -365,30 +382,25 @@ def _divided(history: History, parts: int) -> History:
     return History(*map(fill, history))
 
 
-def _count(name: str, given: Any, usual: int) -> int:
+def _count(name: str, given: Any, usual: int, least: int) -> int:
     if given is None:
         return usual
-    if (
-        isinstance(given, bool)
-        or not isinstance(given, (int, np.integer))
-        or given < (2 if name == "elements" else 1)
-    ):
+    whole = isinstance(given, (int, np.integer)) and not isinstance(given, bool)
+    if not whole or given < least:
         raise InputError(f"{name} must be a positive whole number, got {given!r}.")
     return int(given)
 
 
-def _with_arrays(scene: Scene) -> Scene:
-    law, other = (
-        [xp.asarray(x) for x in (a.equilibrium, a.moduli, a.times, a.viscosity)]
-        for a in scene[1:3]
+def _scene(
+    shape: AbstractShape, laws: tuple[Foundation, Foundation], mu: Any, reach: Any
+) -> Scene:
+    normal, tangential = (
+        Relaxation(
+            *map(xp.asarray, (law.equilibrium, law.moduli, law.times, law.viscosity))
+        )
+        for law in laws
     )
-    return Scene(
-        scene.shape,
-        Relaxation(*law),
-        Relaxation(*other),
-        xp.asarray(scene.friction),
-        xp.asarray(scene.reach),
-    )
+    return Scene(shape, normal, tangential, xp.asarray(mu), xp.asarray(reach))
 
 
 def _reach(
@@ -396,22 +408,20 @@ def _reach(
     law: Relaxation,
     per_area: bool,
     name: str,
-    value: Any,
-    time: Any,
+    history: History,
     elements: int,
 ) -> Any:
     """A radius [m] that the contact does not exceed: at the greatest depth, or under
     the load after the whole time.
     """
-    largest = xp.max(xp.asarray(value))
-    by_height = per_area and not isinstance(shape, Cylinder)
     if isinstance(shape, FlatPunch):
         return xp.asarray(shape.radius)
+    largest = xp.max(xp.asarray(history.value))
     if name == "load":
-        largest = _elastic_depth(
-            shape, per_area, largest * _creep(law, time[-1] - time[0])
-        )
-    reach = contact_size(shape, xp.where(largest > 0, largest, 1e-9), by_height)
+        creep = _creep(law, history.time[-1] - history.time[0])
+        largest = _elastic_depth(shape, per_area, largest * creep)
+    largest = xp.where(largest > 0, largest, 1e-9)
+    reach = disc_under(shape, per_area).radius_of_depth(largest)
     limit = xp.asarray(shape.largest_contact)
     return xp.minimum(
         xp.where(xp.isnan(reach), limit, reach * elements / max(elements - 2, 1)),
@@ -430,18 +440,17 @@ def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
     """Depth d with A(d) = `measure`, by bisection of its logarithm, rounded up: it is
     used as a bound.
     """
-    c, w, _ = gauss(24)
+    c, w, _ = gauss_unit(24)
 
     def displaced(depth: Any) -> Any:
         return depth * xp.sum(
             2 * c * w * contact_measure(shape, depth * c**2, per_area)
         )
 
-    def halve(_: int, bounds: tuple) -> tuple:
-        low, high = bounds
-        middle = 0.5 * (low + high)
-        below = displaced(xp.exp(middle)) < measure
-        return xp.where(below, middle, low), xp.where(below, high, middle)
-
-    ends = (xp.asarray(-140.0), xp.asarray(140.0))
-    return xp.exp(fixed(fori_loop(0, 42, halve, ends)[1]))
+    _, high = bisect(
+        lambda log_depth: displaced(xp.exp(log_depth)) < measure,
+        xp.asarray(-140.0),
+        xp.asarray(140.0),
+        42,
+    )
+    return xp.exp(fixed(high))

@@ -30,13 +30,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, cond, fixed, in_steps, mapped, xp
-from ..checks import Array, argmax
-from ..element.contact_step import Coefficients, coefficients, pressed, released
+from ..arrays import compiled, fixed, in_steps, mapped, xp
+from ..checks import Array, argmax, is_traced
+from ..element.contact_step import (
+    Coefficients,
+    Pressed,
+    coefficients_of_steps,
+    pressed,
+    released,
+)
 from ..material.relaxation import Relaxation
-from ..surface.disc import gauss
+from ..numerics.quadrature import gauss_on_panels
 from ..surface.shapes import AbstractShape, Cylinder
-from .depth_from_load import settle
+from .march import march, padded, settle
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -102,67 +108,69 @@ class Grid(NamedTuple):
     width: Array
 
 
-@compiled("steps", "by_load")
+class Steps(NamedTuple):
+    """Contact steps."""
+
+    h: Float[Array, " steps"]  # [s]
+    value: Float[Array, " steps"]  # load [N] or depth [m] at the end
+    slide: Float[Array, " steps"]  # of the body in the step [m]
+
+
+def cut(history: History, steps: int) -> tuple[Steps, np.ndarray]:
+    """A history in `steps` equal contact steps between two instants, and which of them
+    end at the instants after the first.
+    """
+    numpy = xp if is_traced(history) else np
+    rates = [numpy.diff(x) / steps for x in history]
+    h, rise, slide = (numpy.repeat(rate, steps) for rate in rates)
+    intervals = history.time.shape[0] - 1
+    number = np.tile(np.arange(1, steps + 1), intervals)
+    value = numpy.repeat(history.value[:-1], steps) + number * rise
+    return Steps(h, value, slide), steps * np.arange(1, intervals + 1) - 1
+
+
 def shear_history(
-    scene: Scene,
-    history: History,
-    grid: Grid,
-    *,
-    steps: int,
-    by_load: bool,
-    used: Any = None,
+    scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool, room: int
 ) -> Sheared:
     """The whole history of the elements of a grid, with `steps` contact steps between
-    two instants, or `used` of them in the same program.
+    two instants, in a program that has room for `room` of them.
     """
-    used = steps if used is None else used
-
-    def interval(state: State, ends: tuple) -> tuple:
-        (t0, v0, s0), (t1, v1, s1) = ends
-        h, dv, ds = (t1 - t0) / used, (v1 - v0) / used, (s1 - s0) / used
-        normal, tangential = (
-            coefficients(scene.normal, h),
-            coefficients(scene.tangential, h),
-        )
-
-        def advance(carry: tuple, i: Array) -> tuple:
-            def one(carry: tuple) -> tuple:
-                return step(
-                    scene,
-                    grid,
-                    normal,
-                    tangential,
-                    carry[0],
-                    v0 + (i + 1) * dv,
-                    ds,
-                    by_load,
-                )
-
-            return cond(i < used, one, lambda carry: carry, carry), None
-
-        none = xp.zeros_like(grid.x)
-        (state, seen), _ = in_steps(
-            advance, (state, ((xp.zeros(()),) * 6, none)), xp.arange(steps)
-        )
-        return state, (
-            (state.work, state.slip_loss, state.depth),
-            _measured(grid, state, seen, by_load),
-        )
-
-    start, first = _start(scene, grid, history, by_load)
-    before = tuple(x[:-1] for x in history)
-    after = tuple(x[1:] for x in history)
-    _, (states, seen) = in_steps(interval, start, (before, after))
-    first = _measured(grid, start, first, by_load)
-    seen = tuple(xp.concatenate([a[None], b]) for a, b in zip(first, seen, strict=True))
-    work, loss, depth = (
-        xp.concatenate([getattr(start, name)[None], states[i]])
-        for i, name in enumerate(("work", "slip_loss", "depth"))
+    steps_of_history, instants = cut(history, steps)
+    most = room * (history.time.shape[0] - 1)
+    first = history.value[0], history.displacement[0]
+    return _sheared(
+        scene, grid, first, padded(steps_of_history, most), instants, by_load=by_load
     )
-    force, normal_force, contact, stick, stored, missed = seen
-    return Sheared(
-        force, normal_force, depth, contact, stick, work, loss, stored, missed
-    )
+
+
+@compiled("by_load")
+def _sheared(
+    scene: Scene,
+    grid: Grid,
+    first: tuple[Array, Array],
+    steps: Steps,
+    instants: np.ndarray,
+    *,
+    by_load: bool,
+) -> Sheared:
+    def prepare(block: Steps) -> tuple[Steps, Coefficients, Coefficients]:
+        laws = scene.normal, scene.tangential
+        normal, tangential = (coefficients_of_steps(law, block.h) for law in laws)
+        return block, normal, tangential
+
+    def advance(
+        state: State, now: tuple[Steps, Coefficients, Coefficients]
+    ) -> tuple[State, tuple]:
+        end, normal, tangential = now
+        given = (end.value, end.slide, by_load)
+        return step(scene, grid, normal, tangential, state, *given)
+
+    def look(state: State, seen: tuple) -> Sheared:
+        return _measured(grid, state, seen, by_load)
+
+    start, seen = _start(scene, grid, *first, by_load)
+    _, later = march(advance, look, start, steps, instants, prepare)
+    return mapped(lambda a, b: xp.concatenate([a[None], b]), look(start, seen), later)
 
 
 @compiled("elements", "per_area")
@@ -186,9 +194,7 @@ def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -
     )
     edges = fixed(edges)
     inner = edges[:-1, None] + xp.diff(edges)[:, None] * (np.arange(parts) / parts)
-    x, dx = gauss(
-        xp.append(inner.reshape(-1), edges[-1]), *np.polynomial.legendre.leggauss(nodes)
-    )
+    x, dx = gauss_on_panels(xp.append(inner.reshape(-1), edges[-1]), nodes)
     return _grid(scene, x, dx, xp.asarray(xp.nan), per_area)
 
 
@@ -213,7 +219,7 @@ def untouched(scene: Scene, grid: Grid) -> State:
 
 
 def _start(
-    scene: Scene, grid: Grid, history: History, by_load: bool
+    scene: Scene, grid: Grid, value: Array, displacement: Array, by_load: bool
 ) -> tuple[State, tuple]:
     """The first instant: depth or load, then displacement, put on at once, to which the
     glassy moduli respond.
@@ -223,19 +229,14 @@ def _start(
     none, state = xp.zeros(()), untouched(scene, grid)
     still = (
         state,
-        (
-            (none, history.value[0] if by_load else none, none, none, none, none),
-            state.u,
-        ),
+        ((none, value if by_load else none, none, none, none, none), state.u),
     )
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
 
     def put(state: State, ds: Array) -> tuple[State, tuple]:
-        return step(
-            scene, grid, normal, tangential, state, history.value[0], ds, by_load
-        )
+        return step(scene, grid, normal, tangential, state, value, ds, by_load)
 
-    put_down, seen = in_steps(put, state, xp.stack([none, history.displacement[0]]))
+    put_down, seen = in_steps(put, state, xp.stack([none, displacement]))
     moved = put_down, mapped(lambda x: x[-1], seen)
     dashpots = xp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
     return mapped(lambda a, b: xp.where(dashpots, a, b), still, moved)
@@ -266,6 +267,17 @@ def _sudden(law: Relaxation) -> Coefficients:
     )
 
 
+class Moved(NamedTuple):
+    """What a step does to the elements along the surface."""
+
+    tau: Array  # traction at the end, or its mean with a dashpot
+    trial: Array  # traction if they stick
+    limit: Array  # the largest that friction allows
+    slips: Array
+    carried: Array  # by the body, if they stick [m]
+    moved: Array  # [m]
+
+
 def step(
     scene: Scene,
     grid: Grid,
@@ -285,97 +297,41 @@ def step(
     seen = xp.sum(cn.seen * state.f, axis=0)
     depth = value
     if by_load:
-        depth = settle(
-            grid.profile + released(cn, state.u, seen),
-            grid.weight * cn.stiffness,
-            0.0,
-            value,
-            state.depth,
-        )
-    pushed, recovery, contact, change, q = pressed(
-        cn, state.u, seen, depth - grid.profile - state.u
-    )
-
-    # A surface that comes from a distance carries the element with it from when it
-    # touches, one that leaves it carries it until the normal force, linear in the step,
-    # is gone.
-    gap = xp.where(
-        state.q > 0, 0.0, xp.maximum(state.u + grid.profile - state.depth, 0.0)
-    )
-    fresh, left = contact & (gap > 0), ~contact & (state.q > 0)
-    share = xp.where(
-        fresh, xp.maximum(pushed, 0.0) / xp.where(fresh, pushed + gap, 1.0), 1.0
-    )
-    share = xp.where(
-        left,
-        state.q / xp.where(left, state.q - cn.stiffness * (pushed - recovery), 1.0),
-        share,
-    )
-    limit = xp.where(q > 0, scene.friction * xp.where(q > 0, q, 1.0), 0.0)
-    rest = ct.equilibrium * state.s + xp.sum(ct.seen * state.p, axis=0)
-    if callable(ds):
-        ds = ds(
-            lambda ds: xp.sum(
-                grid.weight * xp.clip(rest + ct.stiffness * share * ds, -limit, limit)
-            )
-        )
-    carried = ds * share
-    trial = rest + ct.stiffness * carried
-    slips = xp.abs(trial) > limit
-    bound = xp.sign(trial) * xp.where(slips, limit, 0.0)
-    tau = xp.where(slips, bound, trial)
-    moved = xp.where(slips, (bound - rest) / ct.stiffness, carried)
-    slid = xp.where(slips, xp.abs(carried - moved), 0.0)
-    # Slip begins where traction and limit, both linear in the step, meet: at once if
-    # the element slipped before.
-    before = xp.where(
-        state.q > 0, scene.friction * xp.where(state.q > 0, state.q, 1.0), 0.0
-    )
-    known = slips & xp.isfinite(before)
-    last, now = xp.where(known, before, 0.0), xp.where(slips, limit, 0.0)
-    room = xp.maximum(
-        last - xp.sign(trial) * (ct.equilibrium * state.s + xp.sum(state.p, axis=0)),
-        0.0,
-    )
-    over = xp.where(known, xp.abs(trial) - now, 1.0)
-    first = xp.where(known, last + (now - last) * room / (room + over), xp.abs(trial))
-    heat = xp.where(slips, 0.5 * (first + now) * slid, 0.0)
+        level = grid.profile + released(cn, state.u, seen)
+        stiffness = grid.weight * cn.stiffness
+        depth = settle(level, stiffness, 0.0, value, state.depth)
+    down = pressed(cn, state.u, seen, depth - grid.profile - state.u)
+    share = _share(grid, cn, state, down)
+    moved, slide = _moved(scene, grid, ct, state, down.q, share, ds)
+    heat = _heat(scene, ct, state, moved)
 
     mean = (
-        ct.equilibrium * (state.s + 0.5 * moved)
+        ct.equilibrium * (state.s + 0.5 * moved.moved)
         + xp.sum(ct.mean * state.p, axis=0)
-        + ct.drag * moved
+        + ct.drag * moved.moved
     )
-    p = ct.decay * state.p + ct.gain * moved
-    s = state.s + moved
+    p = ct.decay * state.p + ct.gain * moved.moved
+    s = state.s + moved.moved
     stored = 0.5 * ct.equilibrium * s**2 + xp.sum(ct.energy * p**2, axis=0)
     loss = xp.sum(grid.weight * heat)
     after = State(
-        u=state.u + change,
-        f=cn.decay * state.f + cn.gain * change,
-        q=q,
+        u=state.u + down.change,
+        f=cn.decay * state.f + cn.gain * down.change,
+        q=down.q,
         s=s,
         p=p,
         depth=depth,
-        work=state.work + xp.sum(grid.weight * mean * moved) + loss,
+        work=state.work + xp.sum(grid.weight * mean * moved.moved) + loss,
         slip_loss=state.slip_loss + loss,
     )
-    radius = _edge(grid, pushed - recovery)
-    stick = xp.minimum(
-        _edge(grid, xp.where(q > 0, limit - xp.abs(trial), -1e-300)), radius
-    )
+    radius = _edge(grid, down.pushed - down.recovery)
+    room = xp.where(down.q > 0, moved.limit - xp.abs(moved.trial), -1e-300)
+    stick = xp.minimum(_edge(grid, room), radius)
+    tau, q = moved.tau, down.q
     late = xp.zeros(())  # what a given load misses of the normal force at the end
     if not callable(ds):
-        tau, end = _at_end(
-            scene,
-            cn,
-            ct,
-            state,
-            (pushed, depth - state.depth),
-            (carried, ds),
-            (tau, q),
-            slips,
-        )
+        sunk = (down.pushed, depth - state.depth)
+        tau, end = _at_end(scene, cn, ct, state, sunk, slide, moved, q)
         late, q = (
             (xp.abs(xp.sum(grid.weight * (end - q))), q) if by_load else (late, end)
         )
@@ -390,47 +346,114 @@ def step(
     return after, (seen, tau)
 
 
+def _share(grid: Grid, cn: Coefficients, state: State, down: Pressed) -> Array:
+    """The part of the body's motion that an element can follow: a surface that comes
+    from a distance carries it from when it touches, one that leaves it until the normal
+    force, linear in the step, is gone.
+    """
+    before = xp.maximum(state.u + grid.profile - state.depth, 0.0)
+    gap = xp.where(state.q > 0, 0.0, before)
+    fresh, left = down.contact & (gap > 0), ~down.contact & (state.q > 0)
+    touching = xp.maximum(down.pushed, 0.0) / xp.where(fresh, down.pushed + gap, 1.0)
+    fall = state.q - cn.stiffness * (down.pushed - down.recovery)
+    leaving = state.q / xp.where(left, fall, 1.0)
+    return xp.where(left, leaving, xp.where(fresh, touching, 1.0))
+
+
+def _largest(scene: Scene, q: Array) -> Array:
+    """The largest traction that friction allows."""
+    return xp.where(q > 0, scene.friction * xp.where(q > 0, q, 1.0), 0.0)
+
+
+def _moved(
+    scene: Scene,
+    grid: Grid,
+    ct: Coefficients,
+    state: State,
+    q: Array,
+    share: Array,
+    ds: Any,
+) -> tuple[Moved, Array]:
+    """Stick or slip of each element, and the displacement of the body."""
+    limit = _largest(scene, q)
+    rest = ct.equilibrium * state.s + xp.sum(ct.seen * state.p, axis=0)
+
+    def force(ds: Array) -> Array:
+        trial = rest + ct.stiffness * share * ds
+        return xp.sum(grid.weight * xp.clip(trial, -limit, limit))
+
+    slide: Any = ds(force) if callable(ds) else ds
+    carried = slide * share
+    trial = rest + ct.stiffness * carried
+    slips = xp.abs(trial) > limit
+    bound = xp.sign(trial) * xp.where(slips, limit, 0.0)
+    tau = xp.where(slips, bound, trial)
+    moved = xp.where(slips, (bound - rest) / ct.stiffness, carried)
+    return Moved(tau, trial, limit, slips, carried, moved), slide
+
+
+def _heat(scene: Scene, ct: Coefficients, state: State, moved: Moved) -> Array:
+    """Turned into heat by slip. It begins where traction and limit, both linear in the
+    step, meet: at once if the element slipped before.
+    """
+    slips, trial = moved.slips, moved.trial
+    slid = xp.where(slips, xp.abs(moved.carried - moved.moved), 0.0)
+    before = _largest(scene, state.q)
+    known = slips & xp.isfinite(before)
+    last, now = xp.where(known, before, 0.0), xp.where(slips, moved.limit, 0.0)
+    traction = ct.equilibrium * state.s + xp.sum(state.p, axis=0)
+    room = xp.maximum(last - xp.sign(trial) * traction, 0.0)
+    over = xp.where(known, xp.abs(trial) - now, 1.0)
+    first = xp.where(known, last + (now - last) * room / (room + over), xp.abs(trial))
+    return xp.where(slips, 0.5 * (first + now) * slid, 0.0)
+
+
 def _at_end(
     scene: Scene,
     cn: Coefficients,
     ct: Coefficients,
     state: State,
-    down: tuple,
-    along: tuple,
-    mean: tuple,
-    slips: Array,
+    sunk: tuple[Array, Array],
+    slide: Array,
+    moved: Moved,
+    q: Array,
 ) -> tuple[Array, Array]:
     """Tractions at the end of a step: with a dashpot the conditions are put on means,
     which do not see the rate there.
 
-    `down` and `along`: by how much the element and the body have moved.
+    `sunk`: by how much element and body have moved down.
     """
-    tau, q = mean
     held = cn.equilibrium * state.u + xp.sum(cn.decay * state.f, axis=0)
-    held = held + (cn.end - cn.rate) * down[0] + cn.rate * down[1]
+    held = held + (cn.end - cn.rate) * sunk[0] + cn.rate * sunk[1]
     q_end = xp.where(q > 0, xp.where(cn.rate > 0, xp.maximum(held, 0.0), q), 0.0)
     stuck = ct.equilibrium * state.s + xp.sum(ct.decay * state.p, axis=0)
-    stuck = stuck + (ct.end - ct.rate) * along[0] + ct.rate * along[1]
-    limit = xp.where(q_end > 0, scene.friction * xp.where(q_end > 0, q_end, 1.0), 0.0)
-    stuck = xp.clip(xp.where(ct.rate > 0, stuck, tau), -limit, limit)
-    return xp.where(slips, xp.sign(tau) * limit, stuck), q_end
+    stuck = stuck + (ct.end - ct.rate) * moved.carried + ct.rate * slide
+    limit = _largest(scene, q_end)
+    stuck = xp.clip(xp.where(ct.rate > 0, stuck, moved.tau), -limit, limit)
+    return xp.where(moved.slips, xp.sign(moved.tau) * limit, stuck), q_end
 
 
-def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> tuple:
-    """What a step has seen, and a bound on what its tangential force misses."""
-    (force, normal_force, *rest, late), tau = seen
-    # Under a load the depth carries the error of the normal sum over to F_x, in
-    # proportion.
-    ratio = (
-        xp.abs(force) / xp.where(normal_force > 0, normal_force, 1.0)
-        if by_load
-        else 0.0
-    )
-    return (
-        force,
-        normal_force,
-        *rest,
-        _missed(grid.weight * tau) + ratio * (_missed(grid.weight * state.q) + late),
+def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> Sheared:
+    """What is known at the end of a step, with a bound on what its tangential force
+    misses.
+    """
+    (force, normal_force, contact, stick, stored, late), tau = seen
+    missed = _missed(grid.weight * tau)
+    if by_load:
+        # Under a load the depth carries the error of the normal sum over to F_x, in
+        # proportion.
+        ratio = xp.abs(force) / xp.where(normal_force > 0, normal_force, 1.0)
+        missed = missed + ratio * (_missed(grid.weight * state.q) + late)
+    return Sheared(
+        force=force,
+        normal_force=normal_force,
+        depth=state.depth,
+        contact_radius=contact,
+        stick_radius=stick,
+        work=state.work,
+        slip_loss=state.slip_loss,
+        stored=stored,
+        missed=missed,
     )
 
 

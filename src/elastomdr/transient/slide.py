@@ -3,38 +3,35 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import arrays, on_jax, on_numpy, xp
+from ..arrays import arrays, xp
 from ..call.several_materials import over_materials
-from ..checks import is_traced, known, nan_unless, numpy_unless_traced
-from ..element.law import as_foundation
-from ..errors import ConvergenceWarning, InputError
-from ..material.relaxation import Relaxation
-from ..results.words import describe
-from ..smooth.problem import BARE, LAYER, contact
+from ..checks import is_traced, known, nan_unless, numpy_unless_traced, warn_unless
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
-from ..surface.shapes import Cylinder
 from .age import sliding_beyond
-from .body_over_line import indenter, rough
-from .contact_sizes import check_path, contact_sizes, shared_level
+from .body_motion import History
+from .body_over_line import check_path, contact_sizes, indenter, rough
 from .history_result import Slide
-from .problem import LINE, GivenHistory, SlidePlan, describe_line, given_history
-from .refinement import Levels, at_level, finest, refine
-from .slide_march import Forces, march, padded
-from .timeline import cut, timeline
+from .problem import (
+    GivenHistory,
+    SlidePlan,
+    Timeline,
+    cut,
+    given_history,
+    sliding_body,
+    timeline,
+)
+from .refinement import Cut, Levels, solve_levels, widened
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number
     from ..call.types import Indenter, Materials
 
 _ACROSS = 40  # elements over the contact on the coarsest level
-# elements times steps times branches marched sooner than another program is compiled
-_ROOM = 5e6
 
 
 @over_materials
@@ -88,103 +85,92 @@ def slide(
 
     Source: Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
-    per_length = isinstance(shape, RoughLine)
-    foundation = as_foundation(material)
-    if per_length and foundation.per_area:
-        raise InputError(
-            "material must be a half-space under a RoughLine, got a layer: give "
-            "the material itself."
-        )
-    lines = None if per_length else contact(foundation, shape)[0]
-    body: Any = shape if lines is None else lines
-    history = given_history(
-        foundation, time, position, load, depth, temperature, rtol, elements, per_length
+    body = sliding_body(material, shape)
+    given = (time, position, load, depth, temperature, rtol, elements)
+    history = given_history(body, *given)
+    solve: Any = _rough if body.per_length else _indenter
+    found, plan = solve(body.over, history)
+    seen = found.seen
+    beyond = sliding_beyond(history, body.over, seen.depth, history.value)
+    warn_unless(found.good, "points", f" to rtol={history.rtol:g}")
+
+    def shown(field: Any) -> Any:
+        return nan_unless(found.shown, field)
+
+    return Slide(
+        time=history.time,
+        position=history.position,
+        velocity=_velocity(history),
+        mu=shown(found.mu),
+        normal_force=shown(seen.normal),
+        friction_force=shown(seen.drag),
+        depth=shown(seen.depth),
+        work=shown(seen.work),
+        stored=shown(seen.stored),
+        dissipated=shown(seen.work - seen.stored),
+        error=shown(found.error),
+        converged=found.good,
+        per_length=body.per_length,
+        model=body.model,
+        plan=plan,
+        inputs=(*body.words, *history.inputs, *beyond.said),
+        extrapolated=beyond.points,
     )
-    found, plan = (
-        on_jax(_rough, body, history) if lines is None else _indenter(lines, history)
-    )
-    model = (
-        LINE
-        if per_length
-        else LAYER
-        if foundation.per_area or isinstance(shape, Cylinder)
-        else BARE
-    )
-    what = describe_line(shape) if per_length else describe(shape)
-    inputs = [
-        ("material", foundation.name or "given directly"),
-        ("shape", what),
-        *history.inputs,
-    ]
-    beyond = sliding_beyond(
-        history, body, found.forces.depth, history.value, stacklevel=3
-    )
-    return _pack(
-        history, found, plan, model, (*inputs, *beyond.said), per_length, beyond.points
-    )
+
+
+def _velocity(history: GivenHistory) -> Any:
+    """Of the body before each instant [m/s]; zero at the first, and at jumps."""
+    numpy = xp if is_traced(history.position) else np
+    gone = np.diff(history.time)
+    speed = numpy.diff(history.position) / np.where(gone > 0, gone, 1.0)
+    return numpy.concatenate([numpy.zeros(1), numpy.where(gone > 0, speed, 0.0)])
 
 
 def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """Marches one period under a rough line."""
-    law = arrays(history.law)
-    traced = history.traced or is_traced(shape)
-    even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
-    spacing = (
-        None if is_traced(history.position, history.value) else float(shape.spacing)
-    )
-    line = timeline(
-        history.time, history.position, history.value, spacing, history.shortest, even
-    )
-    size: list[int] = []
-    work = shape.count * line.part.size * max(law.times.size, 1)
-    most = finest(work, traced)
-    shared = shared_level(work, most, _ROOM)
+    known_path = not is_traced(history.position, history.value)
+    line, steps = _steps(history, float(shape.spacing) if known_path else None)
 
-    def solve(level: int) -> tuple[Forces, Any]:
-        finer = 2**level
-        room = max(finer, 2**shared)
-        steps, last = cut(
-            line, history.time, history.position, history.value, history.shortest, finer
-        )
-        surface = rough(
-            xp.tile(shape._finer(finer), room // finer),
-            shape.spacing / finer,
-            xp.asarray(shape.highest),
-        )
-        steps_padded = padded(steps, line.part.size * room)
-        forces, _ = march(
-            law, surface, steps_padded, control=history.control, viscous=history.viscous
-        )
-        size[:] = shape.count * finer, steps.h.shape[0]
-        return Forces(*(field[last] for field in known(forces))), np.bool_(True)
+    def surface(finer: int, room: int) -> Any:
+        height = xp.tile(shape._finer(finer), room // finer)
+        return rough(height, shape.spacing / finer, xp.asarray(shape.highest))
 
-    found = refine(solve, history.rtol, most, shape.rms_slope)
     text = f"every element of the period of {float(shape.period):.4g} m can be touched"
-    return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text)
+    resolution = Cut(
+        surface=surface,
+        steps=steps,
+        elements=shape.count,
+        strips=1,
+        most_steps=line.part.size,
+        traced=history.traced or is_traced(shape),
+        endless=True,
+        skipped=text,
+    )
+    return solve_levels(history, resolution, shape.rms_slope)[:2]
+
+
+def _steps(history: GivenHistory, spacing: float | None) -> tuple[Timeline, Any]:
+    """The coarsest steps, one at most per `spacing` [m], and those of finer levels."""
+    even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
+    given = (history.time, history.position, history.value)
+    line = timeline(*given, spacing, history.shortest, even)
+    return line, lambda finer: cut(line, *given, history.shortest, finer)
 
 
 def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """Marches the elements that an indenter can touch; more of them where it turns out
     to reach further.
     """
-    if (
-        not history.traced
-        and not is_traced(lines)
-        and not (np.asarray(history.value) > 0).any()
-    ):
+    traced = history.traced or is_traced(lines)
+    if not traced and not (np.asarray(history.value) > 0).any():
         return _apart(history)
-    law = arrays(history.law)
-    sizes = known(
-        contact_sizes(
-            law, lines, history.control, history.value, float(np.ptp(history.time))
-        )
-    )
-    reach = 1.6 * sizes[1]
-    while True:
-        found, plan, outside = _within(lines, law, history, sizes, reach)
-        if not outside or float(reach) > 30 * float(sizes[1]):
-            return found, plan
-        reach = 2 * reach
+    law, duration = arrays(history.law), float(np.ptp(history.time))
+    sizes = known(contact_sizes(law, lines, history.control, history.value, duration))
+
+    def within(reach: Any) -> tuple[Levels, SlidePlan, bool]:
+        return _within(lines, history, sizes, reach)
+
+    return widened(within, 1.6 * sizes[1], sizes[1])
 
 
 def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
@@ -193,22 +179,15 @@ def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """
     none = np.zeros(history.time.shape)
     depth = np.asarray(history.value) if history.control == "depth" else none
-    found = Levels(
-        Forces(depth, none, none, none, none),
-        none * np.nan,
-        none * np.nan,
-        none == 0,
-        0,
-        none == 0,
-    )
-    return found, SlidePlan(
-        0, 0, int(history.law.times.size), 0, "the body touches no element"
-    )
+    seen = History(*[none] * len(History._fields))._replace(depth=depth)
+    no_mu, all_of_them = none * np.nan, none == 0
+    found = Levels(seen, no_mu, no_mu, all_of_them, 0, all_of_them)
+    branches, text = int(history.law.times.size), "the body touches no element"
+    return found, SlidePlan(0, 0, branches, 0, text)
 
 
 def _within(
     lines: AbstractLines,
-    law: Relaxation,
     history: GivenHistory,
     sizes: tuple[Any, Any],
     reach: Any,
@@ -219,123 +198,39 @@ def _within(
     glassy, widest = sizes
     traced = history.traced or is_traced(lines)
     numpy = xp if is_traced(history.position) else np
-    first, length = (
-        numpy.min(history.position) - reach,
-        numpy.ptp(history.position) + 2 * reach,
-    )
+    first = numpy.min(history.position) - reach
+    length = numpy.ptp(history.position) + 2 * reach
     if traced:
         spacing, count = length / history.elements, history.elements
-        even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
-        line = timeline(
-            history.time, history.position, history.value, None, history.shortest, even
-        )
+        line, steps = _steps(history, None)
     else:
         spacing = float(2 * math.sqrt(glassy * widest) / _ACROSS)
         check_path(float(length), spacing)
         count = 32 * math.ceil(float(length) / spacing / 32)
-        line = timeline(
-            history.time, history.position, history.value, spacing, history.shortest, 0
-        )
-    size, outside = [0, 0], [False]
+        line, steps = _steps(history, spacing)
+
+    def surface(finer: int, room: int) -> Any:
+        first_place, width = first + 0.5 * spacing / finer, reach * (room // finer)
+        return indenter(lines, first_place, spacing / finer, count * room, width)
+
+    resolution = Cut(
+        surface=surface,
+        steps=steps,
+        elements=count,
+        strips=1 if isinstance(lines, SingleLine) else count // 2,
+        most_steps=line.part.size,
+        traced=traced,
+        endless=False,
+        skipped="elements that the body cannot touch are left out",
+    )
+    slope = lines.depth(widest) / widest
+    return solve_levels(history, resolution, slope, deepest=_deepest(lines))
+
+
+def _deepest(lines: AbstractLines) -> Any:
+    """The depth [m] at which the contact reaches the end of the body."""
     largest: Any = lines.shape.largest_contact
-    deepest = np.inf
-    if is_traced(largest) or not np.isinf(largest):
-        deepest = xp.where(
-            xp.isinf(largest), xp.inf, lines.depth(largest * (1 - 1e-12))
-        )
-
-    single = isinstance(lines, SingleLine)
-    work = (
-        count * line.part.size * max(law.times.size, 1) * (1 if single else count // 2)
-    )
-    most = finest(work, traced)
-    shared = shared_level(work, most, _ROOM, 4.0 if single else 8.0)
-
-    def solve(level: int) -> tuple[Forces, Any]:
-        finer = 2**level
-        room = finer if on_numpy() else max(finer, 2**shared)
-        steps, last = cut(
-            line, history.time, history.position, history.value, history.shortest, finer
-        )
-        surface = indenter(
-            lines,
-            first + 0.5 * spacing / finer,
-            spacing / finer,
-            count * room,
-            reach * (room // finer),
-        )
-        given = steps if on_numpy() else padded(steps, line.part.size * room)
-        forces, end = march(
-            law, surface, given, control=history.control, viscous=history.viscous
-        )
-        forces, u = known((forces, end.u))
-        size[:] = (
-            count * finer * (1 if single else -(-count * finer // 2)),
-            steps.h.shape[0],
-        )
-        # The outermost elements must never have been touched, else the body reaches
-        # further than was thought.
-        u = u.reshape(-1, count * room)
-        inside = (u[:, 0] == 0).all() & (u[:, count * finer - 1] == 0).all()
-        forces = Forces(*(field[last] for field in forces))
-        if not is_traced(forces):
-            outside[0] = not inside
-        return forces, inside & (forces.depth < deepest)
-
-    def solved(level: int) -> tuple[Forces, Any]:
-        return at_level(solve, level, work * (4.0 if single else 8.0) ** level)
-
-    found = refine(solved, history.rtol, most, lines.depth(widest) / widest)
-    text = "elements that the body cannot touch are left out"
-    return (
-        found,
-        SlidePlan(size[0], size[1], int(law.times.size), found.levels, text),
-        outside[0],
-    )
-
-
-def _pack(
-    history: GivenHistory,
-    found: Levels,
-    plan: Any,
-    model: str,
-    inputs: tuple[tuple[str, str], ...],
-    per_length: bool,
-    extrapolated: Any,
-) -> Slide:
-    numpy = xp if is_traced(found) else np
-    if not is_traced(found) and not found.good.all():
-        text = (
-            f"{int((~found.good).sum())} of {found.good.size} points did not converge "
-            f"to rtol={history.rtol:g}; "
-        )
-        warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
-
-    def shown(field: Any) -> Any:
-        return nan_unless(found.shown, field)
-
-    forces = found.forces
-    gone = np.diff(history.time)
-    speed = numpy.where(
-        gone > 0, numpy.diff(history.position) / np.where(gone > 0, gone, 1.0), 0.0
-    )
-    velocity = numpy.concatenate([numpy.zeros(1), speed])
-    return Slide(
-        time=history.time,
-        position=history.position,
-        velocity=velocity,
-        mu=shown(found.mu),
-        normal_force=shown(forces.normal),
-        friction_force=shown(forces.drag),
-        depth=shown(forces.depth),
-        work=shown(forces.work),
-        stored=shown(forces.stored),
-        dissipated=shown(forces.work - forces.stored),
-        error=shown(found.error),
-        converged=found.good,
-        per_length=per_length,
-        model=model,
-        plan=plan,
-        inputs=inputs,
-        extrapolated=extrapolated,
-    )
+    if not is_traced(largest) and np.isinf(largest):
+        return np.inf
+    depth = lines.depth(largest * (1 - 1e-12))
+    return xp.where(xp.isinf(largest), xp.inf, depth)

@@ -13,21 +13,20 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..checks import Array
-from ..element.modes import Modes, recovery_modes
+from ..element.episode import Modes, recovery_modes
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..numerics.decay import phi1
+from ..numerics.quadrature import gauss, shares_to_legendre
 from ..surface.disc import Disc
-from .batches import over_histories
+from .depth_history import NODES, cuts, indent_between, over_histories, padded
 from .depth_history import edges as edges_of
-from .depth_history import indent_between, padded
 from .indentation_route import Course, refined
 from .layer_disc import LayerDisc, line_of
-from .panels import NODES, cuts
 
 _CUTS = cuts(1)  # of the panels
-_POINTS, _WEIGHTS = legendre.leggauss(12)
-_OWN, _OWN_WEIGHTS = legendre.leggauss(4)
+_POINTS, _WEIGHTS = gauss(12)
+_OWN, _OWN_WEIGHTS = gauss(4)
 _RTOL = 1e-6  # of a depth that is solved again in between
 
 
@@ -166,10 +165,8 @@ def surface_at(
         edges, q, u = row.edges[0], row.q[0], row.u[0]
         radius = float(reached[0, -1])
     wide = np.diff(edges) > 1e-13 * max(edges[-1], 1e-300)
-    nodes, weights = legendre.leggauss(q.shape[1])
-    to_series = (legendre.legvander(nodes, q.shape[1] - 1) * weights[:, None]).T * (
-        np.arange(q.shape[1])[:, None] + 0.5
-    )
+    _, weights = gauss(q.shape[1])
+    to_series = shares_to_legendre(q.shape[1]) * (0.5 * weights)
     kept = np.concatenate([[0.0], edges[1:][wide]])
     jump = (
         np.array([radius, float(q[0, 0])]) if disc.flat and radius > 0 else np.zeros(2)
@@ -199,7 +196,7 @@ def _grown(
     edges = np.append(
         between[:-1, None] + np.diff(between)[:, None] * _CUTS[0, :-1], between[-1]
     )
-    nodes = legendre.leggauss(NODES)[0]
+    nodes, _ = gauss(NODES)
     x = edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (1 + nodes)
     g = np.asarray(disc.profile(x))
     h, rate = np.diff(time), np.diff(depth) / np.diff(time)
@@ -234,10 +231,8 @@ def _on_layer(
     would be without the kernel.
     """
     layer = line_of(disc)
-    nodes, weights = legendre.leggauss(NODES)
-    to_series = (legendre.legvander(nodes, NODES - 1) * weights[:, None]).T * (
-        np.arange(NODES)[:, None] + 0.5
-    )
+    nodes, weights = gauss(NODES)
+    to_series = shares_to_legendre(NODES) * (0.5 * weights)
     h = float(disc.thickness)
     far = edges[-1] + h * np.array(
         [0.1, 0.25, 0.5, 0.8, 1.2, 1.7, 2.3, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0]

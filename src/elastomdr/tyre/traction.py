@@ -5,8 +5,7 @@ it.
 from __future__ import annotations
 
 import dataclasses
-import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -27,20 +26,29 @@ from ..checks import (
 )
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, warn
 from ..material.prony import Prony
+from ..material.relaxation import Relaxation
+from ..material.shift import same_thermal, thermal_factors
 from ..material.validity import shared
-from ..material.vertical import same_thermal, thermal_factors
 from ..results.friction_law import FrictionLaw
 from ..results.words import brief, describe
 from ..smooth.cylinder import cylinder_pressure
-from ..smooth.problem import Contact, set_up, solve
+from ..smooth.problem import Contact, SmoothScene, Steady, set_up, solve
 from ..surface.lines import SingleLine
 from ..surface.shapes import AbstractShape, Cylinder
-from ..transient.tangential_law import both_laws
+from ..transient.problem import both_laws
 from ..trees import replaced
-from .brush import Rolling, carter, tractions
-from .brush_layer import pull, shear_compliance, typical_wave
+from .brush import (
+    LayerContact,
+    Rolling,
+    Tractions,
+    carter,
+    layer_traction,
+    shear_compliance,
+    tractions,
+    typical_wave,
+)
 from .traction_result import Traction
 
 if TYPE_CHECKING:
@@ -51,7 +59,8 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-14
 # of the march, where elements stick again after they have slipped
 _STEPS = (1024, 8192, 65536)
-# less is lost in the rounding of what sticks, more is in no error of the force
+# Below the first what sticks is lost in rounding; above the second the error of the
+# force no longer counts what slips.
 _FRICTION = 1e-12, 1e12
 BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
 ON_LAYER = (
@@ -62,6 +71,63 @@ CARTER = (
     "Carter's elastic half-plane (exact for equal bodies, or an incompressible one on "
     "a rigid one)"
 )
+
+
+class _Scene(NamedTuple):
+    """What is asked for; velocity and creepage are those of rolling."""
+
+    shape: Any
+    velocity: Any  # broadcast
+    creepage: Any
+    friction: Any  # Coulomb's coefficient, or a `FrictionLaw`
+    load: Any
+    depth: Any
+    temperature: Any
+    model: Any
+    rtol: float
+
+    @property
+    def law(self) -> FrictionLaw | None:
+        """The friction law, where there is one."""
+        return self.friction if isinstance(self.friction, FrictionLaw) else None
+
+    def friction_in(
+        self, velocity: Any, kelvin: Any, force: Any, contact: Contact, converged: Any
+    ) -> Any:
+        """Coulomb's coefficient of each contact, from the law where there is one;
+        without creepage at the law's lowest velocity, which decides nothing there.
+        """
+        law, shape = self.law, self.shape
+        if law is None:
+            return self.friction
+        given = {}
+        if "temperature" in law.axes():
+            if kelvin is None:
+                raise InputError(
+                    "temperature must be given: the friction law depends on it."
+                )
+            given["temperature"] = kelvin
+        if law.pressure is not None:
+            length = contact.leading + contact.trailing
+            area = (
+                length * shape.length
+                if isinstance(shape, Cylinder)
+                else xp.pi * (0.5 * length) ** 2
+            )
+            given["pressure"] = xp.where(converged, force / area, law.pressure[0])
+        sliding = xp.prod(
+            xp.stack(xp.broadcast_arrays(xp.abs(self.creepage), velocity)), axis=0
+        )
+        return law(xp.where(sliding > 0, sliding, law.velocity[0]), **given)
+
+    def words(self, friction: Any) -> list[tuple[str, str]]:
+        """Creepage and friction as inputs of the result."""
+        words = brief(friction, "").strip()
+        if self.law is not None:
+            axes = ", ".join(self.law.axes())
+            words += f", of a friction law at the body's sliding velocity ({axes})"
+        creepage = brief(self.creepage, "").strip()
+        return [("creepage", creepage), ("friction coefficient", words)]
 
 
 @over_materials
@@ -124,7 +190,7 @@ def traction(
 
     On an `em.layer`, in numbers only, the normal problem is exact and the tangential
     one a brush whose elements have the stiffness of the layer at one wave
-    (`elastomdr.tyre.brush_layer`): exact in a contact much wider than the layer is
+    (`elastomdr.tyre.brush`): exact in a contact much wider than the layer is
     thick; on a thick elastic layer right for small and large creepage, and up to 8 % of
     mu F_N below Carter's in between.
 
@@ -135,158 +201,42 @@ def traction(
             "shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a "
             f"{shape.label}."
         )
-    law = friction if isinstance(friction, FrictionLaw) else None
     velocity, creepage, slip, road = _kinematics(velocity, creepage, slip)
-    friction = 0.0 if law is not None else as_float64("friction", friction)
-    accepted = (
-        f"zero or positive, {_FRICTION[0]:g} to {_FRICTION[1]:g}, infinity included"
-    )
-    require(
-        "friction",
-        friction,
-        accepted,
-        lambda x: (
-            (x == 0) | np.isinf(x) & (x > 0) | (x > _FRICTION[0]) & (x < _FRICTION[1])
-        ),
-    )
+    friction = _checked_friction(friction)
     foundation: Any = (
         material if isinstance(material, Layer) else as_foundation(material)
     )
-    points = broadcast_shape(velocity=velocity, creepage=creepage, friction=friction)
-    velocity = xp.broadcast_to(velocity, points)
-    if isinstance(foundation, Layer):
-        rubbing = friction if law is None else law
-        found = _on_layer(
-            foundation,
-            shape,
-            velocity,
-            creepage,
-            rubbing,
-            load,
-            depth,
-            temperature,
-            tangential,
-            model,
-            rtol,
-        )
-        return _braked(found, slip, road)
-    if isinstance(shape, Cylinder) and foundation.per_area is False:
-        found = _carter(
-            foundation,
-            shape,
-            velocity,
-            creepage,
-            friction if law is None else law,
-            load,
-            depth,
-            temperature,
-        )
-        return _braked(found, slip, road)
-    normal, sheared = both_laws(material, tangential)
-    if temperature is not None:
-        normal = _shifted(normal, sheared)
-    normal = replaced(normal, range=shared(normal.range, sheared.range))
-    if normal.per_area and not isinstance(shape, Cylinder):
-        raise InputError(
-            "material must be a half-space under a body of revolution, or a layer "
-            "under a Cylinder, got a layer under "
-            f"a {shape.label}."
-        )
-    scene = set_up(
-        "rolling",
-        normal,
-        shape,
+    points = broadcast_shape(
         velocity=velocity,
-        load=load,
-        depth=depth,
-        pressure=None,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-        skip=True,
-        softens=False,
+        creepage=creepage,
+        friction=0.0 if isinstance(friction, FrictionLaw) else friction,
     )
-    assert isinstance(scene.lines, SingleLine)
-    found = solve(scene)
-    rules = scene.plan.rules
-    if law is not None:
-        friction = _at_contact(
-            law,
-            shape,
-            creepage,
-            found.velocity,
-            scene.temperature,
-            found.normal_force,
-            found.contact,
-            found.converged,
-        )
+    velocity = xp.broadcast_to(velocity, points)
+    scene = _Scene(
+        shape, velocity, creepage, friction, load, depth, temperature, model, rtol
+    )
+    if isinstance(foundation, Layer):
+        curve = _on_layer(foundation, scene, tangential)
+    elif isinstance(shape, Cylinder) and foundation.per_area is False:
+        curve = _carter(foundation, scene)
+    else:
+        curve = _on_line(material, scene, tangential)
+    return curve if slip is None else _over_slip(curve, slip, road)
 
-    def flat(field: Any) -> Any:
-        return xp.broadcast_to(field, scene.shape).reshape(-1)
 
-    rolling = Rolling(
-        scene.law,
-        sheared.law(),
-        scene.lines,
-        scene.reduced,
-        flat(found.contact.leading),
-        flat(found.contact.trailing),
-        flat(friction),
-        abs(flat(creepage)),
+def _checked_friction(friction: Any) -> Any:
+    """A friction law, or coefficients as an array. Raises `InputError`."""
+    if isinstance(friction, FrictionLaw):
+        return friction
+    least, most = _FRICTION
+    friction = as_float64("friction", friction)
+    require(
+        "friction",
+        friction,
+        f"zero or positive, {least:g} to {most:g}, infinity included",
+        lambda x: (x == 0) | np.isinf(x) & (x > 0) | (x > least) & (x < most),
     )
-    rule = rules[0] if scene.plan.traced else rules[-1]
-    # Without creepage nothing pulls, and no error is small against that.
-    rounding = 1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0)
-    rounding = _ROUNDING * rounding * flat(found.normal_force) / scene.vertical
-    # Where errors cannot be looked at, the number of steps that is nearly always
-    # enough.
-    pulled = known(
-        tractions(rolling, rule, _STEPS[1] if is_traced(rolling) else _STEPS[0])
-    )
-    for steps in _STEPS[1:]:
-        missed = ~(pulled.error <= rtol * pulled.force + rounding)
-        if is_traced(missed, pulled.force) or not np.any(
-            missed & np.isfinite(pulled.force)
-        ):
-            break
-        pulled = known(tractions(rolling, rule, steps))
-    missed = ~(pulled.error <= rtol * pulled.force + rounding)
-    pulled = pulled._replace(
-        force=pulled.force * scene.vertical, error=pulled.error * scene.vertical
-    )
-    pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
-    good = found.converged & ~xp.asarray(missed).reshape(scene.shape)
-    if not is_traced(good) and (lost := int(np.sum(found.converged & ~good))):
-        warnings.warn(
-            f"{lost} of {good.size} tractions did not converge; they are NaN.",
-            ConvergenceWarning,
-            stacklevel=3,
-        )
-    force = nan_unless(good, xp.sign(creepage) * pulled.force)
-    inputs = list(found.inputs)
-    place = [name for name, _ in inputs].index("relative tolerance")
-    inputs[place:place] = _said(creepage, friction, law)
-    answer = Traction(
-        velocity=found.velocity,
-        creepage=xp.broadcast_to(creepage, scene.shape),
-        friction=xp.broadcast_to(friction, scene.shape),
-        coefficient=force / found.normal_force,
-        force=force,
-        stick=nan_unless(good, pulled.stick),
-        slip_power=abs(force * creepage) * found.velocity,
-        rolling=found.mu,
-        normal_force=found.normal_force,
-        depth=found.depth,
-        contact=found.contact,
-        error=nan_unless(good, pulled.error / found.normal_force),
-        converged=good,
-        temperature=scene.temperature,
-        model=BRUSH + scene.plan.model,
-        plan=scene.plan,
-        inputs=tuple(inputs),
-        extrapolated=found.extrapolated,
-    )
-    return _braked(answer, slip, road)
+    return friction
 
 
 def _kinematics(
@@ -312,35 +262,171 @@ def _kinematics(
     return (1 - slip) * velocity, slip / (1 - slip), slip, velocity
 
 
-def _braked(found: Traction, slip: Any, road: Any) -> Traction:
-    """The answer with the slip that was asked for, if one was."""
-    if slip is None:
-        return found
-    rows = [pair for pair in found.inputs if pair[0] != "creepage"]
+def _over_slip(curve: Traction, slip: Any, road: Any) -> Traction:
+    """The result with the slip that was asked for in place of the creepage."""
+    rows = [pair for pair in curve.inputs if pair[0] != "creepage"]
     place = next(i for i, pair in enumerate(rows) if pair[0] == "velocity")
-    counted = (
+    words = (
         f"{brief(slip, '').strip()}; of the velocity V of the road, (V - v)/V, with v "
         "that of rolling"
     )
     rows[place : place + 1] = [
         ("velocity of the road", brief(road, "m/s")),
-        ("slip", counted),
+        ("slip", words),
     ]
-    shape = np.shape(found.force)
+    shape = np.shape(curve.force)
     slip, road = xp.broadcast_to(slip, shape), xp.broadcast_to(road, shape)
-    return dataclasses.replace(found, slip=slip, road=road, inputs=tuple(rows))
+    return dataclasses.replace(curve, slip=slip, road=road, inputs=tuple(rows))
 
 
-def _said(
-    creepage: Any, friction: Any, law: FrictionLaw | None
-) -> list[tuple[str, str]]:
-    words = brief(friction, "").strip()
-    if law is not None:
-        words = (
-            f"{words}, of a friction law at the body's sliding velocity "
-            f"({', '.join(law.axes())})"
+def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
+    """A body on the MDR line, or on springs. Raises `InputError`."""
+    normal, sheared = _foundations(material, scene, tangential)
+    steady = set_up(
+        "rolling",
+        normal,
+        scene.shape,
+        velocity=scene.velocity,
+        load=scene.load,
+        depth=scene.depth,
+        pressure=None,
+        temperature=scene.temperature,
+        model=scene.model,
+        rtol=scene.rtol,
+        skip=True,
+        softens=False,
+    )
+    solution = solve(steady)
+    friction = scene.friction_in(
+        solution.velocity,
+        steady.temperature,
+        solution.normal_force,
+        solution.contact,
+        solution.converged,
+    )
+    pulled, missed = _pull(steady, solution, sheared, friction, scene)
+    converged = solution.converged & ~xp.asarray(missed).reshape(steady.shape)
+    if not is_traced(converged):
+        lost = int(np.sum(solution.converged & ~converged))
+        if lost:
+            warn(
+                f"{lost} of {converged.size} tractions did not converge; they are NaN.",
+                ConvergenceWarning,
+            )
+    return _packed(
+        scene,
+        solution,
+        creepage=xp.broadcast_to(scene.creepage, steady.shape),
+        friction=xp.broadcast_to(friction, steady.shape),
+        pulled=pulled,
+        converged=converged,
+        temperature=steady.temperature,
+        model=BRUSH + steady.plan.model,
+        plan=steady.plan,
+    )
+
+
+def _foundations(
+    material: Any, scene: _Scene, tangential: Any
+) -> tuple[Foundation, Foundation]:
+    """The normal and the tangential foundation. Raises `InputError`."""
+    normal, sheared = both_laws(material, tangential)
+    if scene.temperature is not None:
+        normal = _shifted(normal, sheared)
+    normal = replaced(normal, range=shared(normal.range, sheared.range))
+    if normal.per_area and not isinstance(scene.shape, Cylinder):
+        raise InputError(
+            "material must be a half-space under a body of revolution, or a layer "
+            f"under a Cylinder, got a layer under a {scene.shape.label}."
         )
-    return [("creepage", brief(creepage, "").strip()), ("friction coefficient", words)]
+    return normal, sheared
+
+
+def _pull(
+    steady: SmoothScene,
+    solution: Steady,
+    sheared: Foundation,
+    friction: Any,
+    scene: _Scene,
+) -> tuple[Tractions, Any]:
+    """Tractions to the tolerance, in the shape of the result, and at which of the
+    flattened points it was missed.
+    """
+
+    def flat(field: Any) -> Any:
+        return xp.broadcast_to(field, steady.shape).reshape(-1)
+
+    assert isinstance(steady.lines, SingleLine)
+    rolling = Rolling(
+        steady.law,
+        sheared.law(),
+        steady.lines,
+        steady.reduced,
+        flat(solution.contact.leading),
+        flat(solution.contact.trailing),
+        flat(friction),
+        abs(flat(scene.creepage)),
+    )
+    rules = steady.plan.rules
+    rule = rules[0] if steady.plan.traced else rules[-1]
+    # Without creepage nothing pulls, and no error is small against that.
+    rounding = 1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0)
+    rounding = _ROUNDING * rounding * flat(solution.normal_force) / steady.vertical
+
+    def missed_in(pulled: Tractions) -> Any:
+        return ~(pulled.error <= scene.rtol * pulled.force + rounding)
+
+    # Where errors cannot be looked at, the number of steps that is nearly always
+    # enough.
+    first = _STEPS[1] if is_traced(rolling) else _STEPS[0]
+    pulled = known(tractions(rolling, rule, first))
+    for steps in _STEPS[1:]:
+        missed = missed_in(pulled)
+        if is_traced(missed, pulled.force) or not np.any(
+            missed & np.isfinite(pulled.force)
+        ):
+            break
+        pulled = known(tractions(rolling, rule, steps))
+    missed = missed_in(pulled)
+    pulled = pulled._replace(
+        force=pulled.force * steady.vertical, error=pulled.error * steady.vertical
+    )
+    return Tractions(*(xp.asarray(x).reshape(steady.shape) for x in pulled)), missed
+
+
+def _packed(
+    scene: _Scene,
+    solution: Any,
+    *,
+    creepage: Any,
+    friction: Any,
+    pulled: Any,
+    converged: Any,
+    **settings: Any,
+) -> Traction:
+    """The result of a brush: `pulled` has force, stick and error without signs."""
+    force = nan_unless(converged, xp.sign(creepage) * pulled.force)
+    inputs = list(solution.inputs)
+    place = [name for name, _ in inputs].index("relative tolerance")
+    inputs[place:place] = scene.words(friction)
+    return Traction(
+        velocity=solution.velocity,
+        creepage=creepage,
+        friction=friction,
+        coefficient=force / solution.normal_force,
+        force=force,
+        stick=nan_unless(converged, pulled.stick),
+        slip_power=abs(force * creepage) * solution.velocity,
+        rolling=solution.mu,
+        normal_force=solution.normal_force,
+        depth=solution.depth,
+        contact=solution.contact,
+        error=nan_unless(converged, pulled.error / solution.normal_force),
+        converged=converged,
+        extrapolated=solution.extrapolated,
+        inputs=tuple(inputs),
+        **settings,
+    )
 
 
 def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
@@ -371,54 +457,75 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
     return normal
 
 
-def _at_contact(
-    law: FrictionLaw,
-    shape: Any,
-    creepage: Any,
-    velocity: Any,
-    kelvin: Any,
-    force: Any,
-    contact: Contact,
-    good: Any,
-) -> Any:
-    """The law's mu at each contact; without creepage at its lowest velocity, which
-    decides nothing there.
-    """
-    axes, given = law.axes(), {}
-    if "temperature" in axes:
-        if kelvin is None:
-            raise InputError(
-                "temperature must be given: the friction law depends on it."
-            )
-        given["temperature"] = kelvin
-    if law.pressure is not None:
-        length = contact.leading + contact.trailing
-        area = (
-            length * shape.length
-            if isinstance(shape, Cylinder)
-            else xp.pi * (0.5 * length) ** 2
+def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
+    """A cylinder on a bonded layer. Raises `InputError`."""
+    sheared = _checked_layer(layer, scene, tangential)
+    loaded = scene.depth is None
+    given = scene.load if loaded else scene.depth
+    value = np.broadcast_to(
+        given, np.broadcast_shapes(np.shape(given), np.shape(scene.velocity))
+    )
+    steady, points, contacts = cylinder_pressure(
+        layer,
+        scene.shape,
+        velocity=scene.velocity,
+        load=value if loaded else None,
+        depth=None if loaded else value,
+        temperature=scene.temperature,
+        model=scene.model,
+        rtol=scene.rtol,
+    )
+    solution = steady.found
+    friction: Any = scene.friction_in(
+        solution.velocity,
+        steady.temperature,
+        solution.normal_force,
+        solution.contact,
+        solution.converged,
+    )
+    friction, creepage = (
+        np.broadcast_to(x, points.shape) for x in (friction, scene.creepage)
+    )
+    softness = shear_compliance(
+        typical_wave(contacts.half),
+        float(layer.thickness),
+        float(1 - layer.squeeze()) / 2,
+    )
+    pulled = layer_traction(
+        LayerContact(
+            law=sheared,
+            stiffness=1 / softness,
+            velocity=np.asarray(points.reduced).reshape(-1),
+            half_length=contacts.half,
+            terms=contacts.terms,
+            friction=friction.reshape(-1),
+            creepage=np.abs(creepage).reshape(-1),
         )
-        given["pressure"] = xp.where(good, force / area, law.pressure[0])
-    slip = xp.prod(xp.stack(xp.broadcast_arrays(xp.abs(creepage), velocity)), axis=0)
-    return law(xp.where(slip > 0, slip, law.velocity[0]), **given)
+    )
+    per_length = float(scene.shape.length) * np.asarray(points.vertical).reshape(-1)
+    pulled = pulled._replace(
+        force=(pulled.force * per_length).reshape(points.shape),
+        stick=pulled.stick.reshape(points.shape),
+        error=(pulled.error * per_length).reshape(points.shape),
+    )
+    return _packed(
+        scene,
+        solution,
+        creepage=creepage,
+        friction=friction,
+        pulled=pulled,
+        converged=solution.converged,
+        temperature=steady.temperature,
+        model=ON_LAYER + steady.model,
+        plan=steady.plan,
+    )
 
 
-def _on_layer(
-    layer: Layer,
-    shape: Any,
-    velocity: Any,
-    creepage: Any,
-    friction: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    tangential: Any,
-    model: Any,
-    rtol: float,
-) -> Traction:
-    """A cylinder on a bonded layer. Raises `InputError` for other bodies and what is
-    not known of the shear.
+def _checked_layer(layer: Layer, scene: _Scene, tangential: Any) -> Relaxation:
+    """G(t) of the layer. Raises `InputError` for other bodies and what is not known of
+    the shear.
     """
+    shape, solid = scene.shape, layer.material
     if not isinstance(shape, Cylinder):
         raise InputError(
             "shape must be an em.Cylinder for traction on an em.layer, got a "
@@ -429,20 +536,15 @@ def _on_layer(
             "tangential must be left out with an em.layer, which knows its own "
             "shear stiffness."
         )
-    if is_traced(layer, shape, velocity, creepage, friction, load, depth, temperature):
+    if is_traced(layer, *scene[:-2]):
         raise InputError(
             "material must be em.springs or a half-space under jit, grad and vmap, "
             "not an em.layer."
         )
-    if (load is None) == (depth is None):
+    if (scene.load is None) == (scene.depth is None):
         raise InputError("load or depth must be given, and only one of them.")
-    solid: Any = layer.material
-    if (
-        layer.other is not None
-        or not layer.bonded
-        or not layer.constant
-        or not isinstance(solid, Prony)
-    ):
+    single = layer.other is None and layer.bonded and layer.constant
+    if not single or not isinstance(solid, Prony):
         raise InputError(
             "material must be one em.layer for traction, bonded to its base, of an "
             "em.Prony with a constant Poisson's ratio."
@@ -452,154 +554,30 @@ def _on_layer(
         raise InputError(
             "material must have no parallel dashpot for traction on an em.layer."
         )
-    given = load if depth is None else depth
-    value = np.broadcast_to(
-        given, np.broadcast_shapes(np.shape(given), np.shape(velocity))
-    )
-    done, points, contacts = cylinder_pressure(
-        layer,
-        shape,
-        velocity=velocity,
-        load=value if depth is None else None,
-        depth=None if depth is None else value,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-    )
-    found, law = done.found, friction if isinstance(friction, FrictionLaw) else None
-    if law is not None:
-        friction = _at_contact(
-            law,
-            shape,
-            creepage,
-            found.velocity,
-            done.temperature,
-            found.normal_force,
-            found.contact,
-            found.converged,
-        )
-    rubbing: Any = friction
-    rubbing, slipping = (np.broadcast_to(x, points.shape) for x in (rubbing, creepage))
-    softness = shear_compliance(
-        typical_wave(contacts.half),
-        float(layer.thickness),
-        float(1 - layer.squeeze()) / 2,
-    )
-    pulled = pull(
-        sheared,
-        1 / softness,
-        np.asarray(points.reduced).reshape(-1),
-        contacts.half,
-        contacts.terms,
-        rubbing.reshape(-1),
-        np.abs(slipping).reshape(-1),
-    )
-    scale = float(shape.length) * np.asarray(points.vertical).reshape(-1)
-    size, stick, off = (
-        x.reshape(points.shape)
-        for x in (pulled.force * scale, pulled.stick, pulled.error * scale)
-    )
-    force = nan_unless(found.converged, np.sign(slipping) * size)
-    inputs = list(found.inputs)
-    place = [name for name, _ in inputs].index("relative tolerance")
-    inputs[place:place] = _said(creepage, rubbing, law)
-    return Traction(
-        velocity=found.velocity,
-        creepage=slipping,
-        friction=rubbing,
-        coefficient=force / found.normal_force,
-        force=force,
-        stick=nan_unless(found.converged, stick),
-        slip_power=abs(force * slipping) * found.velocity,
-        rolling=found.mu,
-        normal_force=found.normal_force,
-        depth=found.depth,
-        contact=found.contact,
-        error=nan_unless(found.converged, off / found.normal_force),
-        converged=found.converged,
-        temperature=done.temperature,
-        model=ON_LAYER + done.model,
-        plan=done.plan,
-        inputs=tuple(inputs),
-        extrapolated=found.extrapolated,
-    )
+    return sheared
 
 
-def _carter(
-    foundation: Any,
-    shape: Cylinder,
-    velocity: Any,
-    creepage: Any,
-    friction: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-) -> Traction:
-    law = foundation.law()
-    mu_law: FrictionLaw | None = friction if isinstance(friction, FrictionLaw) else None
-    if load is None or depth is not None:
-        raise InputError(
-            "load must be given for a cylinder on a half-space, whose depth is "
-            "not defined (plane strain)."
-        )
-    if law.moduli.size or (not is_traced(law) and law.viscosity > 0):
-        raise InputError(
-            "material must be elastic for a cylinder on a half-space (Carter's "
-            "problem), or a layer (em.springs): a viscoelastic half-plane is no MDR "
-            "problem."
-        )
-    load = as_float64("load", load)
-    positive("load", load)
-    if (
-        temperature is not None
-        and foundation.vertical is None
-        and (mu_law is None or mu_law.temperature is None)
-    ):
-        raise InputError(
-            "temperature must be left out for an elastic half-plane, on which it "
-            "has no effect."
-        )
-    modulus = law.equilibrium
-    if temperature is not None and foundation.vertical is not None:
-        modulus = (
-            modulus
-            * thermal_factors(foundation, as_float64("temperature", temperature))[1]
-        )
-    if mu_law is not None:
-        half = carter(modulus, shape.radius, load / shape.length, 1.0, 0.0)[2]
-        friction = _at_contact(
-            mu_law,
-            shape,
-            creepage,
-            velocity,
-            temperature,
-            load,
-            Contact(half, half),
-            True,
-        )
+def _carter(foundation: Any, scene: _Scene) -> Traction:
+    """A cylinder on an elastic half-space. Raises `InputError`."""
+    load, modulus = _checked_half_plane(foundation, scene)
+    shape: Any = scene.shape
+    half = carter(modulus, shape.radius, load / shape.length, 1.0, 0.0)[2]
+    friction = scene.friction_in(
+        scene.velocity, scene.temperature, load, Contact(half, half), True
+    )
     if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
         raise InputError(
             "friction must be finite for a cylinder on a half-space: without slip "
             "Carter's traction diverges."
         )
-    arrays = velocity, creepage, friction, load, modulus
     velocity, creepage, friction, load, modulus = xp.broadcast_arrays(
-        *(xp.asarray(x) for x in arrays)
+        *map(xp.asarray, (scene.velocity, scene.creepage, friction, load, modulus))
     )
     ratio, stick, half = carter(
         modulus, shape.radius, load / shape.length, friction, abs(creepage)
     )
     zero = xp.zeros_like(ratio)
     force = xp.sign(creepage) * ratio * load
-    inputs = [
-        ("material", foundation.name or "given directly"),
-        ("shape", describe(shape)),
-    ]
-    inputs += [
-        ("load", brief(load, "N")),
-        ("velocity", brief(velocity, "m/s")),
-        *_said(creepage, friction, mu_law),
-    ]
     return Traction(
         velocity=velocity,
         creepage=creepage,
@@ -617,5 +595,44 @@ def _carter(
         temperature=None,
         model=CARTER,
         plan="closed form",
-        inputs=tuple(inputs),
+        inputs=(
+            ("material", foundation.name or "given directly"),
+            ("shape", describe(shape)),
+            ("load", brief(load, "N")),
+            ("velocity", brief(velocity, "m/s")),
+            *scene._replace(creepage=creepage).words(friction),
+        ),
     )
+
+
+def _checked_half_plane(foundation: Any, scene: _Scene) -> tuple[Any, Any]:
+    """Load [N] and E* [Pa] at the temperature. Raises `InputError`."""
+    law, vertical, temperature = (
+        foundation.law(),
+        foundation.vertical,
+        scene.temperature,
+    )
+    if scene.load is None or scene.depth is not None:
+        raise InputError(
+            "load must be given for a cylinder on a half-space, whose depth is "
+            "not defined (plane strain)."
+        )
+    if law.moduli.size or (not is_traced(law) and law.viscosity > 0):
+        raise InputError(
+            "material must be elastic for a cylinder on a half-space (Carter's "
+            "problem), or a layer (em.springs): a viscoelastic half-plane is no MDR "
+            "problem."
+        )
+    load = as_float64("load", scene.load)
+    positive("load", load)
+    matters = scene.law is not None and scene.law.temperature is not None
+    if temperature is not None and vertical is None and not matters:
+        raise InputError(
+            "temperature must be left out for an elastic half-plane, on which it "
+            "has no effect."
+        )
+    modulus = law.equilibrium
+    if temperature is not None and vertical is not None:
+        kelvin = as_float64("temperature", temperature)
+        modulus = modulus * thermal_factors(foundation, kelvin)[1]
+    return load, modulus

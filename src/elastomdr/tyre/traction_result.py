@@ -1,17 +1,69 @@
-"""Traction against creepage or slip: what `em.traction` returns."""
+"""Traction against creepage or slip, what `em.traction` returns; and the Magic Formula
+fitted to it, written as a property file for tyre models.
+
+F_x = D sin(C atan(B k - E (B k - atan(B k)))) with the longitudinal slip k, positive
+where the tyre drives, and
+
+    D = (PDX1 + PDX2 f) F_z,
+    E = PEX1 + PEX2 f,
+    B C D = (PKX1 + PKX2 f) F_z,
+    C = PCX1,
+    f = F_z/F_0 - 1.
+
+Source: H. B. Pacejka 2012, Tire and Vehicle Dynamics, ch. 4 (the longitudinal part of
+MF-Tyre 5.2, without shifts).
+"""
 
 import os
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from .. import __version__
+from ..checks import positive
+from ..errors import InputError
+from ..files import write_files
 from ..results.base import Array, Quantity, Result, quantity, record
 from ..results.curve import Contact
 from ..results.words import span
 
-if TYPE_CHECKING:
-    from .magic_formula import MagicFormula
+COEFFICIENTS = ("PCX1", "PDX1", "PEX1", "PKX1", "PDX2", "PEX2", "PKX2")
+_START = (1.6, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0)
+_LOWEST, _HIGHEST = (
+    (1.0, 0.01, -20.0, 0.5, -1.0, -20.0, -200.0),
+    (1.99, 5.0, 1.0, 500.0, 1.0, 20.0, 200.0),
+)
+
+
+class MagicFormula(NamedTuple):
+    """Coefficients of the Magic Formula of one speed and temperature, and how far it is
+    from the slip curve.
+    """
+
+    coefficients: dict[str, float]  # by their names in a property file
+    nominal: float  # F_0 [N]
+    residual: float  # root mean square of F_x/F_N
+    worst: float  # largest deviation of F_x/F_N
+    load: tuple[float, float]  # lowest and highest [N]
+    slip: float  # largest
+    velocity: float  # of the road [m/s]
+
+    def force(self, slip: Any, load: Any) -> np.ndarray:
+        """F_x [N] at braking slips s = (V - v)/V, a force against the motion counted
+        positive, and loads [N].
+        """
+        slip, load = np.asarray(slip, dtype=float), np.asarray(load, dtype=float)
+        return load * _coefficient(
+            [self.coefficients[n] for n in COEFFICIENTS], slip, load / self.nominal - 1
+        )
+
+
+def _coefficient(p: Any, slip: np.ndarray, f: np.ndarray) -> np.ndarray:
+    shape, grip, bend = p[0], p[1] + p[4] * f, p[2] + p[5] * f
+    x = (p[3] + p[6] * f) / (shape * grip) * slip
+    return grip * np.sin(shape * np.arctan(x - bend * (x - np.arctan(x))))
 
 
 class TractionPeak(NamedTuple):
@@ -72,7 +124,7 @@ class Traction(Result):
     )
 
     title: ClassVar[str] = "Traction"
-    figure: ClassVar[str] = "draw_traction"
+    figure: ClassVar[str] = "plot_curves.draw_traction"
     across: ClassVar[str] = "creepage"
     shows: ClassVar[str] = "coefficient"
     from_zero: ClassVar[bool] = False
@@ -104,33 +156,26 @@ class Traction(Result):
         with one that rises, or a constant one, at the end, where all of the contact
         slips.
         """
-        pulled = np.atleast_1d(np.abs(np.asarray(self.coefficient)))
+        coefficient = np.atleast_1d(np.asarray(self.coefficient))
         creepage = np.atleast_1d(np.asarray(self.creepage))
-        place = np.where(np.isfinite(pulled), pulled, -1.0).argmax(axis=-1)
+        known = np.isfinite(coefficient)
+        place = np.where(known, np.abs(coefficient), -1.0).argmax(axis=-1)
         index = (*np.indices(place.shape), place)
-        known, top = np.isfinite(pulled), creepage[index][..., None]
+        top = creepage[index][..., None]
         inside = np.asarray(
             (known & (creepage < top)).any(axis=-1)
             & (known & (creepage > top)).any(axis=-1)
         )
-        coefficient = np.atleast_1d(np.asarray(self.coefficient))[index]
-        return TractionPeak(
-            creepage[index],
-            np.where(pulled[index] >= 0, coefficient, np.nan),
-            inside,
-            index,
-        )
+        return TractionPeak(creepage[index], coefficient[index], inside, index)
 
-    def magic_formula(self, *, temperature: float | None = None) -> "MagicFormula":
+    def magic_formula(self, *, temperature: float | None = None) -> MagicFormula:
         """The Magic Formula fitted to this slip curve, of one speed and temperature,
         over its loads.
 
         `temperature` [K] says which, where there are several. Raises `InputError` for
         several speeds or temperatures, and fewer than eight points that brake.
         """
-        from .magic_formula import fitted
-
-        return fitted(self, temperature)
+        return _fitted(self, temperature)
 
     def to_tir(
         self,
@@ -148,9 +193,10 @@ class Traction(Result):
         several. Raises `InputError` as `magic_formula` does, and where the file cannot
         be written.
         """
-        from .magic_formula import write
-
-        write(self, path, radius, width, temperature)
+        positive("radius", radius)
+        positive("width", width)
+        text = _property_file(_fitted(self, temperature), radius, width)
+        write_files({Path(path): text.encode()})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The largest traction and the rolling loss."""
@@ -158,3 +204,136 @@ class Traction(Result):
         if good.any():
             yield "traction coefficient", span(np.asarray(self.coefficient)[good])
             yield "rolling resistance", span(np.asarray(self.rolling)[good])
+
+
+def _fitted(curve: Traction, temperature: float | None) -> MagicFormula:
+    """The Magic Formula of the braking points of a slip curve. Raises `InputError`."""
+    mu, slip, load = _braking_points(curve, temperature)
+    loads = np.unique(np.round(load, 6))
+    nominal = float(loads[loads.size // 2])
+    # at one load nothing is known of what changes with it
+    free = len(COEFFICIENTS) if loads.size > 1 else 4
+    fixed = list(_START[free:])
+
+    def deviation(p: np.ndarray) -> np.ndarray:
+        return _coefficient([*p, *fixed], slip, load / nominal - 1) - mu
+
+    fit = _least_squares(deviation, mu, slip, free)
+    coefficients = map(float, [*fit.x, *fixed])
+    return MagicFormula(
+        coefficients=dict(zip(COEFFICIENTS, coefficients, strict=True)),
+        nominal=nominal,
+        residual=float(np.sqrt(np.mean(fit.fun**2))),
+        worst=float(abs(fit.fun).max()),
+        load=(float(loads[0]), float(loads[-1])),
+        slip=float(slip.max()),
+        velocity=float(
+            np.ravel(curve.velocity if curve.road is None else curve.road)[0]
+        ),
+    )
+
+
+def _braking_points(
+    curve: Traction, temperature: float | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """F_x/F_N, slip and load of the points that brake, at one speed and temperature.
+    Raises `InputError`.
+    """
+    mu = np.asarray(curve.coefficient, dtype=float)
+    kelvin = curve.temperature
+    if temperature is not None:
+        mu = np.where(_is_at(temperature, kelvin), mu, np.nan)
+        kelvin = None
+    for name, values in (("temperature", kelvin), ("velocity of the road", curve.road)):
+        if values is not None and np.ptp(values) > 0:
+            raise InputError(
+                f"{name} must be one for a Magic Formula, got {np.ptp(values):.3g} "
+                "between values."
+            )
+    creepage = np.broadcast_to(np.asarray(curve.creepage), mu.shape)
+    load = np.broadcast_to(np.asarray(curve.normal_force), mu.shape)
+    slip = creepage / (1 + creepage)
+    brakes = np.isfinite(mu) & (slip > 0) & (mu > 0)
+    if brakes.sum() < 8:
+        raise InputError(
+            "slip must have eight known braking points or more for a Magic Formula, "
+            f"got {brakes.sum()}."
+        )
+    return mu[brakes], slip[brakes], load[brakes]
+
+
+def _least_squares(deviation: Any, mu: np.ndarray, slip: np.ndarray, free: int) -> Any:
+    """The fit of the first `free` coefficients, from a start that the curve gives."""
+    from scipy.optimize import least_squares
+
+    steepest = np.median((mu / slip)[slip <= np.quantile(slip, 0.15)])
+    start = np.clip(
+        [_START[0], mu.max(), _START[2], float(steepest), *_START[4:]],
+        np.array(_LOWEST) + 1e-3,
+        np.array(_HIGHEST) - 1e-3,
+    )[:free]
+    return least_squares(
+        deviation,
+        start,
+        bounds=(_LOWEST[:free], _HIGHEST[:free]),
+        x_scale=np.maximum(abs(start), 0.1),
+    )
+
+
+def _is_at(temperature: float, kelvin: Any) -> np.ndarray:
+    """Which points have a temperature. Raises `InputError` where none has."""
+    known = np.zeros(0) if kelvin is None else np.asarray(kelvin, dtype=float)
+    equal = np.isclose(known, temperature, rtol=0, atol=1e-6)
+    if not equal.any():
+        listed = ", ".join(f"{value:g} K" for value in np.unique(known))
+        raise InputError(
+            "temperature must be one of the slip curve "
+            f"({listed or 'none, since the slip curve has none'}), got "
+            f"{temperature!r}."
+        )
+    return equal
+
+
+def _property_file(formula: MagicFormula, radius: float, width: float) -> str:
+    """The text of a .tir file."""
+    zero = ("PDX3", "PEX3", "PEX4", "PKX3", "PHX1", "PHX2", "PVX1", "PVX2")
+    scaling = ("LFZO", "LCX", "LMUX", "LEX", "LKX", "LHX", "LVX")
+    tables: dict[str, dict[str, Any]] = {
+        "MDI_HEADER": {
+            "FILE_TYPE": "'tir'",
+            "FILE_VERSION": 3.0,
+            "FILE_FORMAT": "'ASCII'",
+        },
+        "UNITS": {
+            "LENGTH": "'meter'",
+            "FORCE": "'newton'",
+            "ANGLE": "'radians'",
+            "MASS": "'kg'",
+            "TIME": "'second'",
+        },
+        "MODEL": {
+            "PROPERTY_FILE_FORMAT": "'PAC2002'",
+            "USE_MODE": 1,
+            "LONGVL": formula.velocity,
+        },
+        "DIMENSION": {"UNLOADED_RADIUS": float(radius), "WIDTH": float(width)},
+        "VERTICAL": {"FNOMIN": formula.nominal},
+        "LONG_SLIP_RANGE": {"KPUMIN": -formula.slip, "KPUMAX": formula.slip},
+        "VERTICAL_FORCE_RANGE": {"FZMIN": formula.load[0], "FZMAX": formula.load[1]},
+        "SCALING_COEFFICIENTS": dict.fromkeys(scaling, 1.0),
+        "LONGITUDINAL_COEFFICIENTS": formula.coefficients | dict.fromkeys(zero, 0.0),
+    }
+    lines = [
+        f"$ elastomdr {__version__}: Magic Formula (PAC2002) of longitudinal force, "
+        "fitted to a slip curve in braking",
+        f"$ residual of F_x/F_z: {formula.residual:.4f} rms, {formula.worst:.4f} at "
+        "worst; driving is its mirror image",
+        "$ without lateral force, moments, vertical stiffness and rim: add those of your "
+        "tyre",
+    ]
+    for name, values in tables.items():
+        lines.append(f"[{name}]")
+        for key, value in values.items():
+            written = value if isinstance(value, str) else f"{value:.10g}"
+            lines.append(f"{key:<24} = {written}")
+    return "\n".join(lines) + "\n"

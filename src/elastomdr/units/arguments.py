@@ -239,9 +239,9 @@ def _unit(called: str, name: str, of: Mapping[str, Any]) -> Any:
         return _of_power_law(of.get("exponent"))
     if called == "Spectrum.__init__" and name == "c":
         return "m^3" if str(of.get("convention", "2d")).startswith("1d") else "m^4"
-    own = f"{called} {name}"
-    if own in _ELSEWHERE:
-        return _ELSEWHERE[own]
+    argument = f"{called} {name}"
+    if argument in _ELSEWHERE:
+        return _ELSEWHERE[argument]
     if name == "load":
         return _of_load(of)
     return UNITS.get(name, "")
@@ -278,9 +278,10 @@ def _converted(name: str, value: Any, unit: Any) -> Any:
     if not carries_unit(value):
         return value
     if type(value) in (list, tuple):
-        each = unit if isinstance(unit, list) else [unit] * len(value)
+        units = unit if isinstance(unit, list) else [unit] * len(value)
         return type(value)(
-            _converted(name, entry, one) for entry, one in zip(value, each, strict=True)
+            _converted(name, entry, one)
+            for entry, one in zip(value, units, strict=True)
         )
     quantity = _quantity(name, value)
     accepted = unit if isinstance(unit, (tuple, list)) else (unit,)

@@ -160,14 +160,14 @@ def _parsed(text: str, kind: str) -> Any:
 
 
 def _alike(text: str, unit: str) -> bool:
-    found, wanted = _pint(text), _pint(unit)
+    unit_given, unit_wanted = _pint(text), _pint(unit)
     angular = "rad" in unit.split("/")  # angles have no dimension
     return (
-        found is not None
-        and dict(found.dimensionality) == dict(wanted.dimensionality)
+        unit_given is not None
+        and dict(unit_given.dimensionality) == dict(unit_wanted.dimensionality)
         and (
-            bool(dict(wanted.dimensionality))
-            or angular == any(word in str(found) for word in ("radian", "degree"))
+            bool(dict(unit_wanted.dimensionality))
+            or angular == any(word in str(unit_given) for word in ("radian", "degree"))
         )
     )
 

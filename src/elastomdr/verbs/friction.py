@@ -1,10 +1,9 @@
-"""Steady sliding friction of one indenter."""
+"""Steady sliding friction of one indenter or of a rough surface."""
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, ParamSpec
+from typing import TYPE_CHECKING, Any
 
 from ..call.model_choice import (
     hint_at_line,
@@ -14,46 +13,29 @@ from ..call.model_choice import (
     only_rough,
 )
 from ..call.several_materials import over_materials
-from ..checks import needs_64_bit_types, numpy_unless_traced
+from ..checks import numpy_unless_traced
 from ..results.curve import FrictionCurve
-from ..rough.adhesion import on_contact
-from ..rough.adhesive_shear import AdhesiveShear, check_adhesion
+from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
 from ..rough.heat import Heat
-from ..smooth.on_layer import beside_layer, is_on_layer, on_layer
-from ..smooth.problem import set_up, solve
-from ..smooth.softening import SOFTENED
+from ..smooth.on_layer import is_on_layer
 from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
+from .steady import in_64_bits_where, steady_contact
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number, Store
     from ..call.types import Indenter, Materials, ModelLike, Surface
 
-P = ParamSpec("P")
 
-
-def _surfaces_in_64_bits(
-    function: Callable[P, FrictionCurve],
-) -> Callable[P, FrictionCurve]:
-    """Refuses surfaces and layers under jit, grad or vmap without 64-bit types: JAX
-    would mix both.
-    """
-
-    @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> FrictionCurve:
-        shape = args[1] if len(args) > 1 else kwargs.get("shape")
-        surface = (
-            isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None
-        )
-        if surface or is_on_layer(args[0] if args else kwargs.get("material"), shape):
-            return needs_64_bit_types(function)(*args, **kwargs)
-        return function(*args, **kwargs)
-
-    return wrapper
+def _has_large_program(material: Any, shape: Any, named: dict[str, Any]) -> bool:
+    """Whether a surface is under a pressure, or the rubber is a layer."""
+    if isinstance(shape, AbstractSpectrum) and named.get("pressure") is not None:
+        return True
+    return is_on_layer(material, shape)
 
 
 @over_materials
-@_surfaces_in_64_bits
+@in_64_bits_where(_has_large_program)
 @numpy_unless_traced
 def friction(
     material: Materials,
@@ -137,18 +119,21 @@ def friction(
     geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7
     and 10, and `docs/theory.md`.
     """
+    scene: dict[str, Any] = {
+        "velocity": velocity,
+        "load": load,
+        "depth": depth,
+        "pressure": pressure,
+        "temperature": temperature,
+    }
     if is_rough(shape):
-        chosen = of_rough(model, shape, pressure)
-        chosen.check_adhesion(adhesion)
+        road_model = of_rough(model, shape, pressure)
+        road_model.check_adhesion(adhesion)
         hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
-        return chosen.rough_friction(
+        return road_model.rough_friction(
             material,
             shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            pressure=pressure,
-            temperature=temperature,
+            **scene,
             rtol=rtol,
             skip=skip,
             heat=heat,
@@ -162,70 +147,16 @@ def friction(
     if isinstance(shape, AbstractShape):
         model = of_smooth(model, "friction", shape.label)
         if not model.on_line:
-            return model.smooth_friction(
-                material,
-                shape,
-                velocity=velocity,
-                load=load,
-                depth=depth,
-                pressure=pressure,
-                temperature=temperature,
-                adhesion=adhesion,
-            )
-    if is_on_layer(material, shape):
-        found, kelvin, name, plan = on_layer(
-            "friction",
-            material,
-            shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            pressure=pressure,
-            temperature=temperature,
-            model=model,
-            rtol=rtol,
-        )
-        layer = True
-    else:
-        scene = set_up(
-            "friction",
-            material,
-            shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            pressure=pressure,
-            temperature=temperature,
-            model=model,
-            rtol=rtol,
-            skip=skip,
-        )
-        found, kelvin, name, plan = (
-            solve(scene),
-            scene.temperature,
-            scene.plan.model,
-            scene.plan,
-        )
-        found = beside_layer(
-            found, material, shape, load=load, depth=depth, temperature=temperature
-        )
-        layer = bool(scene.foundation.per_area)
-    curve = FrictionCurve(
-        velocity=found.velocity,
-        mu=found.mu,
-        normal_force=found.normal_force,
-        friction_force=found.friction_force,
-        depth=found.depth,
-        contact=found.contact,
-        error=found.error,
-        model_error=found.model_error,
-        converged=found.converged,
-        extrapolated=found.extrapolated,
-        temperature=kelvin,
-        strain=found.strain,
-        linear=found.linear,
-        model=name + ("" if found.strain is None else SOFTENED),
-        plan=plan,
-        inputs=found.inputs,
+            return model.smooth_friction(material, shape, **scene, adhesion=adhesion)
+    contact = steady_contact(
+        "friction", material, shape, **scene, model=model, rtol=rtol, skip=skip
     )
-    return curve if adhesion is None else on_contact(curve, adhesion, shape, layer)
+    solution = contact.solution
+    curve = FrictionCurve(
+        mu=solution.mu,
+        friction_force=solution.friction_force,
+        **contact.common_fields(),
+    )
+    if adhesion is None:
+        return curve
+    return on_contact(curve, adhesion, shape, contact.layer)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..call.model_choice import (
     hint_at_line,
@@ -14,12 +14,11 @@ from ..call.model_choice import (
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced
 from ..errors import InputError
-from ..rough.adhesive_shear import AdhesiveShear, check_adhesion
+from ..rough.adhesion import AdhesiveShear, check_adhesion
 from ..rough.heat import Heat
-from ..smooth.on_layer import is_on_layer, on_layer
 from ..smooth.plan import Plan
-from ..smooth.problem import set_up
 from ..surface.shapes import AbstractShape
+from .steady import steady_plan
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Motion
@@ -57,22 +56,25 @@ def plan(
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
     check_adhesion(adhesion, temperature)
+    scene: dict[str, Any] = {
+        "velocity": velocity,
+        "load": load,
+        "depth": depth,
+        "pressure": pressure,
+        "temperature": temperature,
+    }
     if is_rough(shape):
         if quantity != "friction":
             raise InputError(
                 f"quantity must be 'friction' on a rough surface, got {quantity!r}."
             )
         hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
-        chosen = of_rough(model, shape, pressure)
-        chosen.check_adhesion(adhesion)
-        return chosen.rough_plan(
+        road_model = of_rough(model, shape, pressure)
+        road_model.check_adhesion(adhesion)
+        return road_model.rough_plan(
             material,
             shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            pressure=pressure,
-            temperature=temperature,
+            **scene,
             rtol=rtol,
             skip=skip,
             heat=heat,
@@ -83,30 +85,6 @@ def plan(
         model = of_smooth(model, quantity, shape.label)
         if not model.on_line:
             return model.smooth_plan()
-    if is_on_layer(material, shape):
-        return on_layer(
-            quantity,
-            material,
-            shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            pressure=pressure,
-            temperature=temperature,
-            model=model,
-            rtol=rtol,
-            solved=False,
-        ).plan
-    return set_up(
-        quantity,
-        material,
-        shape,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        pressure=pressure,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-        skip=skip,
-    ).plan
+    return steady_plan(
+        quantity, material, shape, **scene, model=model, rtol=rtol, skip=skip
+    )

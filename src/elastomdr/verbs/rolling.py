@@ -2,44 +2,22 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
-from typing import TYPE_CHECKING, ParamSpec
+from typing import TYPE_CHECKING
 
 from ..call.several_materials import over_materials
-from ..checks import needs_64_bit_types, numpy_unless_traced
+from ..checks import numpy_unless_traced
 from ..errors import InputError
 from ..results.curve import RollingCurve
-from ..smooth.on_layer import beside_layer, is_on_layer, on_layer
-from ..smooth.problem import set_up, solve
-from ..smooth.softening import SOFTENED
 from ..surface.shapes import AbstractShape
+from .steady import in_64_bits_where, needs_layer, steady_contact
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Indenter, Materials, ModelLike
 
-P = ParamSpec("P")
-
-
-def _layers_in_64_bits(
-    function: Callable[P, RollingCurve],
-) -> Callable[P, RollingCurve]:
-    """Refuses a layer under jit, grad or vmap without 64-bit types: JAX would mix
-    both.
-    """
-
-    @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> RollingCurve:
-        material = args[0] if args else kwargs.get("material")
-        layer = is_on_layer(material, args[1] if len(args) > 1 else kwargs.get("shape"))
-        return (needs_64_bit_types(function) if layer else function)(*args, **kwargs)
-
-    return wrapper
-
 
 @over_materials
-@_layers_in_64_bits
+@in_64_bits_where(needs_layer)
 @numpy_unless_traced
 def rolling(
     material: Materials,
@@ -71,61 +49,25 @@ def rolling(
             "shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a "
             f"{shape.label}."
         )
-    if is_on_layer(material, shape):
-        found, kelvin, name, plan = on_layer(
-            "rolling",
-            material,
-            shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            pressure=pressure,
-            temperature=temperature,
-            model=model,
-            rtol=rtol,
-        )
-    else:
-        scene = set_up(
-            "rolling",
-            material,
-            shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            pressure=pressure,
-            temperature=temperature,
-            model=model,
-            rtol=rtol,
-            skip=skip,
-        )
-        found, kelvin, name, plan = (
-            solve(scene),
-            scene.temperature,
-            scene.plan.model,
-            scene.plan,
-        )
-        found = beside_layer(
-            found, material, shape, load=load, depth=depth, temperature=temperature
-        )
-    radius = shape.rolling_radius
+    contact = steady_contact(
+        "rolling",
+        material,
+        shape,
+        velocity=velocity,
+        load=load,
+        depth=depth,
+        pressure=pressure,
+        temperature=temperature,
+        model=model,
+        rtol=rtol,
+        skip=skip,
+    )
+    solution, radius = contact.solution, shape.rolling_radius
     assert radius is not None  # refused above
     return RollingCurve(
-        velocity=found.velocity,
-        coefficient=found.mu,
-        resistance=found.friction_force,
-        moment=found.friction_force * radius,
-        power=found.friction_force * found.velocity,
-        normal_force=found.normal_force,
-        depth=found.depth,
-        contact=found.contact,
-        error=found.error,
-        model_error=found.model_error,
-        converged=found.converged,
-        extrapolated=found.extrapolated,
-        temperature=kelvin,
-        strain=found.strain,
-        linear=found.linear,
-        model=name + ("" if found.strain is None else SOFTENED),
-        plan=plan,
-        inputs=found.inputs,
+        coefficient=solution.mu,
+        resistance=solution.friction_force,
+        moment=solution.friction_force * radius,
+        power=solution.friction_force * solution.velocity,
+        **contact.common_fields(),
     )

@@ -1,0 +1,379 @@
+"""The isotherms in a file of moduli, and their temperatures: in a column, in titles, in
+the text above them, in the name of the file, or given by the user.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..checks import in_kelvin, plain
+from ..errors import InputError
+from ..units.registry import to_si
+from .columns import named_columns, understand
+from .data import COLDEST, Dma, describe_list, in_strain_sweep, untold
+from .quantities import QUANTITIES, lacking
+from .sheets import Row
+from .tables import Head, Table
+
+_STEP = (
+    r"(step|schritt|segment|interval|intervall|block|set|sweep|(mess)?abschnitt)"
+    r"( (no\.?|nr\.?|number|index))?"
+)
+_HOLD = 4  # points at one frequency and temperature that make a sweep of something else
+_HELD = 3.0  # range of temperatures within it [K]
+_SWEPT = 1.5  # ratio of the highest to the lowest frequency of a sweep
+_SAME = 0.5  # [K], within which two temperatures are one, rounded
+_LAST = 10**9  # behind all columns
+# that may stand once, before the columns of several isotherms
+_SHARED = {"time", "frequency"}
+_UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
+_BLOCKS = (
+    "step|block|set|sweep|run|curve|interval|segment|abschnitt|messung|experiment|stage"
+)
+# a remark with nothing but the temperature, and what may number the block
+_TEMPERATURE = re.compile(
+    rf"[^\w+-]*(?:(?:{_BLOCKS}|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
+    r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)"
+    r"\s*(?:at|of|bei)?|at|bei)?"
+    rf"\s*[=:,;]?\s*(?<!\d)([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
+    re.IGNORECASE,
+)
+# "Run 3 C" is its number
+_NUMBERED = re.compile(rf"\W*(?:{_BLOCKS})\s*\d+\s*[CK]\b", re.IGNORECASE)
+_VALUE = rf"(?:T\s*=\s*)?([+-]?\d+(?:[.,]\d+)?)\s*_?({_UNIT}|k?Hz|rad/s)(?![\w/])"
+# in titles: E' (-40 °C) [MPa], E' [MPa] @ -40 °C, E'_-40C, E', 10 Hz, MPa
+_CONDITIONS = (
+    re.compile(rf"\s*[(\[]\s*{_VALUE}\s*[)\]]"),
+    re.compile(rf"[\s,;_@]+(?:(?:at|bei|@)\s*)?{_VALUE}"),
+)
+_RATE = re.compile(
+    r"[^\w]*(?:(?:step|block|sweep|set)\s*\d*[^\w]*)?"
+    r"(?:f|freq\.?|frequency|frequenz)\s*[=:,;]?\s*(\d+(?:[.,]\d+)?)\s*[\[(]?"
+    r"(k?Hz|rad/s)\W*",
+    re.IGNORECASE,
+)
+# of a file
+_NAME = re.compile(
+    rf"(?<![A-Za-z0-9.,])([+-]?\d+(?:[.,]\d+)?)[ _]?({_UNIT})(?![A-Za-z0-9])"
+)
+_DASH = re.compile(r"[A-Za-z0-9)]-\d+(?:[.,]\d+)?[ _]?(?:deg ?C|°C|C|K)(?![A-Za-z0-9])")
+# that a title with a condition does not hold
+_CONDITION_ROLES = ("frequency", "temperature", "time")
+
+
+def isotherms(
+    name: str, table: Table, columns: Mapping[str, Any] | None
+) -> list[Table]:
+    """The isotherms in a table, each with the temperature that stands in its titles or
+    above it; of those side by side only the ones with all the columns that the user
+    names.
+    """
+    parts = [
+        isotherm
+        for step in _steps(table)
+        for condition in _by_condition(step)
+        for isotherm in _beside(name, condition)
+    ]
+    users = named_columns(name, columns, table, QUANTITIES)[0].keys()
+    if len(parts) < 2 or not users:
+        return parts
+    complete = [
+        part
+        for part in parts
+        if named_columns(name, columns, part, QUANTITIES)[0].keys() == users
+    ]
+    return complete or [table]
+
+
+def _steps(table: Table) -> list[Table]:
+    """A table for each number in a column of steps; or the table."""
+    for head in table.heads:
+        if not re.fullmatch(_STEP, head.title.strip(), re.IGNORECASE):
+            continue
+        numbers = table.column(head.place)
+        steps = np.unique(numbers[np.isfinite(numbers)])
+        if (
+            1 < steps.size <= len(table.rows) / 3
+            and (steps == np.round(steps)).all()
+            and np.isfinite(numbers).all()
+        ):
+            rows = {
+                step: [
+                    row for row, n in zip(table.rows, numbers, strict=True) if n == step
+                ]
+                for step in steps
+            }
+            return [table._replace(rows=rows[step]) for step in steps]
+    return [table]
+
+
+def _by_condition(table: Table) -> list[Table]:
+    """A table for each temperature or frequency that stands in titles, as in "E' (-40
+    degC) [MPa]"; or the table.
+    """
+    groups: dict[tuple[str, float], list[Head]] = {}
+    shared: list[Head] = []
+    for head in table.heads:
+        condition = _condition(head.title)
+        if condition is not None:
+            key, title = condition
+            bare = head._replace(title=title)
+            column = understand(bare, QUANTITIES)
+            if column is not None and column.role not in _CONDITION_ROLES:
+                groups.setdefault(key, []).append(bare)
+                continue
+        shared.append(head)
+    if not groups:
+        return [table]
+    return [
+        table._replace(heads=[*shared, *heads], fixed=table.fixed | dict([key]))
+        for key, heads in groups.items()
+    ]
+
+
+def _condition(title: str) -> tuple[tuple[str, float], str] | None:
+    """The temperature [K] or frequency [rad/s] in a title, and the title without it."""
+    matches = (pattern.search(title) for pattern in _CONDITIONS)
+    match = next(filter(None, matches), None)
+    if match is None:
+        return None
+    for kind in ("temperature", "frequency"):
+        if si := to_si(match[2], kind):
+            rest = f"{title[: match.start()]} {title[match.end() :]}"
+            empty_brackets = r"\(\s*\)|\[\s*\]|[(\[]\s*(?=[(\[])"
+            rest = re.sub(empty_brackets, " ", rest).replace(" /", "/")
+            rest = re.sub(r"\s*,\s*(?=[,\[(]|$)|[\s_@]+$", "", rest).strip()
+            return (kind, _decimal(match[1]) * si[0] + si[1]), rest
+    return None
+
+
+def _decimal(text: str) -> float:
+    """A number with a decimal point or comma."""
+    return float(text.replace(",", "."))
+
+
+def _beside(name: str, table: Table) -> list[Table]:
+    """A table for each isotherm where the same columns repeat; or the table."""
+    columns = [
+        column for head in table.heads if (column := understand(head, QUANTITIES))
+    ]
+    roles = [column.role for column in columns]
+    if not {"frequency", "time"} & {*roles} and "frequency" not in table.fixed:
+        table = table._replace(fixed=table.fixed | _rate_above(table))
+    repeated = _repeated(roles)
+    without = "temperature" not in roles
+    if repeated is None:
+        above = _between(name, table, 0, _LAST) if without else {}
+        return [table._replace(fixed=above | table.fixed)]
+    once, period = repeated
+    starts = [columns[i].place for i in range(once, len(columns), period)]
+    heads = {head.place: head for head in table.heads}
+    shared = [heads[column.place] for column in columns[:once]]
+    isotherms = []
+    for start, end in zip(starts, [*starts[1:], _LAST], strict=True):
+        own = [heads[column.place] for column in columns if start <= column.place < end]
+        first = 0 if start == starts[0] else start
+        above = _between(name, table, first, end) if without else {}
+        rows = [row for row in table.rows if _has_cell(row, own)]
+        isotherms.append(
+            table._replace(heads=[*shared, *own], rows=rows, fixed=above | table.fixed)
+        )
+    if once and not all("temperature" in one.fixed for one in isotherms):
+        return [table]  # two samples, or raw and smoothed values
+    return [one for one in isotherms if one.rows]
+
+
+def _has_cell(row: Row, heads: Sequence[Head]) -> bool:
+    """Whether a row has something in one of the columns."""
+    return any(row.cells[h.place : h.place + 1] not in ([], [""]) for h in heads)
+
+
+def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
+    """The temperature in the text above some columns. Raises `InputError` where there
+    are two.
+    """
+    temperatures = {
+        kelvin: text
+        for row in table.above
+        for place, kelvin, text in _above(row.cells)
+        if first <= place < end
+    }
+    if temperatures and max(temperatures) - min(temperatures) > _SAME:
+        raise InputError(
+            f"{name}: {' and '.join(map(repr, temperatures.values()))} stand above the same "
+            "columns: leave the one that is "
+            "theirs."
+        )
+    return {"temperature": min(temperatures)} if temperatures else {}
+
+
+def _rate_above(table: Table) -> dict[str, float]:
+    """The frequency [rad/s] in the last line above a table that says one and nothing
+    else.
+    """
+    for row in reversed(table.above):
+        for text in (" ".join(cell for cell in row.cells if cell), *row.cells):
+            match = _RATE.fullmatch(text.strip())
+            if match and (si := to_si(match[2], "frequency")):
+                return {"frequency": _decimal(match[1]) * si[0]}
+    return {}
+
+
+def _repeated(roles: Sequence[str]) -> tuple[int, int] | None:
+    """How many columns stand once, and how many repeat behind them; None where none
+    do.
+    """
+    for once in range(len(roles)):
+        if not set(roles[:once]) <= _SHARED:
+            return None
+        rest = roles[once:]
+        for period in range(1, len(rest) // 2 + 1):
+            whole = not lacking({*roles[:once], *rest[:period]}) and {
+                *rest[:period]
+            }.isdisjoint(roles[:once])
+            if whole and list(rest) == list(rest[:period]) * (len(rest) // period):
+                return once, period
+    return None
+
+
+def _above(cells: Sequence[str]) -> list[tuple[int, float, str]]:
+    """The temperatures that a row of remarks gives, with their columns: one in each
+    cell, or that of the whole row.
+    """
+    whole = [cell for cell in cells if cell]
+    # a decimal comma may have been cut
+    ways = ([",".join(whole)], cells, [" ".join(whole)])
+    return next((found for way in ways if (found := list(_temperatures(way)))), [])
+
+
+def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
+    for place, cell in enumerate(cells):
+        text = _with_minus(cell.strip())
+        if not text or len(text) >= 80 or _NUMBERED.match(text):
+            continue
+        match = _TEMPERATURE.fullmatch(text)
+        si = to_si(match[2].replace(" ", ""), "temperature") if match else None
+        if match and si and (kelvin := _decimal(match[1]) * si[0] + si[1]) > 0:
+            yield place, kelvin, text
+
+
+def _with_minus(text: str) -> str:
+    """A text with hyphens in place of signs of subtraction and dashes."""
+    return re.sub("[\u2212\u2013]", "-", text)
+
+
+def without_holds(parts: list[Dma]) -> list[Dma]:
+    """The measurements without steps at one frequency and temperature beside sweeps of
+    frequency.
+
+    Nobody says what was changed in them: strain, time or preload. Where the strain is
+    known, the fit sorts them out.
+    """
+    held = [_is_hold(part) for part in parts]
+    swept = [
+        part.omega.size > 1 and part.omega.max() > _SWEPT * part.omega.min()
+        for part in parts
+    ]
+    if not any(held) or not any(swept):
+        return parts
+    kept = [part for part, hold in zip(parts, held, strict=True) if not hold]
+    count = sum(part.size for part, hold in zip(parts, held, strict=True) if hold)
+    text = (
+        f"{parts[held.index(True)].source}: {count} points in steps at one frequency "
+        "and temperature are left out: a "
+        "sweep of something that no column holds, such as strain or time."
+    )
+    return [replace(kept[0], warnings=(*kept[0].warnings, text)), *kept[1:]]
+
+
+def _is_hold(part: Dma) -> bool:
+    if part.omega.size < _HOLD or np.isfinite(part.strain).any() or part.time.size:
+        return False
+    one_rate = part.omega.max() < 1.01 * part.omega.min()
+    # NaN where no temperature is known: not held
+    return bool(one_rate and np.ptp(part.temperature) < _HELD)
+
+
+def with_temperatures_of_names(parts: list[Dma]) -> list[Dma]:
+    """The measurements with the temperatures that the names of their files give to
+    those without, one to each file.
+
+    A dash right behind a word ("rubber-20C") may be a minus or not: such names say
+    nothing.
+    """
+    sources = [part.source for part in parts]
+    completed = []
+    for part in parts:
+        stem = _with_minus(Path(part.source).stem)
+        temperatures = _NAME.findall(stem)
+        unclear = len(temperatures) != 1 or _DASH.search(stem)
+        known = np.isfinite([*part.temperature, *part.time_temperature]).any()
+        if not known and not unclear and sources.count(part.source) == 1:
+            number, unit = temperatures[0]
+            factor, offset = to_si(unit.replace(" ", ""), "temperature") or (1.0, 0.0)
+            kelvin = _decimal(number) * factor + offset
+            part = _at(part, kelvin, "from the name of the file")
+        completed.append(part)
+    return completed
+
+
+def _at(part: Dma, kelvin: float, source: str) -> Dma:
+    """A measurement at a temperature, with a word on where that comes from."""
+    words = f"temperature {kelvin - 273.15:g} degC {source}"
+    columns = tuple(f"{text}; {words}" for text in part.columns)
+    return replace(part.at(kelvin), columns=columns)
+
+
+def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
+    """The measurements with the temperatures that the user gives to those without.
+    Raises `InputError` for as many as do not fit.
+    """
+    without = [not part.has_temperatures for part in parts]
+    if temperature is None:
+        return [
+            _warned(part) if lacks else part
+            for part, lacks in zip(parts, without, strict=True)
+        ]
+    given = [
+        float(plain("temperature", one))
+        for one in (temperature if np.ndim(temperature) else [temperature])
+    ]
+    in_kelvin("temperature", given, COLDEST)
+    count = sum(without)
+    if not count:
+        kelvin = np.concatenate([part.temperatures for part in parts])
+        celsius = np.unique((kelvin - 273.15).round(1))
+        raise InputError(
+            f"temperature must be left out, got {describe_list(given, 'K')}: the "
+            f"files say {describe_list(celsius, 'degC')}."
+        )
+    if len(given) not in (1, count):
+        raise InputError(
+            f"temperature must be one number, or one for each of the {count} "
+            f"isotherms without, got {len(given)}."
+        )
+    left = iter(given * count if len(given) == 1 else given)
+    return [
+        _at(part, next(left), "as given") if lacks else part
+        for part, lacks in zip(parts, without, strict=True)
+    ]
+
+
+def _warned(part: Dma) -> Dma:
+    """A measurement without temperatures, with a warning; a sweep of strain, which
+    nobody shifts, needs none.
+    """
+    if part.omega.size and in_strain_sweep(part).all():
+        return part
+    unknown = ~np.isfinite(part.temperatures)
+    rates = np.concatenate([part.omega, 1 / part.time])[unknown]
+    warning = (
+        f"{part.source}: there is no temperature, which shifting needs: {untold(rates)}"
+    )
+    return replace(part, warnings=(*part.warnings, warning))

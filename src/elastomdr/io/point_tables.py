@@ -1,0 +1,167 @@
+"""Tables with one row per point: measured friction (`em.read_friction`), and shift
+factors as instruments' programs write them beside a master curve (`em.read_shifts`).
+"""
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..checks import in_kelvin, in_si, plain
+from ..errors import InputError, warn
+from ..material.shift import ShiftTable
+from .columns import Quantity, checked_units, left_out, read_columns
+from .data import COLDEST, FitWarning, MeasuredFriction
+
+_TEMPERATURE = Quantity(
+    "temperature",
+    "temperature",
+    (r"t|temp\.?|temperature|temperatur",),
+    option="temperature_unit",
+    limits=(COLDEST, 800.0),
+)
+_FRICTION = (
+    Quantity(
+        "velocity",
+        "velocity",
+        (
+            r"v|velocity|speed|sliding (velocity|speed)|geschwindigkeit|gleitgeschwindigkeit",
+        ),
+        option="velocity_unit",
+        limits=(1e-12, 1e3),
+    ),
+    Quantity(
+        "mu",
+        "ratio",
+        (
+            r"mu|µ|μ|cof|friction|(friction|frictional) coefficient|"
+            r"coefficient of friction|reib(wert|ungszahl)|reibungskoeffizient",
+        ),
+        valid="not negative",
+        limits=(0.0, 8.0),
+    ),
+    _TEMPERATURE,
+    Quantity(
+        "pressure",
+        "modulus",
+        (r"p|(nominal |contact |mean )?pressure|druck|flächenpressung",),
+        option="pressure_unit",
+    ),
+    Quantity(
+        "error",
+        "ratio",
+        (
+            r"error|std|sigma|standard deviation|"
+            r"(error|std|standard deviation) of (mu|friction)|mu (error|std)",
+        ),
+    ),
+)
+_SHIFTS = (
+    _TEMPERATURE,
+    Quantity("shift", "ratio", (r"a_?t?|shift ?factors?|verschiebungsfaktor(en)?",)),
+)
+
+
+@in_si
+def read_friction(
+    path: str | os.PathLike[str],
+    *,
+    temperature: float | None = None,
+    columns: Mapping[str, str | int] | None = None,
+    velocity_unit: str | None = None,
+    temperature_unit: str | None = None,
+    pressure_unit: str | None = None,
+) -> MeasuredFriction:
+    """Measured friction from a text file or a spreadsheet, one row per point.
+
+    Args:
+        path: a table with titles such as "velocity [mm/s],temperature [degC],mu";
+            temperature, nominal pressure and error (standard deviation of mu, or [%] of
+            it) may be absent, other columns are passed over.
+        temperature: temperature of all points where the file has no such column [K].
+        columns: columns by quantity (velocity, mu, temperature, pressure, error), as in
+            `em.read_dma`.
+        velocity_unit: unit of velocities without one, such as "mm/s"; it overrules none
+            in the file.
+        temperature_unit: likewise of temperatures.
+        pressure_unit: likewise of pressures.
+
+    Returns:
+        The points in SI units; `report` names the rows that are no measurement.
+
+    Raises:
+        InputError: for what cannot be read, what is ambiguous, units that nobody gives,
+            and where more than half of the rows are no measurement.
+    """
+    units = checked_units(
+        velocity=velocity_unit, temperature=temperature_unit, pressure=pressure_unit
+    )
+    units["modulus"] = units.pop("pressure", "")
+    name, chosen, values, bad, rows = read_columns(
+        path, _FRICTION, ("velocity", "mu"), columns, units
+    )
+    if 2 * len(bad) > rows:
+        raise InputError(
+            f"{name}: {len(bad)} of {rows} rows are no measurement: "
+            f"{'; '.join(bad[:3])} ..."
+        )
+    if "error" in chosen and chosen["error"].unit == "%":
+        if chosen["mu"].unit == "%":
+            raise InputError(
+                f"{name}: mu and its error are in %, which may be percent of mu or of "
+                "1: give the error as a "
+                "plain number."
+            )
+        values["error"] = values["error"] * values["mu"]
+    if temperature is not None:
+        kelvin = float(plain("temperature", temperature))
+        in_kelvin("temperature", kelvin)
+        if "temperature" in values:
+            raise InputError(
+                f"temperature must be left out, got {kelvin:g} K: {name!r} has a "
+                "column for it."
+            )
+        values["temperature"] = np.full(values["mu"].shape, kelvin)
+    report = left_out(name, bad, "report")
+    for text in report:
+        warn(text, FitWarning)
+    optional: dict[str, Any] = {
+        role: values.get(role) for role in ("temperature", "pressure", "error")
+    }
+    return MeasuredFriction(
+        values["velocity"], values["mu"], source=name, report=report, **optional
+    )
+
+
+@in_si
+def read_shifts(
+    path: str | os.PathLike[str],
+    *,
+    columns: dict[str, str | int] | None = None,
+    temperature_unit: str | None = None,
+) -> ShiftTable:
+    """A shift law from a list of temperatures and shift factors, such as "T
+    [degC],log_aT".
+
+    Args:
+        path: a text file or a spreadsheet; factors as a_T, or their logarithms as
+            "log10 a_T", "log aT" or "ln aT".
+        columns: columns by quantity (temperature, shift), as in `em.read_dma`.
+        temperature_unit: unit of the temperatures, where the file has none.
+
+    Returns:
+        The list as a law; between its temperatures it is interpolated.
+
+    Raises:
+        InputError: for what cannot be read, and units that nobody gives.
+    """
+    units = checked_units(temperature=temperature_unit)
+    # nobody's log a_T is ln
+    name, _, values, bad, _ = read_columns(
+        path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
+    )
+    if bad:
+        raise InputError(f"{name}: {'; '.join(bad[:3])}.")
+    order = np.argsort(values["temperature"])
+    return ShiftTable(values["temperature"][order], np.log10(values["shift"][order]))

@@ -1,0 +1,284 @@
+"""One march in time, and the depth at which elements carry a load.
+
+A motion is marched wherever no closed form answers its history: sliding and driven
+bodies, tangential loading, a load that falls, oblique impact. Each has a step of its own
+over the exact contact step (`element.contact_step`); the loop, and what is kept of it,
+are those of `march`.
+
+With u_free the displacement at which an element needs no force at the end of the step
+and S its stiffness, both known before the depth is, and with g the distance of the body
+from the element at the depth 0,
+
+    F_N(d) = sum W S max(0, d - l),    l = u_free + g,
+
+convex, piecewise linear and rising: Newton's method from above (`settle`) ends after a
+few steps, exactly.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arrays import entries, fixed, mapped, on_numpy, while_loop, xp
+from ..checks import Array, is_traced
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+# steps whose coefficients are computed at once, and between two states that are kept
+# for reverse mode
+_BLOCK = 64
+
+
+def march(
+    step: Callable[[Any, Any], tuple[Any, Any]],
+    look: Callable[[Any, Any], Any],
+    start: Any,
+    steps: Any,
+    instants: Any,
+    prepare: Callable[[Any], Any],
+) -> tuple[Any, Any]:
+    """The state after all steps, and what is seen at the end of those at `instants`.
+
+    `steps` is a named tuple of arrays, one entry a step; `prepare` adds to a block of
+    them what its steps need, such as their coefficients. `step(state, now)` gives the
+    state at the end of a step and what `look(state, details)` needs besides.
+    `instants` ascend; None stands for all. A block whose first step has no length `h`
+    is not made.
+    """
+    march_blocks = _on_numpy if on_numpy() else _on_jax
+    return march_blocks(step, look, start, steps, instants, prepare)
+
+
+def _on_numpy(
+    step: Any, look: Any, state: Any, steps: Any, instants: Any, prepare: Any
+) -> tuple[Any, Any]:
+    count = steps.h.shape[0]
+    is_seen = np.full(count, instants is None)
+    is_seen[slice(None) if instants is None else instants] = True
+    seen = []
+    for first in range(0, count, _BLOCK):
+        block = mapped(lambda x, i=first: x[i : i + _BLOCK], steps)
+        for number, now in enumerate(entries(prepare(block)), first):
+            state, details = step(state, now)
+            if is_seen[number]:
+                seen.append(look(state, details))
+    return state, mapped(lambda *x: np.stack(x), *seen)
+
+
+def _on_jax(
+    step: Any, look: Any, state: Any, steps: Any, instants: Any, prepare: Any
+) -> tuple[Any, Any]:
+    import jax
+
+    count = steps.h.shape[0]
+    steps = padded(steps, count)
+    filled = steps.h.shape[0]
+    # which the compiler does not know to be always true
+    is_seen = steps.h >= 0
+    if instants is not None:
+        is_seen = jax.numpy.zeros(filled, bool).at[instants].set(True)
+
+    def one(state: Any, now: Any) -> tuple[Any, Any]:
+        state, details = step(state, now[0])
+        return state, if_so(now[1], look, state, details)
+
+    @jax.checkpoint
+    def block(state: Any, part: Any) -> tuple[Any, Any]:
+        def made(state: Any, steps: Any, is_seen: Any) -> tuple[Any, Any]:
+            # what the last block is filled up with goes on with its steps
+            steps = steps._replace(h=xp.where(steps.h > 0, steps.h, steps.h[0]))
+            return jax.lax.scan(one, state, (prepare(steps), is_seen))
+
+        def left_out(state: Any, *part: Any) -> tuple[Any, Any]:
+            return state, _zeros(lambda *x: made(*x)[1], state, *part)
+
+        return jax.lax.cond(part[0].h[0] > 0, made, left_out, state, *part)
+
+    blocks = jax.tree.map(
+        lambda x: x.reshape(-1, _BLOCK, *x.shape[1:]), (steps, is_seen)
+    )
+    state, seen = jax.lax.scan(block, state, blocks)
+    seen = jax.tree.map(lambda x: x.reshape(filled, *x.shape[2:]), seen)
+    chosen = slice(count) if instants is None else instants
+    return state, jax.tree.map(lambda x: x[chosen], seen)
+
+
+def padded(steps: Any, most: int) -> Any:
+    """The steps in whole blocks with room for `most` of them, rounded up to a number
+    that few histories differ in; NumPy, which compiles nothing, needs none.
+
+    What is filled up has no length; blocks of it are not made.
+    """
+    if on_numpy():
+        return steps
+    count = steps.h.shape[0]
+    blocks = math.ceil(max(count, most, 1) / _BLOCK)
+    grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
+    missing = _BLOCK * grain * math.ceil(blocks / grain) - count
+    numpy = xp if is_traced(steps) else np
+    long = type(steps)(
+        *(
+            numpy.concatenate(
+                [numpy.asarray(x), numpy.repeat(numpy.asarray(x)[-1:], missing, axis=0)]
+            )
+            for x in steps
+        )
+    )
+    return long._replace(h=numpy.where(np.arange(count + missing) < count, long.h, 0.0))
+
+
+def if_so(condition: Array, function: Callable[..., Any], *args: Any) -> Any:
+    """`function(*args)`, or zeros in its place, as a branch of the compiled program.
+
+    With a condition that always holds, the compiler computes it once. Otherwise it
+    would put sums over the branches, and what each branch needs, into every place that
+    uses them.
+    """
+    if on_numpy():
+        return function(*args)
+    import jax
+
+    return jax.lax.cond(condition, function, functools.partial(_zeros, function), *args)
+
+
+def _zeros(function: Callable[..., Any], *args: Any) -> Any:
+    import jax
+
+    return jax.tree.map(
+        lambda x: xp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args)
+    )
+
+
+def settle(
+    level: Array,
+    slope: Array,
+    spring: Any,
+    force: Array,
+    guess: Array,
+    between: bool = False,
+) -> Array:
+    """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by
+    Newton's method from above.
+
+    `slope` is W S, scalar or (n,). With `between` the sum is that of `carried`. Without
+    a spring the force must not be negative; for no force d is where the first element
+    is touched.
+    """
+    return (_settle if on_numpy() else _traced_settle())(
+        level, slope, spring, force, guess, between
+    )
+
+
+def _settle(
+    level: Array, slope: Array, spring: Any, force: Array, guess: Array, between: bool
+) -> Array:
+    lowest = xp.min(level)
+
+    def again(state):
+        depth, stiffness, before, last, tries = state
+        changes = (depth < last) | (tries < 2) if between else stiffness != before
+        return changes & (tries < 200)
+
+    def improve(state):
+        # From above the elements in contact only become fewer: as stiff as before is
+        # the same ones.
+        depth, before, _, _, tries = state
+        found, stiffness = (
+            _corrected(level, lowest, slope, spring, force, depth)
+            if between
+            else _newton(level, lowest, slope, spring, force, level < depth)
+        )
+        return found, stiffness, before, depth, tries + 1
+
+    return while_loop(again, improve, (guess, -1.0, -2.0, xp.inf, 0))[0]
+
+
+@functools.cache
+def _traced_settle() -> Any:
+    """`_settle` with its derivative, for which the elements in contact stay the same
+    ones.
+    """
+    import jax
+
+    settle = functools.partial(jax.custom_jvp, nondiff_argnums=(5,))(_settle)
+
+    @settle.defjvp
+    def derivative(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
+        depth = settle(*given, between)
+
+        def moved(level: Array, slope: Array, spring: Any, force: Array) -> Array:
+            if between:
+                return _corrected(level, xp.min(level), slope, spring, force, depth)[0]
+            return _newton(
+                level, xp.min(level), slope, spring, force, given[0] < depth
+            )[0]
+
+        return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
+
+    return settle
+
+
+def _corrected(
+    level: Array, lowest: Array, slope: Array, spring: Any, force: Array, depth: Array
+) -> tuple[Array, Array]:
+    """The depth after one step of Newton's from `depth`, and the stiffness there."""
+    now, stiffness = carried(slope, depth - level)
+    stiffness = fixed(spring + stiffness)
+    empty = stiffness <= 0
+    step = (force - spring * depth - now) / xp.where(empty, 1.0, stiffness)
+    return xp.where(empty, lowest + force / slope, depth + step), stiffness
+
+
+def _newton(
+    level: Array, lowest: Array, slope: Array, spring: Any, force: Array, active: Array
+) -> tuple[Array, Array]:
+    """The depth at which those that are `active` carry the force, and their
+    stiffness.
+    """
+    stiffness = spring + total(slope, xp.where(active, 1.0, 0.0))
+    # Without a spring one element at least carries the load. (The place of the least
+    # level takes long to find.)
+    alone = slope if slope.ndim == 0 else xp.max(xp.where(level == lowest, slope, 0.0))
+    empty = stiffness <= 0
+    load = force + xp.where(
+        empty, alone * lowest, total(slope, xp.where(active, level, 0.0))
+    )
+    return load / xp.where(empty, alone, stiffness), stiffness
+
+
+def carried(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
+    """The force where a contact ends between two elements, and how much it grows as all
+    of `excess` grows by one.
+
+    It is the integral of the positive part of the line drawn through the elements,
+    which are neighbours of one slope. sum slope max(0, excess) errs by the square of
+    their distance as well, but with a factor that depends on where the contact ends, so
+    that the limit of ever more elements could not be extrapolated from a few.
+    """
+    edge, rate = edges(excess)
+    inside = excess > 0
+    force = xp.sum(xp.where(inside, excess, 0.0)) + xp.sum(edge)
+    return slope * force, slope * (xp.sum(inside) + xp.sum(rate))
+
+
+def edges(
+    excess: Float[Array, " n"],
+) -> tuple[Float[Array, " n-1"], Float[Array, " n-1"]]:
+    """What the positive part of a line from a to b, a b < 0, has less than the mean of
+    max(0, a) and max(0, b).
+    """
+    a, b = excess[:-1], excess[1:]
+    between = a * b < 0
+    span = xp.where(between, 2 * xp.abs(a - b), 1.0)
+    return xp.where(between, a * b / span, 0.0), xp.where(between, (a + b) / span, 0.0)
+
+
+def total(weight: Array, part: Float[Array, " n"]) -> Array:
+    """The sum over all elements."""
+    return weight * xp.sum(part) if weight.ndim == 0 else xp.sum(weight * part)

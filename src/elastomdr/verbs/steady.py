@@ -1,0 +1,113 @@
+"""What friction and rolling of smooth bodies share: the contact is that of a layer, or
+of independent elements, and its curve has the same fields.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+from ..checks import needs_64_bit_types
+from ..smooth.on_layer import beside_layer, is_on_layer, on_layer
+from ..smooth.problem import Steady, set_up, solve
+from ..smooth.softening import SOFTENED
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class SteadyContact(NamedTuple):
+    """A solved contact, and how it was solved."""
+
+    solution: Steady
+    temperature: Any  # broadcast to the points, or None
+    model: str
+    plan: Any
+    layer: bool  # whether the rubber is a layer, exact or of springs
+
+    def common_fields(self) -> dict[str, Any]:
+        """What both curves have by the same name."""
+        solution = self.solution
+        return {
+            "velocity": solution.velocity,
+            "normal_force": solution.normal_force,
+            "depth": solution.depth,
+            "contact": solution.contact,
+            "error": solution.error,
+            "model_error": solution.model_error,
+            "converged": solution.converged,
+            "extrapolated": solution.extrapolated,
+            "temperature": self.temperature,
+            "strain": solution.strain,
+            "linear": solution.linear,
+            "model": self.model + ("" if solution.strain is None else SOFTENED),
+            "plan": self.plan,
+            "inputs": solution.inputs,
+        }
+
+
+def steady_contact(
+    quantity: str, material: Any, shape: Any, *, skip: bool, **given: Any
+) -> SteadyContact:
+    """Solves a smooth body on a layer, or on independent elements.
+
+    `given` are the other arguments of `friction`, from velocity to rtol. Raises
+    `InputError`.
+    """
+    if is_on_layer(material, shape):
+        return SteadyContact(*on_layer(quantity, material, shape, **given), layer=True)
+    scene = set_up(quantity, material, shape, skip=skip, **given)
+    solution = beside_layer(
+        solve(scene),
+        material,
+        shape,
+        load=given["load"],
+        depth=given["depth"],
+        temperature=given["temperature"],
+    )
+    return SteadyContact(
+        solution,
+        scene.temperature,
+        scene.plan.model,
+        scene.plan,
+        bool(scene.foundation.per_area),
+    )
+
+
+def steady_plan(
+    quantity: str, material: Any, shape: Any, *, skip: bool, **given: Any
+) -> Any:
+    """The plan that `steady_contact` would follow. Raises `InputError`."""
+    if is_on_layer(material, shape):
+        return on_layer(quantity, material, shape, **given, solved=False).plan
+    return set_up(quantity, material, shape, skip=skip, **given).plan
+
+
+def in_64_bits_where(
+    condition: Callable[[Any, Any, dict[str, Any]], bool],
+) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Refuses calls under jit, grad or vmap without 64-bit types, where JAX would mix
+    both widths.
+
+    `condition` has the material, the shape and the arguments by name.
+    """
+
+    def decorate(verb: Callable[P, R]) -> Callable[P, R]:
+        refusing = needs_64_bit_types(verb)
+
+        @functools.wraps(verb)
+        def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+            material = args[0] if args else kwargs.get("material")
+            shape = args[1] if len(args) > 1 else kwargs.get("shape")
+            call = refusing if condition(material, shape, kwargs) else verb
+            return call(*args, **kwargs)
+
+        return wrapper
+
+    return decorate
+
+
+def needs_layer(material: Any, shape: Any, _: dict[str, Any]) -> bool:
+    """Whether a call needs the layer, as a condition for `in_64_bits_where`."""
+    return is_on_layer(material, shape)
