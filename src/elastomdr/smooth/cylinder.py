@@ -172,6 +172,34 @@ def cylinder_on_layer(
     )
     if not solved:
         return OnLayer(None, points.full(points.kelvin), label, plan)
+    found, sunk = _solved(points, body, shape, control, carriers, misfit, rtol)
+    if not points.traced:
+        _say(found, sunk, body, shape, rtol)
+    solution = Solved(
+        found.mu,
+        found.error,
+        found.mu * np.nan,
+        found.load * shape.length,
+        found.depth,
+        found.leading,
+        -found.trailing,
+        found.good,
+    )
+    steady = packed(points, solution, body, name, plan.covers, rtol)
+    return OnLayer(steady, points.full(points.kelvin), label, plan)
+
+
+def _solved(
+    points: Scene,
+    body: Any,
+    shape: Cylinder,
+    control: str,
+    carriers: Any,
+    misfit: float,
+    rtol: float,
+) -> tuple[_Found, Any]:
+    """The contacts, and which would sink into the ground under the layer."""
+    layers, reduced = isinstance(body, Layer), xp.asarray(points.reduced).reshape(-1)
     wanted = xp.asarray(points.at_reference())
     wanted = wanted / shape.length if control == "load" else wanted
     by_depth, radius = control == "depth", xp.asarray(shape.radius)
@@ -188,20 +216,7 @@ def cylinder_on_layer(
         thin = sum(cover.thickness for cover in body.covers)
         sunk = ~(found.depth < thin) & xp.isfinite(found.depth)
         found = found._replace(good=found.good & ~sunk)
-    if not points.traced:
-        _say(found, sunk, body, shape, rtol)
-    solution = Solved(
-        found.mu,
-        found.error,
-        found.mu * np.nan,
-        found.load * shape.length,
-        found.depth,
-        found.leading,
-        -found.trailing,
-        found.good,
-    )
-    steady = packed(points, solution, body, name, plan.covers, rtol)
-    return OnLayer(steady, points.full(points.kelvin), label, plan)
+    return found, sunk
 
 
 def _checked_body(
