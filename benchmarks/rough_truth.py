@@ -3,8 +3,9 @@ to and judges by.
 
     python benchmarks/rough_truth.py --seed 1 --minutes 60
 
-Scene number i of a seed is always the same scene, so a run that was broken off goes on
-where it stopped, and two seeds may run side by side into two files. A scene is a
+Scene number i of a seed (with its --largest) is always the same scene, so a run that
+was broken off goes on where it stopped, and two seeds may run side by side into two
+files. A scene is a
 surface (self-affine, roll-off, two slopes, hump; cutoff ratios 8 to 1024), a rubber
 (one branch to thirteen decades, contrasts 1.3 to 1000), a speed within its losses, and
 a pressure for a real contact of 0.3 to 99 % by Persson's theory, half of them below
@@ -52,8 +53,7 @@ SURFACES: list[tuple[str, tuple[float, ...], float]] = [
 ]
 # Real contact: lowest, highest, weight in the draw
 CONTACT = ((0.003, 0.01, 0.24), (0.01, 0.05, 0.28), (0.05, 0.3, 0.28), (0.3, 0.99, 0.2))
-# Cells to a side of the finest grid, and seconds for one contact
-LARGEST, PATIENCE = 2048, 200
+PATIENCE = 200  # seconds for one contact
 # Of the change of mu from a grid half as fine, the part that is left: of first order in
 # the cells 1, of second 1/3. Seven scenes from 2 to 16 cells per wave lie between.
 LEFT = 0.5
@@ -124,7 +124,7 @@ class Taken(Exception):
     """The time of a contact is over."""
 
 
-def draw(rng: np.random.Generator) -> dict[str, Any] | None:
+def draw(rng: np.random.Generator, largest: int) -> dict[str, Any] | None:
     """A scene and its grid; None where that would be too large."""
     weights = np.array([weight for *_, weight in SURFACES])
     kind, numbers, _ = SURFACES[
@@ -145,7 +145,7 @@ def draw(rng: np.random.Generator) -> dict[str, Any] | None:
     at = np.array([velocity]), np.array([pressure])
     carried = maps.summits(material.complex_modulus, surface, *at, one)[0]
     periods = int(np.ceil(np.sqrt((4 if area > 0.3 else 8) / carried)))
-    fits = [n for n in (8, 4) if n * periods * ratio <= LARGEST]
+    fits = [n for n in (8, 4) if n * periods * ratio <= largest]
     if not fits:
         return None
     return {
@@ -269,6 +269,9 @@ def main() -> None:
     options = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     options.add_argument("--seed", type=int, required=True)
     options.add_argument("--minutes", type=float, default=60.0)
+    options.add_argument(
+        "--largest", type=int, default=1024, help="cells to a side of the largest grid"
+    )
     options.add_argument("--file", type=Path, default=FILE)
     asked = options.parse_args()
     points = json.loads(asked.file.read_text()) if asked.file.exists() else []
@@ -279,7 +282,7 @@ def main() -> None:
         if (asked.seed, i) in done:
             continue
         rng = np.random.default_rng([asked.seed, i])
-        scene = draw(rng)
+        scene = draw(rng, asked.largest)
         if scene is None:
             continue
         start = time.process_time()
