@@ -53,7 +53,7 @@ SURFACES: list[tuple[str, tuple[float, ...], float]] = [
 ]
 # Real contact: lowest, highest, weight in the draw
 CONTACT = ((0.003, 0.01, 0.24), (0.01, 0.05, 0.28), (0.05, 0.3, 0.28), (0.3, 0.99, 0.2))
-PATIENCE = 200  # seconds for one contact
+PATIENCE = 90  # seconds of the processor for one contact
 # Of the change of mu from a grid half as fine, the part that is left: of first order in
 # the cells 1, of second 1/3. Seven scenes from 2 to 16 cells per wave lie between.
 LEFT = 0.5
@@ -186,7 +186,7 @@ def solve(scene: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     points = 4 * -(-fine * periods * scene["ratio"] // 4)
     seeds = 2 if points > 1024 else 3
     mu, area, bands = [], [], []
-    signal.signal(signal.SIGALRM, _over)
+    signal.signal(signal.SIGPROF, _over)
     for _ in range(seeds):
         seed = int(rng.integers(2**26))
         heights, side = rough_map(surface, seed, periods=periods, points=points)
@@ -195,17 +195,17 @@ def solve(scene: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
         try:
             pair, start = [], None
             for grid in (heights[::2, ::2], heights):
-                signal.alarm(PATIENCE)
+                signal.setitimer(signal.ITIMER_PROF, PATIENCE)
                 contact = half_space.solve(
                     modulus, grid, (side, side), **at, start=start, double=False
                 )
-                signal.alarm(0)
+                signal.setitimer(signal.ITIMER_PROF, 0)
                 start = np.repeat(np.repeat(contact.pressure, 2, 0), 2, 1)
                 if not contact.settled:
                     raise Taken
                 pair.append((contact.stress / scene["pressure"] / own, contact.area))
         except Taken:
-            signal.alarm(0)
+            signal.setitimer(signal.ITIMER_PROF, 0)
             return {**scene, "mu": None, "area": None, "bands": None}
         mu.append([pair[0][0], pair[1][0]])
         area.append([pair[0][1], pair[1][1]])
