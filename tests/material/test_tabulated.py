@@ -361,7 +361,8 @@ def test_persson_at_a_temperature(table):
         table, SURFACE, pressure=3e5, velocity=1e-3, temperature=303.15
     )
     other = em.reference.persson(table.at(303.15), SURFACE, pressure=3e5, velocity=1e-3)
-    np.testing.assert_allclose(one.mu, other.mu, rtol=1e-10)
+    # the same integrals with nodes that differ by the shift
+    np.testing.assert_allclose(one.mu, other.mu, rtol=1e-8)
     assert one.summary()
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.reference import half_plane_sliding, half_space, half_space_sliding
+from elastomdr.rough import half_space as solver
 
 STIFF = em.Foundation(4e6, [36e6], [1e-3])
 BALL, LOAD = em.Paraboloid(0.01), 10.0
@@ -143,11 +144,11 @@ def test_half_planes_settle_at_any_contrast(contrast):
     assert off.max() < 2
     assert (off < 1).sum() >= 6
     assert (got.error < 0.02 * got.mu).all()
-    # begun from the middle of the window it does not, at a contrast of 1000
-    finest = half_plane_sliding(
-        law, 0.01, velocity=0.1, load_per_length=2e3, points=1024
-    )
-    assert finest.converged
+    if contrast == 1000:  # begun from the middle of the window it does not settle
+        finest = half_plane_sliding(
+            law, 0.01, velocity=0.1, load_per_length=2e3, points=1024
+        )
+        assert finest.converged
 
 
 def test_hunter():
@@ -393,9 +394,10 @@ def test_the_error_covers_where_half_as_many_cells_agree():
 
 
 def test_what_is_not_resolved_is_flagged(monkeypatch):
-    # One relaxation time and a modulus that rises by 1000 within v tau = 1e-5 m at the
-    # leading edge.
+    # A modulus that rises by 1000 within v tau = 1e-5 m at the leading edge takes more
+    # than three pivots.
     monkeypatch.setattr(half_space, "LEADS", (0.0,))
+    monkeypatch.setattr(solver, "_PIVOTS", 3)
     with pytest.warns(em.ConvergenceWarning, match="1 of 1 contacts did not settle"):
         got = half_space_sliding(one_time(4e9), BALL, velocity=1e-2, load=LOAD)
     assert np.isnan(got.mu)

@@ -178,14 +178,14 @@ def check(calls, times):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_each_verb_ten_times_beside_busy_cores(busy):
-    check(CALLS, 10)
+def test_each_verb_three_times_beside_busy_cores(busy):
+    check(CALLS, 3)
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_what_compiles_for_long_beside_busy_cores(busy):
-    check(SLOW, 10)
+def test_each_verb_ten_times_beside_busy_cores(busy):
+    check(CALLS | SLOW, 10)
 
 
 def test_no_clock_decides_how_a_number_is_computed():

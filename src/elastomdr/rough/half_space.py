@@ -10,8 +10,8 @@ cells that pull are let go and cells that overlap are taken in, until none does.
 the changes go in circles (at a glassy leading edge thinner than a cell a pressure sinks
 in further behind than at its own place) cells are let go only, for a while.
 
-Each pivot is solved by BiCGSTAB, whose preconditioner is the inverse of K on the
-infinite surface, restricted to the contact. Under a given load the equation is P K p =
+Each pivot is solved by GMRES, in heavy contact by BiCGSTAB. The preconditioner is the
+inverse of K on the infinite surface, restricted to the contact. Under a given load the equation is P K p =
 P h, where P takes the mean over the contact off a field, and the preconditioner is P/K,
 which changes no mean: the load is held exactly, and the depth d follows as the mean of
 u - h over the contact.
@@ -33,13 +33,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import fft
-from scipy.sparse.linalg import LinearOperator, bicgstab
+from scipy.sparse.linalg import LinearOperator, bicgstab, gmres
 
 from ..arrays import one_thread
 
 _FunctionOperator: Any = LinearOperator  # its type hints lack the functions
 _PIVOTS = 60
 _ITERATIONS = 100  # of BiCGSTAB in one pivot
+# of GMRES: vectors that are kept, and how often it begins anew
+_KEPT, _RESTARTS = 80, 3
+_LIGHT = 0.3  # share of cells in contact below which GMRES is used
 # pivots in which fewer cells change than ever before, or those that pull are let go
 # only
 _PATIENCE = 2
@@ -180,24 +183,53 @@ def _solved(
         shape = (index.size, index.size)
         return _FunctionOperator(shape, matvec=function, dtype=height.dtype)
 
-    iterations = []
     begun = np.maximum(pressure.reshape(-1)[index], 0)
     if load is not None:
         begun = begun - (begun.sum() - load) / index.size
     wanted = projected(height) + (0 if depth is None else depth)
     size = float(np.linalg.norm(wanted)) or 1.0
     rest = wanted - product(begun)
-    change, _ = bicgstab(
-        operator(product),
-        rest,
-        rtol=0.0,
-        atol=tolerance * size,
-        maxiter=_ITERATIONS,
-        M=operator(precondition),
-        callback=lambda _: iterations.append(1),
+    change, used = _change(
+        operator(product), operator(precondition), rest, tolerance * size, height.size
     )
     residual = float(np.linalg.norm(rest - product(change))) / size
-    return on_grid(begun + change), residual, 2 * len(iterations) + 2
+    return on_grid(begun + change), residual, used + 2
+
+
+def _change(
+    product: Any, precondition: Any, rest: Any, tolerance: float, cells: int
+) -> tuple[Any, int]:
+    """The pressures whose `product` is `rest`, and how many products that took.
+
+    In light contact the preconditioner is far from the inverse, and GMRES takes a
+    third of the products of BiCGSTAB (contrast 100, 2 % contact: 391 and 860); its
+    vectors hold the cells in contact only. In heavy contact a few products do, and
+    vectors would be long.
+    """
+    if rest.size > _LIGHT * cells:
+        counted = []
+        change, _ = bicgstab(
+            product,
+            rest,
+            rtol=0.0,
+            atol=tolerance,
+            maxiter=_ITERATIONS,
+            M=precondition,
+            callback=lambda _: counted.append(1),
+        )
+        return change, 2 * len(counted)
+    used = []
+
+    def preconditioned(values: Any) -> Any:
+        used.append(1)
+        return product.matvec(precondition.matvec(values.astype(rest.dtype)))
+
+    # preconditioned from the right: what is measured is the residual itself
+    whole = _FunctionOperator(product.shape, matvec=preconditioned, dtype=rest.dtype)
+    change, _ = gmres(
+        whole, rest, rtol=0.0, atol=tolerance, restart=_KEPT, maxiter=_RESTARTS
+    )
+    return precondition.matvec(change.astype(rest.dtype)), len(used)
 
 
 class Waves(NamedTuple):

@@ -11,22 +11,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import fixed, one_thread, xp
-from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, steady_scene
-from ..checks import Array, is_traced, nan_unless, require
+from ..checks import Array, is_traced, require
 from ..element.law import surface_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError, warn
 from ..material.relaxation import KelvinChain, to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
 from ..numerics.interpolation import lagrange
-from ..results.curve import Contact
 from ..results.words import covers_in_words, describe
 from ..surface.direction import directions, layer_asymmetry, shared_grid
 from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
 from .layer_line import Slid, Sliding, elastic_curve, slide_on_layer
-from .problem import OnLayer, Steady
+from .problem import OnLayer, Solved, failed, packed, too_deep
 from .softening import LINEAR
 
 AVERAGED = (
@@ -141,16 +139,7 @@ def ball_on_layer(
     )
     thick = sum(cover.thickness for cover in material.covers)
     if control == "depth":
-        if points.traced:
-            raise InputError(
-                "load must be given on a layer under jit, grad and vmap, not depth."
-            )
-        require(
-            "depth",
-            points.value,
-            f"below {float(thick):.4g} m, the thickness of the layer",
-            lambda d: d < thick,
-        )
+        _check_depth(points, thick)
     averaged = chosen.over_directions
     corrected = averaged and chosen.corrected
     label = CORRECTED if corrected else AVERAGED if averaged else BARE
@@ -158,78 +147,72 @@ def ball_on_layer(
     lines = _lines(material, shape, points, control, rtol)
     value = xp.asarray(points.at_reference())
     reduced = xp.asarray(points.reduced).reshape(-1)
-    words = f"{describe(shape)} on {material.name or 'a layer'}"
-    count = _count(reduced, value, averaged, rtol, points.traced)
     plan = LayerPlan(
         quantity,
-        words,
+        f"{describe(shape)} on {material.name or 'a layer'}",
         label,
         control,
         reduced.size,
         float(rtol),
         covers_in_words(material),
-        count,
+        _count(reduced, value, averaged, rtol, points.traced),
     )
     kelvin = points.full(points.kelvin)
     if not solved:
         return OnLayer(None, kelvin, label, plan)
-    force = (
-        value
-        if control == "load"
-        else _load_of_depth(lines, reduced, value, averaged, thick)
-    )
+    force = value
+    if control == "depth":
+        force = _load_of_depth(lines, reduced, value, averaged)
     found = _mean(lines, reduced, force, averaged, points.traced)
     mu, error = found.mu, found.error + lines.misfit * xp.abs(found.mu)
     bound = BARE_LINE * mu
     if averaged:
-        exponent = (
-            found.line.leading
-            * shape._slope(found.line.leading)
-            / shape._profile(found.line.leading)
-        )
-        width = (found.line.leading + found.line.trailing) / thick
-        off = layer_asymmetry(
-            mu, found.line.mu, found.line.leading, found.line.trailing, exponent, width
-        )
-        factor = xp.exp(-off.excess) if corrected else 1.0
-        bound = mu * (off.corrected if corrected else off.bound)
-        mu, error, bound = (
-            mu * factor,
-            error * factor * (1 + off.sensitivity),
-            bound * factor,
-        )
+        mu, error, bound = _asymmetric(found, error, shape, thick, corrected)
     sunk = found.depth >= thick
     good = found.good & ~sunk
-    if not points.traced and np.any(lines.on.chain.compliances):
-        good = good & (mu > _NONE)
     if not points.traced:
-        _say(good, sunk, thick, rtol)
-
-    def shaped(field: Any) -> Any:
-        return nan_unless(good, field).reshape(points.shape)
-
-    contact = Contact(shaped(found.line.leading), shaped(found.line.trailing))
-    size = 0.5 * (contact.leading + contact.trailing)
-    beyond = steady_beyond(material.range, points.full(points.reduced), size, kelvin)
-    inputs = points.inputs(
-        ("shape", describe(shape)), *(("cover", cover) for cover in plan.covers)
+        if np.any(lines.on.chain.compliances):
+            good = good & (mu > _NONE)
+        if not good.all():
+            warn(failed(good, rtol) + too_deep(sunk, thick), ConvergenceWarning)
+    line = found.line
+    solution = Solved(
+        mu, error, bound, force, found.depth, line.leading, line.trailing, good
     )
-    inputs.append(("relative tolerance", f"{rtol:g}"))
-    vertical = xp.asarray(points.vertical).reshape(-1)
-    steady = Steady(
-        velocity=points.full(points.velocity),
-        mu=shaped(mu),
-        error=shaped(error),
-        model_error=shaped(bound),
-        normal_force=shaped(force * vertical),
-        friction_force=shaped(mu * force * vertical),
-        depth=shaped(found.depth),
-        contact=contact,
-        converged=good.reshape(points.shape),
-        extrapolated=beyond.points,
-        inputs=tuple(inputs) + beyond.said,
-    )
+    steady = packed(points, solution, material, describe(shape), plan.covers, rtol)
     return OnLayer(steady, kelvin, label, plan)
+
+
+def _check_depth(points: Scene, thick: Any) -> None:
+    if points.traced:
+        raise InputError(
+            "load must be given on a layer under jit, grad and vmap, not depth."
+        )
+    require(
+        "depth",
+        points.value,
+        f"below {float(thick):.4g} m, the thickness of the layer",
+        lambda d: d < thick,
+    )
+
+
+def _asymmetric(
+    found: _Mean, error: Any, shape: AbstractShape, thick: Any, corrected: bool
+) -> tuple[Any, Any, Any]:
+    """mu of an average over directions, its error and bound, corrected or only bounded
+    for a contact that is longer ahead than behind.
+    """
+    line = found.line
+    exponent = line.leading * shape._slope(line.leading) / shape._profile(line.leading)
+    width = (line.leading + line.trailing) / thick
+    off = layer_asymmetry(
+        found.mu, line.mu, line.leading, line.trailing, exponent, width
+    )
+    if not corrected:
+        return found.mu, error * (1 + off.sensitivity), found.mu * off.bound
+    factor = xp.exp(-off.excess)
+    bound = found.mu * off.corrected * factor
+    return found.mu * factor, error * factor * (1 + off.sensitivity), bound
 
 
 def _check_shape(shape: AbstractShape) -> None:
@@ -244,11 +227,9 @@ def _check_shape(shape: AbstractShape) -> None:
         )
 
 
-def _lines(
-    material: Layer, shape: AbstractShape, points: Scene, control: str, rtol: float
-) -> _Lines:
-    """Compliances of all covers added, and the relaxed layer. Raises `InputError` for
-    liquids and parallel dashpots.
+def _compliances(material: Layer) -> tuple[KelvinChain, float]:
+    """All covers' added, and how far a series is from a table of moduli, relatively.
+    Raises `InputError` for liquids and parallel dashpots.
     """
     chains, misfit = [], 0.0
     for cover in material.covers:
@@ -285,6 +266,33 @@ def _lines(
             times,
             xp.zeros(()),
         )
+    return chain, misfit
+
+
+def _relaxed_curve(on: Sliding, rest: Any, places: Array) -> tuple[Array, Array]:
+    """Load and depth of the relaxed layer at contact radii; beyond what the polynomials
+    resolve, a steep power: a guess only.
+    """
+    loads, depths = fixed(elastic_curve(on, rest, places))
+    rising = xp.concatenate(
+        [xp.ones(1, bool), (xp.diff(loads) > 0) & (xp.diff(depths) > 0)]
+    )
+    resolved = xp.cumprod(rising) > 0
+    top = xp.sum(resolved) - 1
+    beyond = xp.where(resolved, 1.0, (places / places[top]) ** 6)
+    loads, depths = (
+        xp.where(resolved, field, field[top] * beyond) for field in (loads, depths)
+    )
+    return loads, depths
+
+
+def _lines(
+    material: Layer, shape: AbstractShape, points: Scene, control: str, rtol: float
+) -> _Lines:
+    """Compliances of all covers added, and the relaxed layer. Raises `InputError` for
+    liquids and parallel dashpots.
+    """
+    chain, misfit = _compliances(material)
     h = material.covers[0].thickness
 
     def deficit(z: Array, omega: Array) -> Array:
@@ -303,17 +311,7 @@ def _lines(
     top = xp.minimum(xp.asarray(shape.largest_contact) * (1 - 1e-9), _WIDEST * h)
     places = fixed(top * np.geomspace(1e-5, 1.0, 48))
     on = Sliding(shape, chain, deficit, h, 2 * _WIDEST, 40)
-    loads, depths = fixed(elastic_curve(on, rest, places))
-    rising = xp.concatenate(
-        [xp.ones(1, bool), (xp.diff(loads) > 0) & (xp.diff(depths) > 0)]
-    )
-    # beyond, extrapolated by a steep power: a guess only
-    resolved = xp.cumprod(rising) > 0
-    top = xp.sum(resolved) - 1
-    beyond = xp.where(resolved, 1.0, (places / places[top]) ** 6)
-    curve = tuple(
-        xp.where(resolved, field, field[top] * beyond) for field in (loads, depths)
-    )
+    curve = _relaxed_curve(on, rest, places)
     if points.traced:
         reach = _TRACED_REACH
     else:
@@ -436,18 +434,7 @@ def _mean(
     flat = rule.weights / rule.cosines
     flat = flat / flat.sum()
     if traced:
-        count = velocity.shape[0]
-        slowed = (velocity[:, None] * rule.cosines).reshape(-1)
-        found, _ = _solve(lines, slowed, xp.repeat(load, rule.cosines.size))
-        table = Slid(*(field.reshape(count, -1) for field in found))
-        own = Slid(*(field[:, 0] for field in table))
-        return _Mean(
-            table.mu @ rule.weights,
-            table.depth @ flat,
-            own,
-            xp.zeros(count),
-            xp.all(table.converged, axis=1),
-        )
+        return _mean_of_traced(lines, velocity, load, rule, flat)
     velocity, load = np.asarray(velocity), np.asarray(load)
     out = [np.full(velocity.shape, np.nan) for _ in range(3)]
     lines_own = Slid(*(np.full(velocity.shape, np.nan) for _ in Slid._fields))
@@ -456,42 +443,10 @@ def _mean(
         at = np.flatnonzero(load == each)
         grid = shared_grid(velocity[at], lines.rtol)
         if grid.velocity.size < at.size * rule.cosines.size:
-            solved, off = _solve(
-                lines, grid.velocity, np.full(grid.velocity.size, each), grid.weights
-            )
-            mu = grid.weights @ solved.mu
-            gap = (
-                np.abs(grid.half @ solved.mu - mu),
-                np.abs(grid.lower @ solved.mu - mu),
-            )
-            rest = np.minimum(gap[0] ** 2 / np.maximum(mu, 1e-300), gap[0]) + 3 * gap[1]
-            missed = (
-                rest + np.abs(grid.weights) @ (off * np.abs(solved.mu)) + rule.tail * mu
-            )
-            depth = (
-                _between(grid.velocity, solved.depth, velocity[at, None] * rule.cosines)
-                @ flat
-            )
-            fine = (grid.weights != 0) @ ~solved.converged == 0
-            own = [
-                *(_between(grid.velocity, field, velocity[at]) for field in solved[:5]),
-                fine,
-                fine,
-            ]
+            averages = _on_shared_grid(lines, velocity[at], each, grid, rule, flat)
         else:
-            slowed = (velocity[at, None] * rule.cosines).reshape(-1)
-            solved, off = _solve(lines, slowed, np.full(slowed.size, each))
-            table = Slid(*(field.reshape(at.size, -1) for field in solved))
-            mu, depth = table.mu @ rule.weights, table.depth @ flat
-            gap = np.abs(table.mu @ rule.half - mu)
-            rest = np.minimum(gap**2 / np.maximum(mu, 1e-300), gap)
-            missed = (
-                rest
-                + (off.reshape(at.size, -1) * table.mu) @ rule.weights
-                + rule.tail * mu
-            )
-            fine = table.converged.all(axis=1)
-            own = [field[:, 0] for field in table]
+            averages = _one_by_one(lines, velocity[at], each, rule, flat)
+        mu, depth, missed, fine, own = averages
         for field, values in zip(out, (mu, depth, missed), strict=True):
             field[at] = values
         for field, values in zip(lines_own, own, strict=True):
@@ -499,6 +454,58 @@ def _mean(
         good[at] = fine & (missed <= max(lines.rtol, _FLOOR) * np.abs(mu))
     mu, depth, missed = out
     return _Mean(mu, depth, lines_own, missed, good)
+
+
+def _mean_of_traced(
+    lines: _Lines, velocity: Array, load: Array, rule: Any, flat: Array
+) -> _Mean:
+    """Every direction of every point a line of its own."""
+    count = velocity.shape[0]
+    slowed = (velocity[:, None] * rule.cosines).reshape(-1)
+    found, _ = _solve(lines, slowed, xp.repeat(load, rule.cosines.size))
+    table = Slid(*(field.reshape(count, -1) for field in found))
+    return _Mean(
+        table.mu @ rule.weights,
+        table.depth @ flat,
+        Slid(*(field[:, 0] for field in table)),
+        xp.zeros(count),
+        xp.all(table.converged, axis=1),
+    )
+
+
+def _on_shared_grid(
+    lines: _Lines, velocity: Array, load: float, grid: Any, rule: Any, flat: Array
+) -> tuple[Any, ...]:
+    """Averages at one load from one curve over velocity: mu, depth, error, whether all
+    lines were found, and the lines at the velocities themselves.
+    """
+    loads = np.full(grid.velocity.size, load)
+    solved, off = _solve(lines, grid.velocity, loads, grid.weights)
+    mu = grid.weights @ solved.mu
+    gap = np.abs(grid.half @ solved.mu - mu), np.abs(grid.lower @ solved.mu - mu)
+    rest = np.minimum(gap[0] ** 2 / np.maximum(mu, 1e-300), gap[0]) + 3 * gap[1]
+    missed = rest + np.abs(grid.weights) @ (off * np.abs(solved.mu)) + rule.tail * mu
+    slowed = velocity[:, None] * rule.cosines
+    depth = _between(grid.velocity, solved.depth, slowed) @ flat
+    fine = (grid.weights != 0) @ ~solved.converged == 0
+    own = [_between(grid.velocity, field, velocity) for field in solved[:5]]
+    return mu, depth, missed, fine, [*own, fine, fine]
+
+
+def _one_by_one(
+    lines: _Lines, velocity: Array, load: float, rule: Any, flat: Array
+) -> tuple[Any, ...]:
+    """The same, every direction of every velocity a line of its own."""
+    count = velocity.size
+    slowed = (velocity[:, None] * rule.cosines).reshape(-1)
+    solved, off = _solve(lines, slowed, np.full(slowed.size, load))
+    table = Slid(*(field.reshape(count, -1) for field in solved))
+    mu, depth = table.mu @ rule.weights, table.depth @ flat
+    gap = np.abs(table.mu @ rule.half - mu)
+    rest = np.minimum(gap**2 / np.maximum(mu, 1e-300), gap)
+    missed = rest + (off.reshape(count, -1) * table.mu) @ rule.weights + rule.tail * mu
+    fine = table.converged.all(axis=1)
+    return mu, depth, missed, fine, [field[:, 0] for field in table]
 
 
 def _between(nodes: Array, values: Array, velocity: Array) -> Array:
@@ -515,7 +522,7 @@ def _between(nodes: Array, values: Array, velocity: Array) -> Array:
 
 @one_thread()
 def _load_of_depth(
-    lines: _Lines, velocity: Array, depth: Array, averaged: bool, thick: Any
+    lines: _Lines, velocity: Array, depth: Array, averaged: bool
 ) -> Array:
     """Loads at which the depth is that: the secant method on logarithms, all points at
     once.
@@ -566,19 +573,3 @@ def _count(
         velocity.size * each,
         velocity.size + shared_grid(np.asarray(velocity), rtol).velocity.size,
     )
-
-
-def _say(good: Any, sunk: Any, thick: Any, rtol: float) -> None:
-    """Warns of points that failed."""
-    if good.all():
-        return
-    text = (
-        f"{int((~good).sum())} of {good.size} points did not converge to "
-        f"rtol={rtol:g}; they are NaN."
-    )
-    if np.any(sunk):
-        text += (
-            f" {int(np.sum(sunk))} of them would sink deeper than the layer is thick "
-            f"({1e3 * float(thick):.4g} mm)."
-        )
-    warn(text, ConvergenceWarning)

@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import fixed, one_thread, xp
-from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, steady_scene
-from ..checks import is_traced, known, nan_unless, require
+from ..checks import is_traced, known, require
 from ..element.law import TabulatedFoundation, normal_operator, surface_foundation
 from ..element.layer import Layer, layer_kernel
 from ..errors import ConvergenceWarning, InputError, ModelWarning, warn
@@ -24,7 +23,6 @@ from ..material.prony import Prony
 from ..material.relaxation import to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
 from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
-from ..results.curve import Contact
 from ..results.words import covers_in_words, describe, significant
 from ..surface.shapes import Cylinder
 from ..trees import replaced
@@ -41,7 +39,7 @@ from .cylinder_collocation import (
     remembered,
     solve_at,
 )
-from .problem import OnLayer, Steady
+from .problem import OnLayer, Solved, failed, nearly, packed, too_deep
 from .softening import LINEAR
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
@@ -143,20 +141,9 @@ def cylinder_on_layer(
     solved: bool = True,
 ) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
-    if not of_smooth(model, quantity, shape.label).on_line:
-        raise InputError(
-            f"model must be left out under a cylinder in plane strain, got {model!r}."
-        )
+    body = _checked_body(material, shape, model, quantity, depth)
     check_rtol(rtol)
-    body = material if isinstance(material, Layer) else surface_foundation(material)
     layers = isinstance(body, Layer)
-    if depth is not None and not layers:
-        raise InputError(
-            "depth must be left out for a cylinder on a half-space, where it has no "
-            "meaning in plane strain (it grows "
-            "with the logarithm of the distance from which it is counted), got "
-            f"{depth}: give load, or an em.layer."
-        )
     control = "load" if depth is None else "depth"
     given: dict[str, Any] = {control: load if depth is None else depth}
     points = steady_scene(
@@ -185,6 +172,34 @@ def cylinder_on_layer(
     )
     if not solved:
         return OnLayer(None, points.full(points.kelvin), label, plan)
+    found, sunk = _solved(points, body, shape, control, carriers, misfit, rtol)
+    if not points.traced:
+        _say(found, sunk, body, shape, rtol)
+    solution = Solved(
+        found.mu,
+        found.error,
+        found.mu * np.nan,
+        found.load * shape.length,
+        found.depth,
+        found.leading,
+        -found.trailing,
+        found.good,
+    )
+    steady = packed(points, solution, body, name, plan.covers, rtol)
+    return OnLayer(steady, points.full(points.kelvin), label, plan)
+
+
+def _solved(
+    points: Scene,
+    body: Any,
+    shape: Cylinder,
+    control: str,
+    carriers: Any,
+    misfit: float,
+    rtol: float,
+) -> tuple[_Found, Any]:
+    """The contacts, and which would sink into the ground under the layer."""
+    layers, reduced = isinstance(body, Layer), xp.asarray(points.reduced).reshape(-1)
     wanted = xp.asarray(points.at_reference())
     wanted = wanted / shape.length if control == "load" else wanted
     by_depth, radius = control == "depth", xp.asarray(shape.radius)
@@ -201,35 +216,26 @@ def cylinder_on_layer(
         thin = sum(cover.thickness for cover in body.covers)
         sunk = ~(found.depth < thin) & xp.isfinite(found.depth)
         found = found._replace(good=found.good & ~sunk)
-    if not points.traced:
-        _say(points, found, sunk, body, shape, rtol)
+    return found, sunk
 
-    def shaped(field: Any) -> Any:
-        return nan_unless(found.good, field).reshape(points.shape)
 
-    force = found.load * shape.length * xp.asarray(points.vertical).reshape(-1)
-    contact = Contact(shaped(found.leading), shaped(-found.trailing))
-    size = 0.5 * (contact.leading + contact.trailing)
-    kelvin = points.full(points.kelvin)
-    beyond = steady_beyond(body.range, points.full(points.reduced), size, kelvin)
-    inputs = points.inputs(
-        ("shape", name), *(("cover", cover) for cover in plan.covers)
-    )
-    inputs.append(("relative tolerance", f"{rtol:g}"))
-    steady = Steady(
-        velocity=points.full(points.velocity),
-        mu=shaped(found.mu),
-        error=shaped(found.error),
-        model_error=shaped(found.mu * np.nan),
-        normal_force=shaped(force),
-        friction_force=shaped(found.mu * force),
-        depth=shaped(found.depth),
-        contact=contact,
-        converged=found.good.reshape(points.shape),
-        extrapolated=beyond.points,
-        inputs=tuple(inputs) + beyond.said,
-    )
-    return OnLayer(steady, kelvin, label, plan)
+def _checked_body(
+    material: Any, shape: Cylinder, model: Any, quantity: str, depth: Any
+) -> Any:
+    """The layer, or the half-space by its law. Raises `InputError`."""
+    if not of_smooth(model, quantity, shape.label).on_line:
+        raise InputError(
+            f"model must be left out under a cylinder in plane strain, got {model!r}."
+        )
+    body = material if isinstance(material, Layer) else surface_foundation(material)
+    if depth is not None and not isinstance(body, Layer):
+        raise InputError(
+            "depth must be left out for a cylinder on a half-space, where it has no "
+            "meaning in plane strain (it grows "
+            "with the logarithm of the distance from which it is counted), got "
+            f"{depth}: give load, or an em.layer."
+        )
+    return body
 
 
 def _covers(body: Any, reduced: Any) -> tuple[tuple[Cover, ...], float]:
@@ -513,29 +519,12 @@ def _not_too_deep(layer: Layer, control: str, points: Scene) -> None:
         )
 
 
-def _say(
-    points: Scene, found: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float
-) -> None:
+def _say(found: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float) -> None:
     """Warns of points that failed, and of a cylinder that is too short to be plane."""
-    bad = int((~found.good).sum())
-    if bad:
-        text = (
-            f"{bad} of {found.good.size} points did not converge to rtol={rtol:g}; "
-            "they are NaN."
-        )
-        if np.any(sunk):
-            thick = float(sum(cover.thickness for cover in body.covers))
-            text += (
-                f" {int(np.sum(sunk))} of them would sink deeper than the layer is "
-                f"thick ({1e3 * thick:.4g} mm)."
-            )
-        missed = (found.error / found.mu)[~found.good & (found.mu > 0)]
-        if missed.size and missed.max() < 0.1:
-            text += (
-                f" Their estimated errors are up to {missed.max():.1e} of mu, so a "
-                "larger rtol would accept them."
-            )
-        warn(text, ConvergenceWarning)
+    if not found.good.all():
+        thick = sum(cover.thickness for cover in body.covers) if np.any(sunk) else 0.0
+        why = too_deep(sunk, thick) + nearly(found.good, found)
+        warn(failed(found.good, rtol) + why, ConvergenceWarning)
     half = 0.5 * (found.leading - found.trailing)
     if is_traced(shape) or not found.good.any():
         return
@@ -552,24 +541,11 @@ def _say(
         )
 
 
-def cylinder_losses(
-    material: Any,
-    shape: Cylinder,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-) -> tuple[OnLayer, Any, Any]:
-    """The rolling cylinder, the resistance [N/m] of each branch at each point, and the
-    times of the branches [s].
-
-    Raises `InputError` for what `losses` does not separate.
+def _separable(body: Any, given: Any) -> Any:
+    """The law of a body whose branches can be told from each other. Raises
+    `InputError`.
     """
-    body = material if isinstance(material, Layer) else surface_foundation(material)
-    if is_traced(body, shape, velocity, load, depth, temperature):
+    if is_traced(body, given):
         raise InputError(
             "material must not be traced: the losses of a layer by branch are "
             "known for numbers only."
@@ -597,6 +573,27 @@ def cylinder_losses(
         raise InputError(
             "material must have a relaxation time: an elastic one dissipates nothing."
         )
+    return law
+
+
+def cylinder_losses(
+    material: Any,
+    shape: Cylinder,
+    *,
+    velocity: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
+    model: Any,
+    rtol: float,
+) -> tuple[OnLayer, Any, Any]:
+    """The rolling cylinder, the resistance [N/m] of each branch at each point, and the
+    times of the branches [s].
+
+    Raises `InputError` for what `losses` does not separate.
+    """
+    body = material if isinstance(material, Layer) else surface_foundation(material)
+    law = _separable(body, (shape, velocity, load, depth, temperature))
     done, points, solution = cylinder_pressure(
         body,
         shape,

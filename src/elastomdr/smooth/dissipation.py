@@ -19,6 +19,7 @@ from ..surface.shapes import Cylinder
 from .cylinder import cylinder_losses
 from .on_layer import is_on_layer
 from .passage import Losses, solve_losses
+from .plan import Plan
 from .problem import SmoothScene, set_up, solve
 
 if TYPE_CHECKING:
@@ -94,16 +95,26 @@ def dissipation(
         skip=True,
         softens=False,
     )
-    if scene.plan.marched:
+    _check_branches(scene.plan)
+    return _shares(scene)
+
+
+def _check_branches(plan: Plan) -> None:
+    """Raises `InputError` where there are none to be told from each other."""
+    if plan.marched:
         raise InputError(
             "shape must have a convex profile: branches are not separated where "
             "contact may be renewed."
         )
-    if scene.plan.elastic:
+    if plan.elastic:
         raise InputError(
             "material must have a relaxation time or a dashpot: an elastic one "
             "dissipates nothing."
         )
+
+
+def _shares(scene: SmoothScene) -> Dissipation:
+    """The solved scene, its friction shared out among the branches."""
     found = solve(scene)
     traced = is_traced(found.mu, scene.law)
     dashpot, branches, work, good = _forces(

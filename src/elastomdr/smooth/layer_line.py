@@ -104,19 +104,8 @@ def slide_on_layer(
     )
     start = fixed(xp.log(xp.stack(list(guess))))
 
-    def slopes(logs: Array, here: Array | None = None) -> Array:
-        """(equation, edge, point); to one side of values that are known, for a
-        search.
-        """
-        columns = []
-        for i in range(2):
-            move = _SLOPES * np.eye(2)[i][:, None]
-            up = residual(frozen, logs + move)[0]
-            if here is None:
-                columns.append((up - residual(frozen, logs - move)[0]) / (2 * _SLOPES))
-            else:
-                columns.append((up - here) / _SLOPES)
-        return xp.stack(columns, axis=1)
+    def equation(logs: Array) -> Array:
+        return residual(frozen, logs)[0]
 
     def advance(state: tuple) -> tuple:
         logs, jacobian, miss, count = state
@@ -124,26 +113,20 @@ def slide_on_layer(
         step = xp.where(xp.isfinite(step), step, 0.1)
         new = xp.clip(logs - step, start - _FURTHEST, start + _FURTHEST / 2)
         step = logs - new
-        found = residual(frozen, new)[0]
-        change, size = found - miss, xp.sum(step**2, axis=0)
-        # Broyden's update
-        more = change + xp.sum(jacobian * step[None], axis=1)
-        jacobian = jacobian - more[:, None] * step[None] / xp.where(
-            size > 1e-30, size, xp.inf
-        )
-        return new, jacobian, found, count + 1
+        there = equation(new)
+        return new, _broyden(jacobian, there - miss, step), there, count + 1
 
     def going(state: tuple) -> Any:
         return (
             xp.max(xp.abs(xp.where(xp.isfinite(state[2]), state[2], 1.0))) > close
         ) & (state[3] < _MOST)
 
-    begin = residual(frozen, start)[0]
-    state = (start, slopes(start, begin), begin, 0)
+    begin = equation(start)
+    state = (start, _slopes(equation, start, begin), begin, 0)
     logs, jacobian, miss, _ = while_loop(going, advance, state)
     good = xp.max(xp.abs(miss), axis=0) < 1e-6
     if not on_numpy():  # derivatives take exact slopes
-        jacobian = slopes(logs)
+        jacobian = _slopes(equation, logs)
     logs = fixed(logs)
     logs = logs - _solve2(fixed(jacobian), residual(parts, logs)[0])
     _, line = residual(parts, logs)
@@ -156,6 +139,28 @@ def slide_on_layer(
         good & xp.isfinite(line.load),
         line.lowest,
     )
+
+
+def _slopes(
+    equation: Callable[[Array], Array], logs: Array, here: Array | None = None
+) -> Array:
+    """(equation, edge, point); to one side of values that are known, for a search."""
+    columns = []
+    for i in range(2):
+        move = _SLOPES * np.eye(2)[i][:, None]
+        up = equation(logs + move)
+        if here is None:
+            columns.append((up - equation(logs - move)) / (2 * _SLOPES))
+        else:
+            columns.append((up - here) / _SLOPES)
+    return xp.stack(columns, axis=1)
+
+
+def _broyden(jacobian: Array, change: Array, step: Array) -> Array:
+    """Broyden's update of the slopes, after a step back by `step`."""
+    size = xp.sum(step**2, axis=0)
+    more = change + xp.sum(jacobian * step[None], axis=1)
+    return jacobian - more[:, None] * step[None] / xp.where(size > 1e-30, size, xp.inf)
 
 
 class _Line(NamedTuple):
@@ -175,38 +180,7 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     ahead, behind = 0.5 * a[:, None] * (1 + node), 0.5 * b[:, None] * (node - 1)
     count = a.shape[0]
     chain, h = on.chain, on.thickness
-    length = velocity[:, None] * chain.times
-    # What branches remember, on both panels and across the apex.
-    eye = np.eye(n + 1)
-    rows = []
-    table = xp.asarray(rule.table)
-    for half in (0.5 * a, 0.5 * b):
-        weight, plain = _weights(
-            length / half[:, None], chain.compliances, table.shape[0]
-        )
-        own = (xp.sum(weight, axis=1) @ table.reshape(table.shape[0], -1)).reshape(
-            count, n + 1, n + 1
-        )
-        rows.append(
-            (
-                own
-                + (chain.instantaneous + xp.sum(plain, axis=1))[:, None, None] * eye,
-                weight,
-                plain,
-            )
-        )
-    (first, weight, plain), (second, _, _) = rows
-    # J_k times what branch k brings to the apex
-    leaving = weight @ table[:, 0, :] + plain[..., None] * eye[0]
-    fading = xp.exp(behind[:, :, None] / length[:, None, :])
-    nothing = xp.zeros((count, n + 1, n + 1))
-    local = xp.concatenate(
-        [
-            xp.concatenate([second, fading @ leaving], axis=2),
-            xp.concatenate([nothing, first], axis=2),
-        ],
-        axis=1,
-    )
+    local = _memories(chain, velocity, a, b, behind, rule)
     x = xp.concatenate([behind, ahead], axis=1)
     share = xp.concatenate(
         [0.5 * b[:, None] * rule.weight, 0.5 * a[:, None] * rule.weight], axis=1
@@ -239,11 +213,57 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     found = xp.linalg.solve(matrix, -(g / size)[..., None])[..., 0]
     q = xp.concatenate([found[:, :-1], xp.zeros((count, 1))], axis=1) * size / scale
     depth = found[:, -1] * size[:, 0]
+    return _forces(on.shape, rule, a, b, q, depth)
+
+
+def _memories(
+    chain: Any, velocity: Array, a: Array, b: Array, behind: Array, rule: Any
+) -> Array:
+    """What branches remember of the pressure, on both panels and across the apex:
+    matrices on its values at the nodes, trailing panel first.
+    """
+    n, count = rule.node.size - 1, a.shape[0]
+    length = velocity[:, None] * chain.times
+    eye = np.eye(n + 1)
+    rows = []
+    table = xp.asarray(rule.table)
+    for half in (0.5 * a, 0.5 * b):
+        weight, plain = _weights(
+            length / half[:, None], chain.compliances, table.shape[0]
+        )
+        own = (xp.sum(weight, axis=1) @ table.reshape(table.shape[0], -1)).reshape(
+            count, n + 1, n + 1
+        )
+        rows.append(
+            (
+                own
+                + (chain.instantaneous + xp.sum(plain, axis=1))[:, None, None] * eye,
+                weight,
+                plain,
+            )
+        )
+    (first, weight, plain), (second, _, _) = rows
+    # J_k times what branch k brings to the apex
+    leaving = weight @ table[:, 0, :] + plain[..., None] * eye[0]
+    fading = xp.exp(behind[:, :, None] / length[:, None, :])
+    nothing = xp.zeros((count, n + 1, n + 1))
+    return xp.concatenate(
+        [
+            xp.concatenate([second, fading @ leaving], axis=2),
+            xp.concatenate([nothing, first], axis=2),
+        ],
+        axis=1,
+    )
+
+
+def _forces(shape: Any, rule: Any, a: Array, b: Array, q: Array, depth: Array) -> _Line:
+    """Load and drag of the pressures q at the nodes of both panels."""
+    n = rule.node.size - 1
     q_behind, q_ahead = q[:, : n + 1], q[:, n:]
     # on (0, 1) from the apex outwards
     tau, weight_tau, to_tau = rule.place, rule.share, rule.to_place
-    slope_ahead = on.shape._slope(a[:, None] * tau)
-    slope_behind = on.shape._slope(b[:, None] * tau)
+    slope_ahead = shape._slope(a[:, None] * tau)
+    slope_behind = shape._slope(b[:, None] * tau)
     drag = a * xp.sum(weight_tau * slope_ahead * (q_ahead @ to_tau.T), axis=1)
     drag = drag - b * xp.sum(
         weight_tau * slope_behind * (q_behind @ to_tau[:, ::-1].T), axis=1

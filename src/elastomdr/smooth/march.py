@@ -92,18 +92,11 @@ def march_passages(
     )
     frozen = jax.lax.stop_gradient((law, lines, value, velocity))
     blind = is_traced(frozen)
-    samples = (
-        min(max(_power_of_two(8 / math.sqrt(rtol)), 4 * _FEWEST), _MOST) // 4
-        if blind
-        else _FEWEST
-    )
-    size = estimate_sizes(
-        law=frozen[0],
-        lines=frozen[1],
-        control=control,
-        value=frozen[2],
-        velocity=frozen[3],
-    )
+    samples = _FEWEST
+    if blind:
+        enough = max(_power_of_two(8 / math.sqrt(rtol)), 4 * _FEWEST)
+        samples = min(enough, _MOST) // 4
+    size = estimate_sizes(frozen[0], frozen[1], control, frozen[2], frozen[3])
     marches: list[_March] = []
     while True:
         marches.append(_solve(*frozen, size, samples, 1e-3 * rtol, control=control))
@@ -113,19 +106,13 @@ def march_passages(
                 marches[-3:], samples, frozen[2] if control == "load" else None
             )
             met = error <= rtol * jnp.abs(marches[-1].drag / marches[-1].normal)
-            if (
-                samples >= _MOST
-                or blind
-                or not np.any(marches[-1].good & ~(good & met))
-            ):
+            last = samples >= _MOST or blind
+            if last or not np.any(marches[-1].good & ~(good & met)):
                 break
         samples *= 2
 
     coarse, fine = marches[-2:]
-    limit = _March(
-        *map(halving_limit, coarse[:-1], fine[:-1]),
-        good=good,
-    )
+    limit = _March(*map(halving_limit, coarse[:-1], fine[:-1]), good=good)
     limit = limit._replace(trailing=fine.trailing)
     if is_traced(law, lines, value, velocity):
         moved = _differentiable(
@@ -193,10 +180,8 @@ def _solve(
         moved = log_size - log_before
         secant = (excess - excess_before) / jnp.where(moved == 0, 1.0, moved)
         slope = jnp.where((moved != 0) & (secant > 0.3) & (secant < 30), secant, slope)
-        low, high = (
-            jnp.where(excess < 0, log_size, low),
-            jnp.where(excess < 0, high, log_size),
-        )
+        low = jnp.where(excess < 0, log_size, low)
+        high = jnp.where(excess < 0, high, log_size)
         following = log_size - jnp.clip(excess / slope, -3.0, 3.0)
         middle = 0.5 * (
             jnp.maximum(low, log_size - 3) + jnp.minimum(high, log_size + 3)
@@ -224,21 +209,9 @@ def _solve(
         jnp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape
     )
     top = jnp.log(jnp.minimum(largest * (1 - 1e-13), 1e60))
-    log_size, nan, no = (
-        jnp.log(size),
-        jnp.full_like(value, jnp.nan),
-        jnp.zeros(value.shape, bool),
-    )
-    start = (
-        log_size,
-        log_size,
-        nan,
-        jnp.full_like(value, 2.5),
-        jnp.full_like(value, -140.0),
-        top,
-        no,
-        0,
-    )
+    log_size, no = jnp.log(size), jnp.zeros(value.shape, bool)
+    nan, slope, low = (jnp.full_like(value, x) for x in (jnp.nan, 2.5, -140.0))
+    start = (log_size, log_size, nan, slope, low, top, no, 0)
     state = (*start, _March(nan, nan, nan, nan, no))
     return jax.lax.while_loop(
         lambda s: ~jnp.all(s[6]) & (s[7] < _ITERATIONS), advance, state

@@ -93,32 +93,21 @@ def make_plan(
     averaged = averaged and not elastic
     inner = TRACED * rtol if value is None else rtol
     bends = averaged and _bends(lines.shape)
-    count = (
-        directions(
-            inner, traced_level(rtol, bends) if value is None else 0
-        ).cosines.size
-        if averaged
-        else 1
-    )
+    count = 1
+    if averaged:
+        level = traced_level(rtol, bends) if value is None else 0
+        count = directions(inner, level).cosines.size
     # Under a depth each point has its own load, which is found first.
     solutions = points * count + (points if averaged and control == "depth" else 0)
-    traced, shared, times, passing = (
-        value is None or velocity is None,
-        False,
-        None,
-        None,
-    )
-    how, rules = (
-        Condensation(law.moduli.shape[0]),
-        ladder(lines.shape, inner, strips=lines.count > 1),
-    )
+    traced = value is None or velocity is None
+    shared, times, passing = False, None, None
+    how = Condensation(law.moduli.shape[0])
+    rules = ladder(lines.shape, inner, strips=lines.count > 1)
     if value is not None and velocity is not None:
         slow, fast = float(velocity.min()), float(velocity.max())
         # Contacts are the larger, the slower the motion and the higher the load.
         ends = np.array([value.max(), value.min()]), np.array([slow, fast])
-        widest, narrowest = (
-            float(x) for x in estimate_sizes(law, lines, control, *ends)
-        )
+        widest, narrowest = map(float, estimate_sizes(law, lines, control, *ends))
         slowest = slow * (float(directions(rtol).cosines[-1]) if averaged else 1.0)
         if skip and not marched:
             how = choose(
@@ -131,19 +120,11 @@ def make_plan(
             lines.count > 1,
         )
         if averaged and (control == "load" or bends):
-            curves = [velocity] if points == 1 else velocity[:, None]
-            if control == "load" and points > 1:
-                curves = [velocity[value == x] for x in np.unique(value)]
-            nodes = [shared_curve_size(v, rtol) for v in curves]
-            with_grid = sum(
-                n + v.size * (v.size <= n) for n, v in zip(nodes, curves, strict=True)
-            )
+            with_grid = _on_shared_curves(control, value, velocity, points, rtol)
             if bends or (skip and with_grid < solutions):
                 shared, solutions = True, with_grid
-        times, passing = (
-            tuple(np.asarray(law.times).tolist()),
-            (2 * slow / widest, 2 * fast / narrowest),
-        )
+        times = tuple(np.asarray(law.times).tolist())
+        passing = 2 * slow / widest, 2 * fast / narrowest
     return Plan(
         quantity=quantity,
         scene=scene,
@@ -168,6 +149,17 @@ def make_plan(
         elastic=elastic,
         bends=bends,
     )
+
+
+def _on_shared_curves(
+    control: Control, value: np.ndarray, velocity: np.ndarray, points: int, rtol: float
+) -> int:
+    """How many lines are solved where the velocities of one load share a curve."""
+    curves = [velocity] if points == 1 else velocity[:, None]
+    if control == "load" and points > 1:
+        curves = [velocity[value == x] for x in np.unique(value)]
+    nodes = [shared_curve_size(v, rtol) for v in curves]
+    return sum(n + v.size * (v.size <= n) for n, v in zip(nodes, curves, strict=True))
 
 
 def _bends(shape: AbstractShape) -> bool:

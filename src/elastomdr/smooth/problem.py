@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled
+from ..arrays import compiled, xp
 from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
-from ..call.problem import check_rtol, hint_at_metres, steady_scene
+from ..call.problem import Scene, check_rtol, hint_at_metres, steady_scene
 from ..checks import Array, is_traced, nan_unless, require
 from ..element.law import Foundation, as_foundation
 from ..errors import ConvergenceWarning, InputError, warn
@@ -91,6 +91,49 @@ class OnLayer(NamedTuple):
     plan: Any
 
 
+class Solved(NamedTuple):
+    """What is found on a layer, flat, at the reference temperature."""
+
+    mu: Any
+    error: Any
+    model_error: Any
+    force: Any  # over b_T [N]
+    depth: Any  # [m]
+    leading: Any  # [m]
+    trailing: Any  # [m]
+    good: Any
+
+
+def packed(
+    points: Scene, found: Solved, body: Any, name: str, covers: Any, rtol: float
+) -> Steady:
+    """Fields in the shape of the points, NaN where one failed; forces times b_T."""
+
+    def shaped(field: Any) -> Any:
+        return nan_unless(found.good, field).reshape(points.shape)
+
+    force = found.force * xp.asarray(points.vertical).reshape(-1)
+    contact = Contact(shaped(found.leading), shaped(found.trailing))
+    size = 0.5 * (contact.leading + contact.trailing)
+    kelvin = points.full(points.kelvin)
+    beyond = steady_beyond(body.range, points.full(points.reduced), size, kelvin)
+    inputs = points.inputs(("shape", name), *(("cover", cover) for cover in covers))
+    inputs.append(("relative tolerance", f"{rtol:g}"))
+    return Steady(
+        velocity=points.full(points.velocity),
+        mu=shaped(found.mu),
+        error=shaped(found.error),
+        model_error=shaped(found.model_error),
+        normal_force=shaped(force),
+        friction_force=shaped(found.mu * force),
+        depth=shaped(found.depth),
+        contact=contact,
+        converged=found.good.reshape(points.shape),
+        extrapolated=beyond.points,
+        inputs=tuple(inputs) + beyond.said,
+    )
+
+
 def set_up(
     quantity: str,
     material: Any,
@@ -115,12 +158,7 @@ def set_up(
     small = not softens and foundation.softening is not None
     foundation = replaced(foundation, softening=None) if small else foundation
     no_pressure(shape, pressure)
-    chosen = of_smooth(model, quantity, shape.label)
-    if not chosen.on_line:
-        raise InputError(
-            "model must be em.Averaged() or em.Line() on the line of a "
-            f"{shape.label}, got {chosen!r}."
-        )
+    chosen = _of_line(model, quantity, shape)
     check_rtol(rtol)
     points = steady_scene(
         foundation,
@@ -138,9 +176,8 @@ def set_up(
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
     averaged = chosen.over_directions and not layer
     corrected = averaged and chosen.corrected
-    words = (
-        LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
-    )
+    words = CORRECTED if corrected else AVERAGED if averaged else BARE
+    words = LAYER if layer else words
     body = describe(shape)
     name = f"{body} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     check_softening(foundation, lines)
@@ -181,6 +218,17 @@ def set_up(
     )
 
 
+def _of_line(model: Any, quantity: str, shape: Any) -> Any:
+    """The model, which must be one of lines. Raises `InputError`."""
+    chosen = of_smooth(model, quantity, shape.label)
+    if not chosen.on_line:
+        raise InputError(
+            "model must be em.Averaged() or em.Line() on the line of a "
+            f"{shape.label}, got {chosen!r}."
+        )
+    return chosen
+
+
 def _softened_too(
     foundation: Foundation, control: Control, value: np.ndarray
 ) -> np.ndarray:
@@ -219,20 +267,8 @@ def solve(scene: SmoothScene) -> Steady:
     traced = is_traced(result.mu)
     good = result.line.converged
     if not traced and not good.all():
-        text = (
-            f"{int((~good).sum())} of {good.size} points did not converge to "
-            f"rtol={scene.plan.rtol:g}; they are NaN."
-        )
-        if result.sunk:
-            text += f" {_sunk(scene)}"
-        else:
-            missed = (result.error / result.mu)[~good & (result.mu > 0)]
-            if missed.size and missed.max() < 0.1:
-                text += (
-                    f" Their estimated errors are up to {missed.max():.1e} of mu, "
-                    "so a larger rtol would accept them."
-                )
-        warn(text, ConvergenceWarning)
+        why = f" {_sunk(scene)}" if result.sunk else nearly(good, result)
+        warn(failed(good, scene.plan.rtol) + why, ConvergenceWarning)
     # A Foundation given directly is a line by definition; a half-space under the bare
     # line is not.
     bare = (
@@ -267,6 +303,35 @@ def solve(scene: SmoothScene) -> Steady:
         inputs=inputs + beyond.said,
         strain=strain,
         linear=linear,
+    )
+
+
+def failed(good: Any, rtol: float) -> str:
+    """How many points failed."""
+    return (
+        f"{int((~good).sum())} of {good.size} points did not converge to "
+        f"rtol={rtol:g}; they are NaN."
+    )
+
+
+def nearly(good: Any, found: Any) -> str:
+    """What a larger rtol would help, if the points that failed have small errors."""
+    missed = (found.error / found.mu)[~good & (found.mu > 0)]
+    if not missed.size or not missed.max() < 0.1:
+        return ""
+    return (
+        f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol "
+        "would accept them."
+    )
+
+
+def too_deep(sunk: Any, thick: Any) -> str:
+    """How many points would sink into the ground under a layer."""
+    if not np.any(sunk):
+        return ""
+    return (
+        f" {int(np.sum(sunk))} of them would sink deeper than the layer is thick "
+        f"({1e3 * float(thick):.4g} mm)."
     )
 
 

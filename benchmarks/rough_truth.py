@@ -1,0 +1,305 @@
+"""Rough friction and real contact in three dimensions: the truth that `rough_fit.py` fits
+to and judges by.
+
+    python benchmarks/rough_truth.py --seed 1 --minutes 60
+
+Scene number i of a seed (with its --largest) is always the same scene, so a run that
+was broken off goes on where it stopped, and two seeds may run side by side into two
+files. A scene is a
+surface (self-affine, roll-off, two slopes, hump; cutoff ratios 8 to 1024), a rubber
+(one branch to thirteen decades, contrasts 1.3 to 1000), a speed within its losses, and
+a pressure for a real contact of 0.3 to 99 % by Persson's theory, half of them below
+5 %. Each is solved by `elastomdr.rough.half_space` on two maps or more, wide enough for
+eight summits (four where more than 30 % touches), on two grids, of which the finer
+gives the shortest wave eight cells, or four where eight would be too many. Friction
+is divided by that of full contact on the same map, which takes off most of what the
+waves of one map miss, and extrapolated in the size of the cells.
+
+Units: E*(0) = 1, q_low or the wave number of the roll-off = 1, rms slope = 1: friction
+goes with the rms slope and depends on p/(E* rms slope).
+"""
+
+import argparse
+import json
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from common import RESULTS
+
+import elastomdr as em
+from elastomdr.rough import half_space, multiscale
+from elastomdr.rough import random_maps as maps
+from elastomdr.surface.spectrum import rough_map
+
+FILE = RESULTS / "rough_truth.json"
+RATIOS = (8, 16, 32, 64, 128, 256, 512, 1024)
+# kind, its numbers, weight in the draw
+SURFACES: list[tuple[str, tuple[float, ...], float]] = [
+    ("self-affine", (0.3,), 1),
+    ("self-affine", (0.5,), 1.5),
+    ("self-affine", (0.65,), 1),
+    ("self-affine", (0.8,), 3),
+    ("self-affine", (0.95,), 1),
+    ("roll-off", (0.8, 4.0), 1.5),  # Hurst exponent, q_rolloff/q_low
+    ("roll-off", (0.6, 8.0), 1),
+    ("roll-off", (0.9, 16.0), 1),
+    ("two slopes", (0.9, 0.4), 1.5),  # Hurst exponents below and above the middle
+    ("two slopes", (0.4, 0.9), 1),
+    ("hump", (0.8, 6.0, 0.3), 1.5),  # Hurst, factor of C at its top, place in log q
+    ("hump", (0.6, 10.0, 0.6), 1.5),
+]
+# Real contact: lowest, highest, weight in the draw
+CONTACT = ((0.003, 0.01, 0.24), (0.01, 0.05, 0.28), (0.05, 0.3, 0.28), (0.3, 0.99, 0.2))
+PATIENCE = 90  # seconds of the processor for one contact
+# Of the change of mu from a grid half as fine, the part that is left: of first order in
+# the cells 1, of second 1/3. Seven scenes from 2 to 16 cells per wave lie between.
+LEFT = 0.5
+
+
+def materials() -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+    """Moduli beside an equilibrium modulus of 1, relaxation times, decades of the
+    times.
+    """
+    rubbers: dict[str, tuple[np.ndarray, np.ndarray, float]] = {}
+    for contrast in (1.3, 3, 11, 100, 1000):
+        rubbers[f"one{contrast}"] = np.array([contrast - 1.0]), np.ones(1), 0
+    flat = ((3, 11), (3, 100), (6, 30), (6, 300), (10, 1.3), (10, 2))
+    power = ((4, 30), (5, 100), (6, 1000), (8, 300), (9, 1000), (13, 1000))
+    for slope, cases in (("flat", flat), ("pow", power)):
+        for decades, contrast in cases:
+            times = np.geomspace(
+                10 ** (-decades / 2), 10 ** (decades / 2), 2 * decades + 1
+            )
+            steep = np.log10(contrast) / decades if slope == "pow" else 0.0
+            weight = times**-steep
+            moduli = (contrast - 1) * weight / weight.sum()
+            rubbers[f"{slope}{decades}_{contrast}"] = moduli, times, decades
+    for contrast in (30, 300):
+        root = contrast**0.5
+        moduli = np.array([contrast - root, root - 1])
+        rubbers[f"two_{contrast}"] = moduli, np.array([1e-2, 1e2]), 4
+    return rubbers
+
+
+MATERIALS = materials()
+
+
+def rubber(name: str) -> em.Foundation:
+    moduli, times, _ = MATERIALS[name]
+    return em.Foundation(1.0, moduli, times)
+
+
+def surface_of(kind: str, numbers: tuple[float, ...], ratio: float) -> Any:
+    """A spectrum of rms slope 1, its lowest wave number (or its roll-off's) 1."""
+    if kind == "self-affine":
+        return em.SelfAffine(numbers[0], rms_slope=1.0, q_low=1.0, q_high=ratio)
+    if kind == "roll-off":
+        hurst, factor = numbers
+        return em.SelfAffine(
+            hurst,
+            rms_slope=1.0,
+            q_low=1 / factor,
+            q_high=ratio / factor,
+            q_rolloff=1.0,
+        )
+    q = np.geomspace(1.0, ratio, 20 * int(np.ceil(np.log10(ratio))) + 1)
+    if kind == "two slopes":
+        below, above = numbers
+        middle = np.sqrt(ratio)
+        exponent = np.where(q < middle, below, above)
+        c = (q / middle) ** (-2 * (1 + exponent))
+    else:
+        hurst, factor, place = numbers
+        width = 0.12 * np.log(ratio)
+        bump = np.exp(-0.5 * ((np.log(q) - place * np.log(ratio)) / width) ** 2)
+        c = q ** (-2 * (1 + hurst)) * factor**bump
+    spectrum = em.Spectrum(q, c, convention="2d")
+    return spectrum.raised(1 / float(spectrum.rms_slope))
+
+
+class Taken(Exception):
+    """The time of a contact is over."""
+
+
+def draw(rng: np.random.Generator, largest: int) -> dict[str, Any] | None:
+    """A scene and its grid; None where that would be too large."""
+    weights = np.array([weight for *_, weight in SURFACES])
+    kind, numbers, _ = SURFACES[
+        int(rng.choice(len(SURFACES), p=weights / weights.sum()))
+    ]
+    ratio = int(rng.choice(RATIOS))
+    name = str(rng.choice(list(MATERIALS)))
+    low, high, _ = CONTACT[int(rng.choice(4, p=[c[2] for c in CONTACT]))]
+    area = float(np.exp(rng.uniform(np.log(low), np.log(high))))
+    half = MATERIALS[name][2] / 2 + 1.2
+    place = rng.uniform(-half, half)
+    if kind == "roll-off" and ratio < 4 * numbers[1]:
+        return None
+    surface, material = surface_of(kind, numbers, ratio), rubber(name)
+    velocity = 10**place / np.sqrt(float(surface.q_low) * float(surface.q_high))
+    pressure = pressure_for(area, material, surface, velocity)
+    one = maps.Grid(4 * ratio, 1, 2 * np.pi / float(surface.q_low))
+    at = np.array([velocity]), np.array([pressure])
+    carried = maps.summits(material.complex_modulus, surface, *at, one)[0]
+    periods = int(np.ceil(np.sqrt((4 if area > 0.3 else 8) / carried)))
+    fits = [n for n in (8, 4) if n * periods * ratio <= largest]
+    if not fits:
+        return None
+    return {
+        "surface": [kind, *numbers],
+        "ratio": ratio,
+        "material": name,
+        "velocity": float(velocity),
+        "pressure": pressure,
+        "periods": periods,
+        "per_wave": fits[0],
+        "summits": float(carried * periods**2),
+    }
+
+
+def pressure_for(
+    area: float, material: em.Foundation, surface: Any, velocity: float
+) -> float:
+    """Pressure at which Persson's theory has a real contact of `area`."""
+    low, high = np.log(1e-6), np.log(3e3)
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        at = np.array([velocity]), np.exp([middle])
+        persson = multiscale.solve(
+            material.complex_modulus, surface, *at, em.Persson(), 1e-2
+        )
+        low, high = (middle, high) if persson.area[0] < area else (low, middle)
+    return float(np.exp(middle))
+
+
+def solve(scene: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    """The scene with friction over that in full contact, and real contact, of each map
+    on both grids; None where a contact did not settle.
+    """
+    kind, *numbers = scene["surface"]
+    surface = surface_of(kind, tuple(numbers), scene["ratio"])
+    modulus = rubber(scene["material"]).complex_modulus
+    periods, fine = scene["periods"], scene["per_wave"]
+    points = 4 * -(-fine * periods * scene["ratio"] // 4)
+    seeds = 2 if points > 1024 else 3
+    mu, area, bands = [], [], []
+    signal.signal(signal.SIGPROF, _over)
+    for _ in range(seeds):
+        seed = int(rng.integers(2**26))
+        heights, side = rough_map(surface, seed, periods=periods, points=points)
+        at = {"velocity": scene["velocity"], "pressure": scene["pressure"]}
+        own = maps.full_contact_of_map(modulus, heights, (side, side), **at)
+        try:
+            pair, start = [], None
+            for grid in (heights[::2, ::2], heights):
+                signal.setitimer(signal.ITIMER_PROF, PATIENCE)
+                contact = half_space.solve(
+                    modulus, grid, (side, side), **at, start=start, double=False
+                )
+                signal.setitimer(signal.ITIMER_PROF, 0)
+                start = np.repeat(np.repeat(contact.pressure, 2, 0), 2, 1)
+                if not contact.settled:
+                    raise Taken
+                pair.append((contact.stress / scene["pressure"] / own, contact.area))
+        except Taken:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            return {**scene, "mu": None, "area": None, "bands": None}
+        mu.append([pair[0][0], pair[1][0]])
+        area.append([pair[0][1], pair[1][1]])
+        on = half_space.waves(modulus, scene["velocity"], heights.shape, (side, side))
+        bands.append(_by_octave(on, contact.pressure, heights, side, surface))
+    return {
+        **scene,
+        "mu": _short(mu),
+        "area": _short(area),
+        "bands": _short(np.mean(bands, axis=0).T.tolist()),
+    }
+
+
+def _by_octave(
+    on: half_space.Waves, pressure: Any, heights: Any, side: float, surface: Any
+) -> np.ndarray:
+    """Loss of the waves in contact and in full contact, and their |p|^2, each by
+    half-octaves of q from q_high down, and beyond it (second half): rows of four.
+    """
+    cells = heights.shape[0]
+    along = np.fft.fftfreq(cells, 1 / cells)
+    q = 2 * np.pi / side * np.hypot(along[:, None], along[None, : cells // 2 + 1])
+    below = int(np.ceil(2 * np.log2(float(surface.q_high / surface.q_low)) - 1e-9))
+    number = np.floor(2 * np.log2(np.maximum(q, 1e-9) / float(surface.q_high)) + 1e-9)
+    number = np.clip(number, -below - 1, 4).astype(int) + below + 1
+    of = np.abs(np.fft.rfft2(pressure)) ** 2
+    full = np.abs(np.fft.rfft2(heights) * on.inverse) ** 2
+    twice = np.where(along[None, : cells // 2 + 1] == 0, 1.0, 2.0)
+    rows = [
+        np.bincount(number.ravel(), (w * np.ones_like(q)).ravel(), below + 6)
+        for w in (on.loss * of, on.loss * full, twice * of, twice * full)
+    ]
+    rows = np.array(rows)[:, 1:]
+    rows[:2] /= rows[1].sum()
+    rows[2:] /= rows[3].sum()
+    return rows
+
+
+def _over(*_: Any) -> None:
+    raise Taken
+
+
+def _short(rows: list[list[float]]) -> list[list[float]]:
+    return [[float(f"{value:.5g}") for value in row] for row in rows]
+
+
+def truth(values: list[list[float]]) -> tuple[float, float]:
+    """Mean over the maps for ever finer cells, and its relative standard uncertainty:
+    from the scatter of maps, and half of what extrapolation adds.
+    """
+    coarse, fine = np.array(values).T
+    last = fine + LEFT * (fine - coarse)
+    mean = float(last.mean())
+    scatter = float(last.std(ddof=1) / np.sqrt(last.size))
+    moved = abs(float((last - fine).mean()))
+    # the scatter of two or three maps is itself uncertain
+    return mean, float(np.hypot(max(scatter, 0.004 * mean), 0.5 * moved)) / mean
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
+    options.add_argument("--seed", type=int, required=True)
+    options.add_argument("--minutes", type=float, default=60.0)
+    options.add_argument(
+        "--largest", type=int, default=1024, help="cells to a side of the largest grid"
+    )
+    options.add_argument("--file", type=Path, default=FILE)
+    asked = options.parse_args()
+    points = json.loads(asked.file.read_text()) if asked.file.exists() else []
+    done = {tuple(point["number"]) for point in points}
+    end, i = time.monotonic() + 60 * asked.minutes, -1
+    while time.monotonic() < end:
+        i += 1
+        if (asked.seed, i) in done:
+            continue
+        rng = np.random.default_rng([asked.seed, i])
+        scene = draw(rng, asked.largest)
+        if scene is None:
+            continue
+        start = time.process_time()
+        point = {"number": [asked.seed, i], **solve(scene, rng)}
+        points.append(point)
+        rows = ",\n".join(json.dumps(p) for p in points)
+        asked.file.write_text(f"[\n{rows}\n]\n")
+        said = "did not settle"
+        if point["mu"]:
+            said = f"mu/full {truth(point['mu'])}, area {truth(point['area'])}"
+        print(
+            f"{i}: {scene['surface']} {scene['ratio']} {scene['material']} "
+            f"{scene['periods']}x{scene['per_wave']}: {said}, "
+            f"{time.process_time() - start:.0f} s",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
