@@ -302,7 +302,7 @@ def o_ring(
         "pressure": load / width,
         "error": 0.0,
         "model_error": off,
-        **_with_fluid(solid, load / width, given, further),
+        **_with_fluid(young / plane, load / width, given, further),
         "converged": True,
     }
     return ORing(
@@ -377,12 +377,15 @@ def _checked_groove(
 
 
 def _with_fluid(
-    material: Prony, pressure: Any, given: dict[str, Any], further: dict[str, Any]
+    young_over_plane: Any, pressure: Any, given: dict[str, Any], further: dict[str, Any]
 ) -> dict[str, Any]:
-    """Sealing pressure and fill of the groove, where they are asked for."""
+    """Sealing pressure and fill of the groove, where they are asked for; E/E* = 1 -
+    nu^2.
+    """
     fields = {}
     if (fluid := further.get("fluid_pressure")) is not None:
-        passed_on = material.poisson / (1 - material.poisson)
+        poisson = xp.sqrt(1 - young_over_plane)
+        passed_on = poisson / (1 - poisson)
         fields["fluid_pressure"] = fluid
         fields["sealing_pressure"] = pressure + passed_on * fluid
     if (width := further.get("groove_width")) is not None:
