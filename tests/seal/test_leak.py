@@ -64,6 +64,15 @@ def test_maps_that_equal_their_own_negative():
     np.testing.assert_allclose(across, 2.0, rtol=0.01)
 
 
+def test_another_solver():
+    """reynoldsflow 0.1.3 (V. A. Yastrebov, BSD-3), periodic, on the same map."""
+    x, y = axes(48)
+    gap = 0.35 + np.cos(2 * x + y) * np.sin(y - x) + 0.6 * np.cos(3 * x - 2 * y + 0.4)
+    gap = np.maximum(gap + 0.3 * np.sin(5 * y + x), 0.0)
+    theirs = 0.0025564272839497643, 0.07488123302430472
+    np.testing.assert_allclose(flow(gap).conductance, theirs, rtol=1e-10)
+
+
 def test_channels_and_closed_maps():
     nothing = flow(np.zeros((8, 8)))
     assert nothing.conductance == (0.0, 0.0)
