@@ -460,7 +460,7 @@ def test_every_field_of_every_result_is_declared():
 UNITS = {  # of each quantity, whatever the result
     "-": (
         "adhesion area area_ratio coefficient cold creepage error friction hysteresis "
-        "linear model_error mu outside ratio restitution road_share rolling share "
+        "fill linear model_error mu outside ratio restitution road_share rolling share "
         "slip spread squeeze stick strain"
     ),
     "m^2": "contact_area",
@@ -475,7 +475,7 @@ UNITS = {  # of each quantity, whatever the result
         "stick_radius surface trailing width x"
     ),
     "s": "duration settling time",
-    "Pa": "pressure pressure_drop",
+    "Pa": "fluid_pressure pressure pressure_drop sealing_pressure",
     "Pa s": "viscosity",
     "m^3/s": "rate",
     "kg/s": "mass_rate",
@@ -501,6 +501,7 @@ OTHERS = {
     "Shear.error": "N",
     "ForceSpectrum.error": "N",
     "ORing.error": "N/m",
+    "ORing.model_error": "N/m",
     "Leak.conductance": "m^3/(Pa s)",
     "HeatBuildUp.error": "K",
     "HeatBuildUp.load": "N",
