@@ -1,0 +1,398 @@
+"""A lubricated line contact: film and pressure between a parabola and a soft surface.
+
+Lengths along the film over a, films over a^2/R, pressures over p_ref = 2 W'/(pi a), so
+that the load is pi/2. Both surfaces move along +x, with the mean velocity u:
+
+    H = H_0 + X^2/2 + int K(X - S) P(S) dS                      rubber
+    d/dX (phi H^3 dP_f/dX) = lam dH/dX,  P_f > 0                Reynolds
+    P_f = 0,  d(lam H)/dX >= 0                                  where the film has ruptured
+    P = P_f + P_a(H),   int P dX = pi/2                         fluid and asperities; load
+
+with lam = 12 eta u R^2/(a^3 p_ref) and the flow factor phi (1 on smooth surfaces). The
+ruptured film carries the flow that reaches it, so that the flow is the same everywhere:
+with one rise of pressure and a film that only widens behind it, this is the condition
+that conserves mass (Jakobsson & Floberg; Giacopini et al., J. Tribol. 132 (2010)
+041702). Where the film would close again, the point counts as not solved.
+
+P is linear between nodes that crowd at both edges of the dry contact. Flows are those of
+a finite volume at each node, so that they agree to rounding. Rupture is written with the
+function of Fischer and Burmeister, a + b - sqrt(a^2 + b^2) = 0 for a, b >= 0, a b = 0,
+and all is solved by Newton's method with the exact Jacobian.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+from scipy.interpolate import CubicSpline
+
+from ..checks import Array
+
+LOAD = 0.5 * np.pi
+_STEPS = 50  # of Newton's method
+_CLOSE = 1e-10  # residual of the equations at which it ends when it falls no further
+_ROUNDING = 1e-14
+_ENOUGH = 1e-7  # residual of a solved contact
+_SAME = 1e-8  # relative difference of flow along a solved film
+_LEAST_STEP = 1e-4  # share of a Newton step below which the search gives up
+_FLOODED = 19.0  # half-widths ahead of the contact at which the film begins, at least
+_OUTLET = 0.25  # zone of dense nodes at the outlet over that at the inlet
+_START = 0.3  # lam at which a search begins, from Hertz' pressure
+_RATIO = 1.8  # of lam between one solution and the next, at most
+_THICK = 1.0  # lam above which the pressure alone is foretold
+_HALVED = 6  # times a step of lam may be halved
+_KEPT = 0.1  # of the least film, that one step must leave
+
+Asperities = Callable[[Array], tuple[Array, Array]]  # film to P_a and its slope
+Factor = Callable[[Array], tuple[Array, Array]]  # film to phi and its slope
+
+
+class Contact(NamedTuple):
+    """What carries and what flows, all over the scales of the contact."""
+
+    parameter: float  # lam
+    response: Array  # (node, inner node): film per pressure of an inner node
+    places: Array  # X of the nodes
+    asperities: Asperities | None = None
+    factor: Factor | None = None
+
+
+class Case(NamedTuple):
+    """A contact whose parameter can be varied on the way to it."""
+
+    parameter: float  # lam
+    edges: tuple[float, float]  # X of the dry contact, inlet and outlet
+    respond: Callable[[Array], Array]  # response to the pressure on given nodes
+    roughness: float = 0.0  # rms height over a^2/R
+    asperities: Asperities | None = None
+    factor: Factor | None = None
+    inlet: float | None = None  # X where the lubricant begins; None: flooded
+
+    def at(self, parameter: float, count: int) -> Contact:
+        """The contact with another parameter, on `count` nodes."""
+        thick = max(parameter, (2 * self.roughness) ** (5 / 3))  # H about lam^0.6 / 2
+        wide = 0.72 * thick**0.5  # sqrt(2H) of a rigid cylinder
+        zone = min(0.35, 0.6 * thick**0.4) + 0.3 * wide
+        ends = (self.edges[0] - max(_FLOODED, 100 * wide), self.edges[1] + 1 + 3 * wide)
+        if self.inlet is not None:
+            ends = (self.inlet, ends[1])
+        x = nodes(self.edges, ends, (zone, _OUTLET * zone), count)
+        return Contact(parameter, self.respond(x), x, self.asperities, self.factor)
+
+
+class Film(NamedTuple):
+    """A solved contact."""
+
+    places: Array  # X
+    film: Array  # H
+    pressure: Array  # P_f of the fluid
+    asperity_pressure: Array  # P_a
+    level: float  # H_0
+    flow: float  # flux over lam, the film that leaves: H_m
+    imbalance: float  # largest difference of flow between any two places, over the flow
+    converged: bool
+
+    @property
+    def total(self) -> Array:
+        """P of all nodes, fluid and asperities."""
+        return self.pressure + self.asperity_pressure
+
+
+def nodes(
+    edges: tuple[float, float],
+    ends: tuple[float, float],
+    zones: tuple[float, float],
+    count: int,
+) -> Array:
+    """Places from end to end, uniform in sum_e asinh((x - x_e)/zone_e) of both edges x_e.
+
+    The spacing grows with the distance from the nearer edge; `count` 2n - 1 contains the
+    nodes of `count` n.
+    """
+    both = list(zip(edges, zones, strict=True))
+    length = ends[1] - ends[0]
+    fine = [np.array(ends)]
+    for edge, zone in both:
+        near = zone * np.sinh(np.linspace(0, np.arcsinh(length / zone), 20 * count))
+        fine += [edge - near, edge + near]
+    places = np.unique(np.concatenate(fine))
+    places = places[(places >= ends[0]) & (places <= ends[1])]
+    way = sum(np.arcsinh((places - edge) / zone) for edge, zone in both)
+    wanted = np.linspace(way[0], way[-1], count)
+    x = np.interp(wanted, way, places)
+    for _ in range(3):
+        missed = sum(np.arcsinh((x - edge) / zone) for edge, zone in both) - wanted
+        x = x - missed / sum(1 / np.hypot(x - edge, zone) for edge, zone in both)
+    x[0], x[-1] = ends
+    return x
+
+
+def solve(contact: Contact, pressure: Array, level: float) -> Film:
+    """The film from a guess at the pressures of the inner nodes and at H_0."""
+    x, count = contact.places, contact.places.size
+    width = 0.5 * (x[2:] - x[:-2])
+    response = np.column_stack([contact.response, np.ones(count)])
+    unknown = np.append(pressure, level)
+    here, norm = _balance(contact, unknown), np.inf
+    for _ in range(_STEPS):
+        scale = here.conductance[1:] + here.conductance[:-1]
+        missed = _missed(here, unknown, width, scale)
+        before, norm = norm, float(np.linalg.norm(missed))
+        if not np.isfinite(norm) or norm < _ROUNDING or (norm < _CLOSE and norm > 0.5 * before):
+            break
+        jacobian = _jacobian(contact, here, response, width, scale)
+        try:
+            step = scipy.linalg.solve(
+                jacobian, -missed, check_finite=False, overwrite_a=True
+            )
+        except (scipy.linalg.LinAlgError, scipy.linalg.LinAlgWarning):
+            break
+        share = 1.0
+        while share > _LEAST_STEP:
+            moved = unknown + share * step
+            there = _balance(contact, moved)
+            if there.film.min() > _KEPT * here.film.min():
+                after = np.linalg.norm(_missed(there, moved, width, scale))
+                if after < (1 - 0.1 * share) * norm or after < _CLOSE:
+                    break
+            share *= 0.5
+        else:
+            break
+        unknown, here = moved, there
+    return _packed(contact, unknown, here, norm)
+
+
+class _Balance(NamedTuple):
+    """What follows from the unknowns."""
+
+    film: Array  # H of the nodes
+    fluid: Array  # P_f of the nodes
+    asperity: Array  # P_a of the nodes
+    stiffness: Array  # dP_a/dH of the nodes
+    conductance: Array  # phi H^3 over the spacing, of the faces between nodes
+    slope: Array  # of the conductance, by the film at the face
+    flux: Array  # lam H - phi H^3 P_f', of the faces
+
+
+def _balance(contact: Contact, unknown: Array) -> _Balance:
+    x = contact.places
+    film = unknown[-1] + 0.5 * x**2 + contact.response @ unknown[:-1]
+    asperity, stiffness = np.zeros(x.size), np.zeros(x.size)
+    if contact.asperities is not None:
+        inner = contact.asperities(film[1:-1])
+        asperity[1:-1], stiffness[1:-1] = inner
+    fluid = np.zeros(x.size)
+    fluid[1:-1] = unknown[:-1] - asperity[1:-1]
+    face = 0.5 * (film[1:] + film[:-1])
+    cube, slope = face**3, 3 * face**2
+    if contact.factor is not None:
+        factor, change = contact.factor(face)
+        cube, slope = cube * factor, slope * factor + cube * change
+    spacing = np.diff(x)
+    cube, slope = cube / spacing, slope / spacing
+    flux = contact.parameter * face - cube * np.diff(fluid)
+    return _Balance(film, fluid, asperity, stiffness, cube, slope, flux)
+
+
+def _missed(here: _Balance, unknown: Array, width: Array, scale: Array) -> Array:
+    """Residuals: rupture at each inner node, and the load."""
+    gathered = np.diff(here.flux) / scale
+    fluid = here.fluid[1:-1]
+    rupture = fluid + gathered - np.hypot(fluid, gathered)
+    return np.append(rupture, width @ unknown[:-1] - LOAD)
+
+
+def _jacobian(
+    contact: Contact, here: _Balance, response: Array, width: Array, scale: Array
+) -> Array:
+    """Slopes of `_missed`, the scale held."""
+    gathered, fluid = np.diff(here.flux) / scale, here.fluid[1:-1]
+    length = np.hypot(fluid, gathered)
+    length[length == 0] = np.inf
+    of_fluid, of_flux = 1 - fluid / length, (1 - gathered / length) / scale
+    # by the film: H of a face is the mean of two nodes
+    steep = 0.5 * (contact.parameter - here.slope * np.diff(here.fluid))
+    left, right = -steep[:-1], steep[1:]
+    matrix = (of_flux * left)[:, None] * response[:-2]
+    matrix += (of_flux * (left + right))[:, None] * response[1:-1]
+    matrix += (of_flux * right)[:, None] * response[2:]
+    # by the fluid's pressure, tridiagonal
+    below, above = here.conductance[:-1], here.conductance[1:]
+    diagonal = of_fluid + of_flux * scale
+    row = np.arange(diagonal.size)
+    matrix[row, row] += diagonal
+    matrix[row[1:], row[:-1]] -= (of_flux * below)[1:]
+    matrix[row[:-1], row[1:]] -= (of_flux * above)[:-1]
+    if contact.asperities is not None:  # P_f = P - P_a(H)
+        steep = here.stiffness[:, None] * response
+        matrix -= diagonal[:, None] * steep[1:-1]
+        matrix[1:] += (of_flux * below)[1:, None] * steep[1:-2]
+        matrix[:-1] += (of_flux * above)[:-1, None] * steep[2:-1]
+    return np.vstack([matrix, np.append(width, 0.0)])
+
+
+def _packed(contact: Contact, unknown: Array, here: _Balance, missed: float) -> Film:
+    """The film, and how well it keeps its flow.
+
+    Behind the rupture the film is in part void: there it carries what reaches it, as
+    long as it only widens.
+    """
+    gathered = np.diff(here.flux)
+    full = here.fluid[1:-1] > np.abs(gathered) / (
+        here.conductance[1:] + here.conductance[:-1]
+    )
+    flow = here.flux[0]
+    last = int(np.flatnonzero(full)[-1]) + 1 if full.any() else 0
+    wet = here.flux[: last + 1]
+    imbalance = float(np.ptp(wet) / flow) if flow > 0 else np.inf
+    behind = here.flux[last + 1 :]
+    widens = bool((behind >= flow * (1 - 1e-9)).all())
+    whole = bool(full[:last].all()) if contact.asperities is None else True
+    good = missed < _ENOUGH and imbalance < _SAME and widens and whole and bool(here.film.min() > 0)
+    return Film(
+        contact.places,
+        here.film,
+        np.maximum(here.fluid, 0.0),
+        here.asperity,
+        float(unknown[-1]),
+        float(flow / contact.parameter),
+        imbalance,
+        good,
+    )
+
+
+class _Known(NamedTuple):
+    """What is kept of a solution: by the numbers of the nodes, whose places follow it."""
+
+    parameter: float
+    film: Array
+    pressure: Array  # of the inner nodes
+    level: float
+
+
+def follow(cases: list[Case], count: int, levels: int = 2) -> list[list[Film]]:
+    """Each case on `count` nodes and on ones twice as dense, `levels` in all; fewer
+    where no film was found.
+
+    The search goes from the case that is nearest to an easy one up and down in lam.
+    """
+    order = np.argsort([case.parameter for case in cases])
+    ascending = np.array([cases[i].parameter for i in order])
+    middle = int(np.searchsorted(ascending, _easy(cases[order[0]])))
+    solved: list[list[Film]] = [[] for _ in cases]
+    for way in (order[middle:], order[:middle][::-1]):
+        known: list[_Known] = []
+        for i in way:
+            film = _walk(cases[i], known, count)
+            if film is None:
+                known = []
+            while film is not None:
+                solved[i].append(film)
+                if len(solved[i]) == levels:
+                    break
+                film = _refined(cases[i], film)
+    return solved
+
+
+def _easy(case: Case) -> float:
+    """lam from which a search begins: the film is thick against the roughness."""
+    return max(_START, (10 * case.roughness) ** (5 / 3))
+
+
+def _walk(case: Case, known: list[_Known], count: int) -> Film | None:
+    """From what is known to the case, in steps of lam that are halved where they fail."""
+    if not known:
+        first = _first(case, count)
+        if first is None:
+            return None
+        known.append(first)
+    ratio, left = _RATIO, _HALVED
+    while True:
+        last = known[-1].parameter
+        way = case.parameter / last
+        parameter = last * float(np.clip(way, 1 / ratio, ratio))
+        contact = case.at(parameter, count)
+        film = solve(contact, *_foretold(case, contact, known))
+        if film.converged:
+            known.append(_kept(parameter, film))
+            del known[:-2]
+            if parameter == last * way:
+                return film
+        elif left == 0:
+            return None
+        else:
+            ratio, left = ratio**0.5, left - 1
+
+
+def _kept(parameter: float, film: Film) -> _Known:
+    return _Known(parameter, film.film, film.total[1:-1], film.level)
+
+
+def _first(case: Case, count: int) -> _Known | None:
+    """From Hertz' pressure between the edges."""
+    parameter = _easy(case)
+    contact = case.at(parameter, count)
+    x = contact.places[1:-1]
+    middle, half = 0.5 * sum(case.edges), 0.5 * (case.edges[1] - case.edges[0])
+    hertz = np.sqrt(np.maximum(1 - ((x - middle) / half) ** 2, 0.0))
+    width = 0.5 * (contact.places[2:] - contact.places[:-2])
+    hertz *= LOAD / (width @ hertz)
+    dry = 0.5 * contact.places**2 + contact.response @ hertz
+    film = solve(contact, hertz, 0.5 * min(parameter**0.6, parameter) - dry.min())
+    return _kept(parameter, film) if film.converged else None
+
+
+def _foretold(
+    case: Case, contact: Contact, known: list[_Known]
+) -> tuple[Array, float]:
+    """Guess from the last solutions, in log lam."""
+    new, old = known[-1], known[0]
+    way = np.log(contact.parameter / new.parameter)
+    if old.parameter != new.parameter:
+        share = way / np.log(new.parameter / old.parameter)
+    else:
+        share = 0.0
+    pressure = new.pressure + share * (new.pressure - old.pressure)
+    if contact.parameter > _THICK:
+        return pressure, new.level + share * (new.level - old.level)
+    film = new.film * (new.film / old.film) ** share
+    if share == 0.0:
+        film = film * np.exp(0.6 * way)
+    return _from_film(case, contact, film, np.maximum(pressure, 0.0))
+
+
+def _from_film(
+    case: Case, contact: Contact, film: Array, pressure: Array
+) -> tuple[Array, float]:
+    """Pressures that give the film between the edges, as they are outside: a thin film
+    says more of the pressure than the pressure of the film.
+    """
+    x = contact.places[1:-1]
+    inside = (x > case.edges[0]) & (x < case.edges[1])
+    width = 0.5 * (contact.places[2:] - contact.places[:-2])
+    rows, count = contact.response[1:-1][inside], int(inside.sum())
+    matrix = np.ones((count + 1, count + 1))
+    matrix[:-1, :-1] = rows[:, inside]
+    matrix[-1] = np.append(width[inside], 0.0)
+    outside = np.where(inside, 0.0, pressure)
+    right = np.append(
+        film[1:-1][inside] - 0.5 * x[inside] ** 2 - rows @ outside,
+        LOAD - width @ outside,
+    )
+    solved = scipy.linalg.solve(matrix, right, check_finite=False)
+    outside[inside] = solved[:-1]
+    return outside, float(solved[-1])
+
+
+def _refined(case: Case, coarse: Film) -> Film | None:
+    """On twice as many nodes, from the film and the pressure between them."""
+    count = coarse.places.size
+    number, between = np.arange(count), 0.5 * np.arange(2 * count - 1)
+    contact = case.at(case.parameter, 2 * count - 1)
+    total = np.maximum(CubicSpline(number, coarse.total)(between), 0.0)[1:-1]
+    film = np.exp(CubicSpline(number, np.log(coarse.film))(between))
+    fine = solve(contact, *_from_film(case, contact, film, total))
+    return fine if fine.converged else None
