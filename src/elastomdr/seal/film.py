@@ -33,12 +33,12 @@ from ..checks import Array
 
 LOAD = 0.5 * np.pi
 _STEPS = 50  # of Newton's method
-_CLOSE = 1e-10  # residual of the equations at which it ends when it falls no further
-_ROUNDING = 1e-14
+_CLOSE = 1e-10  # residual of the equations at which it may end
+_EVEN = 2e-11  # relative difference of flow along the film at which it ends
 _ENOUGH = 1e-7  # residual of a solved contact
 _SAME = 1e-8  # relative difference of flow along a solved film
 _LEAST_STEP = 1e-4  # share of a Newton step below which the search gives up
-_FLOODED = 19.0  # half-widths ahead of the contact at which the film begins, at least
+_FLOODED = 19.0  # half-widths ahead of the contact at which a film begins
 _OUTLET = 0.25  # zone of dense nodes at the outlet over that at the inlet
 _START = 0.3  # lam at which a search begins, from Hertz' pressure
 _RATIO = 1.8  # of lam between one solution and the next, at most
@@ -76,7 +76,9 @@ class Case(NamedTuple):
         thick = max(parameter, (2 * self.roughness) ** (5 / 3))  # H about lam^0.6 / 2
         wide = 0.72 * thick**0.5  # sqrt(2H) of a rigid cylinder
         zone = min(0.35, 0.6 * thick**0.4) + 0.3 * wide
-        ends = (self.edges[0] - max(_FLOODED, 100 * wide), self.edges[1] + 1 + 3 * wide)
+        # thin films need less, and lose digits of the flow far ahead
+        flooded = _FLOODED * min(1.0, (100 * thick) ** 0.15)
+        ends = (self.edges[0] - max(flooded, 100 * wide), self.edges[1] + 1 + 3 * wide)
         if self.inlet is not None:
             ends = (self.inlet, ends[1])
         x = nodes(self.edges, ends, (zone, _OUTLET * zone), count)
@@ -136,12 +138,14 @@ def solve(contact: Contact, pressure: Array, level: float) -> Film:
     width = 0.5 * (x[2:] - x[:-2])
     response = np.column_stack([contact.response, np.ones(count)])
     unknown = np.append(pressure, level)
-    here, norm = _balance(contact, unknown), np.inf
+    here, norm, apart = _balance(contact, unknown), np.inf, np.inf
     for _ in range(_STEPS):
         scale = here.conductance[1:] + here.conductance[:-1]
         missed = _missed(here, unknown, width, scale)
-        before, norm = norm, float(np.linalg.norm(missed))
-        if not np.isfinite(norm) or norm < _ROUNDING or (norm < _CLOSE and norm > 0.5 * before):
+        norm = float(np.linalg.norm(missed))
+        before, apart = apart, _imbalance(here)
+        settled = apart < _EVEN or apart > 0.5 * before
+        if not np.isfinite(norm) or (norm < _CLOSE and settled):
             break
         jacobian = _jacobian(contact, here, response, width, scale)
         try:
@@ -234,33 +238,38 @@ def _jacobian(
     return np.vstack([matrix, np.append(width, 0.0)])
 
 
+def _imbalance(here: _Balance) -> float:
+    """Largest difference of flow between any two places before the rupture, relative."""
+    wet = here.flux[: _rupture(here) + 1]
+    return float(np.ptp(wet) / abs(wet[0])) if wet[0] != 0 else np.inf
+
+
+def _rupture(here: _Balance) -> int:
+    """Number of the last node before the rupture."""
+    scale = here.conductance[1:] + here.conductance[:-1]
+    full = here.fluid[1:-1] > np.abs(np.diff(here.flux)) / scale
+    return int(np.flatnonzero(full)[-1]) + 1 if full.any() else 0
+
+
 def _packed(contact: Contact, unknown: Array, here: _Balance, missed: float) -> Film:
     """The film, and how well it keeps its flow.
 
     Behind the rupture the film is in part void: there it carries what reaches it, as
     long as it only widens.
     """
-    gathered = np.diff(here.flux)
-    full = here.fluid[1:-1] > np.abs(gathered) / (
-        here.conductance[1:] + here.conductance[:-1]
-    )
-    flow = here.flux[0]
-    last = int(np.flatnonzero(full)[-1]) + 1 if full.any() else 0
-    wet = here.flux[: last + 1]
-    imbalance = float(np.ptp(wet) / flow) if flow > 0 else np.inf
-    behind = here.flux[last + 1 :]
+    flow, imbalance = float(here.flux[0]), _imbalance(here)
+    behind = here.flux[_rupture(here) + 1 :]
     widens = bool((behind >= flow * (1 - 1e-9)).all())
-    whole = bool(full[:last].all()) if contact.asperities is None else True
-    good = missed < _ENOUGH and imbalance < _SAME and widens and whole and bool(here.film.min() > 0)
+    good = missed < _ENOUGH and imbalance < _SAME and widens
     return Film(
         contact.places,
         here.film,
         np.maximum(here.fluid, 0.0),
         here.asperity,
         float(unknown[-1]),
-        float(flow / contact.parameter),
+        flow / contact.parameter,
         imbalance,
-        good,
+        good and bool(here.film.min() > 0),
     )
 
 

@@ -82,23 +82,32 @@ def _chain(law: Any) -> KelvinChain:
     return to_kelvin(law)
 
 
-def relaxed(body: Body) -> float:
-    """J at rest, 1/E*(0) [1/Pa]."""
-    return float(body.chain.instantaneous + np.sum(body.chain.compliances))
+def compliance(body: Body, held: float | None = None) -> float:
+    """J(t) after the reduced time `held` [s], or long after: 1/E*(0) [1/Pa]."""
+    grown = 1.0
+    if held is not None:
+        grown = -np.expm1(-held / np.asarray(body.chain.times))
+    return float(body.chain.instantaneous + np.sum(body.chain.compliances * grown))
 
 
-def response(bodies: list[Body], x: Array, velocity: float, unit: float) -> Array:
+def response(
+    bodies: list[Body],
+    x: Array,
+    velocity: float,
+    unit: float,
+    held: float | None = None,
+) -> Array:
     """Displacement over pressure and `unit` [1/Pa] at the nodes x under each inner hat.
 
     x in units of `unit` [m]; `velocity` of the rubber [m/s], reduced, 0 where the
-    pressure stands.
+    pressure stands, for the reduced time `held` [s].
     """
     total = np.zeros((x.size, x.size - 2))
     for body in bodies:
         layered = body.thickness is not None
         ratio = body.thickness / unit if layered else None
         if velocity == 0:
-            total += relaxed(body) * _elastic(x, x, ratio, body)
+            total += compliance(body, held) * _elastic(x, x, ratio, body)
             continue
         ahead = _ahead(x)
         places = np.concatenate([ahead, x])
@@ -160,14 +169,14 @@ def _remembered(
     elastic: Array, places: Array, x: Array, memory: Array, body: Body
 ) -> Array:
     """Sum over the branches of J_k times the displacement that each remembers."""
-    compliance = np.asarray(body.chain.compliances)
+    compliances = np.asarray(body.chain.compliances)
     now = np.broadcast_to(elastic[0], (memory.size, elastic.shape[1])).copy()
     if body.thickness is None:  # int ln(X + s) exp(-s/l) ds/l - ln X = U(1, 1, X/l)
         hats = 0.5 * (x[2:] - x[:-2])
         more = hyperu(1.0, 1.0, np.minimum(abs(places[0]) / memory, 1e8))
         now -= more[:, None] * hats / np.pi
     total = np.empty_like(elastic)
-    total[0] = compliance @ now
+    total[0] = compliances @ now
     step = np.diff(places)[:, None] / memory
     fading = np.exp(-step)
     mean = -np.expm1(-step) / step
@@ -176,5 +185,5 @@ def _remembered(
         now *= fading[i][:, None]
         now += new[i][:, None] * elastic[i + 1]
         now += old[i][:, None] * elastic[i]
-        total[i + 1] = compliance @ now
+        total[i + 1] = compliances @ now
     return total
