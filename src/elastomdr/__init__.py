@@ -62,6 +62,7 @@ _HOMES = {
     "seal.leak": ("leak",),
     "seal.leak_result": ("Leak",),
     "seal.leak_theories": ("CriticalConstriction", "EffectiveMedium"),
+    "seal.reciprocating": ("Reciprocating", "reciprocating"),
     "transient.indent": ("indent",),
     "transient.impact": ("impact",),
     "transient.shear": ("shear",),

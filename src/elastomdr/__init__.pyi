@@ -67,6 +67,8 @@ from .seal.lubricated import Lubricated as Lubricated
 from .seal.lubricated import lubricated as lubricated
 from .seal.o_ring import ORing as ORing
 from .seal.o_ring import o_ring as o_ring
+from .seal.reciprocating import Reciprocating as Reciprocating
+from .seal.reciprocating import reciprocating as reciprocating
 from .smooth.dissipation import dissipation as dissipation
 from .smooth.plan import Plan as Plan
 from .surface.profile import Profile as Profile
