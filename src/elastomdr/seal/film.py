@@ -354,9 +354,7 @@ def _first(case: Case, count: int) -> _Known | None:
     return _kept(parameter, film) if film.converged else None
 
 
-def _foretold(
-    case: Case, contact: Contact, known: list[_Known]
-) -> tuple[Array, float]:
+def _foretold(case: Case, contact: Contact, known: list[_Known]) -> tuple[Array, float]:
     """Guess from the last solutions, in log lam."""
     new, old = known[-1], known[0]
     way = np.log(contact.parameter / new.parameter)

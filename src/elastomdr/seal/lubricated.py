@@ -31,8 +31,8 @@ from ..checks import (
     as_float64,
     broadcast_shape,
     in_kelvin,
-    in_si,
     is_traced,
+    numpy_unless_traced,
     positive,
 )
 from ..element.layer import Layer
@@ -104,7 +104,9 @@ class Lubricated(Result):
         "boundary friction", "-", "part of mu, shear of the real contact"
     )
     rubber: Array = quantity(
-        "friction of the rubber", "-", "part of mu, hysteresis of the rubber that passes"
+        "friction of the rubber",
+        "-",
+        "part of mu, hysteresis of the rubber that passes",
     )
     film_thickness: Array = quantity(
         "film at the apex", "m", "mean gap at x = 0", shown="µm"
@@ -162,7 +164,7 @@ class Lubricated(Result):
 
 
 @over_materials
-@in_si
+@numpy_unless_traced
 def lubricated(
     material: Prony | Foundation | LayerType | Sequence[Prony],
     shape: Cylinder,
@@ -220,9 +222,7 @@ def lubricated(
                 solved[i] = result
     good = np.array([each.good for each in solved])
     if not good.all():
-        text = (
-            f"{int((~good).sum())} of {good.size} points did not converge; they are NaN."
-        )
+        text = f"{int((~good).sum())} of {good.size} points did not converge; they are NaN."
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     return _packed(scene, solved, good)
 
@@ -421,12 +421,12 @@ def _dry(scene: _Scene, points: Array, bodies: list[Body]) -> list[_Scales]:
 
 def _held(scene: _Scene, point: int) -> float | None:
     """Reduced time for which the pressure has stood [s]."""
-    return None if scene.time is None else float(scene.time[point] / scene.factor[point])
+    return (
+        None if scene.time is None else float(scene.time[point] / scene.factor[point])
+    )
 
 
-def _dry_edges(
-    scene: _Scene, points: Array, held: float | None
-) -> tuple[Array, Array]:
+def _dry_edges(scene: _Scene, points: Array, held: float | None) -> tuple[Array, Array]:
     """Edges of the dry contact ahead of the apex and behind it [m]."""
     from ..smooth.cylinder import cylinder_on_layer
 
@@ -562,8 +562,10 @@ def _numbers(
     if rubbed is not None:
         asperity_mu, share = rubbed.at(carried * scales.pressure)
     if shear is not None:
-        kelvin = None if scene.kelvin is None or shear.shift is None else (
-            scene.kelvin[point]
+        kelvin = (
+            None
+            if scene.kelvin is None or shear.shift is None
+            else (scene.kelvin[point])
         )
         speed = (abs(slide) or 1.0) * scene.velocity[point]
         stress = float(shear.shear_stress(speed, kelvin)) / scales.pressure

@@ -51,7 +51,9 @@ class Reciprocating(Result):
     back what it can: zero where the stroke in could take more.
     """
 
-    velocity_out: Array = quantity("velocity out", "m/s", "of the rod, out of the fluid")
+    velocity_out: Array = quantity(
+        "velocity out", "m/s", "of the rod, out of the fluid"
+    )
     velocity_in: Array = quantity("velocity in", "m/s", "of the rod, into the fluid")
     viscosity: Array = quantity("viscosity", "Pa s", "of the fluid")
     film_out: Array = quantity(
@@ -191,9 +193,7 @@ def _profile(profile: Any) -> tuple[Array, Array]:
             "profile must be a pair, positions [m] and pressures [Pa], or a file, got "
             f"{profile!r}."
         )
-    x, p = (
-        as_float64("profile", each) for each in profile
-    )
+    x, p = (as_float64("profile", each) for each in profile)
     if x.ndim != 1 or x.shape != p.shape or x.size < _FEWEST:
         raise InputError(
             f"profile must have {_FEWEST} positions or more and as many pressures, got "
@@ -289,7 +289,10 @@ def _of_ring(
     )
     law = normal_operator(material)
     modulus = law.equilibrium if time is None else law.relaxation(time / factor)
-    load, half = float(np.ravel(ring.line_load)[0]), 0.5 * float(np.ravel(ring.width)[0])
+    load, half = (
+        float(np.ravel(ring.line_load)[0]),
+        0.5 * float(np.ravel(ring.width)[0]),
+    )
     radius = np.pi * half**2 * float(modulus * vertical) / (4 * load)
     found = lubricated(
         material,
