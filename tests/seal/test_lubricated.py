@@ -110,7 +110,9 @@ def test_thin_film_has_the_rubber_friction_of_the_dry_contact(rubber, thickness)
         for drag in (1e-3, 1e-4)
     )  # fmt: skip
     off = np.abs(thin.rubber / dry - 1), np.abs(thinner.rubber / dry - 1)
-    assert (off[0] < 0.03).all() and (off[1] < 0.012).all() and (off[1] < off[0]).all()
+    assert (off[0] < 0.03).all()
+    assert (off[1] < 0.012).all()
+    assert (off[1] < off[0]).all()
 
 
 def test_thick_film_does_not_feel_the_surface():

@@ -358,10 +358,8 @@ def _foretold(case: Case, contact: Contact, known: list[_Known]) -> tuple[Array,
     """Guess from the last solutions, in log lam."""
     new, old = known[-1], known[0]
     way = np.log(contact.parameter / new.parameter)
-    if old.parameter != new.parameter:
-        share = way / np.log(new.parameter / old.parameter)
-    else:
-        share = 0.0
+    apart = np.log(new.parameter / old.parameter)
+    share = way / apart if apart else 0.0
     pressure = new.pressure + share * (new.pressure - old.pressure)
     if contact.parameter > _THICK:
         return pressure, new.level + share * (new.level - old.level)

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..arrays import one_thread
+from ..arrays import numpy_unless_traced, one_thread
 from ..call.extrapolation import held_beyond, steady_beyond, told
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -32,16 +32,16 @@ from ..checks import (
     broadcast_shape,
     in_kelvin,
     is_traced,
-    numpy_unless_traced,
     positive,
+    warn_unless,
 )
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError
+from ..errors import InputError
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
 from ..results.base import Array, Result, part, quantity, record
 from ..results.words import brief, describe, in_unit, span
-from ..rough.adhesive_shear import AdhesiveShear
+from ..rough.adhesion import AdhesiveShear
 from ..surface.shapes import Cylinder
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
@@ -221,9 +221,7 @@ def lubricated(
             ):
                 solved[i] = result
     good = np.array([each.good for each in solved])
-    if not good.all():
-        text = f"{int((~good).sum())} of {good.size} points did not converge; they are NaN."
-        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    warn_unless(good, "points")
     return _packed(scene, solved, good)
 
 
@@ -677,12 +675,12 @@ def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Array | None, Any]:
         if MOTIONS[scene.rubber][0] == 0:
             rubber = held_beyond(
                 known, scene.time, scene.kelvin,
-                np.broadcast_to(scene.factor, shape), stacklevel=1,
+                np.broadcast_to(scene.factor, shape),
             )  # fmt: skip
         else:
             half = np.array([each.half for each in solved])
             rubber = steady_beyond(
-                known, scene.velocity * scene.factor, half, scene.kelvin, stacklevel=1
+                known, scene.velocity * scene.factor, half, scene.kelvin
             )
     if rubber.points is None:
         return None, ()
@@ -690,5 +688,5 @@ def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Array | None, Any]:
         [bool(each.beyond) for each in solved]
     )
     what = "frequencies or times of the rubber, or of its asperities"
-    said = told(points, what, known.illustrative, stacklevel=6)
+    said = told(points, what, known.illustrative)
     return points.reshape(scene.dims), said.said
