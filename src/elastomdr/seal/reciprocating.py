@@ -20,12 +20,11 @@ import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..checks import as_float64, broadcast_shape, in_si, positive, scalar
-from ..element.law import normal_operator
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
@@ -34,6 +33,7 @@ from ..results.words import brief, in_unit, span
 from ..surface.shapes import Cylinder
 from .lubricated import lubricated
 from .o_ring import ORing
+from .response import bodies_of, compliance
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -86,6 +86,16 @@ class Reciprocating(Result):
         yield "film that can be carried in", span(in_unit(self.film_in, "µm"), "µm")
         yield "net leak per stroke", span(self.net_leak, "m^3")
         yield "friction of the stroke out", span(self.friction_out, "N")
+
+
+class _Carried(NamedTuple):
+    """A stroke."""
+
+    film: Array  # h_0/2 [m]
+    friction: Array  # per width [N/m]
+    error: Array  # of the film [m]
+    extrapolated: Array | None = None  # where the rubber is beyond its data
+    said: tuple[tuple[str, str], ...] = ()
 
 
 @in_si
@@ -155,22 +165,22 @@ def reciprocating(
         leaving, entering = (
             _of_ring(material, o_ring, each, eta) for each in (out, back)
         )
-    good = np.isfinite(leaving[0]) & np.isfinite(entering[0])
-    net = np.maximum(leaving[0] - entering[0], 0.0)
+    good = np.isfinite(leaving.film) & np.isfinite(entering.film)
+    net = np.maximum(leaving.film - entering.film, 0.0)
     return Reciprocating(
         velocity_out=out,
         velocity_in=back,
         viscosity=eta,
-        film_out=leaving[0],
-        film_in=entering[0],
+        film_out=leaving.film,
+        film_in=entering.film,
         net_leak=net * length * edge,
-        friction_out=leaving[1] * edge,
-        friction_in=entering[1] * edge,
-        work=(leaving[1] + entering[1]) * edge * length,
-        error=leaving[2],
+        friction_out=leaving.friction * edge,
+        friction_in=entering.friction * edge,
+        work=(leaving.friction + entering.friction) * edge * length,
+        error=leaving.error,
         model_error=np.full(dims, np.nan),
         converged=good,
-        extrapolated=None,
+        extrapolated=leaving.extrapolated,
         model="inverse theory" if profile is not None else "inlet of Hertz' pressure",
         plan="closed form" if profile is not None else "em.lubricated",
         inputs=(
@@ -180,6 +190,7 @@ def reciprocating(
             ("viscosity", brief(eta, "Pa s")),
             ("stroke", brief(length, "m")),
             ("width", brief(edge, "m")),
+            *leaving.said,
         ),
     )
 
@@ -235,9 +246,8 @@ def _read(path: Path) -> tuple[Array, Array]:
     return numbers[:, 0] * _LENGTHS[units[0]], numbers[:, 1] * _PRESSURES[units[1]]
 
 
-def _inverse(x: Array, pressure: Array, drag: Array) -> tuple[Array, Array, Array]:
-    """h_0/2 [m], friction per width [N/m] and the error of the first, for a rod that
-    moves along x; `drag` is eta U [N/m].
+def _inverse(x: Array, pressure: Array, drag: Array) -> _Carried:
+    """A stroke along x; `drag` is eta U [N/m].
 
     Steepness is that between two positions; the error is that of leaving out every
     second one.
@@ -252,7 +262,7 @@ def _inverse(x: Array, pressure: Array, drag: Array) -> tuple[Array, Array, Arra
     # shear at the rod, eta U/h + h p'/2, over eta U and h_0
     sheared = np.sum(spacing / y) * drag / film
     pumped = 0.5 * film * np.sum(y * slope * spacing)
-    return 0.5 * film, sheared + pumped, error
+    return _Carried(0.5 * film, sheared + pumped, error)
 
 
 def _thickness(slope: Array, steepest: int) -> Array:
@@ -269,9 +279,7 @@ def _thickness(slope: Array, steepest: int) -> Array:
     return np.where(s > 0, rising, falling)
 
 
-def _of_ring(
-    material: Any, ring: Any, velocity: Array, viscosity: Array
-) -> tuple[Array, Array, Array]:
+def _of_ring(material: Any, ring: Any, velocity: Array, viscosity: Array) -> _Carried:
     """The same of an O-ring: of the cylinder that has its load and its width."""
     if not isinstance(ring, ORing) or np.size(ring.width) != 1:
         raise InputError(
@@ -287,16 +295,13 @@ def _of_ring(
     factor, vertical = (
         (1.0, 1.0) if kelvin is None else thermal_factors(material, kelvin)
     )
-    law = normal_operator(material)
-    modulus = law.equilibrium if time is None else law.relaxation(time / factor)
-    load, half = (
-        float(np.ravel(ring.line_load)[0]),
-        0.5 * float(np.ravel(ring.width)[0]),
-    )
-    radius = np.pi * half**2 * float(modulus * vertical) / (4 * load)
+    held = None if time is None else float(time / factor)
+    soft = compliance(bodies_of(material)[0], held) / float(vertical)
+    load = float(np.ravel(ring.line_load)[0])
+    half = 0.5 * float(np.ravel(ring.width)[0])
     found = lubricated(
         material,
-        Cylinder(radius, 1.0),
+        Cylinder(np.pi * half**2 / (4 * load * soft), 1.0),
         velocity=velocity,
         viscosity=viscosity,
         load=load,
@@ -304,4 +309,11 @@ def _of_ring(
         time=time,
     )
     film = np.asarray(found.flow / velocity)
-    return film, np.asarray(found.mu * load), np.asarray(found.error * film)
+    said = tuple(line for line in found.inputs if line[0] == "extrapolated")
+    return _Carried(
+        film,
+        np.asarray(found.mu * load),
+        np.asarray(found.error * film),
+        found.extrapolated,
+        said,
+    )
