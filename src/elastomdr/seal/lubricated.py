@@ -567,9 +567,13 @@ def _numbers(
         )
         speed = (abs(slide) or 1.0) * scene.velocity[point]
         stress = float(shear.shear_stress(speed, kelvin)) / scales.pressure
-    # behind the rupture the liquid covers the part flow/H
-    wet = np.where((fluid > 0) | (x < 0), 1.0, np.minimum(found.flow / film, 1.0))
-    sheared = slide**2 / mean * parameter / 12 * (width @ (wet * (1 - share) / film))
+    # where the pressure falls H < H_m; behind the rupture the liquid covers H_m/H
+    wet = np.ones(x.size)
+    wet[film.argmin() :] = np.minimum(found.flow / film[film.argmin() :], 1.0)
+    # beyond both ends the gap is that of a parabola, x^2/2
+    beyond = abs(x[0]) / film[0] + wet[-1] * x[-1] / (3 * film[-1])
+    sheared = slide**2 / mean * parameter / 12
+    sheared *= width @ (wet * (1 - share) / film) + beyond
     pumped = mean * np.sum(0.5 * (film[1:] + film[:-1]) * np.diff(fluid))
     viscous = per_load * slope * (sheared + pumped)
     asperity = per_load * abs(slide) * (width @ (asperity_mu * carried))
