@@ -15,9 +15,10 @@ that conserves mass (Jakobsson & Floberg; Giacopini et al., J. Tribol. 132 (2010
 041702). Where the film would close again, the point counts as not solved.
 
 P is linear between nodes that crowd at both edges of the dry contact. Flows are those of
-a finite volume at each node, so that they agree to rounding. Rupture is written with the
-function of Fischer and Burmeister, a + b - sqrt(a^2 + b^2) = 0 for a, b >= 0, a b = 0,
-and all is solved by Newton's method with the exact Jacobian.
+a finite volume at each node, so that they agree to rounding. Rupture, a, b >= 0 and
+a b = 0, is written as min(a, b) = 0, and all is solved by Newton's method with the exact
+Jacobian: from a good guess the rupture finds its node in a few steps. From a poor one the
+function of Fischer and Burmeister is safer, a + b - sqrt(a^2 + b^2) = 0.
 """
 
 from __future__ import annotations
@@ -36,10 +37,10 @@ _STEPS = 50  # of Newton's method
 _CLOSE = 1e-10  # residual of the equations at which it may end
 _EVEN = 2e-11  # relative difference of flow along the film at which it ends
 _ENOUGH = 1e-7  # residual of a solved contact
-_SAME = 1e-8  # relative difference of flow along a solved film
+_SAME = 1e-10  # relative difference of flow along a solved film
 _LEAST_STEP = 1e-4  # share of a Newton step below which the search gives up
 _FLOODED = 19.0  # half-widths ahead of the contact at which a film begins
-_OUTLET = 0.25  # zone of dense nodes at the outlet over that at the inlet
+_OUTLET = 0.15  # zone of dense nodes at the outlet over that at the inlet
 _START = 0.3  # lam at which a search begins, from Hertz' pressure
 _RATIO = 1.8  # of lam between one solution and the next, at most
 _THICK = 1.0  # lam above which the pressure alone is foretold
@@ -134,20 +135,43 @@ def nodes(
 
 def solve(contact: Contact, pressure: Array, level: float) -> Film:
     """The film from a guess at the pressures of the inner nodes and at H_0."""
+    guess = np.append(pressure, level)
+    film = _newton(contact, guess, _least)
+    return film if film.converged else _newton(contact, guess, _fischer_burmeister)
+
+
+Rupture = Callable[[Array, Array], tuple[Array, Array, Array]]
+
+
+def _least(fluid: Array, gathered: Array) -> tuple[Array, Array, Array]:
+    """min(a, b) and its slopes by a and b."""
+    dry = (fluid < gathered).astype(float)
+    return np.minimum(fluid, gathered), dry, 1 - dry
+
+
+def _fischer_burmeister(fluid: Array, gathered: Array) -> tuple[Array, Array, Array]:
+    """a + b - sqrt(a^2 + b^2) and its slopes by a and b."""
+    length = np.hypot(fluid, gathered)
+    missed = fluid + gathered - length
+    length[length == 0] = np.inf
+    return missed, 1 - fluid / length, 1 - gathered / length
+
+
+def _newton(contact: Contact, unknown: Array, rupture: Rupture) -> Film:
+    """The film from a guess, rupture written by a function of a and b."""
     x, count = contact.places, contact.places.size
     width = 0.5 * (x[2:] - x[:-2])
     response = np.column_stack([contact.response, np.ones(count)])
-    unknown = np.append(pressure, level)
     here, norm, apart = _balance(contact, unknown), np.inf, np.inf
     for _ in range(_STEPS):
         scale = here.conductance[1:] + here.conductance[:-1]
-        missed = _missed(here, unknown, width, scale)
+        missed, *slopes = _missed(here, unknown, width, scale, rupture)
         norm = float(np.linalg.norm(missed))
         before, apart = apart, _imbalance(here)
         settled = apart < _EVEN or apart > 0.5 * before
         if not np.isfinite(norm) or (norm < _CLOSE and settled):
             break
-        jacobian = _jacobian(contact, here, response, width, scale)
+        jacobian = _jacobian(contact, here, response, width, slopes)
         try:
             step = scipy.linalg.solve(
                 jacobian, -missed, check_finite=False, overwrite_a=True
@@ -159,7 +183,8 @@ def solve(contact: Contact, pressure: Array, level: float) -> Film:
             moved = unknown + share * step
             there = _balance(contact, moved)
             if there.film.min() > _KEPT * here.film.min():
-                after = np.linalg.norm(_missed(there, moved, width, scale))
+                left, *_ = _missed(there, moved, width, scale, rupture)
+                after = np.linalg.norm(left)
                 if after < (1 - 0.1 * share) * norm or after < _CLOSE:
                     break
             share *= 0.5
@@ -201,22 +226,27 @@ def _balance(contact: Contact, unknown: Array) -> _Balance:
     return _Balance(film, fluid, asperity, stiffness, cube, slope, flux)
 
 
-def _missed(here: _Balance, unknown: Array, width: Array, scale: Array) -> Array:
-    """Residuals: rupture at each inner node, and the load."""
+def _missed(
+    here: _Balance, unknown: Array, width: Array, scale: Array, rupture: Rupture
+) -> tuple[Array, Array, Array]:
+    """Residuals, rupture at each inner node and the load; and the slopes of the former
+    by the pressure and by the flux that leaves the node, the scale held.
+    """
     gathered = np.diff(here.flux) / scale
-    fluid = here.fluid[1:-1]
-    rupture = fluid + gathered - np.hypot(fluid, gathered)
-    return np.append(rupture, width @ unknown[:-1] - LOAD)
+    missed, of_fluid, of_gathered = rupture(here.fluid[1:-1], gathered)
+    total = np.append(missed, width @ unknown[:-1] - LOAD)
+    return total, of_fluid, of_gathered / scale
 
 
 def _jacobian(
-    contact: Contact, here: _Balance, response: Array, width: Array, scale: Array
+    contact: Contact,
+    here: _Balance,
+    response: Array,
+    width: Array,
+    slopes: list[Array],
 ) -> Array:
-    """Slopes of `_missed`, the scale held."""
-    gathered, fluid = np.diff(here.flux) / scale, here.fluid[1:-1]
-    length = np.hypot(fluid, gathered)
-    length[length == 0] = np.inf
-    of_fluid, of_flux = 1 - fluid / length, (1 - gathered / length) / scale
+    """Slopes of the residuals by the unknowns."""
+    of_fluid, of_flux = slopes
     # by the film: H of a face is the mean of two nodes
     steep = 0.5 * (contact.parameter - here.slope * np.diff(here.fluid))
     left, right = -steep[:-1], steep[1:]
@@ -225,7 +255,7 @@ def _jacobian(
     matrix += (of_flux * right)[:, None] * response[2:]
     # by the fluid's pressure, tridiagonal
     below, above = here.conductance[:-1], here.conductance[1:]
-    diagonal = of_fluid + of_flux * scale
+    diagonal = of_fluid + of_flux * (below + above)
     row = np.arange(diagonal.size)
     matrix[row, row] += diagonal
     matrix[row[1:], row[:-1]] -= (of_flux * below)[1:]
@@ -350,7 +380,8 @@ def _first(case: Case, count: int) -> _Known | None:
     width = 0.5 * (contact.places[2:] - contact.places[:-2])
     hertz *= LOAD / (width @ hertz)
     dry = 0.5 * contact.places**2 + contact.response @ hertz
-    film = solve(contact, hertz, 0.5 * min(parameter**0.6, parameter) - dry.min())
+    level = 0.5 * min(parameter**0.6, parameter) - dry.min()
+    film = _newton(contact, np.append(hertz, level), _fischer_burmeister)
     return _kept(parameter, film) if film.converged else None
 
 

@@ -511,19 +511,12 @@ def _case(
     case = films.Case(float(parameter), scales.edges, respond)
     if rough is None or rubbed is None:
         return case
-    relaxed = rubbed.stiffening * float(scene.vertical[point])
-    relaxed /= _soft_half_space(scene.material)
+    modulus = rough.modulus * rubbed.stiffening * float(scene.vertical[point])
     return case._replace(
         roughness=rough.rms / scales.film,
-        asperities=partial(_asperities, rough, relaxed, scales),
+        asperities=partial(_asperities, rough, modulus, scales),
         factor=partial(_factor, rough.rms / scales.film),
     )
-
-
-def _soft_half_space(material: Any) -> float:
-    """1/E*(0) of the rubber that asperities press [1/Pa]."""
-    own = material.covers[0].normal() if isinstance(material, Layer) else None
-    return float(1 / own.equilibrium) if own else compliance(bodies_of(material)[0])
 
 
 def _asperities(

@@ -40,6 +40,7 @@ class Roughness(NamedTuple):
     rms: float  # R_q [m]
     curve: PchipInterpolator  # gap [m] to ln(p_a/E*(0)), for the relaxed rubber
     last: tuple[float, float]  # gaps between which the curve is known
+    modulus: float  # E*(0) [Pa]
 
     def pressure(self, gap: Array, modulus: float) -> tuple[Array, Array]:
         """p_a [Pa] and its slope by the gap; exponential beyond the curve."""
@@ -89,7 +90,7 @@ def pressed(material: Any, surface: AbstractSpectrum) -> Roughness:
     gap = np.asarray(contact.separation)
     open_ = np.isfinite(gap) & (gap > _CLOSED * rms)
     gap, level = gap[open_][::-1], np.log(pressure[open_][::-1] / modulus)
-    return Roughness(rms, PchipInterpolator(gap, level), (gap[0], gap[-1]))
+    return Roughness(rms, PchipInterpolator(gap, level), (gap[0], gap[-1]), modulus)
 
 
 def rubbing(
