@@ -35,9 +35,9 @@ from ..checks import Array
 LOAD = 0.5 * np.pi
 _STEPS = 50  # of Newton's method
 _CLOSE = 1e-10  # residual of the equations at which it may end
-_EVEN = 2e-11  # relative difference of flow along the film at which it ends
 _ENOUGH = 1e-7  # residual of a solved contact
-_SAME = 1e-10  # relative difference of flow along a solved film
+_SAME = 1e-7  # that the pressure of a solved film may be off, over the largest
+_EVEN = 1e-10  # relative difference of flow along a solved film
 _LEAST_STEP = 1e-4  # share of a Newton step below which the search gives up
 _FLOODED = 19.0  # half-widths ahead of the contact at which a film begins
 _OUTLET = 0.15  # zone of dense nodes at the outlet over that at the inlet
@@ -77,8 +77,8 @@ class Case(NamedTuple):
         thick = max(parameter, (2 * self.roughness) ** (5 / 3))  # H about lam^0.6 / 2
         wide = 0.72 * thick**0.5  # sqrt(2H) of a rigid cylinder
         zone = min(0.35, 0.6 * thick**0.4) + 0.3 * wide
-        # thin films need less, and lose digits of the flow far ahead
-        flooded = _FLOODED * min(1.0, (100 * thick) ** 0.15)
+        # the inlet costs 1.3 lam^0.8/X^3 of the flow, and digits where it is far away
+        flooded = max(_FLOODED * min(1.0, (100 * parameter) ** 0.25), 25 * zone)
         ends = (self.edges[0] - max(flooded, 100 * wide), self.edges[1] + 1 + 3 * wide)
         if self.inlet is not None:
             ends = (self.inlet, ends[1])
@@ -162,14 +162,12 @@ def _newton(contact: Contact, unknown: Array, rupture: Rupture) -> Film:
     x, count = contact.places, contact.places.size
     width = 0.5 * (x[2:] - x[:-2])
     response = np.column_stack([contact.response, np.ones(count)])
-    here, norm, apart = _balance(contact, unknown), np.inf, np.inf
+    here, norm = _balance(contact, unknown), np.inf
     for _ in range(_STEPS):
         scale = here.conductance[1:] + here.conductance[:-1]
         missed, *slopes = _missed(here, unknown, width, scale, rupture)
         norm = float(np.linalg.norm(missed))
-        before, apart = apart, _imbalance(here)
-        settled = apart < _EVEN or apart > 0.5 * before
-        if not np.isfinite(norm) or (norm < _CLOSE and settled):
+        if not _CLOSE < norm < np.inf:
             break
         jacobian = _jacobian(contact, here, response, width, slopes)
         try:
@@ -268,10 +266,23 @@ def _jacobian(
     return np.vstack([matrix, np.append(width, 0.0)])
 
 
-def _imbalance(here: _Balance) -> float:
-    """Largest difference of flow between any two places before the rupture, relative."""
-    wet = here.flux[: _rupture(here) + 1]
-    return float(np.ptp(wet) / abs(wet[0])) if wet[0] != 0 else np.inf
+def _even(contact: Contact, here: _Balance) -> tuple[Array, float, float]:
+    """The fluid's pressure under which exactly the same flux passes everywhere before
+    the rupture, the film as it is; that flux; and how far it is from even after all,
+    relative.
+
+    Newton's method leaves rounding of a large film far ahead, and of steep asperities,
+    in the flux. Here it is left in the pressure, where it is harmless.
+    """
+    last = _rupture(here) + 1
+    face = 0.5 * (here.film[1:] + here.film[:-1])[:last]
+    conductance, carried = here.conductance[:last], contact.parameter * face
+    flow = float((carried / conductance).sum() / (1 / conductance).sum())
+    fluid = np.zeros(here.fluid.size)
+    fluid[1 : last + 1] = np.cumsum((carried - flow) / conductance)
+    fluid[last] = 0.0
+    flux = carried - conductance * np.diff(fluid)[:last]
+    return fluid, flow, float(np.ptp(flux) / abs(flow)) if flow != 0 else np.inf
 
 
 def _rupture(here: _Balance) -> int:
@@ -287,14 +298,15 @@ def _packed(contact: Contact, unknown: Array, here: _Balance, missed: float) -> 
     Behind the rupture the film is in part void: there it carries what reaches it, as
     long as it only widens.
     """
-    flow, imbalance = float(here.flux[0]), _imbalance(here)
+    fluid, flow, imbalance = _even(contact, here)
+    moved = np.abs(fluid - here.fluid).max() / unknown[:-1].max()
     behind = here.flux[_rupture(here) + 1 :]
     widens = bool((behind >= flow * (1 - 1e-9)).all())
-    good = missed < _ENOUGH and imbalance < _SAME and widens
+    good = missed < _ENOUGH and moved < _SAME and imbalance < _EVEN and widens
     return Film(
         contact.places,
         here.film,
-        np.maximum(here.fluid, 0.0),
+        np.maximum(fluid, 0.0),
         here.asperity,
         float(unknown[-1]),
         flow / contact.parameter,
@@ -326,8 +338,9 @@ def follow(cases: list[Case], count: int, levels: int = 2) -> list[list[Film]]:
         known: list[_Known] = []
         for i in way:
             film = _walk(cases[i], known, count)
-            if film is None:
+            if film is None:  # the last one was too different
                 known = []
+                film = _walk(cases[i], known, count)
             while film is not None:
                 solved[i].append(film)
                 if len(solved[i]) == levels:

@@ -230,7 +230,7 @@ class _Solved(NamedTuple):
 
     numbers: Array = np.full(9, np.nan)
     errors: Array = np.full(9, np.nan)
-    profile: Array = np.full((4, 2 * _NODES - 1), np.nan)
+    profile: Array | None = None
     imbalance: float = np.nan
     half: float = np.nan  # half-width of the dry contact [m]
     beyond: bool | None = None  # whether the asperities use the material extrapolated
@@ -563,8 +563,10 @@ def _numbers(
     # where the pressure falls H < H_m; behind the rupture the liquid covers H_m/H
     wet = np.ones(x.size)
     wet[film.argmin() :] = np.minimum(found.flow / film[film.argmin() :], 1.0)
-    # beyond both ends the gap is that of a parabola, x^2/2
-    beyond = abs(x[0]) / film[0] + wet[-1] * x[-1] / (3 * film[-1])
+    # beyond both ends the gap is a parabola: int dx/H, H = x^2/2 - l, and of H_m/H^2
+    lower = 0.5 * x[0] ** 2 - film[0]
+    beyond = 2 / abs(x[0]) * (1 + 2 * lower / (3 * x[0] ** 2))
+    beyond += wet[-1] * x[-1] / (3 * film[-1])
     sheared = slide**2 / mean * parameter / 12
     sheared *= width @ (wet * (1 - share) / film) + beyond
     pumped = mean * np.sum(0.5 * (film[1:] + film[:-1]) * np.diff(fluid))
@@ -609,7 +611,10 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
         return np.reshape(np.asarray(values, dtype=float), dims)
 
     numbers = np.array([each.numbers for each in solved]).reshape(-1, 9)
-    profiles = np.array([each.profile for each in solved])
+    unsolved = np.full((4, 2 * _NODES - 1), np.nan)
+    profiles = np.array(
+        [unsolved if each.profile is None else each.profile for each in solved]
+    )
     profile = [profiles[:, i].reshape(*dims, -1) for i in range(4)]
     beyond = _beyond(scene, solved)
     kelvin = scene.kelvin
