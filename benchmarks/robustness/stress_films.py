@@ -107,12 +107,12 @@ def judge(scene: Drawn, found: dict[str, Any]) -> list[Verdict]:
     """A verdict per point."""
     from elastomdr.seal import lubricated
 
-    usual = lubricated._NODES
-    lubricated._NODES = 4 * (usual - 1) + 1
+    usual = lubricated._FEWEST, lubricated._MOST
+    lubricated._FEWEST, lubricated._MOST = 4, 5
     try:
         fine = curve(scene)
     finally:
-        lubricated._NODES = usual
+        lubricated._FEWEST, lubricated._MOST = usual
     out: list[Verdict] = []
     for i in range(scene.drag.size):
         if not found["converged"][i]:

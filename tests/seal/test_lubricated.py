@@ -131,6 +131,31 @@ def test_thin_film_has_the_rubber_friction_of_the_dry_contact(rubber, thickness)
     assert (off[1] < off[0]).all()
 
 
+@pytest.mark.parametrize("velocity", [1e-3, 0.1])
+def test_without_a_film_friction_is_that_of_the_dry_surface(velocity):
+    """Hysteresis and adhesive shear of `em.friction` under Hertz' pressure."""
+    load, modulus, stress = 1e3, 4e6, 1e5  # E*(0) = 4G
+    half = np.sqrt(4 * load * BODY.radius / (np.pi * modulus))
+    angle = (np.arange(200) + 0.5) * np.pi / 200
+    pressure, share = 2 * load / (np.pi * half) * np.sin(angle), np.sin(angle) ** 2
+    dry = em.friction(
+        RUBBER, ROUGH, velocity=velocity, pressure=pressure,
+        adhesion=em.AdhesiveShear(stress, 1.0, 0.0),
+    )  # fmt: skip
+    thin = em.lubricated(
+        RUBBER, BODY, velocity=velocity, load=load, viscosity=1e-10 / velocity,
+        surface=ROUGH, boundary_shear=stress,
+    )  # fmt: skip
+    assert thin.asperity_share == pytest.approx(1, abs=1e-3)
+    assert thin.viscous < 1e-7
+    for found, known in (
+        (thin.asperity, dry.hysteresis),
+        (thin.boundary, dry.adhesion),
+    ):
+        mean = np.average(known, weights=share)
+        assert found == pytest.approx(mean, rel=5e-3)
+
+
 def test_thick_film_does_not_feel_the_surface():
     given = {"velocity": [1.0, 10.0], "load": 1e3, "viscosity": 0.1}
     smooth = em.lubricated(RUBBER, BODY, **given)

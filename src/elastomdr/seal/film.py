@@ -76,13 +76,15 @@ class Case(NamedTuple):
         """The contact with another parameter, on `count` nodes."""
         thick = max(parameter, (2 * self.roughness) ** (5 / 3))  # H about lam^0.6 / 2
         wide = 0.72 * thick**0.5  # sqrt(2H) of a rigid cylinder
-        zone = min(0.35, 0.6 * thick**0.4) + 0.3 * wide
+        far = 200 * 0.72 * parameter**0.5  # loses 6e-5 of a rigid cylinder's load
+        soft = min(0.35, 0.6 * thick**0.4)
+        zones = (soft + 0.3 * wide, _OUTLET * soft + 0.1 * wide)
         # the inlet costs 1.3 lam^0.8/X^3 of the flow, and digits where it is far away
-        flooded = max(_FLOODED * min(1.0, (100 * parameter) ** 0.25), 25 * zone)
-        ends = (self.edges[0] - max(flooded, 100 * wide), self.edges[1] + 1 + 3 * wide)
+        flooded = max(_FLOODED * min(1.0, (100 * parameter) ** 0.25), 25 * zones[0])
+        ends = (self.edges[0] - max(flooded, far), self.edges[1] + 1 + 3 * wide)
         if self.inlet is not None:
             ends = (self.inlet, ends[1])
-        x = nodes(self.edges, ends, (zone, _OUTLET * zone), count)
+        x = nodes(self.edges, ends, zones, count)
         return Contact(parameter, self.respond(x), x, self.asperities, self.factor)
 
 
@@ -324,9 +326,14 @@ class _Known(NamedTuple):
     level: float
 
 
-def follow(cases: list[Case], count: int, levels: int = 2) -> list[list[Film]]:
-    """Each case on `count` nodes and on ones twice as dense, `levels` in all; fewer
-    where no film was found.
+def follow(
+    cases: list[Case],
+    count: int,
+    levels: int = 2,
+    enough: Callable[[int, list[Film]], bool] | None = None,
+) -> list[list[Film]]:
+    """Each case on `count` nodes and on ones twice as dense, at most `levels` in all, or
+    two where these are `enough`; fewer where no film was found.
 
     The search goes from the case that is nearest to an easy one up and down in lam.
     """
@@ -343,7 +350,8 @@ def follow(cases: list[Case], count: int, levels: int = 2) -> list[list[Film]]:
                 film = _walk(cases[i], known, count)
             while film is not None:
                 solved[i].append(film)
-                if len(solved[i]) == levels:
+                many = len(solved[i])
+                if many == levels or (many > 1 and enough and enough(i, solved[i])):
                     break
                 film = _refined(cases[i], film)
     return solved

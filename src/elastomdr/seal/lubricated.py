@@ -56,7 +56,11 @@ if TYPE_CHECKING:
     from ..element.law import Foundation
     from ..element.layer import Layer as LayerType
 
-_NODES = 129  # of the coarse grid; the fine one has twice as many
+_NODES = 129  # of the coarsest grid
+_SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
+_FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
+_REFINED = 1e-3  # relative error of the finer grid above which there is another one
+_FLAGGED = 3e-3  # and above which the point counts as not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 # velocities of rubber and counterface in the frame of the contact, over that asked for
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
@@ -373,29 +377,52 @@ def _group(
     bodies = bodies_of(scene.material)
     scales = _dry(scene, points, bodies)
     rubbed, beyond = _rubbing(scene, points, scales, rough)
+    out = [_Solved() for _ in points]
     known = [i for i, each in enumerate(scales) if np.isfinite(each.half)]
     cases = [
         _case(scene, points[i], scales[i], bodies, rough, rubbed[i]) for i in known
     ]
-    out = [_Solved() for _ in points]
+
+    def judged(number: int, found: list[films.Film]) -> tuple[Array, Array]:
+        """The numbers of the last two grids, extrapolated, and their errors."""
+        i, parameter = known[number], cases[number].parameter
+        args = (scene, points[i], scales[i], parameter, rubbed[i], shear)
+        coarse, fine = (_numbers(each, *args) for each in found[-2:])
+        better = fine + (fine - coarse) / 3
+        better = np.where(better * fine < 0, fine, better)  # of what is all but zero
+        return better, np.abs(better - fine)
+
+    def enough(number: int, found: list[films.Film]) -> bool:
+        return len(found) >= _FEWEST and _off(*judged(number, found)) < _REFINED
+
     if not cases:
         return out
-    for i, case, found in zip(known, cases, films.follow(cases, _NODES), strict=True):
+    solved = films.follow(cases, _NODES, _MOST, enough)
+    for number, found in enumerate(solved):
         if len(found) < 2:
             continue
-        args = (scene, points[i], scales[i], case.parameter, rubbed[i], shear)
-        coarse, fine = (_numbers(each, *args) for each in found)
-        better = fine + (fine - coarse) / 3
+        better, error = judged(number, found)
+        if (
+            not _off(better, error) < _FLAGGED
+        ):  # or the asperities' friction is not known
+            continue
+        i = known[number]
         out[i] = _Solved(
             better,
-            np.abs(better - fine),
-            _profile(found[1], scales[i]),
-            found[1].imbalance,
+            error,
+            _profile(found[-1], scales[i]),
+            found[-1].imbalance,
             scales[i].half,
             None if beyond is None else bool(beyond[i]),
             True,
         )
     return out
+
+
+def _off(better: Array, error: Array) -> float:
+    """Largest relative error of friction, films and flow, on the finer grid."""
+    judged = [0, 5, 6, 7]
+    return float(np.max(error[judged] / np.abs(better[judged])))
 
 
 def _dry(scene: _Scene, points: Array, bodies: list[Body]) -> list[_Scales]:
@@ -593,12 +620,14 @@ def _numbers(
 
 
 def _profile(found: films.Film, scales: _Scales) -> Array:
+    """Of every grid the nodes of the second."""
+    every = (found.places.size - 1) // (_SHOWN - 1)
     return np.stack(
         [
-            found.places * scales.half,
-            found.film * scales.film,
-            found.pressure * scales.pressure,
-            found.asperity_pressure * scales.pressure,
+            found.places[::every] * scales.half,
+            found.film[::every] * scales.film,
+            found.pressure[::every] * scales.pressure,
+            found.asperity_pressure[::every] * scales.pressure,
         ]
     )
 
@@ -611,7 +640,7 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
         return np.reshape(np.asarray(values, dtype=float), dims)
 
     numbers = np.array([each.numbers for each in solved]).reshape(-1, 9)
-    unsolved = np.full((4, 2 * _NODES - 1), np.nan)
+    unsolved = np.full((4, _SHOWN), np.nan)
     profiles = np.array(
         [unsolved if each.profile is None else each.profile for each in solved]
     )
@@ -663,7 +692,7 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
         converged=good.reshape(dims),
         extrapolated=beyond[0],
         model=_MODEL + (_ROUGH if rough else ""),
-        plan=f"Newton's method on {_NODES} and {2 * _NODES - 1} nodes, extrapolated",
+        plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
         inputs=(*inputs, *beyond[1]),
     )
 

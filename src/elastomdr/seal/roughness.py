@@ -55,19 +55,16 @@ class Roughness(NamedTuple):
 class Rubbing(NamedTuple):
     """Friction of the asperities at a velocity, by their pressure."""
 
-    pressures: Array  # [Pa], ascending
-    mu: Array  # hysteresis
-    share: Array  # real contact area over nominal
+    least: float  # pressure [Pa] below which mu is even and the area linear
+    mu: PchipInterpolator  # ln(pressure) to that of hysteresis
+    share: PchipInterpolator  # to the logarithm of real contact area over nominal
     stiffening: float  # modulus over that at rest
 
     def at(self, pressure: Array) -> tuple[Array, Array]:
         """mu and real contact at pressures [Pa]."""
-        known = np.log(self.pressures)
-        place = np.log(np.maximum(pressure, self.pressures[0]))
-        faint = np.minimum(pressure / self.pressures[0], 1.0)  # the area is linear
-        return np.interp(place, known, self.mu), faint * np.interp(
-            place, known, self.share
-        )
+        place = np.log(np.maximum(pressure, self.least))
+        faint = np.minimum(pressure / self.least, 1.0)
+        return self.mu(place), faint * np.exp(self.share(place))
 
 
 def half_space_of(material: Any) -> Any:
@@ -118,8 +115,14 @@ def rubbing(
             body, surface, velocity=np.append(slow, velocity), pressure=small, **given
         ).area_ratio
     stiffening = areas[0] / areas[1:]
+    place = np.log(pressures)
     out = [
-        Rubbing(pressures, mu, share, float(stiff))
+        Rubbing(
+            float(pressures[0]),
+            PchipInterpolator(place, mu),
+            PchipInterpolator(place, np.log(np.maximum(share, 1e-99))),
+            float(stiff),
+        )
         for mu, share, stiff in zip(
             sliding.mu, sliding.area_ratio, stiffening, strict=True
         )
