@@ -89,6 +89,8 @@ GROUPS = {
         "leak",
         "CriticalConstriction",
         "EffectiveMedium",
+        "lubricated",
+        "reciprocating",
         "friction_spectrum",
         "line_contact",
         "press",

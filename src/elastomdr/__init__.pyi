@@ -62,8 +62,13 @@ from .seal.leak import leak as leak
 from .seal.leak_result import Leak as Leak
 from .seal.leak_theories import CriticalConstriction as CriticalConstriction
 from .seal.leak_theories import EffectiveMedium as EffectiveMedium
+from .seal.lubricated import FilmProfile as FilmProfile
+from .seal.lubricated import Lubricated as Lubricated
+from .seal.lubricated import lubricated as lubricated
 from .seal.o_ring import ORing as ORing
 from .seal.o_ring import o_ring as o_ring
+from .seal.reciprocating import Reciprocating as Reciprocating
+from .seal.reciprocating import reciprocating as reciprocating
 from .smooth.dissipation import dissipation as dissipation
 from .smooth.plan import Plan as Plan
 from .surface.profile import Profile as Profile

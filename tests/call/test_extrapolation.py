@@ -564,6 +564,17 @@ OUTSIDE = {
         length=1e-3,
         time=1e8,
     ),
+    "Lubricated": lambda m: em.lubricated(
+        m, em.Cylinder(5e-3, 1.0), velocity=[0.1, 1.0], load=10.0, viscosity=1.0
+    ),
+    "Reciprocating": lambda m: em.reciprocating(
+        m,
+        o_ring=em.o_ring(m, 5e-3, 0.15, time=1e8),
+        velocity_out=[0.1, 0.2],
+        velocity_in=0.1,
+        stroke=0.1,
+        viscosity=0.1,
+    ),
 }
 # And what does not look at it, and says so.
 BLIND = {

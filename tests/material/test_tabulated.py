@@ -305,6 +305,9 @@ REFUSED = {
     "leak": lambda m: em.leak(
         m, SURFACE, pressure=3e5, pressure_drop=1e5, viscosity=1.0, length=1.0
     ),
+    "lubricated": lambda m: em.lubricated(
+        m, em.Cylinder(5e-3, 1.0), velocity=1.0, load=1.0, viscosity=1.0
+    ),
     "half-space": lambda m: em.reference.half_space_sliding(
         m, BALL, velocity=1.0, load=1.0
     ),

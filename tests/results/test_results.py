@@ -454,30 +454,33 @@ def test_every_field_of_every_result_is_declared():
             q = f.metadata.get("quantity")
             assert q is None or (q.label and q.dims.startswith(("...", "")))
     parts = {name.partition(".")[2] for name in names}
-    assert parts == {"contact", "lines", "history", "oblique", "surface"}
+    assert parts == {"contact", "lines", "history", "oblique", "surface", "profile"}
 
 
 UNITS = {  # of each quantity, whatever the result
     "-": (
-        "adhesion area area_ratio coefficient cold creepage error friction hysteresis "
-        "fill linear model_error mu outside ratio restitution road_share rolling share "
-        "slip spread squeeze stick strain"
+        "adhesion area area_ratio asperity asperity_share boundary coefficient cold "
+        "creepage error fill friction hysteresis linear model_error mu outside ratio "
+        "restitution road_share rolling rubber share slip spread squeeze stick strain "
+        "viscous"
     ),
     "m^2": "contact_area",
     "": "converged extrapolated follows percolates stuck touching",
-    "m/s": "road slowest velocity",
+    "m/s": "road slowest velocity velocity_in velocity_out",
     "K": "ambient contact_rise steady temperature temperature_rise",
-    "N": "amplitude mean force friction_force max_force normal_force pull resistance",
+    "N": "amplitude mean force friction_force friction_in friction_out max_force normal_force pull resistance",
     "W": "power slip_power",
     "m": (
         "approach approach_error contact_radius critical_gap depth diameter "
-        "displacement drive height leading max_depth mean_gap position separation "
+        "displacement drive film film_in film_out film_thickness height leading least_film max_depth mean_gap position separation "
         "stick_radius surface trailing width x"
     ),
     "s": "duration settling time",
-    "Pa": "fluid_pressure pressure pressure_drop sealing_pressure",
+    "Pa": "asperity_pressure fluid_pressure pressure pressure_drop sealing_pressure",
     "Pa s": "viscosity",
     "m^3/s": "rate",
+    "m^2/s": "flow",
+    "m^3": "net_leak",
     "kg/s": "mass_rate",
     "rad/s": "omega",
     "rad/m": "wave_number",
@@ -503,6 +506,10 @@ OTHERS = {
     "ORing.error": "N/m",
     "ORing.model_error": "N/m",
     "Leak.conductance": "m^3/(Pa s)",
+    "Lubricated.load": "N",
+    "Lubricated.imbalance": "-",
+    "Reciprocating.error": "m",
+    "Reciprocating.work": "J",
     "HeatBuildUp.error": "K",
     "HeatBuildUp.load": "N",
     "RoughContact.conductance": "1/m",

@@ -106,6 +106,8 @@ OTHERS = {
     "g": 1e-3,
     "degC": 1,
     "kg": 1,
+    "l": 1e-3,
+    "cP": 1e-3,
     **{name: 1 for name in ("m", "N", "K", "s", "Pa", "Hz", "J", "W", "rad", "mol")},
 }
 

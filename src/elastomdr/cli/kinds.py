@@ -8,6 +8,7 @@ from ..errors import InputError, closest
 from ..files import read_text
 from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
 from .leak import LeakScene
+from .lubricated import LubricatedScene
 from .scene import Scene
 from .schema import decode, keys_of
 from .steady import (
@@ -33,6 +34,7 @@ KINDS: dict[str, tuple[type[Scene], ...]] = {
     "slide": (SurfaceSlide, BodySlide),
     "traction": (WheelTraction, Traction),
     "leak": (LeakScene,),
+    "lubricated": (LubricatedScene,),
     "compare": (SurfaceComparison, BodyComparison),
 }
 

@@ -28,6 +28,7 @@ _SCENES = {
     ),
     "traction": "traction of a wheel or ball against slip or creepage",
     "leak": "leak of a static seal against pressure and time",
+    "lubricated": "film and friction of a lubricated cylinder against velocity",
     "compare": "materials ranked by friction at one velocity and temperature",
 }
 

@@ -1,1 +1,1 @@
-"""Seals: O-rings."""
+"""Seals: O-rings, lubricated contacts, rods that move out and in."""

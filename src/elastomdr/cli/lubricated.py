@@ -1,0 +1,51 @@
+"""Scenes of `elastomdr lubricated`: a film between a cylinder and rubber."""
+
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from ..errors import InputError
+from .bodies import AnySurface, Cylinder
+from .scene import OfBodies, body, on_axes
+from .schema import Several, Sweep, Table, given, named
+from .units import Duration, Force, Pressure, Velocity, Viscosity
+
+
+class Lubricated(Table):
+    """How the bodies are pressed together and move, and what is between them."""
+
+    velocity: Annotated[Sweep[Velocity], "velocity of what moves"]
+    load: Annotated[Several[Force], "load on the length of the cylinder"]
+    viscosity: Annotated[Viscosity, "dynamic viscosity of the liquid"]
+    boundary_shear: Annotated[
+        Pressure | None, "shear stress of the real contact, with a [surface]"
+    ] = None
+    time: Annotated[
+        Several[Duration] | None,
+        "since rubber that rests was pressed; by default long after",
+    ] = None
+    rubber: Annotated[
+        Literal["rests", "passes", "rolls"] | None,
+        "rests (a seal on a rod), by default; passes (under a slider); rolls",
+    ] = None
+
+
+class LubricatedScene(OfBodies):
+    """Film and friction of a lubricated cylinder."""
+
+    mark: ClassVar[str] = "lubricated"
+    call: ClassVar[str] = "lubricated"
+    indenter: Annotated[Cylinder, "the cylinder; its radius is that of the gap"]
+    surface: Annotated[
+        AnySurface | None, "roughness of the counterface; without it, it is smooth"
+    ] = None
+    lubricated: Annotated[Lubricated, "how it is pressed and moved"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        if self.numerics.rtol is not None:
+            raise InputError("[numerics] does not belong to a film: it has no rtol.")
+        found = {"shape": body(self.indenter, folder)}
+        if self.surface is not None:
+            with named("[surface]"):
+                found["surface"] = self.surface.drawn(folder, None)
+        keys = Lubricated.__struct_fields__
+        return on_axes(found | self.common(folder) | given(self.lubricated, *keys))

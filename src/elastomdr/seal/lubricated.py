@@ -1,0 +1,723 @@
+"""A rubber body and its counterface with a film of liquid between them, in plane strain.
+
+In the frame of the contact both surfaces move along x, the rubber with u_r and the
+counterface with u_c: a rod under a seal (u_r = 0, u_c = v), a slider on rubber (v, 0), a
+roller on rubber (v, v). Per length W' of the load, with the displacement w of the
+rubber,
+
+    mu v W' = int eta (u_c - u_r)^2/h dx + (u_r + u_c)/2 int h p_f' dx       viscous
+              + |u_c - u_r| int (mu_a p_a + tau A) dx                        asperities
+              + u_r int p w' dx                                              rubber
+
+the powers that are dissipated: in the film, in the rubber about asperities and by the
+shear of their contacts, and in the rubber as it passes. `film.py` has the equations of
+the film, `response.py` those of the rubber, `roughness.py` those of the asperities.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..arrays import numpy_unless_traced, one_thread
+from ..call.extrapolation import held_beyond, steady_beyond, told
+from ..call.several_materials import over_materials
+from ..checks import (
+    as_float64,
+    broadcast_shape,
+    in_kelvin,
+    is_traced,
+    positive,
+    warn_unless,
+)
+from ..element.layer import Layer
+from ..errors import InputError
+from ..material.prony import Prony
+from ..material.shift import thermal_factors
+from ..results.base import Array, Result, part, quantity, record
+from ..results.words import brief, describe, in_unit, span
+from ..rough.adhesion import AdhesiveShear
+from ..surface.shapes import Cylinder
+from ..surface.spectrum import AbstractSpectrum
+from ..trees import replaced
+from . import film as films
+from .response import Body, bodies_of, compliance, response
+from .roughness import Roughness, Rubbing, flow_factor, pressed, rubbing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Style
+    from ..element.law import Foundation
+    from ..element.layer import Layer as LayerType
+
+_NODES = 129  # of the coarsest grid
+_SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
+_FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
+_REFINED = 1e-3  # relative error of the finer grid above which there is another one
+_FLAGGED = 3e-3  # and above which the point counts as not solved
+_UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
+# velocities of rubber and counterface in the frame of the contact, over that asked for
+MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
+_MODEL = "Reynolds' equation and half-plane in plane strain, steady"
+_ROUGH = "; load shared with em.press, flow factor of Patir and Cheng"
+
+
+@part
+class FilmProfile:
+    """Film and pressures at places along the motion; the last axis of each field."""
+
+    x: Array = quantity(
+        "place", "m", "along the motion, from the apex", dims="... place", shown="mm"
+    )
+    film: Array = quantity("film", "m", "mean gap", dims="... place", shown="µm")
+    pressure: Array = quantity(
+        "pressure of the film", "Pa", "p_f", dims="... place", shown="MPa"
+    )
+    asperity_pressure: Array = quantity(
+        "pressure of the asperities", "Pa", "p_a", dims="... place", shown="MPa"
+    )
+
+
+@record
+class Lubricated(Result):
+    """Lubricated contact of a cylinder, at every velocity.
+
+    `mu` is the sum of `viscous`, `asperity`, `boundary` and `rubber`; `error` is its
+    numerical error. What the model leaves out is not bounded: `model_error` is NaN. A
+    point that was not solved is NaN with `converged=False`.
+    """
+
+    velocity: Array = quantity("velocity", "m/s", "v")
+    load: Array = quantity("load", "N", "F_N")
+    viscosity: Array = quantity("viscosity", "Pa s", "of the liquid")
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    mu: Array = quantity("friction coefficient", "-", "dissipated power over v F_N")
+    viscous: Array = quantity("viscous friction", "-", "part of mu, of the liquid")
+    asperity: Array = quantity(
+        "friction of asperities", "-", "part of mu, hysteresis about asperities"
+    )
+    boundary: Array = quantity(
+        "boundary friction", "-", "part of mu, shear of the real contact"
+    )
+    rubber: Array = quantity(
+        "friction of the rubber",
+        "-",
+        "part of mu, hysteresis of the rubber that passes",
+    )
+    film_thickness: Array = quantity(
+        "film at the apex", "m", "mean gap at x = 0", shown="µm"
+    )
+    least_film: Array = quantity("least film", "m", "least mean gap", shown="µm")
+    flow: Array = quantity("flow per width", "m^2/s", "of the liquid")
+    asperity_share: Array = quantity(
+        "load on asperities", "-", "part of the load that asperities carry"
+    )
+    imbalance: Array = quantity(
+        "imbalance of flow", "-", "largest difference of flow along the film, over it"
+    )
+    error: Array = quantity("error of the friction coefficient", "-", "numerical")
+    model_error: Array = quantity("model error", "-", "NaN: not known")
+    profile: FilmProfile
+
+    title: ClassVar[str] = "Lubricated friction"
+    across: ClassVar[str] = "velocity"
+    scale: ClassVar[str] = "log"
+    shows: ClassVar[str] = "mu"
+    error_of: ClassVar[str] = "the friction coefficient"
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "velocity",
+        "viscosity",
+        "load",
+        "temperature",
+    )
+
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        show: Literal["mu", "film_thickness", "least_film", "flow"] = "mu",
+    ) -> "Axes":
+        """Draws friction, film or flow against the velocity.
+
+        The rest as of every result, `Result.plot`. Raises `InputError`.
+        """
+        shown = ("mu", "film_thickness", "least_film", "flow")
+        if show not in shown:
+            raise InputError(f"show must be one of {', '.join(shown)}, got {show!r}.")
+        from ..results.plotting import Ask, draw
+
+        return self._draw(draw, Ask(ax, style, title, label), y=show)
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The ranges of friction, film and flow."""
+        yield "friction coefficient", span(self.mu)
+        yield "film at the apex", span(in_unit(self.film_thickness, "µm"), "µm")
+        yield "least film", span(in_unit(self.least_film, "µm"), "µm")
+        yield "load on asperities", span(self.asperity_share)
+
+
+@over_materials
+@numpy_unless_traced
+def lubricated(
+    material: Prony | Foundation | LayerType | Sequence[Prony],
+    shape: Cylinder,
+    *,
+    velocity: ArrayLike,
+    load: ArrayLike,
+    viscosity: ArrayLike,
+    surface: AbstractSpectrum | None = None,
+    boundary_shear: float | AdhesiveShear | None = None,
+    temperature: ArrayLike | None = None,
+    time: ArrayLike | None = None,
+    rubber: Literal["rests", "passes", "rolls"] = "rests",
+) -> Lubricated:
+    """Film, pressure and friction of a lubricated cylinder: over velocity, the Stribeck
+    curve.
+
+    Args:
+        material: a material, or an `em.layer` on a rigid base.
+        shape: `em.Cylinder`: its radius is that of the undeformed gap, whichever body is
+            round.
+        velocity: velocity v [m/s]; arguments broadcast.
+        load: load on the length of the cylinder [N].
+        viscosity: viscosity of the liquid at the temperature [Pa s].
+        surface: roughness of the counterface, by its spectrum; None where it is smooth.
+        boundary_shear: shear stress of the real contact [Pa], or an `em.AdhesiveShear`.
+        temperature: temperature [K], for a material with a shift law.
+        time: how long the pressure has stood on rubber that rests [s]; None for long
+            after.
+        rubber: "rests" under a counterface that moves, as a seal on a rod does; "passes"
+            under a rigid body that slides on it; "rolls" with the counterface, both at v.
+
+    Returns:
+        An `em.Lubricated` of the broadcast shape.
+
+    Raises:
+        InputError: for anything but a cylinder, a material without equilibrium modulus,
+            springs, and arguments out of range.
+
+    Exact in plane strain for smooth surfaces, small strains and a liquid of constant
+    viscosity, flooded, with a film thin against the radius; conserves mass where the
+    film ruptures. Roughness enters by its mean gap. Source: `docs/seal.md`; Giacopini et
+    al., J. Tribol. 132 (2010) 041702; Patir & Cheng, J. Lubr. Technol. 100 (1978) 12.
+    """
+    scene = _checked(
+        material, shape, velocity, load, viscosity, temperature, time, rubber, surface
+    )
+    shear = _checked_shear(boundary_shear, surface, temperature)
+    solved = [_Solved() for _ in range(scene.velocity.size)]
+    rough = None if surface is None else pressed(material, surface)
+    with one_thread():
+        for points in scene.groups():
+            for i, result in zip(
+                points, _group(scene, points, rough, shear), strict=True
+            ):
+                solved[i] = result
+    good = np.array([each.good for each in solved])
+    warn_unless(good, "points")
+    return _packed(scene, solved, good)
+
+
+class _Solved(NamedTuple):
+    """A point: the numbers of `_numbers`, their errors, and the profile."""
+
+    numbers: Array = np.full(9, np.nan)
+    errors: Array = np.full(9, np.nan)
+    profile: Array | None = None
+    imbalance: float = np.nan
+    half: float = np.nan  # half-width of the dry contact [m]
+    beyond: bool | None = None  # whether the asperities use the material extrapolated
+    good: bool = False
+
+
+class _Scene(NamedTuple):
+    """The arguments, flat, in SI units."""
+
+    material: Any
+    shape: Cylinder
+    surface: AbstractSpectrum | None
+    rubber: str
+    dims: tuple[int, ...]
+    velocity: Array
+    load: Array
+    viscosity: Array
+    kelvin: Array | None
+    time: Array | None
+    factor: Array  # a_T
+    vertical: Array  # b_T
+
+    def groups(self) -> Iterator[Array]:
+        """Numbers of points that differ in velocity and viscosity only."""
+        kelvin = np.zeros(self.load.size) if self.kelvin is None else self.kelvin
+        time = np.zeros(self.load.size) if self.time is None else self.time
+        key = np.column_stack([self.load, kelvin, time])
+        _, group = np.unique(key, axis=0, return_inverse=True)
+        group = group.ravel()
+        for i in range(group.max() + 1 if group.size else 0):
+            yield np.flatnonzero(group == i)
+
+
+def _checked(
+    material: Any,
+    shape: Any,
+    velocity: Any,
+    load: Any,
+    viscosity: Any,
+    temperature: Any,
+    time: Any,
+    rubber: Any,
+    surface: Any,
+) -> _Scene:
+    """The arguments, checked and broadcast. Raises `InputError`."""
+    if is_traced(material, shape, velocity, load, viscosity, temperature, time):
+        raise InputError(
+            "em.lubricated cannot be called under jax.jit, grad or vmap: it searches "
+            "with numbers."
+        )
+    if not isinstance(shape, Cylinder):
+        raise InputError(
+            f"shape must be an em.Cylinder(radius, length) under a film, got {shape!r}."
+        )
+    if surface is not None and not isinstance(surface, AbstractSpectrum):
+        raise InputError(
+            "surface must be a surface by its spectrum (em.SelfAffine, em.Spectrum, "
+            f"em.read_surface(...)) or None, got {surface!r}."
+        )
+    if rubber not in MOTIONS:
+        raise InputError(
+            f"rubber must be one of {', '.join(map(repr, MOTIONS))}, got {rubber!r}."
+        )
+    if time is not None and rubber != "rests":
+        raise InputError(
+            "time must be left out for rubber that moves through the contact, got "
+            f"{time}."
+        )
+    given = {"velocity": velocity, "load": load, "viscosity": viscosity}
+    given |= {"temperature": temperature, "time": time}
+    arrays = {
+        name: as_float64(name, value)
+        for name, value in given.items()
+        if value is not None
+    }
+    for name, value in arrays.items():
+        positive(name, value)
+    dims = broadcast_shape(**arrays)
+    flat = {
+        name: np.broadcast_to(value, dims).ravel() for name, value in arrays.items()
+    }
+    kelvin = flat.get("temperature")
+    factor, vertical = np.ones(flat["load"].size), np.ones(flat["load"].size)
+    if kelvin is not None:
+        in_kelvin("temperature", kelvin)
+        factor, vertical = (
+            np.broadcast_to(each, kelvin.shape)
+            for each in thermal_factors(material, kelvin)
+        )
+    bodies_of(material)  # refuses what carries no film
+    return _Scene(
+        material,
+        shape,
+        surface,
+        rubber,
+        dims,
+        flat["velocity"],
+        flat["load"],
+        flat["viscosity"],
+        kelvin,
+        flat.get("time"),
+        factor,
+        vertical,
+    )
+
+
+def _checked_shear(shear: Any, surface: Any, temperature: Any) -> AdhesiveShear | None:
+    """The shear of the real contact as a law. Raises `InputError`."""
+    if shear is None:
+        return None
+    if surface is None:
+        raise InputError(
+            "boundary_shear acts where a rough surface touches: give surface, or leave "
+            "it out on a smooth one, which the film keeps apart."
+        )
+    if isinstance(shear, AdhesiveShear):
+        if shear.shift is not None and temperature is None:
+            raise InputError(
+                "boundary_shear has a shift law and needs a temperature [K]."
+            )
+        return shear
+    stress = as_float64("boundary_shear", shear)
+    positive("boundary_shear", stress)
+    return AdhesiveShear(stress, 1.0, 0.0)
+
+
+class _Scales(NamedTuple):
+    """The dry contact of a point, of which everything is a multiple."""
+
+    half: float  # a [m]
+    edges: tuple[float, float]  # over a
+    pressure: float  # p_ref [Pa]
+    film: float  # a^2/R [m]
+
+
+def _group(
+    scene: _Scene, points: Array, rough: Roughness | None, shear: AdhesiveShear | None
+) -> list[_Solved]:
+    """Points of one load, temperature and time."""
+    bodies = bodies_of(scene.material)
+    scales = _dry(scene, points, bodies)
+    rubbed, beyond = _rubbing(scene, points, scales, rough)
+    out = [_Solved() for _ in points]
+    known = [i for i, each in enumerate(scales) if np.isfinite(each.half)]
+    cases = [
+        _case(scene, points[i], scales[i], bodies, rough, rubbed[i]) for i in known
+    ]
+
+    def judged(number: int, found: list[films.Film]) -> tuple[Array, Array]:
+        """The numbers of the last two grids, extrapolated, and their errors."""
+        i, parameter = known[number], cases[number].parameter
+        args = (scene, points[i], scales[i], parameter, rubbed[i], shear)
+        coarse, fine = (_numbers(each, *args) for each in found[-2:])
+        better = fine + (fine - coarse) / 3
+        better = np.where(better * fine < 0, fine, better)  # of what is all but zero
+        return better, np.abs(better - fine)
+
+    def enough(number: int, found: list[films.Film]) -> bool:
+        return len(found) >= _FEWEST and _off(*judged(number, found)) < _REFINED
+
+    if not cases:
+        return out
+    solved = films.follow(cases, _NODES, _MOST, enough)
+    for number, found in enumerate(solved):
+        if len(found) < 2:
+            continue
+        better, error = judged(number, found)
+        if (
+            not _off(better, error) < _FLAGGED
+        ):  # or the asperities' friction is not known
+            continue
+        i = known[number]
+        out[i] = _Solved(
+            better,
+            error,
+            _profile(found[-1], scales[i]),
+            found[-1].imbalance,
+            scales[i].half,
+            None if beyond is None else bool(beyond[i]),
+            True,
+        )
+    return out
+
+
+def _off(better: Array, error: Array) -> float:
+    """Largest relative error of friction, films and flow, on the finer grid."""
+    judged = [0, 5, 6, 7]
+    return float(np.max(error[judged] / np.abs(better[judged])))
+
+
+def _dry(scene: _Scene, points: Array, bodies: list[Body]) -> list[_Scales]:
+    """The dry contacts."""
+    first, radius = points[0], float(scene.shape.radius)
+    line = float(scene.load[first] / scene.shape.length)
+    held = _held(scene, first)
+    u_rubber = MOTIONS[scene.rubber][0]
+    if u_rubber == 0 and bodies[0].thickness is None:
+        soft = compliance(bodies[0], held) / scene.vertical[first]
+        half = np.sqrt(4 * line * radius * soft / np.pi)
+        leading = trailing = np.full(points.size, half)
+    else:
+        leading, trailing = _dry_edges(scene, points, held)
+    half = 0.5 * (leading + trailing)
+    return [
+        _Scales(a, (-ahead / a, behind / a), 2 * line / (np.pi * a), a**2 / radius)
+        for a, ahead, behind in zip(half, leading, trailing, strict=True)
+    ]
+
+
+def _held(scene: _Scene, point: int) -> float | None:
+    """Reduced time for which the pressure has stood [s]."""
+    return (
+        None if scene.time is None else float(scene.time[point] / scene.factor[point])
+    )
+
+
+def _dry_edges(scene: _Scene, points: Array, held: float | None) -> tuple[Array, Array]:
+    """Edges of the dry contact ahead of the apex and behind it [m]."""
+    from ..smooth.cylinder import cylinder_on_layer
+
+    material, velocity = scene.material, scene.velocity[points]
+    kelvin = None if scene.kelvin is None else scene.kelvin[points]
+    if MOTIONS[scene.rubber][0] == 0:
+        material, velocity, kelvin = _at_rest(material, held), 1.0, None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = cylinder_on_layer(
+            "friction",
+            material,
+            scene.shape,
+            velocity=velocity,
+            load=scene.load[points] / (scene.vertical[points] if kelvin is None else 1),
+            depth=None,
+            temperature=kelvin,
+            model=None,
+            rtol=1e-4,
+        ).found
+    return np.asarray(found.contact.leading), np.asarray(found.contact.trailing)
+
+
+def _at_rest(layer: Layer, held: float | None) -> Layer:
+    """The layer as an elastic one, of its modulus long after or after a time."""
+    own = layer.material
+    if not isinstance(own, Prony):
+        raise InputError("material must be an em.Prony as a layer under a film.")
+    shear = own.shear()
+    modulus = shear.equilibrium if held is None else 1 / shear.creep_compliance(held)
+    elastic = replaced(
+        own if own.poisson is None else shear,
+        equilibrium=np.asarray(modulus),
+        moduli=np.zeros(0),
+        times=np.zeros(0),
+        viscosity=np.zeros(()),
+        shift=None,
+        vertical=None,
+    )
+    other = None if layer.other is None else _at_rest(layer.other, held)
+    return replaced(layer, material=elastic, other=other)
+
+
+def _rubbing(
+    scene: _Scene, points: Array, scales: list[_Scales], rough: Roughness | None
+) -> tuple[list[Rubbing | None], Array | None]:
+    """Friction of the asperities at each point; None on smooth surfaces."""
+    if rough is None or scene.surface is None:
+        return [None] * points.size, None
+    u_rubber, u_counter = MOTIONS[scene.rubber]
+    # a rolling contact presses its asperities for as long as it passes
+    slide = abs(u_counter - u_rubber) or 1.0
+    kelvin = None if scene.kelvin is None else float(scene.kelvin[points[0]])
+    largest = float(np.nanmax([each.pressure for each in scales]))
+    out, beyond = rubbing(
+        scene.material, scene.surface, slide * scene.velocity[points], largest, kelvin
+    )
+    return list(out), beyond
+
+
+def _case(
+    scene: _Scene,
+    point: int,
+    scales: _Scales,
+    bodies: list[Body],
+    rough: Roughness | None,
+    rubbed: Rubbing | None,
+) -> films.Case:
+    """The film of a point, over its scales."""
+    u_rubber, u_counter = MOTIONS[scene.rubber]
+    velocity, radius = float(scene.velocity[point]), float(scene.shape.radius)
+    mean = 0.5 * (u_rubber + u_counter) * velocity
+    parameter = (
+        12 * scene.viscosity[point] * mean * radius**2
+        / (scales.half**3 * scales.pressure)
+    )  # fmt: skip
+    softness = scales.pressure * radius / (scales.half * scene.vertical[point])
+    passing = u_rubber * velocity * scene.factor[point]
+    held = _held(scene, point)
+
+    def respond(x: Array) -> Array:
+        return softness * response(bodies, x, passing, scales.half, held)
+
+    case = films.Case(float(parameter), scales.edges, respond)
+    if rough is None or rubbed is None:
+        return case
+    modulus = rough.modulus * rubbed.stiffening * float(scene.vertical[point])
+    return case._replace(
+        roughness=rough.rms / scales.film,
+        asperities=partial(_asperities, rough, modulus, scales),
+        factor=partial(_factor, rough.rms / scales.film),
+    )
+
+
+def _asperities(
+    rough: Roughness, modulus: float, scales: _Scales, film: Array
+) -> tuple[Array, Array]:
+    pressure, slope = rough.pressure(film * scales.film, modulus)
+    return pressure / scales.pressure, slope * (scales.film / scales.pressure)
+
+
+def _factor(roughness: float, film: Array) -> tuple[Array, Array]:
+    factor, slope = flow_factor(film / roughness)
+    return factor, slope / roughness
+
+
+def _numbers(
+    found: films.Film,
+    scene: _Scene,
+    point: int,
+    scales: _Scales,
+    parameter: float,
+    rubbed: Rubbing | None,
+    shear: AdhesiveShear | None,
+) -> Array:
+    """mu, its four parts, film at the apex, least film, flow, load on asperities."""
+    x, film, fluid = found.places, found.film, found.pressure
+    width = np.gradient(x)
+    width[[0, -1]] *= 0.5
+    u_rubber, u_counter = MOTIONS[scene.rubber]
+    slide, mean = u_counter - u_rubber, 0.5 * (u_rubber + u_counter)
+    per_load, slope = 1 / films.LOAD, scales.half / float(scene.shape.radius)
+    asperity_mu, share = np.zeros(x.size), np.zeros(x.size)
+    stress = 0.0
+    carried = found.asperity_pressure
+    if rubbed is not None:
+        asperity_mu, share = rubbed.at(carried * scales.pressure)
+    if shear is not None:
+        kelvin = (
+            None
+            if scene.kelvin is None or shear.shift is None
+            else (scene.kelvin[point])
+        )
+        speed = (abs(slide) or 1.0) * scene.velocity[point]
+        stress = float(shear.shear_stress(speed, kelvin)) / scales.pressure
+    # where the pressure falls H < H_m; behind the rupture the liquid covers H_m/H
+    wet = np.ones(x.size)
+    wet[film.argmin() :] = np.minimum(found.flow / film[film.argmin() :], 1.0)
+    # beyond both ends the gap is a parabola: int dx/H, H = x^2/2 - l, and of H_m/H^2
+    lower = 0.5 * x[0] ** 2 - film[0]
+    beyond = 2 / abs(x[0]) * (1 + 2 * lower / (3 * x[0] ** 2))
+    beyond += wet[-1] * x[-1] / (3 * film[-1])
+    sheared = slide**2 / mean * parameter / 12
+    sheared *= width @ (wet * (1 - share) / film) + beyond
+    pumped = mean * np.sum(0.5 * (film[1:] + film[:-1]) * np.diff(fluid))
+    viscous = per_load * slope * (sheared + pumped)
+    asperity = per_load * abs(slide) * (width @ (asperity_mu * carried))
+    boundary = per_load * abs(slide) * stress * (width @ share)
+    total, bent = found.total, film - 0.5 * x**2
+    rubber = np.sum(0.5 * (total[1:] + total[:-1]) * np.diff(bent))
+    rubber *= per_load * u_rubber * slope
+    number = np.arange(x.size)
+    least = int(film.argmin())
+    near = np.linspace(max(least - 1, 0), min(least + 1, x.size - 1), 401)
+    return np.array([
+        viscous + asperity + boundary + rubber,
+        viscous,
+        asperity,
+        boundary,
+        rubber,
+        CubicSpline(x, film)(0.0) * scales.film,
+        CubicSpline(number, film)(near).min() * scales.film,
+        found.flow * scales.film * mean * scene.velocity[point],
+        per_load * (width @ carried),
+    ])  # fmt: skip
+
+
+def _profile(found: films.Film, scales: _Scales) -> Array:
+    """Of every grid the nodes of the second."""
+    every = (found.places.size - 1) // (_SHOWN - 1)
+    return np.stack(
+        [
+            found.places[::every] * scales.half,
+            found.film[::every] * scales.film,
+            found.pressure[::every] * scales.pressure,
+            found.asperity_pressure[::every] * scales.pressure,
+        ]
+    )
+
+
+def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
+    """The result, with what lies beyond the data of the material."""
+    dims = scene.dims
+
+    def shaped(values: Any) -> Any:
+        return np.reshape(np.asarray(values, dtype=float), dims)
+
+    numbers = np.array([each.numbers for each in solved]).reshape(-1, 9)
+    unsolved = np.full((4, _SHOWN), np.nan)
+    profiles = np.array(
+        [unsolved if each.profile is None else each.profile for each in solved]
+    )
+    profile = [profiles[:, i].reshape(*dims, -1) for i in range(4)]
+    beyond = _beyond(scene, solved)
+    kelvin = scene.kelvin
+    rough = scene.surface is not None
+    inputs = [
+        ("material", getattr(scene.material, "name", "") or "given directly"),
+        ("shape", describe(scene.shape).replace(" on a layer", "")),
+        ("rubber", scene.rubber),
+        *(
+            (name, brief(values, unit))
+            for name, unit in _UNITS.items()
+            if (values := getattr(scene, name)) is not None
+        ),
+    ]
+    if kelvin is not None:
+        inputs.append(("temperature", brief(kelvin, "K")))
+    if scene.surface is not None:
+        inputs.append(("surface", f"{scene.surface.label}, {scene.surface.words()}"))
+    named = dict(
+        zip(
+            (
+                "mu",
+                "viscous",
+                "asperity",
+                "boundary",
+                "rubber",
+                "film_thickness",
+                "least_film",
+                "flow",
+                "asperity_share",
+            ),
+            map(shaped, numbers.T),
+            strict=True,
+        )
+    )
+    return Lubricated(
+        velocity=shaped(scene.velocity),
+        load=shaped(scene.load),
+        viscosity=shaped(scene.viscosity),
+        temperature=None if kelvin is None else shaped(kelvin),
+        **named,
+        imbalance=shaped([each.imbalance for each in solved]),
+        error=shaped([each.errors[0] for each in solved]),
+        model_error=np.full(dims, np.nan),
+        profile=FilmProfile(*profile),
+        converged=good.reshape(dims),
+        extrapolated=beyond[0],
+        model=_MODEL + (_ROUGH if rough else ""),
+        plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
+        inputs=(*inputs, *beyond[1]),
+    )
+
+
+def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Array | None, Any]:
+    """Points beyond the data of the material, and a line that says so."""
+    known = scene.material.range
+    shape = scene.velocity.shape
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if MOTIONS[scene.rubber][0] == 0:
+            rubber = held_beyond(
+                known, scene.time, scene.kelvin,
+                np.broadcast_to(scene.factor, shape),
+            )  # fmt: skip
+        else:
+            half = np.array([each.half for each in solved])
+            rubber = steady_beyond(
+                known, scene.velocity * scene.factor, half, scene.kelvin
+            )
+    if rubber.points is None:
+        return None, ()
+    points = np.broadcast_to(rubber.points, shape) | np.array(
+        [bool(each.beyond) for each in solved]
+    )
+    what = "frequencies or times of the rubber, or of its asperities"
+    said = told(points, what, known.illustrative)
+    return points.reshape(scene.dims), said.said

@@ -1,0 +1,189 @@
+"""How a surface of rubber gives way to a pressure that stands or passes: matrices.
+
+Under hats of pressure, 1 at one node and 0 at its neighbours, a half-space or a layer is
+displaced by
+
+    u(x) = J o int K(x - s) p(s) ds,      K = -(2/pi) [ln|x| - S(x/h)],
+    S(y) = ln(1 + y^2)/2 + int_0^inf (W(z) - 1 + e^-z) cos(zy)/z dz,
+
+with S = 0 on a half-space; W is the kernel of `element/layer.py`. The integral over a
+hat is a second difference of the second integral of K. J is the creep function of E*: of
+a standing pressure its limit, and of one that passes with the velocity v each
+retardation time lambda leaves a memory l = v lambda,
+
+    u_l(x) = int_0^inf u(x - s) exp(-s/l) ds/l,      the rubber moves along +x,
+
+which is exact for a u that is linear between the nodes, and these reach far ahead of the
+contact. Derived here; Johnson 1985, section 5.8, for W.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.special import hyperu
+
+from ..checks import Array
+from ..element.law import as_foundation
+from ..element.layer import Layer, layer_kernel
+from ..errors import InputError
+from ..material.relaxation import KelvinChain, to_kelvin
+
+_FAR = 40.0  # y beyond which a layer is at rest, S = ln y
+_FARTHEST = 1e3  # half-lengths ahead of the contact from which memories are followed
+_AHEAD = 1.12  # ratio of distances between nodes there
+
+
+class Body(NamedTuple):
+    """One of the bodies under the pressure."""
+
+    chain: KelvinChain  # of 1/E* [1/Pa]
+    thickness: float | None  # [m]; None: a half-space
+    squeeze: float  # 1 - 2 nu
+    bonded: bool
+
+
+def bodies_of(material: Any) -> list[Body]:
+    """The half-space, or the layers on both sides. Raises `InputError`."""
+    if not isinstance(material, Layer):
+        foundation = as_foundation(material)
+        if foundation.per_area:
+            raise InputError(
+                "material must be a half-space (the material itself) or an em.layer "
+                "under a film, got em.springs: independent springs have no smooth film."
+            )
+        return [Body(_chain(foundation.law()), None, 0.0, True)]
+    for cover in material.covers:
+        if not cover.constant:
+            raise InputError(
+                "material must have a constant Poisson's ratio as a layer under a "
+                "film, got a bulk modulus: give poisson=0.5 in its place."
+            )
+    return [
+        Body(
+            _chain(cover.normal()),
+            float(cover.thickness),
+            float(np.real(cover.squeeze())),
+            cover.bonded,
+        )
+        for cover in material.covers
+    ]
+
+
+def _chain(law: Any) -> KelvinChain:
+    if float(law.equilibrium) == 0:
+        raise InputError(
+            "material must have an equilibrium modulus under a film, got a liquid, "
+            "which sinks without end."
+        )
+    return to_kelvin(law)
+
+
+def compliance(body: Body, held: float | None = None) -> float:
+    """J(t) after the reduced time `held` [s], or long after: 1/E*(0) [1/Pa]."""
+    grown = 1.0
+    if held is not None:
+        grown = -np.expm1(-held / np.asarray(body.chain.times))
+    return float(body.chain.instantaneous + np.sum(body.chain.compliances * grown))
+
+
+def response(
+    bodies: list[Body],
+    x: Array,
+    velocity: float,
+    unit: float,
+    held: float | None = None,
+) -> Array:
+    """Displacement over pressure and `unit` [1/Pa] at the nodes x under each inner hat.
+
+    x in units of `unit` [m]; `velocity` of the rubber [m/s], reduced, 0 where the
+    pressure stands, for the reduced time `held` [s].
+    """
+    total = np.zeros((x.size, x.size - 2))
+    for body in bodies:
+        layered = body.thickness is not None
+        ratio = body.thickness / unit if layered else None
+        if velocity == 0:
+            total += compliance(body, held) * _elastic(x, x, ratio, body)
+            continue
+        ahead = _ahead(x)
+        places = np.concatenate([ahead, x])
+        elastic = _elastic(places, x, ratio, body)
+        total += float(body.chain.instantaneous) * elastic[ahead.size :]
+        memory = velocity * np.asarray(body.chain.times) / unit
+        total += _remembered(elastic, places, x, memory, body)[ahead.size :]
+    return 2 * total
+
+
+def _elastic(places: Array, x: Array, ratio: float | None, body: Body) -> Array:
+    """Half of int K over each hat of the nodes x, at the places."""
+    apart = places[:, None] - x
+    distance = np.abs(apart)
+    distance[distance == 0] = 1.0
+    twice = -(0.5 * apart**2 * np.log(distance) - 0.75 * apart**2) / np.pi
+    if ratio is not None:
+        smooth = _layer_part(body.squeeze, body.bonded)(np.abs(apart) / ratio)
+        twice += (ratio**2 * smooth + 0.5 * apart**2 * np.log(ratio)) / np.pi
+    return np.diff(np.diff(twice, axis=1) / np.diff(x), axis=1)
+
+
+@functools.lru_cache(maxsize=8)
+def _layer_part(squeeze: float, bonded: bool) -> Any:
+    """Second integral of S from 0, for y >= 0."""
+    ends = np.linspace(0.0, 44.0, 221)
+    node, share = np.polynomial.legendre.leggauss(10)
+    half = 0.5 * np.diff(ends)[:, None]
+    z = (ends[:-1, None] + half * (1 + node)).ravel()
+    weight = (half * share).ravel()
+    lacking = (layer_kernel(z, squeeze, bonded) - 1 + np.exp(-z)) / z * weight
+    y = np.concatenate([np.arange(0.0, 8.0, 0.02), np.arange(8.0, _FAR + 0.05, 0.1)])
+    smooth = 0.5 * np.log1p(y**2) + np.cos(y[:, None] * z) @ lacking
+    spline = CubicSpline(y, smooth, bc_type=((1, 0.0), "not-a-knot"))
+    once, twice = spline.antiderivative(1), spline.antiderivative(2)
+    last = y[-1]
+
+    def tail(y: Array) -> Array:
+        return 0.5 * y**2 * np.log(y) - 0.75 * y**2
+
+    def second(y: Array) -> Array:
+        far = np.maximum(y, last)
+        slope = once(last) - (last * np.log(last) - last)
+        beyond = twice(last) + tail(far) - tail(last) + slope * (far - last)
+        return np.where(y < last, twice(np.minimum(y, last)), beyond)
+
+    return second
+
+
+def _ahead(x: Array) -> Array:
+    """Places ahead of the nodes, from the farthest on."""
+    first = x[0]
+    reach = max(_FARTHEST, 3 * abs(first))
+    count = max(2, int(np.ceil(np.log(reach / abs(first)) / np.log(_AHEAD))))
+    return -np.geomspace(reach, abs(first), count + 1)[:-1]
+
+
+def _remembered(
+    elastic: Array, places: Array, x: Array, memory: Array, body: Body
+) -> Array:
+    """Sum over the branches of J_k times the displacement that each remembers."""
+    compliances = np.asarray(body.chain.compliances)
+    now = np.broadcast_to(elastic[0], (memory.size, elastic.shape[1])).copy()
+    if body.thickness is None:  # int ln(X + s) exp(-s/l) ds/l - ln X = U(1, 1, X/l)
+        hats = 0.5 * (x[2:] - x[:-2])
+        more = hyperu(1.0, 1.0, np.minimum(abs(places[0]) / memory, 1e8))
+        now -= more[:, None] * hats / np.pi
+    total = np.empty_like(elastic)
+    total[0] = compliances @ now
+    step = np.diff(places)[:, None] / memory
+    fading = np.exp(-step)
+    mean = -np.expm1(-step) / step
+    new, old = 1 - mean, mean - fading
+    for i in range(step.shape[0]):
+        now *= fading[i][:, None]
+        now += new[i][:, None] * elastic[i + 1]
+        now += old[i][:, None] * elastic[i]
+        total[i + 1] = compliances @ now
+    return total

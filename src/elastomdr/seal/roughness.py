@@ -1,0 +1,153 @@
+"""What the roughness of the counterface adds to a film: pressure, flow, friction.
+
+The pressure is shared, p = p_fluid + p_a(u): p_a is the pressure at which `em.press`
+finds the mean gap u. Rubber that the roughness excites while it slides is stiffer than
+at rest: by the ratio of the areas that `em.Multiscale` has in real contact at rest and
+at the velocity, both under a small pressure.
+
+The flow factor of Patir and Cheng (J. Lubr. Technol. 100 (1978) 12), isotropic:
+
+    phi = 1 - 0.9 exp(-0.56 u/R_q).
+
+This is the place for factors of a leak model, phi = 12 eta s/u^3 with its conductance s.
+The shear flow factor is left out.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from ..checks import Array
+from ..element.layer import Layer
+from ..material.prony import Prony
+from ..surface.spectrum import AbstractSpectrum
+
+# pressures of the curve over E* times the rms slope
+_LEVELS = np.geomspace(1e-7, 10.0, 41)
+_CLOSED = 1e-3  # mean gap over the rms height below which the curve is extended
+_SMALL = 1e-3  # pressure over E* times rms slope at which areas are compared
+_PRESSURES = np.geomspace(1e-5, 3.0, 11)  # of the friction, over the largest pressure
+_SLOW = 1e-6  # q v tau at which the roughness moves so slowly that rubber is relaxed
+
+
+class Roughness(NamedTuple):
+    """The pressed surface."""
+
+    rms: float  # R_q [m]
+    curve: PchipInterpolator  # gap [m] to ln(p_a/E*(0)), for the relaxed rubber
+    last: tuple[float, float]  # gaps between which the curve is known
+    modulus: float  # E*(0) [Pa]
+
+    def pressure(self, gap: Array, modulus: float) -> tuple[Array, Array]:
+        """p_a [Pa] and its slope by the gap; exponential beyond the curve."""
+        inside = np.clip(gap, *self.last)
+        slope = self.curve.derivative()(inside)
+        pressure = modulus * np.exp(
+            np.minimum(self.curve(inside) + slope * (gap - inside), 300.0)
+        )
+        return pressure, pressure * slope
+
+
+class Rubbing(NamedTuple):
+    """Friction of the asperities at a velocity, by their pressure."""
+
+    least: float  # pressure [Pa] below which mu is even and the area linear
+    mu: PchipInterpolator  # ln(pressure) to that of hysteresis
+    share: PchipInterpolator  # to the logarithm of real contact area over nominal
+    stiffening: float  # modulus over that at rest
+
+    def at(self, pressure: Array) -> tuple[Array, Array]:
+        """mu and real contact at pressures [Pa]."""
+        place = np.log(np.maximum(pressure, self.least))
+        faint = np.minimum(pressure / self.least, 1.0)
+        return self.mu(place), faint * np.exp(self.share(place))
+
+
+def half_space_of(material: Any) -> Any:
+    """What waves that are short against a layer meet: its material."""
+    return material.material if isinstance(material, Layer) else material
+
+
+def pressed(material: Any, surface: AbstractSpectrum) -> Roughness:
+    """The curve of `em.press` at rest."""
+    from ..element.law import as_foundation
+    from ..rough.press import press
+
+    foundation = as_foundation(half_space_of(material))
+    modulus = float(foundation.equilibrium)
+    pressure = _LEVELS * modulus * float(surface.rms_slope)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        contact = press(foundation, surface, pressure=pressure)
+    rms = float(np.sqrt(2 * np.pi * surface.moment(1)))
+    gap = np.asarray(contact.separation)
+    open_ = np.isfinite(gap) & (gap > _CLOSED * rms)
+    gap, level = gap[open_][::-1], np.log(pressure[open_][::-1] / modulus)
+    return Roughness(rms, PchipInterpolator(gap, level), (gap[0], gap[-1]), modulus)
+
+
+def rubbing(
+    material: Any,
+    surface: AbstractSpectrum,
+    velocity: Array,
+    largest: float,
+    kelvin: float | None,
+) -> tuple[list[Rubbing], Array | None]:
+    """Friction by `em.Multiscale` at each velocity [m/s], up to about the `largest`
+    pressure [Pa]; and at which the material is extrapolated.
+    """
+    from ..verbs.friction import friction
+
+    body = half_space_of(material)
+    pressures = _PRESSURES * largest
+    given: dict[str, Any] = {} if kelvin is None else {"temperature": kelvin}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sliding = friction(
+            body, surface, velocity=velocity[:, None], pressure=pressures, **given
+        )
+        small, slow = _compared(body, surface, kelvin)
+        areas = friction(
+            body, surface, velocity=np.append(slow, velocity), pressure=small, **given
+        ).area_ratio
+    stiffening = areas[0] / areas[1:]
+    place = np.log(pressures)
+    out = [
+        Rubbing(
+            float(pressures[0]),
+            PchipInterpolator(place, mu),
+            PchipInterpolator(place, np.log(np.maximum(share, 1e-99))),
+            float(stiff),
+        )
+        for mu, share, stiff in zip(
+            sliding.mu, sliding.area_ratio, stiffening, strict=True
+        )
+    ]
+    beyond = sliding.extrapolated
+    return out, None if beyond is None else np.asarray(beyond).any(axis=1)
+
+
+def _compared(
+    body: Prony, surface: AbstractSpectrum, kelvin: float | None
+) -> tuple[float, float]:
+    """A small pressure [Pa], and a velocity so slow that all is relaxed [m/s]."""
+    from ..element.law import as_foundation
+    from ..material.shift import thermal_factors
+
+    foundation = as_foundation(body)
+    factor = 1.0 if kelvin is None else float(thermal_factors(foundation, kelvin)[0])
+    slowest = float(np.max(foundation.times, initial=1e-9))
+    modulus = float(foundation.equilibrium)
+    return _SMALL * modulus * float(surface.rms_slope), _SLOW / (
+        float(surface.q_high) * slowest * factor
+    )
+
+
+def flow_factor(gap: Array) -> tuple[Array, Array]:
+    """phi and its slope by the gap; gaps over the rms height."""
+    fading = 0.9 * np.exp(-0.56 * gap)
+    return 1 - fading, 0.56 * fading

@@ -1,0 +1,230 @@
+"""Lubricated line contacts against published and closed solutions, and their limits."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import elastomdr as em
+from elastomdr.seal import film
+from elastomdr.seal.response import bodies_of, response
+
+RUBBER = em.Prony(1e6, [3e6, 2e6], [1e-4, 1e-2], name="rubber")
+BODIES = bodies_of(em.Prony(0.25, [], []))  # E* = 1 Pa
+BODY = em.Cylinder(5e-3, 1.0)
+ROUGH = em.SelfAffine(hurst=0.8, rms_height=3e-7, q_low=1e5, q_high=1e7)
+
+
+def elastic(x):
+    return 0.5 * response(BODIES, x, 0.0, 1.0)
+
+
+def rigid(x):
+    return np.zeros((x.size, x.size - 2))
+
+
+def extrapolated(levels, number):
+    coarse, fine = (number(each) for each in levels[-2:])
+    return fine + (fine - coarse) / 3
+
+
+def numbers(found):
+    centre = film.CubicSpline(found.places, found.film)(0.0)
+    near = film.CubicSpline(np.arange(found.film.size), found.film)
+    least = near(np.linspace(-1, 1, 401) + found.film.argmin()).min()
+    return np.array([centre, least, found.flow, found.total.max()])
+
+
+@pytest.mark.parametrize(
+    ("lam", "inlet", "expected"),
+    [
+        (3.0, -20.0, (1.0995, 1.0075, 1.2489, 0.6099)),
+        (1.0, -20.0, (0.5403, 0.4434, 0.5558, 0.7866)),
+        (0.1, -4.0, (0.12357, 0.09691, 0.12275, 0.9501)),
+        (0.03, -4.0, (0.05779, 0.04559, 0.05765, 0.9777)),
+        (0.01, -4.0, (0.02925, 0.02315, 0.02922, 0.9897)),
+    ],
+)
+def test_elastic_isoviscous_line_contact(lam, inlet, expected):
+    """Films, flow and pressure of an independent solution on 601 and 2401 points."""
+    case = film.Case(lam, (-1.0, 1.0), elastic, inlet=inlet)
+    found = extrapolated(film.follow([case], 129)[0], numbers)
+    # the last digit of the table is worth up to 2e-4 as well
+    rounding = 0.5 * 10.0 ** -(np.array([4 if lam > 0.5 else 5] * 3 + [4]))
+    assert (np.abs(found - expected) < 2e-4 * found + rounding).all()
+
+
+def test_four_times_finer_grid():
+    cases = [film.Case(lam, (-1.0, 1.0), elastic) for lam in (1.0, 0.03, 1e-4)]
+    for levels in film.follow(cases, 129, 4):
+        usual, fine = extrapolated(levels[:2], numbers), extrapolated(levels, numbers)
+        assert usual[:3] == pytest.approx(fine[:3], rel=1e-4)
+
+
+def test_rigid_cylinder():
+    """w' = 4.895 eta u R/h_min, h_0 = 1.2257 h_min (Martin 1916), from Reynolds'
+    equation in theta, x = sqrt(2 R h_min) tan(theta), whose pressure vanishes at the
+    exit with its slope.
+    """
+
+    def rises(exit_):
+        """p' over its scale, by theta."""
+        return lambda t: np.cos(t) ** 2 - (np.cos(t) ** 2 / np.cos(exit_)) ** 2
+
+    def at_the_end(exit_):
+        return quad(rises(exit_), -np.pi / 2, exit_)[0]
+
+    exit_ = brentq(at_the_end, 0.1, 1.0, xtol=1e-14)
+    load = quad(lambda t: -np.tan(t) * rises(exit_)(t), -np.pi / 2, exit_)[0]
+    assert (24 * load, np.tan(exit_)) == pytest.approx((4.895, 0.4751), abs=1e-4)
+    case = film.Case(100.0, (-1.0, 1.0), rigid, inlet=-2000.0)
+    levels = []
+    for count in (257, 513):
+        contact = case.at(100.0, count)
+        start = 0.13 * np.exp(-((contact.places[1:-1] + 3) ** 2) / 30)
+        levels.append(film.solve(contact, start, 26.0))
+    assert all(each.converged for each in levels)
+    _, least, flow, _ = extrapolated(levels, numbers)
+    assert least == pytest.approx(24 * load * 2 / (12 * np.pi) * 100, rel=1e-4)
+    assert flow == pytest.approx(least / np.cos(exit_) ** 2, rel=1e-4)
+
+
+def test_smooth_stribeck_curve_keeps_mass():
+    curve = em.lubricated(
+        RUBBER, BODY, velocity=np.geomspace(1e-4, 1e3, 12), load=1e3, viscosity=0.05
+    )
+    assert curve.converged.all()
+    assert curve.imbalance.max() < 1e-10
+    assert curve.mu == pytest.approx(curve.viscous)
+    assert (np.diff(curve.film_thickness) > 0).all()
+
+
+def test_power_in_the_film():
+    """Friction is what the liquid dissipates: its shear and its flow by pressure."""
+    curve = em.lubricated(RUBBER, BODY, velocity=0.1, load=1e3, viscosity=0.05)
+    x, h, p = curve.profile.x, curve.profile.film, curve.profile.pressure
+    middle, slope = 0.5 * (h[1:] + h[:-1]), np.diff(p) / np.diff(x)
+    wet = (p[1:] > 0) | (x[1:] < 0)
+    flow = float(curve.flow)
+    cover = np.where(wet, 1.0, flow / (0.05 * middle))
+    shear = 0.05 * 0.1**2 / middle * cover
+    lost = np.sum((shear + middle**3 * slope**2 / (12 * 0.05)) * np.diff(x))
+    assert float(curve.mu) * 0.1 * 1e3 == pytest.approx(lost, rel=2e-3)
+
+
+@pytest.mark.parametrize("rubber", ["passes", "rolls"])
+@pytest.mark.parametrize("thickness", [None, 1e-3])
+def test_thin_film_has_the_rubber_friction_of_the_dry_contact(rubber, thickness):
+    body = RUBBER if thickness is None else em.layer(RUBBER, thickness)
+    velocity = np.array([1e-2, 1.0])
+    dry = em.friction(body, BODY, velocity=velocity, load=1e3).mu
+    thin, thinner = (
+        em.lubricated(
+            body, BODY, velocity=velocity, load=1e3, viscosity=drag / velocity,
+            rubber=rubber,
+        )
+        for drag in (1e-3, 1e-4)
+    )  # fmt: skip
+    off = np.abs(thin.rubber / dry - 1), np.abs(thinner.rubber / dry - 1)
+    assert (off[0] < 0.03).all()
+    assert (off[1] < 0.012).all()
+    assert (off[1] < off[0]).all()
+
+
+@pytest.mark.parametrize("velocity", [1e-3, 0.1])
+def test_without_a_film_friction_is_that_of_the_dry_surface(velocity):
+    """Hysteresis and adhesive shear of `em.friction` under Hertz' pressure."""
+    load, modulus, stress = 1e3, 4e6, 1e5  # E*(0) = 4G
+    half = np.sqrt(4 * load * BODY.radius / (np.pi * modulus))
+    angle = (np.arange(200) + 0.5) * np.pi / 200
+    pressure, share = 2 * load / (np.pi * half) * np.sin(angle), np.sin(angle) ** 2
+    dry = em.friction(
+        RUBBER, ROUGH, velocity=velocity, pressure=pressure,
+        adhesion=em.AdhesiveShear(stress, 1.0, 0.0),
+    )  # fmt: skip
+    thin = em.lubricated(
+        RUBBER, BODY, velocity=velocity, load=load, viscosity=1e-10 / velocity,
+        surface=ROUGH, boundary_shear=stress,
+    )  # fmt: skip
+    assert thin.asperity_share == pytest.approx(1, abs=1e-3)
+    assert thin.viscous < 1e-7
+    for found, known in (
+        (thin.asperity, dry.hysteresis),
+        (thin.boundary, dry.adhesion),
+    ):
+        mean = np.average(known, weights=share)
+        assert found == pytest.approx(mean, rel=5e-3)
+
+
+def test_thick_film_does_not_feel_the_surface():
+    given = {"velocity": [1.0, 10.0], "load": 1e3, "viscosity": 0.1}
+    smooth = em.lubricated(RUBBER, BODY, **given)
+    rough = em.lubricated(RUBBER, BODY, surface=ROUGH, boundary_shear=1e5, **given)
+    assert rough.mu == pytest.approx(smooth.mu, rel=1e-2)
+    assert rough.film_thickness[1] == pytest.approx(smooth.film_thickness[1], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"shape": em.Sphere(1e-2)}, "shape"),
+        ({"rubber": "slides"}, "rubber"),
+        ({"boundary_shear": 1e5}, "surface"),
+        ({"viscosity": -1.0}, "viscosity"),
+        ({"rubber": "rolls", "time": 1.0}, "time"),
+        ({"material": em.Maxwell(1e6, 1.0)}, "material"),
+    ],
+)
+def test_what_is_refused(change, named):
+    given = {"velocity": 0.1, "load": 1e3, "viscosity": 0.1} | change
+    material, shape = given.pop("material", RUBBER), given.pop("shape", BODY)
+    with pytest.raises(em.InputError, match=named):
+        em.lubricated(material, shape, **given)
+
+
+X = np.linspace(0.0, 2e-3, 2001)
+STEEP = np.where(
+    X < 5e-4,
+    3e6 * np.sin(np.pi * X / 1e-3) ** 2,
+    3e6 * np.cos(np.pi * (X - 5e-4) / 3e-3) ** 2,
+)
+
+
+def test_inverse_theory_and_the_steeper_flank():
+    """h_0 = sqrt(8 eta U/(9 p'_max)) with p'_max = pi p/(2 w) of each flank."""
+    scene = {"velocity_out": 0.1, "velocity_in": 0.1, "stroke": 0.1, "viscosity": 0.03}
+    tight = em.reciprocating(profile=(X, STEEP), **scene)
+    loose = em.reciprocating(profile=(X, STEEP[::-1]), **scene)
+    slopes = np.array([np.pi * 3e6 / 1e-3, np.pi * 3e6 / 3e-3])
+    films = 0.5 * np.sqrt(8 * 0.03 * 0.1 / (9 * slopes))
+    assert [float(tight.film_out), float(tight.film_in)] == pytest.approx(
+        films, rel=1e-4
+    )
+    assert float(tight.net_leak) == 0
+    assert float(loose.net_leak) == pytest.approx((films[1] - films[0]) * 0.1, rel=1e-3)
+
+
+def test_profile_from_a_file(tmp_path):
+    path = tmp_path / "profile.csv"
+    rows = "\n".join(f"{x * 1e3},{p / 1e6}" for x, p in zip(X, STEEP, strict=True))
+    path.write_text(f"position [mm], pressure [MPa]\n{rows}\n", encoding="utf-8")
+    scene = {"velocity_out": 0.1, "velocity_in": 0.1, "stroke": 0.1, "viscosity": 0.03}
+    given, read = (
+        em.reciprocating(profile=each, **scene) for each in ((X, STEEP), path)
+    )
+    assert float(read.film_out) == pytest.approx(float(given.film_out), rel=1e-9)
+
+
+def test_o_ring_leaks_by_the_faster_stroke_out():
+    ring = em.o_ring(RUBBER, 5e-3, 0.15)
+    found = em.reciprocating(
+        RUBBER,
+        o_ring=ring,
+        velocity_out=0.3,
+        velocity_in=0.1,
+        stroke=0.1,
+        viscosity=0.03,
+    )
+    # an inlet of Hertz: films as (eta U)^0.6
+    assert float(found.film_out / found.film_in) == pytest.approx(3**0.6, rel=0.02)
+    assert float(found.net_leak) > 0
