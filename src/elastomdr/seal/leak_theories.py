@@ -114,7 +114,7 @@ class EffectiveMedium(LeakTheory):
         closes: real contact area over nominal area at which nothing flows any more;
             0.5 is Bruggeman's medium, in contacts it is about 0.42.
 
-    It leaks about two to seven times more than three-dimensional maps. Source: B.
+    It leaks two to more than ten times more than three-dimensional maps. Source: B.
     Lorenz and B. N. J. Persson, Eur. Phys. J. E 31 (2010) 159.
     """
 
