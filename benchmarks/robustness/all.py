@@ -26,6 +26,7 @@ from common import RESULTS, heading, save, table, verdict
 PARTS = (
     ("stress_surfaces", "--scenes", 500, 50, 500),
     ("stress_layers", "--scenes", 200, 20, 300),
+    ("stress_films", "--scenes", 40, 10, 200),
     ("stress_models", "--scenes", 200, 20, 1300),
     ("stress_motion", "--scenes", 2000, 100, 2200),
     ("sweeps_killed", "--sweeps", 20, 2, 300),

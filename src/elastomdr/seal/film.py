@@ -84,7 +84,9 @@ class Case(NamedTuple):
         ends = (self.edges[0] - max(flooded, far), self.edges[1] + 1 + 3 * wide)
         if self.inlet is not None:
             ends = (self.inlet, ends[1])
-        x = nodes(self.edges, ends, zones, count)
+        # a rigid film ruptures at 0.475 sqrt(2H)
+        dense = (self.edges[0], self.edges[1] + 0.3 * 0.72 * parameter**0.5)
+        x = nodes(dense, ends, zones, count)
         return Contact(parameter, self.respond(x), x, self.asperities, self.factor)
 
 
