@@ -24,7 +24,7 @@ function of Fischer and Burmeister is safer, a + b - sqrt(a^2 + b^2) = 0.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -127,7 +127,7 @@ def nodes(
         fine += [edge - near, edge + near]
     places = np.unique(np.concatenate(fine))
     places = places[(places >= ends[0]) & (places <= ends[1])]
-    way = sum(np.arcsinh((places - edge) / zone) for edge, zone in both)
+    way: Any = sum(np.arcsinh((places - edge) / zone) for edge, zone in both)
     wanted = np.linspace(way[0], way[-1], count)
     x = np.interp(wanted, way, places)
     for _ in range(3):

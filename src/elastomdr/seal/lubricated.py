@@ -380,13 +380,13 @@ def _group(
     out = [_Solved() for _ in points]
     known = [i for i, each in enumerate(scales) if np.isfinite(each.half)]
     cases = [
-        _case(scene, points[i], scales[i], bodies, rough, rubbed[i]) for i in known
+        _case(scene, int(points[i]), scales[i], bodies, rough, rubbed[i]) for i in known
     ]
 
     def judged(number: int, found: list[films.Film]) -> tuple[Array, Array]:
         """The numbers of the last two grids, extrapolated, and their errors."""
         i, parameter = known[number], cases[number].parameter
-        args = (scene, points[i], scales[i], parameter, rubbed[i], shear)
+        args = (scene, int(points[i]), scales[i], parameter, rubbed[i], shear)
         coarse, fine = (_numbers(each, *args) for each in found[-2:])
         better = fine + (fine - coarse) / 3
         better = np.where(better * fine < 0, fine, better)  # of what is all but zero
@@ -427,7 +427,7 @@ def _off(better: Array, error: Array) -> float:
 
 def _dry(scene: _Scene, points: Array, bodies: list[Body]) -> list[_Scales]:
     """The dry contacts."""
-    first, radius = points[0], float(scene.shape.radius)
+    first, radius = int(points[0]), float(scene.shape.radius)
     line = float(scene.load[first] / scene.shape.length)
     held = _held(scene, first)
     u_rubber = MOTIONS[scene.rubber][0]
@@ -529,7 +529,7 @@ def _case(
         / (scales.half**3 * scales.pressure)
     )  # fmt: skip
     softness = scales.pressure * radius / (scales.half * scene.vertical[point])
-    passing = u_rubber * velocity * scene.factor[point]
+    passing = float(u_rubber * velocity * scene.factor[point])
     held = _held(scene, point)
 
     def respond(x: Array) -> Array:

@@ -104,8 +104,8 @@ def response(
     """
     total = np.zeros((x.size, x.size - 2))
     for body in bodies:
-        layered = body.thickness is not None
-        ratio = body.thickness / unit if layered else None
+        thickness = body.thickness
+        ratio = None if thickness is None else thickness / unit
         if velocity == 0:
             total += compliance(body, held) * _elastic(x, x, ratio, body)
             continue
@@ -141,7 +141,8 @@ def _layer_part(squeeze: float, bonded: bool) -> Any:
     lacking = (layer_kernel(z, squeeze, bonded) - 1 + np.exp(-z)) / z * weight
     y = np.concatenate([np.arange(0.0, 8.0, 0.02), np.arange(8.0, _FAR + 0.05, 0.1)])
     smooth = 0.5 * np.log1p(y**2) + np.cos(y[:, None] * z) @ lacking
-    spline = CubicSpline(y, smooth, bc_type=((1, 0.0), "not-a-knot"))
+    ends: Any = ((1, 0.0), "not-a-knot")  # wider than its type hints
+    spline = CubicSpline(y, smooth, bc_type=ends)
     once, twice = spline.antiderivative(1), spline.antiderivative(2)
     last = y[-1]
 

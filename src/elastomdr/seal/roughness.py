@@ -107,11 +107,11 @@ def rubbing(
     given: dict[str, Any] = {} if kelvin is None else {"temperature": kelvin}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        sliding = friction(
+        sliding: Any = friction(
             body, surface, velocity=velocity[:, None], pressure=pressures, **given
         )
         small, slow = _compared(body, surface, kelvin)
-        areas = friction(
+        areas: Any = friction(
             body, surface, velocity=np.append(slow, velocity), pressure=small, **given
         ).area_ratio
     stiffening = areas[0] / areas[1:]
@@ -127,8 +127,8 @@ def rubbing(
             sliding.mu, sliding.area_ratio, stiffening, strict=True
         )
     ]
-    beyond = sliding.extrapolated
-    return out, None if beyond is None else np.asarray(beyond).any(axis=1)
+    beyond: Any = sliding.extrapolated
+    return out, None if beyond is None else np.asarray(np.any(beyond, axis=1))
 
 
 def _compared(
