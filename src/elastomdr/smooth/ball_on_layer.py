@@ -289,9 +289,7 @@ def _relaxed_curve(on: Sliding, rest: Any, places: Array) -> tuple[Array, Array]
 def _lines(
     material: Layer, shape: AbstractShape, points: Scene, control: str, rtol: float
 ) -> _Lines:
-    """Compliances of all covers added, and the relaxed layer. Raises `InputError` for
-    liquids and parallel dashpots.
-    """
+    """What every line shares: the covers' compliances, the relaxed layer, its reach."""
     chain, misfit = _compliances(material)
     h = material.covers[0].thickness
 
