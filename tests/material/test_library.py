@@ -220,3 +220,9 @@ def test_rewritten_shift_laws_are_the_published_ones():
         np.testing.assert_allclose(
             [ours.c1, ours.c2], [rewritten.c1, rewritten.c2], rtol=3e-4
         )
+
+
+@pytest.mark.parametrize("name", ["a" * 400, "a" * 400 + ".toml", "b/" * 3000 + "x"])
+def test_a_name_too_long_for_a_file_is_refused_as_any_other(name):
+    with pytest.raises(InputError, match=r"not in the library|there is no such file"):
+        em.load_material(name)

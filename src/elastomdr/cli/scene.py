@@ -278,12 +278,10 @@ def made(of: list[Any], parts: list[Any]) -> list[Any]:
 def load(folder: Path, key: str, name: str) -> Any:
     """A material of the library, or of a file beside the scene."""
     is_file = name.endswith(".toml") or "/" in name or "\\" in name
+    # by a list: asking for a name may fail, as where it is too long
+    beside = {path.stem for path in folder.glob("*.toml")}
     with named(f"{key}:"):
-        if (
-            not is_file
-            and name not in em.materials()
-            and (folder / f"{name}.toml").is_file()
-        ):
+        if not is_file and name not in em.materials() and name in beside:
             raise InputError(
                 f"{name!r} is not in the library, but a file beside the scene: write "
                 f'"{name}.toml".'

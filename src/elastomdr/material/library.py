@@ -208,15 +208,9 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
         or "/" in text
         or os.sep in text
     ):
-        if not path.exists():
-            near = closest(
-                path.name,
-                (
-                    other.name
-                    for other in path.parent.glob("*.toml")
-                    if _is_material(other)
-                ),
-            )
+        if not _exists(path):
+            beside = path.parent.glob("*.toml") if _exists(path.parent) else ()
+            near = closest(path.name, (x.name for x in beside if _is_material(x)))
             near = near or closest(path.stem, _files())
             raise InputError(
                 f"{path}: there is no such file.{near} Looked for in "
@@ -237,6 +231,14 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
             f"{', '.join(map(str, files[text]))}. Give the path instead."
         )
     return files[text][0]
+
+
+def _exists(path: Path) -> bool:
+    """Whether there is such a file; a name that is too long for one has none."""
+    try:
+        return path.exists()
+    except OSError:
+        return False
 
 
 def _is_material(path: Path) -> bool:
