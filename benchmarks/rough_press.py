@@ -16,7 +16,7 @@ from common import heading, one_thread, save, table
 
 import elastomdr as em
 from elastomdr.rough.half_space import solve
-from elastomdr.rough.press import bounds
+from elastomdr.rough.press import least_conductance
 from elastomdr.surface.spectrum import rough_map
 
 MODULUS, LOW, SLOPE = 1e6, 1e3, 0.3  # E* [Pa], q_low [rad/m], rms slope
@@ -86,6 +86,21 @@ def in_three_dimensions(
             )
         )
     return tuple(np.array(rows).T)
+
+
+def bounds(load: float, peak: float, full: float, energy: float) -> tuple[float, float]:
+    """Least and largest conductance over conductivity [1/m] of elastic surfaces under
+    p/E* = `load`.
+
+    `peak` is the height of the highest point over the mean [m], `full` the pressure and
+    `energy` the energy per area [m] of full contact, both over E*. Pressure is convex
+    in the approach: its slope is at most that of the chord to full contact,
+    (full - p)/gap; and so is the complementary energy in the pressure, whose slope is
+    the gap: gap >= (energy - peak p)/(full - p).
+    """
+    left, rest = energy - peak * load, full - load
+    low = float(least_conductance(load, peak))
+    return low, 2 * rest**2 / left if left > 0 and rest > 0 else np.inf
 
 
 def elastic(omega: np.ndarray) -> np.ndarray:
