@@ -3,7 +3,7 @@
 Teaches: a material from the library, a ball, a range of velocities and a load make a
 curve, a figure and a summary.
 
-Inputs: the compound is `tread-passenger-synthetic` of the library, a spectrum made up
+Inputs: the compound is `tread-passenger-synthetic` of the library, a spectrum synthesised
 for it (see its file under materials/); radius and load are chosen here.
 
 Check: far below and far above all relaxation times the rubber is elastic and friction

@@ -4,7 +4,7 @@ Teaches: one call per material puts compounds side by side, and the order they c
 changes with the velocity.
 
 Inputs: four rubbers of the library at 20 degC. Only `epdm-70` was fitted to measured
-moduli; the others are spectra made up for the library (see the grades in their files
+moduli; the others are synthetic spectra of the library (see the grades in their files
 under materials/). Radius and load are chosen here, the velocities so that velocity over
 contact radius, about 0.01 to 10^4 rad/s, stays within the range of every material file.
 

@@ -4,7 +4,7 @@ Teaches: where temperature does no more than multiply all relaxation times by a_
 T) = mu(v a_T, T_ref): curves at six temperatures are one curve of v a_T, as Grosch
 (1963) found by experiment.
 
-Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the
+Inputs: `tread-passenger-synthetic` of the library, a synthetic spectrum with the
 published shift law of a cured SBR (Wu, Fujii, Kawahara & Isono 2007, e-J. Soft Mater.
 3:41: c1 = 13.2, c2 = 39.7 K about -42 degC); load and radius chosen here. Shaded:
 slower than the material file vouches for.

@@ -6,7 +6,7 @@ G_k says what a change of one branch does: a branch that relaxes during the pass
 loss; one too slow for that is a spring, which only stiffens the rubber, so that the
 contact is smaller and the friction lower.
 
-Inputs: `natural-rubber-like` of the library, a made-up spectrum, at its reference
+Inputs: `natural-rubber-like` of the library, a synthetic spectrum, at its reference
 temperature of -25 degC; radius and load chosen here.
 
 Check: a finite difference, and two facts that no solver knows of. Moduli and load

@@ -4,7 +4,7 @@ recovered.
 Teaches: `em.indent` with a depth; that the second loop is not the first; the imprint a
 contact leaves behind; the energy account (`work`, `stored`, `locked`, `dissipated`).
 
-Inputs: a standard solid made up here, E_inf = 1 MPa, E_1 = 3 MPa, tau = 0.5 s (moduli
+Inputs: a synthetic standard solid, E_inf = 1 MPa, E_1 = 3 MPa, tau = 0.5 s (moduli
 E* of the half-space). Ball of 10 mm radius, 0.1 mm deep, 1 s down and 1 s up: chosen
 here.
 

@@ -5,7 +5,7 @@ Teaches: `adhesion=` of `em.indent`, in J/m^2; loads that pull; that a point whe
 body has come off is NaN.
 
 Inputs: elastic E* = 1 MPa, or 1 MPa relaxed and 4 MPa glassy with tau = 1 s, work of
-adhesion 50 mJ/m^2, ball of 10 mm radius: made up here.
+adhesion 50 mJ/m^2, ball of 10 mm radius: illustrative.
 
 Check: the largest pull of JKR, (3/2) pi gamma R, and that of the viscoelastic rule,
 E_0/E_inf times as much.

@@ -4,7 +4,7 @@ Teaches: `em.impact` takes arrays of mass, velocity and temperature and returns
 restitution, contact time, depth and force, and the whole motion of each impact. One
 axis is one line of the figure.
 
-Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the measured
+Inputs: `tread-passenger-synthetic` of the library, a synthetic spectrum with the measured
 shift law of an SBR; a steel ball of 10 mm radius, 33 g, chosen here.
 
 Check: an integration of the same motion that shares nothing with the solver, for a

@@ -6,7 +6,7 @@ road (a rough line); what holds the block is a spring and a damper. Friction rem
 while the block slows down it is not that of steady sliding at the same speed. At rest
 rubber friction is zero, and what the spring held lets the block swing back.
 
-Inputs: made up here: E* = 1 MPa relaxed, branches of 2, 3 and 4 MPa at 20, 2 and 0.2
+Inputs: synthetic: E* = 1 MPa relaxed, branches of 2, 3 and 4 MPa at 20, 2 and 0.2
 ms; a road of five waves, 2 mm to 0.4 mm long; 1.5 kN per metre pressed on, so that road
 and block touch everywhere; block 2 kg/m on 200 kN/m/m and 1 kN s/m/m; from 0.5 m/s to
 rest in 40 ms.

@@ -5,7 +5,7 @@ Teaches: `em.o_ring` turns a squeeze into a pressure, `em.friction` on a rough s
 that into a force; `em.slide` starts it after a dwell on a line of that surface,
 `surface.line(seed)`. Whether its drive sticks and slips: example 27.
 
-Inputs: `epdm-70` (fitted to shear DMA) and `silicone-like` (made up, illustrative) of
+Inputs: `epdm-70` (fitted to shear DMA) and `silicone-like` (synthetic, illustrative) of
 the library; O-ring of 3 mm cord on a rod of 20 mm, squeezed by 8 % for 1 h; rod ground
 rough, H = 0.8, rms slope 0.3, wavelengths of 100 um to 4 um: chosen here. Hysteresis
 only, no adhesion: docs/seal.md.

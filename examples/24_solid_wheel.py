@@ -6,7 +6,7 @@ its resistance makes, and the way to it; `em.dissipation` says how much each rel
 time takes of the loss. Warm rubber is faster rubber: the loss moves to branches that
 are slower at the reference temperature, here to those that lose less.
 
-Inputs: the synthetic passenger tread of the library (made up, illustrative) as a solid
+Inputs: the synthetic passenger tread of the library (synthetic, illustrative) as a solid
 tyre, 15 mm thick on a steel hub of 200 mm over all and 50 mm wide, 800 N, in a cold
 store at -10 degC; 1.2 W/K to the air and 1 kJ/K: chosen here, the first as 0.06 m^2 at
 20 W/(m^2 K). The tyre is a layer bonded to its hub (`em.layer`), exact in plane strain.

@@ -6,9 +6,9 @@ shifts them, the curve's `plot(measured=)` draws them, and `em.fit.calibrate` fi
 upper cutoff of a spectrum, first alone, then with all that is not known either:
 heights, and a factor on the coefficient.
 
-Inputs: the points of scenes/measured_friction.csv, which are made up: those of this
+Inputs: the points of scenes/measured_friction.csv, which are synthetic: those of this
 engine for q_high = 50000 rad/m, with a noise of 3 %. Name your own file with --data.
-`tread-passenger-synthetic` of the library, a made-up spectrum with the measured shift
+`tread-passenger-synthetic` of the library, a synthetic spectrum with the measured shift
 law of an SBR; a self-affine road, H = 0.8, rms height 50 um, q_low = 2000 rad/m, 0.5
 MPa: assumed.
 

@@ -1,4 +1,4 @@
-"""Makes the files beside itself: made-up measurements in the form of a laboratory's."""
+"""Makes the files beside itself: synthetic measurements in the form of a laboratory's."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ q = np.geomspace(3e2, 3e6, 61)  # [rad/m]
 c = 6e-16 * np.maximum(q / 2e3, 1) ** -3.6 * (1 + 0.05 * rng.normal(size=q.size))
 rows = [f"{a:.5e},{b:.4e}" for a, b in zip(q, c, strict=True)]
 (here / "road.csv").write_text(
-    "\n".join(["# asphalt, made up", "q [rad/m],C [m^4]", *rows]) + "\n"
+    "\n".join(["# asphalt, synthetic", "q [rad/m],C [m^4]", *rows]) + "\n"
 )
 
 # Friction of that rubber on that road, read off a curve of em.friction (50 um, 0.3 MPa)
@@ -51,7 +51,7 @@ rows = [
     for speed, mu in zip(speeds, values, strict=True)
 ]
 (here / "friction.csv").write_text(
-    "\n".join(["# made up", "velocity [mm/s],temperature [degC],mu", *rows]) + "\n"
+    "\n".join(["# synthetic", "velocity [mm/s],temperature [degC],mu", *rows]) + "\n"
 )
 
 # The same rubber as an instrument's export (the layout of a TA Q800, latin-1),

@@ -77,7 +77,7 @@ def test_page_runs(place, capsys):
     ):
         assert words in said.out
     assert 'material = "fitted/dma.toml"' in said.out
-    assert "beyond the frequencies of the material's data" in said.err
+    assert "outside the measured frequencies of the material" in said.err
     for file in re.findall(r"`((?:fitted|out)/[\w.-]+)`", PAGE):
         assert (place / file).exists(), file
 

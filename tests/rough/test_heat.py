@@ -303,7 +303,7 @@ def test_scene_with_heat_and_measured_points(tmp_path, capsys, monkeypatch):
         "without heating",
         "0.25 W/(m K)",
         "length scale",
-        "excited beyond",
+        "outside the data",
     ):
         assert word in said
     table = (tmp_path / "tyre-friction.csv").read_text()

@@ -127,7 +127,7 @@ def rough_beyond(
     if outside is not None and (outside > _OUTSIDE).any():
         points = points | (outside > _OUTSIDE)
         most = f"up to {outside.max():.0%} of the mean square slope"
-        what.append(f"{most} is excited beyond the frequencies of the material's data")
+        what.append(f"{most} lies outside the measured frequencies of the material")
     if outside is None and known.temperature is None and not known.beyond:
         return NOT_KNOWN
     return told(points, "; ".join(what), known.illustrative)

@@ -248,7 +248,7 @@ class FrictionCurve(AbstractCurve):
     outside: Array | None = quantity(
         "share of the slope beyond the material's range",
         "-",
-        "share of <|grad h|^2> excited beyond the frequencies of the data",
+        "share of <|grad h|^2> outside the measured frequencies",
         default=None,
     )
     temperature_rise: Array | None = quantity(

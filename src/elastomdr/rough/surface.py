@@ -315,11 +315,9 @@ def _inputs(
 
 
 def excited_beyond(outside: Any) -> tuple[str, str]:
-    """A row for results: the share of the slope excited beyond the data."""
-    return (
-        "excited beyond",
-        f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>",
-    )
+    """A row for results: the share of the slope outside the measured frequencies."""
+    most = f"at most {np.nanmax(outside):.0%} of <|grad h|^2>"
+    return "outside the data", f"{most} lies outside the measured frequencies"
 
 
 def _packed(
