@@ -28,7 +28,7 @@ from scipy.optimize import least_squares
 
 import elastomdr as em
 from elastomdr.rough.psd_integrals import PER_DECADE, nodes
-from elastomdr.seal.gap_maps import medium
+from elastomdr.seal.gap_flow import effective_medium
 from elastomdr.seal.leak_form import FORM, Form, factor, gap_of, log_bound
 from elastomdr.seal.persson_gap import contact_of, mean_gap
 
@@ -77,6 +77,11 @@ def read() -> Maps:
     return Maps(*(np.concatenate(part, -1) for part in zip(*parts, strict=True)))
 
 
+def _of_maps(flows: np.ndarray) -> float:
+    """Flow through a plane of maps, along either axis."""
+    return effective_medium(np.ones(flows.size), flows.ravel(), 2)
+
+
 def _points(number: int, spectrum: em.SelfAffine, kept: dict[str, Any]) -> Maps:
     """One surface on maps of one size."""
     gap, flows = np.array(kept["gap"]), np.array(kept["flow"])
@@ -94,8 +99,8 @@ def _points(number: int, spectrum: em.SelfAffine, kept: dict[str, Any]) -> Maps:
         mean_gap(found) / height,
         gap.mean(1),
         np.log(gap).std(1, ddof=1) / gap.shape[1] ** 0.5,
-        np.array([medium(each) for each in flows]),
-        np.array([medium(each) for each in over]),
+        np.array([_of_maps(each) for each in flows]),
+        np.array([_of_maps(each) for each in over]),
         found.steep,
         _error(flows),
         _error(over),

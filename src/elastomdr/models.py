@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, NoReturn
 
 from .checks import is_traced, only_one
 from .errors import InputError, closest
@@ -50,11 +50,11 @@ class Model:
         self, material: Materials, shape: Indenter, **scene: Any
     ) -> FrictionCurve:
         """`em.friction` of a smooth body with a model that is not solved on a line."""
-        raise NotImplementedError
+        self._refuse("em.Averaged(), em.Line() or em.HalfSpace() for a smooth body")
 
     def smooth_plan(self) -> str:
         """`em.plan` of a smooth body with a model that is not solved on a line."""
-        raise NotImplementedError
+        self._refuse("em.Averaged(), em.Line() or em.HalfSpace() for a smooth body")
 
     def check_adhesion(self, adhesion: AdhesiveShear | None) -> None:
         """Raises `InputError` for adhesion where a rough surface has no known area."""
@@ -77,21 +77,25 @@ class Model:
         """`em.friction` of a rough line or surface; `scene` holds its other
         arguments.
         """
-        raise InputError(f"model must be one of friction, got {self!r}.")
+        self._refuse("one of friction")
 
     def rough_plan(
         self, material: Materials, surface: Surface, **scene: Any
     ) -> RoughPlan | SurfacePlan:
         """`em.plan` of a rough line or surface; `scene` holds its other arguments."""
-        raise InputError(f"model must be one of friction, got {self!r}.")
+        self._refuse("one of friction")
 
     def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
         """Gaps of a surface and the flow through them, for `em.leak`; `level` is the
         pressure over E*, shape (points,).
         """
-        raise InputError(
-            f"model must be em.Multiscale() or em.HalfSpace() for a leak, got {self!r}."
+        self._refuse(
+            "em.Multiscale(), em.CriticalConstriction(), em.EffectiveMedium() or "
+            "em.HalfSpace() for a leak"
         )
+
+    def _refuse(self, accepted: str) -> NoReturn:
+        raise InputError(f"model must be {accepted}, got {self!r}.")
 
 
 class GapFlow(NamedTuple):
@@ -192,11 +196,11 @@ class SurfaceModel(Model, ABC):
         local: Local,
     ) -> Waves:
         """Friction wave by wave, `elastomdr.rough.multiscale.Waves`."""
-        raise NotImplementedError
+        self._refuse("one with `waves` and `contact`, as `heats_by_scale` promises")
 
     def contact(self, stress_variance: Array) -> Array:
         """The share of contact from R, the integral of `waves(...).rate`."""
-        raise NotImplementedError
+        self._refuse("one with `waves` and `contact`, as `heats_by_scale` promises")
 
     def rough_friction(
         self,

@@ -10,8 +10,8 @@ from scipy.special import erf
 
 import elastomdr as em
 from elastomdr.rough.psd_integrals import nodes
-from elastomdr.seal.gap_flow import channels, flow
-from elastomdr.seal.gap_maps import medium, narrowest
+from elastomdr.seal.gap_flow import channels, effective_medium, flow
+from elastomdr.seal.gap_maps import narrowest
 from elastomdr.seal.leak_theories import _medium
 from elastomdr.seal.persson_gap import contact_of, mean_gap
 
@@ -111,9 +111,11 @@ def test_the_narrowest_place_of_the_widest_channel():
 
 def test_a_plane_of_maps():
     """Two kinds alike often: the root of their product (Keller 1964)."""
-    assert medium([[1.0, 4.0]]) == pytest.approx(2.0, rel=1e-12)
-    assert medium([[3.0, 3.0]]) == pytest.approx(3.0, rel=1e-12)
-    assert medium([[0.0, 3.0]]) == 0.0
+    half = [0.5, 0.5]
+    assert effective_medium(half, [1.0, 4.0], 2) == pytest.approx(2.0, rel=1e-12)
+    assert effective_medium(half, [3.0, 3.0], 2) == pytest.approx(3.0, rel=1e-12)
+    assert effective_medium(half, [0.0, 3.0], 2) == 0.0
+    assert np.isnan(effective_medium(half, [np.nan, 3.0], 2))
 
 
 # third party's maps (GFMD), H 0.8, cutoff ratio 100: p/E*, mean gap over rms height

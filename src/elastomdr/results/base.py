@@ -658,6 +658,18 @@ class Result:
         """What draws this result, as "module.function" of this room."""
         return self.figure
 
+    def _check_shown(self, show: str, *shown: str) -> None:
+        """Raises `InputError` unless `show` is one of these fields or, where none are
+        named, one of those that have a unit and are no coordinate.
+        """
+        fields = shown or [
+            q.path
+            for q in self.quantities()
+            if q.unit and q.path not in self.coordinates
+        ]
+        if show not in fields:
+            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+
     def _draw(self, draw: Callable[..., Any], ask: Any, **options: Any) -> Any:
         """Draws each material on the same axes."""
         for one in self.each_material():

@@ -189,13 +189,7 @@ class RoughContact(Result):
         By default the conductance against what has most values. The rest as of every
         result, `Result.plot`. Raises `InputError`.
         """
-        fields = [
-            q.path
-            for q in self.quantities()
-            if q.unit and q.path not in self.coordinates
-        ]
-        if show not in fields:
-            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+        self._check_shown(show)
         known = [
             name
             for name in ("pressure", "time", "velocity")

@@ -27,7 +27,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
 from scipy.interpolate import CubicSpline
 
 from ..checks import Array
@@ -175,10 +174,8 @@ def _newton(contact: Contact, unknown: Array, rupture: Rupture) -> Film:
             break
         jacobian = _jacobian(contact, here, response, width, slopes)
         try:
-            step = scipy.linalg.solve(
-                jacobian, -missed, check_finite=False, overwrite_a=True
-            )
-        except (scipy.linalg.LinAlgError, scipy.linalg.LinAlgWarning):
+            step = np.linalg.solve(jacobian, -missed)
+        except np.linalg.LinAlgError:
             break
         share = 1.0
         while share > _LEAST_STEP:
@@ -441,7 +438,7 @@ def _from_film(
         film[1:-1][inside] - 0.5 * x[inside] ** 2 - rows @ outside,
         LOAD - width @ outside,
     )
-    solved = scipy.linalg.solve(matrix, right, check_finite=False)
+    solved = np.linalg.solve(matrix, right)
     outside[inside] = solved[:-1]
     return outside, float(solved[-1])
 

@@ -19,6 +19,8 @@ import numpy as np
 
 from ..arrays import one_thread
 
+_LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
+
 
 class Flow(NamedTuple):
     """Flow along either axis of a map."""
@@ -46,6 +48,32 @@ def flow(gap: Any) -> Flow:
             for flux, is_open in zip(fluxes, through, strict=True)
         ]
     return Flow((along[0], along[1]), (through[0], through[1]))
+
+
+def effective_medium(shares: Any, flows: Any, n: float) -> float:
+    """w of a medium of parts with `flows` w_i [m^3], of which `shares` f_i are there.
+
+        sum f_i (w_i - w)/(w_i + (n - 1) w) = 0
+
+    It is closed, w = 0, where no more than 1/n of it is open; NaN where a flow is; n = 2
+    is Bruggeman's medium in a plane. Source: as of the effective medium in `seal/leak_theories.py`.
+    """
+    shares, flows = np.asarray(shares, dtype=float), np.asarray(flows, dtype=float)
+    if np.isnan(flows).any():
+        return float("nan")
+    if not n * shares[flows > 0].sum() > shares.sum():
+        return 0.0
+    from scipy.optimize import brentq
+
+    largest = flows.max()
+    flows = flows / largest
+
+    def surplus(log_w: float) -> float:
+        w = np.exp(log_w)
+        return float(shares @ ((flows - w) / (flows + (n - 1) * w)))
+
+    root: Any = brentq(surplus, _LEAST, 0.0, xtol=1e-13)
+    return float(largest * np.exp(root))
 
 
 def channels(is_open: Any) -> tuple[np.ndarray, dict[int, tuple[int, int]]]:

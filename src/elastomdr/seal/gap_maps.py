@@ -22,13 +22,11 @@ from ..models import GapFlow
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import Grid, grid_of
 from ..surface.spectrum import rough_map
-from .gap_flow import channels, flow
+from .gap_flow import channels, effective_medium, flow
 
 # Relative error of the flow by four cells per shortest wave, over -ln(1 - A/0.415):
 # benchmarks/leak_grid.py. It falls as the square of the cell.
 _OF_CELLS, _CLOSES, _SURE = 0.12, 0.415, 0.38
-_HALVINGS = 100  # of the interval of log w
-_RANGE = 60.0  # that is searched below the least of the maps
 
 
 class Pressed(NamedTuple):
@@ -59,21 +57,6 @@ def pressed(heights: Any, side: float, level: float, start: Any = None) -> Press
 def _one(omega: Any) -> Any:
     """E* at every frequency: what counts is the pressure over it."""
     return np.ones(np.shape(omega), complex)
-
-
-def medium(flows: Any) -> float:
-    """w of a plane of maps."""
-    flows = np.asarray(flows, dtype=float).ravel()
-    if not 2 * (flows > 0).sum() > flows.size:
-        return 0.0
-    high = np.log(flows.max())
-    low = np.log(flows[flows > 0].min()) - _RANGE
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        w = np.exp(middle)
-        rest = ((flows - w) / (flows + w)).sum()
-        low, high = (middle, high) if rest > 0 else (low, middle)
-    return float(np.exp(0.5 * (low + high)))
 
 
 def narrowest(gap: Any) -> float:
@@ -119,7 +102,10 @@ def leak(
                 gap[i, j], area[i, j] = found.gap.mean(), found.area
                 critical[i, j] = narrowest(found.gap)
     good: Any = np.isfinite(flows).all((0, 1))
-    w = np.array([medium(each) for each in np.moveaxis(flows, -1, 0)])
+    alike = np.full(2 * len(seeds), 1.0)  # maps and axes
+    w = np.array(
+        [effective_medium(alike, flows[..., j].ravel(), 2) for j in range(level.size)]
+    )
     work = (
         f"{len(seeds)} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
         "longest waves to a side"

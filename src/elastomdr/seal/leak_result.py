@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..errors import InputError
 from ..results.base import Array, Result, quantity, record
 from ..results.words import span
 
@@ -93,13 +92,7 @@ class Leak(Result):
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
-        fields = [
-            q.path
-            for q in self.quantities()
-            if q.unit and q.path not in self.coordinates
-        ]
-        if show not in fields:
-            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+        self._check_shown(show)
         from ..results.plotting import LIGHT, Ask, Line, Sketch, draw, frame
 
         def band(sketch: Sketch, line: Line) -> None:

@@ -23,6 +23,7 @@ from ..errors import InputError
 from ..models import GapFlow, Model
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..units.arguments import constructor_in_si
+from .gap_flow import effective_medium
 from .persson_gap import (
     CLOSES,
     Contact,
@@ -36,9 +37,6 @@ from .persson_gap import (
 if TYPE_CHECKING:
     from ..arrays import Array
     from ..surface.spectrum import AbstractSpectrum
-
-_HALVINGS = 100  # of the interval of log w
-_RANGE = 200.0  # that is searched below that of the widest gap
 
 
 class LeakTheory(Model, ABC):
@@ -147,14 +145,7 @@ def _medium(shares: Any, gaps: Any, area: float, closes: float) -> float:
         return 0.0
     part = -np.diff(np.append(shares, area))
     known = np.isfinite(gaps) & (part > 0)
-    part, own = part[known], gaps[known] ** 3
-    part = part * (1 - area) / part.sum()
-    more = closes / (1 - closes)  # n - 1
-    high = np.log(own.max())
-    low = high - _RANGE
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        w = np.exp(middle)
-        rest = part @ ((own - w) / (own + more * w)) - area / more
-        low, high = (middle, high) if rest > 0 else (low, middle)
-    return float(np.exp(low))
+    part = part[known] * (1 - area) / part[known].sum()
+    return effective_medium(
+        np.append(part, area), np.append(gaps[known] ** 3, 0.0), 1 / (1 - closes)
+    )

@@ -39,6 +39,7 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
+from ..numerics.interpolation import halving_limit
 from ..results.base import Array, Result, part, quantity, record
 from ..results.words import brief, describe, in_unit, span
 from ..rough.adhesion import AdhesiveShear
@@ -59,7 +60,7 @@ if TYPE_CHECKING:
 _NODES = 129  # of the coarsest grid
 _SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
 _FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
-_REFINED = 1e-3  # relative error of the finer grid above which there is another one
+_REFINED = 5e-4  # relative error of the finer grid above which there is another one
 _FLAGGED = 3e-3  # and above which the point counts as not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 # velocities of rubber and counterface in the frame of the contact, over that asked for
@@ -152,9 +153,7 @@ class Lubricated(Result):
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
-        shown = ("mu", "film_thickness", "least_film", "flow")
-        if show not in shown:
-            raise InputError(f"show must be one of {', '.join(shown)}, got {show!r}.")
+        self._check_shown(show, "mu", "film_thickness", "least_film", "flow")
         from ..results.plotting import Ask, draw
 
         return self._draw(draw, Ask(ax, style, title, label), y=show)
@@ -388,7 +387,7 @@ def _group(
         i, parameter = known[number], cases[number].parameter
         args = (scene, int(points[i]), scales[i], parameter, rubbed[i], shear)
         coarse, fine = (_numbers(each, *args) for each in found[-2:])
-        better = fine + (fine - coarse) / 3
+        better = halving_limit(coarse, fine)
         better = np.where(better * fine < 0, fine, better)  # of what is all but zero
         return better, np.abs(better - fine)
 

@@ -183,8 +183,7 @@ class ORing(Result):
         shown = ("pressure", "width", "line_load")
         if self.sealing_pressure is not None:
             shown += ("sealing_pressure",)
-        if show not in shown:
-            raise InputError(f"show must be one of {', '.join(shown)}, got {show!r}.")
+        self._check_shown(show, *shown)
         from ..results.plotting import Ask, draw
 
         x = "time" if any(axis.name == "time" for axis in self.axes()) else "squeeze"

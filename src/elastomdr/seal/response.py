@@ -31,6 +31,7 @@ from ..element.law import as_foundation
 from ..element.layer import Layer, layer_kernel
 from ..errors import InputError
 from ..material.relaxation import KelvinChain, to_kelvin
+from ..numerics.quadrature import gauss_on_panels
 
 _FAR = 40.0  # y beyond which a layer is at rest, S = ln y
 _FARTHEST = 1e3  # half-lengths ahead of the contact from which memories are followed
@@ -133,11 +134,7 @@ def _elastic(places: Array, x: Array, ratio: float | None, body: Body) -> Array:
 @functools.lru_cache(maxsize=8)
 def _layer_part(squeeze: float, bonded: bool) -> Any:
     """Second integral of S from 0, for y >= 0."""
-    ends = np.linspace(0.0, 44.0, 221)
-    node, share = np.polynomial.legendre.leggauss(10)
-    half = 0.5 * np.diff(ends)[:, None]
-    z = (ends[:-1, None] + half * (1 + node)).ravel()
-    weight = (half * share).ravel()
+    z, weight = gauss_on_panels(np.linspace(0.0, 44.0, 221), 10)
     lacking = (layer_kernel(z, squeeze, bonded) - 1 + np.exp(-z)) / z * weight
     y = np.concatenate([np.arange(0.0, 8.0, 0.02), np.arange(8.0, _FAR + 0.05, 0.1)])
     smooth = 0.5 * np.log1p(y**2) + np.cos(y[:, None] * z) @ lacking

@@ -13,10 +13,10 @@ import numpy as np
 from ..arrays import fixed, one_thread, xp
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, steady_scene
-from ..checks import Array, is_traced, require
+from ..checks import Array, is_traced, require, warn_unless
 from ..element.law import surface_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError, warn
+from ..errors import InputError
 from ..material.relaxation import KelvinChain, to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
 from ..numerics.interpolation import lagrange
@@ -24,7 +24,7 @@ from ..results.words import covers_in_words, describe
 from ..surface.direction import directions, layer_asymmetry, shared_grid
 from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
 from .layer_line import Slid, Sliding, elastic_curve, slide_on_layer
-from .problem import OnLayer, Solved, failed, packed, too_deep
+from .problem import OnLayer, Solved, packed, too_deep
 from .softening import LINEAR
 
 AVERAGED = (
@@ -173,8 +173,7 @@ def ball_on_layer(
     if not points.traced:
         if np.any(lines.on.chain.compliances):
             good = good & (mu > _NONE)
-        if not good.all():
-            warn(failed(good, rtol) + too_deep(sunk, thick), ConvergenceWarning)
+        warn_unless(good, "points", f" to rtol={rtol:g}", too_deep(sunk, thick))
     line = found.line
     solution = Solved(
         mu, error, bound, force, found.depth, line.leading, line.trailing, good

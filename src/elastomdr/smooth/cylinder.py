@@ -15,10 +15,10 @@ import numpy as np
 from ..arrays import fixed, one_thread, xp
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, steady_scene
-from ..checks import is_traced, known, require
+from ..checks import is_traced, known, require, warn_unless
 from ..element.law import TabulatedFoundation, normal_operator, surface_foundation
 from ..element.layer import Layer, layer_kernel
-from ..errors import ConvergenceWarning, InputError, ModelWarning, warn
+from ..errors import InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.relaxation import to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
@@ -39,7 +39,7 @@ from .cylinder_collocation import (
     remembered,
     solve_at,
 )
-from .problem import OnLayer, Solved, failed, nearly, packed, too_deep
+from .problem import OnLayer, Solved, nearly, packed, too_deep
 from .softening import LINEAR
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
@@ -523,8 +523,9 @@ def _say(found: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float) -> N
     """Warns of points that failed, and of a cylinder that is too short to be plane."""
     if not found.good.all():
         thick = sum(cover.thickness for cover in body.covers) if np.any(sunk) else 0.0
-        why = too_deep(sunk, thick) + nearly(found.good, found)
-        warn(failed(found.good, rtol) + why, ConvergenceWarning)
+        reasons = too_deep(sunk, thick), nearly(found.good, found)
+        why = " ".join(filter(None, reasons))
+        warn_unless(found.good, "points", f" to rtol={rtol:g}", why)
     half = 0.5 * (found.leading - found.trailing)
     if is_traced(shape) or not found.good.any():
         return

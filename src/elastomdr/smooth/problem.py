@@ -10,9 +10,9 @@ from ..arrays import compiled, xp
 from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, hint_at_metres, steady_scene
-from ..checks import Array, is_traced, nan_unless, require
+from ..checks import Array, is_traced, nan_unless, require, warn_unless
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError, warn
+from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..results.curve import Contact
 from ..results.words import describe
@@ -267,8 +267,8 @@ def solve(scene: SmoothScene) -> Steady:
     traced = is_traced(result.mu)
     good = result.line.converged
     if not traced and not good.all():
-        why = f" {_sunk(scene)}" if result.sunk else nearly(good, result)
-        warn(failed(good, scene.plan.rtol) + why, ConvergenceWarning)
+        why = _sunk(scene) if result.sunk else nearly(good, result)
+        warn_unless(good, "points", f" to rtol={scene.plan.rtol:g}", why)
     # A Foundation given directly is a line by definition; a half-space under the bare
     # line is not.
     bare = (
@@ -306,21 +306,13 @@ def solve(scene: SmoothScene) -> Steady:
     )
 
 
-def failed(good: Any, rtol: float) -> str:
-    """How many points failed."""
-    return (
-        f"{int((~good).sum())} of {good.size} points did not converge to "
-        f"rtol={rtol:g}; they are NaN."
-    )
-
-
 def nearly(good: Any, found: Any) -> str:
     """What a larger rtol would help, if the points that failed have small errors."""
     missed = (found.error / found.mu)[~good & (found.mu > 0)]
     if not missed.size or not missed.max() < 0.1:
         return ""
     return (
-        f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol "
+        f"Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol "
         "would accept them."
     )
 
@@ -330,7 +322,7 @@ def too_deep(sunk: Any, thick: Any) -> str:
     if not np.any(sunk):
         return ""
     return (
-        f" {int(np.sum(sunk))} of them would sink deeper than the layer is thick "
+        f"{int(np.sum(sunk))} of them would sink deeper than the layer is thick "
         f"({1e3 * float(thick):.4g} mm)."
     )
 

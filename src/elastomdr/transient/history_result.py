@@ -484,8 +484,7 @@ class Drive(_OverSurface):
         of every result.
         """
         fields = [q.path for q in self.quantities() if q.unit and q.path != "time"]
-        if show not in fields:
-            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+        self._check_shown(show, *fields)
         from ..results.plotting import Ask, draw
 
         return self._draw(draw, Ask(ax, style, title, label), y=show)
