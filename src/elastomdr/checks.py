@@ -275,11 +275,19 @@ def warn_unless(good: Any, points: str, asked: str = "", reason: str = "") -> No
     """Counts the points that are not `good` in one `ConvergenceWarning`, with what was
     `asked` of them and a sentence for the `reason`; none where JAX traces them.
     """
-    if is_traced(good) or np.all(good):
-        return
-    failed = f"{int(np.sum(~good))} of {np.size(good)} {points} did not converge"
-    said = " ".join(filter(None, (f"{failed}{asked}; they are NaN.", reason)))
-    warn(said, ConvergenceWarning)
+    if not is_traced(good):
+        warn_of_failed(int(np.sum(~good)), np.size(good), points, asked, reason)
+
+
+def warn_of_failed(
+    failed: int, count: int, points: str, asked: str = "", reason: str = ""
+) -> None:
+    """The warning of `warn_unless`, where `failed` of `count` points did not converge;
+    none where all did.
+    """
+    if failed:
+        said = f"{failed} of {count} {points} did not converge{asked}; they are NaN."
+        warn(f"{said} {reason}".strip(), ConvergenceWarning)
 
 
 def alike(least: int, **lists: Any) -> None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import abc
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,6 +60,11 @@ class AbstractShift(Tree):
     @abc.abstractmethod
     def _check(self, temperature: Any) -> None:
         """Raises `InputError` where the law does not hold."""
+
+    @property
+    def _hottest(self) -> float:
+        """The temperature up to which the law holds [K]."""
+        return math.inf
 
     @numpy_unless_traced
     def log10_a(self, temperature: ArrayLike) -> Array:
@@ -238,6 +244,10 @@ class ShiftTable(AbstractShift):
     def _check(self, temperature: Any) -> None:
         _within_table("shift table", self.temperature, temperature)
 
+    @property
+    def _hottest(self) -> float:
+        return float(self.temperature[-1])
+
 
 def _above_pole(law: str, temperature: Any, pole: Any) -> None:
     if not is_traced(pole):
@@ -261,6 +271,11 @@ class AbstractVertical(Tree):
     @abc.abstractmethod
     def _check(self, temperature: Any) -> None:
         """Raises `InputError` where the law does not hold."""
+
+    @property
+    def _hottest(self) -> float:
+        """The temperature up to which the law holds [K]."""
+        return math.inf
 
     @numpy_unless_traced
     def b(self, temperature: ArrayLike) -> Array:
@@ -331,6 +346,10 @@ class VerticalTable(AbstractVertical):
 
     def _check(self, temperature: Any) -> None:
         _within_table("table of vertical shifts", self.temperature, temperature)
+
+    @property
+    def _hottest(self) -> float:
+        return float(self.temperature[-1])
 
 
 def _of_table(nodes: Any, values: Any, slopes: Any, temperature: Array) -> Array:

@@ -41,7 +41,7 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
-from ..numerics.interpolation import hermite
+from ..numerics.interpolation import hermite, parabola_slopes
 from ..trees import Tree, fill, replaced, static
 from .relaxation import KelvinChain, poisson_ratio
 from .shift import AbstractShift, AbstractVertical, check_laws, thermal_factors
@@ -375,15 +375,7 @@ def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
     """
     width = xp.diff(x)
     secant = xp.diff(y) / width
-    if x.shape[0] == 2:
-        slope = xp.concatenate([secant, secant])
-    else:
-        inner = (secant[:-1] * width[1:] + secant[1:] * width[:-1]) / (
-            width[:-1] + width[1:]
-        )
-        slope = xp.concatenate(
-            [2 * secant[:1] - inner[:1], inner, 2 * secant[-1:] - inner[-1:]]
-        )
+    slope = parabola_slopes(x, y)
     # The wider interval limits last: points that lie close together and scatter do not
     # bend the curve in a gap.
     before = np.clip(np.arange(x.shape[0]) - 1, 0, None)

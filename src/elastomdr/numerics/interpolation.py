@@ -1,5 +1,5 @@
-"""Curves through points: cubics with given slopes, monotone slopes, Lagrange's
-polynomials on even grids, and the maximum of a smooth function.
+"""Curves through points: cubics with given slopes, slopes, Lagrange's polynomials on
+even grids, and the maximum of a smooth function.
 """
 
 from __future__ import annotations
@@ -76,6 +76,20 @@ def monotone_slopes(x: Array, y: Array) -> Array:
     first = end(width[0], width[1], secant[0], secant[1])
     last = end(width[-1], width[-2], secant[-1], secant[-2])
     return xp.concatenate([first[None], inner, last[None]])
+
+
+def parabola_slopes(x: Array, y: Array) -> Array:
+    """Slopes at points of the parabolas through three neighbours each; of the straight
+    line where there are two points.
+    """
+    width = xp.diff(x)
+    secant = xp.diff(y) / width
+    if x.shape[0] == 2:
+        return xp.concatenate([secant, secant])
+    weighted = secant[:-1] * width[1:] + secant[1:] * width[:-1]
+    inner = weighted / (width[:-1] + width[1:])
+    first, last = 2 * secant[:1] - inner[:1], 2 * secant[-1:] - inner[-1:]
+    return xp.concatenate([first, inner, last])
 
 
 def lagrange(place: np.ndarray, stencil: int) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ import functools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.polynomial import legendre
+from numpy.polynomial import laguerre, legendre
 
 from ..arrays import namespace
 from ..checks import Array
@@ -32,6 +32,13 @@ def gauss_unit(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     polynomials = legendre.legvander(1 - 2 * c, count - 1)
     to_legendre = w[:, None] * polynomials * (2 * np.arange(count) + 1)
     return _read_only(c), _read_only(w), _read_only(to_legendre)
+
+
+@functools.cache
+def gauss_laguerre(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of int_0^inf exp(-s) f(s) ds."""
+    nodes, weights = laguerre.laggauss(count)
+    return _read_only(nodes), _read_only(weights)
 
 
 @functools.cache

@@ -31,7 +31,7 @@ from scipy.signal import lfilter
 from ..element.layer import layer_kernel
 from ..element.moments import moments
 from ..material.relaxation import KelvinChain, Relaxation
-from ..numerics.quadrature import gauss_unit
+from ..numerics.quadrature import gauss_laguerre, gauss_unit
 from ..rough.half_space import Convolution
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _bend(
 ) -> np.ndarray:
     """[I(x) + I(-x) - 2 e(x)]/2 for a decay length that is short against a cell."""
     total = np.zeros_like(e)
-    for node, weight in zip(*np.polynomial.laguerre.laggauss(12), strict=True):
+    for node, weight in zip(*gauss_laguerre(12), strict=True):
         step = max(node * decay, _STEP * h)
         mean = 0.5 * (elastic(offsets + step) + elastic(offsets - step))
         total += weight * (node * decay / step) ** 2 * (mean - e)

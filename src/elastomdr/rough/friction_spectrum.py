@@ -25,9 +25,9 @@ import numpy as np
 from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.several_materials import over_materials
-from ..checks import in_float64, is_traced
+from ..checks import in_float64, is_traced, warn_unless
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError, warn
+from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..results.spectrum import FrictionSpectrum
 from ..smooth.problem import AVERAGED, BARE
@@ -123,12 +123,7 @@ def friction_spectrum(
     )
     edges = _edges(surface, scene.lines[0], int(per_decade))
     mu, error, good = _by_bands(scene, model.average, float(rtol), edges)
-    if not good.all():
-        warn(
-            f"{int((~good).sum())} of {good.size} points did not converge; they are "
-            "NaN.",
-            ConvergenceWarning,
-        )
+    warn_unless(good, "points")
     at = scene.at
     outside = excited_outside(foundation.range, surface, at.reduced.reshape(at.shape))
     beyond = rough_beyond(foundation.range, outside, at.full(at.kelvin), at.shape)

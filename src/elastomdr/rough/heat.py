@@ -22,7 +22,6 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
-from ..material.shift import thermal_factors
 from ..trees import Tree, fill
 
 if TYPE_CHECKING:
@@ -244,14 +243,8 @@ def highest_rise(body: Any, kelvin: Any) -> float:
     """The largest rise to look for [K]: that of a shift law's end above the warmest
     body, or 1000 K.
     """
-    low, high, warmest = 0.0, 2 * HIGHEST, float(np.max(kelvin))
-    while high - low > 1e-3 * low + 1e-3:
-        middle = 0.5 * (low + high)
-        try:
-            thermal_factors(body, warmest + middle)
-            low = middle
-        except InputError:
-            high = middle
-        if low >= HIGHEST:
-            break
-    return min(low, HIGHEST)
+    laws = [law for law in (body.shift, body.vertical) if law is not None]
+    hottest = min(law._hottest for law in laws)
+    # a temperature at the end itself may be rounded to one beyond it
+    room = hottest * (1 - 1e-12) - float(np.max(kelvin))
+    return min(max(room, 0.0), HIGHEST)

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..call.extrapolation import NOT_KNOWN, excited_outside, rough_beyond
-from ..checks import Array, in_float64, nan_unless
-from ..errors import ConvergenceWarning, ModelWarning, warn
+from ..checks import Array, in_float64, nan_unless, warn_unless
+from ..errors import ModelWarning, warn
 from ..models import Line as LineModel
 from ..results.curve import FrictionCurve, Lines
 from ..smooth.problem import AVERAGED, BARE
@@ -241,18 +241,14 @@ def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
         error = error + SETTLED * np.abs(mean.mu - cold.mu)
     coarse = mean.good & coarse_at(error, mean.mu)
     good = mean.good & ~coarse
-    if not at.traced and not good.all():
-        sentence = (
-            f"{int((~good).sum())} of {good.size} points did not converge; they are "
-            "NaN."
+    reason = ""
+    if not at.traced and coarse.any():
+        reason = (
+            f"Of {int(coarse.sum())} the estimated error for the sampling of the "
+            f"line, up to {(error / mean.mu)[coarse].max():.1g} of mu, is above "
+            f"{SAMPLING:g}: more samples lower it."
         )
-        if coarse.any():
-            sentence += (
-                f" Of {int(coarse.sum())} the estimated error for the sampling of the "
-                f"line, up to {(error / mean.mu)[coarse].max():.1g} of mu, is above "
-                f"{SAMPLING:g}: more samples lower it."
-            )
-        warn(sentence, ConvergenceWarning)
+    warn_unless(good, "points", reason=reason)
     reduced = at.reduced if warm is None else warm.reduced.reshape(at.shape)
     vertical = at.vertical.ravel() if warm is None else warm.vertical
     return _Answer(mean, cold.mu, warm, reduced, vertical, error, good)

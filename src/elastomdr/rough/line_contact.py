@@ -10,8 +10,8 @@ import numpy as np
 from ..call.extrapolation import Beyond, excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.several_materials import over_materials
-from ..checks import in_float64, is_traced
-from ..errors import ConvergenceWarning, InputError, warn
+from ..checks import in_float64, is_traced, warn_unless
+from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..models import seeds_of
 from ..smooth.problem import BARE
@@ -102,8 +102,7 @@ def line_contact(
         scene.control,
         float(rtol),
     )
-    if not found.line.converged[0]:
-        warn("the point did not converge; it is NaN.", ConvergenceWarning)
+    warn_unless(found.line.converged, "points")
     known = at.foundation.range
     outside = excited_outside(known, surface, at.reduced.reshape(()))
     beyond = rough_beyond(known, outside, at.kelvin, ())

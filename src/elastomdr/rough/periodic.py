@@ -345,30 +345,27 @@ def first_guess(
     # of max(w + D, 0), at D = below
     mean = (below * np.arange(1, n + 1) - np.cumsum(below)) / n
 
-    def over(rest):  # D for a mean of `rest`
-        return np.where(
-            rest < mean[-1], np.interp(rest, mean, below), below[-1] + rest - mean[-1]
-        )
-
-    part = relaxed / (relaxed + memory)
-
-    # d for a mean u of `level`: u is the line in contact, u_free = level (1 - part)
-    # outside
-    def depth_of(level):
-        return over(level * part) + level * (1 - part)
-
-    level = value / relaxed
+    # u is the line in contact, and u_free = mean u (1 - in_contact) outside, so that
+    # mean u in_contact is the mean of max(w + D, 0) at D = d - u_free
+    in_contact = relaxed / (relaxed + memory)
     if control == "load":
-        depth = depth_of(level)
+        mean_u = value / relaxed
+        rest = mean_u * in_contact
+        beyond = below[-1] + rest - mean[-1]
+        offset = np.where(rest < mean[-1], np.interp(rest, mean, below), beyond)
+        depth = offset + mean_u * (1 - in_contact)
     else:
-        depth, low, high = value, np.zeros_like(value), value.copy()
-        for _ in range(80):
-            level = 0.5 * (low + high)
-            deep = depth_of(level) > depth
-            low, high = np.where(deep, low, level), np.where(deep, level, high)
-    share = np.maximum(np.searchsorted(below, depth - level * (1 - part)) / n, 2 / n)
+        depth = value
+        mean_u = np.empty_like(value)
+        for lane, share in enumerate(in_contact):
+            depths = below + mean * (1 - share) / share
+            mean_u[lane] = np.interp(depth[lane], depths, mean / share)
+        # of a line wholly in contact, d = mean u - mean w
+        mean_u = np.maximum(mean_u, depth - below[-1] + mean[-1])
+    free = mean_u * (1 - in_contact)
+    share = np.maximum(np.searchsorted(below, depth - free) / n, 2 / n)
     unknowns = elastic.shape[0] + 1
     state = State(
-        elastic * (depth - level), depth, np.tile(np.eye(unknowns), (value.size, 1, 1))
+        elastic * (depth - mean_u), depth, np.tile(np.eye(unknowns), (value.size, 1, 1))
     )
-    return state, np.asarray(relaxed * level), (relaxed + memory) * share, share
+    return state, np.asarray(relaxed * mean_u), (relaxed + memory) * share, share

@@ -43,9 +43,10 @@ from ..checks import (
     positive,
     require,
     scalar,
+    warn_unless,
 )
 from ..element.law import Foundation, as_foundation
-from ..errors import ConvergenceWarning, InputError, warn
+from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..models import Line, seeds_of, whole_number
 from ..results.words import brief
@@ -133,12 +134,7 @@ def press(
         else _sliding(points, lines, length, foundation, rtol)
     )
     contact = _packed(points, surface, model, lines, found, traced)
-    if not traced and not found.good.all():
-        warn(
-            f"{int((~found.good).sum())} of {found.good.size} points did not converge; "
-            "they are NaN.",
-            ConvergenceWarning,
-        )
+    warn_unless(found.good, "points")
     beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
     inputs = [
         ("material", foundation.name or "given directly"),

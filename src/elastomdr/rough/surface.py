@@ -12,9 +12,9 @@ import numpy as np
 from ..arrays import fixed
 from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from ..call.problem import Scene, rough_scene
-from ..checks import is_traced, known, nan_unless, require, scalar
+from ..checks import is_traced, known, nan_unless, require, scalar, warn_unless
 from ..element.law import surface_foundation
-from ..errors import ConvergenceWarning, InputError, ModelWarning, warn
+from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import misfit
 from ..models import SurfaceFriction, SurfaceModel
@@ -270,14 +270,8 @@ def _heated_by_scale(
 
 def _warn_of_failed(found: SurfaceFriction, rtol: Any) -> None:
     """Counts the points without an answer in one warning."""
-    if found.good.all():
-        return
-    maps = f" Maps: {found.said}; more cells hold more of them." if found.said else ""
-    warn(
-        f"{int((~found.good).sum())} of {found.good.size} points did not converge to "
-        f"rtol={rtol:g}; they are NaN.{maps}",
-        ConvergenceWarning,
-    )
+    maps = f"Maps: {found.said}; more cells hold more of them." if found.said else ""
+    warn_unless(found.good, "points", f" to rtol={rtol:g}", maps)
 
 
 def _inputs(

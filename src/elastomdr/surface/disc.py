@@ -214,7 +214,8 @@ def _invert(
     """x in (0, largest] where a rising function of it, zero at zero, has the value.
 
     Newton's method on logarithms, nearly a straight line, in a bracket; one more step
-    carries the derivatives.
+    carries the derivatives. `numerics.root` takes secants, where the slope is at hand
+    here, and knows no upper end, beyond which a profile has no answer.
     """
     value = xp.asarray(value)
     known, goal = fixed((disc, value))
@@ -280,6 +281,7 @@ def _sphere_radius(radius: Any, depth: Array, layer: bool) -> Array:
     if layer:
         square = xp.where(ratio < 1, ratio * (2 - ratio), xp.nan)
         return xp.where(touches, radius * xp.sqrt(square), 0.0)
+    # a start so near that a fixed number of steps, which JAX differentiates, will do
     u = xp.sqrt(ratio * (1 + ratio))
     for _ in range(_STEPS):
         t = xp.tanh(u)

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from .. import __version__
-from ..checks import in_si
+from ..checks import in_si, warn_of_failed
 from ..errors import ConvergenceWarning, InputError, warn
 from .grid import Grid, grid, positional
 from .store import DONE, OPEN, RAISED, Store
@@ -154,12 +154,8 @@ def _warn_of_failures(asked: Grid, kept: Store) -> None:
             "attribute 'raised'.",
             ConvergenceWarning,
         )
-    elif failed := kept.not_converged():
-        warn(
-            f"{failed} of {int(np.prod(asked.shape))} points did not converge; they "
-            "are NaN.",
-            ConvergenceWarning,
-        )
+    else:
+        warn_of_failed(kept.not_converged(), int(np.prod(asked.shape)), "points")
 
 
 def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) -> None:
