@@ -34,6 +34,7 @@ from ..material.shift import WLF
 from ..material.tabulated import needs_series
 from ..models import as_model
 from ..surface.spectrum import AbstractSpectrum
+from .doubts import OF_CALIBRATION, JudgedCalibration, doubts
 from .findings import TWO_SIGMA, AbstractFindings, tell
 
 if TYPE_CHECKING:
@@ -236,8 +237,6 @@ def _key(constants: Any) -> Any:
 
 # standard deviation of the prior of a parameter, about its start, where none is given
 _WIDTH = 1.0
-# posterior over prior standard deviation above which the data determine little
-_UNLEARNED = 0.7
 # of a parameter, in differences: across the ripples of few random lines, then within
 # one
 _STEPS = 0.05, 0.0125
@@ -420,6 +419,14 @@ def calibrate(
         values = dict(zip(names, solution.point.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
+    judged = JudgedCalibration(
+        names,
+        std,
+        spread,
+        solution.covariance / np.outer(std, std),
+        solution.used,
+        solution.converged,
+    )
     calibration = Calibration(
         material=jax.tree.map(as_numpy, changed),
         shape=shape,
@@ -433,7 +440,7 @@ def calibrate(
         used=solution.used,
         error=float(np.sqrt(np.mean(solution.sigma**2))),
         evaluations=solution.evaluations,
-        warnings=tuple(_judge(names, std, spread, solution)),
+        warnings=doubts(OF_CALIBRATION, judged),
         converged=solution.converged,
     )
     tell(calibration.warnings)
@@ -651,30 +658,3 @@ def _search(
     return least_squares(
         residuals, point, jac=slope, xtol=task.close, ftol=task.close, max_nfev=60
     )
-
-
-def _judge(
-    names: list[str], std: np.ndarray, spread: np.ndarray, solution: _Solution
-) -> Iterator[str]:
-    used = solution.used
-    if not solution.converged:
-        yield "The search did not converge."
-    if not used.all():
-        yield (
-            f"{int((~used).sum())} of {used.size} points have no computed answer and "
-            "count for nothing."
-        )
-    for i, name in enumerate(names):
-        if std[i] > _UNLEARNED * spread[i]:
-            yield (
-                f"{name} is hardly determined by the data: its uncertainty, "
-                f"{std[i]:.2g}, is that of the prior, {spread[i]:.2g}."
-            )
-    matrix = solution.covariance / np.outer(std, std)
-    for i in range(len(names)):
-        for j in range(i):
-            if abs(matrix[i, j]) > 0.98:
-                yield (
-                    f"{names[j]} and {names[i]} cannot be separated (correlation "
-                    f"{matrix[i, j]:.3f})."
-                )

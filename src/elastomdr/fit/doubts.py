@@ -1,4 +1,4 @@
-"""What cannot be relied on in a master curve or a series: a table of checks.
+"""What cannot be relied on in a fit: tables of checks.
 
 A `Check` says what it looks at, above which limit it speaks, and with which sentence.
 """
@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..io.data import Dma, describe_list
+from .findings import TWO_SIGMA
 from .shifting import LN10, AtReference, Joint
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE, Points, closest_passive
 from .terms import Data, SlowEnd
@@ -482,6 +483,216 @@ OF_SERIES = (
         "Relaxation with so little fall, or so much noise, determines the loss modulus "
         "at no frequency: the range of the material is empty, and all friction from it "
         "is flagged as extrapolated. Measure dynamic moduli.",
+    ),
+)
+
+# --------------------------------------------------------------------------------------
+# Master curves of friction.
+# --------------------------------------------------------------------------------------
+
+
+class JudgedFriction(NamedTuple):
+    """What is judged of a master curve of friction."""
+
+    celsius: np.ndarray  # of each curve [degC]
+    log10_a: np.ndarray
+    covariance: np.ndarray  # of log10_a
+    flat: bool  # friction changes less over all velocities than its scatter can show
+    converged: bool
+
+
+def _curve_not_converged(judged: JudgedFriction, limit: float) -> Iterator[Facts]:
+    if not judged.converged:
+        yield {}
+
+
+def _flat_friction(judged: JudgedFriction, limit: float) -> Iterator[Facts]:
+    if judged.flat:
+        yield {}
+
+
+def _uncertain_steps(judged: JudgedFriction, limit: float) -> Iterator[Facts]:
+    celsius = judged.celsius
+    between = np.diff(np.eye(celsius.size), axis=0)
+    variance = np.diag(between @ judged.covariance @ between.T)
+    std = np.sqrt(np.maximum(variance, 0.0))
+    for i in np.flatnonzero(std > limit * np.abs(np.diff(judged.log10_a))):
+        yield {"one": celsius[i], "next": celsius[i + 1], "half": TWO_SIGMA * std[i]}
+
+
+OF_FRICTION = (
+    Check(
+        "convergence of the curve",
+        0.0,
+        _curve_not_converged,
+        "The fit did not converge: look at the figure before using it.",
+    ),
+    Check(
+        "change of friction over its scatter",
+        0.0,
+        _flat_friction,
+        "The friction is too flat against its scatter to see any shift: log10 a_T is "
+        "what is usual of rubber.",
+    ),
+    Check(
+        "relative standard deviation of a shift between neighbours",
+        0.3,
+        _uncertain_steps,
+        "The shift between {one:.4g} and {next:.4g} degC is known to +- {half:.2g} "
+        "decades only: the friction hardly changes there, or the curves do not overlap.",
+        unless=("change of friction over its scatter",),
+    ),
+)
+
+# --------------------------------------------------------------------------------------
+# Softening.
+# --------------------------------------------------------------------------------------
+
+
+class JudgedSoftening(NamedTuple):
+    """What is judged of Kraus' form through strain sweeps."""
+
+    strain: tuple[float, float]  # smallest and largest measured
+    first: float  # factor on the storage modulus at the smallest
+    slope: float  # of ln storage over ln strain at the largest, falling
+    at_limit: bool  # whether a constant is at the end of what is looked at
+    drop_std: float  # standard deviation of r
+    rms: np.ndarray  # of ln storage and ln loss, (sweeps, 2)
+    temperature: np.ndarray  # of each sweep [K]; NaN where not known
+    omega: np.ndarray  # [rad/s]; NaN where not known
+
+
+def _falls_still(judged: JudgedSoftening, limit: float) -> Iterator[Facts]:
+    if judged.slope > limit:
+        yield {"percent": 100 * judged.strain[1]}
+
+
+def _softened_at_first(judged: JudgedSoftening, limit: float) -> Iterator[Facts]:
+    if 1 - judged.first > limit:
+        yield {"percent": 100 * judged.strain[0]}
+
+
+def _constant_at_limit(judged: JudgedSoftening, limit: float) -> Iterator[Facts]:
+    if judged.at_limit:
+        yield {}
+
+
+def _uncertain_drop(judged: JudgedSoftening, limit: float) -> Iterator[Facts]:
+    if judged.drop_std > limit:
+        yield {"half": 2 * judged.drop_std}
+
+
+def _sweeps_apart(judged: JudgedSoftening, limit: float) -> Iterator[Facts]:
+    apart = (judged.rms > limit * np.median(judged.rms, axis=0)).any(axis=1)
+    if apart.size == 1:
+        return
+    for i in np.flatnonzero(apart):
+        celsius, hertz = judged.temperature[i] - 273.15, judged.omega[i] / (2 * np.pi)
+        where = "" if np.isnan(celsius) else f" at {celsius:.3g} degC"
+        where += "" if np.isnan(hertz) else f" and {hertz:.3g} Hz"
+        yield {"where": where}
+
+
+OF_SOFTENING = (
+    Check(
+        "slope of ln storage over ln strain at the largest strain, falling",
+        0.1,
+        _falls_still,
+        "The storage modulus still falls at the largest strain, {percent:.3g} %: where "
+        "it levels off is an extrapolation. The factors end there, and are held beyond.",
+    ),
+    Check(
+        "drop of the storage modulus at the smallest strain",
+        0.03,
+        _softened_at_first,
+        "At the smallest strain, {percent:.3g} %, the rubber has softened already: the "
+        "moduli of small strain are an extrapolation.",
+    ),
+    Check(
+        "constants at the end of what is looked at",
+        0.0,
+        _constant_at_limit,
+        "A constant of Kraus' form is at the end of what is looked at: take the table "
+        "(form='table').",
+    ),
+    Check(
+        "standard deviation of the drop of the storage modulus",
+        0.25,
+        _uncertain_drop,
+        "The drop of the storage modulus is known to +- {half:.2g} only.",
+    ),
+    Check(
+        "rms of a sweep over the median of all",
+        2.5,
+        _sweeps_apart,
+        "The sweep{where} does not follow the factors of the others: they depend on it.",
+    ),
+)
+
+# --------------------------------------------------------------------------------------
+# Calibration.
+# --------------------------------------------------------------------------------------
+
+
+class JudgedCalibration(NamedTuple):
+    """What is judged of parameters adjusted to measurements."""
+
+    names: Sequence[str]
+    std: np.ndarray
+    prior: np.ndarray  # standard deviations assumed beforehand
+    correlation: np.ndarray
+    used: np.ndarray  # which measurements have a computed answer
+    converged: bool
+
+
+def _search_not_converged(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
+    if not judged.converged:
+        yield {}
+
+
+def _not_computed(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
+    if missing := int((~judged.used).sum()):
+        yield {"count": missing, "all": judged.used.size}
+
+
+def _not_learned(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
+    for name, std, prior in zip(judged.names, judged.std, judged.prior, strict=True):
+        if std > limit * prior:
+            yield {"name": name, "std": std, "prior": prior}
+
+
+def _correlated(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
+    for i, name in enumerate(judged.names):
+        for j in range(i):
+            if abs(r := judged.correlation[i, j]) > limit:
+                yield {"one": judged.names[j], "other": name, "correlation": r}
+
+
+OF_CALIBRATION = (
+    Check(
+        "convergence of the search",
+        0.0,
+        _search_not_converged,
+        "The search did not converge.",
+    ),
+    Check(
+        "points without a computed answer",
+        0.0,
+        _not_computed,
+        "{count} of {all} points have no computed answer and count for nothing.",
+    ),
+    Check(
+        "uncertainty of a parameter over that of its prior",
+        0.7,
+        _not_learned,
+        "{name} is hardly determined by the data: its uncertainty, {std:.2g}, is that "
+        "of the prior, {prior:.2g}.",
+    ),
+    Check(
+        "correlation of two parameters",
+        0.98,
+        _correlated,
+        "{one} and {other} cannot be separated (correlation {correlation:.3f}).",
     ),
 )
 

@@ -13,8 +13,17 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from ..arrays import one_thread
-from ..checks import as_float64, in_kelvin, in_si, positive, require, scalar
+from ..checks import (
+    as_float64,
+    broadcast_shape,
+    in_kelvin,
+    in_si,
+    positive,
+    require,
+    scalar,
+)
 from ..errors import InputError
+from .doubts import OF_FRICTION, JudgedFriction, doubts
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts, tell
 from .isotherms import alike, group
 from .laws import LawFit, fit_laws, locate
@@ -36,9 +45,6 @@ _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second di
 _FLAT = 6.0
 # part of the largest friction below which an error in proportion shrinks no further
 _LEAST = 0.05
-# relative standard deviation of a shift between neighbours above which it is worth a
-# warning
-_POOR = 0.3
 
 
 class _Spline(NamedTuple):
@@ -187,7 +193,13 @@ def friction_master(
 
     Source: Grosch 1963.
     """
-    v, t, friction, shape = _checked_data(velocity, temperature, mu)
+    known = error is not None and not isinstance(error, str)
+    given = {"velocity": velocity, "temperature": temperature, "mu": mu}
+    if known:
+        given["error"] = error
+    elif error is not None and error != "relative":
+        raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
+    v, t, friction, *sizes = _checked_data(**given)
     number, kelvin = group(t, float(scalar("tolerance", tolerance)))
     if kelvin.size < 2 or friction.size < 8:
         raise InputError(
@@ -197,13 +209,7 @@ def friction_master(
     reference = _checked_reference(reference, kelvin, tolerance)
     zero = np.zeros(friction.size)
     points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
-    if isinstance(error, str) and error != "relative":
-        raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
-    known = error is not None and not isinstance(error, str)
-    size = np.ones(friction.size)
-    if known:
-        size = _broadcast(np.asarray(as_float64("error", error)), shape)
-        positive("error", size)
+    size = sizes[0] if known else np.ones(friction.size)
     fit = _infer(points, kelvin, size, known)
     if isinstance(error, str):
         # in proportion to the curve, which is less noisy than the points
@@ -214,26 +220,16 @@ def friction_master(
     return _packed(points, kelvin, fit, reference, size)
 
 
-def _checked_data(
-    velocity: Any, temperature: Any, mu: Any
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, ...]]:
-    """Velocities, temperatures and friction of each point, and the shape in which they
-    were given. Raises `InputError`.
-    """
-    given = {"velocity": velocity, "temperature": temperature, "mu": mu}
+def _checked_data(**given: Any) -> list[np.ndarray]:
+    """What was measured, one number per point each. Raises `InputError`."""
     arrays = {name: as_float64(name, value) for name, value in given.items()}
-    try:
-        broadcast = np.broadcast_arrays(*arrays.values())
-    except ValueError as problem:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise InputError(
-            f"velocity, temperature and mu must match in shape, got {shapes}."
-        ) from problem
-    v, t, friction = (array.ravel() for array in broadcast)
-    positive("velocity", v)
-    in_kelvin("temperature", t)
-    require("mu", friction, "finite", np.isfinite)
-    return v, t, friction, broadcast[0].shape
+    shape = broadcast_shape(**arrays)
+    for name, array in arrays.items():
+        if name in ("velocity", "error"):
+            positive(name, array)
+    in_kelvin("temperature", arrays["temperature"])
+    require("mu", arrays["mu"], "finite", np.isfinite)
+    return [np.broadcast_to(array, shape).ravel() for array in arrays.values()]
 
 
 def _checked_reference(
@@ -252,16 +248,6 @@ def _checked_reference(
             f"to {kelvin[-1]:g} K, got {reference:g}."
         )
     return reference
-
-
-def _broadcast(error: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    try:
-        return np.broadcast_to(error, shape).ravel()
-    except ValueError as problem:
-        raise InputError(
-            f"error must match the measured points in shape, {shape}, got "
-            f"{error.shape}."
-        ) from problem
 
 
 class _Fit(NamedTuple):
@@ -362,6 +348,7 @@ def _packed(
     place = locate(kelvin, x, spread, reference)
     change = np.eye(kelvin.size) - place.weights
     log10_a, covariance = x - place.log10_a, change @ spread @ change.T + place.variance
+    judged = JudgedFriction(kelvin - 273.15, x, spread, flat, posterior.converged)
     master = FrictionMaster(
         reference=reference,
         temperature=kelvin,
@@ -373,7 +360,7 @@ def _packed(
         mu=points.log_value,
         number=points.isotherm,
         error=error,
-        warnings=tuple(_doubts(kelvin, x, spread, flat, posterior.converged)),
+        warnings=doubts(OF_FRICTION, judged),
         converged=posterior.converged,
         _posterior=posterior,
         _spline=spline,
@@ -381,25 +368,3 @@ def _packed(
     )
     tell(master.warnings)
     return master
-
-
-def _doubts(
-    kelvin: np.ndarray, x: np.ndarray, spread: np.ndarray, flat: bool, converged: bool
-) -> Iterator[str]:
-    if not converged:
-        yield "The fit did not converge: look at the figure before using it."
-    if flat:
-        yield (
-            "The friction is too flat against its scatter to see any shift: log10 a_T "
-            "is what is usual of rubber."
-        )
-        return
-    between = np.diff(np.eye(kelvin.size), axis=0)
-    step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))
-    celsius = kelvin - 273.15
-    for i in np.flatnonzero(step > _POOR * np.abs(np.diff(x))):
-        yield (
-            f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known "
-            f"to +- {TWO_SIGMA * step[i]:.2g} decades only: the friction hardly changes "
-            "there, or the curves do not overlap."
-        )

@@ -25,6 +25,7 @@ from ..files import write_files
 from ..io.data import Dma, lists
 from ..material.softening import Softening
 from ..trees import fill, static
+from .doubts import OF_SOFTENING, JudgedSoftening, doubts
 from .findings import AbstractFindings, tell
 from .isotherms import group
 from .tables import table_csv
@@ -48,10 +49,6 @@ _ROUNDS = 4  # of the size of errors
 _NODES = 41  # of the table that stands for Kraus' form, down to _FIRST of its strain
 _FIRST = 1e-4
 _PER_DECADE = 4  # points of a table of measured factors
-# slope of ln storage over ln strain at the end of a sweep from which it still falls
-_LEVEL = 0.1
-# rms of one sweep over the median of all from which it does not follow the same factors
-_APART = 2.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -230,7 +227,7 @@ def softening(
         omega=data.omega,
         small=np.exp(p[4:].reshape(-1, 2)),
         error=(float(sigma[0]), float(sigma[1])),
-        warnings=tuple([*told, *_judge(data, p, spread, sigma)]),
+        warnings=(*told, *doubts(OF_SOFTENING, _judged(data, p, spread))),
     )
     strain, table = _table(found) if form == "table" else _of_kraus(data, p[:4])
     tell(found.warnings)
@@ -394,49 +391,23 @@ def _table(found: Sweeps) -> tuple[np.ndarray, np.ndarray]:
     return np.exp(nodes), np.stack([storage, loss], -1)
 
 
-def _judge(
-    data: _Data, p: np.ndarray, spread: np.ndarray, sigma: np.ndarray
-) -> Iterator[str]:
-    last = float(data.log_strain.max())
-    at = _factors(np.array([last, last - 0.01]), p[:4])[:, 0]
-    if (at[1] - at[0]) / 0.01 > _LEVEL:
-        yield (
-            "The storage modulus still falls at the largest strain, "
-            f"{100 * np.exp(last):.3g} %: where it levels off "
-            "is an extrapolation. The factors end there, and are held beyond."
-        )
-    if np.exp(_factors(np.array([data.log_strain.min()]), p[:4])[0, 0]) < 0.97:
-        yield (
-            f"At the smallest strain, {100 * np.exp(data.log_strain.min()):.3g} %, "
-            "the rubber has softened already: "
-            "the moduli of small strain are an extrapolation."
-        )
-    if np.any((p[:4] - _LOW < 1e-6) & (np.arange(4) != 3)) or np.any(
-        _HIGH - p[:4] < 1e-6
-    ):
-        yield (
-            "A constant of Kraus' form is at the end of what is looked at: take the "
-            "table (form='table')."
-        )
-    if spread[0] > 0.25:
-        yield f"The drop of the storage modulus is known to +- {2 * spread[0]:.2g} only."
-    off = data.model(p) - data.values
-    rms = np.array(
-        [
-            np.sqrt(np.mean(off[data.number == i] ** 2, axis=0))
-            for i in range(data.sweeps)
-        ]
+def _judged(data: _Data, p: np.ndarray, spread: np.ndarray) -> JudgedSoftening:
+    first, last = data.log_strain.min(), data.log_strain.max()
+    log_storage = _factors(np.array([first, last - 0.01, last]), p[:4])[:, 0]
+    # a rise of zero is no limit
+    lowest = (p[:4] - _LOW < 1e-6) & (np.arange(4) != 3)
+    off = (data.model(p) - data.values) ** 2
+    square = [np.mean(off[data.number == i], axis=0) for i in range(data.sweeps)]
+    return JudgedSoftening(
+        strain=(float(np.exp(first)), float(np.exp(last))),
+        first=float(np.exp(log_storage[0])),
+        slope=float(log_storage[1] - log_storage[2]) / 0.01,
+        at_limit=bool((lowest | (_HIGH - p[:4] < 1e-6)).any()),
+        drop_std=float(spread[0]),
+        rms=np.sqrt(square),
+        temperature=data.temperature,
+        omega=data.omega,
     )
-    usual = np.median(rms, axis=0)
-    for i in range(data.sweeps if data.sweeps > 1 else 0):
-        if (rms[i] > _APART * usual).any():
-            kelvin, omega = data.temperature[i], data.omega[i]
-            where = "" if np.isnan(kelvin) else f" at {kelvin - 273.15:.3g} degC"
-            where += "" if np.isnan(omega) else f" and {omega / (2 * np.pi):.3g} Hz"
-            yield (
-                f"The sweep{where} does not follow the factors of the others: they "
-                "depend on it."
-            )
 
 
 def softening_csv(sweeps: Sweeps) -> str:
