@@ -9,7 +9,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
-from elastomdr.fit.gathered import MOST, gathered
+from elastomdr.fit.isotherms import MOST, gathered
 
 from ..io.dma_files import LAW, RUBBER, data
 

@@ -11,7 +11,7 @@ from scipy.special import erf
 
 import elastomdr as em
 from elastomdr.cli.main import main
-from elastomdr.fit.tables import abaqus_card, plain_card
+from elastomdr.fit.report import abaqus_card, plain_card
 from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
 from elastomdr.rough.multiscale import FORM

@@ -7,10 +7,9 @@ from typing import Any
 from ..errors import InputError, closest
 from ..files import read_text
 from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
-from .leak import LeakScene
-from .lubricated import LubricatedScene
 from .scene import Scene
 from .schema import decode, keys_of
+from .seals import LeakScene, LubricatedScene
 from .steady import (
     BodyComparison,
     BodyFriction,

@@ -12,7 +12,7 @@ _HOMES = {
     "master": ("MasterCurve", "master_curve"),
     "series": ("PronyFit", "prony"),
     "pipeline": ("MaterialFit", "material", "from_hardness"),
-    "tables": ("abaqus_card", "ansys_card", "plain_card"),
+    "report": ("abaqus_card", "ansys_card", "plain_card"),
     "grosch": ("FrictionMaster", "friction_master"),
     "calibration": ("Calibration", "calibrate"),
     "payne": ("SofteningFit", "softening"),

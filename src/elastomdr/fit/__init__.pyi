@@ -16,10 +16,10 @@ from .payne import softening as softening
 from .pipeline import MaterialFit as MaterialFit
 from .pipeline import from_hardness as from_hardness
 from .pipeline import material as material
+from .report import abaqus_card as abaqus_card
+from .report import ansys_card as ansys_card
+from .report import plain_card as plain_card
 from .series import PronyFit as PronyFit
 from .series import prony as prony
 from .shear_law import AdhesionFit as AdhesionFit
 from .shear_law import adhesion as adhesion
-from .tables import abaqus_card as abaqus_card
-from .tables import ansys_card as ansys_card
-from .tables import plain_card as plain_card

@@ -35,7 +35,7 @@ from ..material.tabulated import needs_series
 from ..models import as_model
 from ..surface.spectrum import AbstractSpectrum
 from .doubts import OF_CALIBRATION, JudgedCalibration, doubts
-from .findings import TWO_SIGMA, AbstractFindings, tell
+from .report import TWO_SIGMA, AbstractFindings, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float

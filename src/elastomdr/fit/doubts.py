@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..io.data import Dma, describe_list
-from .findings import TWO_SIGMA
+from .report import TWO_SIGMA
 from .shifting import LN10, AtReference, Joint
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE, Points, closest_passive
 from .terms import Data, SlowEnd

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..io.data import Dma
     from ..material.prony import Prony
-    from .findings import Band, RelaxationBand
     from .laws import LawFit
+    from .report import Band, RelaxationBand
 
 _BLUE, _RED, _BAND = PALETTE[0], PALETTE[4], "#e08214"
 # standard deviation of log10 b_T below which a fit had no vertical shifts to find

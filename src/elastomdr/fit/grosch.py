@@ -24,9 +24,9 @@ from ..checks import (
 )
 from ..errors import InputError
 from .doubts import OF_FRICTION, JudgedFriction, doubts
-from .findings import TWO_SIGMA, AbstractFindings, of_shifts, tell
 from .isotherms import alike, group
 from .laws import LawFit, fit_laws, locate
+from .report import TWO_SIGMA, AbstractFindings, of_shifts, tell
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
 from .spectrum import STORAGE, Points, Posterior, Prior, infer
 

@@ -29,7 +29,9 @@ from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
 from ..trees import replaced
 from .doubts import OF_SHIFTS, JudgedShifts, doubts
-from .findings import (
+from .isotherms import Isotherms, gathered, group, isotherms, refuse_swapped
+from .laws import LawFit, given_law, law_about, words
+from .report import (
     TWO_SIGMA,
     AbstractFindings,
     Band,
@@ -37,11 +39,9 @@ from .findings import (
     dynamic_band,
     of_shifts,
     relaxation_band,
+    table_csv,
     tell,
 )
-from .gathered import gathered
-from .isotherms import Isotherms, group, isotherms, refuse_swapped
-from .laws import LawFit, given_law, law_about, words
 from .shifting import (
     LN10,
     AtReference,
@@ -55,7 +55,6 @@ from .shifting import (
     without_vertical,
 )
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
-from .tables import table_csv
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float, Int

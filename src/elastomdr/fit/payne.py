@@ -26,9 +26,8 @@ from ..io.data import Dma, lists
 from ..material.softening import Softening
 from ..trees import fill, static
 from .doubts import OF_SOFTENING, JudgedSoftening, doubts
-from .findings import AbstractFindings, tell
 from .isotherms import group
-from .tables import table_csv
+from .report import AbstractFindings, table_csv, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int

@@ -33,7 +33,6 @@ from ..material.validity import (
     root_of,
 )
 from ..trees import replaced
-from .findings import TWO_SIGMA, AbstractFindings, tell
 from .laws import derivatives, fit_form, forms
 from .master import (
     MasterCurve,
@@ -46,14 +45,17 @@ from .master import (
     tabulate,
     vertical_law,
 )
-from .series import PronyFit, prony, prony_csv
-from .shifting import LN10, moved, sensitivity
-from .spectrum import LOSS, STORAGE
-from .tables import (
+from .report import (
+    TWO_SIGMA,
+    AbstractFindings,
     abaqus_card,
     ansys_card,
     plain_card,
+    tell,
 )
+from .series import PronyFit, prony, prony_csv
+from .shifting import LN10, moved, sensitivity
+from .spectrum import LOSS, STORAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -20,20 +20,20 @@ from ..io.data import KINDS, lists
 from ..material.prony import Prony
 from ..material.validity import Range, misfit_bands
 from .doubts import OF_SERIES, JudgedSeries, doubts, relaxation_excess
-from .findings import (
+from .isotherms import alike
+from .master import MasterCurve
+from .report import (
     TWO_SIGMA,
     AbstractFindings,
     Band,
     RelaxationBand,
     dynamic_band,
     relaxation_band,
+    table_csv,
     tell,
 )
-from .isotherms import alike
-from .master import MasterCurve
 from .shifting import AtReference, Joint, at_reference, curve, join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
-from .tables import table_csv
 from .terms import (
     Data,
     Met,

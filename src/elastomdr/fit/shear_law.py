@@ -28,8 +28,7 @@ from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesion import AdhesiveShear
-from .findings import AbstractFindings, tell
-from .tables import table_csv
+from .report import AbstractFindings, table_csv, tell
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float

@@ -1,4 +1,6 @@
-"""Scenes of `elastomdr lubricated`: a film between a cylinder and rubber."""
+"""Scenes of `elastomdr leak` and `elastomdr lubricated`: a liquid that leaks through a
+static seal, a film between a cylinder and rubber.
+"""
 
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -7,7 +9,52 @@ from ..errors import InputError
 from .bodies import AnySurface, Cylinder
 from .scene import OfBodies, body, on_axes
 from .schema import Several, Sweep, Table, given, named
-from .units import Duration, Force, Pressure, Velocity, Viscosity
+from .steady import OfDraws
+from .units import Density, Duration, Force, Length, Pressure, Velocity, Viscosity
+
+
+class Leak(Table):
+    """How the seal is pressed, and what flows through it."""
+
+    pressure: Annotated[
+        Sweep[Pressure], "of rubber and surface, over that of the fluid between them"
+    ]
+    pressure_drop: Annotated[Pressure, "of the fluid, below the pressure"]
+    viscosity: Annotated[Viscosity, "dynamic viscosity of the fluid"]
+    length: Annotated[Length, "of the contact along the flow"]
+    width: Annotated[
+        Length | None, "of the contact across the flow, by default 1 m"
+    ] = None
+    density: Annotated[Density | None, "of the fluid: gives the mass rate as well"] = (
+        None
+    )
+    time: Annotated[
+        Several[Duration] | None, "since it was pressed; by default long after"
+    ] = None
+    model: Annotated[
+        Literal["multiscale", "critical constriction", "effective medium", "half-space"]
+        | None,
+        "what computes the channels, by default multiscale",
+    ] = None
+
+
+class LeakScene(OfDraws):
+    """Leak of a static seal."""
+
+    mark: ClassVar[str] = "leak"
+    call: ClassVar[str] = "leak"
+    surface: Annotated[AnySurface, "the roughness"]
+    leak: Annotated[Leak, "how it is pressed, and what flows"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        if self.numerics.rtol is not None:
+            raise InputError("[numerics] does not belong to a leak: it has no rtol.")
+        with named("[surface]"):
+            surface = self.surface.drawn(folder, self.uncertainty)
+        keys = Leak.__struct_fields__
+        return on_axes(
+            {"surface": surface} | self.common(folder) | given(self.leak, *keys)
+        )
 
 
 class Lubricated(Table):
