@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 
 from ..arrays import as_numpy, keep_compiled_code
 from ..call.model_choice import hint_at_line, is_rough, of_rough
-from ..checks import as_float64, in_si, positive, require
+from ..checks import as_float64, in_si, one_of, positive, require
 from ..errors import (
     ConvergenceWarning,
     ExtrapolationWarning,
@@ -380,11 +380,7 @@ def calibrate(
     cutoffs, are then by default enough for a cutoff one standard deviation of the prior
     above its start.
     """
-    needs_series("material", material, "a calibration")
-    if not isinstance(material, Prony):
-        raise InputError(f"material must be a Prony, got {type(material).__name__}.")
-    if quantity not in ("friction", "rolling"):
-        raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
+    one_of("quantity", quantity, "friction", "rolling")
     start = _start(material, parameters, change is not None)
     check(start, material, shape, scene)
     names = list(start)
@@ -393,41 +389,31 @@ def calibrate(
     data, given = _checked_data(measured, error, len(names))
     scene = dict(scene, velocity=velocity)
     if isinstance(shape, AbstractSpectrum):
-        scene["model"] = _road_model(
-            shape, scene, dict(zip(names, spread, strict=True))
-        )
+        width_of = dict(zip(names, spread, strict=True))
+        scene["model"] = _road_model(shape, scene, width_of)
     compute = _computer(material, shape, quantity, names, change, scene)
     keep_compiled_code()
     with jax.enable_x64(True):
         if is_rough(shape):
             value, *jacobians = _by_differences(compute, names)
+            close = _ROUGHLY
         else:
             constants = (quantity, names, material, shape, scene)
-            value, *jacobians = with_jacobian(
-                compute, constants if change is None else None
-            )
-        task = _Task(
-            value,
-            jacobians,
-            np.array(list(start.values())),
-            spread,
-            data,
-            given,
-            _ROUGHLY if is_rough(shape) else _EXACTLY,
-        )
+            known = constants if change is None else None
+            value, *jacobians = with_jacobian(compute, known)
+            close = _EXACTLY
+        begin = np.array(list(start.values()))
+        task = _Task(value, jacobians, begin, spread, data, given, close)
         solution = _solved(task)
         values = dict(zip(names, solution.point.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
     judged = JudgedCalibration(
-        names,
-        std,
-        spread,
-        solution.covariance / np.outer(std, std),
-        solution.used,
-        solution.converged,
+        names, std, spread, solution.covariance, solution.used, solution.converged
     )
-    calibration = Calibration(
+    doubted = doubts(OF_CALIBRATION, judged)
+    tell(doubted)
+    return Calibration(
         material=jax.tree.map(as_numpy, changed),
         shape=shape,
         parameters=values,
@@ -440,11 +426,9 @@ def calibrate(
         used=solution.used,
         error=float(np.sqrt(np.mean(solution.sigma**2))),
         evaluations=solution.evaluations,
-        warnings=doubts(OF_CALIBRATION, judged),
+        warnings=doubted,
         converged=solution.converged,
     )
-    tell(calibration.warnings)
-    return calibration
 
 
 def _checked_data(
@@ -557,6 +541,10 @@ def _solved(task: _Task) -> _Solution:
 
 
 def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
+    """The parameters and where they start. Raises `InputError`."""
+    needs_series("material", material, "a calibration")
+    if not isinstance(material, Prony):
+        raise InputError(f"material must be a Prony, got {type(material).__name__}.")
     if (
         isinstance(parameters, str)
         or not isinstance(parameters, (Sequence, Mapping))

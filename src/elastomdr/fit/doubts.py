@@ -640,7 +640,7 @@ class JudgedCalibration(NamedTuple):
     names: Sequence[str]
     std: np.ndarray
     prior: np.ndarray  # standard deviations assumed beforehand
-    correlation: np.ndarray
+    covariance: np.ndarray
     used: np.ndarray  # which measurements have a computed answer
     converged: bool
 
@@ -662,9 +662,10 @@ def _not_learned(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
 
 
 def _correlated(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
+    correlation = judged.covariance / np.outer(judged.std, judged.std)
     for i, name in enumerate(judged.names):
         for j in range(i):
-            if abs(r := judged.correlation[i, j]) > limit:
+            if abs(r := correlation[i, j]) > limit:
                 yield {"one": judged.names[j], "other": name, "correlation": r}
 
 

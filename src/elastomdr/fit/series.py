@@ -9,12 +9,12 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
 from ..arrays import one_thread
-from ..checks import in_si, positive, scalar, significant
+from ..checks import in_si, one_of, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import KINDS, lists
 from ..material.prony import Prony
@@ -513,49 +513,26 @@ def prony(
     Source: `docs/fitting.md`.
     """
     master = omega if isinstance(omega, MasterCurve) else None
-    if master is not None:
-        omega, storage, loss = master.omega, master.storage, master.loss
-        time, relaxation = master.time, master.relaxation
-        kind = master.kind if kind is None else kind
-    kind = "shear" if kind is None else kind
-    if kind not in KINDS:
-        raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
-    omega, storage, loss = lists(("omega", "storage", "loss"), (omega, storage, loss))
-    time, relaxation = lists(("time", "relaxation"), (time, relaxation))
-    points = _points(omega, storage, loss, time, relaxation)
+    given: Any = (omega, storage, loss, time, relaxation) if master is None else master
+    measured = _Measured.of(given)
+    if kind is None:
+        kind = "shear" if master is None else master.kind
+    one_of("kind", kind, *KINDS)
+    points = measured.points()
     check_terms(terms, points.log_rate)
     balance = _checked_options(equilibrium, balance)
-    joint = master.joint if master is not None else _smooth(points)
-    state = (
-        master.state
-        if master is not None
-        else at_reference(joint, joint.shifts.temperature[0])
-    )
+    joint, state = _smooth(points) if master is None else (master.joint, master.state)
     noise, systematic = weigh(joint.shifts.posterior.noise, points, balance)
     data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
     chosen = choose_terms(with_loss(data, joint, state), terms, equilibrium)
     series = _solved(data, joint, state, chosen)
     trades = trade_off(points) if systematic else ()
-    warnings = doubts(
-        OF_SERIES,
-        JudgedSeries(
-            data=data,
-            residuals=series.residuals,
-            contradiction=verdict(trades, series.rms("storage"), series.rms("loss")),
-            excess=relaxation_excess(joint),
-            converged=chosen.posterior.converged,
-            level=series.equilibrium,
-            interval=series.interval,
-            end=series.end,
-            limits=series.limits,
-            omega=omega,
-        ),
-    )
+    warnings = series.doubts(data, joint, trades, measured.omega)
     if kind == "tensile" and poisson is None:
         warnings = (*warnings, _INCOMPRESSIBLE)
-    parts = {name: series.part(name) for name in _CHANNELS}
+    tell(warnings)
     material = series.material(
-        omega,
+        measured.omega,
         None if master is None else master.measured_at,
         kind=kind,
         poisson=0.5 if poisson is None else poisson,
@@ -564,61 +541,67 @@ def prony(
         name=name,
         citation=citation,
     )
-    fit = PronyFit(
+    return PronyFit(
         material=material,
         storage_residual=series.rms("storage"),
         loss_residual=series.rms("loss"),
         relaxation_residual=series.rms("relaxation"),
-        residuals={name: part for name, part in parts.items() if part.size},
+        residuals=series.parts(),
         equilibrium_std=series.equilibrium_std,
         equilibrium_interval=series.interval,
         moduli_std=series.moduli_std,
         times_std=series.times_std,
         covariance=series.covariance,
-        omega=omega,
-        storage=storage,
-        loss=loss,
-        time=time,
-        relaxation=relaxation,
+        **measured._asdict(),
         kind=kind,
-        warnings=tuple(warnings),
-        converged=chosen.posterior.converged,
+        warnings=warnings,
+        converged=series.converged,
         asked=None if terms is None else int(terms),
         trade_off=trades,
         joint=joint,
         master=master,
     )
-    tell(fit.warnings)
-    return fit
 
 
-def _points(
-    omega: np.ndarray,
-    storage: np.ndarray,
-    loss: np.ndarray,
-    time: np.ndarray,
-    relaxation: np.ndarray,
-) -> Points:
-    """The data of one temperature. Raises `InputError` for too few of them."""
-    n, count = omega.size, 2 * omega.size + time.size
-    if count < 3:
-        raise InputError(
-            "omega, storage and loss (or time and relaxation) must have two points "
-            f"at least, got {n}."
+class _Measured(NamedTuple):
+    """Moduli at one temperature."""
+
+    omega: np.ndarray  # [rad/s]
+    storage: np.ndarray  # [Pa]
+    loss: np.ndarray
+    time: np.ndarray  # [s]
+    relaxation: np.ndarray  # [Pa]
+
+    @classmethod
+    def of(cls, given: Any) -> Self:
+        """From lists in this order, or what has them by name. Raises `InputError`."""
+        names = cls._fields
+        if not isinstance(given, tuple):
+            given = tuple(getattr(given, name) for name in names)
+        return cls(*lists(names[:3], given[:3]), *lists(names[3:], given[3:]))
+
+    def points(self) -> Points:
+        """All values, one after the other. Raises `InputError` for too few of them."""
+        n, slow = self.omega.size, self.time.size
+        if 2 * n + slow < 3:
+            raise InputError(
+                "omega, storage and loss (or time and relaxation) must have two points "
+                f"at least, got {n}."
+            )
+        log_omega = np.log(self.omega)
+        points = Points(
+            np.repeat([STORAGE, LOSS, RELAXATION], [n, n, slow]),
+            np.concatenate([log_omega, log_omega, -np.log(self.time)]),
+            np.log(np.concatenate([self.storage, self.loss, self.relaxation])),
+            np.zeros(2 * n + slow, dtype=int),
+            np.zeros(2 * n + slow),
         )
-    points = Points(
-        np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
-        np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
-        np.log(np.concatenate([storage, loss, relaxation])),
-        np.zeros(count, dtype=int),
-        np.zeros(count),
-    )
-    if np.ptp(points.log_rate) < np.log(1.5):
-        raise InputError(
-            f"omega must span a range of frequencies, got {n} points within a factor "
-            "of 1.5."
-        )
-    return points
+        if np.ptp(points.log_rate) < np.log(1.5):
+            raise InputError(
+                f"omega must span a range of frequencies, got {n} points within a "
+                "factor of 1.5."
+            )
+        return points
 
 
 def _checked_options(equilibrium: Any, balance: Any) -> float | None:
@@ -649,6 +632,7 @@ class _Series(NamedTuple):
     covariance: np.ndarray
     end: SlowEnd
     limits: Any  # frequencies between which the data determine the series
+    converged: bool
 
     @property
     def equilibrium_std(self) -> float:
@@ -660,9 +644,32 @@ class _Series(NamedTuple):
         """Residuals of storage, loss or relaxation."""
         return self.residuals[self.channel == _CHANNELS[name]]
 
+    def parts(self) -> dict[str, np.ndarray]:
+        """Residuals of what was measured."""
+        parts = {name: self.part(name) for name in _CHANNELS}
+        return {name: part for name, part in parts.items() if part.size}
+
     def rms(self, name: str) -> float:
         part = self.part(name)
         return float(np.sqrt(np.mean(part**2))) if part.size else float("nan")
+
+    def doubts(
+        self, data: Data, joint: Joint, trades: Any, omega: np.ndarray
+    ) -> tuple[str, ...]:
+        """What cannot be relied on."""
+        judged = JudgedSeries(
+            data=data,
+            residuals=self.residuals,
+            contradiction=verdict(trades, self.rms("storage"), self.rms("loss")),
+            excess=relaxation_excess(joint),
+            converged=self.converged,
+            level=self.equilibrium,
+            interval=self.interval,
+            end=self.end,
+            limits=self.limits,
+            omega=omega,
+        )
+        return doubts(OF_SERIES, judged)
 
     def material(self, omega: np.ndarray, measured_at: Any, **options: Any) -> Prony:
         """The series as a material, which knows its range and its misfit."""
@@ -701,6 +708,7 @@ def _solved(data: Data, joint: Joint, state: AtReference, chosen: Any) -> _Serie
         covariance=covariance,
         end=end,
         limits=known_range(points, joint, state, sensitivity),
+        converged=chosen.posterior.converged,
     )
 
 
@@ -719,7 +727,7 @@ def _equilibrium_interval(
     return max(min(level - half, end.low), 0.0), max(level + half, end.end)
 
 
-def _smooth(points: Points) -> Joint:
+def _smooth(points: Points) -> tuple[Joint, AtReference]:
     """The smooth spectrum through data of one temperature."""
     shifts = join(points, np.array([293.15]), np.zeros(1), "none")
     count = alike(points, shifts.posterior.residuals)
@@ -727,7 +735,8 @@ def _smooth(points: Points) -> Joint:
         shifts = join(
             points, np.array([293.15]), np.zeros(1), "none", count, near=shifts
         )
-    return Joint(shifts, (), count, 1.0, shifts, 1.0)
+    joint = Joint(shifts, (), count, 1.0, shifts, 1.0)
+    return joint, at_reference(joint, joint.shifts.temperature[0])
 
 
 def prony_csv(fit: PronyFit) -> str:

@@ -293,6 +293,10 @@ class Prior(NamedTuple):
     # width expected before any data, and how many rows that counts for
     usual: tuple[float, float] = (0.0, 0.0)
 
+    def pull(self) -> np.ndarray:
+        """Towards the target, at width 1."""
+        return self.rows.T @ np.broadcast_to(self.target, self.rows.shape[0])
+
 
 class Posterior(NamedTuple):
     """The most probable unknowns and what is known about them."""
@@ -345,14 +349,11 @@ def infer(
     given: 1, and less for outliers. Climbing stops where a step gains less than `gain`,
     and all of it where logarithms of noise and widths change by less than `settled_at`.
     """
-    noise, robust = noise.copy(), weights is None
+    robust = weights is None
     weights = np.ones(data.size) if weights is None else weights
     widths = [prior.width for prior in priors]
     grams = [prior.rows.T @ prior.rows for prior in priors]
-    pulls = [
-        prior.rows.T @ np.broadcast_to(prior.target, prior.rows.shape[0])
-        for prior in priors
-    ]
+    pulls = [prior.pull() for prior in priors]
     members = [np.flatnonzero(group == g) for g in range(noise.size)]
     value, jacobian = model(start)
     place, converged = _Place(start, data - value, jacobian()), False
@@ -369,19 +370,18 @@ def infer(
         covariance = _inverse(factor)
         before = np.log(np.concatenate([noise, widths]))
         if noise_limits is not None:
-            squares = weights * place.residuals**2
+            squares = [weights[i] * place.residuals[i] ** 2 for i in members]
             effective = [_trace(covariance, curvature) for curvature in curvatures]
-            noise = _new_noise(noise, squares, members, effective, noise_limits)
+            noise = _new_noise(noise, squares, effective, noise_limits)
         widths = [
             _new_width(prior, width, gram, place.p, covariance)
             for prior, width, gram in zip(priors, widths, grams, strict=True)
         ]
         if robust:
-            size = np.abs(place.residuals) / noise[group]
-            weights = np.minimum(1.0, (_HUBER / np.maximum(size, 1e-12)) ** 2)
+            weights = _outlier_weights(place.residuals / noise[group])
         change = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
-        if settled and change < settled_at:
-            converged = True
+        converged = bool(settled and change < settled_at)
+        if converged:
             break
     if wary is not None:
         scaled = wary(place.p) * (np.sqrt(weights / temper) / noise[group])[:, None]
@@ -396,6 +396,11 @@ def infer(
         _evidence(place, weights, noise[group], temper, factor, priors, widths),
         converged,
     )
+
+
+def _outlier_weights(residuals: np.ndarray) -> np.ndarray:
+    """1, and less beyond Huber's limit of residuals in standard deviations."""
+    return np.minimum(1.0, (_HUBER / np.maximum(np.abs(residuals), 1e-12)) ** 2)
 
 
 def _evidence(
@@ -423,20 +428,19 @@ def _evidence(
 
 def _new_noise(
     noise: np.ndarray,
-    squares: np.ndarray,
-    members: list[np.ndarray],
+    squares: list[np.ndarray],
     effective: list[Any],
     limits: tuple[float, float],
 ) -> np.ndarray:
-    """Noise of each group from its weighted squares, less the parameters that its
-    points determine.
+    """Noise of each group from the weighted squares of its points, less the parameters
+    that these determine.
     """
     noise = noise.copy()
-    for g, member in enumerate(members):
-        if member.size:
-            freedom = max(member.size - effective[g], 0.1 * member.size)
-            noise[g] = np.clip(np.sqrt(squares[member].sum() / freedom), *limits)
-    there = np.array([member.size > 0 for member in members])
+    for g, square in enumerate(squares):
+        if square.size:
+            freedom = max(square.size - effective[g], 0.1 * square.size)
+            noise[g] = np.clip(np.sqrt(square.sum() / freedom), *limits)
+    there = np.array([square.size > 0 for square in squares])
     return np.maximum(noise, noise[there].max() / _RATIO)
 
 
