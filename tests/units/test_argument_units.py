@@ -141,6 +141,7 @@ CALLS = {
     "rolling": lambda **k: em.rolling(SOLID, BALL, **k).resistance,
     "o_ring": lambda **k: em.o_ring(SOLID, squeeze=0.1, **k).line_load,
     "leak": lambda **k: em.leak(SOLID, ROAD, density=900.0, **k).mass_rate,
+    "break_out": lambda **k: em.break_out(SOLID, ROAD, **k).mu,
     "lubricated": lambda **k: em.lubricated(SOLID, em.Cylinder(5e-3, 1.0), **k).flow,
     "reciprocating": lambda **k: (
         em.reciprocating(
@@ -167,6 +168,12 @@ GIVEN = {
         "viscosity": 0.1,
         "length": 1e-3,
         "time": 10.0,
+    },
+    "break_out": {
+        "pressure": np.array([2e4, 4e4]),
+        "boundary_shear": 1e5,
+        "time": 10.0,
+        "velocity": 0.1,
     },
     "lubricated": {
         "velocity": np.array([0.1, 0.2]),

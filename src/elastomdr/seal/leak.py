@@ -121,7 +121,8 @@ def leak(
     seal. Differentiable with `em.Multiscale` with respect to material, surface,
     pressures, viscosity, sizes, time and temperature. Source: `docs/theory.md`.
     """
-    foundation, chosen = _checked_bodies(material, surface, model, time)
+    foundation = pressed_bodies(material, surface, time)
+    chosen = as_model(model, KINDS) or Multiscale()
     given = _checked(
         {
             "pressure": pressure,
@@ -135,7 +136,7 @@ def leak(
         }
     )
     shape = broadcast_shape(**given)
-    level, factor = _level(foundation, given)
+    level, factor = level_of(foundation, given)
     found = chosen.leak(surface, level.ravel())
     numbers = {
         name: xp.reshape(x, level.shape)
@@ -161,10 +162,10 @@ def leak(
     )
 
 
-def _checked_bodies(
-    material: Any, surface: Any, model: Any, time: Any
-) -> tuple[Foundation, Model]:
-    """The foundation and the model. Raises `InputError`."""
+def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
+    """The foundation of rubber that is pressed on a rough surface. Raises
+    `InputError`.
+    """
     foundation = as_foundation(material)
     as_spectrum("surface", surface)
     if foundation.per_area:
@@ -173,8 +174,7 @@ def _checked_bodies(
         )
     if time is None:
         check_carries(foundation)
-    chosen = as_model(model, KINDS)
-    return foundation, Multiscale() if chosen is None else chosen
+    return foundation
 
 
 def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
@@ -199,7 +199,7 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
     return given
 
 
-def _level(foundation: Foundation, given: dict[str, Any]) -> tuple[Any, Any]:
+def level_of(foundation: Foundation, given: dict[str, Any]) -> tuple[Any, Any]:
     """p/E*, in the shape of what it depends on, and a_T."""
     time, kelvin = given["time"], given["temperature"]
     shape = broadcast_shape(pressure=given["pressure"], time=time, temperature=kelvin)
