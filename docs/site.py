@@ -89,6 +89,7 @@ GROUPS = {
         "leak",
         "CriticalConstriction",
         "EffectiveMedium",
+        "break_out",
         "lubricated",
         "reciprocating",
         "friction_spectrum",

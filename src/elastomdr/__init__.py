@@ -57,6 +57,7 @@ _HOMES = {
     "belt.conveyor": ("Conveyor", "Idlers", "conveyor"),
     "verbs.plan": ("plan",),
     "sweeps.run": ("sweep",),
+    "seal.break_out": ("BreakOut", "break_out"),
     "seal.lubricated": ("FilmProfile", "Lubricated", "lubricated"),
     "seal.o_ring": ("ORing", "o_ring"),
     "seal.leak": ("leak",),

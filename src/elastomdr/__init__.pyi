@@ -58,6 +58,8 @@ from .rough.line_contact import line_contact as line_contact
 from .rough.press import press as press
 from .rough.results import LineContact as LineContact
 from .rough.results import RoughContact as RoughContact
+from .seal.break_out import BreakOut as BreakOut
+from .seal.break_out import break_out as break_out
 from .seal.leak import leak as leak
 from .seal.leak_result import Leak as Leak
 from .seal.leak_theories import CriticalConstriction as CriticalConstriction

@@ -564,6 +564,9 @@ OUTSIDE = {
         length=1e-3,
         time=1e8,
     ),
+    "BreakOut": lambda m: em.break_out(
+        m, ROAD, pressure=[1e5, 2e5], boundary_shear=1e5, time=1e8
+    ),
     "Lubricated": lambda m: em.lubricated(
         m, em.Cylinder(5e-3, 1.0), velocity=[0.1, 1.0], load=10.0, viscosity=1.0
     ),

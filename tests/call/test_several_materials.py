@@ -33,6 +33,9 @@ CALLS = {
     "leak": lambda m: em.leak(
         m, ROAD, pressure=[1e5, 3e5], pressure_drop=1e4, viscosity=1e-3, length=1e-3
     ),
+    "break_out": lambda m: em.break_out(
+        m, ROAD, pressure=[1e5, 3e5], boundary_shear=1e5
+    ),
     "lubricated": lambda m: em.lubricated(
         m, em.Cylinder(5e-3, 1.0), velocity=[0.1, 1.0], load=10.0, viscosity=1.0
     ),

@@ -28,6 +28,12 @@ class Leak(Table):
     density: Annotated[Density | None, "of the fluid: gives the mass rate as well"] = (
         None
     )
+    outlet_pressure: Annotated[
+        Pressure | None, "absolute, behind the seal: makes the fluid a gas"
+    ] = None
+    mean_free_path: Annotated[
+        Length | None, "of the gas at the outlet: its slip at the walls"
+    ] = None
     time: Annotated[
         Several[Duration] | None, "since it was pressed; by default long after"
     ] = None

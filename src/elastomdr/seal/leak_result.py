@@ -20,7 +20,7 @@ _LOG_RATIO = 5.0  # of the largest to the smallest value from which on an axis i
 
 @record
 class Leak(Result):
-    """Leak of a liquid through a static seal.
+    """Leak of a liquid or a gas through a static seal.
 
     Within a factor of 1 + `model_error` the rate is that of three dimensions, at 95 %
     of the points. Where `percolates` is false no channel leads through, and the rate is
@@ -36,7 +36,16 @@ class Leak(Result):
     temperature: Array | None = quantity(
         "temperature", "K", "None where none was given", default=None, shown="°C"
     )
-    rate: Array = quantity("leak rate", "m^3/s", "Q, volume", axis="leak rate")
+    outlet_pressure: Array | None = quantity(
+        "absolute pressure behind the seal",
+        "Pa",
+        "None of a liquid",
+        default=None,
+        shown="MPa",
+    )
+    rate: Array = quantity(
+        "leak rate", "m^3/s", "Q, volume, of a gas at the outlet", axis="leak rate"
+    )
     mass_rate: Array | None = quantity(
         "mass leak rate", "kg/s", "None where no density was given", default=None
     )
@@ -53,6 +62,12 @@ class Leak(Result):
         shown="µm",
     )
     area_ratio: Array = quantity("real contact area over nominal area", "-", "A")
+    knudsen: Array | None = quantity(
+        "Knudsen number",
+        "-",
+        "Kn, mean free path at the mean pressure over the gap of even planes",
+        default=None,
+    )
     percolates: Array = quantity(
         "percolates", "", "whether channels lead through the contact"
     )
@@ -129,6 +144,13 @@ class Leak(Result):
         if self.model_error is not None and np.isfinite(self.model_error).any():
             factor = span(1 + np.asarray(self.model_error))
             yield "model", f"rate within a factor of {factor}"
+        if self.knudsen is not None:
+            numbers = span(np.asarray(self.knudsen)[good])
+            yield (
+                "gas",
+                f"expands and slips (an estimate, counted in full in the bound up to "
+                f"a Knudsen number of 0.1), here {numbers}; volumes are at the outlet",
+            )
         closed = int((good & ~np.asarray(self.percolates)).sum())
         if closed:
             yield (

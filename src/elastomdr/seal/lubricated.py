@@ -652,13 +652,13 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
         ("shape", describe(scene.shape).replace(" on a layer", "")),
         ("rubber", scene.rubber),
         *(
-            (name, brief(values, unit))
+            (name, brief(np.unique(values), unit))  # as asked for, before broadcasting
             for name, unit in _UNITS.items()
             if (values := getattr(scene, name)) is not None
         ),
     ]
     if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
+        inputs.append(("temperature", brief(np.unique(kelvin), "K")))
     if scene.surface is not None:
         inputs.append(("surface", f"{scene.surface.label}, {scene.surface.words()}"))
     named = dict(

@@ -1,0 +1,268 @@
+"""Break-out after a dwell: the shear of a real contact that has grown at rest.
+
+    mu = tau A(t)/p,        A(t) the real contact of an elastic body with E* = 1/J(t/a_T)
+
+Under a constant pressure the contact grows, so that after the dwell t it is that of an
+elastic body with the creep of that time, by any model of a surface under a pressure.
+tau is the largest shear stress that the interface passes on the way from rest to the
+velocity of the start. That all of the contact bears it at once, before any of it is
+lost, is a bound from above: a contact that lets go piece by piece needs less, though no
+less than steady sliding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+
+from ..arrays import numpy_unless_traced, xp
+from ..call.extrapolation import NOT_KNOWN, held_beyond
+from ..call.several_materials import over_materials
+from ..checks import (
+    as_float64,
+    broadcast,
+    broadcast_shape,
+    is_traced,
+    nan_unless,
+    positive,
+    warn_unless,
+)
+from ..element.law import Foundation
+from ..errors import InputError
+from ..models import Multiscale, Persson, as_model
+from ..results.base import Array, Result, quantity, record
+from ..results.words import brief, span
+from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
+from ..rough.local_modulus import Local
+from .leak import level_of, pressed_bodies
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Style
+    from ..call.types import Material
+    from ..surface.spectrum import AbstractSpectrum
+
+_KINDS = {kind.label: kind for kind in (Multiscale, Persson)}
+_RTOL = 1e-6  # of an elastic contact, whose friction is zero
+_UNITS = {"pressure": "Pa", "time": "s", "velocity": "m/s", "temperature": "K"}
+
+
+@record
+class BreakOut(Result):
+    """Break-out of a rough contact after a dwell, by the shear of its real contact.
+
+    `error` is numerical. `model_error` bounds what the real contact may be off; NaN
+    where the shear exceeds the pressure and would change the contact.
+    """
+
+    pressure: Array = quantity("contact pressure", "Pa", "p", shown="MPa")
+    time: Array | None = quantity("dwell", "s", "t, None: long after", default=None)
+    velocity: Array | None = quantity(
+        "velocity of the start", "m/s", "None: past the largest stress", default=None
+    )
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    mu: Array = quantity(
+        "break-out coefficient", "-", "tau A/p, largest shear force over normal force"
+    )
+    area_ratio: Array = quantity("real contact area over nominal area", "-", "A")
+    shear_stress: Array = quantity(
+        "shear stress of the real contact", "Pa", "tau, largest up to the velocity"
+    )
+    error: Array = quantity("error of the break-out coefficient", "-", "numerical")
+    model_error: Array = quantity(
+        "bound of the model's error of the break-out coefficient", "-"
+    )
+
+    title: ClassVar[str] = "Break-out after a dwell"
+    across: ClassVar[str] = "time"
+    scale: ClassVar[str] = "log"
+    shows: ClassVar[str] = "mu"
+    error_of: ClassVar[str] = "the break-out coefficient"
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "time",
+        "pressure",
+        "temperature",
+        "velocity",
+    )
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        style: Style | None = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        show: Literal["mu", "area_ratio"] = "mu",
+    ) -> Axes:
+        """Draws the break-out coefficient or the real contact against the dwell.
+
+        The rest as of every result, `Result.plot`. Raises `InputError`.
+        """
+        self._check_shown(show, "mu", "area_ratio")
+        from ..results.plotting import Ask, draw
+
+        return self._draw(draw, Ask(ax, style, title, label), y=show)
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The ranges of the coefficient and of the real contact."""
+        good: Any = np.asarray(self.converged)
+        yield "break-out coefficient", span(self.mu[good])
+        yield "real contact", span(self.area_ratio[good])
+        yield "bound", "all of the contact lets go at once; hysteresis is not counted"
+
+
+@over_materials
+@numpy_unless_traced
+def break_out(
+    material: Material | Sequence[Material],
+    surface: AbstractSpectrum,
+    *,
+    pressure: ArrayLike,
+    boundary_shear: float | AdhesiveShear,
+    time: ArrayLike | None = None,
+    velocity: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: Multiscale | Persson | str | None = None,
+) -> BreakOut:
+    """Break-out of a rough contact after a dwell: the shear of its real contact, which
+    grows while it rests.
+
+    Args:
+        material: as for `em.press`, a series.
+        surface: roughness by its spectrum.
+        pressure: nominal pressure [Pa]; arguments broadcast.
+        boundary_shear: shear stress of the real contact [Pa], or an `em.AdhesiveShear`.
+        time: dwell, for which the pressure has acted since it was put on at once [s];
+            None for long after.
+        velocity: velocity that the start reaches [m/s]: of an `em.AdhesiveShear` the
+            largest stress up to it counts. None for a start beyond its maximum.
+        temperature: temperature [K], for a material or a shear with a shift law.
+        model: `em.Multiscale()` by default, or `em.Persson()`.
+
+    Returns:
+        An `em.BreakOut` of the broadcast shape.
+
+    Raises:
+        InputError: for arguments out of range, and models without a real contact.
+
+    A model: the real contact, by `model`, and a stress that does not depend on pressure
+    and dwell. A bound from above: all of the contact bears the largest stress at once.
+    Not counted: hysteresis; the interlocking that `em.slide` finds on a line estimates
+    it from above. Differentiable. Source: `docs/seal.md`.
+    """
+    foundation = pressed_bodies(material, surface, time)
+    chosen = as_model(model, _KINDS) or Multiscale()
+    if not isinstance(chosen, (Multiscale, Persson)):
+        chosen._refuse("em.Multiscale() or em.Persson() for a break-out")
+    shear = _checked_shear(boundary_shear, temperature)
+    arguments = {"pressure": pressure, "time": time}
+    arguments |= {"velocity": velocity, "temperature": temperature}
+    given: dict[str, Any] = {
+        name: None if value is None else as_float64(name, value)
+        for name, value in arguments.items()
+    }
+    for name, value in given.items():
+        if value is not None:
+            positive(name, value)
+    shape = broadcast_shape(**given)
+    level, factor = level_of(foundation, given)
+    found = _contact(chosen, surface, level)
+    stress = _largest_stress(shear, given)
+    mu = stress * found.area / given["pressure"]
+    good = xp.broadcast_to(found.good, shape)
+    traced = is_traced(surface, shear, level, *given.values())
+    beyond = NOT_KNOWN
+    if not traced:
+        warn_unless(good, "points")
+        factor = np.broadcast_to(factor, shape)
+        kelvin = given["temperature"]
+        beyond = held_beyond(foundation.range, given["time"], kelvin, factor)
+    numbers = {
+        "mu": mu,
+        "area_ratio": found.area,
+        "shear_stress": stress,
+        "error": mu * found.error,
+        "model_error": xp.where(mu > MOST_SHEAR, xp.nan, mu * found.bound),
+    }
+    fields = {
+        name: nan_unless(good, xp.broadcast_to(value, shape))
+        for name, value in numbers.items()
+    }
+    return BreakOut(
+        **broadcast(**given, **fields, converged=good),
+        extrapolated=beyond.points,
+        model=f"{chosen.words()}; its shear at once",
+        plan="real contact of an elastic body with the creep of the dwell",
+        inputs=(*_in_words(foundation, surface, shear, given), *beyond.said),
+    )
+
+
+class _Contact(NamedTuple):
+    """The real contact at each point, over the nominal area."""
+
+    area: Any
+    error: Any  # relative, numerical
+    bound: Any  # relative, of the model
+    good: Any
+
+
+def _contact(
+    model: Multiscale | Persson, surface: AbstractSpectrum, level: Any
+) -> _Contact:
+    """The contact of an elastic body at pressures over its E*."""
+    one, flat = Foundation(1.0, [], []), level.ravel()
+    found = model.solve(
+        one, surface, xp.ones_like(flat), flat, Local(None), _RTOL, None
+    )
+    bound = model.bound(one, surface, xp.ones_like(flat), found.area, of_area=True)
+    error = found.area_error / xp.where(found.area > 0, found.area, 1.0)
+    numbers = found.area, error, bound, found.good
+    return _Contact(*(xp.reshape(x, level.shape) for x in numbers))
+
+
+def _checked_shear(shear: Any, temperature: Any) -> AdhesiveShear:
+    """The shear of the real contact as a law. Raises `InputError`."""
+    if not isinstance(shear, AdhesiveShear):
+        stress = as_float64("boundary_shear", shear)
+        positive("boundary_shear", stress)
+        return AdhesiveShear(stress, 1.0, 0.0)
+    if shear.shift is not None and temperature is None:
+        raise InputError("boundary_shear has a shift law and needs a temperature [K].")
+    return shear
+
+
+def _largest_stress(shear: AdhesiveShear, given: dict[str, Any]) -> Any:
+    """The largest stress up to the velocity [Pa]: beyond its maximum, that."""
+    velocity = given["velocity"]
+    if velocity is None:
+        return shear.stress
+    kelvin = None if shear.shift is None else given["temperature"]
+    peak = shear.velocity
+    if shear.shift is not None:
+        peak = peak / shear.shift.a(kelvin)
+    return shear.shear_stress(xp.minimum(velocity, peak), kelvin)
+
+
+def _in_words(
+    foundation: Foundation,
+    surface: AbstractSpectrum,
+    shear: AdhesiveShear,
+    given: dict[str, Any],
+) -> list[tuple[str, str]]:
+    words = "" if is_traced(surface) else f", {surface.words()}"
+    inputs = [
+        ("material", foundation.name or "given directly"),
+        ("surface", f"{surface.label}{words}"),
+        ("shear of the contact", shear.words()),
+    ]
+    inputs += [
+        ("dwell" if name == "time" else name, brief(given[name], unit))
+        for name, unit in _UNITS.items()
+        if given[name] is not None
+    ]
+    return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]

@@ -1,0 +1,136 @@
+"""Break-out after a dwell against the creep of one branch, steady shear and full
+contact.
+"""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+SOFT, HARD, TAU = 1e6, 3e6, 2.0  # in shear
+LAW = em.WLF(8.86, 101.6, 293.15)
+RUBBER = em.StandardSolid(SOFT, HARD, TAU, shift=LAW)
+ROUGH = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e4, q_high=1.6e5)
+STRESS = 2e5
+
+
+def test_light_contact_grows_by_the_moduli():
+    """Contact in proportion to the creep of one branch: J over 1/E_inf goes from
+    E_inf/(E_inf + E_1) to 1 with the time tau (E_inf + E_1)/E_inf.
+    """
+    dwell = np.array([1e-6, 1.0, 8.0, 30.0, 1e6])
+    found = em.break_out(
+        RUBBER, ROUGH, pressure=10.0, time=dwell, boundary_shear=STRESS,
+        temperature=293.15,
+    )  # fmt: skip
+    retardation = TAU * (SOFT + HARD) / SOFT
+    creep = 1 - HARD / (SOFT + HARD) * np.exp(-dwell / retardation)
+    np.testing.assert_allclose(found.mu / found.mu[-1], creep, rtol=1e-5)
+    assert found.mu[-1] / found.mu[0] == pytest.approx((SOFT + HARD) / SOFT, rel=1e-5)
+    np.testing.assert_allclose(found.mu, STRESS * found.area_ratio / 10.0, rtol=1e-14)
+
+
+def test_full_contact_bears_the_whole_shear():
+    found = em.break_out(RUBBER, ROUGH, pressure=1e9, boundary_shear=STRESS)
+    assert found.mu == pytest.approx(STRESS / 1e9, rel=1e-9)
+    assert found.area_ratio == pytest.approx(1.0, rel=1e-9)
+
+
+def test_elastic_rubber_breaks_out_as_it_slides():
+    """Without memory the contact at rest is that of steady sliding."""
+    elastic, shear = em.Prony(1e6, [], []), em.AdhesiveShear(STRESS, 1.0, 0.0)
+    pressure = np.geomspace(1e4, 3e6, 4)
+    slides = em.friction(
+        elastic, ROUGH, velocity=1.0, pressure=pressure, adhesion=shear
+    )
+    rests = em.break_out(elastic, ROUGH, pressure=pressure, boundary_shear=shear)
+    np.testing.assert_allclose(rests.mu, slides.adhesion, rtol=1e-6)
+    np.testing.assert_allclose(rests.model_error, slides.model_error, rtol=1e-4)
+
+
+def test_a_dwell_shifts_with_temperature():
+    warm = 10 ** (-8.86 * 20 / (101.6 + 20))
+    scene = {"pressure": 2e5, "boundary_shear": STRESS}
+    hot = em.break_out(RUBBER, ROUGH, time=3.0, temperature=313.15, **scene)
+    cold = em.break_out(RUBBER, ROUGH, time=3.0 / warm, temperature=293.15, **scene)
+    assert hot.mu == pytest.approx(float(cold.mu), rel=1e-9)
+
+
+def test_the_largest_stress_on_the_way_counts():
+    """exp(-width) per decade squared below the maximum, the maximum beyond it."""
+    shear = em.AdhesiveShear(STRESS, 1e-2, 0.5, shift=LAW)
+    peak = 1e-2 / float(LAW.a(303.15))
+    found = em.break_out(
+        RUBBER, ROUGH, pressure=2e5, boundary_shear=shear, temperature=303.15,
+        velocity=peak * np.array([0.01, 0.1, 1.0, 100.0]),
+    )  # fmt: skip
+    expected = STRESS * np.exp(-0.5 * np.array([4.0, 1.0, 0.0, 0.0]))
+    np.testing.assert_allclose(found.shear_stress, expected, rtol=1e-12)
+    always = em.break_out(
+        RUBBER, ROUGH, pressure=2e5, boundary_shear=shear, temperature=303.15
+    )
+    assert always.mu == pytest.approx(float(found.mu[-1]), rel=1e-12)
+
+
+def test_real_contact_of_maps_in_three_dimensions():
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e4, q_high=8e4)
+    scene = {"pressure": np.array([5e4, 3e5]), "time": 10.0}
+    truth = em.leak(
+        RUBBER, surface, pressure_drop=1.0, viscosity=1.0, length=1.0,
+        model=em.HalfSpace(cells=128, seeds=2), **scene,
+    ).area_ratio  # fmt: skip
+    found = em.break_out(RUBBER, surface, boundary_shear=5e3, **scene)
+    assert (np.abs(truth / found.area_ratio - 1) < found.model_error / found.mu).all()
+
+
+def test_no_bound_where_shear_exceeds_the_pressure():
+    found = em.break_out(RUBBER, ROUGH, pressure=1e5, boundary_shear=2e6)
+    assert found.mu > 1
+    assert np.isnan(found.model_error)
+
+
+def test_derivative():
+    def mu(pressure):
+        return em.break_out(
+            RUBBER, ROUGH, pressure=pressure, time=1.0, boundary_shear=STRESS,
+            temperature=293.15,
+        ).mu  # fmt: skip
+
+    with jax.enable_x64(True):
+        slope = float(jax.grad(mu)(2e5))
+    assert slope == pytest.approx((mu(2.001e5) - mu(1.999e5)) / 200, rel=1e-4)
+
+
+def test_summary_and_figure():
+    found = em.break_out(
+        RUBBER, ROUGH, pressure=2e5, boundary_shear=STRESS, temperature=293.15,
+        time=np.geomspace(0.1, 1e3, 5),
+    )  # fmt: skip
+    assert "all of the contact lets go at once" in found.summary()
+    ax = found.plot()
+    assert ax.get_xscale() == "log"
+    assert "Break-out" in ax.get_ylabel()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"boundary_shear": -1.0}, "boundary_shear must be positive"),
+        ({"time": 0.0}, "time must be positive"),
+        ({"velocity": -1.0}, "velocity must be positive"),
+        ({"surface": em.Sphere(1e-3)}, "surface must be"),
+        ({"model": em.Line()}, "for a break-out"),
+        ({"model": em.HalfSpace()}, "for a break-out"),
+        (
+            {"boundary_shear": em.AdhesiveShear(1e5, 1.0, 0.1, shift=LAW)},
+            "boundary_shear has a shift law",
+        ),
+        ({"material": em.Maxwell(1e6, 1.0), "time": None}, "equilibrium modulus"),
+    ],
+)
+def test_bad_input(change, words):
+    given = {"material": RUBBER, "surface": ROUGH, "pressure": 1e5}
+    given |= {"boundary_shear": STRESS, "time": 1.0} | change
+    with pytest.raises(em.InputError, match=words):
+        em.break_out(**given)

@@ -1,0 +1,137 @@
+"""A gas through a static seal: expansion and slip against integrals along the flow, maps
+and the mean free path of air.
+"""
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import elastomdr as em
+from elastomdr.seal.gap_flow import flow
+from elastomdr.seal.gap_maps import pressed
+from elastomdr.surface.spectrum import rough_map
+
+RUBBER = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))  # in shear
+ROUGH = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e5, q_high=1.6e6)
+SCENE = {
+    "pressure": 3e5,
+    "pressure_drop": 2e5,
+    "viscosity": 1.81e-5,
+    "length": 2e-3,
+    "width": 0.1,
+    "time": 100.0,
+    "temperature": 293.15,
+}
+AIR = {"outlet_pressure": 101325.0, "molar_mass": 0.02897}
+
+
+def test_without_slip_it_flows_by_the_difference_of_squares():
+    outlet, inlet = 101325.0, 301325.0
+    liquid = em.leak(RUBBER, ROUGH, **SCENE)
+    gas = em.leak(RUBBER, ROUGH, outlet_pressure=outlet, mean_free_path=0.0, **SCENE)
+    squares = (inlet**2 - outlet**2) / (2 * outlet)
+    assert gas.rate == pytest.approx(0.1 / 2e-3 * float(liquid.conductance) * squares)
+    assert gas.knudsen == 0
+    assert gas.model_error == pytest.approx(float(liquid.model_error), rel=1e-12)
+    little = SCENE | {"pressure_drop": 1e-3}
+    gas = em.leak(RUBBER, ROUGH, outlet_pressure=outlet, mean_free_path=0.0, **little)
+    assert gas.rate == pytest.approx(float(em.leak(RUBBER, ROUGH, **little).rate))
+
+
+def test_slip_along_the_seal():
+    """The flux of mass is the same at every pressure: the integral over p of density
+    times the conductance with the mean free path there.
+    """
+    gas = em.leak(RUBBER, ROUGH, **AIR, **SCENE)
+    w = float(em.leak(RUBBER, ROUGH, **SCENE).conductance) * 12 * 1.81e-5
+    per_pressure = 0.02897 / (8.314462618 * 293.15)  # density over pressure
+
+    def of_pressure(p):
+        path = 1.81e-5 / p * np.sqrt(np.pi / (2 * per_pressure))
+        return per_pressure * p * (w + 6 * path * w ** (2 / 3)) / (12 * 1.81e-5)
+
+    flux, _ = quad(of_pressure, 101325.0, 301325.0)
+    assert gas.mass_rate == pytest.approx(0.1 / 2e-3 * flux, rel=1e-9)
+    assert gas.rate == pytest.approx(
+        float(gas.mass_rate) / (per_pressure * 101325.0), rel=1e-12
+    )
+    assert 0.01 < gas.knudsen < 0.1
+    assert 6 * gas.knudsen < gas.model_error < np.inf
+
+
+def test_mean_free_path_of_air():
+    """65.4 to 66.5 nm at 20 degC and one atmosphere (Jennings 1988; Willeke 1976)."""
+    air = em.leak(RUBBER, ROUGH, **AIR, **SCENE)
+    given = {"outlet_pressure": 101325.0, "mean_free_path": 66e-9}
+    same = em.leak(RUBBER, ROUGH, **given, **SCENE)
+    assert air.knudsen == pytest.approx(float(same.knudsen), rel=0.025)
+
+
+def test_slip_of_each_gap_on_maps():
+    """The gap of even planes has the slip of maps, on which each gap conducts g^3 + 6 l
+    g^2: nearly in light contact, and too much of it in heavy contact.
+    """
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e4, q_high=16e4)
+    shares = []
+    for level in (0.005, 0.05):
+        gained = []
+        for seed in (1, 2):
+            heights, side = rough_map(surface, seed, periods=2, points=128)
+            gap = pressed(heights, side, level).gap
+            w = np.mean(flow(gap).conductance)
+            path = 1e-2 * w ** (1 / 3)
+            slips = np.mean(flow((gap**3 + 6 * path * gap**2) ** (1 / 3)).conductance)
+            gained.append((slips / w - 1) / 6e-2)
+        shares.append(np.mean(gained))
+    assert shares[0] == pytest.approx(1.0, abs=0.08)
+    assert 1 / 1.7 < shares[1] < 1
+
+
+def test_no_bound_where_molecules_fly():
+    vacuum = em.leak(
+        RUBBER, ROUGH, **SCENE | {"pressure_drop": 100.0},
+        outlet_pressure=1.0, molar_mass=0.02897,
+    )  # fmt: skip
+    assert vacuum.knudsen > 1
+    assert np.isnan(vacuum.model_error)
+    assert "slip (estimate)" in vacuum.model
+    assert "Knudsen number" in vacuum.summary()
+
+
+def test_a_closed_seal_leaks_no_gas():
+    found = em.leak(RUBBER, ROUGH, **AIR, **SCENE | {"pressure": [3e5, 1e7]})
+    assert found.rate[0] > 0
+    assert found.rate[1] == found.mass_rate[1] == 0
+    assert np.isnan(found.knudsen[1])
+    assert found.converged.all()
+
+
+def test_derivative():
+    def rate(outlet):
+        given = {"outlet_pressure": outlet, "molar_mass": 0.02897}
+        return em.leak(RUBBER, ROUGH, **given, **SCENE).rate
+
+    with jax.enable_x64(True):
+        slope = float(jax.grad(rate)(1e5))
+    assert slope == pytest.approx((rate(1.001e5) - rate(0.999e5)) / 200, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"outlet_pressure": 0.0}, "outlet_pressure must be an absolute pressure"),
+        ({"outlet_pressure": -1e5}, "outlet_pressure must be an absolute pressure"),
+        ({"outlet_pressure": None}, "molar_mass belongs to a gas"),
+        ({"molar_mass": None}, "either molar_mass .* got neither"),
+        ({"mean_free_path": 7e-8}, "either molar_mass .* got both"),
+        ({"mean_free_path": -7e-8, "molar_mass": None}, "mean_free_path must be zero"),
+        ({"molar_mass": -0.03}, "molar_mass must be positive"),
+        ({"temperature": None}, "temperature must be given with molar_mass"),
+        ({"density": 1.2}, "density must be left out with molar_mass"),
+        ({"pressure_drop": 4e5}, "the seal opens"),
+    ],
+)
+def test_bad_input(change, words):
+    with pytest.raises(em.InputError, match=words):
+        em.leak(RUBBER, ROUGH, **SCENE | AIR | change)
