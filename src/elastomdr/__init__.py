@@ -64,8 +64,8 @@ _HOMES = {
     "seal.leak_result": ("Leak",),
     "seal.leak_theories": ("CriticalConstriction", "EffectiveMedium"),
     "seal.reciprocating": ("Reciprocating", "reciprocating"),
-    "transient.indent": ("indent",),
-    "transient.impact": ("impact",),
+    "transient.indent": ("Indentation", "indent"),
+    "transient.impact": ("Impact", "impact"),
     "transient.shear": ("shear",),
     "tyre.traction": ("traction",),
     "transient.slide": ("slide",),
@@ -80,9 +80,7 @@ _HOMES = {
     "results.spectrum": ("Dissipation", "FrictionSpectrum"),
     "transient.history_result": ("Slide", "Drive", "Shear", "ForceSpectrum"),
     "results.friction_law": ("FrictionLaw", "load_friction"),
-    "transient.indentation_result": ("Indentation",),
     "rough.results": ("LineContact", "RoughContact"),
-    "transient.impact_result": ("Impact",),
     "tyre.traction_result": ("Traction",),
 }
 _PACKAGES = ("fit", "reference")

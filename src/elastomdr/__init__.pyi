@@ -90,10 +90,10 @@ from .transient.history_result import Drive as Drive
 from .transient.history_result import ForceSpectrum as ForceSpectrum
 from .transient.history_result import Shear as Shear
 from .transient.history_result import Slide as Slide
+from .transient.impact import Impact as Impact
 from .transient.impact import impact as impact
-from .transient.impact_result import Impact as Impact
+from .transient.indent import Indentation as Indentation
 from .transient.indent import indent as indent
-from .transient.indentation_result import Indentation as Indentation
 from .transient.shear import shear as shear
 from .transient.slide import slide as slide
 from .tyre.traction import traction as traction

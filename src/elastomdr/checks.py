@@ -13,7 +13,15 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from .arrays import Array, as_numpy, in_float64, is_traced, numpy_unless_traced, xp
+from .arrays import (
+    Array,
+    as_numpy,
+    in_float64,
+    is_traced,
+    namespace,
+    numpy_unless_traced,
+    xp,
+)
 from .errors import ConvergenceWarning, InputError, warn
 from .units.arguments import in_si, number_in_si
 
@@ -271,12 +279,16 @@ def ascending(name: str, values: Any) -> None:
         )
 
 
-def warn_unless(good: Any, points: str, asked: str = "", reason: str = "") -> None:
+def warn_unless(
+    good: Any, points: str, asked: str = "", reason: str = "", known: Any = False
+) -> None:
     """Counts the points that are not `good` in one `ConvergenceWarning`, with what was
-    `asked` of them and a sentence for the `reason`; none where JAX traces them.
+    `asked` of them and a sentence for the `reason`; none where JAX traces them, and
+    none that are `known` to have failed, with a warning of their own.
     """
-    if not is_traced(good):
-        warn_of_failed(int(np.sum(~good)), np.size(good), points, asked, reason)
+    if not is_traced(good, known):
+        failed = int(np.sum(~(good | known)))
+        warn_of_failed(failed, np.size(good), points, asked, reason)
 
 
 def warn_of_failed(
@@ -331,8 +343,10 @@ def broadcast(**arrays: Any) -> dict[str, Any]:
     `InputError` as `broadcast_shape` does.
     """
     shape = broadcast_shape(**arrays)
+    # numbers that JAX does not trace stay NumPy's: under jit it would trace them too
+    numpy = namespace(*arrays.values())
     return {
-        name: None if array is None else xp.broadcast_to(array, shape)
+        name: None if array is None else numpy.broadcast_to(array, shape)
         for name, array in arrays.items()
     }
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..arrays import xp
 from ..call.several_materials import over_materials
-from ..checks import Array, is_traced, nan_unless, numpy_unless_traced
-from ..errors import ConvergenceWarning, InputError, warn
+from ..checks import Array, is_traced, nan_unless, numpy_unless_traced, warn_unless
+from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..results.spectrum import Dissipation
 from ..surface.direction import directions
@@ -116,7 +116,6 @@ def _check_branches(plan: Plan) -> None:
 def _shares(scene: SmoothScene) -> Dissipation:
     """The solved scene, its friction shared out among the branches."""
     found = solve(scene)
-    traced = is_traced(found.mu, scene.law)
     dashpot, branches, work, good = _forces(
         scene, xp.ravel(found.normal_force) / scene.vertical, xp
     )
@@ -125,12 +124,8 @@ def _shares(scene: SmoothScene) -> Dissipation:
     total = xp.sum(forces, axis=0)
     missing = abs(total / work - 1)
     good = found.converged & (good & (missing <= scene.plan.rtol)).reshape(scene.shape)
-    if not traced and (lost := int(np.sum(found.converged & ~good))):
-        text = (
-            f"the losses of {lost} of {good.size} points did not converge to "
-            f"rtol={scene.plan.rtol:g}; they are NaN."
-        )
-        warn(text, ConvergenceWarning)
+    asked = f" to rtol={scene.plan.rtol:g}"
+    warn_unless(good, "balances of losses", asked, known=~found.converged)
     share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
     share = nan_unless(good[..., None], share)
     times = xp.asarray(scene.law.times)
@@ -191,12 +186,8 @@ def _on_layer(
     total = np.sum(each, axis=0)
     missing = np.abs(total * np.asarray(shape.length) / found.friction_force - 1)
     good = found.converged & (missing <= max(rtol, _LAYER_SHARE))
-    if lost := int(np.sum(found.converged & ~good)):
-        text = (
-            f"the losses of {lost} of {good.size} points did not converge to "
-            f"{max(rtol, _LAYER_SHARE):g}; they are NaN."
-        )
-        warn(text, ConvergenceWarning)
+    asked = f" to {max(rtol, _LAYER_SHARE):g}"
+    warn_unless(good, "balances of losses", asked, known=~found.converged)
     share = nan_unless(good[..., None], np.moveaxis(each / total, 0, -1))
 
     def spread(field: Any) -> Any:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -24,12 +24,11 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..material.shift import thermal_factors
-from ..results.base import Origin, distinct
-from ..results.words import brief, describe
+from ..results.base import Array, Origin, Result, distinct, quantity, record
+from ..results.words import brief, describe, span
 from .impact_motion import Body, Impacts, impacts
-from .impact_result import History, Impact
 from .layer_disc import incompressible_enough, of_layer
-from .oblique_impact import check_oblique, solve_oblique
+from .oblique_impact import History, Oblique, check_oblique, solve_oblique
 from .problem import check_shape, standing
 
 if TYPE_CHECKING:
@@ -52,6 +51,70 @@ FINITE = (
     "rubber of finite thickness on a rigid base, exact: approach and rebound; "
     "quasi-static rubber, no adhesion"
 )
+
+
+@record
+class Impact(Result):
+    """Impact of a rigid body.
+
+    `restitution` is the velocity of separation over that of touch, `error` its
+    estimated, absolute error. `stuck` marks a body that never comes back: restitution
+    0, infinite duration, and a history that ends with the rest. A point that did not
+    converge is NaN with `converged=False`.
+    """
+
+    mass: Array = quantity("mass", "kg", "m")
+    velocity: Array = quantity("velocity at touch", "m/s", "v0")
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    restitution: Array = quantity(
+        "coefficient of restitution", "-", "velocity of separation over that of touch"
+    )
+    duration: Array = quantity("contact time", "s", "from touch to separation")
+    max_depth: Array = quantity("largest depth", "m", "at the turn")
+    max_force: Array = quantity("largest force", "N", "before or at the turn")
+    lost: Array = quantity("normal kinetic energy lost", "J")
+    history: History
+    oblique: Oblique | None = None  # where a tangential velocity was given
+    error: Array = quantity("estimated error of the restitution", "-", "absolute")
+    stuck: Array = quantity("stuck", "", "the body never comes back")
+
+    title: ClassVar[str] = "Impact"
+    shows: ClassVar[str] = "restitution"
+    scale: ClassVar[str] = "auto"
+    error_of: ClassVar[str] = "the restitution"
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "velocity",
+        "mass",
+        "before",
+        "temperature",
+    )
+
+    def _figure(self) -> str:
+        """Force against time for one impact, restitution against velocity for many."""
+        return (
+            "plot_contacts.draw_impact"
+            if np.size(self.velocity) == max(1, len(self.origins))
+            else "plotting.draw"
+        )
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The range of what came out."""
+        for name, field, unit in (
+            ("restitution", self.restitution, ""),
+            ("contact time", self.duration, "s"),
+            ("largest depth", self.max_depth, "m"),
+            ("largest force", self.max_force, "N"),
+        ):
+            yield name, span(field, unit)
+
+    def reached(self, also: str = "") -> str:
+        """As of every result, with how many bodies stuck."""
+        stuck = int(np.sum(self.stuck))
+        return super().reached(
+            also + (f", {stuck} stuck (restitution 0)" if stuck else "")
+        )
 
 
 @numpy_unless_traced

@@ -27,9 +27,9 @@ from ..element.law import Foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..material.shift import thermal_factors
+from ..results.base import part, quantity
 from ..surface.disc import disc_under
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
-from .impact_result import History, Oblique
 from .march import march
 from .problem import both_laws
 from .refinement import limit
@@ -41,6 +41,45 @@ if TYPE_CHECKING:
 _ELEMENTS, _STEPS = 500, 16  # over the radius, and between two instants
 _ITERATIONS = 40
 _MET = 1e-13  # relative change of a step's displacement at which its search ends
+
+
+@part
+class History:
+    """The motion at instants from touch (first) to separation (last); they lie closer
+    where it changes fast.
+
+    Every field has the impact's shape and one more axis, for the instants; the turn is
+    the one in the middle.
+    """
+
+    time: Array = quantity("time since touch", "s", dims="... instant", shown="ms")
+    depth: Array = quantity("depth", "m", "d", dims="... instant")
+    velocity: Array = quantity(
+        "velocity", "m/s", "d', positive into the rubber", dims="... instant"
+    )
+    force: Array = quantity("contact force", "N", dims="... instant")
+
+
+@part
+class Oblique:
+    """The tangential motion of the point of contact; series at the instants of the
+    history.
+    """
+
+    before: Array = quantity("tangential velocity at touch", "m/s")
+    after: Array = quantity("tangential velocity at separation", "m/s")
+    slip_loss: Array = quantity("lost by slip", "J", "turned into heat by slip")
+    lost: Array = quantity(
+        "tangential kinetic energy lost", "J", "m_t/2 (before^2 - after^2)"
+    )
+    velocity: Array = quantity("tangential velocity", "m/s", dims="... instant")
+    force: Array = quantity(
+        "tangential force", "N", "against the motion", dims="... instant"
+    )
+    error: Array = quantity(
+        "estimated error of the tangential velocity at separation", "m/s"
+    )
+    tangential_mass: Array = quantity("tangential mass", "kg", "m_t")
 
 
 class Slips(NamedTuple):

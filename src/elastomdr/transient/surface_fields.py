@@ -7,7 +7,8 @@ polynomials through their Gauss nodes; with x = sqrt(r^2 + t^2), or x = r sin(t)
 weights are smooth, and Gauss' rule does the rest, panel by panel.
 """
 
-from typing import NamedTuple
+import itertools
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -241,34 +242,10 @@ def _on_layer(
     s = every[:-1, None] + 0.5 * np.diff(every)[:, None] * (1 + nodes)
     inner, ds = s[: len(q)], 0.5 * np.diff(edges)[:, None] * weights
 
-    def gathered(series: np.ndarray, at: np.ndarray, fall: float) -> np.ndarray:
-        """-int_s^a q_1(s; b) dv(b) on all panels, v(b) being a series that falls to
-        zero at its end by `fall`.
-        """
-        total = fall * layer.of_unit(at, edges[-1]) if fall else np.zeros(at.shape)
-        slope = legendre.legder(series, axis=1) * (2 / np.diff(edges))[:, None]
-        for left, right, rise in zip(edges[:-1], edges[1:], slope, strict=True):
-            # the part of this panel that lies beyond s: Gauss points of its own for the
-            # panel that holds s
-            b = left + 0.5 * (right - left) * (1 + _POINTS)
-            rate = legendre.legval(_POINTS, rise)
-            share = 0.5 * (right - left) * _WEIGHTS
-            below = at < left
-            for place, weight in zip(b, share * rate, strict=True):
-                total = total - np.where(below, weight * layer.of_unit(at, place), 0.0)
-            for i in np.argwhere((at >= left) & (at < right)):
-                low = at[tuple(i)]
-                half = 0.5 * (right - low)
-                own = low + half * (1 + _OWN)
-                value = legendre.legval(2 * (own - left) / (right - left) - 1, rise)
-                parts = [
-                    float(layer.of_unit(np.array([low]), place)[0]) for place in own
-                ]
-                total[tuple(i)] -= half * np.sum(_OWN_WEIGHTS * value * parts)
-        return total
-
-    line = gathered(q, inner, float(jump[1]))
-    free = gathered(u, inner, float(legendre.legval(1.0, u[-1])) if len(u) else 0.0)
+    falls = np.array(
+        [float(jump[1]), float(legendre.legval(1.0, u[-1])) if len(u) else 0.0]
+    )
+    line, free = _gathered(layer, edges, np.stack([q, u]), falls, inner)
     spread = layer.kernel(s.ravel(), inner.ravel()) @ (ds * free).ravel()
     moved = spread.reshape(s.shape)
     moved[: len(q)] += free
@@ -281,6 +258,36 @@ def _on_layer(
             ]
         )
     return Surface(every, pressure @ to_series.T, moved @ to_series.T, jump, False)
+
+
+def _gathered(
+    layer: Any, edges: np.ndarray, series: np.ndarray, falls: np.ndarray, s: np.ndarray
+) -> np.ndarray:
+    """-int_s^a q_1(s; b) dv(b) at all places s, for each v(b) of the `series` on panels
+    that falls to zero at its end by its entry of `falls`.
+    """
+    total = falls[:, None, None] * layer.of_unit(s, edges[-1])
+    slope = legendre.legder(series, axis=2) * (2 / np.diff(edges))[:, None]
+    for panel, (left, right) in enumerate(itertools.pairwise(edges)):
+        rise = slope[:, panel].T
+        # the part of this panel that lies beyond s: Gauss points of its own for the
+        # panel that holds s
+        places = left + 0.5 * (right - left) * (1 + _POINTS)
+        shares = 0.5 * (right - left) * _WEIGHTS * legendre.legval(_POINTS, rise)
+        below = s < left
+        for place, share in zip(places, shares.T, strict=True):
+            unit = np.where(below, layer.of_unit(s, place), 0.0)
+            total = total - share[:, None, None] * unit
+        for i in np.argwhere((s >= left) & (s < right)):
+            low = s[tuple(i)]
+            half = 0.5 * (right - low)
+            places = low + half * (1 + _OWN)
+            rate = legendre.legval(2 * (places - left) / (right - left) - 1, rise)
+            unit = [float(layer.of_unit(np.array([low]), b)[0]) for b in places]
+            total[(slice(None), *i)] -= half * np.sum(
+                _OWN_WEIGHTS * rate * unit, axis=1
+            )
+    return total
 
 
 def _value(edges: np.ndarray, series: np.ndarray, x: Array) -> np.ndarray:

@@ -23,10 +23,11 @@ from ..checks import (
     only_one,
     positive,
     require,
+    warn_unless,
 )
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError, warn
+from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.shift import same_thermal, thermal_factors
@@ -306,13 +307,7 @@ def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
     )
     pulled, missed = _pull(steady, solution, sheared, friction, scene)
     converged = solution.converged & ~xp.asarray(missed).reshape(steady.shape)
-    if not is_traced(converged):
-        lost = int(np.sum(solution.converged & ~converged))
-        if lost:
-            warn(
-                f"{lost} of {converged.size} tractions did not converge; they are NaN.",
-                ConvergenceWarning,
-            )
+    warn_unless(converged, "tractions", known=~solution.converged)
     return _packed(
         scene,
         solution,
