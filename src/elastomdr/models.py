@@ -198,8 +198,10 @@ class SurfaceModel(Model, ABC):
         """Friction wave by wave, `elastomdr.rough.multiscale.Waves`."""
         self._refuse("one with `waves` and `contact`, as `heats_by_scale` promises")
 
-    def contact(self, stress_variance: Array) -> Array:
-        """The share of contact from R, the integral of `waves(...).rate`."""
+    def contact(self, stress_variance: Array, stiffer: Array) -> Array:
+        """The share of contact from R, the integral of `waves(...).rate`, and from
+        `waves(...).stiffer`.
+        """
         self._refuse("one with `waves` and `contact`, as `heats_by_scale` promises")
 
     def rough_friction(
@@ -251,10 +253,6 @@ class _ClosedIntegrals(SurfaceModel):
         area.
         """
 
-    def bends(self, surface: AbstractSpectrum) -> tuple[float, ...]:
-        """Wave numbers [rad/m] at which the integrand bends."""
-        return ()
-
     def bound_terms(self, of_area: bool) -> tuple[float, float] | None:
         """a and b of the bound a + b (-ln A) on |ln(mu/mu_3D)|; None where it is not
         known.
@@ -299,10 +297,10 @@ class _ClosedIntegrals(SurfaceModel):
             self, area, ratio, contrast(foundation, surface, velocity), of_area
         )
 
-    def contact(self, stress_variance: Array) -> Array:
+    def contact(self, stress_variance: Array, stiffer: Array) -> Array:
         from .rough.multiscale import contact
 
-        return contact(stress_variance, *self.energy_factor())
+        return contact(stress_variance, *self.energy_factor(), stiffer)
 
 
 @constructor_in_si
@@ -432,17 +430,10 @@ class Multiscale(_ClosedIntegrals):
     label: ClassVar[str] = "multiscale"
 
     def words(self) -> str:
-        return (
-            "Multiscale (Persson's contact shares, weights from three-dimensional maps)"
-        )
+        return "Multiscale (Persson's contact shares, a sum rule for the pressure's variance)"
 
     def energy_factor(self) -> tuple[float, bool]:
         return 0.5, True
-
-    def bends(self, surface: AbstractSpectrum) -> tuple[float, ...]:
-        from .rough.multiscale import bend
-
-        return (bend(surface),)
 
     def waves(
         self,
