@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..models import Multiscale, SurfaceFriction
+from ..models import Persson, SurfaceFriction
 from ..surface.spectrum import rough_map
 from .half_space import solve, waves
 from .local_modulus import Local
@@ -178,7 +178,7 @@ def summits(
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
     at = nodes(spectrum, 16)
-    model = Multiscale()
+    model = Persson()
     found = model.waves(modulus, at, velocity, pressure, None, Local())
     shares = model.contact(until(found.rate, at.weight), found.stiffer)
     shares = shares.reshape(velocity.size, -1)
