@@ -143,15 +143,14 @@ def _figures(off: np.ndarray) -> tuple[int, float, float, float, float]:
 
 
 def bound_of(area: np.ndarray, off: np.ndarray) -> tuple[float, float]:
-    """a, b of |ln(mu/mu_3D)| <= (1 - A) (a - b ln A) that holds for 95 % with the least
-    mean, both positive.
+    """a, b of |ln(mu/mu_3D)| <= sqrt(1 - A) (a - b ln A) that holds for 95 % with the
+    least mean, both positive.
     """
-    x = -np.log(area)
+    x, near = -np.log(area), np.sqrt(1 - np.minimum(area, 0.99))
     best = (np.inf, 0.0, 0.0)
     for b in np.linspace(0.0, 0.15, 151):
-        a = float(np.quantile(np.abs(off) / (1 - area + 0.02) - b * x, 0.95))
-        a = max(a, 0.005)
-        best = min(best, (float(np.mean((a + b * x) * (1 - area))), a, float(b)))
+        a = max(float(np.quantile(np.abs(off) / near - b * x, 0.95)), 0.005)
+        best = min(best, (float(np.mean((a + b * x) * near)), a, float(b)))
     return best[1], best[2]
 
 
@@ -209,7 +208,9 @@ def main() -> None:
         "area": bound_of(points.area, worse_area),
     }
     for name, (a, b) in bounds.items():
-        print(f"{name}: |ln of the ratio| <= (1 - A) ({a:.4f} - {b:.4f} ln A) for 95 %")
+        print(
+            f"{name}: |ln of the ratio| <= sqrt(1 - A) ({a:.4f} - {b:.4f} ln A) for 95 %"
+        )
     record["constants"], record["bound"] = form._asdict(), bounds
     record["left out by"] = {"surfaces": each[0], "materials": each[1]}
     inside = np.array(

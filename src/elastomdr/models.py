@@ -433,7 +433,9 @@ class Multiscale(_ClosedIntegrals):
         return "Multiscale (Persson's contact shares, a sum rule for the pressure's variance)"
 
     def energy_factor(self) -> tuple[float, bool]:
-        return 0.5, True
+        from .rough.multiscale import FORM
+
+        return FORM.gamma, True
 
     def waves(
         self,

@@ -510,8 +510,8 @@ def table_error(
     return change
 
 
-# |ln(mu/mu_3D)| <= (1 - A) (a - b ln A) for 95 % of the points in three dimensions, each
-# predicted without its surface or its material: benchmarks/rough_fit.py
+# |ln(mu/mu_3D)| <= sqrt(1 - A) (a - b ln A) for 95 % of the points in three dimensions,
+# each predicted without its surface or its material: benchmarks/rough_fit.py
 _BOUND = {"multiscale": (0.07, 0.02), "persson": (0.1, 0.15)}
 _AREA_BOUND = (0.03, 0.02)  # of the real contact area, alike
 # of these points: cutoff ratios, largest contrast, least contact
@@ -561,5 +561,5 @@ def bound(
         + decades(contrast / _CONTRAST)
         + decades(_AREA / least)
     )
-    inside = (1 - xp.minimum(area, 1.0)) * (a - b * xp.log(least))
+    inside = xp.sqrt(1 - xp.minimum(area, 1.0)) * (a - b * xp.log(least))
     return xp.expm1(inside * (1 + beyond) + _DRIFT * decades(ratio / _RATIOS[1]))
