@@ -21,7 +21,7 @@ from scipy.special import erf, erfinv, i0e, k0e
 from elastomdr.element.law import surface_foundation
 from elastomdr.material.shift import thermal_factors
 from elastomdr.models import Persson
-from elastomdr.rough.multiscale import FORM
+from elastomdr.rough.multiscale import _EXCESS, FORM
 
 STEPS = 300  # of t, for the whole way
 PER_DECADE = 12  # wave numbers in depth
@@ -264,22 +264,20 @@ class Point:
         )
         there = self.stiffer(ahead, np.interp(ahead, at.log_q, rise))
         own = 2 * rate * self.shares(np.exp(log_until(ahead)), there) ** 1.5
-        source, grown = 2 * rate * share, (at.q / at.q[-1]) ** 2
+        source, grown = 2 * rate * share, (at.q / at.q[-1]) ** FORM.decay
         once = cumulative_simpson(source * grown, x=at.log_q, initial=0)
         twice = cumulative_simpson(once, x=at.log_q, initial=0)
         spread = 0.25 / erfinv(last) ** 2 if last < 1 else 0.5 * until[-1]
         whole = last * (1 + 2 * spread) - 1
         whole += 2 * np.sqrt(spread / np.pi) * np.exp(-0.25 / spread)
-        missing = whole * (1 + FORM.rounded * last * (1 - last)) - simpson(
-            own, x=at.log_q
-        )
-        level = 4 * max(missing, 0.0) / simpson(source, x=at.log_q)
+        missing = whole * (1 + _EXCESS * (1 - last) ** 2) - simpson(own, x=at.log_q)
+        level = FORM.decay**2 * max(missing, 0.0) / simpson(source, x=at.log_q)
         each = 2 * p * (own + level * twice / grown) * drag / stiffness
         x = np.linspace(0, np.log(BEYOND), 201)
         beyond = self.averages(
             at.q[-1] * np.exp(x), rise[-1], self.softer[-1], self.lossier[-1]
         )
-        fading = np.exp(-2 * x) * (twice[-1] + once[-1] * x)
+        fading = np.exp(-FORM.decay * x) * (twice[-1] + once[-1] * x)
         edges = 2 * p * level * simpson(fading * beyond[0] / beyond[1], x=x)
         return each, edges, shear, share, area
 

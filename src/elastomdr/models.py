@@ -253,9 +253,9 @@ class _ClosedIntegrals(SurfaceModel):
         area.
         """
 
-    def bound_terms(self, of_area: bool) -> tuple[float, float] | None:
-        """a and b of the bound a + b (-ln A) on |ln(mu/mu_3D)|; None where it is not
-        known.
+    def bound_terms(self, of_area: bool) -> tuple[float, float, float] | None:
+        """a, b and c of the bound sqrt(1 - A) (a - b ln A) (1 + c m^2) on
+        |ln(mu/mu_3D)|; None where it is not known.
         """
         from .rough.multiscale import bound_terms
 
@@ -290,12 +290,11 @@ class _ClosedIntegrals(SurfaceModel):
         area: Array,
         of_area: bool = False,
     ) -> Array | None:
-        from .rough.multiscale import bound, contrast
+        from .rough.multiscale import bound, contrast, steepness
 
         ratio = surface.q_high / surface.q_low
-        return bound(
-            self, area, ratio, contrast(foundation, surface, velocity), of_area
-        )
+        of = foundation, surface, velocity
+        return bound(self, area, ratio, contrast(*of), steepness(*of), of_area)
 
     def contact(self, stress_variance: Array, stiffer: Array) -> Array:
         from .rough.multiscale import contact
@@ -490,7 +489,7 @@ class Persson(_ClosedIntegrals):
     def energy_factor(self) -> tuple[float, bool]:
         return self.gamma, self.stored
 
-    def bound_terms(self, of_area: bool) -> tuple[float, float] | None:
+    def bound_terms(self, of_area: bool) -> tuple[float, float, float] | None:
         if self.energy_factor() != Persson().energy_factor():
             return None
         return super().bound_terms(of_area)

