@@ -16,18 +16,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import cumulative_simpson, simpson
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
-from scipy.special import erf, i0e, k0e
+from scipy.special import erf, erfinv, i0e, k0e
 
 from elastomdr.element.law import surface_foundation
 from elastomdr.material.shift import thermal_factors
 from elastomdr.models import Persson
-from elastomdr.rough.multiscale import FORM
+from elastomdr.rough.multiscale import _EXCESS, FORM
 
 STEPS = 300  # of t, for the whole way
 PER_DECADE = 12  # wave numbers in depth
 PER_LOG = 8  # frequencies of the tables of moduli in a factor of e
 WARMEST = 1000.0  # rise up to which there are tables [K]
-BEYOND = 30.0  # how far beyond q_high contact edges have waves
+BEYOND = 100.0  # how far beyond q_high contact edges have waves
 
 
 class Hot(NamedTuple):
@@ -58,10 +58,10 @@ class Grid(NamedTuple):
 
 def grid_of(spectrum: Any) -> Grid:
     """Even steps of t in each piece of the spectrum, a multiple of two; a piece ends
-    where P_s becomes A as well.
+    where P(q e^a) becomes that at q_high as well.
     """
     table, c = np.log(np.asarray(spectrum.q)), np.log(np.asarray(spectrum.c))
-    bend = max(table[-1] - FORM.shift, table[0])
+    bend = max(table[-1] - FORM.ahead, table[0])
     ends = ((np.union1d(table, bend) - table[0]) / (table[-1] - table[0])) ** 0.25
     counts = [
         2 * int(np.ceil(0.5 * STEPS * (b - a) + 4)) for a, b in itertools.pairwise(ends)
@@ -132,7 +132,9 @@ class Point:
         self.velocity, self.pressure, self.kelvin = velocity, pressure, temperature
         self.model, self.at = model, grid_of(spectrum)
         gamma, stored = (
-            (model.gamma, model.stored) if isinstance(model, Persson) else (0.5, True)
+            (model.gamma, model.stored)
+            if isinstance(model, Persson)
+            else (FORM.gamma, True)
         )
         self.gamma, self.spread = gamma, stored_spread(gamma, stored)
         q = self.at.q
@@ -204,9 +206,24 @@ class Point:
         """int dk of values (..., k); below the smallest k they are even."""
         return simpson(values * self.k, x=self.log_k) + values[..., 0] * self.k[0]
 
-    def shares(self, rate: np.ndarray) -> np.ndarray:
-        """P of R."""
-        return np.where(rate > 1e-9, erf(0.5 / np.sqrt(self.spread(rate))), 1.0)
+    def shares(self, rate: np.ndarray, stiffer: Any = 0.0) -> np.ndarray:
+        """P of R, and of the log of how much stiffer contacts are than their wave."""
+
+        def share(spread: np.ndarray) -> np.ndarray:
+            return np.where(rate > 1e-9, erf(0.5 / np.sqrt(spread)), 1.0)
+
+        plain = self.spread(rate)
+        return share(plain * np.exp((1 - share(plain)) * stiffer))
+
+    def stiffer(self, log_q: np.ndarray, rise: np.ndarray) -> np.ndarray:
+        """Of rubber that is not softened, at the temperatures of the waves."""
+        a, _ = thermal_factors(self.body, self.kelvin + rise)
+        w = log_q + np.log(self.velocity * a)
+        finer, own = (
+            np.exp(self.moduli.storage(x)) + np.exp(self.moduli.loss(x))
+            for x in (w + FORM.finer, w)
+        )
+        return np.log(finer / own)
 
     def averages(self, q: Any, rise: Any, softer: Any, lossier: Any) -> tuple[Any, Any]:
         """D_r and S_t at wave numbers and rises."""
@@ -228,48 +245,41 @@ class Point:
         drag, stiffness = self.averages(at.q, rise, self.softer, self.lossier)
         rate = at.power * stiffness / (8 * p**2)
         until = cumulative_simpson(rate, x=at.log_q, initial=0)
-        share = self.shares(until)
-        area = float(share[-1])
+        multiscale = not isinstance(self.model, Persson)
+        stiffer = self.stiffer(at.log_q, rise) if multiscale else 0.0
+        share = self.shares(until, stiffer)
+        last = float(share[-1])
+        area = last + last**3 * (1 - last) / 4 if multiscale else last
         full = at.power * drag / (2 * p)
         shear = 0.0
         if self.adhesion is not None:
             stress = self.adhesion.shear_stress(self.velocity, self.kelvin + rise[-1])
             shear = float(stress) * area / p
-        if isinstance(self.model, Persson):
-            return (
-                full * (self.gamma + (1 - self.gamma) * share**2) * share,
-                0.0,
-                shear,
-                share,
-                area,
-            )
-        # Multiscale
-        steep = rate[-1] / until[-1]
-        ahead = np.minimum(at.log_q + FORM.shift, at.log_q[-1])
+        if not multiscale:
+            factor = self.gamma + (1 - self.gamma) * share**2
+            return full * factor * share, 0.0, shear, share, area
+        ahead = np.minimum(at.log_q + FORM.ahead, at.log_q[-1])
         log_until = CubicHermiteSpline(
             at.log_q[1:], np.log(until[1:]), rate[1:] / until[1:]
         )
-        later = np.maximum(self.shares(np.exp(log_until(ahead))), area)
-        level = 1 - (1 - FORM.level) * (1 - area) * steep**FORM.slope
-        rest = (later - area) / max(1 - area, 1e-12)
-        each = full * (level * area + (1 - level * area) * rest * later**FORM.power)
+        there = self.stiffer(ahead, np.interp(ahead, at.log_q, rise))
+        own = 2 * rate * self.shares(np.exp(log_until(ahead)), there) ** 1.5
+        source, grown = 2 * rate * share, (at.q / at.q[-1]) ** FORM.decay
+        once = cumulative_simpson(source * grown, x=at.log_q, initial=0)
+        twice = cumulative_simpson(once, x=at.log_q, initial=0)
+        spread = 0.25 / erfinv(last) ** 2 if last < 1 else 0.5 * until[-1]
+        whole = last * (1 + 2 * spread) - 1
+        whole += 2 * np.sqrt(spread / np.pi) * np.exp(-0.25 / spread)
+        missing = whole * (1 + _EXCESS * (1 - last) ** 2) - simpson(own, x=at.log_q)
+        level = FORM.decay**2 * max(missing, 0.0) / simpson(source, x=at.log_q)
+        each = 2 * p * (own + level * twice / grown) * drag / stiffness
         x = np.linspace(0, np.log(BEYOND), 201)
         beyond = self.averages(
             at.q[-1] * np.exp(x), rise[-1], self.softer[-1], self.lossier[-1]
         )
-        slope = (
-            stiffness[-1]
-            * simpson(at.power, x=at.log_q)
-            / simpson(at.power * stiffness, x=at.log_q)
-        )
-        waves = 4 * p * rate[-1] * simpson(beyond[0] / beyond[1] * np.exp(-2 * x), x=x)
-        return (
-            each,
-            FORM.edge * area * (1 - area) * slope**FORM.rise * waves,
-            shear,
-            share,
-            area,
-        )
+        fading = np.exp(-FORM.decay * x) * (twice[-1] + once[-1] * x)
+        edges = 2 * p * level * simpson(fading * beyond[0] / beyond[1], x=x)
+        return each, edges, shear, share, area
 
     def made(self, rise: np.ndarray) -> tuple[np.ndarray, float, float, float]:
         """The rises that friction makes at these, mu, the area and the share of the

@@ -198,8 +198,10 @@ class SurfaceModel(Model, ABC):
         """Friction wave by wave, `elastomdr.rough.multiscale.Waves`."""
         self._refuse("one with `waves` and `contact`, as `heats_by_scale` promises")
 
-    def contact(self, stress_variance: Array) -> Array:
-        """The share of contact from R, the integral of `waves(...).rate`."""
+    def contact(self, stress_variance: Array, stiffer: Array) -> Array:
+        """The share of contact from R, the integral of `waves(...).rate`, and from
+        `waves(...).stiffer`.
+        """
         self._refuse("one with `waves` and `contact`, as `heats_by_scale` promises")
 
     def rough_friction(
@@ -251,13 +253,9 @@ class _ClosedIntegrals(SurfaceModel):
         area.
         """
 
-    def bends(self, surface: AbstractSpectrum) -> tuple[float, ...]:
-        """Wave numbers [rad/m] at which the integrand bends."""
-        return ()
-
-    def bound_terms(self, of_area: bool) -> tuple[float, float] | None:
-        """a and b of the bound a + b (-ln A) on |ln(mu/mu_3D)|; None where it is not
-        known.
+    def bound_terms(self, of_area: bool) -> tuple[float, float, float] | None:
+        """a, b and c of the bound sqrt(1 - A) (a - b ln A) (1 + c m^2) on
+        |ln(mu/mu_3D)|; None where it is not known.
         """
         from .rough.multiscale import bound_terms
 
@@ -292,17 +290,16 @@ class _ClosedIntegrals(SurfaceModel):
         area: Array,
         of_area: bool = False,
     ) -> Array | None:
-        from .rough.multiscale import bound, contrast
+        from .rough.multiscale import bound, contrast, steepness
 
         ratio = surface.q_high / surface.q_low
-        return bound(
-            self, area, ratio, contrast(foundation, surface, velocity), of_area
-        )
+        of = foundation, surface, velocity
+        return bound(self, area, ratio, contrast(*of), steepness(*of), of_area)
 
-    def contact(self, stress_variance: Array) -> Array:
+    def contact(self, stress_variance: Array, stiffer: Array) -> Array:
         from .rough.multiscale import contact
 
-        return contact(stress_variance, *self.energy_factor())
+        return contact(stress_variance, *self.energy_factor(), stiffer)
 
 
 @constructor_in_si
@@ -432,17 +429,12 @@ class Multiscale(_ClosedIntegrals):
     label: ClassVar[str] = "multiscale"
 
     def words(self) -> str:
-        return (
-            "Multiscale (Persson's contact shares, weights from three-dimensional maps)"
-        )
+        return "Multiscale (Persson's contact shares, a sum rule for the pressure's variance)"
 
     def energy_factor(self) -> tuple[float, bool]:
-        return 0.5, True
+        from .rough.multiscale import FORM
 
-    def bends(self, surface: AbstractSpectrum) -> tuple[float, ...]:
-        from .rough.multiscale import bend
-
-        return (bend(surface),)
+        return FORM.gamma, True
 
     def waves(
         self,
@@ -497,7 +489,7 @@ class Persson(_ClosedIntegrals):
     def energy_factor(self) -> tuple[float, bool]:
         return self.gamma, self.stored
 
-    def bound_terms(self, of_area: bool) -> tuple[float, float] | None:
+    def bound_terms(self, of_area: bool) -> tuple[float, float, float] | None:
         if self.energy_factor() != Persson().energy_factor():
             return None
         return super().bound_terms(of_area)

@@ -14,7 +14,7 @@ from elastomdr.cli.main import main
 from elastomdr.fit.report import abaqus_card, plain_card
 from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
-from elastomdr.rough.multiscale import FORM
+from elastomdr.rough.multiscale import _EXCESS, FORM
 
 STRAIN, STORAGE, LOSS = (
     [1e-3, 1e-2, 0.1, 1.0],
@@ -205,17 +205,19 @@ def of_rubber(softening, **options):
 
 def integrals(velocity, pressure, share, factors):
     """Friction and area of Persson's theory and of Multiscale, by plain sums over 6000
-    waves and 90 angles.
+    waves and 90 angles: (mu, area) of each.
     """
     edges = np.linspace(np.log(1e3), np.log(1e5), 6001)
     q, step = np.exp(0.5 * (edges[1:] + edges[:-1])), edges[1] - edges[0]
     phi = (np.arange(90) + 0.5) * np.pi / 180
 
-    def averages(q, strain):
+    def averages(q, strain=None):
+        """Of E* at q v; of rubber that does not soften where no strain is given."""
         iwt = 1j * (q * velocity)[:, None, None] * np.cos(phi)[:, None] * BRANCHES[1]
         modulus = 4e6 + (BRANCHES[0] * iwt / (1 + iwt)).sum(-1)
-        storage, loss = factors(strain)
-        modulus = storage[:, None] * modulus.real + 1j * loss[:, None] * modulus.imag
+        if strain is not None:
+            storage, loss = (factor[:, None] for factor in factors(strain))
+            modulus = storage * modulus.real + 1j * loss * modulus.imag
         return 2 * np.pi * (np.cos(phi) * modulus.imag).mean(1), 2 * np.pi * (
             abs(modulus) ** 2
         ).mean(1)
@@ -223,53 +225,59 @@ def integrals(velocity, pressure, share, factors):
     power = q**4 * ROAD.at(q)
     # mean square slope of the waves up to q
     slope = np.cumsum(2 * np.pi * power * step)
-    drag, stiffness = averages(q, share * np.sqrt(slope - np.pi * power * step))
+    strain = share * np.sqrt(slope - np.pi * power * step)
+    drag, stiffness = averages(q, strain)
     rate = power * stiffness / (8 * pressure**2)
 
     def contact(spread):
         return erf(0.5 / np.sqrt(spread))
 
-    def stored(rates):
-        """G where S = (1 + P^2)/2 is inside its integral, at the end of each step."""
-        spread, out = 1e-12, []
+    def stored(rates, gamma):
+        """G where S = gamma + (1 - gamma) P^2 is inside its integral, at the end of
+        each step.
+        """
+        spread, out = 1e-12, [1e-12]
         for each in rates:
-            half = spread + 0.5 * step * each * 0.5 * (1 + contact(spread) ** 2)
-            spread += step * each * 0.5 * (1 + contact(half) ** 2)
+            half = spread + 0.5 * step * each * (
+                gamma + (1 - gamma) * contact(spread) ** 2
+            )
+            spread += step * each * (gamma + (1 - gamma) * contact(half) ** 2)
             out.append(spread)
         return np.array(out)
 
-    spread = stored(rate)
-    shares = contact(
-        np.concatenate([[spread[0] / 2], 0.5 * (spread[1:] + spread[:-1])])
-    )
+    spread = stored(rate, 0.5)
+    shares = contact(0.5 * (spread[1:] + spread[:-1]))
     area, full = contact(spread[-1]), power * drag * step / (2 * pressure)
     persson = (full * 0.5 * (1 + shares**2) * shares).sum()
 
-    form = FORM
-    end_power = 1e5**4 * ROAD.at(1e5)
-    beyond = np.exp(np.linspace(0, np.log(30.0), 401))
-    end = np.full(401, share * np.sqrt(slope[-1]))
-    drag_end, stiffness_end = averages(1e5 * beyond, end)
-    last = end_power * stiffness_end[0] / (8 * pressure**2)
-    edge = (
-        4
-        * pressure
-        * np.trapezoid(last * drag_end / stiffness_end / beyond**2, np.log(beyond))
+    form, plain = FORM, stored(rate, FORM.gamma)
+
+    def in_contact(plain, q):
+        """G and P, of contacts that are finer than their waves."""
+        finer = averages(q * np.exp(form.finer))[1] / averages(q)[1]
+        spread = plain * finer ** (1 - contact(plain))
+        return spread, contact(spread)
+
+    shares = in_contact(0.5 * (plain[1:] + plain[:-1]), q)[1]
+    ahead = np.minimum(np.log(q) + form.ahead, edges[-1])
+    later = in_contact(np.interp(ahead, edges, plain), np.exp(ahead))[1]
+    end, last = (x[0] for x in in_contact(plain[-1:], np.array([1e5])))
+    whole = last * (1 + 2 * end) + 2 * np.sqrt(end / np.pi) * np.exp(-0.25 / end) - 1
+    whole *= 1 + _EXCESS * (1 - last) ** 2
+    own, source = 2 * rate * later**1.5, 2 * rate * shares
+    level = (whole - own.sum() * step) / (source.sum() * step / form.decay**2)
+    # as far as two decades beyond q_high, whose rubber is strained as at q_high
+    count = q.size + int(np.log(100.0) / step)
+    lag = step * np.arange(count)
+    spectrum = (
+        level * np.convolve(source, lag * np.exp(-form.decay * lag))[:count] * step
     )
-    total, later = (
-        (rate * step).sum(),
-        np.maximum(np.interp(np.log(q) + form.shift, edges[1:], contact(spread)), area),
-    )
-    level = 1 - (1 - form.level) * (1 - area) * (last / total) ** form.slope
-    weight = (
-        level * area
-        + (1 - level * area) * (later - area) / (1 - area) * later**form.power
-    )
-    rise = last / total * (power * step).sum() / end_power
-    multiscale = (full * weight).sum() + form.edge * area * (
-        1 - area
-    ) * rise**form.rise * edge
-    return persson, multiscale, area
+    spectrum[: q.size] += own
+    strained = np.full(count, share * np.sqrt(slope[-1]))
+    strained[: q.size] = strain
+    on_drag, on_stiffness = averages(q[0] * np.exp(lag), strained)
+    multiscale = 2 * pressure * (spectrum * on_drag / on_stiffness).sum() * step
+    return (persson, area), (multiscale, last + last**3 * (1 - last) / 4)
 
 
 @pytest.mark.parametrize(
@@ -277,8 +285,8 @@ def integrals(velocity, pressure, share, factors):
 )
 def test_softened_friction_is_its_integrals_evaluated_independently(velocity, pressure):
     asked = {"velocity": velocity, "pressure": pressure, "strain_share": 0.7}
-    persson, multiscale, area = integrals(velocity, pressure, 0.7, kraus)
-    for model, mu in (("persson", persson), ("multiscale", multiscale)):
+    found = integrals(velocity, pressure, 0.7, kraus)
+    for model, (mu, area) in zip(("persson", "multiscale"), found, strict=True):
         curve = em.friction(of_rubber(SOFT), ROAD, model=model, **asked)
         assert curve.mu == pytest.approx(mu, rel=3e-3)
         assert curve.area_ratio == pytest.approx(area, rel=3e-3)

@@ -10,6 +10,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.errors import InputError
+from elastomdr.rough.multiscale import _AREA_BOUND
 
 RUBBER = em.StandardSolid(
     1e6, 9e6, 1e-3, shift=em.WLF(8.9, 101.6, 293.15), name="solid"
@@ -54,8 +55,10 @@ def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(m
     assert both.friction_force == pytest.approx(both.mu * 1e5, rel=1e-14)
     assert bare.hysteresis is None
     # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of
-    # 30 apart, inside the map.
-    off = np.expm1(0.03 - 0.07 * np.log(bare.area_ratio))
+    # 30 apart, as in three dimensions.
+    a, b, _ = _AREA_BOUND
+    off = a - b * np.log(bare.area_ratio)
+    off = np.expm1(np.sqrt(1 - bare.area_ratio) * off)
     bound = np.where(shear > 1, np.nan, bare.model_error + shear * off)
     assert both.model_error == pytest.approx(bound, rel=1e-10, nan_ok=True)
     assert np.all(both.error >= bare.error)
@@ -195,7 +198,8 @@ def test_derivatives_through_both_parts_are_those_of_differences():
     centred = (
         8 * (mu(1 + h * x) - mu(1 - h * x)) - mu(1 + 2 * h * x) + mu(1 - 2 * h * x)
     ) / (12 * h)
-    assert slopes @ x == pytest.approx(centred, rel=1e-5)
+    # cells of the traced integrals do not end where P(q e^a) reaches q_high
+    assert slopes @ x == pytest.approx(centred, rel=5e-5)
 
 
 def test_derivatives_under_a_smooth_body():

@@ -307,12 +307,9 @@ def scales(
     of = tables(
         foundation.complex_modulus, np.exp(log_omega.min()), np.exp(log_omega.max())
     )
+    on = read(of, log_omega)
     slope = q**4 * surface.at(q)  # q^3 C dq, per dlog q
-    rate = (
-        slope
-        * read(of, of.stiffness, log_omega)
-        / (8 * np.reshape(pressure, (-1, 1)) ** 2)
-    )
+    rate = slope * on.stiffness / (8 * np.reshape(pressure, (-1, 1)) ** 2)
     spread = np.concatenate(
         [
             np.zeros((reduced.size, 1)),
@@ -321,7 +318,7 @@ def scales(
         1,
     )
     area = contact_share(spread)
-    share = slope * area * read(of, of.drag, log_omega)
+    share = slope * area * on.drag
     share[:, [0, -1]] *= 0.5
     return Scales(q, area, share / share.sum(axis=1, keepdims=True))
 

@@ -56,13 +56,23 @@ class Nodes(NamedTuple):
     end_power: Any  # q^4 C there
 
 
-class Tables(NamedTuple):
-    """Integrals over the angle on an even grid of log w."""
+class Averages(NamedTuple):
+    """Integrals over the angle at frequencies w = q v."""
 
-    first: int  # the first frequency's number: its log in steps
     drag: Any  # int cos Im E* dphi [Pa]
     stiffness: Any  # int |E*|^2 dphi [Pa^2]
+    stiffer: Any  # log of stiffness(w e^finer) over stiffness(w)
     lost: Any = None  # int (Im E*)^2 dphi over `stiffness`, where moduli soften
+
+
+class Tables(NamedTuple):
+    """`Averages` on an even grid of log w."""
+
+    step: float
+    first: int  # the first frequency's number: its log in steps
+    values: (
+        np.ndarray
+    )  # log drag, log stiffness, stiffer, log lost: (frequencies, 3 or 4)
 
 
 def nodes(
@@ -79,18 +89,21 @@ def nodes(
     xp = namespace(spectrum.q, spectrum.c)
     log_q, log_c = xp.log(xp.asarray(spectrum.q)), xp.log(xp.asarray(spectrum.c))
     counts = cell_counts(spectrum, per_decade) if counts is None else counts
-    ends = []
-    for i, count in enumerate(counts):
-        share = _graded(count, per_decade) if i == 0 else np.linspace(0, 1, count + 1)
-        end = log_q[i] + (log_q[i + 1] - log_q[i]) * share
-        if xp is np and len(bends):
-            at = _with_between(np.sort(np.log(bends)), per_decade)
-            end = np.union1d(end, at[(at > end[0]) & (at < end[-1])])
-        ends.append(end)
-    low = xp.concatenate([e[:-1] for e in ends])
-    high = xp.concatenate([e[1:] for e in ends])
-    piece = np.repeat(np.arange(len(ends)), [e.shape[0] - 1 for e in ends])
-    steep = xp.diff(log_c) / xp.diff(log_q)
+    first = _graded(counts[0], per_decade)
+    number = np.array([first.size - 1, *counts[1:]])
+    piece = np.repeat(np.arange(number.size), number)
+    within = np.arange(piece.size) - np.repeat(np.cumsum(number) - number, number)
+    start, end = within / number[piece], (within + 1) / number[piece]
+    start[: number[0]], end[: number[0]] = first[:-1], first[1:]
+    width = xp.diff(log_q)
+    low, high = (log_q[piece] + width[piece] * share for share in (start, end))
+    if xp is np and len(bends):
+        at = _with_between(np.sort(np.log(bends)), per_decade)
+        at = at[(at > low[0]) & (at < high[-1])]
+        ends = np.union1d(np.append(low, high[-1]), at)
+        low, high = ends[:-1], ends[1:]
+        piece = np.searchsorted(log_q[1:-1], 0.5 * (low + high))
+    steep = xp.diff(log_c) / width
     level = (log_c[:-1] - steep * log_q[:-1])[piece][:, None]
     slope = steep[piece][:, None]
     x = low[:, None] + (high - low)[:, None] * np.array(
@@ -112,7 +125,7 @@ def cell_counts(spectrum: Any, per_decade: int) -> tuple[int, ...]:
     if namespace(spectrum.q) is not np:
         return (3 * per_decade,) * (spectrum.q.shape[0] - 1)
     decades = np.diff(np.log(spectrum.q)) / np.log(10.0)
-    return tuple(int(n) for n in np.maximum(1, np.ceil(decades * per_decade)))
+    return tuple(np.maximum(1, np.ceil(decades * per_decade)).astype(int).tolist())
 
 
 def _with_between(at: np.ndarray, per_decade: int) -> np.ndarray:
@@ -195,7 +208,12 @@ def _kernels(step: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tables(
-    modulus: Any, low: float, high: float, step: float = _STEP, parted: bool = False
+    modulus: Any,
+    low: float,
+    high: float,
+    step: float = _STEP,
+    finer: float = 0.0,
+    parted: bool = False,
 ) -> Tables:
     """Tables for frequencies q v from `low` to `high` [rad/s]; `modulus(omega)` is E*
     [Pa], complex.
@@ -209,45 +227,56 @@ def tables(
     count = int(np.ceil(np.log(high) / step)) - first + 3
     lags = weighted.size
     frequency = np.exp(step * np.arange(first - lags + 2, first + count + 1))
+
+    def average(values: np.ndarray, kernel: np.ndarray = plain) -> np.ndarray:
+        return np.log(np.maximum(np.convolve(values, kernel, "valid"), 1e-300))
+
     value = modulus(frequency)
-    xp = namespace(value)
-    drag, stiffness = (
-        xp.convolve(*pair, "valid")
-        for pair in ((value.imag, weighted), (xp.abs(value) ** 2, plain))
-    )
-    lost = xp.convolve(value.imag**2, plain, "valid") / stiffness if parted else None
-    return Tables(first, drag, stiffness, lost)
+    stiffness = average(abs(value) ** 2)
+    stiffer = average(abs(modulus(frequency * np.exp(finer))) ** 2) - stiffness
+    columns = [average(value.imag, weighted), stiffness, stiffer]
+    if parted:
+        columns.append(average(value.imag**2) - stiffness)
+    return Tables(step, first, np.stack(columns, axis=-1))
 
 
-def direct(modulus: Any, w: Any, parted: bool = False) -> tuple[Any, Any, Any]:
-    """`drag`, `stiffness` and `lost` at frequencies w of any shape, each with an
-    average over the angle of its own.
+def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Averages:
+    """The averages at frequencies w of any shape, each with integrals over the angle of
+    its own.
     """
     t = 14.0 * (np.arange(_DIRECT) + 0.5) / _DIRECT
     cosine = 1 / np.cosh(t)
     weight = 4 * 14.0 / _DIRECT * cosine
-    value = modulus(w[..., None] * cosine)
-    stiffness = (value.real**2 + value.imag**2) @ weight
-    return (
+
+    def square(w: Any) -> tuple[Any, Any]:
+        value = modulus(w[..., None] * cosine)
+        return value, (value.real**2 + value.imag**2) @ weight
+
+    value, stiffness = square(w)
+    _, in_contact = square(w * np.exp(finer))
+    return Averages(
         value.imag @ (weight * cosine),
         stiffness,
+        namespace(stiffness).log(in_contact / stiffness),
         value.imag**2 @ weight / stiffness if parted else None,
     )
 
 
-def read(table: Tables, values: Any, log_w: Any, step: float = _STEP) -> Any:
-    """A table's values at log w, by cubics through four points of their logarithm."""
-    xp = namespace(values, log_w)
-    place = log_w / step
-    left = xp.clip(xp.floor(place).astype(int) - table.first, 1, values.shape[0] - 3)
-    s = place - (left + table.first)
-    y = xp.log(xp.maximum(values, 1e-300))
-    return xp.exp(
+def read(table: Tables, log_w: Any) -> Averages:
+    """The averages at log w, by cubics through four points of their logarithm."""
+    place = log_w / table.step
+    left = np.floor(place).astype(int) - table.first
+    left = np.clip(left, 1, table.values.shape[0] - 3)
+    s = (place - (left + table.first))[..., None]
+    y = table.values
+    value = (
         -s * (s - 1) * (s - 2) / 6 * y[left - 1]
         + (s + 1) * (s - 1) * (s - 2) / 2 * y[left]
         - (s + 1) * s * (s - 2) / 2 * y[left + 1]
         + (s + 1) * s * (s - 1) / 6 * y[left + 2]
     )
+    lost = np.exp(value[..., 3]) if y.shape[1] > 3 else None
+    return Averages(np.exp(value[..., 0]), np.exp(value[..., 1]), value[..., 2], lost)
 
 
 def share(spread: Any) -> Any:

@@ -19,11 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..models import Multiscale, SurfaceFriction
+from ..models import Persson, SurfaceFriction
 from ..surface.spectrum import rough_map
 from .half_space import solve, waves
-from .multiscale import contact, parts
-from .psd_integrals import nodes, until
+from .local_modulus import Local
+from .psd_integrals import direct, nodes, until
 
 SAMPLES = 4  # cells per shortest wave
 # cells to a side that are aimed at, and the most, where none are given
@@ -178,8 +178,9 @@ def summits(
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
     at = nodes(spectrum, 16)
-    rate = parts(modulus, at, velocity, pressure).rate
-    shares = contact(until(rate, at.weight), *Multiscale().energy_factor())
+    model = Persson()
+    found = model.waves(modulus, at, velocity, pressure, None, Local())
+    shares = model.contact(until(found.rate, at.weight), found.stiffer)
     shares = shares.reshape(velocity.size, -1)
     longest = spectrum.q[
         int(np.argmax(np.diff(np.log(spectrum.c)) / np.diff(np.log(spectrum.q)) < -1))
@@ -194,7 +195,9 @@ def full_contact(
     modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray
 ) -> np.ndarray:
     """Friction in full contact of all waves of a spectrum."""
-    return parts(modulus, nodes(spectrum, 32), velocity, pressure).full.sum((-2, -1))
+    at = nodes(spectrum, 32)
+    drag = direct(modulus, velocity[:, None, None] * at.q).drag
+    return (at.weight * at.power * drag).sum((-2, -1)) / (2 * pressure)
 
 
 def full_contact_of_map(

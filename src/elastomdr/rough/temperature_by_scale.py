@@ -42,7 +42,7 @@ from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
 from .heat import HIGHEST, Heat, highest_rise
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
-from .multiscale import Waves, _table, bends
+from .multiscale import Waves, bends, table_of
 from .psd_integrals import Nodes, cell_counts, nodes, until
 
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
@@ -313,12 +313,8 @@ def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any
     local = Local(
         problem.softened, Warmed(None, hottest, highest, problem.kelvin, problem.body)
     )
-    return _table(
-        problem.body.complex_modulus,
-        at,
-        problem.reduced,
-        np.log(10.0) / per_decade,
-        local,
+    return table_of(
+        problem.body.complex_modulus, at, problem.reduced, per_decade, local
     )
 
 
@@ -340,8 +336,9 @@ def _heated(
     )
     depth = depth / whole[:, None]  # S(k)
     on_surface = shear / whole  # of it
-    excess = 1 / model.contact(until(found.rate, c.at.weight)) - 1
-    ends = 1 / model.contact(_until_stations(found.rate, c.at, c.cell, c.place)) - 1
+    excess = 1 / model.contact(until(found.rate, c.at.weight), found.stiffer) - 1
+    variance = _until_stations(found.rate, c.at, c.cell, c.place)
+    ends = 1 / model.contact(variance, _of_stations(found.stiffer, c.cell, c.place)) - 1
     # int r dr c_q(r) I0 K0 of each station: beyond its half wave by the nodes, below it
     # by the share of its own
     inner = (
@@ -388,7 +385,7 @@ def _conduction(
     """
     bent, decades = (), sum(cells or ()) / per_decade
     if cells is None:
-        bent = bends(problem.spectrum, model, Local(problem.softened))
+        bent = bends(problem.spectrum, Local(problem.softened))
         decades = _decades(problem.spectrum)
     at = nodes(problem.spectrum, per_decade, bent, cells)
     ends = _ends(problem.spectrum)
@@ -492,6 +489,13 @@ def _until_stations(rate: Any, at: Nodes, cell: Any, s: Any) -> Any:
         one * s + (other - one) * np.sqrt(3) * (0.5 * s**2 - near * s)
     )
     return before[..., cell] + xp.clip(part, 0.0, whole[..., cell])
+
+
+def _of_stations(values: Any, cell: Any, s: Any) -> Any:
+    """Values at the nodes (..., cells, 2), at each station: (..., stations)."""
+    near = 0.5 - np.sqrt(3) / 6
+    first, second = values[..., cell, 0], values[..., cell, 1]
+    return first + (second - first) * np.sqrt(3) * (s - near)
 
 
 def _decades(spectrum: Any) -> float:
