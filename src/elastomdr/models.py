@@ -186,6 +186,16 @@ class SurfaceModel(Model, ABC):
         """
         return float("nan") * area
 
+    def why_wide(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        area: Array,
+    ) -> list[str]:
+        """Why `bound` is wide at points, and what would make it smaller, for results."""
+        return []
+
     def waves(
         self,
         modulus: Callable[[Array], Array],
@@ -295,6 +305,17 @@ class _ClosedIntegrals(SurfaceModel):
         ratio = surface.q_high / surface.q_low
         of = foundation, surface, velocity
         return bound(self, area, ratio, contrast(*of), steepness(*of), of_area)
+
+    def why_wide(
+        self,
+        foundation: Foundation | TabulatedFoundation,
+        surface: AbstractSpectrum,
+        velocity: Array,
+        area: Array,
+    ) -> list[str]:
+        from .rough.multiscale import why_wide
+
+        return why_wide(foundation, surface, velocity, area)
 
     def contact(self, stress_variance: Array, stiffer: Array) -> Array:
         from .rough.multiscale import contact

@@ -233,6 +233,34 @@ def test_bound_of_a_road():
     assert (curve.model_error < 0.2 * curve.mu).all()
 
 
+def test_a_wide_bound_says_why_and_the_advice_helps():
+    road = em.SelfAffine(0.8, rms_slope=1.3, q_low=1e3, q_high=6e7)
+    steep = em.Foundation(1e6, [2e9], [1e-8])
+    asked = {"velocity": 1.0, "pressure": 1e4}
+    wide = em.friction(steep, road, **asked)
+    (row,) = (text for name, text in wide.inputs if name == "bound of the model")
+    assert "more than half of mu at 1 of 1 points" in row
+    for reason in (
+        "real contact is",
+        "single relaxation",
+        "times from q_low",
+        "decade",
+    ):
+        assert reason in row
+    # each piece of advice by itself makes it smaller
+    share = float(wide.model_error / wide.mu)
+    broad = em.Foundation(1e6, np.full(10, 2e8), np.geomspace(1e-10, 1e-1, 10))
+    for rubber, surface, change in (
+        (steep, road.ended(6e5), {}),
+        (steep, road, {"pressure": 1e7}),
+        (broad, road, {}),
+    ):
+        better = em.friction(rubber, surface, **asked | change)
+        assert float(better.model_error / better.mu) < share
+    narrow = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
+    assert "bound of the model" not in dict(narrow.inputs)
+
+
 @pytest.mark.parametrize("model", [em.Multiscale(), em.Persson()])
 def test_gradients_are_differences(model):
     def mu(x):

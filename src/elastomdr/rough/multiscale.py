@@ -518,6 +518,7 @@ _AREA_BOUND = (0.042, 0.015, 0.0)  # of the real contact area, alike
 _RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.003
 # of ln(mu/mu_3D), by which it may grow with each decade of the cutoff ratio beyond
 _DRIFT = 0.02
+_SMOOTH = 0.6  # m, up to which losses are those of rubber, not of one relaxation
 _NEAR_END = np.geomspace(0.1, 2.0, 7)  # wave numbers over q_high whose losses count
 
 
@@ -580,3 +581,31 @@ def bound(
     inside = np.sqrt(1 - np.minimum(area, 1.0)) * (a - b * np.log(least))
     inside = inside * (1 + c * steep**2)
     return np.expm1(inside * (1 + beyond) + _DRIFT * decades(ratio / _RATIOS[1]))
+
+
+def why_wide(foundation: Any, surface: Any, velocity: Any, area: Any) -> list[str]:
+    """What makes the bound wide at points, and what would make it smaller, in words."""
+    said = []
+    if (least := float(np.min(area))) < _AREA:
+        said.append(
+            f"real contact is {100 * least:.2g} % and less than the {100 * _AREA:g} % "
+            "down to which three dimensions were solved: a lower q_high, a higher "
+            "pressure or warmer rubber has more"
+        )
+    if (steep := float(np.max(steepness(foundation, surface, velocity)))) > _SMOOTH:
+        said.append(
+            f"the losses change as q^{steep:.1f} at the shortest waves, as beyond the "
+            "peak of a single relaxation: a spectrum of relaxation times that is fitted "
+            "to measured moduli has less"
+        )
+    if (rise := float(np.max(contrast(foundation, surface, velocity)))) > _CONTRAST:
+        said.append(
+            f"|E*| rises {rise:.2g} times from q_low to q_high, {_CONTRAST:g} times in "
+            "three dimensions: cutoffs that are nearer have less"
+        )
+    if (ratio := float(surface.q_high / surface.q_low)) > _RATIOS[1]:
+        said.append(
+            f"the cutoffs are a factor of {ratio:.2g} apart, up to {_RATIOS[1]:g} in "
+            f"three dimensions: {100 * _DRIFT:.0f} % more for each decade beyond"
+        )
+    return said

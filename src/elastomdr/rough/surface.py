@@ -148,6 +148,8 @@ def surface_friction(
         rows += beyond.said[-1:]
     inputs = _inputs(scene, surface, heat, answer, strained, of_data, outside)
     curve = _packed(scene, surface, model, answer, strained, of_data)
+    if not scene.traced and curve.model_error is not None:
+        inputs += _wide_bound(curve, model, foundation, surface, answer, strained)
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
@@ -306,6 +308,32 @@ def _inputs(
     if outside is not None:
         rows += [excited_beyond(outside)]
     return rows
+
+
+def _wide_bound(
+    curve: FrictionCurve,
+    model: SurfaceModel,
+    foundation: Any,
+    surface: AbstractSpectrum,
+    answer: _Answer,
+    strained: _Strained,
+) -> list[tuple[str, str]]:
+    """Where the bound of the model exceeds half of mu: why, and what would lower it."""
+    bound = np.asarray(curve.model_error).ravel()
+    wide = bound > 0.5 * abs(np.asarray(curve.mu).ravel())
+    if not wide.any():
+        return []
+    of_strain = np.broadcast_to(strained.of_mu, wide.shape)[wide]
+    reasons = model.why_wide(
+        foundation, surface, answer.reduced.ravel()[wide], answer.found.area[wide]
+    )
+    if (of_strain > 0.5 * bound[wide]).any():
+        reasons.append(
+            "the strain at a length scale is known within a factor of two: friction "
+            "without softening, `linear`, is the other limit"
+        )
+    many = f"more than half of mu at {int(wide.sum())} of {wide.size} points"
+    return [("bound of the model", "; ".join([many, *reasons]))]
 
 
 def excited_beyond(outside: Any) -> tuple[str, str]:

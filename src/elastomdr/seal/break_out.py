@@ -241,7 +241,7 @@ def _largest_stress(shear: AdhesiveShear, given: dict[str, Any]) -> Any:
     velocity = given["velocity"]
     if velocity is None:
         return shear.stress
-    kelvin = None if shear.shift is None else given["temperature"]
+    kelvin: Any = None if shear.shift is None else given["temperature"]
     peak = shear.velocity
     if shear.shift is not None:
         peak = peak / shear.shift.a(kelvin)
