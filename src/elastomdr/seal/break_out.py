@@ -31,7 +31,7 @@ from ..checks import (
 )
 from ..element.law import Foundation
 from ..errors import InputError
-from ..models import Multiscale, Persson, as_model
+from ..models import Model, Multiscale, Persson, as_model
 from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
 from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from ..call.types import Material
     from ..surface.spectrum import AbstractSpectrum
 
-_KINDS = {kind.label: kind for kind in (Multiscale, Persson)}
+_KINDS: dict[str, type[Model]] = {k.label: k for k in (Multiscale, Persson)}
 _RTOL = 1e-6  # of an elastic contact, whose friction is zero
 _UNITS = {"pressure": "Pa", "time": "s", "velocity": "m/s", "temperature": "K"}
 
