@@ -27,7 +27,7 @@ STEPS = 300  # of t, for the whole way
 PER_DECADE = 12  # wave numbers in depth
 PER_LOG = 8  # frequencies of the tables of moduli in a factor of e
 WARMEST = 1000.0  # rise up to which there are tables [K]
-BEYOND = 100.0  # how far beyond q_high contact edges have waves
+BEYOND = 3e3  # how far beyond q_high contact edges have waves
 
 
 class Hot(NamedTuple):
@@ -263,21 +263,24 @@ class Point:
             at.log_q[1:], np.log(until[1:]), rate[1:] / until[1:]
         )
         there = self.stiffer(ahead, np.interp(ahead, at.log_q, rise))
-        own = 2 * rate * self.shares(np.exp(log_until(ahead)), there) ** 1.5
-        source, grown = 2 * rate * share, (at.q / at.q[-1]) ** FORM.decay
+        later = self.shares(np.exp(log_until(ahead)), there)
+        own = 2 * rate * later**FORM.power * (1 + (1 - last) ** 1.5)
+        source, grown = 2 * rate * share**1.5, at.q / at.q[-1]
         once = cumulative_simpson(source * grown, x=at.log_q, initial=0)
         twice = cumulative_simpson(once, x=at.log_q, initial=0)
         spread = 0.25 / erfinv(last) ** 2 if last < 1 else 0.5 * until[-1]
         whole = last * (1 + 2 * spread) - 1
         whole += 2 * np.sqrt(spread / np.pi) * np.exp(-0.25 / spread)
-        missing = whole * (1 + _EXCESS * (1 - last) ** 2) - simpson(own, x=at.log_q)
-        level = FORM.decay**2 * max(missing, 0.0) / simpson(source, x=at.log_q)
+        whole *= 1 + _EXCESS * (1 - last) ** 2
+        of_own = simpson(own, x=at.log_q)
+        own *= min(1.0, whole / of_own)
+        level = max(whole - of_own, 0.0) / simpson(source, x=at.log_q)
         each = 2 * p * (own + level * twice / grown) * drag / stiffness
-        x = np.linspace(0, np.log(BEYOND), 201)
+        x = np.linspace(0, np.log(BEYOND), 401)
         beyond = self.averages(
             at.q[-1] * np.exp(x), rise[-1], self.softer[-1], self.lossier[-1]
         )
-        fading = np.exp(-FORM.decay * x) * (twice[-1] + once[-1] * x)
+        fading = np.exp(-x) * (twice[-1] + once[-1] * x)
         edges = 2 * p * level * simpson(fading * beyond[0] / beyond[1], x=x)
         return each, edges, shear, share, area
 

@@ -264,14 +264,15 @@ def integrals(velocity, pressure, share, factors):
     end, last = (x[0] for x in in_contact(plain[-1:], np.array([1e5])))
     whole = last * (1 + 2 * end) + 2 * np.sqrt(end / np.pi) * np.exp(-0.25 / end) - 1
     whole *= 1 + _EXCESS * (1 - last) ** 2
-    own, source = 2 * rate * later**1.5, 2 * rate * shares
-    level = (whole - own.sum() * step) / (source.sum() * step / form.decay**2)
-    # as far as two decades beyond q_high, whose rubber is strained as at q_high
-    count = q.size + int(np.log(100.0) / step)
+    own = 2 * rate * later**form.power * (1 + (1 - last) ** 1.5)
+    source = 2 * rate * shares**1.5
+    of_own = own.sum() * step
+    own *= min(1.0, whole / of_own)
+    level = max(0.0, whole - of_own) / (source.sum() * step)
+    # far beyond q_high, whose rubber is strained as at q_high
+    count = q.size + int(np.log(3e3) / step)
     lag = step * np.arange(count)
-    spectrum = (
-        level * np.convolve(source, lag * np.exp(-form.decay * lag))[:count] * step
-    )
+    spectrum = level * np.convolve(source, lag * np.exp(-lag))[:count] * step
     spectrum[: q.size] += own
     strained = np.full(count, share * np.sqrt(slope[-1]))
     strained[: q.size] = strain

@@ -10,15 +10,16 @@ In full contact D is F = q^4 C stiffness/(4 p^2). Multiscale has two parts of it
 is left of each wave's own pressure, and what the edges of its contacts make, which is
 found at higher wave numbers, beyond q_high too,
 
-    D = F P(q e^a)^(3/2) + N int_(q' < q) F P ln(q/q') (q'/q)^l dlog q'.
+    D = F P(q e^a)^n (1 + (1 - P_high)^(3/2))
+        + N int_(q' < q) F P^(3/2) ln(q/q') (q'/q) dlog q'.
 
-N follows from a sum rule: on maps in three dimensions the variance of the
-pressure is that of Persson's distribution, within some per cent for any rubber and
-surface,
+N follows from a sum rule: on maps in three dimensions the variance of the pressure is
+that of Persson's distribution, within some per cent for any rubber and surface,
 
     int D dlog q = (P (1 + 2 G) + 2 sqrt(G/pi) exp(-1/(4 G)) - 1) (1 + e (1 - P)^2)
 
-at q_high. P(q) = erf(1/(2 sqrt G)) is the share of contact where waves up to q are
+at q_high; where the first part alone is more than that, it is held to it and N is zero.
+P(q) = erf(1/(2 sqrt G)) is the share of contact where waves up to q are
 seen: Persson's with S inside (gamma, G_0) where moduli do not depend on the frequency.
 Where they do, contacts are finer than their wave and feel a higher one,
 
@@ -66,7 +67,7 @@ from .psd_integrals import (
 _BATCH = 64  # points that are held in memory at once
 _FINEST = 32 * PER_DECADE
 _TRACED = 24  # cells per decade where JAX traces a value
-_BEYOND = 100.0  # how far beyond q_high the waves of contact edges are followed
+_BEYOND = 3e3  # how far beyond q_high the waves of contact edges are followed
 _LINEAR = Local()
 
 
@@ -76,12 +77,12 @@ class Form(NamedTuple):
     gamma: float
     finer: float  # s
     ahead: float  # a
-    decay: float  # l
+    power: float  # n
 
 
 # Fitted to three-dimensional maps by benchmarks/rough_fit.py, which says how far the
 # form is from them.
-FORM = Form(gamma=0.53, finer=0.39, ahead=0.41, decay=1.6)
+FORM = Form(gamma=0.52, finer=0.42, ahead=1.29, power=1.38)
 _EXCESS = 0.06  # e, from the variance of the pressure on the same maps
 
 
@@ -331,24 +332,26 @@ def waves_of_multiscale(
     )
 
     full = 2 * rate  # F
-    own = full * later_shares**1.5
-    # ln(q/q') (q'/q)^l is (q'/q)^l twice, one after the other
-    source = full * shares
-    grown = (at.q / at.end) ** form.decay
+    lost = (1 - share_end)[:, None, None]
+    own = full * later_shares**form.power * (1 + lost**1.5)
+    # ln(q/q') (q'/q) is q'/q twice, one after the other
+    source = full * shares**1.5
+    grown = at.q / at.end
     once = until(source * grown, at.weight)
     of_edges = until(once, at.weight) / grown
     # beyond q_high nothing is added: what is there goes on to fade
     once_end, twice_end = summed(source * grown)[:, None], summed(once)[:, None]
-    fading = np.exp(-form.decay * _PAST) * (twice_end + once_end * _PAST)
+    fading = np.exp(-_PAST) * (twice_end + once_end * _PAST)
 
-    missing = _variance(spread, share_end) * (1 + _EXCESS * (1 - share_end) ** 2)
-    # all of what F P makes at higher waves is F P/l^2
-    missing = xp.maximum(missing - summed(own), 0.0)
-    level = missing * form.decay**2 / summed(source)  # N
+    whole = _variance(spread, share_end) * (1 + _EXCESS * (1 - share_end) ** 2)
+    of_own = summed(own)
+    own = own * xp.minimum(whole / of_own, 1.0)[:, None, None]
+    # what F P^(3/2) makes at all higher waves is as much together
+    level = xp.maximum(whole - of_own, 0.0) / summed(source)  # N
     spectrum = own + level[:, None, None] * of_edges  # D
     each = 2 * p * at.weight * spectrum * on.drag / on.stiffness
-    lost = (after.drag / after.stiffness)[:, 1:, 0] * fading
-    edges = 2 * pressure * level * (lost * _PAST_WEIGHT).sum(-1)
+    faded = (after.drag / after.stiffness)[:, 1:, 0] * fading
+    edges = 2 * pressure * level * (faded * _PAST_WEIGHT).sum(-1)
     return Waves(each, edges, rate, on.stiffer, real_area(share_end))
 
 
@@ -379,7 +382,7 @@ def _variance(spread: Any, shares: Any) -> Any:
 
 def _past() -> tuple[np.ndarray, np.ndarray]:
     """log(q/q_high) of the waves beyond q_high that are seen, and their weights."""
-    points, weights = gauss(16)
+    points, weights = gauss(24)
     half = 0.5 * np.log(_BEYOND)
     return half * (points + 1), half * weights
 
