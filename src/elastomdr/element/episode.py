@@ -226,7 +226,7 @@ def _meeting(
     modes: Modes, state: Touching, w: Array, v: Any, h: Any
 ) -> tuple[Array, Array]:
     """Whether and when a free element meets the surface: Newton's method from the left
-    on a convex gap.
+    on a convex gap, which needs no bracket and ends at the first root.
     """
     size = _ROUNDING * (xp.abs(w) + xp.abs(v) * h + xp.sum(xp.abs(state.m), axis=0))
 
@@ -249,7 +249,9 @@ def _parting(
     law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
 ) -> tuple[Array, Array]:
     """Whether and when an element in contact would be pulled: Newton's method within a
-    bracket, from where a straight line between its ends is zero.
+    bracket, from where a straight line between its ends is zero. Of q, a sum of
+    exponentials, the slope is at hand, and it may rise before it falls: a secant could
+    leave for the wrong side.
     """
     end, _ = _pull(law, u, f, v, rest)
     lost = touched & (end < 0)

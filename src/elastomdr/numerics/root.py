@@ -2,6 +2,7 @@
 search.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -16,34 +17,48 @@ _CLIP = 3.0  # longest step of a search
 _USUAL = 1.5  # slope to start a search with: of powers, in logarithms
 
 
-def root(residual: Any, guess: Array) -> tuple[Array, Array]:
+def root(
+    residual: Any, guess: Array, close: float = _CLOSE, slope: float = _USUAL
+) -> tuple[Array, Array]:
     """x with residual(x) = 0, rising through it, and whether it was found.
 
-    The search runs on values cut off from differentiation; one Newton step afterwards
-    carries the derivatives. On NumPy it runs until its next step would be rounding.
+    The search runs on values cut off from differentiation, until a step is as short as
+    `close`; one Newton step afterwards carries the derivatives. On NumPy it runs until
+    its next step would be rounding.
     """
     if on_numpy():
-        return search(residual, guess, _ROUNDING)
+        return search(residual, guess, min(close, _ROUNDING), slope)
     import jax
 
-    x, done = search(residual, guess)
+    x, done = search(residual, guess, close, slope)
     value, slope = jax.jvp(residual, (x,), (xp.ones_like(x),))
     step = value / fixed(slope)
     converged = done & (xp.abs(step) < 10 * _CLOSE)
     return x - xp.where(converged, step, step - fixed(step)), converged
 
 
-def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, Array]:
-    """The secant method inside a shrinking bracket, all lanes at once, and which of them
-    found a root: the step that is left there is small, which a NaN's is not.
+def search(
+    residual: Any,
+    guess: Array,
+    close: float = _CLOSE,
+    slope: Any = _USUAL,
+    high: Any = math.inf,
+    longest: float = _CLIP,
+) -> tuple[Array, Array]:
+    """The secant method inside a shrinking bracket, many roots at once, and which of
+    them were found: the step that is left there is small, which a NaN's is not.
+
+    It begins with `slope`, and returns to it where two values do not rise. Steps end
+    at `close`; none is longer than `longest` or leads beyond `high`.
     """
+    usual = slope
 
     def advance(state: tuple) -> tuple:
         x, slope, low, high, done, count, value = state
         low, high = xp.where(value < 0, x, low), xp.where(value < 0, high, x)
-        secant = x - xp.clip(value / slope, -_CLIP, _CLIP)
+        secant = x - xp.clip(value / slope, -longest, longest)
         middle = 0.5 * (
-            xp.maximum(low, x - 2 * _CLIP) + xp.minimum(high, x + 2 * _CLIP)
+            xp.maximum(low, x - 2 * longest) + xp.minimum(high, x + 2 * longest)
         )
         following = xp.where((secant >= low) & (secant <= high), secant, middle)
         change = following - x
@@ -57,7 +72,7 @@ def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, A
         )
         return (
             following,
-            xp.where(slope > 0.05, slope, _USUAL),
+            xp.where((slope > 0.05) & (slope < math.inf), slope, usual),
             low,
             high,
             done,
@@ -69,9 +84,9 @@ def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, A
     everywhere = xp.full_like(guess, xp.inf)
     state = (
         guess,
-        xp.full_like(guess, _USUAL),
+        xp.zeros_like(guess) + usual,
         -everywhere,
-        everywhere,
+        xp.minimum(everywhere, high),
         xp.zeros(guess.shape, bool),
         0,
         residual(guess),
@@ -85,8 +100,8 @@ def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, A
 def bisect(
     root_above: Callable[[Any], Any], low: Any, high: Any, halvings: int
 ) -> tuple[Any, Any]:
-    """Halves brackets, all lanes at once; `root_above(x)` tells where the root lies
-    above x. Lanes whose bracket holds none end at one of its ends.
+    """Halves brackets, all of them at once; `root_above(x)` tells where the root lies
+    above x. A bracket that holds none ends at one of its ends.
     """
 
     def halve(_: Any, bracket: tuple) -> tuple:

@@ -20,6 +20,7 @@ from ..errors import InputError
 from ..material.relaxation import KelvinChain, to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
 from ..numerics.interpolation import lagrange
+from ..numerics.root import search
 from ..results.words import covers_in_words, describe
 from ..surface.direction import directions, layer_asymmetry, shared_grid
 from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
@@ -52,7 +53,7 @@ _WIDEST = 16.0  # a/h of the elastic curve
 _TRACED_REACH = 16.0
 _NEAREST = 8  # nodes around a velocity
 _AGAIN = 4  # times that lines whose edges are not found are tried
-_SEARCH = 12  # steps from a depth to its load
+_RISE = 0.6  # of log depth with log load, about
 
 
 @dataclasses.dataclass(frozen=True)
@@ -521,11 +522,8 @@ def _between(nodes: Array, values: Array, velocity: Array) -> Array:
 def _load_of_depth(
     lines: _Lines, velocity: Array, depth: Array, averaged: bool
 ) -> Array:
-    """Loads at which the depth is that: the secant method on logarithms, all points at
-    once.
-    """
+    """Loads at which the depth is that, sought in logarithms."""
     places, loads, depths = lines.curve
-    low = np.log(np.interp(depth, depths, loads))
     rough = lines._replace(rtol=max(lines.rtol, 1e-4))
 
     def miss(log: Array) -> Array:
@@ -533,28 +531,9 @@ def _load_of_depth(
             _mean(rough, velocity, np.exp(log), averaged, False).depth / depth
         )
 
-    old, log = (
-        low,
-        low
-        + np.log(
-            np.maximum(
-                lines.modulus(velocity / np.interp(depth, depths, places)) / lines.rest,
-                1.01,
-            )
-        ),
-    )
-    off_old, off = miss(old), miss(log)
-    for _ in range(_SEARCH):
-        slope = (off - off_old) / np.where(log == old, 1.0, log - old)
-        step = np.where(
-            np.abs(slope) > 1e-3, off / np.where(slope == 0, 1.0, slope), 0.0
-        )
-        if not np.nanmax(np.abs(step)) > 0.1 * lines.rtol:
-            break
-        old, off_old = log, off
-        log = log - np.clip(step, -2, 2)
-        off = miss(log)
-    return np.exp(log)
+    stiffer = lines.modulus(velocity / np.interp(depth, depths, places)) / lines.rest
+    guess = np.log(np.interp(depth, depths, loads) * np.maximum(stiffer, 1.01))
+    return np.exp(search(miss, guess, lines.rtol, _RISE, longest=2.0)[0])
 
 
 def _count(

@@ -44,7 +44,7 @@ from ..trees import Tree, static
 _FIRST = 16  # terms in the search for the half-length
 # of the logarithm of the half-length, after which one is close enough
 _SMALL_STEP = 1e-6
-_STEPS, _REACHED = 8, 1e-5  # of the secant method after it; its last step, at most
+
 _STEP = math.log(10) / 12  # between the nodes of the memory table
 _REACH = 24  # nodes over which it is interpolated, each way
 # memories l in the table; shorter ones are none, longer ones follow their limit
@@ -225,17 +225,11 @@ def half_of(
 
     log, found = search(lambda x: residual(x, _FIRST), np.log(guess))
     slope = (residual(log + 1e-4, _FIRST) - residual(log, _FIRST)) / 1e-4
-    off, step = residual(log, order), np.zeros_like(log)
-    for _ in range(_STEPS):
-        step = np.clip(-off / slope, -0.5, 0.5)
-        log, before = log + step, off
-        if not (np.abs(step) > _SMALL_STEP).any():
-            break
-        off = residual(log, order)
-        moved = (off - before) * step > 0  # few terms may know little of the slope
-        secant = (off - before) / np.where(step == 0, 1.0, step)
-        slope = np.where(moved & (np.abs(step) > 1e-3), secant, slope)
-    return np.where(found & (np.abs(step) <= _REACHED), np.exp(log), np.nan)
+    # few terms may know little of the slope: it is where the search begins
+    log, reached = search(
+        lambda x: residual(x, order), log, _SMALL_STEP, slope, longest=0.5
+    )
+    return np.where(found & reached, np.exp(log), np.nan)
 
 
 def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:

@@ -81,7 +81,7 @@ def slide_on_layer(
     close: float = _CLOSE,
 ) -> Slid:
     """Points (velocity [m/s], load [N] or depth [m]), from guesses at the edges a and b
-    [m], to a residual `close`.
+    [m], to a residual `close`; both edges at once, by Broyden's method.
     """
 
     def residual(parts: tuple, logs: Array) -> tuple[Array, _Line]:

@@ -169,6 +169,9 @@ def _solve(
 ) -> _March:
     """A march at the given depth, or at the load: secant steps on log F_N against log
     A, kept in a bracket.
+
+    Not by the search of `numerics/root.py`: a march is what costs, to compile as well,
+    and stands in its program three times.
     """
     if control == "depth":
         return _march(law, lines, velocity, _at_depth(lines, size, value), samples)

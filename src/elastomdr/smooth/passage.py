@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from ..element.episode import recovery_modes
 from ..material.relaxation import Relaxation
 from ..numerics.implicit import as_doubles, implicit, on_host, stationary
 from ..numerics.quadrature import gauss_unit
+from ..numerics.root import search
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.sampling import Rule
 from .memory import Passage, first_variant, selected, tabulated
@@ -316,7 +316,7 @@ def _by_newton(
     p: Passage, value: Array, log_size: Array, ratio: Array, top: Array, by_depth: bool
 ) -> tuple[Array, Array, Array]:
     """Newton's method on load and trailing edge together, for the points on which it
-    settles within few steps.
+    settles within few steps; the others are left to one search within another.
     """
     log_size, ratio, found = log_size.copy(), ratio.copy(), np.zeros(value.shape, bool)
     left = np.arange(value.size)
@@ -382,27 +382,14 @@ def _settled(p: Passage, size: Array, ratio: Array) -> Array:
 
 
 def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
-    """Contact size by Newton's method, or by bisection of its logarithm."""
-    log_size = np.minimum(_USUAL, top - 0.5) + np.zeros_like(depth)
-    for _ in range(_GUESSES):
-        size = np.exp(log_size)
-        step = np.log(lines.depth(size) / depth) / lines.exponent(size)
-        log_size = np.minimum(log_size - step, top)
-        if (np.abs(step) < _CLOSE).all():
-            return np.exp(log_size)
-    low = np.full_like(depth, -140.0)
-    return np.exp(_halved(lambda x: lines.depth(np.exp(x)) > depth, low, top, 56))
+    """Contact size of a depth, sought in logarithms."""
+    guess = np.minimum(_USUAL, top - 0.5) + np.zeros_like(depth)
 
+    def residual(log_size: Array) -> Array:
+        return np.log(lines.depth(np.exp(log_size)) / depth)
 
-def _halved(
-    above: Callable[[Array], Array], low: Array, high: Array, times: int
-) -> Array:
-    """Bisection: the middle of where `above` changes from false to true."""
-    for _ in range(times):
-        middle = 0.5 * (low + high)
-        beyond = above(middle)
-        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-    return 0.5 * (low + high)
+    slope = lines.exponent(np.exp(guess))
+    return np.exp(search(residual, guess, _TIGHT, slope, top)[0])
 
 
 def _first_guess(p: Passage, load: Array, top: Array) -> Array:
@@ -422,20 +409,14 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
         )
         return mean * np.sum(p.lines.weight(size) * volume, axis=0)
 
+    def residual(log_size: Array) -> Array:
+        return np.log(force(log_size) / load)
+
+    guess = np.minimum(np.full_like(load, _USUAL), top - 0.5)
     # Of a profile that is a power, log force against log size rises by between n and
     # n + 1.
-    log_size = np.minimum(np.full_like(load, _USUAL), top - 0.5)
-    for _ in range(_GUESSES):
-        rise = p.lines.exponent(np.exp(log_size)) + 0.5
-        step = np.log(force(log_size) / load) / rise
-        log_size = np.minimum(log_size - step, top)
-        if (np.abs(step) < _GUESSED).all():
-            return log_size
-    # 1e-26 to 1e17 m, as a rule
-    small, large = np.full_like(load, -60.0), np.minimum(top, 40.0)
-    low = np.where(force(small) > load, -260.0, small)
-    high = np.where(force(large) < load, top, large)
-    return _halved(lambda log_size: force(log_size) > load, low, high, 11)
+    slope = p.lines.exponent(np.exp(guess)) + 0.5
+    return search(residual, guess, _GUESSED, slope, top)[0]
 
 
 def _of_parabola(
@@ -539,7 +520,8 @@ def _exits(
     inside a shrinking bracket.
 
     It starts with `factor` times the slope of an elastic contact, and returns the
-    factor that it ended with.
+    factor that it ended with. The search of `numerics/root.py` takes steps of one
+    length everywhere, but edges lie anywhere between rounding and one.
     """
     elastic = _elastic_slope(p, size)
     slope = factor * elastic
@@ -585,30 +567,17 @@ def _size_of_load(
     straight line. An edge that is off by a little leaves the force as it is, since
     dF/db = q(-b) = 0.
     """
-    low, high = np.full_like(load, -140.0), top
-    before, excess_before = log_size, np.zeros_like(load)
-    slope, factor = np.full_like(load, 2.5), np.ones_like(ratio)
-    done = np.zeros(load.shape, bool)
-    for _ in range(_ITERATIONS):
-        if done.all():
-            break
+    factor, converged = np.ones_like(ratio), np.zeros(load.shape, bool)
+
+    def excess(log_size: Array) -> Array:
+        # edges begin where the last size had them
+        nonlocal ratio, factor, converged
         size = np.exp(log_size)
         ratio, factor, converged = _exits(p, size, ratio, factor)
-        excess = np.log(balance(p, size, ratio)[1]) - np.log(load)
-        low = np.where(excess < 0, log_size, low)
-        high = np.where(excess < 0, high, log_size)
-        slope = _secant(log_size - before, excess - excess_before, slope, _FAR)
-        straight = log_size - np.clip(excess / slope, -3.0, 3.0)
-        # A bracket that closes at the widest contact has not met the load, hence the
-        # second condition.
-        small = (np.abs(straight - log_size) <= _TIGHT) & (np.abs(excess) <= _MET)
-        inside = (straight > low) & (straight < high)
-        middle = 0.5 * (np.maximum(low, log_size - 3) + np.minimum(high, log_size + 3))
-        following = np.where(inside | small, straight, middle)
-        before, excess_before = log_size, excess
-        log_size = np.where(done, log_size, following)
-        done = done | (small & converged)
-    return np.exp(log_size), ratio, done
+        return np.log(balance(p, size, ratio)[1]) - np.log(load)
+
+    log_size, met = search(excess, log_size, _TIGHT, 2.5, top)
+    return np.exp(log_size), ratio, met & converged
 
 
 def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages:

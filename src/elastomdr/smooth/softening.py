@@ -24,6 +24,7 @@ from ..arrays import xp
 from ..checks import is_traced
 from ..errors import InputError
 from ..numerics.implicit import as_doubles, implicit
+from ..numerics.root import search
 from ..surface.shapes import Cylinder
 from .solve import Sweep, run
 
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 SOFTENED = "; moduli at one effective strain of the contact"
 LINEAR = "; linear: softening with strain left out"
 TABOR = 0.2  # representative strain over the slope at the edge
-_ROUNDS = 30  # of secants; 3 to 5 are usual
+_LONGEST = 0.7  # step of the logarithm of a factor
 _ROUNDING = 1e-12
 
 
@@ -127,23 +128,15 @@ def _next_factor(alone: Plan, factor: Any, shared: Any, points: Any) -> Any:
 
 
 def _factor(alone: Plan, shared: Any, points: Any) -> np.ndarray:
-    """The factor that its own contact has, by secants; NaN contacts stay as they are."""
-    tolerance = 0.1 * alone.rtol
-    before = np.ones(np.shape(points[0]))
-    after = _next_factor(alone, before, shared, points)
-    off = after - before
-    for _ in range(_ROUNDS):
-        if not (np.abs(off) > tolerance * after).any():
-            break
-        here = after
-        missed = _next_factor(alone, here, shared, points) - here
-        steep = (missed - off) / np.where(here == before, 1.0, here - before)
-        step = np.where(
-            np.isfinite(steep) & (steep < -0.1) & (here != before),
-            -missed / steep,
-            missed,
-        )
-        before, after, off = here, np.clip(here + step, 0.5 * here, 2 * here), missed
+    """The factor that its own contact has, one where there is none."""
+
+    def residual(log_factor: np.ndarray) -> np.ndarray:
+        factor = np.exp(log_factor)
+        return log_factor - np.log(_next_factor(alone, factor, shared, points))
+
+    # A slope of one takes the next factor itself; the last step leaves its square.
+    start = np.zeros(np.shape(points[0]))
+    after = np.exp(search(residual, start, alone.rtol, 1.0, longest=_LONGEST)[0])
     # loads that were equal stay so, and share a curve
     return np.round(np.where(np.isfinite(after), after, 1.0), 12)
 

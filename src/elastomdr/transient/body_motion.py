@@ -460,7 +460,9 @@ def _by_newton(
 def _by_secants(
     forces: Callable[..., Any], inertia: Array, known: Array, moved: Array, guess: Array
 ) -> tuple[Array, Array]:
-    """The same without derivatives."""
+    """The same without derivatives, by secants: two values of the force as a rule.
+    SciPy's would take a third to see that it has converged.
+    """
     steepness, before = 0.0, None
     for _ in range(_SECANTS):
         drag, guess = forces(moved, guess)

@@ -236,7 +236,7 @@ def edges(
     With a dashpot it has a jump. The secants run in g: what an element has seen depends
     on x through g alone, and the gap to rubber that was not touched before is linear in
     it, however small the contact. They begin at neighbours of a grid, which the first
-    round looks at.
+    round looks at. A search on one side, as in `numerics/root.py`, would meet the kink.
     """
     if disc.flat:
         _, free = _signed(law, modes, xp.zeros(1), time, depth)

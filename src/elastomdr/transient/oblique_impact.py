@@ -20,13 +20,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, mapped, while_loop, xp
+from ..arrays import compiled, fixed, mapped, xp
 from ..checks import Array, as_float64, finite, nan_unless, positive, require, scalar
 from ..element.contact_step import coefficients_of_steps
 from ..element.law import Foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..material.shift import thermal_factors
+from ..numerics.root import root
 from ..results.base import part, quantity
 from ..surface.disc import disc_under
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 _ELEMENTS, _STEPS = 500, 16  # over the radius, and between two instants
-_ITERATIONS = 40
 _MET = 1e-13  # relative change of a step's displacement at which its search ends
 
 
@@ -309,32 +309,10 @@ def _steps(course: Course, mass: Array, steps: int) -> Steps:
 
 
 def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> Array:
-    """x with x = free - compliance (F_before + F(x)): Newton in a bracket, since F
-    rises in straight pieces.
-    """
-    import jax
+    """x with x = free - compliance (F_before + F(x)); F rises in straight pieces."""
+    scale = fixed(xp.abs(free) + compliance * xp.abs(before) + 1e-300)
 
-    def residual(x: Array) -> Array:
-        return x - free + compliance * (before + force(x))
+    def residual(part: Array) -> Array:
+        return part + (compliance * (before + force(scale * part)) - free) / scale
 
-    def value_and_slope(x: Array) -> tuple[Array, Array]:
-        return jax.jvp(residual, (x,), (xp.ones_like(x),))
-
-    def improve(state: tuple) -> tuple:
-        x, low, high, _, count = state
-        value, slope = value_and_slope(x)
-        low, high = xp.where(value < 0, x, low), xp.where(value < 0, high, x)
-        newton = x - value / slope
-        inside = (newton >= low) & (newton <= high)
-        following = xp.where(inside, newton, 0.5 * (low + high))
-        done = xp.abs(following - x) <= _MET * (xp.abs(free) + xp.abs(following))
-        return following, low, high, done, count + 1
-
-    edge = xp.abs(free) + compliance * xp.abs(before) + 1e-300
-    edge = edge + compliance * (
-        xp.abs(fixed(force(edge))) + xp.abs(fixed(force(-edge)))
-    )
-    start = fixed((free, -2 * edge, 2 * edge, xp.zeros((), bool), 0))
-    x = while_loop(lambda s: ~s[3] & (s[4] < _ITERATIONS), improve, start)[0]
-    value, slope = value_and_slope(fixed(x))
-    return fixed(x) - value / fixed(slope)
+    return scale * root(residual, fixed(free) / scale, _MET, 1.0)[0]
