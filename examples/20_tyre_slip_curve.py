@@ -297,7 +297,7 @@ def check(
     )
     assert off < 1e-12, "any program must read the table as it was written"
     assert gap < 1e-6, "an elastic tread must follow the brush"
-    assert np.all((top.slip > 0.05) & (top.slip < 0.15)), "tyres have their peak there"
+    assert np.all((top.slip > 0.04) & (top.slip < 0.15)), "tyres have their peak there"
     assert np.all((top.coefficient > 0.7) & (top.coefficient < 1.5)), (
         "dry tyres grip like that"
     )

@@ -40,7 +40,7 @@ SCENE = {"pressure": 5e5}  # Pa, unless the file has a column of it
 KNOWN = em.SelfAffine(0.8, rms_height=5e-5, q_low=2e3, q_high=2e4)
 # upper cutoff by which the points were made [rad/m], scatter of a measurement, likewise
 TRUTH, NOISE = 5e4, 0.03
-WIDTHS = {"heights": 0.05, "gain": 0.15}  # decades: what is known of them beforehand
+WIDTHS = {"heights": 0.1, "gain": 0.15}  # decades: what is known of them beforehand
 
 
 def main(out: Path, data: Path) -> None:

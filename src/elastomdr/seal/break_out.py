@@ -157,7 +157,7 @@ def break_out(
     """
     foundation = pressed_bodies(material, surface, time)
     chosen = as_model(model, _KINDS) or Multiscale()
-    if not isinstance(chosen, (Multiscale, Persson)):
+    if chosen.label not in _KINDS:
         chosen._refuse("em.Multiscale() or em.Persson() for a break-out")
     shear = _checked_shear(boundary_shear, temperature)
     arguments = {"pressure": pressure, "time": time}
