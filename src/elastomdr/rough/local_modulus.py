@@ -42,7 +42,7 @@ class Softened(NamedTuple):
         """Amplitude of strain at wave numbers q [rad/m], any shape."""
         xp = namespace(q, self.spectrum.q, self.spectrum.c, self.share)
         square = 2 * np.pi * self.spectrum.moment(3, None, q)
-        return self.share * xp.sqrt(xp.maximum(square, 1e-300))
+        return self.share * xp.sqrt(xp.maximum(square, 1e-60))
 
     def bends(self) -> np.ndarray:
         """Wave numbers at which the strain is that of a point of the sweep, where its

@@ -39,7 +39,7 @@ from ..numerics.quadrature import gauss
 PER_DECADE = 32  # cells of log q that a solution begins with
 _COARSEST = PER_DECADE // 4  # and those of the coarser of two that it is compared with
 # how many factors of 2 the smallest cell, next to q_low, is below those that are even
-_SMALLEST = 26
+_SMALLEST = 60
 _STEP = np.log(10.0) / 32  # of log frequency in the tables of a material
 _REACH = 21.0  # how far below a frequency in log the average over the angles looks
 _ANGLES = 400  # nodes over the angle, midpoints in log tan(phi/2), of the tables
@@ -150,9 +150,9 @@ def _graded(count: int, per_decade: int) -> np.ndarray:
     """Ends of cells from 0 to 1: each longer than those before together by a factor,
     until one has a `count`th.
     """
-    growth = 2.0 ** (16 / per_decade)
+    growth = 2.0 ** (24 / per_decade)
     even = min(1.0, 1 / (count * (growth - 1)))  # from where on cells are even
-    first = even * growth ** np.arange(-int(_SMALLEST * per_decade / 16), 1.0)
+    first = even * growth ** np.arange(-int(_SMALLEST * per_decade / 24), 1.0)
     rest = max(0, int(np.ceil((1 - even) * count)))
     return np.concatenate(
         [[0.0], first[:-1], np.linspace(even, 1.0, rest + 1) if rest else [1.0]]
