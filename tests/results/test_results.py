@@ -460,7 +460,7 @@ def test_every_field_of_every_result_is_declared():
 UNITS = {  # of each quantity, whatever the result
     "-": (
         "adhesion area area_ratio asperity asperity_share boundary coefficient cold "
-        "creepage error fill friction hysteresis linear model_error mu outside ratio "
+        "creepage error fill friction hysteresis knudsen linear model_error mu outside ratio "
         "restitution road_share rolling rubber share slip spread squeeze stick strain "
         "viscous"
     ),
@@ -476,7 +476,10 @@ UNITS = {  # of each quantity, whatever the result
         "stick_radius surface trailing width x"
     ),
     "s": "duration settling time",
-    "Pa": "asperity_pressure fluid_pressure pressure pressure_drop sealing_pressure",
+    "Pa": (
+        "asperity_pressure fluid_pressure outlet_pressure pressure pressure_drop "
+        "sealing_pressure shear_stress"
+    ),
     "Pa s": "viscosity",
     "m^3/s": "rate",
     "m^2/s": "flow",

@@ -194,7 +194,11 @@ def friction_master(
     Source: Grosch 1963.
     """
     known = error is not None and not isinstance(error, str)
-    given = {"velocity": velocity, "temperature": temperature, "mu": mu}
+    given: dict[str, Any] = {
+        "velocity": velocity,
+        "temperature": temperature,
+        "mu": mu,
+    }
     if known:
         given["error"] = error
     elif error is not None and error != "relative":

@@ -31,7 +31,7 @@ from ..checks import (
 )
 from ..element.law import Foundation
 from ..errors import InputError
-from ..models import Multiscale, Persson, as_model
+from ..models import Model, Multiscale, Persson, as_model
 from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
 from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from ..call.types import Material
     from ..surface.spectrum import AbstractSpectrum
 
-_KINDS = {kind.label: kind for kind in (Multiscale, Persson)}
+_KINDS: dict[str, type[Model]] = {k.label: k for k in (Multiscale, Persson)}
 _RTOL = 1e-6  # of an elastic contact, whose friction is zero
 _UNITS = {"pressure": "Pa", "time": "s", "velocity": "m/s", "temperature": "K"}
 
@@ -157,7 +157,7 @@ def break_out(
     """
     foundation = pressed_bodies(material, surface, time)
     chosen = as_model(model, _KINDS) or Multiscale()
-    if not isinstance(chosen, (Multiscale, Persson)):
+    if chosen.label not in _KINDS:
         chosen._refuse("em.Multiscale() or em.Persson() for a break-out")
     shear = _checked_shear(boundary_shear, temperature)
     arguments = {"pressure": pressure, "time": time}
@@ -241,7 +241,7 @@ def _largest_stress(shear: AdhesiveShear, given: dict[str, Any]) -> Any:
     velocity = given["velocity"]
     if velocity is None:
         return shear.stress
-    kelvin = None if shear.shift is None else given["temperature"]
+    kelvin: Any = None if shear.shift is None else given["temperature"]
     peak = shear.velocity
     if shear.shift is not None:
         peak = peak / shear.shift.a(kelvin)
