@@ -156,7 +156,7 @@ def break_out(
     it from above. Differentiable. Source: `docs/seal.md`.
     """
     foundation = pressed_bodies(material, surface, time)
-    chosen = as_model(model, _KINDS) or Multiscale()
+    chosen: Any = as_model(model, _KINDS) or Multiscale()
     if chosen.label not in _KINDS:
         chosen._refuse("em.Multiscale() or em.Persson() for a break-out")
     shear = _checked_shear(boundary_shear, temperature)
