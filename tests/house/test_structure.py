@@ -105,6 +105,18 @@ def test_structure_shows_the_rooms_in_their_order():
     assert tuple(re.findall(r"`(\w+)`", " ".join(rows))) == FLOORS
 
 
+def test_the_package_holds_what_it_reads():
+    """Not the remains of a patch or of an editor."""
+    known = {".py", ".pyi", ".typed", ".css", ".mplstyle", ".toml"}
+    stray = {
+        path.name
+        for path in SOURCE.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+        if path.suffix not in known
+    }
+    assert not stray
+
+
 def test_files_of_structure_exist():
     """`smooth/plan.py` of a table or a sentence, the first one of a list in full."""
     page = Path(__file__).parents[2] / "docs" / "structure.md"

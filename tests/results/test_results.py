@@ -442,6 +442,8 @@ def test_every_field_of_every_result_is_declared():
         "HeatBuildUp",
         "FrictionSpectrum",
         "Leak",
+        "Lubricated",
+        "BreakOut",
     ):
         getattr(em, name)  # loads it
     seen, names = [Result], []

@@ -9,7 +9,10 @@ from scipy.special import erf, i0e, k0e
 
 import elastomdr as em
 from elastomdr.cli.main import main
+from elastomdr.element.law import surface_foundation
+from elastomdr.material.shift import thermal_factors
 from elastomdr.rough.flash import rise, scales
+from elastomdr.rough.heat import HIGHEST, highest_rise
 
 # of the width of the spectrum
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
@@ -320,3 +323,21 @@ def test_scene_with_heat_and_measured_points(tmp_path, capsys, monkeypatch):
     points.write_text("velocity,mu\n10,0.05\n")
     assert main(["friction", str(scene)]) == 2
     assert "has no unit" in capsys.readouterr().err
+
+
+def test_rises_are_looked_for_as_far_as_the_shift_laws_go():
+    """A table ends, whichever of the two it is; a law goes on."""
+    ends = em.ShiftTable([280.0, 350.0], [0.0, -2.0])
+    softer = em.VerticalTable([280.0, 330.0], [1.0, 0.9])
+    free = em.WLF(8.86, 101.6, 280.0)
+    for shift, vertical, room in (
+        (free, None, HIGHEST),
+        (ends, None, 50.0),
+        (ends, softer, 30.0),
+        (free, softer, 30.0),
+    ):
+        rubber = em.Prony(1e6, [3e6], [1e-3], shift=shift, vertical=vertical)
+        body = surface_foundation(rubber)
+        found = highest_rise(body, np.array([290.0, 300.0]))
+        assert found == pytest.approx(room, rel=1e-9)
+        thermal_factors(body, 300.0 + found)  # holds there

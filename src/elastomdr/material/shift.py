@@ -63,7 +63,7 @@ class AbstractShift(Tree):
 
     @property
     def _hottest(self) -> float:
-        """The temperature up to which the law holds [K]."""
+        """The temperature up to which `_check` lets a law pass [K]."""
         return math.inf
 
     @numpy_unless_traced
@@ -274,7 +274,7 @@ class AbstractVertical(Tree):
 
     @property
     def _hottest(self) -> float:
-        """The temperature up to which the law holds [K]."""
+        """The temperature up to which `_check` lets a law pass [K]."""
         return math.inf
 
     @numpy_unless_traced

@@ -27,8 +27,8 @@ import numpy as np
 from ..arrays import xp
 from ..checks import require
 from ..errors import InputError
+from ..material.shift import GAS_CONSTANT
 
-GAS_CONSTANT = 8.314462618  # [J/(mol K)]
 SLIPS = 0.1  # Kn up to which a gas slips, and does not fly freely
 SAID = "; ideal gas that expands, with slip (estimate)"
 
