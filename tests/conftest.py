@@ -4,6 +4,9 @@ next run.
 The tests compile far longer than they compute, so the compiler is asked for plainer
 machine code: the programs are the same, they run three times slower, and the suite
 takes half the time. `pytest -p no:cacheprovider` tests the machine code that users get.
+
+Linear algebra runs on one thread: beside the other worker's, threads mostly wait for a
+core, and count that as work.
 """
 
 import os
@@ -17,6 +20,8 @@ collect_ignore = ["typing"]  # read by pyright, not run
 # pieces of memory that a process has mapped; Linux ends one with more than 65,530
 MANY = 25_000
 PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+# read when NumPy is loaded: by workers and the commands that tests start
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def pytest_configure(config):

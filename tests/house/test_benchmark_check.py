@@ -1,11 +1,12 @@
 """benchmarks/check.py on records that were altered: a ratio that falls by 40 % is
-reported, one by 20 % is not.
+reported, one by 20 % is not. And all benchmarks can be imported.
 """
 
 import importlib
 import json
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,26 @@ RECORD = {
         {"name": "first number", "measured": 0.2, "target": "<= 0.8 s", "met": True},
     ],
 }
+
+
+def test_all_benchmarks_can_be_imported():
+    """Each has what it names of the package and of the other benchmarks; none runs."""
+    code = """
+    import importlib, sys
+    sys.path[:0] = sys.argv[1:3]
+    for name in sys.argv[3:]:
+        importlib.import_module(name)
+    """
+    folders = [BENCHMARKS, BENCHMARKS / "robustness"]
+    names = [path.stem for folder in folders for path in sorted(folder.glob("*.py"))]
+    assert len(names) == len(set(names)) > 50
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code), *map(str, folders), *names],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.fixture

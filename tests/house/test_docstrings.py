@@ -4,6 +4,7 @@ returns and what it raises.
 
 import inspect
 import re
+from pathlib import Path
 
 import pytest
 
@@ -46,3 +47,9 @@ def test_docstring_has_the_arguments_of_the_call(name):
         parameters
     )
     assert section(text, "Returns")
+
+
+def test_no_docstring_has_code_that_nothing_runs():
+    """pytest is not asked to look for doctests, which takes it seconds."""
+    sources = Path(em.__file__).parent.rglob("*.py")
+    assert not [path for path in sources if ">>> " in path.read_text(encoding="utf-8")]

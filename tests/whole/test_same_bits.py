@@ -148,10 +148,13 @@ def bits(result):
 
 def of_a_new_process(calls):
     """The bits of calls by name, made in the opposite order by a process that did
-    nothing before.
+    nothing before, with as many threads for linear algebra as users have.
     """
+    environment = {**os.environ}
+    environment.pop("OPENBLAS_NUM_THREADS", None)
     done = subprocess.run(
         [sys.executable, __file__, *reversed(calls)],
+        env=environment,
         capture_output=True,
         text=True,
         check=False,
