@@ -58,6 +58,7 @@ from .psd_integrals import (
     factor,
     nodes,
     read,
+    read_stiffer,
     share,
     spread_of,
     tables,
@@ -240,10 +241,8 @@ def _averages(
     """The averages over the angle at q v, read from the tables of the material or,
     without them, by the angle.
     """
-    w = velocity[:, None, None] * q
     speed, storage, loss = local.at(q)
-    if speed is not None:
-        w = w * speed
+    w = _frequency(velocity, q, speed)
     found = (
         direct(modulus, w, finer, local.parted)
         if table is None
@@ -253,6 +252,23 @@ def _averages(
         return found
     factor = storage**2 + (loss**2 - storage**2) * found.lost
     return found._replace(drag=loss * found.drag, stiffness=found.stiffness * factor)
+
+
+def _stiffer(
+    modulus: Any, velocity: Any, q: Any, table: Tables | None, local: Local, finer: float
+) -> Any:
+    """`Averages.stiffer` alone."""
+    speed, _, _ = local.at(q)
+    w = _frequency(velocity, q, speed)
+    if table is None:
+        return direct(modulus, w, finer, local.parted).stiffer
+    return read_stiffer(table, np.log(w))
+
+
+def _frequency(velocity: Any, q: Any, speed: Any) -> Any:
+    """q v at nodes (points, cells, 2), with the factor of `Local.at` on v."""
+    w = velocity[:, None, None] * q
+    return w if speed is None else w * speed
 
 
 def rate_of(at: Nodes, stiffness: Any, pressure: Any) -> Any:
@@ -328,7 +344,7 @@ def waves_of_multiscale(
         _later(at, rate, variance, end, later),
         form.gamma,
         True,
-        averages(later).stiffer,
+        _stiffer(modulus, velocity, later, table, local, form.finer),
     )
 
     full = 2 * rate  # F
