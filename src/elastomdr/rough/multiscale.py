@@ -255,7 +255,12 @@ def _averages(
 
 
 def _stiffer(
-    modulus: Any, velocity: Any, q: Any, table: Tables | None, local: Local, finer: float
+    modulus: Any,
+    velocity: Any,
+    q: Any,
+    table: Tables | None,
+    local: Local,
+    finer: float,
 ) -> Any:
     """`Averages.stiffer` alone."""
     speed, _, _ = local.at(q)
@@ -338,10 +343,11 @@ def waves_of_multiscale(
 
     variance = until(rate, at.weight)
     shares = contact(variance, form.gamma, True, on.stiffer)
-    later = xp.minimum(at.q * np.exp(form.ahead), at.end)
+    log_later = xp.minimum(at.log + form.ahead, at.log_end)
+    later = at.end * xp.exp(log_later - at.log_end)
     end = total, at.end_power * after.stiffness[:, 0, 0] / (8 * pressure**2)
     later_shares = contact(
-        _later(at, rate, variance, end, later),
+        _later(at, rate, variance, end, log_later),
         form.gamma,
         True,
         _stiffer(modulus, velocity, later, table, local, form.finer),
@@ -376,16 +382,16 @@ def real_area(shares: Any) -> Any:
     return shares + 0.25 * shares**3 * (1 - shares)
 
 
-def _later(at: Nodes, rate: Any, variance: Any, end: tuple[Any, Any], q: Any) -> Any:
-    """R at wave numbers q (cells, 2) up to q_high: its logarithm by cubics with its
+def _later(at: Nodes, rate: Any, variance: Any, end: tuple[Any, Any], log: Any) -> Any:
+    """R at log(q/q_low) (cells, 2) up to q_high: its logarithm by cubics with its
     slopes; `end` is R and dR/dlog q at q_high.
     """
-    xp = namespace(rate, q)
+    xp = namespace(rate, log)
     flat = (rate.shape[0], -1)
-    log_q = xp.concatenate([xp.log(at.q).reshape(-1), xp.log(at.end).reshape(1)])
+    nodes = xp.concatenate([at.log.reshape(-1), xp.asarray(at.log_end).reshape(1)])
     r = xp.concatenate([variance.reshape(flat), end[0][:, None]], -1)
     slope = xp.concatenate([rate.reshape(flat), end[1][:, None]], -1) / r
-    inside = hermite(log_q, xp.log(r), slope, xp.log(q).reshape(-1))
+    inside = hermite(nodes, xp.log(r), slope, log.reshape(-1))
     return xp.exp(inside).reshape(rate.shape)
 
 

@@ -50,9 +50,11 @@ class Nodes(NamedTuple):
     """Nodes of Gauss' rule over log q: two in each cell."""
 
     q: Any  # wave numbers (cells, 2) [rad/m]
+    log: Any  # log(q/q_low), which near q_low has digits that q has not
     weight: Any  # of int dlog q (cells, 2)
     power: Any  # q^4 C (cells, 2) [rad^4]
     end: Any  # q_high [rad/m]
+    log_end: Any  # log(q_high/q_low)
     end_power: Any  # q^4 C there
 
 
@@ -87,7 +89,9 @@ def nodes(
     integrand may bend (not where q is traced). `counts`: as `cell_counts` gives them.
     """
     xp = namespace(spectrum.q, spectrum.c)
-    log_q, log_c = xp.log(xp.asarray(spectrum.q)), xp.log(xp.asarray(spectrum.c))
+    log_c = xp.log(xp.asarray(spectrum.c))
+    log_q = xp.log(xp.asarray(spectrum.q))
+    log_low, log_q = log_q[0], log_q - log_q[0]
     counts = cell_counts(spectrum, per_decade) if counts is None else counts
     first = _graded(counts[0], per_decade)
     number = np.array([first.size - 1, *counts[1:]])
@@ -98,7 +102,7 @@ def nodes(
     width = xp.diff(log_q)
     low, high = (log_q[piece] + width[piece] * share for share in (start, end))
     if xp is np and len(bends):
-        at = _with_between(np.sort(np.log(bends)), per_decade)
+        at = _with_between(np.sort(np.log(bends)) - log_low, per_decade)
         at = at[(at > low[0]) & (at < high[-1])]
         ends = np.union1d(np.append(low, high[-1]), at)
         low, high = ends[:-1], ends[1:]
@@ -110,11 +114,13 @@ def nodes(
         [0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6]
     )
     return Nodes(
-        xp.exp(x),
+        xp.exp(log_low + x),
+        x,
         xp.broadcast_to((0.5 * (high - low))[:, None], x.shape),
-        xp.exp((4 + slope) * x + level),
-        xp.exp(log_q[-1]),
-        xp.exp(4 * log_q[-1] + log_c[-1]),
+        xp.exp(4 * log_low + (4 + slope) * x + level),
+        xp.exp(log_low + log_q[-1]),
+        log_q[-1],
+        xp.exp(4 * (log_low + log_q[-1]) + log_c[-1]),
     )
 
 
