@@ -25,7 +25,6 @@ from .schema import named, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
-_BESIDE = (11.5, 5.0)  # size of a figure of two panels [inches]
 _PATIENCE = 2.0  # seconds before a bar appears
 _WIDTH = 30  # of a bar
 _DAMAGED = (
@@ -83,12 +82,12 @@ def _drawn(results: list[Any], shown: dict[str, Any]) -> Any:
     result, *others = results
     if not others:
         return result.plot(**shown)
-    from matplotlib.figure import Figure
+    from ..results.plotting import panels
 
-    panels = Figure(figsize=_BESIDE, layout="constrained").subplots(1, 2)
-    for each, panel in zip(others, panels[1:], strict=True):
+    first, *further = panels(len(results))
+    for each, panel in zip(others, further, strict=True):
         each.plot(panel, title="Rolling on the same rubber")
-    return result.plot(panels[0], **shown)
+    return result.plot(first, **shown)
 
 
 def output_folder(out: str) -> Path:
