@@ -393,3 +393,15 @@ def test_a_list_of_materials_and_a_scene(tmp_path):
     assert (
         "coefficient without softening" in (tmp_path / "road-friction.csv").read_text()
     )
+
+
+def test_measured_factors_may_rise_by_noise():
+    """The nearest factors that fall, in least squares, are taken, and it is said."""
+    strain, loss = [1e-3, 1e-2, 0.1, 1.0], [1.0, 1.0, 1.0, 0.8]
+    with pytest.warns(em.ModelWarning, match=r"up to 2\.0% from what was given"):
+        noisy = em.Softening(strain, [0.98, 1.02, 0.7, 0.72], loss)
+    np.testing.assert_allclose(noisy.storage, [1.0, 1.0, 0.71, 0.71], rtol=1e-12)
+    em.Softening(strain, noisy.storage, loss)  # as a file of it is read: no warning
+    for storage in ([1.0, 0.8, 0.9, 0.4], [1.06, 1.06, 0.8, 0.7]):
+        with pytest.raises(em.InputError, match="softening: storage must"):
+            em.Softening(strain, storage, loss)

@@ -21,7 +21,7 @@ from ..checks import (
     positive,
     written,
 )
-from ..errors import InputError
+from ..errors import InputError, ModelWarning, warn
 from ..numerics.interpolation import hermite, monotone_slopes
 from ..trees import Tree, fill, same
 
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 _LARGEST = 5.0  # strain amplitude above which a number is taken for one in per cent
 # factor on the loss modulus above which a number is taken for another quantity
 _MOST = 10.0
+# distance of measured factors from such as fall that is taken for noise
+_NOISE, _ROUNDING = 0.05, 1e-12
 
 
 class Softening(Tree):
@@ -46,8 +48,9 @@ class Softening(Tree):
 
     Args:
         strain: amplitudes of strain, ascending, shape (n,), n >= 2 [1]; 0.1 for 10 %.
-        storage: factors f on the storage modulus, from entry to entry level or falling,
-            above 0 and at most 1.
+        storage: factors f on the storage modulus, above 0 and at most 1, that fall or
+            stay level from entry to entry. Of measured ones that rise, or exceed 1, by
+            up to 5 % the nearest that fall are taken (least squares), with a warning.
         loss: factors g on the loss modulus, above 0 and at most 10. They may exceed 1:
             where the filler's network breaks up and forms again within a cycle more is
             lost than at small strain, up to about three times as much. Above 10 a
@@ -85,21 +88,7 @@ class Softening(Tree):
                 f"at most (0.1 for 10 %), got {strain[-1]:g}; divide per cent by 100."
             )
         if not is_traced(storage):
-            if storage.max() > 1:
-                raise InputError(
-                    "softening: storage must be factors on the modulus of small "
-                    "strain, 1 at most, got "
-                    f"{storage.max():g}."
-                )
-            rises = np.diff(storage) > 0
-            if rises.any():
-                i = int(np.argmax(rises))
-                raise InputError(
-                    "softening: storage must fall or stay level from entry to entry, "
-                    "got "
-                    f"{storage[i]:g} followed by {storage[i + 1]:g} (entries {i} and "
-                    f"{i + 1})."
-                )
+            storage = _falling(np.asarray(storage))
         if certain(lambda g: g.max() > _MOST, loss):
             raise InputError(
                 "softening: loss must be factors on the loss modulus of small "
@@ -150,6 +139,37 @@ class Softening(Tree):
 
     def __repr__(self) -> str:
         return written(self)
+
+
+def _falling(storage: np.ndarray) -> np.ndarray:
+    """The nearest factors that fall or stay level and are at most 1. Raises
+    `InputError` where they are farther than noise.
+    """
+    from scipy.optimize import isotonic_regression
+
+    falling = np.minimum(isotonic_regression(storage, increasing=False).x, 1.0)
+    off = np.abs(falling / storage - 1)
+    if (off > _NOISE).any():
+        if storage.max() > 1 + _NOISE:
+            raise InputError(
+                "softening: storage must be factors on the modulus of small strain, 1 "
+                f"at most, got {storage.max():g}."
+            )
+        i = int(np.argmax(np.diff(storage) / storage[:-1]))
+        raise InputError(
+            "softening: storage must fall or stay level from entry to entry, but for "
+            f"noise of {_NOISE:.0%}, got {storage[i]:g} followed by "
+            f"{storage[i + 1]:g} (entries {i} and {i + 1})."
+        )
+    if off.max() > _ROUNDING:
+        warn(
+            "softening: storage rises from entry to entry, or exceeds 1: taken for "
+            "noise, the nearest factors that fall are used, up to "
+            f"{off.max():.1%} from what was given.",
+            ModelWarning,
+        )
+        return falling
+    return storage
 
 
 def as_softening(softening: Any) -> Softening | None:
