@@ -13,8 +13,8 @@ displacement u(k) of the surface the strains at depth z are
 that gamma is the amplitude of a sweep in shear, the share of the waves of an octave is
 the mean of gamma, of all waves, weighted by the energy of those of the octave, over the
 rms slope of the surface up to there. Strain in tension is gamma/sqrt(3).
-One wave in full contact has s exp(-s) at depth s/k: 64/27 sqrt(2) exp(0)/4 of its rms
-slope, 0.84.
+One wave in full contact, gamma = 2 s exp(-s) of its largest slope at depth s/k, has a
+share of sqrt(2) 16/27 = 0.84.
 """
 
 import itertools
@@ -116,28 +116,25 @@ def main() -> None:
             area, by_octave = shares(heights(road, side, seed), side, level, 0.1)
             rows += [(name, seed, area, q / low, s) for q, s in by_octave.items()]
     record["points"] = rows
-    contact = np.array([row[2] for row in rows])
-    share = np.array([row[4] for row in rows])
-    ends = (0.0, 0.03, 0.1, 0.3, 0.9, 1.1)
-    summary = []
-    for least, most in itertools.pairwise(ends):
-        some = share[(contact >= least) & (contact < most)]
-        if some.size:
-            summary.append(
-                (least, most, some.size, *np.quantile(some, (0.025, 0.5, 0.975)))
-            )
-    record["bands"] = table(
-        ("contact from", "to", "points", "2.5 %", "median", "97.5 %"), summary
+    last = max(row[3] for row in rows)
+    by_contact: dict[tuple[str, float], list[float]] = {}
+    for name, _, area, wave, share in rows:
+        if wave == last:
+            by_contact.setdefault((name, round(area, 1)), []).append(share)
+    record["shortest waves"] = table(
+        ("surface", "contact", "share"),
+        [(*key, float(np.mean(found))) for key, found in sorted(by_contact.items())],
     )
-    whole = np.quantile(share, (0.025, 0.5, 0.975))
-    record["all"] = [float(x) for x in whole]
-    print("  all:", whole, "in tension:", whole / 3**0.5)
+    light = [row[4] for row in rows if row[2] < 0.12 and "roll-off" not in row[0]]
+    low, middle, high = np.quantile(light, (0.025, 0.5, 0.975))
+    print(
+        f"  self-affine, all waves, contact below 12 %: {middle:.2f} ({low:.2f} to "
+        f"{high:.2f}), in tension {middle / 3**0.5:.2f}"
+    )
+    record["light contact"] = [float(x) for x in (low, middle, high)]
     record["verdicts"] = [
-        verdict(
-            "spread about the median, a factor",
-            float(max(whole[2] / whole[1], whole[1] / whole[0])),
-            2.0,
-        )
+        verdict("share in light contact, from 0.5", abs(float(middle) - 0.5), 0.1),
+        verdict("its spread, a factor", float(max(high / middle, middle / low)), 1.5),
     ]
     save("strain_share", record)
 

@@ -299,6 +299,22 @@ def test_softened_friction_is_its_integrals_evaluated_independently(velocity, pr
         assert "contact area" in curve.summary()
 
 
+def test_the_bound_holds_what_the_strain_may_be():
+    """Within 1.35 in light contact: the larger change of mu is part of the bound."""
+    asked = {"velocity": 0.1, "pressure": 5e4}
+    found, more, less = (
+        em.friction(of_rubber(SOFT), ROAD, strain_share=0.5 * factor, **asked)
+        for factor in (1.0, 1.35, 1 / 1.35)
+    )
+    assert found.area_ratio < 0.12
+    change = max(abs(float(x.mu) - float(found.mu)) for x in (more, less))
+    straight = em.friction(of_rubber(None), ROAD, **asked)
+    of_model = found.model_error - change
+    assert change < found.model_error
+    # what is left is the bound of a linear rubber at a larger contact
+    assert 0 < of_model / found.mu < straight.model_error / straight.mu
+
+
 @pytest.mark.parametrize("model", ["persson", "multiscale"])
 def test_factors_of_one_change_nothing(model):
     asked = {"velocity": np.geomspace(1e-3, 10, 5), "pressure": 3e5, "model": model}

@@ -223,3 +223,34 @@ def test_a_coarse_level_that_was_not_solved_costs_no_point():
         assert every * (1 - 1e-9) <= error < 0.02
     _, error = _limit([*(np.array([np.nan]) for _ in range(3)), mus[-1]], bare)
     assert np.isnan(error)
+
+
+def test_a_surface_with_worn_summits_has_a_wider_bound():
+    """Skewness of measured heights is reported by scale, widens the bound on friction,
+    and stands in the result; Gaussian heights keep theirs.
+    """
+    n = 256
+    k = np.fft.fftfreq(n, 1 / n)
+    q = np.hypot(k[:, None], k[None])
+    amplitude = np.where((q >= 4) & (q <= 32), np.maximum(q, 1.0) ** -1.8, 0.0)
+    white = np.random.default_rng(3).standard_normal((n, n))
+    gaussian = np.fft.ifft2(np.fft.fft2(white) * amplitude).real
+    gaussian *= 20e-6 / gaussian.std()
+    worn = -np.exp(-gaussian / 40e-6) * 40e-6
+    plain, skewed = (
+        em.read_surface(heights, pixel_size=10e-6) for heights in (gaussian, worn)
+    )
+    assert plain.skewness == 0.0
+    assert -2.0 < skewed.skewness < -1.0
+    assert any("skewness -1." in row for row in skewed.report)
+    same = em.Spectrum(skewed.q, skewed.c, convention="2d")
+    found, reference = (
+        em.friction(em.StandardSolid(1e6, 3e7, 1e-3), road, velocity=0.1, pressure=1e5)
+        for road in (skewed, same)
+    )
+    assert found.mu == reference.mu
+    wider = np.log(1 + found.model_error / found.mu)
+    expected = 0.6 * abs(skewed.skewness) * np.sqrt(-np.log(found.area_ratio))
+    assert wider > expected
+    assert "not Gaussian, skewness -1." in found.summary()
+    assert "not Gaussian" not in reference.summary()

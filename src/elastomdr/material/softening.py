@@ -47,7 +47,9 @@ class Softening(Tree):
     `softening.outside(eps)` tells to lie beyond the sweep.
 
     Args:
-        strain: amplitudes of strain, ascending, shape (n,), n >= 2 [1]; 0.1 for 10 %.
+        strain: amplitudes of strain, ascending, shape (n,), n >= 2 [1]; 0.1 for 10 %. On
+            a rough surface they are taken for those of shear: multiply those of a sweep
+            in tension or compression by the root of 3.
         storage: factors f on the storage modulus, above 0 and at most 1, that fall or
             stay level from entry to entry. Of measured ones that rise, or exceed 1, by
             up to 5 % the nearest that fall are taken (least squares), with a warning.

@@ -62,6 +62,7 @@ _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
 _PASSES = 30  # over the points of holes, at each of the sizes
+_CHANCE = 2.5  # standard errors below which a skewness is taken for chance
 _LEAST = {1: 64, 2: 16}  # points along each direction
 
 _SAME = 1e-9  # relative distance of two wave numbers that count as one
@@ -173,6 +174,11 @@ def surface(
     ]
     report += [_overlap(alone)] if several else []
     report.append(_heights(fit, height))
+    asymmetry = [
+        _asymmetry(scan, each, high)
+        for scan, each, high in zip(ready, waves, highest, strict=True)
+    ]
+    report += [name + found.words for name, found in zip(names, asymmetry, strict=True)]
     for name, scan, each, one, high in zip(
         names, ready, waves, alone, highest, strict=True
     ):
@@ -183,6 +189,7 @@ def surface(
         c=fit.c,
         relative_error=fit.error,
         measured_height=height,
+        skewness=max((found.skewness for found in asymmetry), key=abs),
         report=tuple(report),
     )
 
@@ -517,6 +524,54 @@ def _heights(fit: _Fit, measured: float) -> str:
     )
 
 
+class _Asymmetry(NamedTuple):
+    """How far heights are from a Gaussian distribution."""
+
+    skewness: float
+    words: str
+
+
+def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
+    """Skewness and kurtosis of the heights from the first wave to the highest, and of
+    the longer and the shorter half of these scales.
+    """
+    shape, axes = scan.height.shape, tuple(range(scan.height.ndim))
+    k = [
+        2 * np.pi * frequencies(n, step)
+        for n, step, frequencies in zip(
+            shape,
+            scan.steps,
+            [np.fft.fftfreq] * (len(shape) - 1) + [np.fft.rfftfreq],
+            strict=True,
+        )
+    ]
+    q = np.sqrt(sum(each**2 for each in np.meshgrid(*k, indexing="ij")))
+    spread = np.fft.rfftn(scan.height)
+    middle = (waves.first * highest) ** 0.5
+
+    def moments(low: float, high: float) -> tuple[float, float, float]:
+        """Skewness, its standard error if the heights are Gaussian, and kurtosis."""
+        kept = np.where((q >= low) & (q <= high), spread, 0.0)
+        heights = np.fft.irfftn(kept, s=shape, axes=axes)
+        variance = np.mean(heights**2)
+        power = np.abs(kept) ** 2
+        independent = 2 * power.sum() ** 2 / (power**2).sum()  # half of the waves
+        return (
+            float(np.mean(heights**3) / variance**1.5),
+            float((6 / independent) ** 0.5),
+            float(np.mean(heights**4) / variance**2),
+        )
+
+    skewness, chance, kurtosis = moments(waves.first, highest)
+    longer, shorter = moments(waves.first, middle), moments(middle, highest)
+    words = (
+        f"heights of these scales: skewness {skewness:.2f} +- {chance:.2f}, kurtosis "
+        f"{kurtosis:.2f}; longer than {2 * np.pi / middle:.3g} m {longer[0]:.2f}, "
+        f"{longer[2]:.2f}; shorter {shorter[0]:.2f}, {shorter[2]:.2f}"
+    )
+    return _Asymmetry(skewness if abs(skewness) > _CHANCE * chance else 0.0, words)
+
+
 def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
     """The rms slope by differences of neighbours, and what the spectrum lets expect of
     it.
@@ -668,6 +723,8 @@ class MeasuredSurface(AbstractSpectrum):
     relative_error: Float[np.ndarray, " n"]
     # rms of the data about the straight line or plane [m]
     measured_height: float = static()
+    # of the heights that the spectrum holds, zero where chance may make it
+    skewness: float = static()
     report: tuple[str, ...] = static()
     label: ClassVar[str] = "measured surface"
 
