@@ -1,26 +1,30 @@
 """A cylinder that slides or rolls steadily on a half-space or a layer, in plane strain,
-without friction: collocation.
+without friction: Galerkin's method.
 
 The contact is x = xc + L t, |t| < 1, counted from the apex, in which the pressure is
 
-    p = sqrt(1 - t^2) sum_n c_n U_n(t),      n < N.
+    p = sqrt(1 - t^2) sum_n c_n U_{n-1}(t),      n = 1 ... N.
 
-The slope u' = -x/R of the surface is met at the roots of T_{N+1}: linear in (c_n, xc/R)
-once L is given, so that both edges come out. An elastic half-plane has the slope -2
-T_{n+1}(t)/E* under the n-th term, and ahead of it -2 (t - sqrt(t^2 - 1))^{n+1}/E*. A
-Kelvin element of the creep function remembers what came from ahead, exp(-s/l) ds/l with
-l = v lambda/L. What becomes of the slopes depends on l alone, and is tabulated once
-(`memory_table`). From that a layer takes
+Its n-th term has the transform pi n (-i)^(n-1) J_n(y)/y at y = kL, so that the surface,
+whose compliance to a wave is C(k), has the slope
 
-    (2/pi) Im int_0^inf D(k) p(k) exp(ikx) dk,      D = sum over the covers of (1 - W)/E*(-kv),
+    u' = -2 sum_mn (2 - [m = 0]) n c_n B_mn T_m(t),
+    B_mn = Re[i^(m-n) int_0^inf C J_m J_n/y dy].
 
-whose integrand falls as exp(-2kh), so that few waves serve (`layer_waves`). A material
-without instantaneous compliance, one that begins with a dashpot, has an infinite
-pressure at its leading edge: one more term, sqrt((1 + t)/(1 - t)), and t = 1 as one
-more point.
+It is -x/R: B n c = e_1/4 for m > 0, of which the even m - n are symmetric and the odd ones
+antisymmetric, and m = 0 gives xc. So both edges come out once L is given, and errors of
+load and friction are of second order in those of the pressure. The retardation times of
+C give products of modified Bessel functions (`remembered_waves`), for n = 0 and n = 1,
+from which follow all others. From that a layer takes the same integrals of
 
-Load and friction force per length are P = (pi/2) L c_0 and F = (L/R) ((pi/2) xc c_0 +
-(pi/4) L c_1). Source: Hunter 1961 for the standard solid on a half-plane, of which this
+    D = sum over the covers of (1 - W)/E*(-kv),
+
+which falls as exp(-2kh), so that few waves serve (`layer_waves`). A material without
+instantaneous compliance, one that begins with a dashpot, has an infinite pressure at its
+leading edge: one more term, sqrt((1 + t)/(1 - t)), and one more polynomial.
+
+Load and friction force per length are P = (pi/2) L c_1 and F = (L/R) ((pi/2) xc c_1 +
+(pi/4) L c_2). Source: Hunter 1961 for the standard solid on a half-plane, of which this
 is the general case.
 """
 
@@ -33,22 +37,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, xp
+from ..arrays import xp
 from ..checks import Array
 from ..element.layer import layer_deficit, layer_kernel
 from ..material.relaxation import KelvinChain, Relaxation
 from ..numerics.quadrature import gauss, gauss_on_panels
 from ..numerics.root import search
-from ..trees import Tree, static
+from ..trees import Tree, replaced, static
+from .remembered_waves import bessel_products, slopes_of_all
 
-_FIRST = 16  # terms in the search for the half-length
 # of the logarithm of the half-length, after which one is close enough
 _SMALL_STEP = 1e-6
 
-_STEP = math.log(10) / 12  # between the nodes of the memory table
-_REACH = 24  # nodes over which it is interpolated, each way
-# memories l in the table; shorter ones are none, longer ones follow their limit
-_SHORT, _LONG = 1e-10, 1e16
+USUAL = 1.5  # slope of load over half-length, in logarithms
+_BLOCK = 2**21  # numbers of one array of the waves of layers
 _DEEP = 18.0  # kh at which 1 - W has fallen to rounding
 _LAST = 81.0  # kL up to which waves count in the depth
 # where the gap is looked at
@@ -117,7 +119,7 @@ class Solution(NamedTuple):
     shift: Array  # xc [m]
     load: Array  # P [N/m]
     mu: Array  # F/P
-    # c_n [Pa], with that of the infinite pressure last where there is a dashpot
+    # c_n [Pa], and that of the infinite pressure last where there is a dashpot
     terms: Array
 
 
@@ -127,22 +129,41 @@ def solve_at(
     """The contact of half-length `half` [m] at each point, by `order` terms; `dashpot`:
     with an infinite pressure.
     """
-    rows = order + 2 if dashpot else order + 1
-    matrix = _half_plane(problem, half, order)[:, :rows, : rows - 1]
+    size = order + 1 if dashpot else order
+    shares = _half_plane(problem, half, 2 * size + 2)
     if waves is not None:
-        matrix = matrix + _of_layer(half, order, waves)[:, :rows, : rows - 1]
-    scale = xp.max(xp.abs(fixed(matrix)), axis=(1, 2))
-    whole = xp.concatenate(
-        [matrix / scale[:, None, None], xp.ones((matrix.shape[0], rows, 1))], axis=-1
+        shares = _Shares(
+            *(
+                a - b
+                for a, b in zip(
+                    shares, _of_layer(half, 2 * size + 2, waves), strict=True
+                )
+            )
+        )
+    matrix = slopes_of_all(shares.first, shares.second, size)
+    if dashpot:
+        last = xp.transpose(shares.infinite[1 : size + 1])[..., None]
+        matrix = xp.concatenate([matrix[..., :order], last], axis=2)
+    # Odd and even terms apart: what they share may be as little as rounding.
+    apart = np.concatenate([np.arange(0, size, 2), np.arange(1, size, 2)])
+    columns = np.append(apart[apart < order], order) if dashpot else apart
+    right = np.zeros((size, 1))
+    right[0] = 0.25
+    found = xp.linalg.solve(
+        matrix[:, apart][:, :, columns],
+        xp.broadcast_to(xp.asarray(right), (matrix.shape[0], size, 1)),
     )
-    right = xp.broadcast_to(
-        -xp.asarray(_points(order)[:rows, None]), (matrix.shape[0], rows, 1)
-    )
-    found = xp.linalg.solve(whole, right)[..., 0]
-    terms, xc = found[:, :-1] / scale[:, None], found[:, -1]
+    found = found[:, np.argsort(columns), 0]
+    n = np.arange(1.0, order + 1)
+    mean = shares.first[1 : order + 1] * ((-1.0) ** n)[:, None]
+    xc = 2 * xp.sum(mean.T * found[:, :order], axis=1)
+    terms = found[:, :order] / n
     first, second = 0.5 * terms[:, 0], 0.25 * terms[:, 1]
     if dashpot:
-        first, second = first + terms[:, -1], second + 0.5 * terms[:, -1]
+        infinite = found[:, -1]
+        xc = xc + 2 * shares.infinite[0] * infinite
+        first, second = first + infinite, second + 0.5 * infinite
+        terms = xp.concatenate([terms, infinite[:, None]], axis=1)
     load = math.pi * half**2 / problem.radius * first
     mu = half / problem.radius * (xc + second / first)
     return Solution(half, xc * half, load, mu, terms * (half / problem.radius)[:, None])
@@ -209,27 +230,26 @@ def half_of(
     problem: Cylinders,
     wanted: Array,
     by_depth: bool,
-    guess: Array,
-    order: int,
-    waves: Waves | None,
     dashpot: bool,
-) -> Array:
+    waves: Waves | None,
+    guess: Array,
+    slope: Any,
+    order: int,
+) -> tuple[Array, Solution]:
     """Half-length [m] at which load per length [N/m] or depth [m] is the one `wanted`,
-    NaN where none was found; on NumPy.
+    NaN where none was found, and the contacts; on NumPy. `slope` is about that of the
+    logarithms.
     """
+    contact: Any = None
 
-    def residual(log: Array, terms: int) -> Array:
-        found = solve_at(problem, np.exp(log), terms, waves, dashpot)
-        value = depth(problem, found, terms) if by_depth else found.load
+    def residual(log: Array) -> Array:
+        nonlocal contact
+        contact = solve_at(problem, np.exp(log), order, waves, dashpot)
+        value = depth(problem, contact, order) if by_depth else contact.load
         return np.log(np.maximum(value, 1e-300)) - np.log(wanted)
 
-    log, found = search(lambda x: residual(x, _FIRST), np.log(guess))
-    slope = (residual(log + 1e-4, _FIRST) - residual(log, _FIRST)) / 1e-4
-    # few terms may know little of the slope: it is where the search begins
-    log, reached = search(
-        lambda x: residual(x, order), log, _SMALL_STEP, slope, longest=0.5
-    )
-    return np.where(found & reached, np.exp(log), np.nan)
+    log, found = search(residual, np.log(guess), _SMALL_STEP, slope, longest=0.5)
+    return np.where(found, np.exp(log), np.nan), contact
 
 
 def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
@@ -263,174 +283,97 @@ def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
     return Waves(z, real, imaginary, thickness, ratio)
 
 
-def _of_layer(half: Array, order: int, waves: Waves) -> Array:
-    """What the layer takes from the slopes: points x nodes x terms."""
-    s, to_terms = (xp.asarray(x) for x in _pressure_rule(order, _DEEP * waves.ratio))
-    t = xp.asarray(_points(order))
-    ratio = half / waves.thickness
-    phase = (ratio[:, None] * waves.z)[:, None, :]  # points x 1 x waves
-    at, of = t[:, None] * phase, s[:, None] * phase
-    real, imaginary = waves.real[:, None], waves.imaginary[:, None]
-    cosine, sine = xp.cos(at), xp.sin(at)
-    # Im (D e^{i(a - b)}) = (Re D sin a + Im D cos a) cos b - (Re D cos a - Im D sin a)
-    # sin b
-    left = xp.concatenate(
-        [real * sine + imaginary * cosine, imaginary * sine - real * cosine], axis=2
-    )
-    cosine, sine = to_terms.T @ xp.cos(of), to_terms.T @ xp.sin(of)
-    right = xp.concatenate([cosine, sine], axis=2)
-    return (2 / math.pi) * ratio[:, None, None] * (left @ xp.swapaxes(right, 1, 2))
+class _Shares(NamedTuple):
+    """B_mn of the terms n = 0 and n = 1, and the share of the infinite pressure; degrees
+    m x points.
+    """
+
+    first: Array
+    second: Array
+    infinite: Array
 
 
-def _half_plane(problem: Cylinders, half: Array, order: int) -> Array:
-    """Slopes of half-planes under each term: points x nodes x terms."""
-    table, at_once = memory_table(order)
-    weights, instantaneous = xp.zeros((half.shape[0], _grid().size)), 0.0
+def _half_plane(problem: Cylinders, half: Array, top: int) -> _Shares:
+    """Shares of half-planes, up to the degree `top`."""
+    first, second, infinite, instantaneous, diagonal = 0.0, 0.0, 0.0, 0.0, 0.0
     for cover in problem.covers:
-        memory = problem.velocity[:, None] * cover.chain.times / half[:, None]
-        weights = weights + (cover.chain.compliances @ _interpolation(memory))
+        compliances = cover.chain.compliances
+        z = half[:, None] / (problem.velocity[:, None] * cover.chain.times)
+        product = bessel_products(z, top)
+        first = first - product.with_first @ compliances
+        second = second - product.with_second @ compliances
+        diagonal = diagonal + product.diagonal @ compliances
+        both = (product.with_first + product.with_second)[1:]
+        apex = (product.with_first[0] - product.with_first[1])[None]
+        infinite = infinite + (xp.concatenate([apex, both]) * z) @ compliances
         instantaneous = instantaneous + cover.chain.instantaneous
-    slopes = weights @ xp.asarray(table)
-    return slopes.reshape(-1, order + 2, order + 1) + instantaneous * xp.asarray(
-        at_once
-    )
+    diagonal = (diagonal + 0.5 * instantaneous)[None]
+    second = xp.concatenate([second[:1], diagonal, second[2:]])
+    return _Shares(first, second, infinite)
 
 
-def remembered(problem: Cylinders, half: Array) -> Array:
-    """Whether some memory of a contact lies within the table; true of elastic bodies,
-    which have none. Beyond the table at either end friction is less than the rounding
-    of the pressures.
+def _of_layer(half: Array, top: int, waves: Waves) -> _Shares:
+    """What the layer takes from the shares, as sums over its waves; in blocks of points
+    whose waves fill some 30 MB.
     """
-    memories = [
-        problem.velocity[:, None] * cover.chain.times / half[:, None]
-        for cover in problem.covers
+    highest = _DEEP * waves.ratio
+    last = min(top, math.ceil(highest) + 30)
+    count = math.ceil(0.5 * (last + highest)) + 12
+    block = max(1, _BLOCK // (count * waves.z.size))
+    parts = [
+        _of_block(
+            half[i : i + block], top, _block(waves, slice(i, i + block)), last, count
+        )
+        for i in range(0, half.shape[0], block)
     ]
-    every = xp.concatenate(memories, axis=1)
-    if every.shape[1] == 0:
-        return xp.ones(half.shape, dtype=bool)
-    return xp.any((every >= _SHORT) & (every <= _LONG), axis=1)
+    return _Shares(*(xp.concatenate(x, axis=1) for x in zip(*parts, strict=True)))
 
 
-def _interpolation(memory: Array) -> Array:
-    """Weights of the nodes of the table for memories l of any shape, one more axis: a
-    Gaussian times sinc.
+def _block(waves: Waves, points: slice) -> Waves:
+    return replaced(waves, real=waves.real[points], imaginary=waves.imaginary[points])
+
+
+def _of_block(half: Array, top: int, waves: Waves, last: int, count: int) -> _Shares:
+    s, to_even, to_odd = (xp.asarray(x) for x in _transform(count, top, last))
+    ratio = half / waves.thickness
+    phase = 0.5 * (ratio[:, None] * waves.z)[..., None] * s  # points x waves x nodes
+    sine, cosine = xp.sin(phase), xp.cos(phase)
+    # cos(y s) - 1, which keeps what long waves do, and sin(y s)
+    bend, wave = -2 * sine**2, 2 * sine * cosine
+    j_0, j_1 = 1 + xp.mean(bend, axis=2), wave @ s / s.shape[0]
+    real, imaginary = waves.real / waves.z, waves.imaginary / waves.z
+    y = ratio[:, None] * waves.z
+    of_even = [
+        real * j_0,
+        imaginary * j_1,
+        y * (imaginary * j_0 - real * j_1),
+    ]
+    of_odd = [
+        -imaginary * j_0,
+        real * j_1,
+        y * (real * j_0 + imaginary * j_1),
+    ]
+    even = (xp.stack(of_even, axis=1) @ bend) @ to_even  # points x 3 x degrees
+    odd = (xp.stack(of_odd, axis=1) @ wave) @ to_odd
+    both = xp.stack([even, odd], axis=3)
+    both = xp.reshape(both, (half.shape[0], 3, -1))[..., : top + 1]
+    first, second, infinite = xp.transpose(both, (1, 2, 0))
+    apex = infinite[:1] + xp.sum(of_even[2], axis=1)
+    return _Shares(first, second, xp.concatenate([apex, infinite[1:]]))
+
+
+@functools.lru_cache(maxsize=32)
+def _transform(
+    count: int, top: int, last: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes s in (0, 1), half of `count`, and what values there add up to in even and
+    odd degrees up to `top`: nothing above `last`.
     """
-    place = (xp.log(xp.clip(memory, _SHORT, _LONG)) - _grid()[0]) / _STEP
-    apart = place[..., None] - np.arange(_grid().size)
-    near = place - fixed(xp.round(place))
-    apart = xp.where(xp.abs(apart) < 1e-7, 1e-7, apart)
-    alternating = xp.sin(math.pi * xp.where(xp.abs(near) < 1e-7, 1e-7, near))[..., None]
-    weight = (
-        alternating
-        * (-1.0) ** np.arange(_grid().size)
-        / apart
-        * xp.exp(-math.pi / (2 * _REACH) * apart**2)
-    )
-    return weight / ((1 + memory) * xp.sum(weight, axis=-1))[..., None]
-
-
-@functools.cache
-def _grid() -> np.ndarray:
-    """Nodes of the table: logarithms of the memory."""
-    first = math.log(_SHORT) - _REACH * _STEP
-    return first + _STEP * np.arange(
-        round(math.log(_LONG / _SHORT) / _STEP) + 2 * _REACH + 1
-    )
-
-
-@functools.lru_cache(maxsize=8)
-def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
-    """Slopes of a half-plane under each term that are remembered with l, times 1 + l,
-    and those at once.
-
-    Shapes (nodes of l, points * terms) and (points, terms). The last point is t = 1,
-    the last term the infinite pressure. With S_n = T_n inside and exp(-n theta) at t =
-    cosh(theta) ahead, everywhere S_n = (S'_{n+1}/(n + 1) - S'_{n-1}/(n - 1))/2; and
-    what is remembered, Y - l Y' = S, commutes with the derivative. So d_n = (Y_n -
-    S_n)/n obeys d_{n+1} = d_{n-1} + 2 l (n d_n + S_n): forwards where l is short, else
-    as a tridiagonal system with both ends known.
-    """
-    memory = np.exp(_grid())[:, None]
-    t = _points(order)
-    top = order + 1
-    ahead, endless = _ahead(top, memory[:, 0])
-    # T_n at the points
-    source = np.cos(np.arange(top + 1)[:, None] * np.arccos(np.clip(t, -1, 1)))
-
-    def remembered(n: int, where: slice, less: np.ndarray | float) -> np.ndarray:
-        """Y_n - `less` by quadrature, for some memories; `less` does not depend on
-        them.
-        """
-        l = memory[where]
-        nodes, weights = gauss(24 + n)
-        reach = np.minimum((1 - t) / l, 42.0)  # in units of the memory
-        s = 0.5 * reach[..., None] * (nodes + 1)
-        there = np.clip(t[:, None] + l[..., None] * s, -1, 1)
-        change = np.cos(n * np.arccos(there)) - np.reshape(less, (-1, 1))
-        inside = (change * np.exp(-s)) @ weights * 0.5 * reach
-        return inside + np.exp(-(1 - t) / l) * (ahead[where, n][:, None] - less)
-
-    d = np.zeros((top + 1, memory.size, t.size))
-    short = int(np.searchsorted(memory[:, 0], 8 / top**2))
-    low, high = slice(0, short), slice(short, None)
-    d[1] = remembered(1, slice(None), source[1])
-    d[2, low] = remembered(2, low, source[2]) / 2
-    d[top, high] = remembered(top, high, source[top]) / top
-    for n in range(2, top):
-        d[n + 1, low] = d[n - 1, low] + 2 * memory[low] * (n * d[n, low] + source[n])
-    # rows n = 2 ... top - 1 of -d_{n-1} - 2 l n d_n + d_{n+1} = 2 l S_n, eliminated
-    # downwards, solved upwards
-    l = memory[high]
-    pivot, right = np.zeros((top, *l.shape)), np.zeros((top, l.size, t.size))
-    for n in range(2, top):
-        pivot[n], right[n] = -2 * l * n, 2 * l * source[n]
-        if n == 2:
-            right[n] += d[1, high]
-        else:
-            pivot[n] += 1 / pivot[n - 1]
-            right[n] += right[n - 1] / pivot[n - 1]
-    for n in range(top - 1, 1, -1):
-        d[n, high] = (right[n] - d[n + 1, high]) / pivot[n]
-    slopes = np.empty((memory.size, t.size, top))
-    n = np.arange(1, top)
-    slopes[..., :-1] = -2 * np.moveaxis(
-        n[:, None, None] * d[1:top] + source[1:top, None], 0, -1
-    )
-    # what a long memory keeps is little: 2 l Y_n = d_{n+1} - d_{n-1} has it to full
-    # relative accuracy
-    long = slice(int(np.searchsorted(memory[:, 0], 1.0)), None)
-    kept = (d[3:, long] - d[1 : top - 1, long]) / (2 * memory[long])
-    slopes[long, :, 1:-1] = -2 * np.moveaxis(kept, 0, -1)
-    slopes[long, :, 0] = -2 * remembered(1, long, 0.0)
-    fall = np.exp(-(1 - t) / memory)
-    slopes[..., -1] = -2 * np.expm1(-(1 - t) / memory) + fall * endless[:, None]
-    at_once = np.concatenate(
-        [-2 * source[1:top].T, np.full((t.size, 1), np.nan)], axis=1
-    )
-    at_once[:, -1] = 0.0  # not used: a dashpot has no compliance at once
-    return (slopes * (1 + memory[..., None])).reshape(memory.size, -1), at_once
-
-
-def _ahead(top: int, memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """At t = 1: S_n, n = 0 ... top, and the slope of the infinite pressure, as
-    remembered from ahead of the contact.
-    """
-    nodes, weights = gauss_on_panels(
-        np.concatenate([[0.0], 2.0 ** np.arange(-16, -5), np.arange(1, 33) / 32]), 12
-    )
-    far = np.arccosh(1 + 42 * memory)[:, None]
-    theta = far * nodes
-    bulge = 2 * np.sinh(theta / 2) ** 2 / memory[:, None]
-    share = np.exp(-bulge) * np.sinh(theta) / memory[:, None] * far * weights
-    falls = np.exp(-theta[:, None, :] * np.arange(top + 1)[:, None])
-    return np.einsum("lnq,lq->ln", falls, share), -4 * (share / np.expm1(theta)).sum(
-        axis=1
-    )
-
-
-def _points(order: int) -> np.ndarray:
-    """Where the slope is met: the roots of T_{order+1}, and t = 1."""
-    return np.append(np.cos(math.pi * (np.arange(order + 1) + 0.5) / (order + 1)), 1.0)
+    nodes = (count + 1) // 2
+    angle = math.pi * (np.arange(nodes) + 0.5) / (2 * nodes)
+    degree = np.arange(top + 2 - top % 2)
+    to = np.cos(angle[:, None] * degree) / nodes * (degree <= last)
+    return np.cos(angle), to[:, ::2], to[:, 1::2]
 
 
 _SHRINKING = np.concatenate([[0.0], 4.0 ** np.arange(-26, 1)])  # panels towards zero
