@@ -15,16 +15,17 @@ expansion for large orders (DLMF 10.41).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import functools
+import math
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import in_steps, on_numpy, xp
+from ..arrays import in_steps, xp
 from ..checks import Array
 
 _HIGHER = 16  # orders above the last one, where the ratios begin
-_FALLEN = 40.0  # exponent at which the integrand of K_0 ends
-_STEPS = 128  # of the trapezoidal rule for K_0: 1e-14
+_LARGE, _POWERS = 2.0, 18  # from where on, and terms of the series below
 
 
 class Products(NamedTuple):
@@ -38,7 +39,7 @@ class Products(NamedTuple):
 def bessel_products(z: Array, top: int) -> Products:
     """I_m(z) K_0(z) and I_m(z) K_1(z), m = 0 ... `top`, z > 0 of any shape."""
     ratios = _ratios(z, top)
-    i_0, k_0 = scaled_bessel(z)
+    product = _first_product(z, ratios[0])
 
     def next_order(before: Array, ratio: Array) -> tuple[Array, Array]:
         after = before * ratio
@@ -46,7 +47,6 @@ def bessel_products(z: Array, top: int) -> Products:
 
     _, over_first = in_steps(next_order, xp.ones_like(z), ratios)
     over_first = xp.concatenate([xp.ones_like(z)[None], over_first])  # I_m/I_0
-    product = i_0 * k_0
     # Wronski: I_0 K_1 = 1/z - I_1 K_0
     second = 1 / z - over_first[1] * product
     # I_1/z = (I_0 - I_2)/2
@@ -89,20 +89,43 @@ def _first_ratio(z: Array, order: int) -> Array:
     return z / order / (1 + slope / (p * value))
 
 
-def scaled_bessel(z: Array) -> tuple[Array, Array]:
-    """exp(-z) I_0(z) and exp(z) K_0(z)."""
-    if on_numpy():
-        from scipy.special import i0e, k0e
+def _first_product(z: Array, ratio: Array) -> Array:
+    """I_0 K_0, from I_1/I_0: by the power series of K_0 (DLMF 10.31.2) for z < 2, above
+    by Wronski's 1/z = I_0 K_0 (K_1/K_0 + I_1/I_0).
+    """
+    small = z < _LARGE
+    square = xp.where(small, 0.5 * z, 1.0) ** 2
+    term, i_0, rest = xp.ones_like(z), xp.ones_like(z), xp.zeros_like(z)
+    harmonic = 0.0
+    for k in range(1, _POWERS):
+        term = term * square / k**2
+        harmonic += 1 / k
+        i_0, rest = i_0 + term, rest + harmonic * term
+    k_0 = rest - (0.5 * xp.log(square) + np.euler_gamma) * i_0
+    x = 2 * _LARGE / xp.where(small, _LARGE, z) - 1
+    last, before = xp.zeros_like(z), xp.zeros_like(z)
+    coefficients = _ratio_of_k()
+    for c in coefficients[:0:-1]:  # Clenshaw
+        last, before = c + 2 * x * last - before, last
+    k_ratio = coefficients[0] + x * last - before
+    return xp.where(small, i_0 * k_0, 1 / (z * (k_ratio + ratio)))
 
-        return i0e(z), k0e(z)
-    from jax.scipy.special import i0e as bessel_i
 
-    # K_0 = int_0^inf exp(-z cosh(a)) da: the rule converges exponentially
-    furthest: Any = xp.arccosh(1 + _FALLEN / z)
-    a = furthest[..., None] * (np.arange(_STEPS) / _STEPS)
-    share = np.where(np.arange(_STEPS) == 0, 0.5, 1.0) / _STEPS
-    fall = xp.exp(-2 * z[..., None] * xp.sinh(a / 2) ** 2)
-    return bessel_i(z), furthest * (fall @ share)
+@functools.cache
+def _ratio_of_k() -> np.ndarray:
+    """Chebyshev coefficients of K_1/K_0 over 4/z - 1, z > 2; from the integrals of
+    exp(-z cosh(a)) cosh(na), for which the trapezoidal rule converges exponentially.
+    """
+    count = 32
+    x = np.cos(math.pi * (np.arange(count) + 0.5) / count)
+    z = 2 * _LARGE / (1 + x[:, None])
+    a = np.arccosh(1 + 40 / z) * (np.arange(64) / 64)
+    fall = np.exp(-2 * z * np.sinh(a / 2) ** 2)
+    fall[:, 0] *= 0.5
+    ratio = np.sum(fall * np.cosh(a), axis=1) / np.sum(fall, axis=1)
+    degree = np.arange(count)[:, None]
+    to = np.cos(degree * np.arccos(x)) * np.where(degree == 0, 1, 2) / count
+    return to @ ratio
 
 
 def slopes_of_all(first: Array, second: Array, order: int) -> Array:
