@@ -34,9 +34,9 @@ from .cylinder_galerkin import (
     Solution,
     Waves,
     depth,
+    depth_and_gap,
     half_of,
     layer_waves,
-    least_gap,
     least_pressure,
     losses,
     solve_at,
@@ -467,10 +467,11 @@ def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Found:
     """
     flat, (half, contact) = search.flat, level
     there = np.isfinite(half)
-    deep = depth(flat, contact, order) if flat.on_layers else half * np.nan
     pull = np.maximum(-least_pressure(contact, order, search.dashpot), 0.0)
+    deep = half * np.nan
     if flat.on_layers:
-        pull = np.maximum(pull, -least_gap(flat, contact, order, deep))
+        deep, gap = depth_and_gap(flat, contact, order)
+        pull = np.maximum(pull, -gap)
     good = there & np.isfinite(contact.mu) & (pull < _NEGATIVE)
     # a pressure that pulls by a small share over a small part of the contact: that
     # share of mu

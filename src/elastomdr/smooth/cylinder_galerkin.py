@@ -47,7 +47,7 @@ from ..trees import Tree, replaced, static
 from .remembered_waves import bessel_products, slopes_of_all
 
 # of the logarithm of the half-length, after which one is close enough
-_SMALL_STEP = 1e-6
+_SMALL_STEP = 1e-5
 
 USUAL = 1.5  # slope of load over half-length, in logarithms
 _BLOCK = 2**21  # numbers of one array of the waves of layers
@@ -173,25 +173,30 @@ def depth(problem: Cylinders, solution: Solution, order: int) -> Array:
     """Depth of the apex below the surface at rest [m]: from the mean over the contact,
     weighted by (1 - t^2)^(3/2).
     """
-    real, imaginary = _displacement(problem, solution, order)
-    del imaginary
-    y, weight, mean = (xp.asarray(x) for x in _depth_waves())
-    bend = (solution.shift**2 + solution.half**2 / 6) / (2 * problem.radius)
-    return bend + solution.half * (real @ (weight * mean / y))
+    return _depth(problem, solution, _displacement(problem, solution, order)[0])
 
 
-def least_gap(problem: Cylinders, solution: Solution, order: int, deep: Array) -> Array:
-    """The smallest gap beside the contact over the undeformed one, where it is looked
-    at; negative: it touches.
+def depth_and_gap(
+    problem: Cylinders, solution: Solution, order: int
+) -> tuple[Array, Array]:
+    """`depth`, and the smallest gap beside the contact over the undeformed one, where it
+    is looked at; negative: it touches.
     """
     y, weight, _ = (xp.asarray(x) for x in _depth_waves())
     real, imaginary = _displacement(problem, solution, order)
+    deep = _depth(problem, solution, real)
     t = xp.asarray(_BESIDE)
     wave = y[:, None] * t
     u = (real * weight / y) @ xp.cos(wave) - (imaginary * weight / y) @ xp.sin(wave)
     half = solution.half[:, None]
     rise = (solution.shift[:, None] + half * t) ** 2 / (2 * problem.radius)
-    return xp.min((rise - deep[:, None] + half * u) / rise, axis=1)
+    return deep, xp.min((rise - deep[:, None] + half * u) / rise, axis=1)
+
+
+def _depth(problem: Cylinders, solution: Solution, real: Array) -> Array:
+    y, weight, mean = (xp.asarray(x) for x in _depth_waves())
+    bend = (solution.shift**2 + solution.half**2 / 6) / (2 * problem.radius)
+    return bend + solution.half * (real @ (weight * mean / y))
 
 
 def least_pressure(solution: Solution, order: int, dashpot: bool) -> Array:
