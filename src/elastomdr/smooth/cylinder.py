@@ -37,8 +37,8 @@ from .cylinder_galerkin import (
     depth_and_gap,
     half_of,
     layer_waves,
-    least_pressure,
     losses,
+    pull,
     solve_at,
 )
 from .problem import OnLayer, Solved, nearly, packed, too_deep
@@ -49,11 +49,13 @@ ON_HALF_SPACE = (
     "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
 )
 _FIRST = 16  # terms of the pressure where the search begins
-_ORDERS = (48, 72, 108, 162, 243)  # compared each with the one before
+_COARSE = 1e-4
+# compared each with the one before; the first one where `rtol` is coarse
+_ORDERS = (24, 48, 72, 108, 162, 243)
 # relative error below which a point counts whatever `rtol` asks: `error` says what was
 # reached
 _FLOOR = 1e-5
-_AT_ONCE = 256  # points whose matrices are held in memory together
+_AT_ONCE = 64  # points whose matrices are made together, in the cache of a core
 _SMALL = 1e-4  # of the logarithm of the half-length, over which slopes are taken
 _TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
@@ -62,7 +64,7 @@ _TRACED_RATIO = 12.0
 # Errors of friction fall as this power of the order, or faster: as the fourth or fifth
 # where a memory is as long as the edges that polynomials resolve.
 _POWER = 1.75
-_AT_ONCE = 256  # points whose matrices are held in memory together
+_AT_ONCE = 64  # points whose matrices are made together, in the cache of a core
 _SMALL = 1e-4  # of the logarithm of the half-length, over which slopes are taken
 _TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
@@ -73,7 +75,7 @@ _TRACED_RATIO = 12.0
 _SHARE = 0.5
 _NOTHING = 1e-12  # of the width of the contact over the radius
 _ROUNDING = 3e-9  # of mu: tables and sums
-# of the largest pressure, or of the gap: beyond it the contact is not the one assumed
+# of the load, or of the gap: beyond it the contact is not the one assumed
 _NEGATIVE = 1e-3
 # half-length over thickness, as guessed, that is tried: time and memory grow with it
 _WIDEST = 60.0
@@ -97,7 +99,7 @@ class CylinderPlan:
     branches: int
 
     def __str__(self) -> str:
-        terms = f"{_FIRST} and {_ORDERS[0]}, up to {_ORDERS[-1]} where they disagree"
+        terms = f"{_FIRST} and {_ORDERS[1]}, up to {_ORDERS[-1]} where they disagree"
         rows = [
             ("model", self.model),
             (
@@ -467,17 +469,16 @@ def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Found:
     """
     flat, (half, contact) = search.flat, level
     there = np.isfinite(half)
-    pull = np.maximum(-least_pressure(contact, order, search.dashpot), 0.0)
-    deep = half * np.nan
+    pulled, deep = pull(contact, order, search.dashpot), half * np.nan
+    good = there & np.isfinite(contact.mu) & (pulled < _NEGATIVE)
+    # a small part of the load that pulls, at an edge
+    error = change + _ROUNDING * np.abs(contact.mu)
+    error = error + (pulled + 1e-15) * half / flat.radius
     if flat.on_layers:
         deep, gap = depth_and_gap(flat, contact, order)
-        pull = np.maximum(pull, -gap)
-    good = there & np.isfinite(contact.mu) & (pull < _NEGATIVE)
-    # a pressure that pulls by a small share over a small part of the contact: that
-    # share of mu
-    error = (
-        change + (pull + _ROUNDING) * np.abs(contact.mu) + 1e-15 * half / flat.radius
-    )
+        overlap = np.maximum(-gap, 0.0)
+        good = good & (overlap < _NEGATIVE)
+        error = error + overlap * np.abs(contact.mu)
     return _Found(
         mu=contact.mu,
         load=contact.load,
@@ -537,7 +538,8 @@ def _by_orders(search: _Search, rtol: float) -> _Found:
     left = np.arange(search.wanted.size)
     level = _level(search, _FIRST)
     slope = _slope(search, level)
-    for lower, order in itertools.pairwise((_FIRST, *_ORDERS)):
+    orders = (_FIRST, *_ORDERS[0 if rtol >= _COARSE else 1 :])
+    for lower, order in itertools.pairwise(orders):
         there = np.isfinite(level.half)
         before = np.where(there, level.contact.mu, np.nan)
         guess = np.where(there, level.half, search.guess)

@@ -46,8 +46,9 @@ from ..numerics.root import search
 from ..trees import Tree, replaced, static
 from .remembered_waves import bessel_products, slopes_of_all
 
-# of the logarithm of the half-length, after which one is close enough
-_SMALL_STEP = 1e-5
+# of the logarithm of the half-length, after which one is close enough, unless load or depth
+# are missed by more than the third, relatively
+_SMALL_STEPS, _MISSED = (1e-4, 1e-7), 3e-9
 
 USUAL = 1.5  # slope of load over half-length, in logarithms
 _BLOCK = 2**21  # numbers of one array of the waves of layers
@@ -199,18 +200,17 @@ def _depth(problem: Cylinders, solution: Solution, real: Array) -> Array:
     return bend + solution.half * (real @ (weight * mean / y))
 
 
-def least_pressure(solution: Solution, order: int, dashpot: bool) -> Array:
-    """The smallest pressure over the largest one, at many points of the contact;
-    negative: it pulls.
+def pull(solution: Solution, order: int, dashpot: bool) -> Array:
+    """The part of the load that would have to pull, over the load, from the pressure at
+    many points of the contact.
     """
-    angle = math.pi * (np.arange(200) + 0.5) / 200
-    terms = np.sin(angle[:, None] * np.arange(1, order + 1))
+    count = 2 * order
+    angle = math.pi * (np.arange(count) + 0.5) / count
+    terms = np.sin(angle[:, None] * np.arange(1, order + 1)) * np.sin(angle)[:, None]
     pressure = solution.terms[:, :order] @ xp.asarray(terms.T)
     if dashpot:
-        pressure = pressure + solution.terms[:, -1:] * xp.asarray(
-            (1 + np.cos(angle)) / np.sin(angle)
-        )
-    return xp.min(pressure, axis=1) / xp.max(pressure, axis=1)
+        pressure = pressure + solution.terms[:, -1:] * xp.asarray(1 + np.cos(angle))
+    return xp.sum(xp.maximum(-pressure, 0.0), axis=1) / xp.sum(pressure, axis=1)
 
 
 def _displacement(
@@ -246,14 +246,20 @@ def half_of(
     logarithms.
     """
     contact: Any = None
+    miss: Any = None
 
     def residual(log: Array) -> Array:
-        nonlocal contact
+        nonlocal contact, miss
         contact = solve_at(problem, np.exp(log), order, waves, dashpot)
         value = depth(problem, contact, order) if by_depth else contact.load
-        return np.log(np.maximum(value, 1e-300)) - np.log(wanted)
+        miss = np.log(np.maximum(value, 1e-300)) - np.log(wanted)
+        return miss
 
-    log, found = search(residual, np.log(guess), _SMALL_STEP, slope, longest=0.5)
+    log, found = np.log(guess), False
+    for close in _SMALL_STEPS:
+        log, found = search(residual, log, close, slope, longest=0.5)
+        if not (np.abs(miss) > _MISSED).any():
+            break
     return np.where(found, np.exp(log), np.nan), contact
 
 
