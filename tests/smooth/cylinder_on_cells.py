@@ -1,5 +1,5 @@
 """A cylinder that slides steadily on a layer, in plane strain, on a line of cells: a
-slow solution to compare `smooth.cylinder_collocation` with.
+slow solution to compare `smooth.cylinder_galerkin` with.
 
 Cells of constant pressure; their influence from the complex compliance W(kh)/E*(kv) by
 one long Fourier transform, less the instantaneous half-plane above its mirror image,

@@ -337,25 +337,21 @@ def test_branches_in_any_order_and_of_one_time(kind):
     )
 
 
-def test_a_cylinder_beyond_what_its_tables_hold_is_flagged():
-    """Beyond the table of memories friction was rounding, of either sign; large loads
-    filled the memory.
-    """
+def test_a_cylinder_far_from_any_passage_keeps_its_limits():
+    """Friction was rounding there, of either sign; large loads filled the memory."""
     roll, layer = em.Cylinder(0.05, 0.1), em.layer(RUBBER, 2e-3)
-    for given in (
-        {"velocity": [1e-90, 1e-14, 1e14, 1e90], "load": 1.0},
-        {"velocity": 1.0, "load": [1e-90, 1e30, 1e90]},
-    ):
-        for body in (layer, RUBBER):
-            if body is RUBBER and np.ndim(given["load"]):
-                continue  # a half-space has no width that is too much
-            with pytest.warns(em.ConvergenceWarning):
-                found = em.friction(body, roll, **given)
-            assert not found.converged.any()
-            assert np.isnan(found.mu).all()
-    # Within it the limit of slow sliding holds, mu ~ v.
-    slow = em.friction(layer, roll, velocity=[1e-10, 1e-8], load=1.0)
-    assert slow.mu[1] / slow.mu[0] == pytest.approx(100, rel=1e-6)
+    slow, fast = np.array([1e-90, 1e-14, 1e-10]), np.array([1e10, 1e12])
+    for body in (layer, RUBBER):
+        mu = em.friction(body, roll, velocity=slow, load=1.0).mu
+        np.testing.assert_allclose(mu / mu[-1], slow / slow[-1], rtol=1e-6)
+    mu = em.friction(layer, roll, velocity=fast, load=1.0).mu
+    assert mu[0] / mu[1] == pytest.approx(100, rel=1e-5)
+    fast = em.friction(layer, roll, velocity=1e90, load=1.0)
+    assert abs(fast.mu) < fast.error
+    with pytest.warns(em.ConvergenceWarning):
+        found = em.friction(layer, roll, velocity=1.0, load=[1e30, 1e90])
+    assert not found.converged.any()
+    assert np.isnan(found.mu).all()
 
 
 def test_traction_refuses_friction_that_rounding_would_lose():

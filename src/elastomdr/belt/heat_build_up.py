@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 # temperatures at which the steady state is looked for: two that lie between the same
 # ones are missed
 _SCAN = 257
+_SCAN_RTOL = 1e-3  # relative error of the power there
 _REFINED_SCAN = 5  # temperatures between the two on either side of it
 _HISTORY_NODES = 49  # temperatures between start and steady state
 # points up to which one program is compiled (`smooth.solve`): few bodies are computed
@@ -427,8 +428,9 @@ def _inputs_in_words(
 
 def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any]:
     """The two neighbours, of `count` temperatures from low to high, between which the
-    body stops warming up.
+    body stops warming up, as far as a coarse power tells; Newton's method may leave them.
     """
+    body = body._replace(rtol=max(body.rtol, _SCAN_RTOL))
     share = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
     kelvin = fixed(low + share * (high - low))
     power = fixed(_powers(body, kelvin))

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import itertools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -26,17 +27,18 @@ from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..results.words import covers_in_words, describe, significant
 from ..surface.shapes import Cylinder
 from ..trees import replaced
-from .cylinder_collocation import (
+from .cylinder_galerkin import (
+    USUAL,
     Cover,
     Cylinders,
     Solution,
+    Waves,
     depth,
+    depth_and_gap,
     half_of,
     layer_waves,
-    least_gap,
-    least_pressure,
     losses,
-    remembered,
+    pull,
     solve_at,
 )
 from .problem import OnLayer, Solved, nearly, packed, too_deep
@@ -46,20 +48,34 @@ ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cyl
 ON_HALF_SPACE = (
     "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
 )
-# terms of the pressure, to be compared
-_ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))
+_FIRST = 16  # terms of the pressure where the search begins
+_COARSE = 1e-4
+# compared each with the one before; the first one where `rtol` is coarse
+_ORDERS = (24, 48, 72, 108, 162, 243)
 # relative error below which a point counts whatever `rtol` asks: `error` says what was
 # reached
 _FLOOR = 1e-5
+_AT_ONCE = 64  # points whose matrices are made together, in the cache of a core
+_SMALL = 1e-4  # of the logarithm of the half-length, over which slopes are taken
 _TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
 # half-length over thickness up to which derivatives are known
 _TRACED_RATIO = 12.0
-# of what the lower order changes, at most, that is left of it in the higher one
-_SHARE = 0.3
+# Errors of friction fall as this power of the order, or faster: as the fourth or fifth
+# where a memory is as long as the edges that polynomials resolve.
+_POWER = 1.75
+_AT_ONCE = 64  # points whose matrices are made together, in the cache of a core
+_SMALL = 1e-4  # of the logarithm of the half-length, over which slopes are taken
+_TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
+_LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
+# half-length over thickness up to which derivatives are known
+_TRACED_RATIO = 12.0
+# of the change from the order before, at most, that is left in the higher one: errors of
+# friction fall as the fourth power of the order or faster, here taken as the third
+_SHARE = 0.5
 _NOTHING = 1e-12  # of the width of the contact over the radius
 _ROUNDING = 3e-9  # of mu: tables and sums
-# of the largest pressure, or of the gap: beyond it the contact is not the one assumed
+# of the load, or of the gap: beyond it the contact is not the one assumed
 _NEGATIVE = 1e-3
 # half-length over thickness, as guessed, that is tried: time and memory grow with it
 _WIDEST = 60.0
@@ -83,10 +99,7 @@ class CylinderPlan:
     branches: int
 
     def __str__(self) -> str:
-        terms = (
-            f"{_ORDERS[0][0]} and {_ORDERS[0][1]}, up to {_ORDERS[-1][1]} where they "
-            "disagree"
-        )
+        terms = f"{_FIRST} and {_ORDERS[1]}, up to {_ORDERS[-1]} where they disagree"
         rows = [
             ("model", self.model),
             (
@@ -370,7 +383,9 @@ def _half(by_depth: bool, dashpot: bool) -> Callable[..., Any]:
         flat = _cylinders(shared, velocity)
         waves = layer_waves(flat, _TRACED_RATIO)
         guess = _guess(flat, wanted, by_depth)
-        half = half_of(flat, wanted, by_depth, guess, _TRACED_ORDER, waves, dashpot)
+        half, _ = half_of(
+            flat, wanted, by_depth, dashpot, waves, guess, USUAL, _TRACED_ORDER
+        )
         if waves is not None:
             served = 1.02 * _TRACED_RATIO * waves.thickness
             half = np.where(half < served, half, np.nan)
@@ -406,45 +421,69 @@ def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
     return half
 
 
-def _once(
-    flat: Cylinders,
-    wanted: Any,
-    by_depth: bool,
-    guess: Any,
-    orders: tuple[int, int],
-    ratio: float,
-    dashpot: bool,
-) -> _Found:
-    """One solution by two orders, the higher one counts; the lower one gives the
-    error.
-    """
-    low, high = orders
-    waves = layer_waves(flat, ratio)
-    half = half_of(flat, wanted, by_depth, guess, high, waves, dashpot)
+class _Level(NamedTuple):
+    """What one order of the pressure gives."""
+
+    half: Any  # NaN where none was found
+    contact: Solution
+
+
+class _Search(NamedTuple):
+    """Points to be solved, and where their contacts are sought."""
+
+    flat: Cylinders
+    wanted: Any
+    by_depth: bool
+    dashpot: bool
+    waves: Waves | None
+    guess: Any  # half-length [m]
+    slope: Any = USUAL  # of the logarithms, `wanted` over the half-length
+
+    def at(self, points: Any) -> _Search:
+        """Those of the points that are listed or marked."""
+        waves = self.waves
+        if waves is not None:
+            real, imaginary = waves.real[points], waves.imaginary[points]
+            waves = replaced(waves, real=real, imaginary=imaginary)
+        slope = np.broadcast_to(self.slope, self.wanted.shape)[points]
+        return self._replace(
+            flat=replaced(self.flat, velocity=self.flat.velocity[points]),
+            wanted=self.wanted[points],
+            waves=waves,
+            guess=self.guess[points],
+            slope=slope,
+        )
+
+
+def _level(search: _Search, order: int) -> _Level:
+    half, contact = half_of(*search, order)
+    waves = search.waves
     if waves is not None:
-        half = xp.where(half < 1.02 * ratio * waves.thickness, half, xp.nan)
-    there = xp.isfinite(half)
-    half = xp.where(there, half, guess)
-    solution, other = (solve_at(flat, half, n, waves, dashpot) for n in (high, low))
-    deep = depth(flat, solution, high) if flat.on_layers else half * np.nan
-    off = xp.abs(solution.mu - other.mu) + 0.5 * xp.abs(
-        solution.mu * (solution.load / other.load - 1)
-    )
-    off = _SHARE * off
-    pull = xp.maximum(-least_pressure(solution, high, dashpot), 0.0)
+        half = np.where(half < 1.02 * waves.ratio * waves.thickness, half, np.nan)
+    return _Level(half, contact)
+
+
+def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Found:
+    """A level as a result; `change` is how much of the change of mu from the order
+    before may be left in this one.
+    """
+    flat, (half, contact) = search.flat, level
+    there = np.isfinite(half)
+    pulled, deep = pull(contact, order, search.dashpot), half * np.nan
+    good = there & np.isfinite(contact.mu) & (pulled < _NEGATIVE)
+    # a small part of the load that pulls, at an edge
+    error = change + _ROUNDING * np.abs(contact.mu)
+    error = error + (pulled + 1e-15) * half / flat.radius
     if flat.on_layers:
-        pull = xp.maximum(pull, -least_gap(flat, solution, high, deep))
-    good = (
-        there & xp.isfinite(solution.mu) & (pull < _NEGATIVE) & remembered(flat, half)
-    )
-    # a pressure that pulls by a small share over a small part of the contact: that
-    # share of mu
-    error = off + (pull + _ROUNDING) * xp.abs(solution.mu) + 1e-15 * half / flat.radius
+        deep, gap = depth_and_gap(flat, contact, order)
+        overlap = np.maximum(-gap, 0.0)
+        good = good & (overlap < _NEGATIVE)
+        error = error + overlap * np.abs(contact.mu)
     return _Found(
-        mu=solution.mu,
-        load=solution.load,
-        leading=solution.shift + half,
-        trailing=solution.shift - half,
+        mu=contact.mu,
+        load=contact.load,
+        leading=contact.shift + half,
+        trailing=contact.shift - half,
         depth=deep,
         error=error,
         good=good,
@@ -453,42 +492,85 @@ def _once(
 
 @one_thread()
 def _refined(
-    flat: Cylinders,
-    wanted: Any,
-    by_depth: bool,
-    rtol: float,
-    misfit: float,
+    flat: Cylinders, wanted: Any, by_depth: bool, rtol: float, misfit: float
 ) -> _Found:
     """Points by more and more terms until their error is below `rtol`; numbers only.
 
     `misfit` is how far a Prony series is from a table of moduli, relatively.
     """
+    blocks = [slice(i, i + _AT_ONCE) for i in range(0, wanted.size, _AT_ONCE)]
+    parts = [
+        _block(replaced(flat, velocity=flat.velocity[i]), wanted[i], by_depth, rtol)
+        for i in blocks
+    ]
+    done = _Found(*(np.concatenate(x) for x in zip(*parts, strict=True)))
+    good = (done.good == 1) & _met(done, max(rtol, _FLOOR), flat.radius)
+    return done._replace(error=done.error + misfit * np.abs(done.mu), good=good)
+
+
+def _block(flat: Cylinders, wanted: Any, by_depth: bool, rtol: float) -> _Found:
     guess = _guess(flat, wanted, by_depth)
-    dashpot = _begins_with_dashpot(flat.covers)
-    result = [np.full(wanted.shape, np.nan) for _ in _Found._fields]
-    left, thick = np.arange(wanted.size), None
+    result = _Found(*(np.full(wanted.shape, np.nan) for _ in _Found._fields))
+    left, ratio, thick = np.arange(wanted.size), 0.0, 1.0
     if flat.on_layers:
         thick = min(float(cover.thickness) for cover in flat.covers)
         left = left[guess / thick < _WIDEST]
-    for orders in _ORDERS:
+        ratio = _ladder(float(np.max(guess[left], initial=0.0)) / thick)
+    for wider in (1.0, 2.0):  # than guessed, perhaps
         if left.size == 0:
             break
         part = replaced(flat, velocity=flat.velocity[left])
-        ratio = 0.0 if thick is None else _ladder(float(np.nanmax(guess[left])) / thick)
-        found = _once(part, wanted[left], by_depth, guess[left], orders, ratio, dashpot)
-        if thick is not None and not found.good.all():  # wider than guessed, perhaps
-            found = _once(
-                part, wanted[left], by_depth, guess[left], orders, 2 * ratio, dashpot
-            )
-        half = 0.5 * (found.leading - found.trailing)
+        waves = layer_waves(part, wider * ratio)
+        dashpot = _begins_with_dashpot(flat.covers)
+        search = _Search(part, wanted[left], by_depth, dashpot, waves, guess[left])
+        found = _by_orders(search, rtol)
         for field, values in zip(result, found, strict=True):
             field[left] = values
-        guess[left] = np.where(found.good, half, guess[left])
-        ok = found.good & _met(found, rtol, flat.radius)
-        left = left[~ok]
-    done = _Found(*result)
-    good = (done.good == 1) & _met(done, max(rtol, _FLOOR), flat.radius)
-    return done._replace(error=done.error + misfit * np.abs(done.mu), good=good)
+        if not flat.on_layers:
+            break
+        left = left[found.good == 0]
+    return result
+
+
+def _by_orders(search: _Search, rtol: float) -> _Found:
+    """The points at once, by orders of which each begins where the one before ended."""
+    result = _Found(*(np.full(search.wanted.shape, np.nan) for _ in _Found._fields))
+    left = np.arange(search.wanted.size)
+    level = _level(search, _FIRST)
+    slope = _slope(search, level)
+    orders = (_FIRST, *_ORDERS[0 if rtol >= _COARSE else 1 :])
+    for lower, order in itertools.pairwise(orders):
+        there = np.isfinite(level.half)
+        before = np.where(there, level.contact.mu, np.nan)
+        guess = np.where(there, level.half, search.guess)
+        search = search._replace(guess=guess, slope=slope)
+        level = _level(search, order)
+        change = np.abs(level.contact.mu - before) / ((order / lower) ** _POWER - 1)
+        found = _judged(search, order, level, change)
+        for field, values in zip(result, found, strict=True):
+            field[left] = values
+        more = ~((found.good == 1) & _met(found, rtol, search.flat.radius))
+        if not more.any():
+            break
+        left, search = left[more], search.at(more)
+        level = _Level(level.half[more], Solution(*(x[more] for x in level.contact)))
+        slope = search.slope
+    return result
+
+
+def _slope(search: _Search, level: _Level) -> Any:
+    """How load or depth grows with the half-length, in logarithms."""
+    half = np.where(np.isfinite(level.half), level.half, search.guess)
+    values = []
+    for log in (-_SMALL, _SMALL):
+        there = np.exp(log) * half
+        contact = solve_at(search.flat, there, _FIRST, search.waves, search.dashpot)
+        values.append(
+            depth(search.flat, contact, _FIRST) if search.by_depth else contact.load
+        )
+    slope = np.log(np.maximum(values[1], 1e-300) / np.maximum(values[0], 1e-300))
+    slope = slope / (2 * _SMALL)
+    return np.where((slope > 0.1) & (slope < 10), slope, USUAL)
 
 
 def _met(found: _Found, rtol: float, radius: Any) -> Any:
