@@ -80,6 +80,10 @@ class Lubricated(Table):
         Literal["rests", "passes", "rolls"] | None,
         "rests (a seal on a rod), by default; passes (under a slider); rolls",
     ] = None
+    flow_factor: Annotated[
+        Literal["maps", "patir-cheng"] | None,
+        "of a rough contact: of maps, as a leak's, by default; or of Patir and Cheng",
+    ] = None
 
 
 class LubricatedScene(OfBodies):

@@ -48,7 +48,7 @@ from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
 from . import film as films
 from .response import Body, bodies_of, compliance, response
-from .roughness import Roughness, Rubbing, flow_factor, pressed, rubbing
+from .roughness import FlowFactor, Roughness, Rubbing, pressed, rubbing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,7 +66,10 @@ _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 # velocities of rubber and counterface in the frame of the contact, over that asked for
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
 _MODEL = "Reynolds' equation and half-plane in plane strain, steady"
-_ROUGH = "; load shared with em.press, flow factor of Patir and Cheng"
+_ROUGH = {
+    "maps": "; load shared with em.press, flow factor of em.leak",
+    "patir-cheng": "; load shared with em.press, flow factor of Patir and Cheng",
+}
 
 
 @part
@@ -180,6 +183,7 @@ def lubricated(
     temperature: ArrayLike | None = None,
     time: ArrayLike | None = None,
     rubber: Literal["rests", "passes", "rolls"] = "rests",
+    flow_factor: FlowFactor = "maps",
 ) -> Lubricated:
     """Film, pressure and friction of a lubricated cylinder: over velocity, the Stribeck
     curve.
@@ -198,6 +202,8 @@ def lubricated(
             after.
         rubber: "rests" under a counterface that moves, as a seal on a rod does; "passes"
             under a rigid body that slides on it; "rolls" with the counterface, both at v.
+        flow_factor: how a rough contact lets the liquid through: "maps", as `em.leak`,
+            or "patir-cheng" to compare with.
 
     Returns:
         An `em.Lubricated` of the broadcast shape.
@@ -214,9 +220,14 @@ def lubricated(
     scene = _checked(
         material, shape, velocity, load, viscosity, temperature, time, rubber, surface
     )
+    if flow_factor not in _ROUGH:
+        raise InputError(
+            f"flow_factor must be one of {', '.join(map(repr, _ROUGH))}, got "
+            f"{flow_factor!r}."
+        )
     shear = _checked_shear(boundary_shear, surface, temperature)
     solved = [_Solved() for _ in range(scene.velocity.size)]
-    rough = None if surface is None else pressed(material, surface)
+    rough = None if surface is None else pressed(material, surface, flow_factor)
     with one_thread():
         for points in scene.groups():
             for i, result in zip(
@@ -225,7 +236,8 @@ def lubricated(
                 solved[i] = result
     good = np.array([each.good for each in solved])
     warn_unless(good, "points")
-    return _packed(scene, solved, good)
+    model = _MODEL + ("" if surface is None else _ROUGH[flow_factor])
+    return _packed(scene, solved, good, model)
 
 
 class _Solved(NamedTuple):
@@ -541,7 +553,7 @@ def _case(
     return case._replace(
         roughness=rough.rms / scales.film,
         asperities=partial(_asperities, rough, modulus, scales),
-        factor=partial(_factor, rough.rms / scales.film),
+        factor=partial(_factor, rough, scales),
     )
 
 
@@ -552,9 +564,9 @@ def _asperities(
     return pressure / scales.pressure, slope * (scales.film / scales.pressure)
 
 
-def _factor(roughness: float, film: Array) -> tuple[Array, Array]:
-    factor, slope = flow_factor(film / roughness)
-    return factor, slope / roughness
+def _factor(rough: Roughness, scales: _Scales, film: Array) -> tuple[Array, Array]:
+    factor, slope = rough.flow_factor(film * scales.film)
+    return factor, slope * scales.film
 
 
 def _numbers(
@@ -631,7 +643,9 @@ def _profile(found: films.Film, scales: _Scales) -> Array:
     )
 
 
-def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
+def _packed(
+    scene: _Scene, solved: list[_Solved], good: Array, model: str
+) -> Lubricated:
     """The result, with what lies beyond the data of the material."""
     dims = scene.dims
 
@@ -646,7 +660,6 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
     profile = [profiles[:, i].reshape(*dims, -1) for i in range(4)]
     beyond = _beyond(scene, solved)
     kelvin = scene.kelvin
-    rough = scene.surface is not None
     inputs = [
         ("material", getattr(scene.material, "name", "") or "given directly"),
         ("shape", describe(scene.shape).replace(" on a layer", "")),
@@ -690,7 +703,7 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
         profile=FilmProfile(*profile),
         converged=good.reshape(dims),
         extrapolated=beyond[0],
-        model=_MODEL + (_ROUGH if rough else ""),
+        model=model,
         plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
         inputs=(*inputs, *beyond[1]),
     )
