@@ -223,7 +223,10 @@ class WaveNumber(Quantity, what="a wave number", unit="1/m", example="1e3 1/m"):
 
 
 class Viscosity(
-    Quantity, what="a dynamic viscosity", unit="Pa*s", example="0.1 Pa*s"
+    Quantity,
+    what="a dynamic viscosity (a kinematic one times the density)",
+    unit="Pa*s",
+    example="0.1 Pa*s",
 ): ...
 
 

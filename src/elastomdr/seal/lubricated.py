@@ -44,9 +44,10 @@ from ..results.base import Array, Result, part, quantity, record
 from ..results.words import brief, describe, in_unit, span
 from ..rough.adhesion import AdhesiveShear
 from ..surface.shapes import Cylinder
-from ..surface.spectrum import AbstractSpectrum
+from ..surface.spectrum import AbstractSpectrum, as_spectrum
 from ..trees import replaced
 from . import film as films
+from .leak import BOTH
 from .response import Body, bodies_of, compliance, response
 from .roughness import FlowFactor, Roughness, Rubbing, pressed, rubbing
 
@@ -195,7 +196,8 @@ def lubricated(
         velocity: velocity v [m/s]; arguments broadcast.
         load: load on the length of the cylinder [N].
         viscosity: viscosity of the liquid at the temperature [Pa s].
-        surface: roughness of the counterface, by its spectrum; None where it is smooth.
+        surface: roughness by its spectrum, where both partners are rough the sum of
+            both; None where they are smooth.
         boundary_shear: shear stress of the real contact [Pa], or an `em.AdhesiveShear`.
         temperature: temperature [K], for a material with a shift law.
         time: how long the pressure has stood on rubber that rests [s]; None for long
@@ -300,11 +302,8 @@ def _checked(
         raise InputError(
             f"shape must be an em.Cylinder(radius, length) under a film, got {shape!r}."
         )
-    if surface is not None and not isinstance(surface, AbstractSpectrum):
-        raise InputError(
-            "surface must be a surface by its spectrum (em.SelfAffine, em.Spectrum, "
-            f"em.read_surface(...)) or None, got {surface!r}."
-        )
+    if surface is not None:
+        as_spectrum("surface", surface)
     if rubber not in MOTIONS:
         raise InputError(
             f"rubber must be one of {', '.join(map(repr, MOTIONS))}, got {rubber!r}."
@@ -674,6 +673,7 @@ def _packed(
         inputs.append(("temperature", brief(np.unique(kelvin), "K")))
     if scene.surface is not None:
         inputs.append(("surface", f"{scene.surface.label}, {scene.surface.words()}"))
+        inputs.append(("roughness", BOTH))
     named = dict(
         zip(
             (
