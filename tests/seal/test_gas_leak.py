@@ -2,12 +2,15 @@
 and the mean free path of air.
 """
 
+from typing import Any
+
 import jax
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
+from elastomdr.cli.kinds import read_scene
 from elastomdr.seal.gap_flow import flow
 from elastomdr.seal.gap_maps import pressed
 from elastomdr.surface.spectrum import rough_map
@@ -135,3 +138,26 @@ def test_derivative():
 def test_bad_input(change, words):
     with pytest.raises(em.InputError, match=words):
         em.leak(RUBBER, ROUGH, **SCENE | AIR | change)
+
+
+def test_scene_with_a_molar_mass(tmp_path):
+    scene = tmp_path / "gas.toml"
+    scene.write_text(
+        'material = "epdm-70"\ntemperature = "20 degC"\n[surface]\n'
+        'shape = "self_affine"\nhurst = 0.8\nrms_height = "3 um"\n'
+        'longest = "200 um"\nshortest = "4 um"\n[leak]\npressure = "0.4 MPa"\n'
+        'pressure_drop = "1 bar"\noutlet_pressure = "1 bar"\n'
+        'molar_mass = "28.97 g/mol"\nviscosity = "18.1 uPa s"\nlength = "1 mm"\n'
+        'time = "1 min"\n',
+        encoding="utf-8",
+    )
+    written: Any = em.leak(**read_scene("leak", scene).arguments(tmp_path))
+    found = em.leak(
+        em.load_material("epdm-70"),
+        em.SelfAffine(
+            0.8, rms_height=3e-6, q_low=2 * np.pi / 2e-4, q_high=2 * np.pi / 4e-6
+        ),
+        pressure=4e5, pressure_drop=1e5, viscosity=1.81e-5, length=1e-3, time=60.0,
+        temperature=293.15, outlet_pressure=1e5, molar_mass=0.02897,
+    )  # fmt: skip
+    assert written.mass_rate == pytest.approx(float(found.mass_rate), rel=1e-9)

@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 import elastomdr as em
 from elastomdr.seal import film
 from elastomdr.seal.response import bodies_of, response
+from elastomdr.seal.roughness import pressed
 
 RUBBER = em.Prony(1e6, [3e6, 2e6], [1e-4, 1e-2], name="rubber")
 BODIES = bodies_of(em.Prony(0.25, [], []))  # E* = 1 Pa
@@ -143,7 +144,7 @@ def test_without_a_film_friction_is_that_of_the_dry_surface(velocity):
         adhesion=em.AdhesiveShear(stress, 1.0, 0.0),
     )  # fmt: skip
     thin = em.lubricated(
-        RUBBER, BODY, velocity=velocity, load=load, viscosity=1e-10 / velocity,
+        RUBBER, BODY, velocity=velocity, load=load, viscosity=1e-13 / velocity,
         surface=ROUGH, boundary_shear=stress,
     )  # fmt: skip
     assert thin.asperity_share == pytest.approx(1, abs=1e-3)
@@ -164,10 +165,47 @@ def test_thick_film_does_not_feel_the_surface():
     assert rough.film_thickness[1] == pytest.approx(smooth.film_thickness[1], rel=1e-6)
 
 
+def test_flow_factors_against_maps():
+    """12 eta s over the cube of the mean gap, of another solution of contact and flow
+    on maps at a real contact of .11, .21 and .32, within the bound of `em.leak`.
+    """
+    surface = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e5, q_high=32e5)
+    over_rms, maps = np.array([0.82, 0.495, 0.31]), np.array([0.30, 0.087, 0.010])
+    gap = over_rms * surface.rms_height
+    ours, theirs = (pressed(RUBBER, surface, each) for each in ("maps", "patir-cheng"))
+    factor, slope = ours.flow_factor(gap)
+    assert (np.abs(np.log(factor / maps)) < np.log([1.3, 1.6, 2.3])).all()
+    assert theirs.flow_factor(gap)[0] == pytest.approx([0.43, 0.32, 0.24], abs=0.01)
+    step = 1e-6 * gap
+    ahead, behind = (ours.flow_factor(gap + move)[0] for move in (step, -step))
+    assert (ahead - behind) / (2 * step) == pytest.approx(slope, rel=1e-6)
+    thick, closed = (ours.flow_factor(np.array([x]))[0] for x in (1e-3, 1e-12))
+    assert thick == pytest.approx(1.0)
+    assert 0 < closed < 1.1e-5  # not zero, without channels
+
+
+def test_narrow_channels_carry_a_thicker_film():
+    """Against Patir and Cheng's factors, which hardly fall in heavy contact; boundary to
+    full film over eight decades of velocity.
+    """
+    scene = {"velocity": np.geomspace(1e-7, 10.0, 9), "load": 1e3, "viscosity": 0.05}
+    maps, theirs = (
+        em.lubricated(RUBBER, BODY, surface=ROUGH, flow_factor=each, **scene)
+        for each in ("maps", "patir-cheng")
+    )
+    assert maps.converged.all()
+    assert (maps.asperity_share[:4] < 0.9 * theirs.asperity_share[:4]).all()
+    assert (maps.film_thickness[:3] > 1.5 * theirs.film_thickness[:3]).all()
+    assert maps.mu[-2:] == pytest.approx(theirs.mu[-2:], rel=1e-3)
+    assert "em.leak" in maps.model
+    assert "Patir" in theirs.model
+
+
 @pytest.mark.parametrize(
     ("change", "named"),
     [
         ({"shape": em.Sphere(1e-2)}, "shape"),
+        ({"surface": ROUGH, "flow_factor": "reynolds"}, "flow_factor must be one of"),
         ({"rubber": "slides"}, "rubber"),
         ({"boundary_shear": 1e5}, "surface"),
         ({"viscosity": -1.0}, "viscosity"),

@@ -10,7 +10,16 @@ from .bodies import AnySurface, Cylinder
 from .scene import OfBodies, body, on_axes
 from .schema import Several, Sweep, Table, given, named
 from .steady import OfDraws
-from .units import Density, Duration, Force, Length, Pressure, Velocity, Viscosity
+from .units import (
+    Density,
+    Duration,
+    Force,
+    Length,
+    MolarMass,
+    Pressure,
+    Velocity,
+    Viscosity,
+)
 
 
 class Leak(Table):
@@ -33,6 +42,9 @@ class Leak(Table):
     ] = None
     mean_free_path: Annotated[
         Length | None, "of the gas at the outlet: its slip at the walls"
+    ] = None
+    molar_mass: Annotated[
+        MolarMass | None, "of the gas, with a temperature: its slip, and the mass rate"
     ] = None
     time: Annotated[
         Several[Duration] | None, "since it was pressed; by default long after"
@@ -79,6 +91,10 @@ class Lubricated(Table):
     rubber: Annotated[
         Literal["rests", "passes", "rolls"] | None,
         "rests (a seal on a rod), by default; passes (under a slider); rolls",
+    ] = None
+    flow_factor: Annotated[
+        Literal["maps", "patir-cheng"] | None,
+        "of a rough contact: of maps, as a leak's, by default; or of Patir and Cheng",
     ] = None
 
 

@@ -66,6 +66,7 @@ USUAL = {
     "kg/m": {"kg/m": "1", "t/m": "1e3", "g/m": "1e-3"},
     "Pa/m": {"Pa/m": "1", "MPa/m": "1e6", "N/m^3": "1", "N/mm^3": "1e9"},
     "J/mol": {"J/mol": "1", "kJ/mol": "1e3"},
+    "kg/mol": {"kg/mol": "1", "g/mol": "1e-3"},
     "1/m": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6", "rad/m": "1"},
 }
 _ZERO = {"degC": Decimal("273.15")}  # where a unit's scale begins
@@ -223,7 +224,15 @@ class WaveNumber(Quantity, what="a wave number", unit="1/m", example="1e3 1/m"):
 
 
 class Viscosity(
-    Quantity, what="a dynamic viscosity", unit="Pa*s", example="0.1 Pa*s"
+    Quantity,
+    what="a dynamic viscosity (a kinematic one times the density)",
+    unit="Pa*s",
+    example="0.1 Pa*s",
+): ...
+
+
+class MolarMass(
+    Quantity, what="a molar mass", unit="kg/mol", example="28.97 g/mol"
 ): ...
 
 

@@ -64,7 +64,7 @@ _UNITS = {
     "time": "s",
     "temperature": "K",
 }
-_BOTH = "surface alone: the sum of both spectra where the rubber is rough too"
+BOTH = "surface alone: the sum of both spectra where the rubber is rough too"
 
 
 @over_materials
@@ -290,7 +290,7 @@ def _inputs_in_words(
     inputs = [
         ("material", foundation.name or "given directly"),
         ("surface", f"{surface.label}{words}"),
-        ("roughness", _BOTH),
+        ("roughness", BOTH),
     ]
     inputs += [
         (name.replace("_", " "), brief(given[name], unit))

@@ -60,12 +60,22 @@ def factor(gap: Any, area: Any, steep: Any, form: Form = FORM) -> Any:
     """w over the cube of the mean gap, from that gap over the rms height, the real
     contact and D; zero where channels are closed.
     """
-    xp = namespace(gap, area)
+    return barely_touching(gap) * through(area, steep, form)
+
+
+def barely_touching(gap: Any) -> Any:
+    """The flow factor of surfaces that hardly touch, by their gap over the rms height
+    (Patir and Cheng).
+    """
+    return 1 - 0.9 * namespace(gap).exp(-0.56 * gap)
+
+
+def through(area: Any, steep: Any, form: Form = FORM) -> Any:
+    """By what contact lowers the flow through the channels that it leaves open."""
+    xp = namespace(area, steep)
     power = form.power * xp.clip(steep, *_STEEP) ** -form.leans
-    barely = 1 - 0.9 * xp.exp(-0.56 * gap)
     part = xp.minimum(area / form.closes, 1 - 1e-12)
-    through = (1 - part) ** (power * part**form.grows)
-    return xp.where(area < form.closes, barely * through, 0.0)
+    return xp.where(area < form.closes, (1 - part) ** (power * part**form.grows), 0.0)
 
 
 def log_bound(area: Any) -> Any:

@@ -44,11 +44,12 @@ from ..results.base import Array, Result, part, quantity, record
 from ..results.words import brief, describe, in_unit, span
 from ..rough.adhesion import AdhesiveShear
 from ..surface.shapes import Cylinder
-from ..surface.spectrum import AbstractSpectrum
+from ..surface.spectrum import AbstractSpectrum, as_spectrum
 from ..trees import replaced
 from . import film as films
+from .leak import BOTH
 from .response import Body, bodies_of, compliance, response
-from .roughness import Roughness, Rubbing, flow_factor, pressed, rubbing
+from .roughness import FlowFactor, Roughness, Rubbing, pressed, rubbing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,7 +67,10 @@ _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 # velocities of rubber and counterface in the frame of the contact, over that asked for
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
 _MODEL = "Reynolds' equation and half-plane in plane strain, steady"
-_ROUGH = "; load shared with em.press, flow factor of Patir and Cheng"
+_ROUGH = {
+    "maps": "; load shared with em.press, flow factor of em.leak",
+    "patir-cheng": "; load shared with em.press, flow factor of Patir and Cheng",
+}
 
 
 @part
@@ -180,6 +184,7 @@ def lubricated(
     temperature: ArrayLike | None = None,
     time: ArrayLike | None = None,
     rubber: Literal["rests", "passes", "rolls"] = "rests",
+    flow_factor: FlowFactor = "maps",
 ) -> Lubricated:
     """Film, pressure and friction of a lubricated cylinder: over velocity, the Stribeck
     curve.
@@ -191,13 +196,16 @@ def lubricated(
         velocity: velocity v [m/s]; arguments broadcast.
         load: load on the length of the cylinder [N].
         viscosity: viscosity of the liquid at the temperature [Pa s].
-        surface: roughness of the counterface, by its spectrum; None where it is smooth.
+        surface: roughness by its spectrum, where both partners are rough the sum of
+            both; None where they are smooth.
         boundary_shear: shear stress of the real contact [Pa], or an `em.AdhesiveShear`.
         temperature: temperature [K], for a material with a shift law.
         time: how long the pressure has stood on rubber that rests [s]; None for long
             after.
         rubber: "rests" under a counterface that moves, as a seal on a rod does; "passes"
             under a rigid body that slides on it; "rolls" with the counterface, both at v.
+        flow_factor: how a rough contact lets the liquid through: "maps", as `em.leak`,
+            or "patir-cheng" to compare with.
 
     Returns:
         An `em.Lubricated` of the broadcast shape.
@@ -214,9 +222,14 @@ def lubricated(
     scene = _checked(
         material, shape, velocity, load, viscosity, temperature, time, rubber, surface
     )
+    if flow_factor not in _ROUGH:
+        raise InputError(
+            f"flow_factor must be one of {', '.join(map(repr, _ROUGH))}, got "
+            f"{flow_factor!r}."
+        )
     shear = _checked_shear(boundary_shear, surface, temperature)
     solved = [_Solved() for _ in range(scene.velocity.size)]
-    rough = None if surface is None else pressed(material, surface)
+    rough = None if surface is None else pressed(material, surface, flow_factor)
     with one_thread():
         for points in scene.groups():
             for i, result in zip(
@@ -225,7 +238,8 @@ def lubricated(
                 solved[i] = result
     good = np.array([each.good for each in solved])
     warn_unless(good, "points")
-    return _packed(scene, solved, good)
+    model = _MODEL + ("" if surface is None else _ROUGH[flow_factor])
+    return _packed(scene, solved, good, model)
 
 
 class _Solved(NamedTuple):
@@ -288,11 +302,8 @@ def _checked(
         raise InputError(
             f"shape must be an em.Cylinder(radius, length) under a film, got {shape!r}."
         )
-    if surface is not None and not isinstance(surface, AbstractSpectrum):
-        raise InputError(
-            "surface must be a surface by its spectrum (em.SelfAffine, em.Spectrum, "
-            f"em.read_surface(...)) or None, got {surface!r}."
-        )
+    if surface is not None:
+        as_spectrum("surface", surface)
     if rubber not in MOTIONS:
         raise InputError(
             f"rubber must be one of {', '.join(map(repr, MOTIONS))}, got {rubber!r}."
@@ -541,7 +552,7 @@ def _case(
     return case._replace(
         roughness=rough.rms / scales.film,
         asperities=partial(_asperities, rough, modulus, scales),
-        factor=partial(_factor, rough.rms / scales.film),
+        factor=partial(_factor, rough, scales),
     )
 
 
@@ -552,9 +563,9 @@ def _asperities(
     return pressure / scales.pressure, slope * (scales.film / scales.pressure)
 
 
-def _factor(roughness: float, film: Array) -> tuple[Array, Array]:
-    factor, slope = flow_factor(film / roughness)
-    return factor, slope / roughness
+def _factor(rough: Roughness, scales: _Scales, film: Array) -> tuple[Array, Array]:
+    factor, slope = rough.flow_factor(film * scales.film)
+    return factor, slope * scales.film
 
 
 def _numbers(
@@ -631,7 +642,9 @@ def _profile(found: films.Film, scales: _Scales) -> Array:
     )
 
 
-def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
+def _packed(
+    scene: _Scene, solved: list[_Solved], good: Array, model: str
+) -> Lubricated:
     """The result, with what lies beyond the data of the material."""
     dims = scene.dims
 
@@ -646,7 +659,6 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
     profile = [profiles[:, i].reshape(*dims, -1) for i in range(4)]
     beyond = _beyond(scene, solved)
     kelvin = scene.kelvin
-    rough = scene.surface is not None
     inputs = [
         ("material", getattr(scene.material, "name", "") or "given directly"),
         ("shape", describe(scene.shape).replace(" on a layer", "")),
@@ -661,6 +673,7 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
         inputs.append(("temperature", brief(np.unique(kelvin), "K")))
     if scene.surface is not None:
         inputs.append(("surface", f"{scene.surface.label}, {scene.surface.words()}"))
+        inputs.append(("roughness", BOTH))
     named = dict(
         zip(
             (
@@ -690,7 +703,7 @@ def _packed(scene: _Scene, solved: list[_Solved], good: Array) -> Lubricated:
         profile=FilmProfile(*profile),
         converged=good.reshape(dims),
         extrapolated=beyond[0],
-        model=_MODEL + (_ROUGH if rough else ""),
+        model=model,
         plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
         inputs=(*inputs, *beyond[1]),
     )

@@ -70,6 +70,7 @@ _LARGE_STRAIN = {
 }
 # how much wider than its diameter a held cord is, the same (a free one: half of it)
 _BULGE = (0.333, 1.601)
+_FARTHER = " (0.3 by formula='held' or 'free')"
 _NEWTON_STEPS = 8  # u - ln u is nearly straight, and convex
 FORMULAS = {
     "lindley": (
@@ -343,7 +344,8 @@ def _checked(
     require(
         "squeeze",
         given["squeeze"],
-        f"positive and at most {largest:g}, a part of the diameter",
+        f"positive and at most {largest:g}, a part of the diameter (0.15 for 15 %), up "
+        f"to which the formula was checked{_FARTHER if largest < 0.3 else ''}",
         lambda c: (c > 0) & (c <= largest),
     )
     return given

@@ -5,18 +5,21 @@ finds the mean gap u. Rubber that the roughness excites while it slides is stiff
 at rest: by the ratio of the areas that `em.Multiscale` has in real contact at rest and
 at the velocity, both under a small pressure.
 
-The flow factor of Patir and Cheng (J. Lubr. Technol. 100 (1978) 12), isotropic:
+The flow factor phi = w/u^3 is that of the leak's form, whose pressure and real contact
+A are those at the gap u,
 
-    phi = 1 - 0.9 exp(-0.56 u/R_q).
+    phi = [1 - 0.9 exp(-0.56 u/R_q)] [(1 - c) (1 - A/a)^(k D^-e (A/a)^m) + c]
 
-This is the place for factors of a leak model, phi = 12 eta s/u^3 with its conductance s.
-The shear flow factor is left out.
+with its letters (`leak_form.py`). Where all channels are closed phi would be zero, and
+the film's equation would have no solution: c = 1e-4 is left. The first bracket alone is
+the factor of Patir and Cheng (J. Lubr. Technol. 100 (1978) 12) for isotropic surfaces,
+which hardly falls with contact. The shear flow factor is left out.
 """
 
 from __future__ import annotations
 
 import warnings
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -24,13 +27,20 @@ from scipy.interpolate import PchipInterpolator
 from ..checks import Array
 from ..element.layer import Layer
 from ..material.prony import Prony
+from ..rough.psd_integrals import PER_DECADE, nodes
 from ..surface.spectrum import AbstractSpectrum
+from .leak_form import barely_touching, through
+from .persson_gap import contact_of
+
+FlowFactor = Literal["maps", "patir-cheng"]
 
 # pressures of the curve over E* times the rms slope
 _LEVELS = np.geomspace(1e-7, 10.0, 41)
 _CLOSED = 1e-3  # mean gap over the rms height below which the curve is extended
 _SMALL = 1e-3  # pressure over E* times rms slope at which areas are compared
 _PRESSURES = np.geomspace(1e-5, 3.0, 11)  # of the friction, over the largest pressure
+_CHANNELS = 1e-4  # c, what is left of channels where all of them are closed
+_GAPS = 257  # gaps between which the flow through channels is interpolated
 _SLOW = 1e-6  # q v tau at which the roughness moves so slowly that rubber is relaxed
 
 
@@ -41,6 +51,7 @@ class Roughness(NamedTuple):
     curve: PchipInterpolator  # gap [m] to ln(p_a/E*(0)), for the relaxed rubber
     last: tuple[float, float]  # gaps between which the curve is known
     modulus: float  # E*(0) [Pa]
+    channels: PchipInterpolator | None  # gap [m] to the log of phi's second bracket
 
     def pressure(self, gap: Array, modulus: float) -> tuple[Array, Array]:
         """p_a [Pa] and its slope by the gap; exponential beyond the curve."""
@@ -50,6 +61,18 @@ class Roughness(NamedTuple):
             np.minimum(self.curve(inside) + slope * (gap - inside), 300.0)
         )
         return pressure, pressure * slope
+
+    def flow_factor(self, gap: Array) -> tuple[Array, Array]:
+        """phi and its slope by the gap; the second bracket is even beyond the curve."""
+        over = gap / self.rms
+        factor = barely_touching(over)
+        slope = 0.56 * (1 - factor) / self.rms
+        if self.channels is None:
+            return factor, slope
+        inside = np.clip(gap, *self.last)
+        channels = np.exp(self.channels(inside))
+        steep = np.where(gap == inside, self.channels.derivative()(inside), 0.0)
+        return factor * channels, channels * (slope + factor * steep)
 
 
 class Rubbing(NamedTuple):
@@ -72,8 +95,10 @@ def half_space_of(material: Any) -> Any:
     return material.material if isinstance(material, Layer) else material
 
 
-def pressed(material: Any, surface: AbstractSpectrum) -> Roughness:
-    """The curve of `em.press` at rest."""
+def pressed(
+    material: Any, surface: AbstractSpectrum, flow_factor: FlowFactor
+) -> Roughness:
+    """The curve of `em.press` at rest, and the flow through the gaps."""
     from ..element.law import as_foundation
     from ..rough.press import press
 
@@ -87,7 +112,19 @@ def pressed(material: Any, surface: AbstractSpectrum) -> Roughness:
     gap = np.asarray(contact.separation)
     open_ = np.isfinite(gap) & (gap > _CLOSED * rms)
     gap, level = gap[open_][::-1], np.log(pressure[open_][::-1] / modulus)
-    return Roughness(rms, PchipInterpolator(gap, level), (gap[0], gap[-1]), modulus)
+    curve, last = PchipInterpolator(gap, level), (gap[0], gap[-1])
+    channels = _channels(surface, curve, last) if flow_factor == "maps" else None
+    return Roughness(rms, curve, last, modulus, channels)
+
+
+def _channels(
+    surface: AbstractSpectrum, curve: PchipInterpolator, last: tuple[float, float]
+) -> PchipInterpolator:
+    """The log of what channels let through at a gap, by the contact there."""
+    gap = np.geomspace(*last, _GAPS)
+    found = contact_of(nodes(surface, PER_DECADE), np.exp(curve(gap)))
+    open_part = through(found.area, found.steep)
+    return PchipInterpolator(gap, np.log(open_part + _CHANNELS * (1 - open_part)))
 
 
 def rubbing(
@@ -145,9 +182,3 @@ def _compared(
     return _SMALL * modulus * float(surface.rms_slope), _SLOW / (
         float(surface.q_high) * slowest * factor
     )
-
-
-def flow_factor(gap: Array) -> tuple[Array, Array]:
-    """phi and its slope by the gap; gaps over the rms height."""
-    fading = 0.9 * np.exp(-0.56 * gap)
-    return 1 - fading, 0.56 * fading

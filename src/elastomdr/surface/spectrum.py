@@ -418,6 +418,11 @@ def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def as_spectrum(name: str, value: Any) -> AbstractSpectrum:
     """`value` if it is a spectrum. Raises `InputError`."""
+    if isinstance(value, (tuple, list)):
+        raise InputError(
+            f"{name} must be one spectrum, got {len(value)}: of two rough partners give "
+            'the sum, em.Spectrum(q, first.at(q) + second.at(q), convention="2d").'
+        )
     if not isinstance(value, AbstractSpectrum):
         raise InputError(
             f"{name} must be an em.SelfAffine, an em.Spectrum or a measured "

@@ -302,7 +302,12 @@ def _converted(name: str, value: Any, unit: Any) -> Any:
     for one in accepted:
         if (number := _magnitude(quantity, one)) is not None:
             return number
-    raise InputError(f"{name} must be {_in_words(accepted)}, got {_brief(quantity)}.")
+    hint = ""
+    if name == "viscosity" and quantity.check("[length]**2/[time]"):
+        hint = " A kinematic viscosity times the density of the fluid is a dynamic one."
+    raise InputError(
+        f"{name} must be {_in_words(accepted)}, got {_brief(quantity)}.{hint}"
+    )
 
 
 def _quantity(name: str, value: Any) -> Any:
