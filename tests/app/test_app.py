@@ -12,6 +12,7 @@ import zipfile
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import elastomdr as em
@@ -656,9 +657,65 @@ def test_comparison_is_that_of_the_command(tmp_path):
 
 
 def test_a_done_scene_is_what_was_asked(tmp_path):
-    """What is typed while it is computed does not change the scene that is exported."""
+    """What is typed while it is computed does not change the scene that is exported; its
+    chart has the numbers of the result, with their bands.
+    """
     content = scene()
     done = compute("friction", content, Folder(tmp_path))
     content["contact"]["pressure"] = "9 MPa"
     assert isinstance(done, Done)
     assert done.content["contact"]["pressure"] == "0.3 MPa"
+
+    figure, result = done.figure(), done.result
+    (chart,) = figure.charts
+    assert chart.title == "Friction, epdm-70"
+    assert chart.options["xAxis"]["type"] == "log"
+    assert chart.options["tooltip"]["trigger"] == "axis"
+    lines = [
+        each
+        for each in chart.options["series"]
+        if each["type"] == "line" and len(each["data"]) == SPAN["points"]
+    ]
+    band = result.error + result.model_error
+    for i, name in enumerate(("0 °C", "20 °C")):
+        (line, *beyond) = [each for each in lines if each["name"].startswith(name)]
+        points = np.array([line["data"], *(each["data"] for each in beyond)], float)
+        known = np.nanmax(points, axis=0)  # dotted beyond the material's range
+        mu = result.mu[i]
+        assert known == pytest.approx(
+            np.array([result.velocity[i], mu, mu - band[i], mu + band[i]]).T, rel=1e-12
+        )
+        assert line["name"] in chart.options["legend"]["data"]
+    assert figure.saved("csv") == done.csv()
+    assert figure.saved("svg").startswith(b"<?xml")
+
+
+def test_charts_of_a_fit():
+    """Isotherms are switched off by their temperature; texts are plain; the points can
+    be saved.
+    """
+    from elastomdr.app.chart import drawn, plain
+    from elastomdr.fit.figures import draw_master, draw_shifts
+
+    assert plain(r"Reduced time $t/a_T$ [s]") == "Reduced time t/a_T [s]"
+    dma = em.read_dma(SAMPLE / "dma.csv")
+    master = em.fit.master_curve(dma, 293.15)
+    figure = drawn(draw_master(master))
+    (chart,) = figure.charts
+    assert chart.options["xAxis"]["name"] == "Reduced angular frequency ω a_T [rad/s]"
+    isotherms = [each for each in chart.options["series"] if each["type"] == "scatter"]
+    assert {"0 °C", "20 °C, ref."} <= {each["name"] for each in isotherms}
+    ten = [
+        point for each in isotherms if each["name"] == "10 °C" for point in each["data"]
+    ]
+    chosen = master.temperature[master.isotherm] == 283.15
+    assert sorted(map(tuple, ten)) == sorted(
+        [
+            *zip(master.omega[chosen], master.storage[chosen], strict=True),
+            *zip(master.omega[chosen], master.loss[chosen], strict=True),
+        ]
+    )
+    assert b"curve,Reduced angular frequency" in figure.saved("csv")
+    shifts, *_ = drawn(draw_shifts(master)).charts
+    assert shifts.options["yAxis"]["name"] == "Shift factor log₁₀ a_T [-]"
+    assert shifts.options["tooltip"]["trigger"] == "item"

@@ -19,9 +19,17 @@ from .browser import PROGRAM, Browser, wait
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
 SHOWN = (
-    "[...document.querySelectorAll('img.figure')].filter(e => e.offsetParent && "
-    "e.complete && e.naturalWidth).length"
+    "[...document.querySelectorAll('.picture')].filter(e => e.offsetParent && "
+    "e.querySelector('canvas')).length"
 )
+POINTED = """(() => {
+    const element = [...document.querySelectorAll('.chart')].find(e => e.offsetParent);
+    const chart = getElement(Number(element.id.slice(1))).chart;
+    const [x, y] = chart.getOption().series[0].data[1];
+    const [left, top] = chart.convertToPixel({ xAxisIndex: 0, yAxisIndex: 0 }, [x, y]);
+    chart.dispatchAction({ type: 'showTip', x: left, y: top });
+    return element.innerText;
+})()"""
 WIDE = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 CUT = """[...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].filter(e => e.offsetParent
     && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.words, .frame, .scroll')).length"""
@@ -128,6 +136,10 @@ def test_from_files_to_friction(address, tmp_path):
         )
         browser.press("Enter", 13)
         browser.until(f"{SHOWN} == 1")
+        # value and band of each curve at the pointer
+        browser.until(
+            f"/Sliding velocity.*\\n.*\\n.*0 °C.* [(].* to .*[)]/.test({POINTED})"
+        )
         # is no friction, which takes some words
         browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "dma.csv")
         browser.until(

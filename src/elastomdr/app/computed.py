@@ -174,7 +174,9 @@ class ComputedStage:
                 self._busy = ui.linear_progress(show_value=False).props("indeterminate")
                 self._busy.visible = False
                 self._old, self._notes = mark_of_age(), Notes()
-                self._picture = Picture(f"{screen.key}: the computed curves")
+                self._picture = Picture(
+                    f"{screen.key}: the computed curves", screen.key
+                )
                 self._table = ui.element("div")
                 self._words = Words()
         ui.timer(0.05, self._show_again, once=True)

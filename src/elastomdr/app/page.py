@@ -80,14 +80,14 @@ class ExportStage:
 
     def _made(self, stem: str, done: Done, ending: str) -> Any:
         if ending in ("png", "svg"):
-            return done.figure(ending)
+            return done.figure().saved(ending)
         if ending == "zip":
             return bundle(done, self._session.folder, stem, self._notes(done))
         return {"csv": done.csv, "tir": done.tir, "xlsx": done.excel}[ending]()
 
 
 _STAGES = ("Rubber", "Road", "Friction", "Compare", "Rolling", "Export")
-_STYLE = Path(__file__).parent / "style.css"
+_HERE = Path(__file__).parent
 
 
 def page(sessions: Sessions) -> "Page":
@@ -97,7 +97,9 @@ def page(sessions: Sessions) -> "Page":
         request.query_params.get("session") if request is not None else None
     )
     session.shown_by(ui.context.client)
-    ui.add_css(_STYLE.read_text(encoding="utf-8"))
+    ui.add_css(_HERE.joinpath("style.css").read_text(encoding="utf-8"))
+    script = _HERE.joinpath("chart.js").read_text(encoding="utf-8")
+    ui.add_head_html(f"<script>{script}</script>")
     ui.colors(primary="#1f5a94")
     ui.run_javascript(f"history.replaceState(null, '', '?session={session.name}')")
     return Page(session)

@@ -15,8 +15,8 @@ from ..cli import bodies as kinds
 from ..cli.schema import Table, decode
 from ..errors import InputError
 from ..results.plot_contacts import draw_cutoffs
+from .chart import drawn
 from .form import Form
-from .scene import image
 from .security import Folder
 from .session import DRAWING, Session
 from .stage import SAMPLE, Notes, Picture, Words, drop, worked
@@ -67,7 +67,8 @@ class RoadStage:
                 )
             with ui.element("div").classes("right"):
                 self._picture = Picture(
-                    "Spectrum of the road, and its rms slope down to each wavelength"
+                    "Spectrum of the road, and its rms slope down to each wavelength",
+                    "road",
                 )
                 self._sliders = {name: self._slider(name) for name in _NAMES}
                 self._notes, self._words = Notes(), Words()
@@ -152,7 +153,7 @@ class RoadStage:
         self._notes.show(())
 
     def _show(self, seen: dict[str, Any]) -> None:
-        self._picture.show(seen["svg"])
+        self._picture.show(seen["drawn"])
         self._words.show(seen["words"])
         self._notes.show(seen["report"])
         for name, slider in self._sliders.items():
@@ -185,9 +186,8 @@ def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
         f"{float(road.rms_slope) / math.sqrt(2):.4g}\n"
         f"wavelengths  {_length(waves[0])} to {_length(waves[1])}"
     )
-    svg = image(draw_cutoffs(road, whole))
     return {
-        "svg": svg,
+        "drawn": drawn(draw_cutoffs(road, whole)),
         "words": words,
         "report": list(getattr(road, "report", ())),
         "cutoffs": waves,

@@ -18,8 +18,8 @@ from ..cli.schema import Several, Table, Text, decode
 from ..cli.units import Temperature
 from ..errors import InputError
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
+from .chart import Drawn, drawn
 from .form import Form
-from .scene import image
 from .session import COMPUTING, DRAWING, Session
 from .stage import BUTTON, SAMPLE, Notes, Picture, Words, drop, mark_of_age, worked
 
@@ -162,7 +162,7 @@ class Fitted:
     command: str
     summary: str
     warnings: tuple[str, ...]
-    figures: dict[str, bytes] = field(repr=False)
+    figures: dict[str, Drawn] = field(repr=False)
     fit: Any = field(repr=False)
     asked: dict[str, Any] = field(repr=False)  # as it was filled in
 
@@ -204,7 +204,7 @@ class RubberStage:
                 self._busy.visible = False
                 self._old, self._notes = mark_of_age(), Notes()
                 self._pictures = {
-                    key: Picture(about)
+                    key: Picture(about, key)
                     for key, about in (
                         ("master", "Master curve with the fitted series"),
                         ("shifts", "Shift factors against temperature"),
@@ -359,14 +359,14 @@ def _given(asked: Fit, keys: tuple[str, ...]) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None}
 
 
-def figures(fit: Any) -> dict[str, bytes]:
-    """Master curve, shifts and spectrum of a fit as SVG images."""
+def figures(fit: Any) -> dict[str, Drawn]:
+    """Master curve, shifts and spectrum of a fit."""
     found = {
-        "master": image(draw_prony(fit.prony)),
-        "spectrum": image(draw_spectrum(fit.prony)),
+        "master": drawn(draw_prony(fit.prony)),
+        "spectrum": drawn(draw_spectrum(fit.prony)),
     }
     if fit.master.temperature.size > 1:
-        found["shifts"] = image(draw_shifts(fit.master))
+        found["shifts"] = drawn(draw_shifts(fit.master))
     return found
 
 

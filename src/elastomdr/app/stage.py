@@ -3,9 +3,9 @@ event loop.
 """
 
 import asyncio
-import base64
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,8 +14,9 @@ from nicegui import events, ui
 import elastomdr as em
 
 from ..errors import InputError
+from .chart import Chart, Drawn
 from .security import MOST_BYTES
-from .session import Session
+from .session import DRAWING, Session
 
 # where the wheel has them; a checkout has them among its examples
 _OWN = Path(__file__).parent / "data"
@@ -113,25 +114,73 @@ def mark_of_age() -> ui.label:
 
 
 class Picture:
-    """A figure, as an image with a description."""
+    """A figure that one can point at, with what saves it; `about` is read out in place
+    of it, `stem` begins the names of its files.
+    """
 
-    def __init__(self, about: str):
-        with ui.element("div").classes("frame"):
-            self._image = ui.element("img").classes("figure").props(f'alt="{about}"')
-        self._image.visible = False
+    def __init__(self, about: str, stem: str):
+        self._about, self._stem = about, stem
+        self._drawn: Drawn | None = None
+        self._panels: list[ui.echart] = []
+        self._texts: list[tuple[ui.label, ui.label]] = []
+        self._place = ui.element("div").classes("picture")
+        with ui.element("div").classes("buttons save") as self._save:
+            ui.label("Save as").classes("about")
+            for kind in ("png", "svg", "csv"):
+                button = ui.button(kind.upper(), on_click=partial(self._give, kind))
+                button.props(f'flat dense aria-label="Save as {kind.upper()}"')
+        self._place.visible = self._save.visible = False
 
     @property
     def shown(self) -> bool:
         """Whether there is a figure."""
-        return self._image.visible
+        return self._drawn is not None
 
-    def show(self, svg: bytes | None) -> None:
-        """Shows an SVG image, or nothing."""
-        self._image.visible = svg is not None
-        if svg is not None:
-            self._image.props["src"] = (
-                f"data:image/svg+xml;base64,{base64.b64encode(svg).decode()}"
+    def show(self, drawn: Drawn | None) -> None:
+        """Shows a figure, or nothing; one of the same curves stays zoomed as it is."""
+        same = _curves(drawn) == _curves(self._drawn)
+        self._drawn = drawn
+        self._place.visible = self._save.visible = drawn is not None
+        if drawn is None:
+            return
+        if not same:
+            self._place.clear()
+            with self._place:
+                made = [self._panel(chart) for chart in drawn.charts]
+            self._panels = [panel for panel, _ in made]
+            self._texts = [texts for _, texts in made]
+        for chart, panel, texts in zip(
+            drawn.charts, self._panels, self._texts, strict=True
+        ):
+            texts[0].text, texts[1].text = chart.title, "\n".join(chart.notes)
+            if same:
+                panel.options.update(chart.options)
+                panel.update()
+            panel.client.run_javascript(f"elastomdr.label({panel.id})")
+
+    def _panel(self, chart: Chart) -> tuple[ui.echart, tuple[ui.label, ui.label]]:
+        with ui.element("figure").classes("panel"):
+            texts = (
+                ui.label().classes("panel-title"),
+                ui.label().classes("panel-notes"),
             )
+            panel = ui.echart(dict(chart.options)).classes("chart")
+            panel.props(f'role=img aria-label="{self._about}"')
+        return panel, texts
+
+    async def _give(self, kind: str) -> None:
+        if self._drawn is not None:
+            content = await worked(DRAWING, self._drawn.saved, kind)
+            ui.download.content(content, f"{self._stem}.{kind}")
+
+
+def _curves(drawn: Drawn | None) -> list[tuple[str, str]] | None:
+    """What is drawn, without its numbers."""
+    return drawn and [
+        (each["type"], each["name"])
+        for chart in drawn.charts
+        for each in chart.options["series"]
+    ]
 
 
 class Notes:
