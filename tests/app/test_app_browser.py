@@ -109,9 +109,7 @@ def test_from_files_to_friction(address, tmp_path):
         browser.until(f"{SHOWN} == 1")
         browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "road.csv")
         # never guessed
-        browser.until(
-            "document.body.innerText.includes('[surface] convention is missing')"
-        )
+        browser.until("document.body.innerText.includes('Convention of C is missing')")
         browser.click("Use sample road")
         browser.until("document.body.innerText.includes('0.8034')")
         slider = (

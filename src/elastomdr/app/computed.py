@@ -37,6 +37,7 @@ from .stage import (
     material_names,
     worked,
 )
+from .words import spoken
 
 _FRICTION = (
     "temperature",
@@ -157,9 +158,9 @@ class ComputedStage:
                         sample,
                     )
                 if screen.key == "rolling":
-                    ui.select(_LABELS, value=self._key, label="what").classes(
-                        "field"
-                    ).on_value_change(self._other_kind)
+                    ui.select(
+                        _LABELS, value=self._key, label="What is computed"
+                    ).classes("field").on_value_change(self._other_kind)
                 self._place = ui.element("div")
                 self._draw_form()
                 with ui.element("div").classes("buttons"):
@@ -350,7 +351,8 @@ class ComputedStage:
         if run != self._run:
             return
         self._notes.show(done.warnings)
-        self._words.show("\n".join(filter(None, (done.result.summary(), done.more))))
+        said = "\n".join(filter(None, (done.result.summary(), done.more)))
+        self._words.show(spoken(said))
         if self._screen.key == "compare":
             self._rank(done.result)
         self._picture.show(figure)

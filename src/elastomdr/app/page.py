@@ -45,13 +45,14 @@ class ExportStage:
             ui.label(stem.capitalize()).classes("lead").props(
                 "role=heading aria-level=2"
             )
-            ui.label(f"elastomdr {done.verb} {stem}.toml --out out").classes("command")
+            ui.label(
+                "The scene gives the same numbers on the command line and in Python; "
+                "its first line says how."
+            ).classes("about")
             if beside:
                 ui.label(
-                    f"It reads, beside it: {', '.join(beside)}. The zip archive "
-                    "has "
-                    "them."
-                )
+                    f"It reads, beside it: {', '.join(beside)}. The zip archive has them."
+                ).classes("about")
             with ui.element("div").classes("buttons"):
                 scene = text.encode()
                 ui.button(

@@ -20,6 +20,7 @@ from .form import Form
 from .security import Folder
 from .session import DRAWING, Session
 from .stage import SAMPLE, Notes, Picture, Words, drop, worked
+from .words import path_of, title
 
 _NAMES = ("[surface] longest", "[surface] shortest")
 _FIRST = (
@@ -75,7 +76,7 @@ class RoadStage:
         ui.timer(0.05, self.redraw, once=True)
 
     def _slider(self, name: str) -> ui.slider:
-        label = f"{name.split()[-1]} wavelength kept"
+        label = title(path_of(name))
         above = ui.label(label).classes("slider-label")
         slider = ui.slider(min=-7.0, max=0.0, step=0.01, value=-3.0).props(
             f'aria-label="{label}"'

@@ -22,6 +22,7 @@ from .chart import Drawn, drawn
 from .form import Form
 from .session import COMPUTING, DRAWING, Session
 from .stage import BUTTON, SAMPLE, Notes, Picture, Words, drop, mark_of_age, worked
+from .words import quoted, spoken
 
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _INNER = r"(?:[^()]|\([^()]*\))*"
@@ -295,7 +296,7 @@ class RubberStage:
         self._notes.show(fitted.warnings)
         for key, picture in self._pictures.items():
             picture.show(fitted.figures.get(key))
-        self._words.show(f"{fitted.summary}\n\n{fitted.command}")
+        self._words.show(in_fields(fitted.summary))
 
 
 def calculate(content: dict[str, Any], session: Session) -> Fitted:
@@ -388,7 +389,7 @@ def in_fields(message: str) -> str:
         "",
         re.sub(_ADVICE, lambda found: _spoken(found[1] or found[2]), message),
     )
-    return re.sub(r"--([a-z]+)", r"\1", message)
+    return spoken(re.sub(r"--([a-z-]+)", _field, message))
 
 
 def _spoken(options: str) -> str:
@@ -397,8 +398,13 @@ def _spoken(options: str) -> str:
     text = re.sub(
         r"(?<!or) --(column )?", lambda more: ", " if more[1] else ", --", text
     )
-    text = re.sub(r"--no-([a-z]+)", r"\1: no", text)
-    return re.sub(r"--([a-z-]+)", lambda option: option[1].replace("-", " "), text)
+    text = re.sub(r"--no-([a-z]+)", lambda option: f"{_field(option)}: no", text)
+    return re.sub(r"--([a-z-]+)", _field, text)
+
+
+def _field(option: re.Match[str]) -> str:
+    """What the page calls an option of the command line."""
+    return quoted(option[1].replace("-", "_"))
 
 
 def _for_form(message: str) -> str:

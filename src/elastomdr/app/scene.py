@@ -22,10 +22,12 @@ import elastomdr as em
 from .. import __version__
 from ..cli.compute import how_drawn
 from ..cli.kinds import decoded
+from ..cli.scene import models_by_name
 from ..cli.schema import named
 from ..errors import InputError
 from .chart import Drawn, drawn
 from .security import Folder
+from .words import spoken
 
 _FILES = ("file", "measured", "friction")  # keys that name a file beside the scene
 
@@ -145,7 +147,7 @@ def compute(
         em.ModelWarning,
         em.fit.FitWarning,
     )
-    with warnings.catch_warnings(record=True) as caught:
+    with warnings.catch_warnings(record=True) as caught, models_by_name():
         for kind in ours:
             warnings.simplefilter("always", kind)
         arguments = scene.arguments(folder.path)
@@ -171,7 +173,9 @@ def compute(
                 result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
     texts = tuple(
         dict.fromkeys(
-            str(each.message) for each in caught if issubclass(each.category, ours)
+            spoken(str(each.message))
+            for each in caught
+            if issubclass(each.category, ours)
         )
     )
     return Done(verb, content, result, texts, plot_options, content)
