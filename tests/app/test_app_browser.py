@@ -38,6 +38,7 @@ LONG = (
     "[...document.querySelectorAll('.q-field--error .q-field__messages')].filter(e => "
     "e.offsetParent)"
 )
+HERE = ".q-tab-panel:not([style*='none'])"
 ALERTS = "[...document.querySelectorAll('.alert')].filter(e => e.offsetParent)"
 BELOW = f"{LONG}[0].closest('.field').parentElement.nextElementSibling"
 
@@ -100,10 +101,14 @@ def test_from_files_to_friction(address, tmp_path):
     browser = Browser()
     try:
         browser.open(address)
+        browser.until(
+            f"{SHOWN} == 1 && document.querySelectorAll('.result').length == 5"
+        )
+        browser.click("My rubber")
         (tmp_path / "none.csv").touch()
-        browser.drop(".q-tab-panel", tmp_path / "none.csv")
+        browser.drop(HERE, tmp_path / "none.csv")
         browser.until(f"{ALERTS}.some(e => e.innerText.includes('is empty'))")
-        browser.drop(".q-tab-panel", SAMPLE / "dma.csv")
+        browser.drop(HERE, SAMPLE / "dma.csv")
         browser.until(f"{SHOWN} >= 3 && !{ALERTS}.length")
         browser.click("Road")
         browser.until(f"{SHOWN} == 1")
@@ -158,7 +163,7 @@ def test_from_files_to_friction(address, tmp_path):
         assert content["surface"]["file"] == "road.csv"
         for width in (390, 1280):  # nothing is cut
             browser.resize(width)
-            for stage in ("Rubber", "Road", "Friction", "Export"):
+            for stage in ("Start", "Rubber", "Road", "Friction", "Export"):
                 find = f"find(e => e.innerText.trim() == '{stage}')"
                 browser.js(
                     f"[...document.querySelectorAll('[role=tab]')].{find}.click()"

@@ -20,8 +20,20 @@ from ..errors import InputError
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
 from .chart import Drawn, drawn
 from .form import Form
+from .scene import CancelledError
 from .session import COMPUTING, DRAWING, Session
-from .stage import BUTTON, SAMPLE, Notes, Picture, Words, drop, mark_of_age, worked
+from .shifts import ShiftEditor
+from .stage import (
+    BUTTON,
+    SAMPLE,
+    Busy,
+    Notes,
+    Picture,
+    Words,
+    drop,
+    mark_of_age,
+    worked,
+)
 from .words import quoted, spoken
 
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
@@ -173,6 +185,7 @@ class RubberStage:
 
     def __init__(self, session: Session, changed: Any):
         self._session, self._changed = session, changed
+        self._fitted: Any = None
         self._shown: dict[str, Any] = {}  # what was asked of the fit that is shown
         session.rubber.setdefault("data", [])
         with ui.element("div").classes("stage"):
@@ -200,9 +213,8 @@ class RubberStage:
                 self._button = ui.button("Fit material", on_click=self.fit).props(
                     BUTTON
                 )
+                self._busy = Busy()
             with ui.element("div").classes("right"):
-                self._busy = ui.linear_progress(show_value=False).props("indeterminate")
-                self._busy.visible = False
                 self._old, self._notes = mark_of_age(), Notes()
                 self._pictures = {
                     key: Picture(about, key)
@@ -212,6 +224,7 @@ class RubberStage:
                         ("spectrum", "Relaxation spectrum, and residuals of the fit"),
                     )
                 }
+                self._editor = ShiftEditor(self._edited, self._use)
                 self._words = Words()
         last = list(session.fits.values())[-1:]
         if last and last[0].asked == session.rubber:
@@ -255,21 +268,22 @@ class RubberStage:
         """Reads the files and fits a material, or says beside a field what is wrong
         with it.
         """
+        if self._busy.on:
+            return
         self._session.touch()
         self.form.clear_errors()
         self._clear()
-        self._busy.visible = True
         self._button.disable()
         try:
-            fitted = await worked(
-                COMPUTING, calculate, copy.deepcopy(self._session.rubber), self._session
-            )
+            asked = copy.deepcopy(self._session.rubber)
+            fitted = await self._busy.during(COMPUTING, calculate, asked, self._session)
             fitted.figures = await worked(DRAWING, figures, fitted.fit)
         except InputError as error:
             self.form.show_error(_for_form(str(error)))
             return
+        except CancelledError:
+            return
         finally:
-            self._busy.visible = False
             self._button.enable()
         self._session.fits.pop(fitted.name, None)
         self._session.fits[fitted.name] = fitted
@@ -287,6 +301,7 @@ class RubberStage:
         self._old.visible = False
         self._notes.show(())
         self._words.show("")
+        self._editor.edit(None)
         for picture in self._pictures.values():
             picture.show(None)
 
@@ -296,7 +311,22 @@ class RubberStage:
         self._notes.show(fitted.warnings)
         for key, picture in self._pictures.items():
             picture.show(fitted.figures.get(key))
+        self._editor.edit(fitted.fit.master)
+        self._fitted = fitted
         self._words.show(in_fields(fitted.summary))
+
+    def _edited(self, figures: dict[str, Drawn] | None) -> None:
+        """Shows figures with isotherms shifted by hand, or those of the fit."""
+        shown = self._fitted.figures if figures is None else figures
+        for key in shown.keys() & {"master", "shifts"}:
+            self._pictures[key].show(shown[key])
+
+    async def _use(self, factors: bytes) -> None:
+        """Fits with shift factors that were found by hand."""
+        name = self._session.folder.keep("shifts.csv", factors, anew=True)
+        self._session.rubber["shift"] = name
+        self.form.draw()
+        await self.fit()
 
 
 def calculate(content: dict[str, Any], session: Session) -> Fitted:

@@ -32,8 +32,10 @@ from .words import spoken
 _FILES = ("file", "measured", "friction")  # keys that name a file beside the scene
 
 
-class CancelledError(Exception):
-    """Raised where a computation is stopped by its user."""
+class CancelledError(BaseException):
+    """Raised where a computation is stopped by its user; as an interrupt from the
+    keyboard, nothing but who started the computation may catch it.
+    """
 
 
 @dataclass

@@ -3,6 +3,10 @@ event loop.
 """
 
 import asyncio
+import ctypes
+import math
+import threading
+import time
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -15,21 +19,217 @@ import elastomdr as em
 
 from ..errors import InputError
 from .chart import Chart, Drawn
+from .scene import CancelledError
 from .security import MOST_BYTES
 from .session import DRAWING, Session
 
 # where the wheel has them; a checkout has them among its examples
 _OWN = Path(__file__).parent / "data"
+DOCS = _OWN if _OWN.is_dir() else Path(__file__).parents[3] / "docs"
 SAMPLE = _OWN if _OWN.is_dir() else Path(__file__).parents[3] / "examples" / "data"
 
 
 T = TypeVar("T")
 BUTTON = "no-caps unelevated"
+_PATIENCE = 2.0  # seconds before it is said how long something takes
 
 
 async def worked(pool: Executor, call: Callable[..., T], *arguments: Any) -> T:
     """The result of a call that is made in a thread of its own."""
     return await asyncio.get_running_loop().run_in_executor(pool, call, *arguments)
+
+
+class _Work:
+    """A call in another thread, which can be stopped as Ctrl-C stops a command."""
+
+    def __init__(self) -> None:
+        self._lock, self._thread, self._stopped = threading.Lock(), 0, False
+
+    def __call__(self, call: Callable[..., T], *arguments: Any) -> T:
+        with self._lock:
+            if self._stopped:
+                raise CancelledError
+            self._thread = threading.get_ident()
+        try:
+            return call(*arguments)
+        finally:
+            with self._lock:
+                self._thread = 0
+
+    def stop(self) -> None:
+        """Raises `CancelledError` in the thread, as soon as it is back in Python."""
+        with self._lock:
+            self._stopped = True
+            if self._thread:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                    ctypes.c_ulong(self._thread), ctypes.py_object(CancelledError)
+                )
+
+
+class Busy:
+    """Shows that something is computed, since when and how long it may still take, and
+    stops it.
+    """
+
+    def __init__(self) -> None:
+        self._work: _Work | None = None
+        self._stopping: asyncio.Future[None] | None = None
+        self._began = self._share = self._last = 0.0
+        with ui.element("div").classes("busy") as self._place:
+            self._bar = ui.linear_progress(0.0, show_value=False)
+            self._bar.props('aria-label="Progress"')
+            self._text = ui.label().classes("about")
+            ui.button("Stop", on_click=self.stop).props(f"{BUTTON} outline")
+        self._place.visible = False
+        self._timer = ui.timer(0.5, self._tick, active=False)
+
+    @property
+    def on(self) -> bool:
+        """Whether something is being computed."""
+        return self._work is not None
+
+    def progress(self, done: int, total: int) -> None:
+        """Notes how much of it is done; may be called by any thread."""
+        self._share = done / max(total, 1)
+
+    def stop(self) -> None:
+        """Stops it; who waits for it gets a `CancelledError`."""
+        if self._work is not None and self._stopping is not None:
+            self._work.stop()
+            if not self._stopping.done():
+                self._stopping.set_result(None)
+
+    async def during(
+        self,
+        pool: Executor,
+        call: Callable[..., T],
+        *arguments: Any,
+        quiet: bool = False,
+    ) -> T:
+        """The result of a call that is made in a thread of its own; `quiet` shows
+        nothing.
+        """
+        loop = asyncio.get_running_loop()
+        self._work, self._stopping = _Work(), loop.create_future()
+        self._began, self._share = time.monotonic(), 0.0
+        self._tick()
+        self._place.visible = self._timer.active = not quiet
+        try:
+            result = loop.run_in_executor(pool, self._work, call, *arguments)
+            await asyncio.wait(
+                (result, self._stopping), return_when=asyncio.FIRST_COMPLETED
+            )
+            if self._stopping.done():
+                result.add_done_callback(lambda stopped: stopped.exception())
+                raise CancelledError
+            found = await result
+            self._last = time.monotonic() - self._began
+            return found
+        finally:
+            self._work = self._stopping = None
+            self._place.visible = self._timer.active = False
+
+    def _tick(self) -> None:
+        """Says how long it takes, from what is done or from the time before."""
+        spent = time.monotonic() - self._began
+        whole = spent / self._share if 0 < self._share < 1 else self._last
+        known = whole > spent
+        self._bar.props(
+            "" if known else "indeterminate", remove="indeterminate" if known else ""
+        )
+        self._bar.value = spent / whole if known else 0.0
+        left = f", about {whole - spent:.0f} s left" if known else ""
+        self._text.text = f"{spent:.0f} s{left}" if spent > _PATIENCE else ""
+
+
+class Latest:
+    """Does work for the last of the requests that come while it is being done."""
+
+    def __init__(self, work: Callable[[], Awaitable[None]]):
+        self._work = work
+        self._wanted = self._done = 0
+
+    async def __call__(self) -> None:
+        """Asks for the work; returns at once where others are asking already."""
+        self._wanted += 1
+        if self._wanted > self._done + 1:
+            return
+        while self._done < self._wanted:
+            now = self._wanted
+            try:
+                await self._work()
+            finally:
+                self._done = now
+
+
+class Slider:
+    """A quantity on a logarithmic or linear scale, with its value; `moved` is called
+    with the value while it is moved.
+    """
+
+    def __init__(
+        self,
+        label: str,
+        limits: tuple[float, float],
+        text: Callable[[float], str],
+        moved: Callable[[float], Any],
+        *,
+        logarithmic: bool = True,
+    ):
+        self._text, self._logarithmic = text, logarithmic
+        with ui.element("div").classes("slider") as self._place:
+            ui.label(label)
+            self._value = ui.label().classes("value")
+            low, high = (self._at(limit) for limit in limits)
+            step = (high - low) / 200
+            self._slider = ui.slider(min=low, max=high, step=step, value=low)
+            self._slider.props(f'aria-label="{label}"')
+
+        def changed(event: Any) -> None:
+            value = self._of(float(event.args))
+            self._value.text = text(value)
+            moved(value)
+
+        self._slider.on(
+            "update:model-value", changed, throttle=0.05, leading_events=False
+        )
+
+    @property
+    def value(self) -> float:
+        """The quantity."""
+        return self._of(float(self._slider.value))
+
+    def set(self, value: float, limits: tuple[float, float] | None = None) -> None:
+        """Shows a value, between other limits where these are given."""
+        if limits is not None:
+            low, high = (self._at(limit) for limit in limits)
+            self._slider.props["min"], self._slider.props["max"] = low, high
+            self._slider.props["step"] = (high - low) / 200
+        self._slider.value = self._at(value)
+        self._value.text = self._text(value)
+
+    def show(self, shown: bool) -> None:
+        """Shows or hides it."""
+        self._place.visible = shown
+
+    def _at(self, value: float) -> float:
+        return math.log10(value) if self._logarithmic else value
+
+    def _of(self, place: float) -> float:
+        return 10**place if self._logarithmic else place
+
+
+def length(metres: float) -> str:
+    """A length as it is typed."""
+    unit, size = next(
+        (
+            (u, s)
+            for u, s in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6))
+            if metres >= 0.9995 * s
+        ),
+        ("nm", 1e-9),
+    )
+    return f"{metres / size:.3g} {unit}"
 
 
 def material_names(session: Session) -> dict[str, str]:

@@ -244,6 +244,7 @@ def spoken(message: str) -> str:
     )
     message = message.replace("In a scene, titles", "Titles")
     message = message.replace(" beside the scene", " that was dropped here")
+    message = re.sub(r"degC(?= {2})", "°C  ", message)  # columns stay in line
     return message.replace("degC", "°C")
 
 
