@@ -129,6 +129,7 @@ def _start() -> dict[str, dict[str, Any]]:
                 "viscosity": "50 mPa*s",
                 "length": "1 mm",
                 "width": "160 mm",
+                "time": ["1 min", "30 day", "3650 day"],
             },
         },
         "rolling": {
