@@ -202,7 +202,7 @@ class SurfaceModel(Model, ABC):
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: tuple[Tables, float] | None,
+        table: Tables | None,
         local: Local,
     ) -> Waves:
         """Friction wave by wave, `elastomdr.rough.multiscale.Waves`."""
@@ -463,7 +463,7 @@ class Multiscale(_ClosedIntegrals):
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: tuple[Tables, float] | None,
+        table: Tables | None,
         local: Local,
     ) -> Waves:
         from .rough.multiscale import waves_of_multiscale
@@ -521,7 +521,7 @@ class Persson(_ClosedIntegrals):
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: tuple[Tables, float] | None,
+        table: Tables | None,
         local: Local,
     ) -> Waves:
         from .rough.multiscale import waves_of_persson
