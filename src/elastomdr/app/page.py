@@ -121,6 +121,7 @@ def page(sessions: Sessions) -> "Page":
 def _help() -> None:
     """Shows the page of the docs about this page."""
     text = DOCS.joinpath("app.md").read_text(encoding="utf-8")
+    text = text[text.index("| screen |") :]  # what stands before is to open the page
     text = re.sub(r"!\[.*?\]\(.*?\)\n+\*.*?\*\n", "", text, flags=re.DOTALL)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     with ui.dialog() as dialog, ui.element("div").classes("help"):
@@ -143,7 +144,9 @@ class Page:
             ):
                 for stage in _STAGES:
                     ui.tab(stage)
-            ui.button("Help", on_click=_help).props("flat dense no-caps")
+            ui.button("Help", on_click=_help).props("flat dense no-caps").classes(
+                "to-help"
+            )
         with ui.tab_panels(
             self._tabs,
             value=session.place or _STAGES[0],

@@ -36,6 +36,11 @@ from .stage import (
 )
 from .words import quoted, spoken
 
+_ABOUT = (
+    ("master", "Master curve with the fitted series"),
+    ("shifts", "Shift factors against temperature"),
+    ("spectrum", "Relaxation spectrum, and residuals of the fit"),
+)
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _INNER = r"(?:[^()]|\([^()]*\))*"
 _ADVICE = re.compile(  # for Python, then for the command line
@@ -216,15 +221,11 @@ class RubberStage:
                 self._busy = Busy()
             with ui.element("div").classes("right"):
                 self._old, self._notes = mark_of_age(), Notes()
-                self._pictures = {
-                    key: Picture(about, key)
-                    for key, about in (
-                        ("master", "Master curve with the fitted series"),
-                        ("shifts", "Shift factors against temperature"),
-                        ("spectrum", "Relaxation spectrum, and residuals of the fit"),
-                    )
-                }
+                self._pictures = {key: Picture(about, key) for key, about in _ABOUT[:2]}
                 self._editor = ShiftEditor(self._edited, self._use)
+                self._pictures |= {
+                    key: Picture(about, key) for key, about in _ABOUT[2:]
+                }
                 self._words = Words()
         last = list(session.fits.values())[-1:]
         if last and last[0].asked == session.rubber:

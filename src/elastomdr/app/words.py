@@ -186,7 +186,7 @@ def hint(path: tuple[str, ...], meaning: str) -> str:
     if bar:
         return text
     said, word = meaning.lower(), own.lower()
-    return "" if said.rstrip(".") in word else meaning
+    return "" if said.rstrip(".") in word else spoken(meaning)
 
 
 def unit(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
