@@ -91,7 +91,7 @@ class Browser:
     def open(self, address: str) -> None:
         self.call("Page.navigate", url=address)
         self.until(
-            "document.querySelectorAll('.stage').length && window.socket?.connected"
+            "document.querySelectorAll('.start').length && window.socket?.connected"
         )
 
     def resize(self, width: int, height: int = 900) -> None:

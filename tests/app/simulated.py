@@ -23,9 +23,11 @@ def simulated(tmp_path, act):
                 await user.open(address)
                 return pages[-1]
 
-            await act(user, await opened(), opened)
-            for task in list(background_tasks.running_tasks):
-                task.cancel()
+            try:
+                await act(user, await opened(), opened)
+            finally:
+                for task in list(background_tasks.running_tasks):
+                    task.cancel()
 
     asyncio.run(all_of_it())
 

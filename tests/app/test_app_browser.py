@@ -19,9 +19,17 @@ from .browser import PROGRAM, Browser, wait
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
 SHOWN = (
-    "[...document.querySelectorAll('img.figure')].filter(e => e.offsetParent && "
-    "e.complete && e.naturalWidth).length"
+    "[...document.querySelectorAll('.picture')].filter(e => e.offsetParent && "
+    "e.querySelector('canvas')).length"
 )
+POINTED = """(() => {
+    const element = [...document.querySelectorAll('.chart')].find(e => e.offsetParent);
+    const chart = getElement(Number(element.id.slice(1))).chart;
+    const [x, y] = chart.getOption().series[0].data[1];
+    const [left, top] = chart.convertToPixel({ xAxisIndex: 0, yAxisIndex: 0 }, [x, y]);
+    chart.dispatchAction({ type: 'showTip', x: left, y: top });
+    return element.innerText;
+})()"""
 WIDE = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 CUT = """[...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].filter(e => e.offsetParent
     && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.words, .frame, .scroll')).length"""
@@ -30,6 +38,7 @@ LONG = (
     "[...document.querySelectorAll('.q-field--error .q-field__messages')].filter(e => "
     "e.offsetParent)"
 )
+HERE = ".q-tab-panel:not([style*='none'])"
 ALERTS = "[...document.querySelectorAll('.alert')].filter(e => e.offsetParent)"
 BELOW = f"{LONG}[0].closest('.field').parentElement.nextElementSibling"
 
@@ -92,18 +101,20 @@ def test_from_files_to_friction(address, tmp_path):
     browser = Browser()
     try:
         browser.open(address)
+        browser.until(
+            f"{SHOWN} == 1 && document.querySelectorAll('.result').length == 5"
+        )
+        browser.click("My rubber")
         (tmp_path / "none.csv").touch()
-        browser.drop(".q-tab-panel", tmp_path / "none.csv")
+        browser.drop(HERE, tmp_path / "none.csv")
         browser.until(f"{ALERTS}.some(e => e.innerText.includes('is empty'))")
-        browser.drop(".q-tab-panel", SAMPLE / "dma.csv")
+        browser.drop(HERE, SAMPLE / "dma.csv")
         browser.until(f"{SHOWN} >= 3 && !{ALERTS}.length")
         browser.click("Road")
         browser.until(f"{SHOWN} == 1")
         browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "road.csv")
         # never guessed
-        browser.until(
-            "document.body.innerText.includes('[surface] convention is missing')"
-        )
+        browser.until("document.body.innerText.includes('Convention of C is missing')")
         browser.click("Use sample road")
         browser.until("document.body.innerText.includes('0.8034')")
         slider = (
@@ -128,6 +139,10 @@ def test_from_files_to_friction(address, tmp_path):
         )
         browser.press("Enter", 13)
         browser.until(f"{SHOWN} == 1")
+        # value and band of each curve at the pointer
+        browser.until(
+            f"/Sliding velocity.*\\n.*\\n.*0 °C.* [(].* to .*[)]/.test({POINTED})"
+        )
         # is no friction, which takes some words
         browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "dma.csv")
         browser.until(
@@ -148,7 +163,7 @@ def test_from_files_to_friction(address, tmp_path):
         assert content["surface"]["file"] == "road.csv"
         for width in (390, 1280):  # nothing is cut
             browser.resize(width)
-            for stage in ("Rubber", "Road", "Friction", "Export"):
+            for stage in ("Start", "Rubber", "Road", "Friction", "Export"):
                 find = f"find(e => e.innerText.trim() == '{stage}')"
                 browser.js(
                     f"[...document.querySelectorAll('[role=tab]')].{find}.click()"

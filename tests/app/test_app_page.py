@@ -11,7 +11,7 @@ import pytest
 
 import elastomdr as em
 
-from .simulated import simulated
+from .simulated import simulated, until
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -166,7 +166,11 @@ def test_the_road_of_a_slip_curve(tmp_path):
         page._session.scenes["friction"]["surface"]["longest"] = "5 smoots"
         await page.rolling.compute()
         assert page._tabs.value == "Road"
-        assert "smoots" in page.road.form.widgets["[surface] longest"].error
+        longest = (
+            "[surface] longest"  # drawn anew with the value that was not typed there
+        )
+        await until(lambda: page.road.form.widgets[longest].error)
+        assert "smoots" in page.road.form.widgets[longest].error
         page._session.scenes["friction"]["surface"]["longest"] = "5 mm"
         page.rolling.form.set("[contact] slip", "0, 0.1")
         await page.rolling.compute()
@@ -174,7 +178,7 @@ def test_the_road_of_a_slip_curve(tmp_path):
         page.rolling.form.set("[contact] slip", "0.1")
         page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
         await page.rolling.compute()
-        assert "[heat]" in page.rolling.form.widgets["friction"].error
+        assert "“Thermal conductivity λ”" in page.rolling.form.widgets["friction"].error
 
     simulated(tmp_path, act)
 
@@ -207,3 +211,67 @@ def test_not_more_curves_than_can_be_told_apart(write):
     rows = "".join(f"1,{t},0.3\n" for t in np.arange(-40, 100, 10))
     many = write(f"velocity [m/s],temperature [degC],mu\n{rows}", "many.csv")
     assert _with_measured({"temperature": "20 degC"}, many) == "20 degC"
+
+
+def test_cutoffs_are_asked_for(tmp_path):
+    """Of a dropped spectrum, each within what was measured, with its rms slope."""
+    from elastomdr.app.road import look
+    from elastomdr.app.security import Folder
+    from elastomdr.app.session import Session
+
+    session = Session("one", Folder(tmp_path))
+    name = session.folder.keep("road.csv", SAMPLE.joinpath("road.csv").read_bytes())
+    asked = {"shape": "spectrum", "file": name, "convention": "2d"}
+    offers = look(asked, session)["offers"]
+    assert offers[0][:2] == ("5 mm", "100 um")
+    for longest, shortest, slope in offers:
+        seen = look(asked | {"longest": longest, "shortest": shortest}, session)
+        assert not seen["offers"]
+        said = float(seen["words"].split("rms slope")[1].split(",")[0])
+        assert slope == pytest.approx(said, rel=5e-3)
+
+
+def test_stop(tmp_path):
+    """What is computed ends at once, and the next computation goes on."""
+
+    async def act(user, page, opened):
+        begun, ended = [], []
+
+        def endless(content):
+            try:
+                begun.append(content)
+                while True:
+                    pass
+            finally:
+                ended.append(content)
+
+        stage = page.friction
+        stage._computed_as_asked = endless
+        task = asyncio.create_task(stage.compute())
+        await until(lambda: begun)
+        assert stage._busy.on
+        stage._busy.stop()
+        await task
+        await until(lambda: ended)
+        assert not stage._busy.on
+        assert not stage._picture.shown
+        stage._computed_as_asked = lambda content: content
+        assert await stage._busy.during(COMPUTING, stage._computed, "next") == "next"
+
+    from elastomdr.app.session import COMPUTING
+
+    simulated(tmp_path, act)
+
+
+def test_cards_of_a_result():
+    from elastomdr.app.cards import cards
+    from elastomdr.app.start import example
+
+    result = example().result
+    *tops, sure, surer = cards(result)
+    assert len(tops) == 3
+    for i, top in enumerate(tops):
+        assert top.number.startswith(f"{result.mu[i].max():.3g} ± ")
+    assert sure.title == "How sure"
+    assert 5 < float(sure.number.split()[1]) < 20
+    assert surer.notes

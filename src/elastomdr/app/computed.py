@@ -1,21 +1,25 @@
 """Screens that compute a scene: friction, comparison of compounds, rolling."""
 
 import copy
+import time
 import warnings
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 import elastomdr as em
 
 from ..cli.kinds import KINDS
+from ..cli.seals import LeakScene
 from ..cli.steady import SurfaceComparison, SurfaceFriction, WheelTraction
 from ..cli.units import Temperature
 from ..errors import InputError
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
+from . import cards
 from .form import Form
 from .scene import (
     COMPUTED,
@@ -26,9 +30,12 @@ from .scene import (
     without_empty,
 )
 from .session import COMPUTING, DRAWING, Session
+from .sliders import Sliders
 from .stage import (
     BUTTON,
     SAMPLE,
+    Busy,
+    Latest,
     Notes,
     Picture,
     Words,
@@ -37,6 +44,7 @@ from .stage import (
     material_names,
     worked,
 )
+from .words import spoken
 
 _FRICTION = (
     "temperature",
@@ -63,6 +71,7 @@ _TABLES = {
     },
     "compare": SurfaceComparison,
     "traction": WheelTraction,
+    "seal": LeakScene,
 }
 _LABELS = {
     "rolling": "Rolling resistance",
@@ -77,6 +86,7 @@ _ABOUT = {
         "name of a table does as well."
     ),
 }
+_FAST = 1.0  # processor seconds up to which curves follow a slider
 _MOST_CURVES = 8  # temperatures up to which those of dropped measurements are added
 
 
@@ -119,6 +129,22 @@ ROLLING = Screen(
     (),
     _ROLLING,
 )
+SEAL = Screen(
+    "seal",
+    "leak",
+    "What leaks through a static seal: a liquid, or a gas where an outlet pressure is "
+    "given.",
+    "Compute the leak",
+    ("material", "temperature", "surface", "leak", "uncertainty"),
+    (
+        "temperature",
+        "[surface] longest",
+        "[surface] shortest",
+        "[surface] rms_height",
+        "[leak] width",
+        "[leak] time",
+    ),
+)
 _SURE = {
     True: "significant",
     False: "not significant",
@@ -142,7 +168,9 @@ class ComputedStage:
             changed,
             elsewhere,
         )
-        self._key, self._run = screen.key, 0
+        self._follow = Latest(partial(self.compute, quiet=True))
+        self._key = screen.key
+        self._seconds = 0.0  # of processor time, of the last computation
         if screen.key == "rolling":
             self._key = session.rolling
         with ui.element("div").classes("stage"):
@@ -157,27 +185,31 @@ class ComputedStage:
                         sample,
                     )
                 if screen.key == "rolling":
-                    ui.select(_LABELS, value=self._key, label="what").classes(
-                        "field"
-                    ).on_value_change(self._other_kind)
+                    ui.select(
+                        _LABELS, value=self._key, label="What is computed"
+                    ).classes("field").on_value_change(self._other_kind)
                 self._place = ui.element("div")
                 self._draw_form()
                 with ui.element("div").classes("buttons"):
                     self._button = ui.button(
                         screen.button, on_click=self.compute
                     ).props(BUTTON)
-                    self._stop = ui.button("Stop", on_click=self._stopped).props(
-                        f"{BUTTON} outline"
-                    )
-                    self._stop.visible = False
+                self._busy = Busy()
             with ui.element("div").classes("right"):
-                self._busy = ui.linear_progress(show_value=False).props("indeterminate")
-                self._busy.visible = False
-                self._old, self._notes = mark_of_age(), Notes()
-                self._picture = Picture(f"{screen.key}: the computed curves")
+                self._old = mark_of_age()
+                self._cards = ui.element("div").classes("results")
+                self._sliders = (
+                    Sliders(session.scenes["friction"], self._slid)
+                    if screen.key == "friction"
+                    else None
+                )
+                self._notes = Notes()
+                self._picture = Picture(
+                    f"{screen.key}: the computed curves", screen.key
+                )
                 self._table = ui.element("div")
                 self._words = Words()
-        ui.timer(0.05, self._show_again, once=True)
+        ui.timer(0.05, self.show_again, once=True)
 
     def content(self) -> dict[str, Any]:
         """The scene as it is filled in."""
@@ -221,6 +253,7 @@ class ComputedStage:
             "other": rubbers,
             "measured": files,
             "[indenter] file": files,
+            "[surface] file": files,
         }
         self._place.clear()
         with self._place:
@@ -245,12 +278,12 @@ class ComputedStage:
             )
 
     async def _other_kind(self, event: Any) -> None:
-        self._stopped()
+        self._busy.stop()
         self._clear()
         self._key = event.value
         self._session.rolling = event.value
         self._draw_form()
-        await self._show_again()
+        await self.show_again()
 
     async def _sample(self) -> None:
         name = self._session.folder.keep(
@@ -275,65 +308,71 @@ class ComputedStage:
         )
         return done if same else None
 
-    async def _show_again(self) -> None:
+    async def show_again(self) -> None:
+        """Shows what has been computed before of what is filled in."""
         if (done := self._done()) is not None:
             await self._show(done)
 
     def _clear(self) -> None:
         """Takes away what has been computed of something else."""
         self._old.visible = False
+        cards.show(self._cards, [])
+        if self._sliders is not None:
+            self._sliders.read(None)
         self._notes.show(())
         self._picture.show(None)
         self._table.clear()
         self._words.show("")
 
-    def _stopped(self) -> None:
-        self._run += 1
-        self._release()
+    def _slid(self, name: str, text: str) -> None:
+        """Takes the value of a slider, and computes anew where that is fast."""
+        table, _, key = name.rpartition(" ")
+        if table == "[surface]":
+            self._session.scenes["friction"]["surface"][key] = text
+            self.look()
+        else:
+            self.form.set(name, text)
+        if self._picture.shown and self._seconds < _FAST:
+            background_tasks.create(self._follow(), name="follow a slider")
 
-    def _release(self) -> None:
-        self._busy.visible = self._stop.visible = False
-        self._button.enable()
-
-    async def compute(self) -> None:
-        """Computes the scene, or says beside a field what is wrong with it."""
-        if self._busy.visible:
+    async def compute(self, quiet: bool = False) -> None:
+        """Computes the scene, or says beside a field what is wrong with it; `quiet`
+        leaves what is shown until there is something else to show.
+        """
+        if self._busy.on:
             return
         self._session.touch()
         self.form.clear_errors()
-        self._clear()
-        self._busy.visible = self._stop.visible = True
-        self._button.disable()
-        self._run += 1
-        run = self._run
-
-        def progress(done: int, total: int) -> None:
-            if run != self._run:
-                raise CancelledError
-
+        if not quiet:
+            self._clear()
+            self._button.disable()
         try:
             content = copy.deepcopy(self.content())
-            done = await worked(COMPUTING, self._computed, content, progress)
-            if run != self._run:
-                return
+            done = await self._busy.during(
+                COMPUTING, self._computed, content, quiet=quiet
+            )
             self._session.done[self._screen.key] = done
             self._changed()
-            await self._show(done)
+            await self._show(done, quiet)
         except InputError as error:
-            if run == self._run and not (
-                str(error).startswith("[surface]") and self._elsewhere(str(error))
-            ):
-                self.form.show_error(str(error))
+            self._clear()
+            said = str(error)
+            own = "[surface] shape" in self.form.widgets
+            if own or not (said.startswith("[surface]") and self._elsewhere(said)):
+                self.form.show_error(said)
         except CancelledError:
             return
         finally:
-            if run == self._run:
-                self._release()
+            self._button.enable()
 
-    def _computed(
-        self, content: dict[str, Any], progress: Callable[[int, int], None]
-    ) -> Done:
-        folder = self._session.folder
+    def _computed(self, content: dict[str, Any]) -> Done:
+        start = time.thread_time()
+        done = self._computed_as_asked(content)
+        self._seconds = time.thread_time() - start
+        return done
+
+    def _computed_as_asked(self, content: dict[str, Any]) -> Done:
+        folder, progress = self._session.folder, self._busy.progress
         if self._key != "traction":
             return compute(self._screen.verb, content, folder, progress)
         if content.get("friction") != COMPUTED:
@@ -342,16 +381,22 @@ class ComputedStage:
             content, copy.deepcopy(self._session.scenes["friction"]), folder, progress
         )
 
-    async def _show(self, done: Done) -> None:
-        run = self._run
+    async def _show(self, done: Done, quiet: bool = False) -> None:
+        key = self._key
         figure = await worked(DRAWING, done.figure)
-        if run != self._run:
+        if key != self._key:
             return
+        cards.show(self._cards, cards.cards(done.result))
         self._notes.show(done.warnings)
-        self._words.show("\n".join(filter(None, (done.result.summary(), done.more))))
+        said = "\n".join(filter(None, (done.result.summary(), done.more)))
+        self._words.show(spoken(said))
         if self._screen.key == "compare":
             self._rank(done.result)
         self._picture.show(figure)
+        if self._sliders is not None:
+            if not quiet:  # else it is at the next value already
+                self._sliders.look()
+            self._sliders.read(done)
         self.look()
 
     def _rank(self, ranking: Any) -> None:

@@ -1,5 +1,5 @@
-"""A form made from the tables of scene files: each key is a field with its meaning, its
-default and an example; and what is typed into it as the value of a scene, and back.
+"""A form made from the tables of scene files: each key is a field with its name in words,
+its default and an example; and what is typed into it as the value of a scene, and back.
 """
 
 import re
@@ -12,6 +12,7 @@ from nicegui import ui
 
 from ..cli.schema import Several, Sweep, accepted, is_list, keys_of, tables_of
 from ..cli.units import Quantity
+from . import words
 
 _SPAN = re.compile(r"(.+?)\s+to\s+(.+?)\s*[,;]\s*(\d+)(?:\s*points?)?", re.IGNORECASE)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
@@ -94,21 +95,28 @@ def to_text(value: Any) -> str:
     if value is None:
         return ""
     if isinstance(value, dict):
-        return f"{value['from']} to {value['to']}, {value['points']} points"
-    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+        first, last = str(value["from"]), str(value["to"])
+        same = _UNIT.fullmatch(first), _UNIT.fullmatch(last)
+        if same[0] and same[1] and same[0][3] == same[1][3]:
+            first = first.removesuffix(same[0][3]).rstrip()
+        return _with_signs(f"{first} to {last}, {value['points']} points")
+    text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    return _with_signs(text)
 
 
-def from_text(accepts: Leaf, text: str | None) -> Any:
+def from_text(accepts: Leaf, text: str | None, unit: str = "") -> Any:
     """The value of a scene file that a text stands for; None where the key is left out.
+    Numbers without a unit have the field's `unit`, where it has one.
 
     What is no value of the kind is returned as it is, so that the scene's own message
     says what is accepted.
     """
     text = (text or "").strip()
+    text = text.replace("°C", "degC").replace("µm", "um")
     if not text:
         return None
     if accepts.spread and (match := _SPAN.fullmatch(text)) is not None:
-        first, last = _with_unit([match[1], match[2]])
+        first, last = _with_unit([match[1], match[2]], unit)
         return {"from": first, "to": last, "points": int(match[3])}
     parts = (
         [part.strip() for part in re.split(r";|,\s+", text) if part.strip()]
@@ -119,14 +127,18 @@ def from_text(accepts: Leaf, text: str | None) -> Any:
     values = (
         [_number(part) for part in parts]
         if numeric
-        else _with_unit(parts)
-        if accepts.quantity
+        else _with_unit(parts, unit)
+        if accepts.quantity or unit
         else parts
     )
     one = len(values) == 1 and not all(
         get_origin(kind) is list for kind in accepts.kinds
     )
     return values[0] if one else values
+
+
+def _with_signs(text: str) -> str:
+    return text.replace("degC", "°C").replace(" um", " µm")
 
 
 def _parts(kind: Any) -> tuple[Any, ...]:
@@ -144,14 +156,16 @@ def _number(text: str) -> Any:
     return int(text) if re.fullmatch(r"[-+]?\d{1,15}", text) else float(text)
 
 
-def _with_unit(parts: list[str]) -> list[str]:
-    """Numbers without a unit take that of the last one: "0, 20, 40 degC"."""
+def _with_unit(parts: list[str], unit: str = "") -> list[str]:
+    """Numbers without a unit take that of the last one, "0, 20, 40 degC", or else that
+    of the field.
+    """
     match = _UNIT.fullmatch(parts[-1].strip())
-    if match is None:
+    unit = unit if match is None else match[3]
+    if not unit:
         return parts
     return [
-        f"{part} {match[3]}" if _NUMBER.fullmatch(part.strip()) else part
-        for part in parts
+        f"{part} {unit}" if _NUMBER.fullmatch(part.strip()) else part for part in parts
     ]
 
 
@@ -197,6 +211,7 @@ class Form:
         self._place = ui.element("div").classes("form")
         self._alert = ui.label().classes("alert").props("role=alert")
         self._alert.visible = False
+        self._units: dict[str, str] = {}
         self.draw()
 
     def draw(self) -> None:
@@ -242,6 +257,7 @@ class Form:
         """
         self.clear_errors()
         name = self._field(message)
+        message = words.in_words(message, (name,) if name else ())
         if not hasattr(self.widgets.get(name), "error"):
             self._alert.text = message
             self._alert.visible = True
@@ -294,7 +310,9 @@ class Form:
         rest = [
             key
             for key in fields
-            if key not in shown and not self._is_nothing(fields[key])
+            if key not in shown
+            and not self._is_nothing(fields[key])
+            and _name((*path, key)) not in words.ELSEWHERE
         ]
         if not rest:
             return
@@ -345,14 +363,10 @@ class Form:
         """A table within the table; one that may be left out has a box to tick."""
         with ui.element("fieldset").classes("group"):
             optional = field.default is None
-            title = _meaning(field.type) or key
+            title = words.title((*path, key))
             if not optional:
-                _legend(f"{key}: {title}")
-            box = (
-                ui.checkbox(f"{key}: {title}", value=key in content)
-                if optional
-                else None
-            )
+                _legend(title)
+            box = ui.checkbox(title, value=key in content) if optional else None
             place = ui.element("div")
 
             def draw() -> None:
@@ -393,9 +407,11 @@ class Form:
         inner.setdefault(tag, next(iter(by_word)))
         name = _name((*path, key, tag))
         with ui.element("fieldset").classes("group"):
-            _legend(f"{key}: {_meaning(field.type)}")
-            words = {word: word.replace("_", " ") for word in by_word}
-            select = ui.select(words, value=inner[tag], label=tag).classes("field")
+            _legend(words.title((*path, key)))
+            kinds = {word: word.replace("_", " ") for word in by_word}
+            select = ui.select(
+                kinds, value=inner[tag], label=words.title((*path, key, tag))
+            ).classes("field")
             about = ui.label().classes("about")
             self.widgets[name] = select
             place = ui.element("div")
@@ -427,8 +443,12 @@ class Form:
         self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]
     ) -> None:
         accepts, name = leaf(field.type), _name((*path, key))
-        label = key.replace("_", " ") + (" *" if field.required else "")
-        value, meaning = content.get(key), _meaning(field.type)
+        label = words.label((*path, key), accepts.quantity) + (
+            " *" if field.required else ""
+        )
+        value = content.get(key)
+        meaning = words.hint((*path, key), _meaning(field.type))
+        self._units[name] = words.unit((*path, key), accepts.quantity)
         if name in self.choices:
             widget = self._choice(name, label, field, accepts, value)
         elif accepts.flag:
@@ -446,9 +466,10 @@ class Form:
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
             has_default = field.default not in (None, msgspec.NODEFAULT)
-            widget.props["hint"] = (
-                _with_default(meaning, field) if has_default else meaning
-            )
+            if has_default:
+                default = f"{_default(field.default)} where nothing is chosen"
+                meaning = "; ".join(filter(None, (meaning, default)))
+            widget.props["hint"] = meaning
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
 
@@ -496,7 +517,7 @@ class Form:
             )
         if name in self.choices or accepts.words:
             return value or None
-        return from_text(accepts, value)
+        return from_text(accepts, value, self._units[name])
 
     def _forget(self, path: tuple[str, ...], keep: str = "") -> None:
         """Drops the fields of a table that is drawn anew."""
@@ -523,13 +544,9 @@ def _meaning(kind: Any) -> str:
     )
 
 
-def _with_default(meaning: str, field: Any) -> str:
-    return f"{meaning}; by default {_default(field.default)}"
-
-
 def _default(default: Any) -> str:
     if default is None or default is msgspec.NODEFAULT:
-        return "optional"
+        return "automatic"
     return str(default)
 
 
@@ -537,9 +554,10 @@ def _example(accepts: Leaf) -> str:
     quantity = accepts.quantity
     if quantity is None:
         return "1, 2, 3" if accepts.several and accepts.numeric else ""
+    example = _with_signs(quantity.example)
     if accepts.spread:
-        return f"{quantity.example}, or A to B, 24 points"
-    return f"{quantity.example}, or several" if accepts.several else quantity.example
+        return f"{example}, or A to B, 24 points"
+    return f"{example}, or several" if accepts.several else example
 
 
 def _as_options(found: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
@@ -550,10 +568,8 @@ def _flag(label: str, field: Any, accepts: Leaf, value: Any) -> Any:
     """A box to tick; of three answers where the default is one of its own."""
     if not accepts.optional:
         shown = field.default if value is None else value
-        return ui.checkbox(
-            f"{label.removesuffix(' *')}: {_meaning(field.type)}", value=shown
-        )
-    options = {"": "default", "true": "yes", "false": "no"}
+        return ui.checkbox(label.removesuffix(" *"), value=shown)
+    options = {"": "automatic", "true": "yes", "false": "no"}
     chosen = {None: "", True: "true", False: "false"}[value]
     return ui.select(options, value=chosen, label=label)
 

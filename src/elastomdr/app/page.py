@@ -1,5 +1,7 @@
 """The page: one screen per stage; the last one hands out what has been computed."""
 
+import copy
+import re
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -7,12 +9,13 @@ from typing import Any
 from nicegui import ui
 
 from ..errors import InputError
-from .computed import COMPARE, FRICTION, ROLLING, ComputedStage
+from .computed import COMPARE, FRICTION, ROLLING, SEAL, ComputedStage
 from .road import RoadStage
 from .rubber import RubberStage
 from .scene import Done, bundle, files_of, toml
 from .session import DRAWING, Session, Sessions
-from .stage import BUTTON, worked
+from .stage import BUTTON, DOCS, worked
+from .start import StartStage
 
 _KINDS = {"CSV": "csv", "Excel": "xlsx", "PNG": "png", "SVG": "svg", "All (zip)": "zip"}
 
@@ -45,13 +48,14 @@ class ExportStage:
             ui.label(stem.capitalize()).classes("lead").props(
                 "role=heading aria-level=2"
             )
-            ui.label(f"elastomdr {done.verb} {stem}.toml --out out").classes("command")
+            ui.label(
+                "The scene gives the same numbers on the command line and in Python; "
+                "its first line says how."
+            ).classes("about")
             if beside:
                 ui.label(
-                    f"It reads, beside it: {', '.join(beside)}. The zip archive "
-                    "has "
-                    "them."
-                )
+                    f"It reads, beside it: {', '.join(beside)}. The zip archive has them."
+                ).classes("about")
             with ui.element("div").classes("buttons"):
                 scene = text.encode()
                 ui.button(
@@ -80,14 +84,23 @@ class ExportStage:
 
     def _made(self, stem: str, done: Done, ending: str) -> Any:
         if ending in ("png", "svg"):
-            return done.figure(ending)
+            return done.figure().saved(ending)
         if ending == "zip":
             return bundle(done, self._session.folder, stem, self._notes(done))
         return {"csv": done.csv, "tir": done.tir, "xlsx": done.excel}[ending]()
 
 
-_STAGES = ("Rubber", "Road", "Friction", "Compare", "Rolling", "Export")
-_STYLE = Path(__file__).parent / "style.css"
+_STAGES = (
+    "Start",
+    "Rubber",
+    "Road",
+    "Friction",
+    "Compare",
+    "Rolling",
+    "Seal",
+    "Export",
+)
+_HERE = Path(__file__).parent
 
 
 def page(sessions: Sessions) -> "Page":
@@ -97,10 +110,24 @@ def page(sessions: Sessions) -> "Page":
         request.query_params.get("session") if request is not None else None
     )
     session.shown_by(ui.context.client)
-    ui.add_css(_STYLE.read_text(encoding="utf-8"))
+    ui.add_css(_HERE.joinpath("style.css").read_text(encoding="utf-8"))
+    script = _HERE.joinpath("chart.js").read_text(encoding="utf-8")
+    ui.add_head_html(f"<script>{script}</script>")
     ui.colors(primary="#1f5a94")
     ui.run_javascript(f"history.replaceState(null, '', '?session={session.name}')")
     return Page(session)
+
+
+def _help() -> None:
+    """Shows the page of the docs about this page."""
+    text = DOCS.joinpath("app.md").read_text(encoding="utf-8")
+    text = text[text.index("| screen |") :]  # what stands before is to open the page
+    text = re.sub(r"!\[.*?\]\(.*?\)\n+\*.*?\*\n", "", text, flags=re.DOTALL)
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    with ui.dialog() as dialog, ui.element("div").classes("help"):
+        ui.button("Close", on_click=dialog.close).props(f"{BUTTON} outline")
+        ui.markdown(text)
+    dialog.open()
 
 
 class Page:
@@ -117,9 +144,17 @@ class Page:
             ):
                 for stage in _STAGES:
                     ui.tab(stage)
+            ui.button("Help", on_click=_help).props("flat dense no-caps").classes(
+                "to-help"
+            )
         with ui.tab_panels(
-            self._tabs, value=_STAGES[0], animated=False, keep_alive=True
+            self._tabs,
+            value=session.place or _STAGES[0],
+            animated=False,
+            keep_alive=True,
         ).classes("panels"):
+            with ui.tab_panel("Start"):
+                self.start = StartStage(self._go, self._take)
             with ui.tab_panel("Rubber"):
                 self.rubber = RubberStage(session, self._new_rubber)
             with ui.tab_panel("Road"):
@@ -136,12 +171,33 @@ class Page:
                 self.rolling = ComputedStage(
                     session, ROLLING, self._computed, self._on_road
                 )
+            with ui.tab_panel("Seal"):
+                self.seal = ComputedStage(session, SEAL, self._computed, self._on_road)
             with ui.tab_panel("Export"):
                 self.export = ExportStage(session)
         self._tabs.on_value_change(self._look)
 
-    def _look(self) -> None:
-        for stage in (self.friction, self.compare, self.rolling):
+    def _go(self, screen: str) -> None:
+        self._tabs.value = screen
+
+    async def _take(self, example: Done) -> None:
+        """Shows the example on the friction screen, to be changed."""
+        scene = self._session.scenes["friction"]
+        scene.clear()
+        scene.update(copy.deepcopy(example.asked))
+        self._session.done["friction"] = example
+        self._computed()
+        for stage in (self.friction, self.compare):
+            stage.refresh()
+        await self.road.refresh()
+        await self.friction.show_again()
+        self._go("Friction")
+
+    async def _look(self) -> None:
+        self._session.place = self._tabs.value
+        if self._tabs.value == "Road":
+            await self.road.look_again()
+        for stage in (self.friction, self.compare, self.rolling, self.seal):
             stage.look()
 
     def _new_rubber(self, name: str) -> None:
@@ -154,7 +210,7 @@ class Page:
             name,
             *(other for other in compared if other != name),
         ]
-        for stage in (self.friction, self.compare, self.rolling):
+        for stage in (self.friction, self.compare, self.rolling, self.seal):
             stage.refresh()
 
     def _on_road(self, message: str) -> bool:

@@ -2,8 +2,9 @@
 and cutoffs that move.
 """
 
-import json
+import copy
 import math
+from functools import partial
 from typing import Annotated, Any
 
 import msgspec
@@ -15,11 +16,23 @@ from ..cli import bodies as kinds
 from ..cli.schema import Table, decode
 from ..errors import InputError
 from ..results.plot_contacts import draw_cutoffs
+from .chart import drawn
 from .form import Form
-from .scene import image
 from .security import Folder
 from .session import DRAWING, Session
-from .stage import SAMPLE, Notes, Picture, Words, drop, worked
+from .stage import (
+    BUTTON,
+    SAMPLE,
+    Latest,
+    Notes,
+    Picture,
+    Slider,
+    Words,
+    drop,
+    length,
+    worked,
+)
+from .words import path_of, title
 
 _NAMES = ("[surface] longest", "[surface] shortest")
 _FIRST = (
@@ -29,6 +42,8 @@ _FIRST = (
     "[surface] file",
     "[surface] convention",
 )
+_USUAL = (100e-6, 10e-6, 3e-6)  # shortest waves that are offered [m]
+_ROUNDED = 1.01  # a length is typed with three digits
 _WIDEST = (1e-7, 1.0)  # wavelengths of a self-affine surface that a slider reaches [m]
 
 
@@ -44,7 +59,8 @@ class RoadStage:
     def __init__(self, session: Session):
         self._session = session
         self._content = session.scenes["friction"]
-        self._wanted = self._drawn = 0
+        self._latest = Latest(self._redrawn)
+        self._seen: dict[str, Any] = copy.deepcopy(self._content["surface"])
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
                 ui.label(
@@ -67,25 +83,20 @@ class RoadStage:
                 )
             with ui.element("div").classes("right"):
                 self._picture = Picture(
-                    "Spectrum of the road, and its rms slope down to each wavelength"
+                    "Spectrum of the road, and its rms slope down to each wavelength",
+                    "road",
                 )
+                self._offers = ui.element("div").classes("offers")
                 self._sliders = {name: self._slider(name) for name in _NAMES}
                 self._notes, self._words = Notes(), Words()
         ui.timer(0.05, self.redraw, once=True)
 
-    def _slider(self, name: str) -> ui.slider:
-        label = f"{name.split()[-1]} wavelength kept"
-        above = ui.label(label).classes("slider-label")
-        slider = ui.slider(min=-7.0, max=0.0, step=0.01, value=-3.0).props(
-            f'aria-label="{label}"'
-        )
-        above.bind_visibility_from(slider)
-
-        def moved(event: Any) -> None:
-            self.form.set(name, _length(10 ** float(event.args)))
-
-        return slider.on(
-            "update:model-value", moved, throttle=0.05, leading_events=False
+    def _slider(self, name: str) -> Slider:
+        return Slider(
+            title(path_of(name)),
+            _WIDEST,
+            lambda metres: length(metres).replace("um", "µm"),
+            lambda metres: self.form.set(name, length(metres)),
         )
 
     def _files(self) -> list[str]:
@@ -114,52 +125,79 @@ class RoadStage:
 
     async def _take(self, surface: dict[str, Any]) -> None:
         self._content["surface"] = surface
-        self.form.draw()
-        await self.redraw()
+        await self.refresh()
 
     def _typed(self, name: str) -> None:
         background_tasks.create(self.redraw(), name="redraw road")
+
+    async def refresh(self) -> None:
+        """Shows what others have changed."""
+        self.form.draw()
+        await self.redraw()
+
+    async def look_again(self) -> None:
+        """Shows the surface if the sliders of another screen have changed it."""
+        if self._seen != self._content["surface"]:
+            await self.refresh()
 
     async def redraw(self) -> None:
         """Draws the road as it is filled in; of several changes at once the last
         one.
         """
         self._session.touch()
-        self._wanted += 1
-        if self._wanted > self._drawn + 1:
-            return
-        while self._drawn < self._wanted:
-            now = self._wanted
-            try:
-                seen = await worked(
-                    DRAWING,
-                    look,
-                    json.loads(json.dumps(self._content["surface"])),
-                    self._session,
-                )
-                self.form.clear_errors()
-                self._show(seen)
-            except InputError as error:
-                self._clear()
-                self.form.show_error(str(error))
-            finally:
-                self._drawn = now
+        await self._latest()
+
+    async def _redrawn(self) -> None:
+        try:
+            surface = copy.deepcopy(self._content["surface"])
+            seen = await worked(DRAWING, look, surface, self._session)
+            self.form.clear_errors()
+            self._seen = surface
+            self._show(seen)
+        except InputError as error:
+            self._clear()
+            self.form.show_error(str(error))
 
     def _clear(self) -> None:
         """Takes away what there was to see of another surface."""
         self._picture.show(None)
+        self._offer([])
         self._words.show("")
         self._notes.show(())
 
+    def _offer(self, offers: list[tuple[str, str, float]]) -> None:
+        """Asks for the cutoffs of a road that has none."""
+        self._offers.clear()
+        if not offers:
+            return
+        with self._offers:
+            ui.label("Which waves does the rubber feel?").classes("lead")
+            ui.label(
+                "Longer than 5 mm they carry it as a whole. The shortest one is where "
+                "dirt, wear or water end the contact, usually some micrometres: each "
+                "decade of shorter waves adds slope and friction, takes some hundredths "
+                "of a second, and needs the rubber at ten times higher frequencies."
+            ).classes("about")
+            for longest, shortest, slope in offers:
+                ui.button(
+                    f"{longest} to {shortest} (rms slope {slope:.2g})".replace(
+                        "um", "µm"
+                    ),
+                    on_click=partial(self._cut, longest, shortest),
+                ).props(f"{BUTTON} outline")
+
+    def _cut(self, longest: str, shortest: str) -> None:
+        for name, text in zip(_NAMES, (longest, shortest), strict=True):
+            self.form.set(name, text)
+
     def _show(self, seen: dict[str, Any]) -> None:
-        self._picture.show(seen["svg"])
+        self._picture.show(seen["drawn"])
+        self._offer(seen["offers"])
         self._words.show(seen["words"])
         self._notes.show(seen["report"])
         for name, slider in self._sliders.items():
-            slider.visible = name in self.form.widgets
-            limits = [math.log10(wave) for wave in seen["limits"]]
-            slider.props["min"], slider.props["max"] = limits
-            slider.value = math.log10(seen["cutoffs"][name == _NAMES[1]])
+            slider.show(name in self.form.widgets)
+            slider.set(seen["cutoffs"][name == _NAMES[1]], tuple(seen["limits"]))
 
 
 def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
@@ -174,25 +212,48 @@ def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
     except InputError as error:
         raise InputError(f"[surface] {error}") from error
     waves = [2 * math.pi / float(q) for q in (road.q_low, road.q_high)]
-    limits = (
-        [2 * math.pi / float(q) for q in (whole.q_high, whole.q_low)]
-        if whole is not None
-        else list(_WIDEST)
-    )
+    limits = list(reversed(_measured(whole))) if whole is not None else list(_WIDEST)
     words = (
         f"rms height   {1e6 * float(road.rms_height):.4g} um\n"
         f"rms slope    {float(road.rms_slope):.4g}, of a straight cut "
         f"{float(road.rms_slope) / math.sqrt(2):.4g}\n"
-        f"wavelengths  {_length(waves[0])} to {_length(waves[1])}"
+        f"wavelengths  {length(waves[0])} to {length(waves[1])}"
     )
-    svg = image(draw_cutoffs(road, whole))
     return {
-        "svg": svg,
+        "drawn": drawn(draw_cutoffs(road, whole)),
         "words": words,
         "report": list(getattr(road, "report", ())),
         "cutoffs": waves,
         "limits": limits,
+        "offers": _offers(asked, whole),
     }
+
+
+def _offers(asked: Any, whole: Any) -> list[tuple[str, str, float]]:
+    """Cutoffs to choose from, with the rms slope between them, for a spectrum that is
+    given without any.
+    """
+    if whole is None or asked.longest is not None or asked.shortest is not None:
+        return []
+    measured = _measured(whole)
+    longest = min(measured[0], 5e-3)
+    found = {}
+    for wave in (*_USUAL, measured[1]):
+        shortest = max(wave, measured[1])
+        if shortest < 0.5 * longest:
+            slope = (
+                2
+                * math.pi
+                * float(whole.moment(3, 2 * math.pi / longest, 2 * math.pi / shortest))
+            )
+            found[length(shortest)] = length(longest), math.sqrt(max(slope, 0.0))
+    return [(first, last, slope) for last, (first, slope) in found.items()]
+
+
+def _measured(whole: Any) -> list[float]:
+    """The longest and the shortest wave of a table, but for what rounding may add [m]."""
+    longest, shortest = (2 * math.pi / float(q) for q in (whole.q_low, whole.q_high))
+    return [longest / _ROUNDED, shortest * _ROUNDED]
 
 
 def _whole(asked: Any, folder: Folder) -> Any:
@@ -218,16 +279,3 @@ def recognised(folder: Folder, name: str) -> dict[str, Any]:
     except InputError as error:
         heights = "pixel_size" in str(error) or "unit" in str(error)
         return {"shape": "file" if heights else "spectrum", "file": name}
-
-
-def _length(metres: float) -> str:
-    """A length as it is typed."""
-    unit, size = next(
-        (
-            (u, s)
-            for u, s in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6))
-            if metres >= 0.9995 * s
-        ),
-        ("nm", 1e-9),
-    )
-    return f"{metres / size:.3g} {unit}"

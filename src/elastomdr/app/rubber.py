@@ -18,11 +18,29 @@ from ..cli.schema import Several, Table, Text, decode
 from ..cli.units import Temperature
 from ..errors import InputError
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
+from .chart import Drawn, drawn
 from .form import Form
-from .scene import image
+from .scene import CancelledError
 from .session import COMPUTING, DRAWING, Session
-from .stage import BUTTON, SAMPLE, Notes, Picture, Words, drop, mark_of_age, worked
+from .shifts import ShiftEditor
+from .stage import (
+    BUTTON,
+    SAMPLE,
+    Busy,
+    Notes,
+    Picture,
+    Words,
+    drop,
+    mark_of_age,
+    worked,
+)
+from .words import quoted, spoken
 
+_ABOUT = (
+    ("master", "Master curve with the fitted series"),
+    ("shifts", "Shift factors against temperature"),
+    ("spectrum", "Relaxation spectrum, and residuals of the fit"),
+)
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _INNER = r"(?:[^()]|\([^()]*\))*"
 _ADVICE = re.compile(  # for Python, then for the command line
@@ -162,7 +180,7 @@ class Fitted:
     command: str
     summary: str
     warnings: tuple[str, ...]
-    figures: dict[str, bytes] = field(repr=False)
+    figures: dict[str, Drawn] = field(repr=False)
     fit: Any = field(repr=False)
     asked: dict[str, Any] = field(repr=False)  # as it was filled in
 
@@ -172,6 +190,7 @@ class RubberStage:
 
     def __init__(self, session: Session, changed: Any):
         self._session, self._changed = session, changed
+        self._fitted: Any = None
         self._shown: dict[str, Any] = {}  # what was asked of the fit that is shown
         session.rubber.setdefault("data", [])
         with ui.element("div").classes("stage"):
@@ -199,17 +218,13 @@ class RubberStage:
                 self._button = ui.button("Fit material", on_click=self.fit).props(
                     BUTTON
                 )
+                self._busy = Busy()
             with ui.element("div").classes("right"):
-                self._busy = ui.linear_progress(show_value=False).props("indeterminate")
-                self._busy.visible = False
                 self._old, self._notes = mark_of_age(), Notes()
-                self._pictures = {
-                    key: Picture(about)
-                    for key, about in (
-                        ("master", "Master curve with the fitted series"),
-                        ("shifts", "Shift factors against temperature"),
-                        ("spectrum", "Relaxation spectrum, and residuals of the fit"),
-                    )
+                self._pictures = {key: Picture(about, key) for key, about in _ABOUT[:2]}
+                self._editor = ShiftEditor(self._edited, self._use)
+                self._pictures |= {
+                    key: Picture(about, key) for key, about in _ABOUT[2:]
                 }
                 self._words = Words()
         last = list(session.fits.values())[-1:]
@@ -254,21 +269,22 @@ class RubberStage:
         """Reads the files and fits a material, or says beside a field what is wrong
         with it.
         """
+        if self._busy.on:
+            return
         self._session.touch()
         self.form.clear_errors()
         self._clear()
-        self._busy.visible = True
         self._button.disable()
         try:
-            fitted = await worked(
-                COMPUTING, calculate, copy.deepcopy(self._session.rubber), self._session
-            )
+            asked = copy.deepcopy(self._session.rubber)
+            fitted = await self._busy.during(COMPUTING, calculate, asked, self._session)
             fitted.figures = await worked(DRAWING, figures, fitted.fit)
         except InputError as error:
             self.form.show_error(_for_form(str(error)))
             return
+        except CancelledError:
+            return
         finally:
-            self._busy.visible = False
             self._button.enable()
         self._session.fits.pop(fitted.name, None)
         self._session.fits[fitted.name] = fitted
@@ -286,6 +302,7 @@ class RubberStage:
         self._old.visible = False
         self._notes.show(())
         self._words.show("")
+        self._editor.edit(None)
         for picture in self._pictures.values():
             picture.show(None)
 
@@ -295,7 +312,22 @@ class RubberStage:
         self._notes.show(fitted.warnings)
         for key, picture in self._pictures.items():
             picture.show(fitted.figures.get(key))
-        self._words.show(f"{fitted.summary}\n\n{fitted.command}")
+        self._editor.edit(fitted.fit.master)
+        self._fitted = fitted
+        self._words.show(in_fields(fitted.summary))
+
+    def _edited(self, figures: dict[str, Drawn] | None) -> None:
+        """Shows figures with isotherms shifted by hand, or those of the fit."""
+        shown = self._fitted.figures if figures is None else figures
+        for key in shown.keys() & {"master", "shifts"}:
+            self._pictures[key].show(shown[key])
+
+    async def _use(self, factors: bytes) -> None:
+        """Fits with shift factors that were found by hand."""
+        name = self._session.folder.keep("shifts.csv", factors, anew=True)
+        self._session.rubber["shift"] = name
+        self.form.draw()
+        await self.fit()
 
 
 def calculate(content: dict[str, Any], session: Session) -> Fitted:
@@ -359,14 +391,14 @@ def _given(asked: Fit, keys: tuple[str, ...]) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None}
 
 
-def figures(fit: Any) -> dict[str, bytes]:
-    """Master curve, shifts and spectrum of a fit as SVG images."""
+def figures(fit: Any) -> dict[str, Drawn]:
+    """Master curve, shifts and spectrum of a fit."""
     found = {
-        "master": image(draw_prony(fit.prony)),
-        "spectrum": image(draw_spectrum(fit.prony)),
+        "master": drawn(draw_prony(fit.prony)),
+        "spectrum": drawn(draw_spectrum(fit.prony)),
     }
     if fit.master.temperature.size > 1:
-        found["shifts"] = image(draw_shifts(fit.master))
+        found["shifts"] = drawn(draw_shifts(fit.master))
     return found
 
 
@@ -388,7 +420,7 @@ def in_fields(message: str) -> str:
         "",
         re.sub(_ADVICE, lambda found: _spoken(found[1] or found[2]), message),
     )
-    return re.sub(r"--([a-z]+)", r"\1", message)
+    return spoken(re.sub(r"--([a-z-]+)", _field, message))
 
 
 def _spoken(options: str) -> str:
@@ -397,8 +429,13 @@ def _spoken(options: str) -> str:
     text = re.sub(
         r"(?<!or) --(column )?", lambda more: ", " if more[1] else ", --", text
     )
-    text = re.sub(r"--no-([a-z]+)", r"\1: no", text)
-    return re.sub(r"--([a-z-]+)", lambda option: option[1].replace("-", " "), text)
+    text = re.sub(r"--no-([a-z]+)", lambda option: f"{_field(option)}: no", text)
+    return re.sub(r"--([a-z-]+)", _field, text)
+
+
+def _field(option: re.Match[str]) -> str:
+    """What the page calls an option of the command line."""
+    return quoted(option[1].replace("-", "_"))
 
 
 def _for_form(message: str) -> str:

@@ -22,15 +22,20 @@ import elastomdr as em
 from .. import __version__
 from ..cli.compute import how_drawn
 from ..cli.kinds import decoded
+from ..cli.scene import models_by_name
 from ..cli.schema import named
 from ..errors import InputError
+from .chart import Drawn, drawn
 from .security import Folder
+from .words import spoken
 
 _FILES = ("file", "measured", "friction")  # keys that name a file beside the scene
 
 
-class CancelledError(Exception):
-    """Raised where a computation is stopped by its user."""
+class CancelledError(BaseException):
+    """Raised where a computation is stopped by its user; as an interrupt from the
+    keyboard, nothing but who started the computation may catch it.
+    """
 
 
 @dataclass
@@ -41,13 +46,13 @@ class Done:
     content: dict[str, Any]
     result: Any
     warnings: tuple[str, ...]
-    drawn: dict[str, Any] = field(repr=False)
+    plot_options: dict[str, Any] = field(repr=False)
     asked: dict[str, Any] = field(repr=False)  # as it was filled in
     more: str = ""  # what is said below the summary
 
-    def figure(self, kind: str = "svg") -> bytes:
-        """The figure as an SVG or PNG image."""
-        return image(self.result.plot(**self.drawn), kind)
+    def figure(self) -> Drawn:
+        """The figure, with the table of the result as its numbers."""
+        return drawn(self.result.plot(**self.plot_options), self.csv)
 
     @property
     def curve(self) -> Any:
@@ -106,8 +111,9 @@ def bundle(done: Done, folder: Folder, stem: str, notes: tuple[str, ...] = ()) -
         for name in files_of(done.content):
             archive.write(folder.path / name, name)
         archive.writestr(f"out/{stem}-{done.verb}.csv", done.csv())
+        figure = done.figure()
         for kind in ("png", "svg"):
-            archive.writestr(f"out/{stem}-{done.verb}.{kind}", done.figure(kind))
+            archive.writestr(f"out/{stem}-{done.verb}.{kind}", figure.saved(kind))
     return buffer.getvalue()
 
 
@@ -143,11 +149,11 @@ def compute(
         em.ModelWarning,
         em.fit.FitWarning,
     )
-    with warnings.catch_warnings(record=True) as caught:
+    with warnings.catch_warnings(record=True) as caught, models_by_name():
         for kind in ours:
             warnings.simplefilter("always", kind)
         arguments = scene.arguments(folder.path)
-        drawn = how_drawn(scene, arguments, folder.path)
+        plot_options = how_drawn(scene, arguments, folder.path)
         more = (
             {"progress": progress}
             if scene.called() == "friction" and scene.mark == "surface"
@@ -169,17 +175,12 @@ def compute(
                 result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
     texts = tuple(
         dict.fromkeys(
-            str(each.message) for each in caught if issubclass(each.category, ours)
+            spoken(str(each.message))
+            for each in caught
+            if issubclass(each.category, ours)
         )
     )
-    return Done(verb, content, result, texts, drawn, content)
-
-
-def image(axes: Any, kind: str = "svg") -> bytes:
-    """The figure that the axes belong to as an SVG or PNG image."""
-    buffer = io.BytesIO()
-    axes.figure.savefig(buffer, format=kind, dpi=200)
-    return buffer.getvalue()
+    return Done(verb, content, result, texts, plot_options, content)
 
 
 def _written(write: Callable[[Path], None], name: str) -> bytes:

@@ -33,6 +33,7 @@ class Session:
     fits: dict[str, Any] = field(default_factory=dict)
     # material's file to the command that makes it
     notes: dict[str, str] = field(default_factory=dict)
+    place: str = ""  # the screen that is shown, "" for the first one
     rolling: str = "rolling"  # which kind of rolling is filled in
     pages: set[str] = field(default_factory=set)  # clients of NiceGUI that show it
     used: float = 0.0
@@ -111,6 +112,25 @@ def _start() -> dict[str, dict[str, Any]]:
             "material": ["epdm-70", "tread-passenger-synthetic"],
             "temperature": "20 degC",
             "compare": {"velocity": "1 m/s"},
+        },
+        "seal": {  # an O-ring on a turned face, oil at 2 bar
+            "material": "epdm-70",
+            "temperature": "20 degC",
+            "surface": {
+                "shape": "self_affine",
+                "hurst": 0.8,
+                "rms_height": "3 um",
+                "longest": "200 um",
+                "shortest": "4 um",
+            },
+            "leak": {
+                "pressure": {"from": "0.25 MPa", "to": "2.5 MPa", "points": 12},
+                "pressure_drop": "0.2 MPa",
+                "viscosity": "50 mPa*s",
+                "length": "1 mm",
+                "width": "160 mm",
+                "time": ["1 min", "30 day", "3650 day"],
+            },
         },
         "rolling": {
             "material": "epdm-70",

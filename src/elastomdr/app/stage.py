@@ -3,9 +3,13 @@ event loop.
 """
 
 import asyncio
-import base64
+import ctypes
+import math
+import threading
+import time
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,21 +18,218 @@ from nicegui import events, ui
 import elastomdr as em
 
 from ..errors import InputError
+from .chart import Chart, Drawn
+from .scene import CancelledError
 from .security import MOST_BYTES
-from .session import Session
+from .session import DRAWING, Session
 
 # where the wheel has them; a checkout has them among its examples
 _OWN = Path(__file__).parent / "data"
+DOCS = _OWN if _OWN.is_dir() else Path(__file__).parents[3] / "docs"
 SAMPLE = _OWN if _OWN.is_dir() else Path(__file__).parents[3] / "examples" / "data"
 
 
 T = TypeVar("T")
 BUTTON = "no-caps unelevated"
+_PATIENCE = 2.0  # seconds before it is said how long something takes
 
 
 async def worked(pool: Executor, call: Callable[..., T], *arguments: Any) -> T:
     """The result of a call that is made in a thread of its own."""
     return await asyncio.get_running_loop().run_in_executor(pool, call, *arguments)
+
+
+class _Work:
+    """A call in another thread, which can be stopped as Ctrl-C stops a command."""
+
+    def __init__(self) -> None:
+        self._lock, self._thread, self._stopped = threading.Lock(), 0, False
+
+    def __call__(self, call: Callable[..., T], *arguments: Any) -> T:
+        with self._lock:
+            if self._stopped:
+                raise CancelledError
+            self._thread = threading.get_ident()
+        try:
+            return call(*arguments)
+        finally:
+            with self._lock:
+                self._thread = 0
+
+    def stop(self) -> None:
+        """Raises `CancelledError` in the thread, as soon as it is back in Python."""
+        with self._lock:
+            self._stopped = True
+            if self._thread:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                    ctypes.c_ulong(self._thread), ctypes.py_object(CancelledError)
+                )
+
+
+class Busy:
+    """Shows that something is computed, since when and how long it may still take, and
+    stops it.
+    """
+
+    def __init__(self) -> None:
+        self._work: _Work | None = None
+        self._stopping: asyncio.Future[None] | None = None
+        self._began = self._share = self._last = 0.0
+        with ui.element("div").classes("busy") as self._place:
+            self._bar = ui.linear_progress(0.0, show_value=False)
+            self._bar.props('aria-label="Progress"')
+            self._text = ui.label().classes("about")
+            ui.button("Stop", on_click=self.stop).props(f"{BUTTON} outline")
+        self._place.visible = False
+        self._timer = ui.timer(0.5, self._tick, active=False)
+
+    @property
+    def on(self) -> bool:
+        """Whether something is being computed."""
+        return self._work is not None
+
+    def progress(self, done: int, total: int) -> None:
+        """Notes how much of it is done; may be called by any thread."""
+        self._share = done / max(total, 1)
+
+    def stop(self) -> None:
+        """Stops it; who waits for it gets a `CancelledError`."""
+        if self._work is not None and self._stopping is not None:
+            self._work.stop()
+            if not self._stopping.done():
+                self._stopping.set_result(None)
+
+    async def during(
+        self,
+        pool: Executor,
+        call: Callable[..., T],
+        *arguments: Any,
+        quiet: bool = False,
+    ) -> T:
+        """The result of a call that is made in a thread of its own; `quiet` shows
+        nothing.
+        """
+        loop = asyncio.get_running_loop()
+        self._work, self._stopping = _Work(), loop.create_future()
+        self._began, self._share = time.monotonic(), 0.0
+        self._tick()
+        self._place.visible = self._timer.active = not quiet
+        try:
+            result = loop.run_in_executor(pool, self._work, call, *arguments)
+            await asyncio.wait(
+                (result, self._stopping), return_when=asyncio.FIRST_COMPLETED
+            )
+            if self._stopping.done():
+                result.add_done_callback(lambda stopped: stopped.exception())
+                raise CancelledError
+            found = await result
+            self._last = time.monotonic() - self._began
+            return found
+        finally:
+            self._work = self._stopping = None
+            self._place.visible = self._timer.active = False
+
+    def _tick(self) -> None:
+        """Says how long it takes, from what is done or from the time before."""
+        spent = time.monotonic() - self._began
+        whole = spent / self._share if 0 < self._share < 1 else self._last
+        known = whole > spent
+        self._bar.props(
+            "" if known else "indeterminate", remove="indeterminate" if known else ""
+        )
+        self._bar.value = spent / whole if known else 0.0
+        left = f", about {whole - spent:.0f} s left" if known else ""
+        self._text.text = f"{spent:.0f} s{left}" if spent > _PATIENCE else ""
+
+
+class Latest:
+    """Does work for the last of the requests that come while it is being done."""
+
+    def __init__(self, work: Callable[[], Awaitable[None]]):
+        self._work = work
+        self._wanted = self._done = 0
+
+    async def __call__(self) -> None:
+        """Asks for the work; returns at once where others are asking already."""
+        self._wanted += 1
+        if self._wanted > self._done + 1:
+            return
+        while self._done < self._wanted:
+            now = self._wanted
+            try:
+                await self._work()
+            finally:
+                self._done = now
+
+
+class Slider:
+    """A quantity on a logarithmic or linear scale, with its value; `moved` is called
+    with the value while it is moved.
+    """
+
+    def __init__(
+        self,
+        label: str,
+        limits: tuple[float, float],
+        text: Callable[[float], str],
+        moved: Callable[[float], Any],
+        *,
+        logarithmic: bool = True,
+    ):
+        self._text, self._logarithmic = text, logarithmic
+        with ui.element("div").classes("slider") as self._place:
+            ui.label(label)
+            self._value = ui.label().classes("value")
+            low, high = (self._at(limit) for limit in limits)
+            step = (high - low) / 200
+            self._slider = ui.slider(min=low, max=high, step=step, value=low)
+            self._slider.props(f'aria-label="{label}"')
+
+        def changed(event: Any) -> None:
+            value = self._of(float(event.args))
+            self._value.text = text(value)
+            moved(value)
+
+        self._slider.on(
+            "update:model-value", changed, throttle=0.05, leading_events=False
+        )
+
+    @property
+    def value(self) -> float:
+        """The quantity."""
+        return self._of(float(self._slider.value))
+
+    def set(self, value: float, limits: tuple[float, float] | None = None) -> None:
+        """Shows a value, between other limits where these are given."""
+        if limits is not None:
+            low, high = (self._at(limit) for limit in limits)
+            self._slider.props["min"], self._slider.props["max"] = low, high
+            self._slider.props["step"] = (high - low) / 200
+        self._slider.value = self._at(value)
+        self._value.text = self._text(value)
+
+    def show(self, shown: bool) -> None:
+        """Shows or hides it."""
+        self._place.visible = shown
+
+    def _at(self, value: float) -> float:
+        return math.log10(value) if self._logarithmic else value
+
+    def _of(self, place: float) -> float:
+        return 10**place if self._logarithmic else place
+
+
+def length(metres: float) -> str:
+    """A length as it is typed."""
+    unit, size = next(
+        (
+            (u, s)
+            for u, s in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6))
+            if metres >= 0.9995 * s
+        ),
+        ("nm", 1e-9),
+    )
+    return f"{metres / size:.3g} {unit}"
 
 
 def material_names(session: Session) -> dict[str, str]:
@@ -113,25 +314,73 @@ def mark_of_age() -> ui.label:
 
 
 class Picture:
-    """A figure, as an image with a description."""
+    """A figure that one can point at, with what saves it; `about` is read out in place
+    of it, `stem` begins the names of its files.
+    """
 
-    def __init__(self, about: str):
-        with ui.element("div").classes("frame"):
-            self._image = ui.element("img").classes("figure").props(f'alt="{about}"')
-        self._image.visible = False
+    def __init__(self, about: str, stem: str):
+        self._about, self._stem = about, stem
+        self._drawn: Drawn | None = None
+        self._panels: list[ui.echart] = []
+        self._texts: list[tuple[ui.label, ui.label]] = []
+        self._place = ui.element("div").classes("picture")
+        with ui.element("div").classes("buttons save") as self._save:
+            ui.label("Save as").classes("about")
+            for kind in ("png", "svg", "csv"):
+                button = ui.button(kind.upper(), on_click=partial(self._give, kind))
+                button.props(f'flat dense aria-label="Save as {kind.upper()}"')
+        self._place.visible = self._save.visible = False
 
     @property
     def shown(self) -> bool:
         """Whether there is a figure."""
-        return self._image.visible
+        return self._drawn is not None
 
-    def show(self, svg: bytes | None) -> None:
-        """Shows an SVG image, or nothing."""
-        self._image.visible = svg is not None
-        if svg is not None:
-            self._image.props["src"] = (
-                f"data:image/svg+xml;base64,{base64.b64encode(svg).decode()}"
+    def show(self, drawn: Drawn | None) -> None:
+        """Shows a figure, or nothing; one of the same curves stays zoomed as it is."""
+        same = _curves(drawn) == _curves(self._drawn)
+        self._drawn = drawn
+        self._place.visible = self._save.visible = drawn is not None
+        if drawn is None:
+            return
+        if not same:
+            self._place.clear()
+            with self._place:
+                made = [self._panel(chart) for chart in drawn.charts]
+            self._panels = [panel for panel, _ in made]
+            self._texts = [texts for _, texts in made]
+        for chart, panel, texts in zip(
+            drawn.charts, self._panels, self._texts, strict=True
+        ):
+            texts[0].text, texts[1].text = chart.title, "\n".join(chart.notes)
+            if same:
+                panel.options.update(chart.options)
+                panel.update()
+            panel.client.run_javascript(f"elastomdr.label({panel.id})")
+
+    def _panel(self, chart: Chart) -> tuple[ui.echart, tuple[ui.label, ui.label]]:
+        with ui.element("figure").classes("panel"):
+            texts = (
+                ui.label().classes("panel-title"),
+                ui.label().classes("panel-notes"),
             )
+            panel = ui.echart(dict(chart.options)).classes("chart")
+            panel.props(f'role=img aria-label="{self._about}"')
+        return panel, texts
+
+    async def _give(self, kind: str) -> None:
+        if self._drawn is not None:
+            content = await worked(DRAWING, self._drawn.saved, kind)
+            ui.download.content(content, f"{self._stem}.{kind}")
+
+
+def _curves(drawn: Drawn | None) -> list[tuple[str, str]] | None:
+    """What is drawn, without its numbers."""
+    return drawn and [
+        (each["type"], each["name"])
+        for chart in drawn.charts
+        for each in chart.options["series"]
+    ]
 
 
 class Notes:

@@ -482,7 +482,11 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
         colour = PALETTE[ranking.curve.materials.index(place.material) % len(PALETTE)]
         law = ranking.curve.select(place.material).law()
         left.semilogx(
-            law.velocity, law(law.velocity, **given), color=colour, linewidth=look.line
+            law.velocity,
+            law(law.velocity, **given),
+            color=colour,
+            linewidth=look.line,
+            label=place.material,
         )
         _draw_bar(right, look, i, place, colour, 0.01 * max(known, default=1.0))
     left.axvline(ranking.velocity, color=FAINT, linestyle=":")

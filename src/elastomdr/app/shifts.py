@@ -1,0 +1,166 @@
+"""Isotherms of a master curve, shifted by hand: shift factors, overlap and law follow."""
+
+import dataclasses
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import numpy as np
+from nicegui import background_tasks, ui
+
+from ..checks import significant
+from ..fit.figures import draw_master, draw_shifts
+from ..fit.laws import fit_laws
+from .chart import Drawn, drawn
+from .session import DRAWING
+from .stage import BUTTON, Latest, Slider, worked
+from .words import spoken
+
+_REACH = 1.5  # how far an isotherm may be shifted from the fit [decades]
+
+
+class ShiftEditor:
+    """A slider for one isotherm at a time.
+
+    `show` is called with the figures of master curve and shift factors, None for those
+    of the fit; `use` with the table of shift factors, to fit with them.
+    """
+
+    def __init__(
+        self,
+        show: Callable[[dict[str, Drawn] | None], None],
+        use: Callable[[bytes], Awaitable[None]],
+    ):
+        self._show, self._use = show, use
+        self._master: Any = None
+        self._offsets = np.zeros(0)  # from the fit [decades]
+        self._redraw = Latest(self._drawn)
+        with ui.expansion("Shift isotherms by hand").classes("more") as self._fold:
+            self._isotherm = ui.select({}, label="Isotherm").classes("field")
+            self._isotherm.on_value_change(self._chosen)
+            self._slider = Slider(
+                "Shift factor log₁₀ a_T",
+                (-_REACH, _REACH),
+                lambda decades: f"{decades:.3f}",
+                self._moved,
+                logarithmic=False,
+            )
+            self._said = ui.label().classes("words")
+            with ui.element("div").classes("buttons"):
+                ui.button("Back to the fit", on_click=self._back).props(
+                    f"{BUTTON} outline"
+                )
+                ui.button("Fit with these factors", on_click=self._taken).props(BUTTON)
+        self._fold.visible = False
+
+    def edit(self, master: Any) -> None:
+        """Takes the master curve of a fit; None, or a single isotherm, hides it."""
+        several = master is not None and master.temperature.size > 1
+        self._fold.visible = several
+        self._master = master if several else None
+        if not several:
+            return
+        self._offsets = np.zeros(master.temperature.size)
+        names = {i: _celsius(kelvin) for i, kelvin in enumerate(master.temperature)}
+        farthest = int(np.abs(master.temperature - master.reference).argmax())
+        self._isotherm.set_options(names, value=farthest)
+        self._chosen()
+
+    def _chosen(self) -> None:
+        i = self._isotherm.value
+        if self._master is None or i is None:
+            return
+        fitted = float(self._master.log10_a[i])
+        limits = fitted - _REACH, fitted + _REACH
+        self._slider.set(fitted + float(self._offsets[i]), limits)
+        self._said.text = _in_words(_edited(self._master, self._offsets), i)
+
+    def _moved(self, decades: float) -> None:
+        i = self._isotherm.value
+        self._offsets[i] = decades - float(self._master.log10_a[i])
+        background_tasks.create(self._redraw(), name="shift an isotherm")
+
+    async def _drawn(self) -> None:
+        if self._master is None:
+            return
+        offsets, i = self._offsets.copy(), self._isotherm.value
+        figures, said = await worked(DRAWING, _figures, self._master, offsets, i)
+        self._show(figures)
+        self._said.text = said
+
+    def _back(self) -> None:
+        self._offsets[:] = 0.0
+        self._chosen()
+        self._show(None)
+
+    async def _taken(self) -> None:
+        factors = self._master.log10_a + self._offsets
+        rows = zip(self._master.temperature - 273.15, factors, strict=True)
+        table = "".join(f"{celsius:.6g},{factor:.6g}\n" for celsius, factor in rows)
+        await self._use(f"T [degC],log10 a_T\n{table}".encode())
+
+
+def _figures(master: Any, offsets: np.ndarray, i: int) -> tuple[dict[str, Drawn], str]:
+    """Master curve and shift factors with these offsets, and what there is to say."""
+    edited = _edited(master, offsets)
+    shown = {
+        "master": drawn(draw_master(edited)),
+        "shifts": drawn(draw_shifts(edited)),
+    }
+    return shown, _in_words(edited, i)
+
+
+def _edited(master: Any, offsets: np.ndarray) -> Any:
+    """The master curve with isotherms moved from the fit [decades]; the smooth curve
+    behind them stays that of the fit.
+    """
+    factors = master.log10_a + offsets
+    return dataclasses.replace(
+        master,
+        log10_a=factors,
+        omega=master.omega * 10.0 ** offsets[master.isotherm],
+        time=master.time / 10.0 ** offsets[master.time_isotherm],
+        laws=fit_laws(master.temperature, factors, master.covariance, master.reference),
+    )
+
+
+def _in_words(master: Any, i: int) -> str:
+    """Shift factor, overlap and law."""
+    lines = [f"log10 a_T  {master.log10_a[i]:.3f} at {_celsius(master.temperature[i])}"]
+    distance, count = overlap(master, i)
+    lines.append(
+        f"overlap    {count} points of E' within the neighbours, "
+        f"{significant(100 * distance, 2)} % off them (rms)"
+        if count
+        else "overlap    none with the neighbours"
+    )
+    lines += [
+        f"{name:<9}  {law.constants()}; {significant(law.rms, 2)} decades off (rms)"
+        for name, law in master.laws.items()
+        if name in ("WLF", "Arrhenius")
+    ]
+    return spoken("\n".join(lines))
+
+
+def overlap(master: Any, i: int) -> tuple[float, int]:
+    """How far an isotherm's storage moduli (or relaxation moduli) are from a line
+    through those of its two neighbours, relative, rms, and how many points that are.
+    """
+    dynamic = bool(master.omega.size)
+    x, y, number = (
+        (master.omega, master.storage, master.isotherm)
+        if dynamic
+        else (master.time, master.relaxation, master.time_isotherm)
+    )
+    own, beside = number == i, np.abs(number - i) == 1
+    order = np.argsort(x[beside])
+    across, up = np.log(x[beside][order]), np.log(y[beside][order])
+    places = np.log(x[own])
+    inside = (places >= across[0]) & (places <= across[-1])
+    if not inside.any():
+        return 0.0, 0
+    off = np.log(y[own][inside]) - np.interp(places[inside], across, up)
+    return float(np.sqrt(np.mean(off**2))), int(inside.sum())
+
+
+def _celsius(kelvin: float) -> str:
+    return f"{round(float(kelvin) - 273.15, 1) + 0.0:g} °C"

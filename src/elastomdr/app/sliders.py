@@ -1,0 +1,126 @@
+"""Sliders of the friction screen: cutoffs, pressure and temperature move the curves, and
+the velocity is where these are read.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from nicegui import ui
+
+from ..checks import significant
+from ..cli.units import Length, Pressure, Temperature
+from ..errors import InputError
+from ..results.words import in_words
+from .scene import Done
+from .stage import Slider, length
+
+_WAVES = {"longest": (1e-4, 0.1), "shortest": (1e-7, 2e-3)}  # [m]
+_PRESSURES = (0.01e6, 10e6)  # [Pa]
+_TEMPERATURES = (233.15, 393.15)  # [K]
+_VELOCITIES = (1e-7, 100.0)  # [m/s]
+
+
+class Sliders:
+    """The sliders of a scene of friction.
+
+    `moved` is called with the field and the text that stands for its new value, such as
+    "[contact] pressure" and "0.3 MPa".
+    """
+
+    def __init__(self, content: dict[str, Any], moved: Callable[[str, str], Any]):
+        self._content = content
+        self._done: Done | None = None
+        with ui.element("div").classes("sliders"):
+            self._waves = {
+                key: Slider(
+                    f"{key.capitalize()} wavelength of the road",
+                    limits,
+                    lambda metres: length(metres).replace("um", "µm"),
+                    lambda metres, key=key: moved(f"[surface] {key}", length(metres)),
+                )
+                for key, limits in _WAVES.items()
+            }
+            self._pressure = Slider(
+                "Nominal pressure",
+                _PRESSURES,
+                _pressure,
+                lambda pascal: moved("[contact] pressure", _pressure(pascal)),
+            )
+            self._temperature = Slider(
+                "Rubber temperature",
+                _TEMPERATURES,
+                lambda kelvin: _celsius(kelvin).replace("degC", "°C"),
+                lambda kelvin: moved("temperature", _celsius(kelvin)),
+                logarithmic=False,
+            )
+            self._velocity = Slider(
+                "Read at velocity", _VELOCITIES, _velocity, self._read
+            )
+        self._values = ui.label().classes("about")
+        self.look()
+
+    def look(self) -> None:
+        """Shows the values of the scene, of several the first."""
+        surface = self._content.get("surface", {})
+        contact = self._content.get("contact", {})
+        for key, slider in self._waves.items():
+            slider.show(surface.get("shape") in ("self_affine", "spectrum"))
+            _place(slider, Length, surface.get(key))
+        _place(self._pressure, Pressure, contact.get("pressure"))
+        _place(self._temperature, Temperature, self._content.get("temperature"))
+
+    def read(self, done: Done | None) -> None:
+        """Reads the curves of a result where the velocity's slider is."""
+        first = self._done is None
+        self._done = done
+        self._values.visible = done is not None
+        if done is None:
+            return
+        velocity = np.unique(np.asarray(done.result.velocity))
+        inside = float(np.clip(self._velocity.value, velocity[0], velocity[-1]))
+        middle = float(np.sqrt(velocity[0] * velocity[-1]))
+        if velocity[0] < velocity[-1]:
+            limits = float(velocity[0]), float(velocity[-1])
+            self._velocity.set(middle if first else inside, limits)
+        self._velocity.show(velocity[0] < velocity[-1])
+        self._read(self._velocity.value)
+
+    def _read(self, velocity: float) -> None:
+        if self._done is None:
+            return
+        result = self._done.result
+        bound = result.model_error
+        spread = result.error + (0.0 if bound is None else np.nan_to_num(bound))
+        _, curves = result.curves()
+        said = []
+        for curve in curves:
+            x = np.log(np.atleast_1d(result.velocity[curve.at]))
+            mu, half = (
+                float(np.interp(np.log(velocity), x, np.atleast_1d(values[curve.at])))
+                for values in (result.mu, spread)
+            )
+            name = f"{curve.label}: " if curve.label else ""
+            said.append(f"{name}µ = {significant(mu, 3)} ± {significant(half, 2)}")
+        text = f"At {_velocity(velocity)}: {'; '.join(said)}"
+        self._values.text = text.replace("degC", "°C")
+
+
+def _place(slider: Slider, quantity: Any, value: Any) -> None:
+    """Puts a slider where a value is, if it can be read."""
+    try:
+        slider.set(float(quantity.read(value[0] if isinstance(value, list) else value)))
+    except InputError:
+        return  # the field says what is wrong
+
+
+def _pressure(pascal: float) -> str:
+    return f"{pascal / 1e6:.3g} MPa"
+
+
+def _celsius(kelvin: float) -> str:
+    return f"{round(kelvin - 273.15):g} degC"
+
+
+def _velocity(velocity: float) -> str:
+    return in_words("velocity", float(significant(velocity, 3)))

@@ -1,0 +1,261 @@
+"""What the fields of the page are called: in words, with symbol and unit. The keys of
+scene files stand in the exported scene only.
+"""
+
+import re
+from collections.abc import Iterable
+
+from ..cli.units import Quantity
+from ..errors import InputError
+
+# By key, or by table and key where a key means different things. After a bar, what
+# stands below the field, where it is not what the scene's own key says.
+_TABLES = {
+    "adhesion": "Adhesive shear of the real contact",
+    "compare": "Where the rubbers are ranked",
+    "contact": "Load and motion",
+    "conveyor": "Belt conveyor",
+    "heat": "Flash temperature",
+    "heat.road": "Heat that flows into the road",
+    "heat_build_up": "Heat and cooling",
+    "indenter": "Rigid body",
+    "layer": "Rubber layer on a rigid base",
+    "leak": "Seal and fluid",
+    "numerics": "Accuracy",
+    "structure": "Structure of the wheel",
+    "surface": "Rough surface",
+}
+_LABELS = _TABLES | {
+    # the rubber
+    "data": "Files",
+    "name": "Name of the rubber",
+    "kind": "Kind of moduli",
+    "area": "Section of the specimen A [mm²]|for files that have stiffness",
+    "length": "Length of the specimen L [mm]|for files that have stiffness",
+    "column": 'Columns|by quantity, such as "storage=4, loss=5"',
+    "frequency_unit": "Unit of frequency",
+    "modulus_unit": "Unit of the moduli",
+    "temperature_unit": "Unit of temperature",
+    "time_unit": "Unit of time",
+    "law": "Shift law",
+    "shift": "Known shift law",
+    "poisson": "Poisson's ratio ν [-]|0.5 where nothing is given",
+    "ramp": "Duration of the ramp [s]|of a relaxation test whose times count from its "
+    "start",
+    "reference": "Reference temperature T₀ [°C]",
+    "storage_only": "There is no loss modulus",
+    "strain": "Strain amplitude ε [%]|to use where several were measured; else the "
+    "smallest",
+    "vertical": "Vertical shifts b_T",
+    "terms": "Terms of the Prony series",
+    "material": "Rubber|of the library, or fitted or dropped on this page",
+    "other": "Second rubber|where the other body is no rigid one",
+    "temperature": "Rubber temperature T [°C]|one, or several: 0, 20, 40",
+    "measured": "Measured friction|a table that was dropped, drawn over the curve",
+    "uncertainty": "Draws for an uncertainty band|of the rubber's misfit and of the "
+    "road's errors; 2 or more",
+    "title": "Title of the figure",
+    "friction": 'Friction coefficient µ [-]|a number, a table that was dropped, or "computed"',
+    # load and motion
+    "velocity": "Velocity v [m/s]|one, several, or from one to another: 1e-4 to 10 m/s, "
+    "24 points",
+    "pressure": "Nominal pressure p [MPa]",
+    "load": "Load F [N]",
+    "depth": "Indentation depth d [mm]|in place of the load",
+    "slip": "Slip [-]|velocity of slip over that of the road, below 1",
+    "creepage": "Creepage [-]|velocity of slip over the rolling velocity, in place of "
+    "the slip",
+    "strain_share": "Strain over rms slope [-]|of a rubber that softens with strain",
+    "model": "Model of the contact",
+    "corrected": "Corrected for asymmetric contacts|averaged model",
+    "average": "Averaged over directions|line model",
+    "equivalent_length": "Equivalent length [mm]|line model: turns a pressure into a load; "
+    'or "full contact"',
+    "seeds": "Random lines or maps|line and half-space models: how many, or their seeds",
+    "samples": "Samples of a line|line model",
+    "periods": "Length in longest waves|line and half-space models",
+    "gamma": "Share of the stored energy γ [-]|Persson's model, 0 to 1",
+    "stored": "Stored energy reduced in the contact area|Persson's model",
+    "cells": "Cells along each side|half-space model",
+    "compare.velocity": "At sliding velocity v [m/s]|else the middle of the range",
+    "compare.temperature": "At temperature T [°C]|else the middle of the range",
+    "compare.pressure": "At nominal pressure p [MPa]|else the middle of the range",
+    # adhesion and heat
+    "energy": "Activation energy [kJ/mol]|without it the shear does not shift with "
+    "temperature",
+    "adhesion.reference": "Reference temperature T₀ [°C]|of the activation energy",
+    "stress": "Largest shear stress τ [MPa]",
+    "adhesion.velocity": "Velocity of the largest stress v₀ [m/s]|at the reference "
+    "temperature",
+    "adhesion.width": "Width of the bell over log₁₀ v [-]|0 or more",
+    "conductivity": "Thermal conductivity λ [W/(m K)]",
+    "heat_capacity": "Heat capacity per volume ρc [MJ/(m^3 K)]",
+    "ambient": "Ambient temperature [°C]",
+    "capacity": "Heat capacity of the body [J/K]|for the way to the steady state",
+    "conductance": "Thermal conductance to the surroundings [W/K]",
+    "duration": "Duration [s]|how long the body rolls",
+    "hottest": "Highest temperature looked at [°C]|else that of the rubber's data",
+    "points": "Instants",
+    # bodies
+    "shape": "Shape",
+    "apex": "Tip|else the points decide",
+    "coefficient": 'Coefficient|in length^(1 - exponent), such as "100 m^-1"',
+    "curve": "Between the points",
+    "exponent": "Exponent [-]",
+    "file": "File",
+    "indenter.length": "Length L [mm]|of the line of contact, across the direction of motion",
+    "radius": "Radius R [mm]",
+    "slope": "Slope of the side [-]|rise over the distance from the axis",
+    "unit": "Unit of length",
+    "r": "Distances from the axis r|from 0 on",
+    "z": "Heights z|at these distances",
+    "bonded": "Bonded to its base|it can slip where this is off",
+    "springs": "Independent springs|the textbook's, in place of the layer itself",
+    "thickness": "Thickness h [mm]",
+    "rtol": "Relative tolerance [-]",
+    "stiffness": "Stiffness per contact area [MPa/m]",
+    # the road
+    "c": "Power spectrum C|at the wave numbers, in SI units",
+    "c_unit": "Unit of C|of the second column, where its title has none",
+    "columns": "Columns|which two of several, from 1",
+    "convention": "Convention of C|how the spectrum is normalised",
+    "cutoff_error": "Relative error of the shortest wave [-]|for the uncertainty band",
+    "level_error": "Relative error of C [-]|for the uncertainty band",
+    "detrend": "Mean plane taken off",
+    "hurst": "Hurst exponent H [-]",
+    "longest": "Longest wavelength λ₀ [mm]|",
+    "shortest": "Shortest wavelength λ₁ [µm]|",
+    "rolloff": "Roll-off wavelength [mm]|above which the spectrum is flat",
+    "q_low": "Smallest wave number q₀ [1/m]|in place of the longest wavelength",
+    "q_high": "Largest wave number q₁ [1/m]|in place of the shortest wavelength",
+    "q_rolloff": "Roll-off wave number [1/m]|below which the spectrum is flat",
+    "q": "Wave numbers q [rad/m]",
+    "q_unit": "Unit of q|of the first column, where its title has none",
+    "wave_number": "Wave numbers count",
+    "pixel_size": "Pixel size [µm]|one, or one for each direction",
+    "rms_height": "Rms height h [µm]|in place of the slope",
+    "rms_slope": "Rms slope ξ [-]|of the surface; that of a straight cut is smaller by "
+    "the root of 2",
+    "surface.unit": "Unit of the heights|where the file has none",
+    # a belt
+    "belt": "Mass of the belt per length [kg/m]",
+    "goods": "Mass of the goods per length [kg/m]",
+    "spacing": "Distance of the carrying idlers [m]",
+    "shares": "Shares of the load|by roll of a set; one roll bears all where nothing is "
+    "given",
+    "return_spacing": "Distance of the return rolls [m]",
+    "return_length": "Length of a return roll [mm]|else that of all rolls of a set",
+    "return_thickness": "Cover dented by return rolls [mm]|else the layer's thickness",
+    # a seal
+    "leak.pressure": "Contact pressure p [MPa]|over that of the fluid",
+    "pressure_drop": "Pressure drop of the fluid Δp [MPa]|less than the contact pressure",
+    "outlet_pressure": "Outlet pressure [MPa]|absolute; makes the fluid a gas",
+    "mean_free_path": "Mean free path at the outlet [nm]|of a gas that slips at the "
+    "walls",
+    "viscosity": "Viscosity η [mPa*s]",
+    "density": "Density ρ [kg/m^3]|gives the mass rate as well",
+    "leak.length": "Contact length along the flow [mm]",
+    "leak.width": "Contact width across the flow [m]|1 m where nothing is given",
+    "time": "Time under load t [s]|without it: long after pressing",
+}
+# keys that belong to other commands than those of the page
+ELSEWHERE = {
+    f"[surface] {key}" for key in ("equivalent_length", "seed", "periods", "samples")
+}
+_ANY_TABLE = "|".join(map(re.escape, _TABLES))
+_SPELLED = {"°C": "degC", "mm²": "mm2", "µm": "um"}  # as scene files spell a unit
+
+
+def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
+    """What the field of a key is called, with symbol and unit; `quantity` is what it
+    measures, such as a force or a force per length.
+    """
+    said = _entry(path).partition("|")[0]
+    if quantity is None or not (own := _unit_of(said)):
+        return said
+    try:
+        quantity.read(f"1 {own}")
+    except InputError:
+        return re.sub(r"\[.*\]$", f"[{quantity.unit}]", said)
+    return said
+
+
+def hint(path: tuple[str, ...], meaning: str) -> str:
+    """What stands below the field; empty where the label says it all."""
+    own, bar, text = _entry(path).partition("|")
+    if bar:
+        return text
+    said, word = meaning.lower(), own.lower()
+    return "" if said.rstrip(".") in word else spoken(meaning)
+
+
+def unit(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
+    """The unit in the label, as scene files spell it, empty where there is none."""
+    return _unit_of(label(path, quantity))
+
+
+def _unit_of(said: str) -> str:
+    found = re.search(r" \[(.*)\]$", said)
+    return "" if found is None or found[1] == "-" else _SPELLED.get(found[1], found[1])
+
+
+def title(path: tuple[str, ...]) -> str:
+    """What a field is called within a sentence: without its unit."""
+    return re.sub(r" \[.*\]$", "", label(path))
+
+
+def quoted(*path: str) -> str:
+    """A field's name within a sentence."""
+    return f"“{title(path)}”"
+
+
+def in_words(message: str, names: Iterable[str]) -> str:
+    """A message about a scene in the words of the page; `names` are those of the
+    fields, such as "[contact] load".
+    """
+    for name in sorted(names, key=len, reverse=True):
+        message = re.sub(
+            rf"^{re.escape(name)}(?!\w)",
+            lambda _, name=name: title(path_of(name)),
+            message,
+        )
+    message = re.sub(rf"\[({_ANY_TABLE})\](?: (\w+))?", _place, message)
+    for key in _LABELS:
+        if "_" in key and "." not in key:
+            message = re.sub(rf"\b{key}\b", quoted(key), message)
+    return " ".join(spoken(message).split())
+
+
+def _place(found: re.Match[str]) -> str:
+    """A table, or a key of a table, within a message."""
+    table, key = found[1].split("."), found[2] or ""
+    if ".".join([table[-1], key]) in _LABELS or key in _LABELS:
+        return quoted(*table, key)
+    return " ".join(filter(None, (quoted(*table), key)))
+
+
+def spoken(message: str) -> str:
+    """A message without what is said to users of Python and of the command line."""
+    message = re.sub(r" \((?:em\.|--)[^()]*(?:\([^()]*\)[^()]*)*\)", "", message)
+    message = re.sub(r" \(`elastomdr [^`]*`\)", "", message)
+    message = re.sub(r"\ban? em\.", "a ", message)
+    message = re.sub(
+        r"\bem\.(\w+)(?:\([^()]*\))?", lambda call: call[1].lower(), message
+    )
+    message = message.replace("In a scene, titles", "Titles")
+    message = message.replace(" beside the scene", " that was dropped here")
+    message = re.sub(r"degC(?= {2})", "°C  ", message)  # columns stay in line
+    return message.replace("degC", "°C")
+
+
+def path_of(name: str) -> tuple[str, ...]:
+    """The tables and the key of a field's name."""
+    found = re.fullmatch(r"\[(.*)\] (.*)", name)
+    return (name,) if found is None else (*found[1].split("."), found[2])
+
+
+def _entry(path: tuple[str, ...]) -> str:
+    for name in (".".join(path[-2:]), path[-1]):
+        if name in _LABELS:
+            return _LABELS[name]
+    return path[-1].replace("_", " ").capitalize()
