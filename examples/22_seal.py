@@ -97,7 +97,7 @@ def start(ax: plt.Axes, rubber: em.Prony, pressure: float) -> list[em.Slide]:
     )
     found = []
     for dwell, colour in zip(DWELLS, ("#8bb4d9", "#0b2540"), strict=True):
-        time = np.concatenate([[0.0], dwell + np.linspace(0, way / speed, 61)])
+        time = np.concatenate([[0.0], dwell + np.linspace(0, way / speed, 241)])
         position = speed * np.maximum(time - dwell, 0)
         slid = em.slide(
             rubber, LINE, time=time, position=position, load=load, rtol=2e-2

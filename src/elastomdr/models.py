@@ -112,6 +112,8 @@ class GapFlow(NamedTuple):
     good: Array  # whether the point has an answer
     said: str  # the model in a few words, for the result
     work: str = "closed integrals over the spectrum"  # what was computed
+    # dw/dl [m^2] by the mean free path l, each gap by itself; None: by an estimate
+    slip: Array | None = None
 
 
 class SurfaceFriction(NamedTuple):

@@ -91,6 +91,31 @@ def test_slip_of_each_gap_on_maps():
     assert 1 / 1.7 < shares[1] < 1
 
 
+def test_slip_to_first_order_on_a_map():
+    """Against the flow with a small mean free path in every gap."""
+    x = np.arange(24) * 2 * np.pi / 24
+    gap = np.maximum(0.4 + np.cos(2 * x[:, None]) * np.sin(x - x[:, None]), 0.0)
+    found, path = flow(gap), 1e-6
+    more = flow((gap**3 + 6 * path * gap**2) ** (1 / 3)).conductance
+    slope = (np.array(more) - found.conductance) / path
+    assert found.slip == pytest.approx(slope, rel=1e-4)
+
+
+def test_maps_let_each_gap_slip():
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e4, q_high=8e4)
+    scene = SCENE | {"pressure": 8e4, "pressure_drop": 4e4}
+    scene |= {"model": em.HalfSpace(cells=128, seeds=1)}
+    still, slips = (
+        em.leak(RUBBER, surface, outlet_pressure=1e5, mean_free_path=path, **scene)
+        for path in (0.0, 5e-8)
+    )
+    share = (slips.rate / still.rate - 1) / (6 * slips.knudsen)
+    assert 1 / 1.7 < share < 1
+    assert slips.model_error == 0
+    assert "slip of each gap" in slips.model
+    assert "in each gap by itself" in slips.summary()
+
+
 def test_no_bound_where_molecules_fly():
     vacuum = em.leak(
         RUBBER, ROUGH, **SCENE | {"pressure_drop": 100.0},

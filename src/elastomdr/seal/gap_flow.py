@@ -27,6 +27,8 @@ class Flow(NamedTuple):
 
     conductance: tuple[float, float]  # w [m^3]
     percolates: tuple[bool, bool]  # whether a channel leads through the map
+    # dw/dl at l = 0 [m^2], where each gap conducts g^3 + 6 l g^2: a gas that slips
+    slip: tuple[float, float]
 
 
 @one_thread()
@@ -37,17 +39,15 @@ def flow(gap: Any) -> Flow:
     gap = np.asarray(gap, dtype=float)
     pools, windings = channels(gap > 0)
     through = [any(winding[axis] for winding in windings.values()) for axis in (0, 1)]
-    along = [0.0, 0.0]
+    along, slip = [0.0, 0.0], [0.0, 0.0]
     if any(through):
         widest = float(gap.max())
         inside = np.isin(pools, list(windings))
         cube = np.where(inside, gap / widest, 0.0) ** 3
-        fluxes = _fluxes(cube, pools, inside)
-        along = [
-            widest**3 * flux if is_open else 0.0
-            for flux, is_open in zip(fluxes, through, strict=True)
-        ]
-    return Flow((along[0], along[1]), (through[0], through[1]))
+        for axis, (flux, more) in enumerate(_fluxes(cube, pools, inside)):
+            if through[axis]:
+                along[axis], slip[axis] = widest**3 * flux, widest**2 * more
+    return Flow((along[0], along[1]), (through[0], through[1]), (slip[0], slip[1]))
 
 
 def effective_medium(shares: Any, flows: Any, n: float) -> float:
@@ -130,7 +130,8 @@ def _links(pieces: np.ndarray) -> dict[int, set[tuple[int, int, int]]]:
 class _Faces(NamedTuple):
     """The open faces between cells that are neighbours along an axis."""
 
-    cube: Any  # harmonic mean of g^3
+    cube: Any  # harmonic mean c of g^3
+    slip: Any  # its change dc/dl, g^3 changing by 6 g^2
     here: Any  # number of the cell before it
     there: Any  # and behind it
 
@@ -138,14 +139,22 @@ class _Faces(NamedTuple):
 def _faces(cube: Any, number: Any) -> Iterator[_Faces]:
     for axis in (0, 1):
         beyond = np.roll(cube, -1, axis)
-        mean = 2 * cube * beyond / np.maximum(cube + beyond, 1e-300)
+        total = np.maximum(cube + beyond, 1e-300)
+        mean = 2 * cube * beyond / total
+        # dc/d(g^3) of one side is half the square of c over its g^3
+        here, there = cube / total, beyond / total
+        slip = 12 * (cube ** (2 / 3) * there**2 + beyond ** (2 / 3) * here**2)
         open_ = mean > 0
-        yield _Faces(mean[open_], number[open_], np.roll(number, -1, axis)[open_])
+        following = np.roll(number, -1, axis)
+        yield _Faces(mean[open_], slip[open_], number[open_], following[open_])
 
 
-def _fluxes(cube: Any, pools: Any, inside: Any) -> list[float]:
-    """Mean flux along either axis under a pressure that falls by one per cell; `cube`
-    is g^3, not zero in the cells `inside` alone.
+def _fluxes(cube: Any, pools: Any, inside: Any) -> list[tuple[float, float]]:
+    """Mean flux along either axis under a pressure that falls by one per cell, and its
+    change by slip; `cube` is g^3, not zero in the cells `inside` alone.
+
+    The flux is the least of sum c (fall)^2 over the faces, so that its change is that of
+    c alone.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.linalg import splu
@@ -154,7 +163,9 @@ def _fluxes(cube: Any, pools: Any, inside: Any) -> list[float]:
     number = np.full(cube.shape, -1)
     number[inside] = np.arange(count)
     faces = list(_faces(cube, number))
-    means, here, there = (np.concatenate(part) for part in zip(*faces, strict=True))
+    means, slips, here, there = (
+        np.concatenate(part) for part in zip(*faces, strict=True)
+    )
     rows = np.concatenate([here, there, here, there])
     columns = np.concatenate([there, here, here, there])
     values = np.concatenate([-means, -means, means, means])
@@ -169,12 +180,16 @@ def _fluxes(cube: Any, pools: Any, inside: Any) -> list[float]:
         options={"SymmetricMode": True},
     )
     fluxes = []
-    for face in faces:
+    ends = np.cumsum([0, *(face.cube.size for face in faces)])
+    for axis, face in enumerate(faces):
         # what flows into each cell, less what flows out, by the mean gradient alone
         gained = np.bincount(face.there, face.cube, count)
         gained -= np.bincount(face.here, face.cube, count)
         pressure = np.zeros(count)
         pressure[free] = solved.solve(gained[free])
         falls = 1 + pressure[face.here] - pressure[face.there]
-        fluxes.append(float((face.cube * falls).sum()) / cube.size)
+        flux = float((face.cube * falls).sum()) / cube.size
+        every = pressure[here] - pressure[there]  # on the faces of both axes
+        every[ends[axis] : ends[axis + 1]] = falls
+        fluxes.append((flux, float((slips * every**2).sum()) / cube.size))
     return fluxes

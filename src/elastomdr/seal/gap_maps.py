@@ -27,6 +27,7 @@ from .gap_flow import channels, effective_medium, flow
 # Relative error of the flow by four cells per shortest wave, over -ln(1 - A/0.415):
 # benchmarks/leak_grid.py. It falls as the square of the cell.
 _OF_CELLS, _CLOSES, _SURE = 0.12, 0.415, 0.38
+_SMALL = 1e-4  # mean free path over w^(1/3) at which the slip of maps is added up
 
 
 class Pressed(NamedTuple):
@@ -87,7 +88,7 @@ def leak(
         raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
     grid = grid_of(surface, cells, periods)
     level = np.asarray(level)
-    flows = np.full((len(seeds), 2, level.size), np.nan)
+    flows, slips = np.full((2, len(seeds), 2, level.size), np.nan)
     gap, critical, area = (np.full((len(seeds), level.size), np.nan) for _ in range(3))
     for i, seed in enumerate(seeds):
         heights, side = rough_map(
@@ -98,20 +99,21 @@ def leak(
             found = pressed(heights, side, float(level[j]), start)
             start = found.pressure if found.settled else None
             if found.settled:
-                flows[i, :, j] = flow(found.gap).conductance
+                through = flow(found.gap)
+                flows[i, :, j], slips[i, :, j] = through.conductance, through.slip
                 gap[i, j], area[i, j] = found.gap.mean(), found.area
                 critical[i, j] = narrowest(found.gap)
     good: Any = np.isfinite(flows).all((0, 1))
-    alike = np.full(2 * len(seeds), 1.0)  # maps and axes
-    w = np.array(
-        [effective_medium(alike, flows[..., j].ravel(), 2) for j in range(level.size)]
-    )
+    w = _of_maps(flows)
+    path = _SMALL * np.where(w > 0, w, 1.0) ** (1 / 3)
+    slip = (_of_maps(flows + path * slips) - w) / path
     work = (
         f"{len(seeds)} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
         "longest waves to a side"
     )
     return GapFlow(
         flow=w,
+        slip=slip,
         gap=gap.mean(0),
         critical_gap=_mean_of_open(critical),
         area=area.mean(0),
@@ -122,6 +124,14 @@ def leak(
         said="Reynolds' equation on gaps in three dimensions (no reduction)",
         work=work,
     )
+
+
+def _of_maps(flows: np.ndarray) -> np.ndarray:
+    """The medium of maps and axes alike, from (maps, axes, points)."""
+    maps, axes, points = flows.shape
+    alike = np.ones(maps * axes)
+    medium = [effective_medium(alike, flows[..., j].ravel(), 2) for j in range(points)]
+    return np.array(medium)
 
 
 def _mean_of_open(gaps: np.ndarray) -> np.ndarray:

@@ -10,7 +10,8 @@ volume at the outlet is exactly
 
 The gap of the slip is that of even planes which conduct as much, w^(1/3): against maps
 on which each gap slips by itself, 1 + 6 l/g, the share of slip is right in light contact
-and up to 1.6 times too high at a real contact of 0.3. By kinetic theory
+and up to 1.6 times too high at a real contact of 0.3. Maps know their own, dw/dl to
+first order. By kinetic theory
 
     l = (viscosity/p) sqrt(pi R T/(2 M)).
 
@@ -31,6 +32,7 @@ from ..material.shift import GAS_CONSTANT
 
 SLIPS = 0.1  # Kn up to which a gas slips, and does not fly freely
 SAID = "; ideal gas that expands, with slip (estimate)"
+SAID_OF_MAPS = "; ideal gas that expands, with slip of each gap"
 
 
 class GasFlow(NamedTuple):
@@ -83,8 +85,8 @@ def check_absolute(name: str, value: Any) -> None:
     require(name, value, accepted, lambda x: (x > 0) & np.isfinite(x))
 
 
-def gas_flow(given: dict[str, Any], flow: Any) -> GasFlow:
-    """The gas from w of a liquid [m^3]."""
+def gas_flow(given: dict[str, Any], flow: Any, slip: Any = None) -> GasFlow:
+    """The gas from w of a liquid [m^3]; `slip` is dw/dl [m^2], if known."""
     outlet, kelvin, mass = (
         given[name] for name in ("outlet_pressure", "temperature", "molar_mass")
     )
@@ -97,16 +99,17 @@ def gas_flow(given: dict[str, Any], flow: Any) -> GasFlow:
     is_open = flow > 0
     gap = xp.where(is_open, flow, 1.0) ** (1 / 3)
     knudsen = path * outlet / mean / gap
-    slipping = xp.where(is_open, flow * (1 + 6 * knudsen), 0.0)
+    slip = 6 * gap**2 if slip is None else slip
+    slipping = xp.where(is_open, flow + slip * knudsen * gap, 0.0)
     knudsen = xp.where(is_open, knudsen, xp.nan)
     return GasFlow(slipping, knudsen, mean / outlet, density)
 
 
 def bound(model_error: Any, knudsen: Any) -> Any:
-    """`model_error` of a liquid with all of the slip as uncertain; NaN where the gas no
-    more slips than flies.
+    """`model_error` of a liquid with all of the slip as uncertain, or 0 for maps
+    (None), of which each gap slips; NaN where the gas no more slips than flies.
     """
     slip = xp.where(xp.isnan(knudsen), 0.0, 6 * knudsen)
-    of_liquid = 0.0 if model_error is None else model_error
-    both = (1 + of_liquid) * (1 + slip) - 1
+    maps = model_error is None
+    both = 0 * slip if maps else (1 + model_error) * (1 + slip) - 1
     return xp.where(slip > 6 * SLIPS, xp.nan, both)

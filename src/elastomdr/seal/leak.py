@@ -132,8 +132,9 @@ def leak(
             the pressure, and models that have no leak or no derivatives.
 
     Laminar flow, without capillary forces, swelling and permeation through the rubber.
-    A gas slips by an estimate, 1 + 6 Kn, which `model_error` counts in full; it is NaN
-    above a Knudsen number of 0.1. The fluid does not lift the rubber within the
+    A gas slips by an estimate, 1 + 6 Kn, which `model_error` counts in full; by
+    `em.HalfSpace` it slips in each gap by itself. `model_error` is NaN above a Knudsen
+    number of 0.1. The fluid does not lift the rubber within the
     seal. Differentiable with `em.Multiscale` with respect to material, surface,
     pressures, viscosity, sizes, time and temperature. Source: `docs/theory.md`.
     """
@@ -156,13 +157,7 @@ def leak(
     )
     shape = broadcast_shape(**given)
     level, factor = level_of(foundation, given)
-    found = chosen.leak(surface, level.ravel())
-    numbers = {
-        name: xp.reshape(x, level.shape)
-        for name, x in found._asdict().items()
-        if name not in ("said", "work") and x is not None
-    }
-    found = found._replace(**numbers)
+    found = _gaps(chosen, surface, level)
     good = xp.broadcast_to(found.good, shape)
     traced = is_traced(level, *given.values())
     if not traced:
@@ -175,10 +170,27 @@ def leak(
     return Leak(
         **_fields(given, found, good, shape),
         extrapolated=beyond.points,
-        model=found.said + ("" if given["outlet_pressure"] is None else gas.SAID),
+        model=_model_in_words(given, found),
         plan=found.work,
         inputs=(*_inputs_in_words(foundation, surface, given), *beyond.said),
     )
+
+
+def _gaps(model: Any, surface: Any, level: Any) -> GapFlow:
+    """The model's answers, in the shape of the levels."""
+    found = model.leak(surface, level.ravel())
+    numbers = {
+        name: xp.reshape(x, level.shape)
+        for name, x in found._asdict().items()
+        if name not in ("said", "work") and x is not None
+    }
+    return found._replace(**numbers)
+
+
+def _model_in_words(given: dict[str, Any], found: GapFlow) -> str:
+    if given["outlet_pressure"] is None:
+        return found.said
+    return found.said + (gas.SAID if found.slip is None else gas.SAID_OF_MAPS)
 
 
 def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
@@ -245,7 +257,7 @@ def _fields(
     flow, knudsen, expansion, density = found.flow, None, 1.0, given["density"]
     model_error = found.model_error
     if given["outlet_pressure"] is not None:
-        flow, knudsen, expansion, of_gas = gas.gas_flow(given, found.flow)
+        flow, knudsen, expansion, of_gas = gas.gas_flow(given, found.flow, found.slip)
         density = of_gas if density is None else density
         model_error = gas.bound(model_error, knudsen)
     conductance = flow / (12 * given["viscosity"])

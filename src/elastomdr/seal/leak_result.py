@@ -146,10 +146,14 @@ class Leak(Result):
             yield "model", f"rate within a factor of {factor}"
         if self.knudsen is not None:
             numbers = span(np.asarray(self.knudsen)[good])
+            estimate = "(an estimate, counted in full in the bound up to a "
+            by = (
+                estimate if "estimate" in self.model else "in each gap by itself (to a "
+            )
             yield (
                 "gas",
-                f"expands and slips (an estimate, counted in full in the bound up to "
-                f"a Knudsen number of 0.1), here {numbers}; volumes are at the outlet",
+                f"expands and slips {by}Knudsen number of 0.1), here {numbers}; volumes "
+                "are at the outlet",
             )
         closed = int((good & ~np.asarray(self.percolates)).sum())
         if closed:
