@@ -23,7 +23,6 @@ Derived here; checked against cells in three dimensions.
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -189,10 +188,14 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     # what materials take; beyond, all is at rest
     omega = xp.clip(z[None] * (velocity[:, None] / h), 1e-99, 1e99)
     loss = on.deficit(xp.asarray(z)[None], omega)  # (points, z)
-    wave = xp.exp(1j * (x / h)[..., None] * z)
-    smooth = (
-        (wave * (xp.conj(loss) * dz)[:, None]) @ xp.swapaxes(xp.conj(wave), 1, 2)
-    ).real
+    phase = (x / h)[..., None] * z
+    cosine, sine = xp.cos(phase), xp.sin(phase)
+    real, lost = (xp.real(loss) * dz)[:, None], (xp.imag(loss) * dz)[:, None]
+    # Re (conj(D) e^{i(a - b)}) with D = real + i lost
+    left = [real * cosine + lost * sine, real * sine - lost * cosine]
+    smooth = xp.concatenate(left, axis=2) @ xp.swapaxes(
+        xp.concatenate([cosine, sine], axis=2), 1, 2
+    )
     full = local - smooth * (share / (math.pi * h))[:, None]
     # The apex is a node of both panels: one value, one equation.
     columns = xp.concatenate(
@@ -280,18 +283,18 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
     log = xp.log(xp.maximum(l, 1e-280))
     inside = xp.clip(log, _LOW, _HIGH)
     place = (inside - _LOW) / _STEP + _STENCIL // 2
-    offsets = np.arange(_STENCIL)
     left = xp.floor(fixed(place)).astype(int) - (_STENCIL // 2 - 1)
     left = xp.clip(left, 0, size - _STENCIL)
-    gaps = (place - left)[..., None] - offsets
+    offset = np.arange(size) - left[..., None]
+    inside = (offset >= 0) & (offset < _STENCIL)
+    gaps = place[..., None] - np.arange(size)
     gaps = xp.where(gaps == 0, 1e-300, gaps)
-    factor = _barycentric() / gaps
-    local = factor / xp.sum(factor, axis=-1, keepdims=True)
+    binomial = xp.asarray(_barycentric())[xp.clip(offset, 0, _STENCIL - 1)]
+    factor = xp.where(inside, binomial / gaps, 0.0)
     # below the table what is missing to q is linear in l
     short = xp.minimum(l / math.exp(_LOW), 1.0)
     amount = compliance * short / (1 + xp.maximum(l, math.exp(_LOW)))
-    hot = (left[..., None] + offsets)[..., None] == np.arange(size)
-    weight = xp.sum(xp.where(hot, (local * amount[..., None])[..., None], 0.0), axis=-2)
+    weight = factor * (amount / xp.sum(factor, axis=-1))[..., None]
     return weight, compliance * (1 - short)
 
 
@@ -314,33 +317,61 @@ def _rule(n: int) -> _Rule:
         -(_STENCIL // 2), math.ceil((_HIGH - _LOW) / _STEP) + _STENCIL // 2 + 1
     )
     l = np.exp(logs)[:, None]
-    way = (1 - node)[None]  # to the leading end of the panel
-    nodes, share = gauss(n + 12)
-    # exp(-s/l) over [0, way]: panels of the width of its fall, where that is shorter
-    ends = [np.zeros(np.broadcast_shapes(l.shape, way.shape))]
-    ends += [np.minimum(way, 3.0 * k * l) for k in (0.5, 2, 5, 12)] + [
-        np.broadcast_to(way, ends[0].shape)
-    ]
-    total = np.zeros((l.shape[0], n + 1, n + 1))
-    for low, high in itertools.pairwise(ends):
-        half = 0.5 * (high - low)
-        # nothing is left beyond
-        some = np.flatnonzero(((half > 0) & (low < 35 * l)).any(axis=1))
-        s = low[some, :, None] + half[some, :, None] * (1 + nodes)
-        fall = (
-            np.exp(-s / l[some, :, None])
-            * half[some, :, None]
-            * share
-            * ((1 + l) / l)[some, :, None]
-        )
-        angle = np.arccos(np.clip(node[None, :, None] + s, -1, 1))
-        for k in range(n + 1):
-            total[some, :, k] += np.sum(fall * np.cos(k * angle), axis=-1)
-    table = total @ inverse
+    table = (1 + l[..., None]) * _remembered(node, l, n) @ inverse
     tau, dtau, _ = gauss_unit(2 * n)
     place = tau**2
     to_place = np.polynomial.chebyshev.chebvander(2 * place - 1, n) @ inverse
     return _Rule(node, moments @ inverse, table, place, 2 * tau * dtau, to_place)
+
+
+def _remembered(t: np.ndarray, l: np.ndarray, top: int) -> np.ndarray:
+    """Y_k = int T_k(t + s) exp(-s/l) ds/l up to t + s = 1: memories, places,
+    k = 0 ... `top`.
+
+    By parts Y[f] = f(t) - f(1) E + l Y[f'], E = exp(-(1 - t)/l); as 2 T_k =
+    T_{k+1}'/(k + 1) - T_{k-1}'/(k - 1), d_k = Y[T_k']/k obeys
+    d_{k+1} = d_{k-1} + 2 (T_k - E + l k d_k): forwards where l is short, else as a
+    tridiagonal system with both ends known.
+    """
+    last = top + 1
+    polynomial = np.cos(np.arange(last + 1)[:, None] * np.arccos(np.clip(t, -1, 1)))
+    ended = np.exp(-(1 - t) / l)
+    d = np.zeros((last + 1, l.size, t.size))
+    d[1] = -np.expm1(-(1 - t) / l)
+    short = int(np.searchsorted(l[:, 0], 8 / last**2))
+    low, high = slice(0, short), slice(short, None)
+    for k in range(1, last):
+        own = polynomial[k] - ended[low] + k * l[low] * d[k, low]
+        d[k + 1, low] = d[k - 1, low] + 2 * own
+    d[last, high] = _remembered_slope(t, l[high], last)
+    # -d_{k-1} - 2 l k d_k + d_{k+1} = 2 (T_k - E), k = 2 ... last - 1, eliminated
+    # upwards, solved downwards
+    pivot, right = np.zeros((last, *l[high].shape)), np.zeros_like(d[:last, high])
+    for k in range(2, last):
+        pivot[k] = -2 * k * l[high]
+        right[k] = 2 * (polynomial[k] - ended[high])
+        if k == 2:
+            right[k] += d[1, high]
+        else:
+            pivot[k] += 1 / pivot[k - 1]
+            right[k] += right[k - 1] / pivot[k - 1]
+    for k in range(last - 1, 1, -1):
+        d[k, high] = (right[k] - d[k + 1, high]) / pivot[k]
+    kept = np.concatenate([d[1:2], 0.5 * (d[2:] - d[:-2])])
+    return np.moveaxis(kept, 0, -1)
+
+
+def _remembered_slope(t: np.ndarray, l: np.ndarray, k: int) -> np.ndarray:
+    """Y[T_k']/k by quadrature, for memories that are not short."""
+    nodes, weights = gauss(24 + k)
+    reach = np.minimum((1 - t) / l, 42.0)[..., None]  # in units of the memory
+    s = 0.5 * reach * (nodes + 1)
+    angle = np.arccos(np.clip(t[:, None] + l[..., None] * s, -1, 1))
+    sine = np.sin(angle)
+    slope = np.where(
+        sine > 1e-12, np.sin(k * angle) / np.where(sine > 1e-12, sine, 1.0), k
+    )
+    return (slope * np.exp(-s)) @ weights * 0.5 * reach[..., 0]
 
 
 @functools.cache

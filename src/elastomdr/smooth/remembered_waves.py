@@ -17,11 +17,11 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import in_steps, xp
+from ..arrays import fori_loop, in_steps, xp
 from ..checks import Array
 
 _HIGHER = 16  # orders above the last one, where the ratios begin
@@ -95,19 +95,26 @@ def _first_product(z: Array, ratio: Array) -> Array:
     """
     small = z < _LARGE
     square = xp.where(small, 0.5 * z, 1.0) ** 2
-    term, i_0, rest = xp.ones_like(z), xp.ones_like(z), xp.zeros_like(z)
-    harmonic = 0.0
-    for k in range(1, _POWERS):
-        term = term * square / k**2
-        harmonic += 1 / k
-        i_0, rest = i_0 + term, rest + harmonic * term
+    harmonic = xp.asarray(np.cumsum(1 / np.arange(1.0, _POWERS)))
+
+    def next_power(k: Any, state: tuple) -> tuple:
+        term, i_0, rest = state
+        term = term * square / (k * k)
+        return term, i_0 + term, rest + harmonic[k - 1] * term
+
+    first = xp.ones_like(z), xp.ones_like(z), xp.zeros_like(z)
+    _, i_0, rest = fori_loop(1, _POWERS, next_power, first)
     k_0 = rest - (0.5 * xp.log(square) + np.euler_gamma) * i_0
     x = 2 * _LARGE / xp.where(small, _LARGE, z) - 1
-    last, before = xp.zeros_like(z), xp.zeros_like(z)
-    coefficients = _ratio_of_k()
-    for c in coefficients[:0:-1]:  # Clenshaw
-        last, before = c + 2 * x * last - before, last
-    k_ratio = coefficients[0] + x * last - before
+    coefficients = xp.asarray(_ratio_of_k()[::-1])
+
+    def clenshaw(k: Any, state: tuple) -> tuple:
+        last, before = state
+        return coefficients[k] + 2 * x * last - before, last
+
+    first = xp.zeros_like(z), xp.zeros_like(z)
+    last, before = fori_loop(0, len(coefficients) - 1, clenshaw, first)
+    k_ratio = coefficients[-1] + x * last - before
     return xp.where(small, i_0 * k_0, 1 / (z * (k_ratio + ratio)))
 
 
