@@ -197,10 +197,9 @@ def large(monkeypatch):
 @pytest.mark.parametrize("name", HISTORIES)
 def test_histories_on_numpy_and_compiled_agree(name, monkeypatch):
     """The same source on NumPy, and by JAX where a problem is large."""
-    rtol = 1e-6
-    first = HISTORIES[name](rtol=rtol)
+    first = HISTORIES[name](rtol=1e-4)
     large(monkeypatch)
-    other = HISTORIES[name](rtol=rtol)
+    other = HISTORIES[name](rtol=1e-4)
     for field in (
         "force",
         "depth",
@@ -211,7 +210,7 @@ def test_histories_on_numpy_and_compiled_agree(name, monkeypatch):
     ):
         if hasattr(first, field):
             small, big = getattr(first, field), getattr(other, field)
-            np.testing.assert_allclose(small, big, atol=rtol * np.abs(small).max())
+            np.testing.assert_allclose(small, big, atol=1e-6 * np.abs(small).max())
             assert isinstance(big, np.ndarray)
 
 

@@ -323,8 +323,8 @@ def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:
     if on_numpy() or not 0 < parts.shape[0] <= _WRITTEN_OUT:
         return xp.sum(parts, axis=0)
     total = parts[0]
-    for part in parts[1:]:
-        total = total + part
+    for following in parts[1:]:
+        total = total + following
     return total
 
 

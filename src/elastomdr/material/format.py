@@ -148,8 +148,8 @@ def write_document(document: Mapping[str, Any], path: Path) -> None:
         lines.append(
             f"{line}{_comment(line, _IN_SOFTENING if table == '[softening]' else _COMMENTS)}\n"
         )
-    text = _HEADER + "".join(lines)
-    write_files({path: text.encode()})
+    toml = _HEADER + "".join(lines)
+    write_files({path: toml.encode()})
 
 
 def is_tabulated(document: Mapping[str, Any]) -> bool:
@@ -215,8 +215,8 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
 
 def brief(value: Any) -> str:
     """What was received, short enough for one line of an error message."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    words = " ".join(repr(value).split())
+    return words if len(words) <= 60 else f"{words[:57]}..."
 
 
 def _same_length(

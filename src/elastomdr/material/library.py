@@ -200,13 +200,13 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
             "material must be a name in the library or a path, got "
             f"{brief(name_or_path)}."
         )
-    text = os.fspath(name_or_path)
-    path = Path(text)
+    name = os.fspath(name_or_path)
+    path = Path(name)
     if (
         isinstance(name_or_path, os.PathLike)
-        or text.endswith(".toml")
-        or "/" in text
-        or os.sep in text
+        or name.endswith(".toml")
+        or "/" in name
+        or os.sep in name
     ):
         if not _exists(path):
             beside = path.parent.glob("*.toml") if _exists(path.parent) else ()
@@ -218,19 +218,19 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
             )
         return path
     files = _files()
-    if text not in files:
+    if name not in files:
         raise InputError(
-            f"material {text!r} is not in the library.{closest(text, files)} "
+            f"material {name!r} is not in the library.{closest(name, files)} "
             "Accepted are the names of em.materials() (`elastomdr materials`) and "
             "paths that end in .toml. "
             f"Looked for in {', '.join(map(str, _folders()))}."
         )
-    if len(files[text]) > 1:
+    if len(files[name]) > 1:
         raise InputError(
-            f"material {text!r} is there more than once: "
-            f"{', '.join(map(str, files[text]))}. Give the path instead."
+            f"material {name!r} is there more than once: "
+            f"{', '.join(map(str, files[name]))}. Give the path instead."
         )
-    return files[text][0]
+    return files[name][0]
 
 
 def _exists(path: Path) -> bool:
@@ -244,10 +244,10 @@ def _exists(path: Path) -> bool:
 def _is_material(path: Path) -> bool:
     """Whether a TOML file may hold a material: it has a list of moduli."""
     try:
-        text = path.read_bytes()
+        content = path.read_bytes()
     except OSError:
         return False
-    return b"moduli" in text or b"storage" in text
+    return b"moduli" in content or b"storage" in content
 
 
 def _folders() -> list[Path]:

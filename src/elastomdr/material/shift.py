@@ -91,9 +91,11 @@ class AbstractShift(Tree):
         import jax
 
         self.log10_a(temperature)
-        kelvin = xp.asarray(as_float64("temperature", temperature))
-        _, slope = jax.jvp(self._log10_a, (kelvin,), (xp.ones_like(kelvin),))
-        return -GAS_CONSTANT * kelvin**2 * _LN10 * slope
+        temperatures = xp.asarray(as_float64("temperature", temperature))
+        _, slope = jax.jvp(
+            self._log10_a, (temperatures,), (xp.ones_like(temperatures),)
+        )
+        return -GAS_CONSTANT * temperatures**2 * _LN10 * slope
 
 
 class WLF(AbstractShift):
@@ -398,10 +400,10 @@ def thermal_factors(body: Any, temperature: Any) -> tuple[Any, Any]:
     return a, 1.0 if body.vertical is None else body.vertical.b(temperature)
 
 
-def _brief(kelvin: Any) -> str:
-    if is_traced(kelvin):
+def _brief(temperature: Any) -> str:
+    if is_traced(temperature):
         return "traced"
-    values = np.asarray(kelvin, dtype=float)
+    values = np.asarray(temperature, dtype=float)
     ends = f"{values.min():g}" if values.size and values.min() == values.max() else ""
     return (
         f"{ends or f'{values.min():g} to {values.max():g}'} K"

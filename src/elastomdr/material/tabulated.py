@@ -369,7 +369,7 @@ def needs_series(name: str, material: Any, purpose: str) -> None:
         )
 
 
-def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
+def _cubic(x: Array, y: Array, slopes: tuple[float, float], wanted: Array) -> Array:
     """Values of the cubics through (x, y), with slopes within two limits, at places
     between the first and last x.
     """
@@ -389,7 +389,7 @@ def _cubic(x: Array, y: Array, slopes: tuple[float, float], at: Array) -> Array:
             secant[side] - _BENDS * width[side],
             secant[side] + _BENDS * width[side],
         )
-    return hermite(x, y, slope, at)
+    return hermite(x, y, slope, wanted)
 
 
 def _kept(count: int, first: int) -> np.ndarray:

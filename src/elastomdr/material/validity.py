@@ -62,12 +62,12 @@ class Range(NamedTuple):
         """
         if is_traced(temperature, factor):
             return None
-        kelvin, a = float(temperature), float(factor)
+        degrees, a = float(temperature), float(factor)
         beyond = self.beyond
         if self.temperature is not None and not _near(
-            np.array(kelvin), self.temperature
+            np.array(degrees), self.temperature
         ):
-            beyond = f"temperature {kelvin:.6g} K, range {self._words('temperature')}"
+            beyond = f"temperature {degrees:.6g} K, range {self._words('temperature')}"
         omega = None if self.omega else self.omega
         rows: tuple[tuple[float, float, float], ...] = ()
         if 0 < a < np.inf:
@@ -290,8 +290,10 @@ def _overlap(
     return max(one[0], other[0]), min(one[1], other[1])
 
 
-def _near(kelvin: np.ndarray, pair: tuple[float, float]) -> Bool[np.ndarray, "..."]:
-    return (kelvin >= pair[0] - _KELVIN) & (kelvin <= pair[1] + _KELVIN)
+def _near(
+    temperature: np.ndarray, pair: tuple[float, float]
+) -> Bool[np.ndarray, "..."]:
+    return (temperature >= pair[0] - _KELVIN) & (temperature <= pair[1] + _KELVIN)
 
 
 class Draws(list[T]):

@@ -194,7 +194,7 @@ def _solved(
         return sliding_kernel(elastic, problem.chain, problem.velocity, h, count, lead)
 
     kernel = kernel_of(lead)
-    found = settle(
+    contact = settle(
         convolution(kernel.displacement, problem.law, problem.velocity, (h, h), lead),
         -((x - lead * h) ** 2 / (2 * problem.radius))[:, None],
         ((x > edges[0]) & (x < edges[1]))[:, None].astype(float),
@@ -203,8 +203,8 @@ def _solved(
     )
     # the force acts from centre to centre
     slope = kernel.slope if lead == 0 else kernel_of(0.0).slope
-    mu = work_against(slope, found.pressure) * h / problem.load
-    pressure = found.pressure[:, 0]
+    mu = work_against(slope, contact.pressure) * h / problem.load
+    pressure = contact.pressure[:, 0]
     touching = np.flatnonzero(pressure > 0)
     if touching.size < 2:
         return _FAILED
@@ -218,4 +218,4 @@ def _solved(
 
     ends = x[first] - beyond(first, first + 1), x[last] + beyond(last, last - 1)
     inside = first > 0 and last < count - 1
-    return _CylinderContact(mu, np.array(ends), found.settled, inside)
+    return _CylinderContact(mu, np.array(ends), contact.settled, inside)

@@ -368,7 +368,7 @@ def _solved(
         r >= largest, -1e3 * (window[1] - window[0]), -np.asarray(rise) / problem.unit
     )
     kernel = _kernel(problem, h, width, count, lead)
-    found = settle(
+    contact = settle(
         convolution(
             kernel.displacement,
             problem.law,
@@ -383,7 +383,7 @@ def _solved(
         load=None if problem.load is None else problem.load / (h * width),
         depth=problem.depth,
     )
-    pressure, touching = found.pressure, found.pressure > 0
+    pressure, touching = contact.pressure, contact.pressure > 0
     # the force acts from centre to centre
     centred = kernel if lead == 0 else _kernel(problem, h, width, count, 0.0)
     force = pressure.sum() * h * width
@@ -392,12 +392,12 @@ def _solved(
     return _BodyContact(
         work_against(centred.slope, pressure) * h * width / force,
         force,
-        found.depth,
+        contact.depth,
         _edges(touching, x, h),
         np.where(touching.any(axis=0), np.abs(y), 0.0).max() + width / 2,
         touching,
         area_of(touching) * touching.size * h * width,
-        found.settled and not beyond_end.any(),
+        contact.settled and not beyond_end.any(),
         not border,
     )
 
@@ -467,8 +467,8 @@ def slide_periodic(
     def field(values: Any) -> Any:
         return scene.field(good, values)
 
-    drag = area * field(found.stress for found in fine)
-    change = drag - area * field(found.stress for found in coarse)
+    drag = area * field(contact.stress for contact in fine)
+    change = drag - area * field(contact.stress for contact in coarse)
     force = scene.value.reshape(at.shape)
     grid = f"{heights.shape[0]} by {heights.shape[1]} points"
     inputs = dict(scene.inputs(("shape", name)))
@@ -478,8 +478,8 @@ def slide_periodic(
         mu=drag / force,
         normal_force=force * at.vertical,
         friction_force=drag * at.vertical,
-        area=field((found.pressure > 0).mean() for found in fine),
-        separation=field(found.separation for found in fine),
+        area=field((contact.pressure > 0).mean() for contact in fine),
+        separation=field(contact.separation for contact in fine),
         error=abs(change) / force,
         converged=good.reshape(at.shape),
         temperature=at.full(at.kelvin),

@@ -157,9 +157,9 @@ def _tables(squeeze: float, bonded: bool) -> tuple[np.ndarray, np.ndarray]:
 
     z, dz = gauss_on_panels(np.linspace(0.0, 20.0, 61), 24)
     lack = dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
-    at = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
-    order = np.polynomial.chebyshev.chebvander(at, _DEGREE).T * 2 / (_DEGREE + 1)
+    nodes = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
+    order = np.polynomial.chebyshev.chebvander(nodes, _DEGREE).T * 2 / (_DEGREE + 1)
     order[0] *= 0.5
-    y = _PANEL * (np.arange(round(_FAR / _PANEL))[:, None] + 0.5 * (1 + at))
+    y = _PANEL * (np.arange(round(_FAR / _PANEL))[:, None] + 0.5 * (1 + nodes))
     wave = j0(y[..., None] * z)
     return (wave @ lack) @ order.T, -(wave @ (lack * z**2)) @ order.T

@@ -83,23 +83,25 @@ def persson(
     if foundation.per_area:
         raise InputError("material must be a half-space, got a layer.")
     model = Persson(plain("gamma", gamma), stored)
-    reduced, carried = at_reference(
+    reduced, pressure_at_reference = at_reference(
         foundation, temperature, velocity=velocity, pressure=pressure
     )
-    shape = np.broadcast_shapes(reduced.shape, carried.shape)
-    reduced, carried = (np.broadcast_to(a, shape) for a in (reduced, carried))
-    points = (surface, reduced.ravel(), carried.ravel())
+    shape = np.broadcast_shapes(reduced.shape, pressure_at_reference.shape)
+    reduced, pressure_at_reference = (
+        np.broadcast_to(a, shape) for a in (reduced, pressure_at_reference)
+    )
+    points = (surface, reduced.ravel(), pressure_at_reference.ravel())
     modulus = foundation.complex_modulus
-    found = solve(modulus, *points, model, _RTOL)
+    friction = solve(modulus, *points, model, _RTOL)
     variance = stress_variance(modulus, *points, _PER_DECADE)
-    good = np.isfinite(found.mu) & (found.error <= _WORST * found.mu)
-    of_table = table_error(model, foundation, *points, Local(), _WORST, found.mu)
-    error = found.error + _TABLES * found.mu + of_table
+    good = np.isfinite(friction.mu) & (friction.error <= _WORST * friction.mu)
+    of_table = table_error(model, foundation, *points, Local(), _WORST, friction.mu)
+    error = friction.error + _TABLES * friction.mu + of_table
     mu, area, spread, error = (
         np.where(good, values, np.nan).reshape(shape)
         for values in (
-            found.mu,
-            found.area,
+            friction.mu,
+            friction.area,
             spread_of(variance, *model.energy_factor()),
             error,
         )

@@ -350,11 +350,11 @@ def solve(
                 double=False,
             )
             start = np.repeat(np.repeat(half.pressure, 2, axis=0), 2, axis=1)
-    found = _settled(on, heights, pressure, start, np.float32, _SINGLE)
+    contact = _settled(on, heights, pressure, start, np.float32, _SINGLE)
     if not double:
-        return found
-    last = _settled(on, heights, pressure, found.pressure, np.float64, _DOUBLE)
-    return last._replace(products=last.products + found.products)
+        return contact
+    last = _settled(on, heights, pressure, contact.pressure, np.float64, _DOUBLE)
+    return last._replace(products=last.products + contact.products)
 
 
 def _in_full_contact(on: Waves, heights: Any, mean: float) -> MapContact | None:

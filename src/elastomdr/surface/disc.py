@@ -223,7 +223,7 @@ def _invert(
     goal = xp.log(xp.where(there, goal, 1.0))
     top = xp.broadcast_to(xp.log(xp.minimum(known.largest, 1e60)), goal.shape)
 
-    def level(disc: Disc, x: Array) -> tuple[Array, Array]:
+    def height_and_rate(disc: Disc, x: Array) -> tuple[Array, Array]:
         if name == "depth":
             return disc.profile(x), disc.slope(x)
         return disc.area(x), disc.width(x) * disc.slope(x)
@@ -231,7 +231,7 @@ def _invert(
     def advance(state: tuple) -> tuple:
         log_x, low, high, done, count = state
         x = xp.exp(log_x)
-        height, rate = level(known, x)
+        height, rate = height_and_rate(known, x)
         excess = xp.log(height) - goal
         step = excess * height / (x * rate)
         done = done | (xp.abs(step) < 1e-8)  # the last step, below, squares this
@@ -247,7 +247,7 @@ def _invert(
         0
     ]
     x = xp.where(there, xp.exp(log_x), xp.exp(start))
-    height, rate = level(disc, x)
+    height, rate = height_and_rate(disc, x)
     step = (value - height) / fixed(rate)
     # Where the step is not that of a root, the value is more than the largest contact
     # can have.

@@ -194,11 +194,11 @@ class PowerLaw(AbstractShape):
         positive("exponent", self.exponent)
         # a steep body of 1 mm has (1 mm)^(1-n)
         decades = min(300, int(100 * max(1.0, self.exponent - 1)))
-        text = f"positive, between 1e-{decades} and 1e{decades} m^(1-n)"
+        accepted = f"positive, between 1e-{decades} and 1e{decades} m^(1-n)"
         require(
             "coefficient",
             self.coefficient,
-            text,
+            accepted,
             lambda c: (c > 10.0**-decades) & (c < 10.0**decades),
         )
 

@@ -316,10 +316,10 @@ def _waves(scan: Scan) -> _Waves:
     copies = np.full(power.shape, 2.0)
     copies[..., 0] = 1
     grid = np.meshgrid(*k, indexing="ij")
-    q = np.sqrt(sum(part**2 for part in grid))
+    q = np.sqrt(sum(component**2 for component in grid))
     q.flat[0] = 1e-3 * min(lowest)  # the mean, below every band; its logarithm exists
     return _Waves(
-        tuple(part.ravel() for part in grid),
+        tuple(component.ravel() for component in grid),
         q.ravel(),
         power.ravel(),
         copies.ravel(),
@@ -373,8 +373,8 @@ def _above_noise(
     if exponent - error < _WHITE * dimensions / 2:
         return np.inf
     last = q > 0.7 * nyquist
-    level = np.average(power[last], weights=number[last])
-    above = int(np.cumprod(power > _NOISE * level).sum())
+    noise = np.average(power[last], weights=number[last])
+    above = int(np.cumprod(power > _NOISE * noise).sum())
     return float(q[above - 1]) if above > 3 else np.inf
 
 
@@ -690,12 +690,12 @@ def _bridged(height: np.ndarray) -> np.ndarray:
     )
     coarse = _bridged(coarse)
     for axis in (0, 1):  # between the middles of the blocks, by straight lines
-        at = np.clip(
+        place = np.clip(
             (np.arange(2 * coarse.shape[axis]) - 0.5) / 2, 0, coarse.shape[axis] - 1
         )
-        low = np.minimum(at.astype(int), max(coarse.shape[axis] - 2, 0))
+        low = np.minimum(place.astype(int), max(coarse.shape[axis] - 2, 0))
         high = np.minimum(low + 1, coarse.shape[axis] - 1)
-        share = np.expand_dims(at - low, 1 - axis)
+        share = np.expand_dims(place - low, 1 - axis)
         coarse = (
             np.take(coarse, low, axis) * (1 - share)
             + np.take(coarse, high, axis) * share
@@ -708,7 +708,7 @@ def _bridged(height: np.ndarray) -> np.ndarray:
         for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1))
     ]
     for _ in range(_PASSES):
-        filled[i, j] = sum(filled[at] for at in around) / 4
+        filled[i, j] = sum(filled[place] for place in around) / 4
     return filled
 
 

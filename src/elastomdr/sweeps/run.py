@@ -259,7 +259,7 @@ def _cluster(workers: int) -> Any:
         )
     from distributed.deploy.subprocess import SubprocessCluster
 
-    added = {name: text for name, text in _CALM.items() if name not in os.environ}
+    added = {name: value for name, value in _CALM.items() if name not in os.environ}
     os.environ.update(added)
     bound = _BOUND.format(parent=os.getpid())
     try:

@@ -203,9 +203,9 @@ class Store:
             if _named(path, ".zarray"):
                 raise _not_ours(path)
             group.attrs[_MADE_OF] = json.dumps(identity)
-        elif text := difference(told, identity):
+        elif mismatch := difference(told, identity):
             raise InputError(
-                f"store {str(path)!r} was made with other inputs: {text}. Give "
+                f"store {str(path)!r} was made with other inputs: {mismatch}. Give "
                 "another store, or remove this one."
             )
         return group
@@ -290,8 +290,8 @@ class Store:
             self._arrays[name][chunk] = values
         self._arrays[_STATE][chunk] = state
         place = [
-            part.start // size
-            for part, size in zip(chunk, self._grid.sizes(), strict=True)
+            span.start // size
+            for span, size in zip(chunk, self._grid.sizes(), strict=True)
         ]
         key = ".".join(map(str, place))
         self._record.add_chunk(
@@ -344,7 +344,7 @@ def _named(path: Path, file: str) -> list[str]:
     """The folders that hold such a file; zarr would warn of what a killed process has
     left.
     """
-    return sorted(found.parent.name for found in path.glob(f"*/{file}"))
+    return sorted(marker.parent.name for marker in path.glob(f"*/{file}"))
 
 
 def _is_group(path: Path) -> bool:
