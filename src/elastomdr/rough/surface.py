@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed
+from ..arrays import fixed, namespace
 from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from ..call.problem import Scene, rough_scene
 from ..checks import is_traced, known, nan_unless, require, scalar, warn_unless
@@ -712,7 +712,8 @@ def _of_skewness(surface: AbstractSpectrum, area: Any) -> Any:
     Source: benchmarks/non_gaussian.py, maps in three dimensions.
     """
     skewness = abs(getattr(surface, "skewness", 0.0))
-    return _PER_SKEWNESS * skewness * np.sqrt(-np.log(np.minimum(area, 1.0)))
+    xp = namespace(area)
+    return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(xp.minimum(area, 1.0)))
 
 
 def _model_error(
@@ -740,7 +741,7 @@ def _model_error(
     bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:
         return None
-    bound = bound + np.expm1(_of_skewness(road, area))
+    bound = bound + namespace(area).expm1(_of_skewness(road, area))
     if not of_area:
         bound = abs(found.mu) * bound
     return answer.field(scene.shape, bound + of_strain)
