@@ -194,7 +194,7 @@ class Page:
         self._go("Friction")
 
     async def _look(self) -> None:
-        self._session.place = self._tabs.value
+        self._session.place = str(self._tabs.value)
         if self._tabs.value == "Road":
             await self.road.look_again()
         for stage in (self.friction, self.compare, self.rolling, self.seal):
