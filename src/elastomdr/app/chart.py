@@ -240,7 +240,7 @@ def _colour(artist: Any) -> str:
             return to_hex(colour)
         rows = np.atleast_2d(np.asarray(colour, dtype=float))
         if rows.size and (rows.shape[1] < 4 or rows[0, 3] > 0):
-            return to_hex(rows[0, :3])
+            return to_hex(tuple(rows[0, :3]))
     return "#000000"
 
 
@@ -367,7 +367,7 @@ def _areas(ax: Any, names: _Names) -> Iterator[dict[str, Any]]:
         if isinstance(drawn, PolyCollection):
             opacity = drawn.get_alpha()
             for path in drawn.get_paths():
-                corners = path.vertices
+                corners = np.asarray(path.vertices)
                 yield _polygon(corners, _colour(drawn), opacity, names(drawn))
     for patch in ax.patches:
         if isinstance(patch, Rectangle):
@@ -418,7 +418,9 @@ def _texts(ax: Any) -> Iterator[dict[str, Any]]:
         if not annotated and text.get_transform() != ax.transData:
             continue
         place = text.xy if annotated else text.get_position()
-        side = {"left": "right", "right": "left"}.get(text.get_ha(), "top")
+        side = {"left": "right", "right": "left"}.get(
+            text.get_horizontalalignment(), "top"
+        )
         yield {
             "type": "scatter",
             "name": "",

@@ -109,7 +109,7 @@ FRICTION = Screen(
     tuple(
         key
         for key in SurfaceFriction.__struct_fields__
-        if key not in ("surface", "title", "other", "layer")
+        if key not in ("surface", "title", "other", "layer", "roller")
     ),
     _FRICTION,
 )

@@ -111,7 +111,7 @@ def page(sessions: Sessions) -> "Page":
     )
     session.shown_by(ui.context.client)
     ui.add_css(_HERE.joinpath("style.css").read_text(encoding="utf-8"))
-    script = _HERE.joinpath("chart.js").read_text(encoding="utf-8")
+    script = _HERE.joinpath("page.js").read_text(encoding="utf-8")
     ui.add_head_html(f"<script>{script}</script>")
     ui.colors(primary="#1f5a94")
     ui.run_javascript(f"history.replaceState(null, '', '?session={session.name}')")
@@ -194,7 +194,7 @@ class Page:
         self._go("Friction")
 
     async def _look(self) -> None:
-        self._session.place = self._tabs.value
+        self._session.place = str(self._tabs.value)
         if self._tabs.value == "Road":
             await self.road.look_again()
         for stage in (self.friction, self.compare, self.rolling, self.seal):

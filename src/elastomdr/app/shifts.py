@@ -54,10 +54,11 @@ class ShiftEditor:
 
     def edit(self, master: Any) -> None:
         """Takes the master curve of a fit; None, or a single isotherm, hides it."""
-        several = master is not None and master.temperature.size > 1
-        self._fold.visible = several
-        self._master = master if several else None
-        if not several:
+        if master is not None and master.temperature.size < 2:
+            master = None
+        self._fold.visible = master is not None
+        self._master = master
+        if master is None:
             return
         self._offsets = np.zeros(master.temperature.size)
         names = {i: _celsius(kelvin) for i, kelvin in enumerate(master.temperature)}

@@ -197,7 +197,7 @@ class Slider:
     @property
     def value(self) -> float:
         """The quantity."""
-        return self._of(float(self._slider.value))
+        return self._of(float(self._slider.value or 0.0))
 
     def set(self, value: float, limits: tuple[float, float] | None = None) -> None:
         """Shows a value, between other limits where these are given."""

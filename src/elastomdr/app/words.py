@@ -22,6 +22,7 @@ _TABLES = {
     "layer": "Rubber layer on a rigid base",
     "leak": "Seal and fluid",
     "numerics": "Accuracy",
+    "roller": "Roller on the same rubber",
     "structure": "Structure of the wheel",
     "surface": "Rough surface",
 }
@@ -105,6 +106,7 @@ _LABELS = _TABLES | {
     "file": "File",
     "indenter.length": "Length L [mm]|of the line of contact, across the direction of motion",
     "radius": "Radius R [mm]",
+    "roller.length": "Length L [mm]",
     "slope": "Slope of the side [-]|rise over the distance from the axis",
     "unit": "Unit of length",
     "r": "Distances from the axis r|from 0 on",

@@ -1,4 +1,5 @@
-// What the charts of the page need functions for; chart.py names them in its options.
+// What the page needs functions for: charts, whose options name them (chart.py), and access without a mouse.
+document.documentElement.lang = "en";
 window.elastomdr = (() => {
   const raised = (power) => [...String(power)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
@@ -86,3 +87,15 @@ window.elastomdr = (() => {
 
   return { tick, polygon, said, label };
 })();
+
+// Quasar has the field of an uploader within a button, which screen readers cannot tell; the field alone is one
+new MutationObserver(() => {
+  for (const input of document.querySelectorAll(".q-uploader__input:not([aria-label])")) {
+    const uploader = input.closest(".q-uploader");
+    input.setAttribute("aria-label", uploader.getAttribute("aria-label"));
+    input.tabIndex = 0;
+    const button = input.closest("a");
+    button.removeAttribute("role");
+    button.removeAttribute("tabindex");
+  }
+}).observe(document, { childList: true, subtree: true });
