@@ -204,7 +204,7 @@ class SurfaceModel(Model, ABC):
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: tuple[Tables, float] | None,
+        table: Tables | None,
         local: Local,
     ) -> Waves:
         """Friction wave by wave, `elastomdr.rough.multiscale.Waves`."""
@@ -465,7 +465,7 @@ class Multiscale(_ClosedIntegrals):
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: tuple[Tables, float] | None,
+        table: Tables | None,
         local: Local,
     ) -> Waves:
         from .rough.multiscale import waves_of_multiscale
@@ -523,7 +523,7 @@ class Persson(_ClosedIntegrals):
         nodes: Nodes,
         velocity: Array,
         pressure: Array,
-        table: tuple[Tables, float] | None,
+        table: Tables | None,
         local: Local,
     ) -> Waves:
         from .rough.multiscale import waves_of_persson

@@ -188,12 +188,12 @@ def test_hertz_and_low_speed():
     )
     np.testing.assert_allclose(by_depth.normal_force, LOAD, rtol=3e-3)
     assert by_depth.mu == 0
-    # mu = v sum(E_k tau_k)/(E_inf R), down to a loss of 1e-9 of what is stored
-    velocity = np.array([1e-6, 1e-4])
-    slow = half_space_sliding(one_time(12e6), BALL, velocity=velocity, load=LOAD)
-    np.testing.assert_allclose(
-        slow.mu, velocity * 12e6 * 1e-3 / (4e6 * 0.01), rtol=0.01
+    # mu = v sum(E_k tau_k)/(E_inf R), down to a loss of 1e-9 of what is stored; on 64
+    # cells 0.9 to 1.4 % less, by where the grid happens to lie
+    slow = half_space_sliding(
+        one_time(12e6), BALL, velocity=1e-6, load=LOAD, points=128
     )
+    np.testing.assert_allclose(slow.mu, 1e-6 * 12e6 * 1e-3 / (4e6 * 0.01), rtol=0.01)
 
 
 def test_direction_average_on_a_broad_spectrum():

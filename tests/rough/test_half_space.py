@@ -70,6 +70,25 @@ def test_signorini(heights, share, velocity):
     assert single.stress == pytest.approx(found.stress, rel=1e-3)
 
 
+@pytest.mark.parametrize("by", ["load", "depth"])
+def test_elimination_and_iteration_agree(monkeypatch, by):
+    """A ball of 10 mm, whose radius of contact is 2.7 mm where nothing lags."""
+    given = {"load": 10.0} if by == "load" else {"depth": 5e-4}
+
+    def slide():
+        return em.reference.half_space_sliding(
+            SOLID, em.Paraboloid(0.01), velocity=0.1, points=32, **given
+        )
+
+    eliminated = slide()
+    monkeypatch.setattr(half_space, "_FEW", 0)
+    iterated = slide()
+    for name in ("mu", "normal_force", "depth", "contact_area"):
+        assert getattr(eliminated, name) == pytest.approx(
+            getattr(iterated, name), rel=1e-8
+        )
+
+
 def test_a_neighbour_saves_work_and_changes_nothing(heights):
     given = {"velocity": 0.1, "pressure": 1e5}
     cold = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given)

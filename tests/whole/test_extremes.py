@@ -164,9 +164,9 @@ def test_roads_at_the_ends_of_velocity() -> None:
         em.StandardSolid(1e6, 9e6, 1e-3),
         em.SelfAffine(0.8, rms_slope=0.1, q_low=1e3, q_high=3e4),
     )
-    mu = em.friction(rubber, road, velocity=[1e-91, 1e-20, 1e20, 1e92], pressure=1e5).mu
+    mu = em.friction(rubber, road, velocity=[1e-91, 1e-20, 1e20, 1e90], pressure=1e5).mu
     assert mu[1] / mu[0] == pytest.approx(1e71, rel=1e-6)
-    assert mu[3] / mu[2] == pytest.approx(1e-72, rel=1e-6)
+    assert mu[3] / mu[2] == pytest.approx(1e-70, rel=1e-6)
     for beyond in (1e-95, 1e95):
         with pytest.raises(
             em.InputError, match="velocity must be between 1e-92 and 3e"

@@ -42,17 +42,23 @@ def run(options: argparse.Namespace) -> int:
         with named(f"{path.name or path}:"):
             scene = read_scene(options.verb, path)
             arguments = scene.arguments(path.parent)
+            beside = scene.beside(path.parent)
             shown = how_drawn(scene, arguments, path.parent)
             stem = f"{path.stem}-{scene.called()}"
             with models_by_name():
                 result = _computed(scene, arguments, folder / f".{stem}.parts")
+                results = [result] + ([] if beside is None else [em.rolling(**beside)])
         notes = f"# scene: {path.name}\n" + (
             f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
         )
         files: dict[str, Callable[[Path], object]] = {
             f"{stem}.csv": lambda to: _write_table(result, to, notes),
-            f"{stem}.png": lambda to: _write_figure(result.plot(**shown), to),
+            f"{stem}.png": lambda to: _write_figure(_drawn(results, shown), to),
         }
+        if beside is not None:
+            files[f"{path.stem}-rolling.csv"] = lambda to: _write_table(
+                results[1], to, notes
+            )
         files |= {
             f"{stem}{end}": write for end, write in scene.further_files(result).items()
         }
@@ -63,11 +69,25 @@ def run(options: argparse.Namespace) -> int:
         Parts(folder / f".{stem}.parts").remove()
         if scene.title:
             print(scene.title)
-        print(result.summary())
+        for each in results:
+            print(each.summary())
         if text := scene.said(result):
             print(text)
         print("wrote " + " and ".join(str(folder / name) for name in files))
-    return DONE if result.converged.all() else NOT_CONVERGED
+    return DONE if all(r.converged.all() for r in results) else NOT_CONVERGED
+
+
+def _drawn(results: list[Any], shown: dict[str, Any]) -> Any:
+    """Axes of the result's figure, or of one panel for each where there are two."""
+    result, *others = results
+    if not others:
+        return result.plot(**shown)
+    from ..results.plotting import panels
+
+    first, *further = panels(len(results))
+    for each, panel in zip(others, further, strict=True):
+        each.plot(panel, title="Rolling on the same rubber")
+    return result.plot(first, **shown)
 
 
 def output_folder(out: str) -> Path:

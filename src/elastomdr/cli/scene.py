@@ -209,6 +209,12 @@ class Scene(Table):
         """What is printed below the summary of the result."""
         return ""
 
+    def beside(self, folder: Path) -> dict[str, Any] | None:
+        """The arguments of `em.rolling` for what is drawn beside the result, if
+        anything. Raises `InputError`.
+        """
+        return None
+
     def further_files(self, result: Any) -> dict[str, Callable[[Path], None]]:
         """What is written besides table and figure: the end of each file's name, and
         what writes it.

@@ -140,6 +140,18 @@ class BodyFriction(Rolling):
         )
 
 
+class Roller(Table):
+    """A rigid roller on a cover of the same rubber, bonded to a rigid base: its rolling
+    resistance is drawn beside the friction.
+    """
+
+    radius: Annotated[Length, "of the roller"]
+    length: Annotated[Length, "of the roller"]
+    thickness: Annotated[Length, "of the cover"]
+    load: Annotated[Force, "normal force"]
+    velocity: Annotated[Sweep[Velocity], "velocity of rolling"]
+
+
 class SurfaceFriction(OfDraws):
     """Friction of a rough surface."""
 
@@ -154,6 +166,24 @@ class SurfaceFriction(OfDraws):
     measured: Annotated[
         Text | None, "measured friction, a table beside the scene, drawn over the curve"
     ] = None
+
+    roller: Annotated[
+        Roller | None, "a roller on the same rubber, drawn beside the friction"
+    ] = None
+
+    def beside(self, folder: Path) -> dict[str, Any] | None:
+        if (roller := self.roller) is None:
+            return None
+        rubbers = [
+            em.layer(rubber, roller.thickness) for rubber in self.rubbers(folder)
+        ]
+        given_so = {"load": roller.load, "velocity": roller.velocity}
+        return on_axes(
+            {"shape": em.Cylinder(roller.radius, roller.length)}
+            | {"material": rubbers if len(rubbers) > 1 else rubbers[0]}
+            | given(self, "temperature")
+            | given_so
+        )
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[surface]"):

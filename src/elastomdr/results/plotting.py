@@ -37,6 +37,7 @@ LOG_RATIO = 20.0
 # ratio of the ends of a logarithmic axis up to which its ticks are those of a linear
 # one
 _FEW = 12.0
+_PANEL = (5.75, 5.0)  # size of a panel beside others [inches]
 DOTTED = "dotted: outside the measured range of the material"
 
 
@@ -345,6 +346,14 @@ def draw(
     if result.from_zero:
         sketch.ax.set_ylim(0.0, None)
     return sketch.finish()
+
+
+def panels(count: int) -> list[Any]:
+    """Axes of a new figure, beside each other."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(_PANEL[0] * count, _PANEL[1]), layout="constrained")
+    return list(figure.subplots(1, count))
 
 
 def saved(ax: Any, model: str = "") -> bytes:

@@ -58,6 +58,7 @@ from .psd_integrals import (
     factor,
     nodes,
     read,
+    read_stiffer,
     share,
     spread_of,
     tables,
@@ -240,10 +241,8 @@ def _averages(
     """The averages over the angle at q v, read from the tables of the material or,
     without them, by the angle.
     """
-    w = velocity[:, None, None] * q
     speed, storage, loss = local.at(q)
-    if speed is not None:
-        w = w * speed
+    w = _frequency(velocity, q, speed)
     found = (
         direct(modulus, w, finer, local.parted)
         if table is None
@@ -253,6 +252,28 @@ def _averages(
         return found
     factor = storage**2 + (loss**2 - storage**2) * found.lost
     return found._replace(drag=loss * found.drag, stiffness=found.stiffness * factor)
+
+
+def _stiffer(
+    modulus: Any,
+    velocity: Any,
+    q: Any,
+    table: Tables | None,
+    local: Local,
+    finer: float,
+) -> Any:
+    """`Averages.stiffer` alone."""
+    speed, _, _ = local.at(q)
+    w = _frequency(velocity, q, speed)
+    if table is None:
+        return direct(modulus, w, finer, local.parted).stiffer
+    return read_stiffer(table, np.log(w))
+
+
+def _frequency(velocity: Any, q: Any, speed: Any) -> Any:
+    """q v at nodes (points, cells, 2), with the factor of `Local.at` on v."""
+    w = velocity[:, None, None] * q
+    return w if speed is None else w * speed
 
 
 def rate_of(at: Nodes, stiffness: Any, pressure: Any) -> Any:
@@ -322,13 +343,14 @@ def waves_of_multiscale(
 
     variance = until(rate, at.weight)
     shares = contact(variance, form.gamma, True, on.stiffer)
-    later = xp.minimum(at.q * np.exp(form.ahead), at.end)
+    log_later = xp.minimum(at.log + form.ahead, at.log_end)
+    later = at.end * xp.exp(log_later - at.log_end)
     end = total, at.end_power * after.stiffness[:, 0, 0] / (8 * pressure**2)
     later_shares = contact(
-        _later(at, rate, variance, end, later),
+        _later(at, rate, variance, end, log_later),
         form.gamma,
         True,
-        averages(later).stiffer,
+        _stiffer(modulus, velocity, later, table, local, form.finer),
     )
 
     full = 2 * rate  # F
@@ -360,16 +382,16 @@ def real_area(shares: Any) -> Any:
     return shares + 0.25 * shares**3 * (1 - shares)
 
 
-def _later(at: Nodes, rate: Any, variance: Any, end: tuple[Any, Any], q: Any) -> Any:
-    """R at wave numbers q (cells, 2) up to q_high: its logarithm by cubics with its
+def _later(at: Nodes, rate: Any, variance: Any, end: tuple[Any, Any], log: Any) -> Any:
+    """R at log(q/q_low) (cells, 2) up to q_high: its logarithm by cubics with its
     slopes; `end` is R and dR/dlog q at q_high.
     """
-    xp = namespace(rate, q)
+    xp = namespace(rate, log)
     flat = (rate.shape[0], -1)
-    log_q = xp.concatenate([xp.log(at.q).reshape(-1), xp.log(at.end).reshape(1)])
+    nodes = xp.concatenate([at.log.reshape(-1), xp.asarray(at.log_end).reshape(1)])
     r = xp.concatenate([variance.reshape(flat), end[0][:, None]], -1)
     slope = xp.concatenate([rate.reshape(flat), end[1][:, None]], -1) / r
-    inside = hermite(log_q, xp.log(r), slope, xp.log(q).reshape(-1))
+    inside = hermite(nodes, xp.log(r), slope, log.reshape(-1))
     return xp.exp(inside).reshape(rate.shape)
 
 

@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import namespace
-from ..numerics.interpolation import hermite
+from ..numerics.interpolation import even_cubics, hermite, interval_of
 from ..numerics.quadrature import gauss
 
 PER_DECADE = 32  # cells of log q that a solution begins with
@@ -50,9 +50,11 @@ class Nodes(NamedTuple):
     """Nodes of Gauss' rule over log q: two in each cell."""
 
     q: Any  # wave numbers (cells, 2) [rad/m]
+    log: Any  # log(q/q_low), which near q_low has digits that q has not
     weight: Any  # of int dlog q (cells, 2)
     power: Any  # q^4 C (cells, 2) [rad^4]
     end: Any  # q_high [rad/m]
+    log_end: Any  # log(q_high/q_low)
     end_power: Any  # q^4 C there
 
 
@@ -69,10 +71,10 @@ class Tables(NamedTuple):
     """`Averages` on an even grid of log w."""
 
     step: float
-    first: int  # the first frequency's number: its log in steps
-    values: (
-        np.ndarray
-    )  # log drag, log stiffness, stiffer, log lost: (frequencies, 3 or 4)
+    first: int  # the number of the first interval's lower end: its log in steps
+    # by column (log drag, log stiffness, stiffer, and log lost where moduli soften) and
+    # power of the place within an interval, highest first: (3 or 4, 4, intervals)
+    cubics: np.ndarray
 
 
 def nodes(
@@ -87,7 +89,9 @@ def nodes(
     integrand may bend (not where q is traced). `counts`: as `cell_counts` gives them.
     """
     xp = namespace(spectrum.q, spectrum.c)
-    log_q, log_c = xp.log(xp.asarray(spectrum.q)), xp.log(xp.asarray(spectrum.c))
+    log_c = xp.log(xp.asarray(spectrum.c))
+    log_q = xp.log(xp.asarray(spectrum.q))
+    log_low, log_q = log_q[0], log_q - log_q[0]
     counts = cell_counts(spectrum, per_decade) if counts is None else counts
     first = _graded(counts[0], per_decade)
     number = np.array([first.size - 1, *counts[1:]])
@@ -98,7 +102,7 @@ def nodes(
     width = xp.diff(log_q)
     low, high = (log_q[piece] + width[piece] * share for share in (start, end))
     if xp is np and len(bends):
-        at = _with_between(np.sort(np.log(bends)), per_decade)
+        at = _with_between(np.sort(np.log(bends)) - log_low, per_decade)
         at = at[(at > low[0]) & (at < high[-1])]
         ends = np.union1d(np.append(low, high[-1]), at)
         low, high = ends[:-1], ends[1:]
@@ -110,11 +114,13 @@ def nodes(
         [0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6]
     )
     return Nodes(
-        xp.exp(x),
+        xp.exp(log_low + x),
+        x,
         xp.broadcast_to((0.5 * (high - low))[:, None], x.shape),
-        xp.exp((4 + slope) * x + level),
-        xp.exp(log_q[-1]),
-        xp.exp(4 * log_q[-1] + log_c[-1]),
+        xp.exp(4 * log_low + (4 + slope) * x + level),
+        xp.exp(log_low + log_q[-1]),
+        log_q[-1],
+        xp.exp(4 * (log_low + log_q[-1]) + log_c[-1]),
     )
 
 
@@ -237,7 +243,22 @@ def tables(
     columns = [average(value.imag, weighted), stiffness, stiffer]
     if parted:
         columns.append(average(value.imag**2) - stiffness)
-    return Tables(step, first, np.stack(columns, axis=-1))
+    return Tables(step, first + 1, np.stack([_cubics(y) for y in columns]))
+
+
+def _cubics(y: np.ndarray) -> np.ndarray:
+    """The cubic through each four points at -1, 0, 1 and 2, its coefficients from s^3
+    down: (4, points - 3).
+    """
+    before, left, right, after = y[:-3], y[1:-2], y[2:-1], y[3:]
+    return np.stack(
+        [
+            (after - before) / 6 + (left - right) / 2,
+            (before + right) / 2 - left,
+            right - before / 3 - left / 2 - after / 6,
+            left,
+        ]
+    )
 
 
 def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Averages:
@@ -264,19 +285,22 @@ def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Av
 
 def read(table: Tables, log_w: Any) -> Averages:
     """The averages at log w, by cubics through four points of their logarithm."""
-    place = log_w / table.step
-    left = np.floor(place).astype(int) - table.first
-    left = np.clip(left, 1, table.values.shape[0] - 3)
-    s = (place - (left + table.first))[..., None]
-    y = table.values
-    value = (
-        -s * (s - 1) * (s - 2) / 6 * y[left - 1]
-        + (s + 1) * (s - 1) * (s - 2) / 2 * y[left]
-        - (s + 1) * s * (s - 2) / 2 * y[left + 1]
-        + (s + 1) * s * (s - 1) / 6 * y[left + 2]
+    drag, stiffness, stiffer, *lost = _columns(table, log_w, slice(None))
+    return Averages(
+        np.exp(drag), np.exp(stiffness), stiffer, np.exp(lost[0]) if lost else None
     )
-    lost = np.exp(value[..., 3]) if y.shape[1] > 3 else None
-    return Averages(np.exp(value[..., 0]), np.exp(value[..., 1]), value[..., 2], lost)
+
+
+def read_stiffer(table: Tables, log_w: Any) -> Any:
+    """`Averages.stiffer` alone at log w."""
+    (stiffer,) = _columns(table, log_w, slice(2, 3))
+    return stiffer
+
+
+def _columns(table: Tables, log_w: Any, some: slice) -> list[Any]:
+    place = log_w / table.step - table.first
+    left = interval_of(place, table.cubics.shape[-1])
+    return [even_cubics(column, place, left) for column in table.cubics[some]]
 
 
 def share(spread: Any) -> Any:
@@ -295,8 +319,10 @@ def factor(shares: Any, gamma: float) -> Any:
 
 
 @functools.lru_cache(maxsize=8)
-def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """log R, log G and dlog G/dlog R of G = F^-1(R), F(G) = int_0^G dg/S(g)."""
+def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray]:
+    """log R, evenly, and the cubics of log G between, of G = F^-1(R), F(G) = int_0^G
+    dg/S(g).
+    """
     from scipy.special import erf
 
     log_g = np.linspace(np.log(1e-4), np.log(1e9), 2400)
@@ -307,8 +333,19 @@ def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     g = np.exp(middle)
     parts = (g / factor(erf(0.5 / np.sqrt(g)), gamma)) @ weights * 0.5 * np.diff(log_g)
     whole = np.exp(log_g[0]) + np.concatenate([[0.0], np.cumsum(parts)])
-    slope = whole * factor(erf(0.5 * np.exp(-0.5 * log_g)), gamma) / np.exp(log_g)
-    return np.log(whole), log_g, slope
+
+    def slope_of(log_g: Any, r: Any) -> Any:  # dlog G/dlog R
+        return r * factor(erf(0.5 * np.exp(-0.5 * log_g)), gamma) / np.exp(log_g)
+
+    log_r = np.linspace(np.log(whole[0]), np.log(whole[-1]), log_g.size)
+    even = hermite(np.log(whole), log_g, slope_of(log_g, whole), log_r)
+    rise, change = (
+        (log_r[1] - log_r[0]) * slope_of(even, np.exp(log_r)),
+        np.diff(even),
+    )
+    start, end = rise[:-1], rise[1:]
+    cubics = [start + end - 2 * change, 3 * change - 2 * start - end, start, even[:-1]]
+    return log_r, np.stack(cubics)
 
 
 def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
@@ -318,12 +355,10 @@ def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
     if not stored:
         return rate
     xp = namespace(rate)
-    log_r, log_g, slope = _stored(float(gamma))
+    log_r, cubics = _stored(float(gamma))
     x = xp.log(xp.maximum(rate, 1e-300))
-    inside = hermite(log_r, log_g, slope, x)
-    # Below the table S is 1, above it gamma.
-    return xp.exp(
-        xp.where(
-            x < log_r[0], x, xp.where(x > log_r[-1], log_g[-1] + x - log_r[-1], inside)
-        )
-    )
+    # Below the table S is 1, above it gamma: G is R, or goes with it.
+    inside = xp.clip(x, log_r[0], log_r[-1])
+    place = (inside - log_r[0]) / (log_r[1] - log_r[0])
+    left = interval_of(place, cubics.shape[1])
+    return xp.exp(even_cubics(cubics, place, left) + (x - inside))

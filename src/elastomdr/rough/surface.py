@@ -629,8 +629,9 @@ def _set_up(
         scene.traced or is_traced(heat),
         model.heats_by_scale,
     )
-    if not scene.traced:  # averages over directions look far below a frequency
-        low, high = 1e-89 / float(surface.q_low), 1e97 / float(surface.q_high)
+    # averages over directions look far below a frequency, contact edges beyond q_high
+    if not scene.traced:
+        low, high = 1e-89 / float(surface.q_low), 1e95 / float(surface.q_high)
         text = (
             f"between {low:.0e} and {high:.0e} m/s on this surface, times the shift "
             "factor"
