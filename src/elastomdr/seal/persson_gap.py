@@ -63,8 +63,7 @@ def contact_of(at: Nodes, level: Any) -> Contact:
 def mean_gap(found: Contact) -> Any:
     """u(q_low) [m], shape (points,)."""
     xp = namespace(found.variance)
-    # the first cells may be so short that they hold no variance: x without limit, J = 0
-    x = 0.5 / xp.sqrt(xp.maximum(found.variance, 1e-300))
+    x = 0.5 / xp.sqrt(found.variance)
     each = found.at.power / found.at.q * x * gap_integral(x) * found.at.weight
     return np.sqrt(np.pi) / found.level[:, 0, 0] * each.sum((-2, -1))
 
