@@ -71,8 +71,8 @@ def run(options: argparse.Namespace) -> int:
             print(scene.title)
         for each in results:
             print(each.summary())
-        if text := scene.said(result):
-            print(text)
+        if sentence := scene.said(result):
+            print(sentence)
         print("wrote " + " and ".join(str(folder / name) for name in files))
     return DONE if all(r.converged.all() for r in results) else NOT_CONVERGED
 
@@ -150,10 +150,11 @@ def warned_of_at_the_end() -> Iterator[None]:
         )
         for each in caught
     ]
-    for text in dict.fromkeys(
-        _DAMAGED if "persistent compilation cache" in text else text for text in texts
+    for message in dict.fromkeys(
+        _DAMAGED if "persistent compilation cache" in message else message
+        for message in texts
     ):
-        print(f"elastomdr: warning: {' '.join(text.split())}", file=sys.stderr)
+        print(f"elastomdr: warning: {' '.join(message.split())}", file=sys.stderr)
 
 
 def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
@@ -189,8 +190,8 @@ def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str
                     f'{error} In a scene, titles have to say it, such as "velocity '
                     '[mm/s]".'
                 ) from error
-        for text in measured.report:
-            warn(text, em.ModelWarning)
+        for line in measured.report:
+            warn(line, em.ModelWarning)
         shown["measured"] = measured.points
     return shown
 
@@ -362,12 +363,12 @@ def run_plan(options: argparse.Namespace) -> int:
             )
         folder = None if options.out is None else output_folder(options.out)
         with models_by_name():
-            text = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
-    print(text, end="")
+            plan = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
+    print(plan, end="")
     if folder is not None:
         write_all(
             folder,
-            {f"{path.stem}-plan.txt": lambda to: to.write_text(text, encoding="utf-8")},
+            {f"{path.stem}-plan.txt": lambda to: to.write_text(plan, encoding="utf-8")},
         )
         print(f"wrote {folder / path.stem}-plan.txt")
     return DONE

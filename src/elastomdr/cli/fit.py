@@ -252,11 +252,11 @@ def _kelvin(name: str, text: str | None) -> Any:
 
     with named(name):
         parts = [
-            f"{part} degC" if _NUMBER.fullmatch(part.strip()) else part
-            for part in text.split(",")
+            f"{piece} degC" if _NUMBER.fullmatch(piece.strip()) else piece
+            for piece in text.split(",")
         ]
-        found = [float(Temperature.read(part)) for part in parts]
-    return found if len(found) > 1 else found[0]
+        temperatures = [float(Temperature.read(piece)) for piece in parts]
+    return temperatures if len(temperatures) > 1 else temperatures[0]
 
 
 def law_of(text: str | None) -> Any:
@@ -268,15 +268,15 @@ def law_of(text: str | None) -> Any:
     match = re.fullmatch(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", text, re.IGNORECASE)
     if match is None:
         return em.read_shifts(text)
-    name, parts = match[1].lower(), [part.strip() for part in match[2].split(",")]
+    name, parts = match[1].lower(), [piece.strip() for piece in match[2].split(",")]
     units = {"wlf": ("", "K"), "vft": ("K", "degC"), "arrhenius": ("J/mol",)}[name]
     if len(parts) != len(units) + 1:
         raise InputError(
             f'--shift must be a law such as "{_LAWS[name]}", got {text!r}.'
         )
     constants = [
-        _constant(part, unit, _LAWS[name])
-        for part, unit in zip(parts, units, strict=False)
+        _constant(piece, unit, _LAWS[name])
+        for piece, unit in zip(parts, units, strict=False)
     ]
     return {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}[name](
         *constants, _kelvin("--shift", parts[-1])

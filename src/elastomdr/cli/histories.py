@@ -101,8 +101,8 @@ class Ramp(Program, tag="ramp"):
     def course(self, size: Any) -> tuple[Any, Any]:
         import numpy as np
 
-        part = np.linspace(0, 1, self.points)
-        return part * self.duration, np.multiply.outer(size, part)
+        fraction = np.linspace(0, 1, self.points)
+        return fraction * self.duration, np.multiply.outer(size, fraction)
 
 
 class Triangle(Program, tag="triangle"):
@@ -247,8 +247,8 @@ class Impact(OfBodies):
     impact: Annotated[Thrown, "how heavy and how fast it is"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
-        found = {"shape": body(self.indenter, folder)} | self.common(folder)
-        return on_axes(found | given(self.impact, "mass", "velocity"))
+        arguments = {"shape": body(self.indenter, folder)} | self.common(folder)
+        return on_axes(arguments | given(self.impact, "mass", "velocity"))
 
 
 _FIRST = 1e-4  # of a rest: the first instant looked at after its beginning
@@ -420,8 +420,12 @@ def follow(
     time, position, values, name = [0.0], [0.0], [], ""
     for i, stage in enumerate(stages, start=1):
         duration, moved = stage.motion()
-        own = given(stage, *kinds)
-        if len(own) > 1 or (name and own and name not in own) or not (own or name):
+        given_here = given(stage, *kinds)
+        if (
+            len(given_here) > 1
+            or (name and given_here and name not in given_here)
+            or not (given_here or name)
+        ):
             wanted = (
                 f"{name}, as the stages before"
                 if name
@@ -429,24 +433,24 @@ def follow(
             )
             raise InputError(
                 f"[stage {i}] must have {wanted}, got "
-                f"{' and '.join(own) or 'none of them'}."
+                f"{' and '.join(given_here) or 'none of them'}."
             )
-        name = name or next(iter(own))
-        new = own.get(name, values[-1] if values else 0.0)
+        name = name or next(iter(given_here))
+        new = given_here.get(name, values[-1] if values else 0.0)
         if not values:
             values.append(0.0 if stage.ramp else new)
         elif new != values[-1] and not stage.ramp:
             time.append(time[-1])
             position.append(position[-1])
             values.append(new)
-        part = np.arange(1, points + 1) / points
+        fraction = np.arange(1, points + 1) / points
         if not moved:
             # at rest the rubber answers on all its time scales
-            part = np.geomspace(_FIRST, 1.0, points)
+            fraction = np.geomspace(_FIRST, 1.0, points)
         start, at, before = time[-1], position[-1], values[-1]
-        time.extend(start + duration * part)
-        position.extend(at + moved * part)
-        values.extend(before + (new - before) * part)
+        time.extend(start + duration * fraction)
+        position.extend(at + moved * fraction)
+        values.extend(before + (new - before) * fraction)
     loads = np.array(values)
     if name == "pressure":
         name, loads = "load", loads * length

@@ -68,19 +68,19 @@ def run(options: argparse.Namespace) -> int:
 def _filled_in(kind: str, path: Path, options: argparse.Namespace) -> str:
     """The template of a kind with the user's material and road."""
     template = (_TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
-    text = template.replace(" FILE\n", f" {path.name}\n", 1)
+    scene = template.replace(" FILE\n", f" {path.name}\n", 1)
     measured = options.profile or options.spectrum
     # the title is that of the example's rubber and road
     if options.material or measured:
-        text = re.sub(r"(?m)^title = .*\n", "", text, count=1)
+        scene = re.sub(r"(?m)^title = .*\n", "", scene, count=1)
     if options.material:
         material = f"material = {_quoted(options.material, path)}"
-        text = re.sub(r"(?m)^material = .*$", material, text, count=1)
+        scene = re.sub(r"(?m)^material = .*$", material, scene, count=1)
     if measured:
         surface = _SPECTRUM if options.spectrum else _PROFILE
         surface = surface.format(_quoted(measured, path))
-        text = re.sub(r"(?s)\[surface\].*?\n\n", lambda _: surface, text, count=1)
-    return text
+        scene = re.sub(r"(?s)\[surface\].*?\n\n", lambda _: surface, scene, count=1)
+    return scene
 
 
 def _quoted(file: str, scene: Path) -> str:

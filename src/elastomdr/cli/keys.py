@@ -53,7 +53,7 @@ def as_text(verb: str) -> str:
             for key in section.keys:
                 words = (
                     f"{key.meaning} "
-                    f"({'; '.join(part for part in (key.accepted, key.default) if part)})"
+                    f"({'; '.join(piece for piece in (key.accepted, key.default) if piece)})"
                 )
                 lines += textwrap.wrap(
                     words,

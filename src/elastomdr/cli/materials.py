@@ -120,8 +120,8 @@ def _moduli(
         low, high = (_pascal(document["storage"][i]) for i in (0, -1))
         yield "table", f"{info['points']} points, {ends}, storage {low} to {high}"
     else:
-        level = info["equilibrium"]
-        yield "relaxed", _pascal(level) + " (a liquid)" * (level == 0)
+        equilibrium = info["equilibrium"]
+        yield "relaxed", _pascal(equilibrium) + " (a liquid)" * (equilibrium == 0)
         yield "glassy", _pascal(info["glassy"])
     if info.get("viscosity"):
         yield "dashpot", f"{info['viscosity']:.6g} Pa s, in parallel"

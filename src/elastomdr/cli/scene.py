@@ -88,19 +88,21 @@ def models_by_name() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        text = str(error)
+        message = str(error)
         for label, kind in KINDS.items():
-            text = re.sub(
+            message = re.sub(
                 rf"em\.{kind.__name__}\(\)|(?<![.\w]){kind.__name__}\([^()]*\)",
                 f'"{label}"',
-                text,
+                message,
             )
-            text = re.sub(
-                rf"em\.{kind.__name__}\(([^()]*)\)", rf'"{label}" with \1', text
+            message = re.sub(
+                rf"em\.{kind.__name__}\(([^()]*)\)", rf'"{label}" with \1', message
             )
-        text = f"[contact] {text}" if text.startswith("model must") else text
+        message = (
+            f"[contact] {message}" if message.startswith("model must") else message
+        )
         raise InputError(
-            text.replace("=True", "=true").replace("=False", "=false")
+            message.replace("=True", "=true").replace("=False", "=false")
         ) from error
 
 
@@ -259,19 +261,19 @@ class OfBodies(Scene):
         """`material`, `rtol` and, unless it has been applied to the material already,
         `temperature`.
         """
-        found = self.numerics.chosen() | given(self, "temperature")
+        arguments = self.numerics.chosen() | given(self, "temperature")
         rubbers = self.rubbers(folder)
         several = len(rubbers) > 1
         if self.layer is not None:
             with named("[layer]"):
                 rubbers = made(rubbers, [self.layer.on_base(each) for each in rubbers])
         if self.other is None or self.layer is not None:
-            return found | {"material": rubbers if several else rubbers[0]}
+            return arguments | {"material": rubbers if several else rubbers[0]}
         if several:
             raise InputError(
                 "material must be a single one beside other: two bodies in contact."
             )
-        return _pair(rubbers[0], load(folder, "other", self.other), found)
+        return _pair(rubbers[0], load(folder, "other", self.other), arguments)
 
 
 def made(of: list[Any], parts: list[Any]) -> list[Any]:

@@ -154,10 +154,12 @@ def accepted(kind: Any) -> str:
     if origin is Literal:
         return f"one of {', '.join(map(str, inner))}"
     if origin in (Union, types.UnionType):
-        tables = [part for part in inner if _is_table(part)]
+        tables = [member for member in inner if _is_table(member)]
         if len(tables) > 1:
             return f"a table with the key {tables[0].__struct_config__.tag_field}"
-        return " or ".join(accepted(part) for part in inner if part is not type(None))
+        return " or ".join(
+            accepted(member) for member in inner if member is not type(None)
+        )
     if origin is One:
         return accepted(inner[0])
     if origin is dict:
@@ -200,7 +202,7 @@ def tables_of(kind: Any) -> tuple[Any, ...]:
         return (kind,)
     inner = get_args(kind)
     return (
-        tuple(table for part in inner for table in tables_of(part))
+        tuple(table for member in inner for table in tables_of(member))
         if get_origin(kind) is not Literal
         else ()
     )
@@ -217,7 +219,7 @@ def _options(kind: Any) -> tuple[Any, ...]:
     """The words that a type accepts, where they are listed."""
     if get_origin(kind) is Literal:
         return get_args(kind)
-    return tuple(word for part in get_args(kind) for word in _options(part))
+    return tuple(word for member in get_args(kind) for word in _options(member))
 
 
 def _is_table(kind: Any) -> bool:
@@ -325,7 +327,9 @@ def _all_keys(table: Any) -> list[str]:
 def _inside(kind: Any, content: Any, step: str | int) -> tuple[Any, Any]:
     """Type and value of a key of a table, or of an entry of a list."""
     if isinstance(step, int):
-        lists = [part for part in (kind, *get_args(kind)) if get_origin(part) is list]
+        lists = [
+            member for member in (kind, *get_args(kind)) if get_origin(member) is list
+        ]
         return get_args(lists[0])[0], content[step]
     for table in _chosen(kind, content):
         if step in (keys := keys_of(table)):

@@ -112,9 +112,9 @@ class LubricatedScene(OfBodies):
     def arguments(self, folder: Path) -> dict[str, Any]:
         if self.numerics.rtol is not None:
             raise InputError("[numerics] does not belong to a film: it has no rtol.")
-        found = {"shape": body(self.indenter, folder)}
+        arguments = {"shape": body(self.indenter, folder)}
         if self.surface is not None:
             with named("[surface]"):
-                found["surface"] = self.surface.drawn(folder, None)
+                arguments["surface"] = self.surface.drawn(folder, None)
         keys = Lubricated.__struct_fields__
-        return on_axes(found | self.common(folder) | given(self.lubricated, *keys))
+        return on_axes(arguments | self.common(folder) | given(self.lubricated, *keys))

@@ -327,7 +327,7 @@ class ConveyorScene(Scene):
         belt, roll, layer = self.conveyor, self.indenter, self.layer
         material = load(folder, "material", self.material[0])
         with named("[layer]"):
-            carried, back = (
+            carrying, back = (
                 layer.on_base(material),
                 layer.on_base(material, belt.return_thickness),
             )
@@ -336,7 +336,7 @@ class ConveyorScene(Scene):
         with named("[conveyor]"):
             sides = {
                 "carry": em.Idlers(
-                    carried, body(roll, folder), spacing=belt.spacing, shares=shares
+                    carrying, body(roll, folder), spacing=belt.spacing, shares=shares
                 ),
                 "back": em.Idlers(
                     back, em.Cylinder(roll.radius, length), spacing=belt.return_spacing
@@ -384,10 +384,10 @@ class _Traction(Scene):
         if isinstance(friction, str):
             with path_from("friction"):
                 friction = em.load_friction(folder / friction)
-        found = given(self, "temperature") | self.numerics.chosen()
-        found |= given(self.contact, "load") | self.contact.arguments()
+        arguments = given(self, "temperature") | self.numerics.chosen()
+        arguments |= given(self.contact, "load") | self.contact.arguments()
         return {"shape": body(self.indenter, folder), "friction": friction} | on_axes(
-            found
+            arguments
         )
 
 
@@ -457,8 +457,8 @@ class WheelTraction(_Traction):
             return {}
         size = {"radius": self.indenter.radius, "width": self.indenter.length}
         return {
-            end: partial(result.to_tir, temperature=kelvin, **size)
-            for end, kelvin in temperatures.items()
+            end: partial(result.to_tir, temperature=temperature, **size)
+            for end, temperature in temperatures.items()
         }
 
     @staticmethod
@@ -471,10 +471,13 @@ class WheelTraction(_Traction):
         kelvins = (
             [] if result.temperature is None else np.unique(result.temperature).tolist()
         )
-        several = {f"-{kelvin - 273.15:.6g}degC.tir": kelvin for kelvin in kelvins}
+        several = {
+            f"-{temperature - 273.15:.6g}degC.tir": temperature
+            for temperature in kelvins
+        }
         temperatures: dict[str, float | None] = (
             {".tir": None} if len(kelvins) < 2 else {**several}
         )
-        for kelvin in temperatures.values():
-            result.magic_formula(temperature=kelvin)
+        for temperature in temperatures.values():
+            result.magic_formula(temperature=temperature)
         return temperatures

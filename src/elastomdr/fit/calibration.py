@@ -191,14 +191,14 @@ def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, A
 
 
 def _program(compute: Callable[[Any], Any], key: Any) -> Any:
-    found = None if key is None else _PROGRAMS.pop(key, None)
-    if found is None:
-        found = jax.jit(jax.jacfwd(lambda p: 2 * (compute(p),), has_aux=True))
+    program = None if key is None else _PROGRAMS.pop(key, None)
+    if program is None:
+        program = jax.jit(jax.jacfwd(lambda p: 2 * (compute(p),), has_aux=True))
     if key is not None:
-        _PROGRAMS[key] = found
+        _PROGRAMS[key] = program
         while len(_PROGRAMS) > _MOST:
             _PROGRAMS.pop(next(iter(_PROGRAMS)))
-    return found
+    return program
 
 
 def _key(constants: Any) -> Any:
@@ -305,9 +305,9 @@ class Calibration(AbstractFindings):
         if len(self.parameters) > 1:
             direction, left = self.weakest
             named = [
-                f"{part:+.2f} {name}"
-                for name, part in direction.items()
-                if abs(part) > _LEAST
+                f"{slope:+.2f} {name}"
+                for name, slope in direction.items()
+                if abs(slope) > _LEAST
             ]
             yield (
                 "least known",
@@ -324,8 +324,8 @@ class Calibration(AbstractFindings):
                 f"{self.evaluations} evaluations"
             ),
         )
-        for text in self.warnings:
-            yield "warning", text
+        for warning in self.warnings:
+            yield "warning", warning
 
 
 @in_si

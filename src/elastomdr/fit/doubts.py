@@ -119,7 +119,7 @@ def _repeats(judged: JudgedShifts) -> dict[int, list[np.ndarray]]:
     dma = judged.dma
     isotherm = judged.points.isotherm[judged.points.channel == STORAGE]
     rate = np.round(np.log(dma.omega) / _SAME_RATE)
-    level = np.log(np.stack([dma.storage, dma.loss]))
+    log_modulus = np.log(np.stack([dma.storage, dma.loss]))
     earlier: dict[tuple[int, int], list[int]] = {}
     ratios: dict[int, list[np.ndarray]] = {}
     for i in range(dma.omega.size):
@@ -129,7 +129,7 @@ def _repeats(judged: JudgedShifts) -> dict[int, list[np.ndarray]]:
         if repeated.size:
             first = known[repeated[0]]
             ratios.setdefault(int(isotherm[i]), []).append(
-                level[:, i] - level[:, first]
+                log_modulus[:, i] - log_modulus[:, first]
             )
         else:
             known.append(i)
@@ -751,11 +751,11 @@ def _excess(
     slow = ~dynamic & (log_rate > low) & (log_rate < high)
     if not slow.any():
         return np.zeros(0)
-    found = closest_passive(
+    closest = closest_passive(
         log_rate[dynamic], log_value[dynamic], channel[dynamic] == STORAGE
     )
     return (
         np.zeros(0)
-        if found is None
-        else log_value[slow] - found.log_relaxation(log_rate[slow])
+        if closest is None
+        else log_value[slow] - closest.log_relaxation(log_rate[slow])
     )

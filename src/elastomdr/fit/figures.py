@@ -469,7 +469,7 @@ def draw_friction_master(
     ax = _axes(ax, style)
     levels = master.temperature
     colours = _scale(levels.size)
-    for i, kelvin in enumerate(levels):
+    for i, temperature in enumerate(levels):
         at = master.number == i
         ax.semilogx(
             master.velocity[at],
@@ -477,7 +477,7 @@ def draw_friction_master(
             "o",
             color=colours[i],
             markersize=_dot(ax),
-            label=_celsius(float(kelvin)),
+            label=_celsius(float(temperature)),
         )
     v = np.geomspace(master.velocity.min(), master.velocity.max(), 300)
     value, low, high = master.curve(v)
@@ -507,12 +507,12 @@ def draw_adhesion(
     """
     ax = _axes(ax, style)
     if fit.temperature is None:
-        kelvin = np.zeros(fit.velocity.size)
+        temperature = np.zeros(fit.velocity.size)
     else:
-        kelvin = np.round(fit.temperature, 1)
-    levels = np.unique(kelvin)
+        temperature = np.round(fit.temperature, 1)
+    levels = np.unique(temperature)
     for level, colour in zip(levels, _scale(levels.size), strict=True):
-        chosen = np.flatnonzero(kelvin == level)
+        chosen = np.flatnonzero(temperature == level)
         chosen = chosen[np.argsort(fit.velocity[chosen], kind="stable")]
         v, used = fit.velocity[chosen], fit.used[chosen]
         name = "measured" if fit.temperature is None else _celsius(float(level))

@@ -121,7 +121,7 @@ class FrictionMaster(AbstractFindings):
         )
         value = np.where(inside, value, np.nan)
         parts = (value, value - TWO_SIGMA * std, value + TWO_SIGMA * std)
-        return tuple(part.reshape(velocity.shape) for part in parts)  # type: ignore[return-value]
+        return tuple(bound.reshape(velocity.shape) for bound in parts)  # type: ignore[return-value]
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws the shifted friction with its curve on `ax`, or on a new figure, in a
@@ -154,8 +154,8 @@ class FrictionMaster(AbstractFindings):
         yield from of_shifts(
             self.temperature, self.log10_a, self.log10_a_std, self.laws
         )
-        for text in self.warnings:
-            yield "warning", text
+        for warning in self.warnings:
+            yield "warning", warning
 
 
 @in_si
@@ -204,24 +204,24 @@ def friction_master(
     elif error is not None and error != "relative":
         raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
     v, t, friction, *sizes = _checked_data(**given)
-    number, kelvin = group(t, float(scalar("tolerance", tolerance)))
-    if kelvin.size < 2 or friction.size < 8:
+    number, temperatures = group(t, float(scalar("tolerance", tolerance)))
+    if temperatures.size < 2 or friction.size < 8:
         raise InputError(
             "temperature must have two values at least, and mu eight points, got "
-            f"{kelvin.size} and {friction.size}."
+            f"{temperatures.size} and {friction.size}."
         )
-    reference = _checked_reference(reference, kelvin, tolerance)
+    reference = _checked_reference(reference, temperatures, tolerance)
     zero = np.zeros(friction.size)
     points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
     size = sizes[0] if known else np.ones(friction.size)
-    fit = _infer(points, kelvin, size, known)
+    fit = _infer(points, temperatures, size, known)
     if isinstance(error, str):
         # in proportion to the curve, which is less noisy than the points
         for _ in range(2):
             curve = np.abs(points.log_value - fit.posterior.residuals)
             size = np.maximum(curve, _LEAST * curve.max())
-            fit = _infer(points, kelvin, size, known)
-    return _packed(points, kelvin, fit, reference, size)
+            fit = _infer(points, temperatures, size, known)
+    return _packed(points, temperatures, fit, reference, size)
 
 
 def _checked_data(**given: Any) -> list[np.ndarray]:

@@ -91,9 +91,11 @@ def _cells(
     n = kelvin.size
     if not n:
         return np.zeros(0, dtype=int)
-    level = np.log(np.where(strain > 0, strain, 1e-12)) / SAME_STRAIN
+    log_strain = np.log(np.where(strain > 0, strain, 1e-12)) / SAME_STRAIN
     place = (
-        np.stack([kelvin / widths[0], log_rate / widths[1], level]).round().astype(int)
+        np.stack([kelvin / widths[0], log_rate / widths[1], log_strain])
+        .round()
+        .astype(int)
     )
     cell = np.unique(place, axis=1, return_inverse=True)[1].reshape(-1)
     order = np.argsort(cell, kind="stable")
@@ -150,11 +152,11 @@ def isotherms(
     shift `law` one frequency is enough. Raises `InputError` where a temperature is not
     known or there are too few points.
     """
-    kelvin = dma.temperatures
+    temperatures = dma.temperatures
     _check_points(dma)
     rates = np.concatenate([dma.omega, 1 / dma.time])
     if law is not None:
-        a = 10 ** log10_a(law, kelvin)
+        a = 10 ** log10_a(law, temperatures)
         rates = rates * a / a.min()
     if rates.max() < 1.5 * rates.min():
         raise InputError(
@@ -164,12 +166,12 @@ def isotherms(
             "shift=em.WLF(8.86, 101.6, 293.15) (--shift 'WLF(8.86, 101.6, 20degC)'), "
             "a file of factors, or 'universal' (--shift universal)."
         )
-    number, mean = group(kelvin, tolerance)
+    number, mean = group(temperatures, tolerance)
     n = dma.omega.size
-    rate, offset = np.log(dma.omega), kelvin - mean[number]
-    extra = np.zeros(kelvin.size)
+    rate, offset = np.log(dma.omega), temperatures - mean[number]
+    extra = np.zeros(temperatures.size)
     if law is not None:
-        extra = log10_a(law, kelvin) - log10_a(law, mean)[number]
+        extra = log10_a(law, temperatures) - log10_a(law, mean)[number]
 
     def per_channel(values: np.ndarray) -> np.ndarray:
         """Values of the points for storage, loss and relaxation."""
@@ -189,15 +191,15 @@ def _check_points(dma: Dma) -> None:
     """Raises `InputError` for temperatures that are not known or too high, for sweeps
     of strain, and for too few points.
     """
-    kelvin = dma.temperatures
+    temperatures = dma.temperatures
     if not dma.has_temperatures:
         rates = np.concatenate([dma.omega, 1 / dma.time])
         raise InputError(
-            f"temperature is not in the data: {untold(rates[~np.isfinite(kelvin)])}"
+            f"temperature is not in the data: {untold(rates[~np.isfinite(temperatures)])}"
         )
-    if kelvin.max() > _HOTTEST:
+    if temperatures.max() > _HOTTEST:
         raise InputError(
-            f"temperature must be at most {_HOTTEST:g} K, got {kelvin.max():.4g} "
+            f"temperature must be at most {_HOTTEST:g} K, got {temperatures.max():.4g} "
             "K: check its column and unit."
         )
     if dma.omega.size and in_strain_sweep(dma).all():
@@ -206,12 +208,14 @@ def _check_points(dma: Dma) -> None:
             f"{strains(dma.strain)}: it has no master curve; "
             "em.fit.softening(dma) makes its em.Softening."
         )
-    if kelvin.size < 5:
+    if temperatures.size < 5:
         lost = len(dma.bad_rows)
         why = ""
         if lost:
             why = f"; {lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}"
-        raise InputError(f"dma must have five points at least, got {kelvin.size}{why}.")
+        raise InputError(
+            f"dma must have five points at least, got {temperatures.size}{why}."
+        )
 
 
 def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -329,7 +333,7 @@ def refuse_swapped(dma: Dma, law: AbstractShift | None = None) -> None:
         swapped = look_swapped(np.zeros(reduced.size), reduced, dma.storage, dma.loss)
     if swapped:
         said = (
-            f" (read were {'; '.join(text.split(';')[0] for text in dma.columns)})"
+            f" (read were {'; '.join(column.split(';')[0] for column in dma.columns)})"
             if dma.columns
             else ""
         )
@@ -363,8 +367,8 @@ def look_swapped(
     if omega.size < _FEWEST:
         return False
     storage, loss = (np.minimum(x, _LARGEST) for x in (storage, loss))
-    kelvin = np.where(np.isfinite(temperature), np.minimum(temperature, 1e4), 0.0)
-    number, mean = group(kelvin, _TOLERANCE)
+    bounded = np.where(np.isfinite(temperature), np.minimum(temperature, 1e4), 0.0)
+    number, mean = group(bounded, _TOLERANCE)
     named, exchanged = [], []
     for i in range(mean.size):
         at = np.flatnonzero(number == i)
@@ -384,7 +388,7 @@ def _misfit(omega: np.ndarray, storage: np.ndarray, loss: np.ndarray) -> float:
     found.
     """
     is_storage = np.arange(2 * omega.size) < omega.size
-    found = closest_passive(
+    closest = closest_passive(
         np.tile(np.log(omega), 2), np.log(np.concatenate([storage, loss])), is_storage
     )
-    return np.nan if found is None else found.misfit
+    return np.nan if closest is None else closest.misfit

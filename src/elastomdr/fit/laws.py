@@ -115,14 +115,14 @@ def fit_laws(
     for name in (
         ("Arrhenius", "WLF", "VFT") if temperature.size >= 3 else ("Arrhenius",)
     ):
-        p, spread, own = fit_form(known[name], temperature, log10_a, covariance)
+        p, spread, misfit = fit_form(known[name], temperature, log10_a, covariance)
         law, by_p = known[name].constants(p)
         std = {
             key: float(abs(slope) * np.sqrt(spread[k, k]))
             for k, (key, slope) in enumerate(by_p.items())
         }
         residuals = log10_a - known[name].value(p, temperature)
-        fits[name] = LawFit(law, residuals, std, _at_bound(known[name], p), own)
+        fits[name] = LawFit(law, residuals, std, _at_bound(known[name], p), misfit)
     return fits
 
 
@@ -156,10 +156,10 @@ def forms(reference: float, lowest: float) -> dict[str, Form]:
         return WLF(c1, room + gap, reference), {"c1": c1, "c2": gap}
 
     def vft_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
-        b, part = float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1])))
-        return VFT(b, (lowest - POLE) * part, reference), {
+        b, share = float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1])))
+        return VFT(b, (lowest - POLE) * share, reference), {
             "b": b,
-            "t0": (lowest - POLE) * part * (1 - part),
+            "t0": (lowest - POLE) * share * (1 - share),
         }
 
     def arrhenius_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
@@ -188,12 +188,12 @@ def fit_form(
 
     Returns the parameters, their covariance, and that error [decades].
     """
-    own, p = _LEAST, np.array(form.start)
+    misfit, p = _LEAST, np.array(form.start)
     bounds = np.array(form.limits).T
     spread = np.eye(p.size)
     for _ in range(8):
         white = np.linalg.inv(
-            np.linalg.cholesky(covariance + own**2 * np.eye(value.size))
+            np.linalg.cholesky(covariance + misfit**2 * np.eye(value.size))
         )
         answer = least_squares(
             lambda p, white=white: white @ (value - form.value(p, temperature)),
@@ -207,8 +207,8 @@ def fit_form(
         excess = 2 * answer.cost / max(value.size - p.size, 1)
         if excess <= 1.2:
             break
-        own *= min(np.sqrt(excess), 4.0)
-    return p, spread, float(own)
+        misfit *= min(np.sqrt(excess), 4.0)
+    return p, spread, float(misfit)
 
 
 def derivatives(form: Form, p: np.ndarray, temperature: np.ndarray) -> np.ndarray:
@@ -289,8 +289,8 @@ def locate(
     value, spread = change @ log10_a, change @ covariance @ change.T
     known = forms(float(temperature[centre]), float(temperature[0]))
     form = known["WLF" if n > 2 else "Arrhenius"]
-    p, of_p, own = fit_form(form, temperature, value, spread)
-    precision = np.linalg.inv(spread + own**2 * np.eye(n))
+    p, of_p, misfit = fit_form(form, temperature, value, spread)
+    precision = np.linalg.inv(spread + misfit**2 * np.eye(n))
 
     def bend(form: Form, p: np.ndarray) -> float:
         return float(form.value(p, reference) - near @ form.value(p, temperature))
@@ -321,7 +321,7 @@ def locate(
         chance = 1.0
     # the law's own error grows as isotherms are away
     steps = distance / float(np.diff(temperature).mean())
-    variance = (own * steps) ** 2 * (
+    variance = (misfit * steps) ** 2 * (
         1 + float(by_value @ by_value)
     ) + chance * difference**2
     step = weights - np.eye(n)[centre]
@@ -422,8 +422,8 @@ def thermometer(
     """
     if temperature.size < 4:
         return usual
-    slope, bends, off, own = _law(temperature, log10_a, covariance, usual)
-    if own > MISSES:
+    slope, bends, off, misfit = _law(temperature, log10_a, covariance, usual)
+    if misfit > MISSES:
         return usual
     scale = usual * _GRID
     chance = np.array([_restricted(covariance, slope * s, bends, off) for s in scale])
@@ -449,7 +449,7 @@ def _law(
     change = np.eye(temperature.size)
     change[:, centre] -= 1
     expected = covariance + np.diag((usual * slopes(temperature, log10_a)) ** 2)
-    p, _, own = fit_form(
+    p, _, misfit = fit_form(
         form, temperature, change @ log10_a, change @ expected @ change.T
     )
     bends = np.column_stack(
@@ -459,7 +459,7 @@ def _law(
     slope = (form.value(p, temperature + step) - form.value(p, temperature - step)) / (
         2 * step
     )
-    return slope, bends, log10_a - form.value(p, temperature), own
+    return slope, bends, log10_a - form.value(p, temperature), misfit
 
 
 def _restricted(
@@ -560,12 +560,14 @@ def law_about(
         return Arrhenius(law.energy, reference)
     known = np.asarray(law.temperature)  # pyright: ignore[reportAttributeAccessIssue]
     more = [
-        kelvin for kelvin in (reference, *ends) if np.abs(known - kelvin).min() > 1e-6
+        degrees
+        for degrees in (reference, *ends)
+        if np.abs(known - degrees).min() > 1e-6
     ]
     inside = [
-        kelvin
-        for kelvin in more
-        if kelvin == reference or not known[0] < kelvin < known[-1]
+        degrees
+        for degrees in more
+        if degrees == reference or not known[0] < degrees < known[-1]
     ]
     every = np.unique(np.append(known, inside))
     value = log10_a(law, every) - log10_a(law, np.array([reference]))
@@ -599,14 +601,14 @@ def _glass_temperature(dma: Dma) -> float:
     value = np.log(np.concatenate([dma.storage[at], dma.loss[at]]))
     tried = np.arange(coldest - _COLDEST, coldest + UNIVERSAL[1] - _POLE, _STEP)
     misfits = np.full(tried.size, np.inf)
-    for i, kelvin in enumerate(tried):
+    for i, degrees in enumerate(tried):
         rate = np.log(dma.omega[at]) + np.log(10) * log10_a(
-            WLF(*UNIVERSAL, kelvin), dma.temperature[at]
+            WLF(*UNIVERSAL, degrees), dma.temperature[at]
         )
-        found = closest_passive(
+        closest = closest_passive(
             np.tile(rate, 2), value, np.arange(2 * at.size) < at.size
         )
-        misfits[i] = np.inf if found is None else found.misfit
+        misfits[i] = np.inf if closest is None else closest.misfit
     best = int(misfits.argmin())
     if not misfits[best] < _MISFIT or best in (0, tried.size - 1):
         raise InputError(

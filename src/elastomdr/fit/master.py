@@ -144,17 +144,17 @@ def vertical_law(master: "MasterCurve") -> AbstractVertical | None:
     Beyond the data a table goes on by entropy elasticity: the range of the material
     says where they end.
     """
-    reference, kelvin, log10_b = (
+    reference, temperatures, log10_b = (
         float(master.reference),
         master.temperature,
         -master.log10_b,
     )
     if np.abs(log10_b).max() < _NONE:
         return None
-    if np.abs(log10_b - np.log10(kelvin / reference)).max() < _NONE:
+    if np.abs(log10_b - np.log10(temperatures / reference)).max() < _NONE:
         return EntropicVertical(reference)
-    away = np.abs(kelvin - reference) > 0.5
-    temperature = np.append(kelvin[away], reference).round(TEMPERATURE_DIGITS)
+    away = np.abs(temperatures - reference) > 0.5
+    temperature = np.append(temperatures[away], reference).round(TEMPERATURE_DIGITS)
     order = np.argsort(temperature)
     temperature, factor = (
         temperature[order],
@@ -229,7 +229,7 @@ def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
         relaxation=dma.relaxation * ratio,
         response="relaxation",
         ramp=0.0,
-        columns=tuple(f"{text}; {words}" for text in dma.columns),
+        columns=tuple(f"{column}; {words}" for column in dma.columns),
     )
 
 
@@ -588,8 +588,8 @@ class MasterCurve(AbstractFindings):
             yield from of_shifts(
                 self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical
             )
-        for text in self.warnings:
-            yield "warning", text
+        for warning in self.warnings:
+            yield "warning", warning
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the shifted data, one row per point, with the shifts in header lines
@@ -750,7 +750,7 @@ def master_csv(master: MasterCurve) -> str:
             f"relaxation modulus {symbol} times b_T [Pa]": master.relaxation[order],
             "isotherm [K]": master.temperature[master.time_isotherm[order]],
         }
-    left_out = (("row left out", text) for text in master.dma.bad_rows)
+    left_out = (("row left out", row) for row in master.dma.bad_rows)
     return table_csv("MasterCurve", [*master.findings(), *left_out], columns)
 
 

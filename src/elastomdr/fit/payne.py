@@ -84,8 +84,8 @@ class Sweeps(AbstractFindings):
             ),
         )
         yield "scatter", f"{self.error[0]:.2%} of storage, {self.error[1]:.2%} of loss"
-        for text in self.warnings:
-            yield "warning", text
+        for warning in self.warnings:
+            yield "warning", warning
 
     def _spanned(self) -> str:
         return f"{100 * self.strain.min():.3g} to {100 * self.strain.max():.3g} %"
@@ -213,7 +213,7 @@ def softening(
     value = [np.exp(x) if i == 1 else x for i, x in enumerate(p[:4])]
     factors = np.exp(data.values - p[4:].reshape(-1, 2)[data.number])
     order = np.argsort(data.log_strain, kind="stable")
-    found = Sweeps(
+    sweeps = Sweeps(
         parameters={name: float(x) for name, x in zip(NAMES, value, strict=True)},
         interval={
             name: (float(a), float(b)) for name, (a, b) in zip(NAMES, ends, strict=True)
@@ -228,9 +228,9 @@ def softening(
         error=(float(sigma[0]), float(sigma[1])),
         warnings=(*told, *doubts(OF_SOFTENING, _judged(data, p, spread))),
     )
-    strain, table = _table(found) if form == "table" else _of_kraus(data, p[:4])
-    tell(found.warnings)
-    return SofteningFit(strain, np.minimum(table[:, 0], 1.0), table[:, 1], found)
+    strain, table = _table(sweeps) if form == "table" else _of_kraus(data, p[:4])
+    tell(sweeps.warnings)
+    return SofteningFit(strain, np.minimum(table[:, 0], 1.0), table[:, 1], sweeps)
 
 
 def _data(sweep: Any) -> tuple[_Data, list[str]]:
@@ -244,9 +244,9 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
             f"10 %), got {values['strain'].max():g}; divide per cent by 100."
         )
     log_strain = np.log(values["strain"])
-    kelvin = np.nan_to_num(values["temperature"], nan=1.0)
+    temperature = np.nan_to_num(values["temperature"], nan=1.0)
     log_omega = np.nan_to_num(np.log(values["omega"]), nan=1.0)
-    pair = np.stack([group(kelvin, _WARMS)[0], group(log_omega, _ALIKE)[0]])
+    pair = np.stack([group(temperature, _WARMS)[0], group(log_omega, _ALIKE)[0]])
     number = np.unique(pair, axis=1, return_inverse=True)[1].ravel()
     whole = [i for i in range(number.max() + 1) if _is_sweep(log_strain[number == i])]
     if not whole:

@@ -74,7 +74,7 @@ def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
 
     `material` is of the kind of the data, and has a shift law.
     """
-    times, moduli, level = (
+    times, moduli, equilibrium = (
         np.asarray(material.times),
         np.asarray(material.moduli),
         float(material.equilibrium),
@@ -84,14 +84,14 @@ def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
         b = _lift(material.vertical, dma.temperature)
         x = (dma.omega * _factor(material.shift, dma.temperature))[:, None] * times
         parts["storage modulus"] = (
-            b * (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
+            b * (equilibrium + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
         )
         parts["loss modulus"] = b * (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
     if dma.time.size:
         x = (dma.time / _factor(material.shift, dma.time_temperature))[:, None] / times
         b = _lift(material.vertical, dma.time_temperature)
         parts["relaxation modulus"] = (
-            b * (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
+            b * (equilibrium + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
         )
     return parts
 
@@ -101,8 +101,8 @@ def misfit(material: Prony, dma: Dma) -> dict[str, float]:
     if material.shift is None:
         return {}
     return {
-        name: float(np.sqrt(np.mean(part**2)))
-        for name, part in deviations(material, dma).items()
+        name: float(np.sqrt(np.mean(deviation**2)))
+        for name, deviation in deviations(material, dma).items()
     }
 
 
@@ -229,14 +229,14 @@ def _vertical(fit: MaterialFit, change: np.ndarray) -> Any:
     """The vertical shifts with their changes; those of entropy elasticity have no
     constant that could differ.
     """
-    own = fit.material.vertical
-    if not isinstance(own, VerticalTable):
-        return own
+    vertical = fit.material.vertical
+    if not isinstance(vertical, VerticalTable):
+        return vertical
     # A modulus at T is that of the common curve over exp(ln b).
     return replaced(
-        own,
-        factor=np.asarray(own.factor)
-        * np.exp(-np.interp(own.temperature, fit.master.temperature, change)),
+        vertical,
+        factor=np.asarray(vertical.factor)
+        * np.exp(-np.interp(vertical.temperature, fit.master.temperature, change)),
     )
 
 
@@ -271,9 +271,9 @@ class MaterialFit(AbstractFindings):
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the material, as pairs of a name and a text."""
         yield "material", self.material.name
-        yield from (("columns", text) for text in self.master.dma.columns)
+        yield from (("columns", value) for value in self.master.dma.columns)
         yield from (
-            (name, text) for name, text in self.master.findings() if name != "warning"
+            (name, value) for name, value in self.master.findings() if name != "warning"
         )
         yield (
             "shift law",
@@ -283,7 +283,7 @@ class MaterialFit(AbstractFindings):
         )
         yield "vertical shift", _lifted(self.material.vertical)
         yield from (
-            (name, text) for name, text in self.prony.findings() if name != "warning"
+            (name, value) for name, value in self.prony.findings() if name != "warning"
         )
         if self.misfit:
             parts = ", ".join(
@@ -293,8 +293,8 @@ class MaterialFit(AbstractFindings):
                 "misfit",
                 f"of material and shift law against the data as measured: {parts} rms",
             )
-        for text in self.warnings:
-            yield "warning", text
+        for value in self.warnings:
+            yield "warning", value
 
     def tabulated(self, *, per_decade: int = 8) -> TabulatedModulus:
         """The data themselves as a material for surfaces, with the shift law of this
@@ -307,15 +307,15 @@ class MaterialFit(AbstractFindings):
             A table of moduli, of the name, citation, Poisson's ratio and shift law of
             `material`.
         """
-        own = self.material
+        material = self.material
         return tabulate(
             self.master,
             per_decade,
-            own.shift,
-            own.vertical,
-            own.poisson,
-            own.name,
-            own.citation,
+            material.shift,
+            material.vertical,
+            material.poisson,
+            material.name,
+            material.citation,
         )
 
     def draws(self, n: int, seed: int = 0) -> list[Prony]:
@@ -469,7 +469,7 @@ class MaterialFit(AbstractFindings):
             f"{stem}-abaqus.inp": abaqus_card(self.material),
             f"{stem}-ansys.mac": ansys_card(self.material),
         }
-        content |= {name: text.encode() for name, text in texts.items()}
+        content |= {name: text_of_file.encode() for name, text_of_file in texts.items()}
         return content | {
             f"{stem}-{name}.png": image
             for name, image in figures(self.master, self.prony).items()
@@ -573,7 +573,7 @@ def material(
         fit = _fitted(master, law, series, description)
         done(3, _STEPS)
     fit = replace(fit, warnings=(*fit.warnings, *_misses(fit)))
-    tell(text for text in fit.warnings if text not in dma.warnings)
+    tell(warning for warning in fit.warnings if warning not in dma.warnings)
     return fit
 
 

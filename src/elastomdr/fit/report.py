@@ -38,8 +38,8 @@ TWO_SIGMA = 1.96
 
 def tell(doubts: Iterable[str]) -> None:
     """Issues each doubt of a result, which its summary prints, as a `FitWarning` too."""
-    for text in doubts:
-        warn(text, FitWarning)
+    for doubt in doubts:
+        warn(doubt, FitWarning)
 
 
 class AbstractFindings(abc.ABC):
@@ -76,9 +76,9 @@ def of_shifts(
 ) -> Iterator[tuple[str, str]]:
     """A line per temperature, with `more` text behind it, and one per shift law."""
     more = [""] * temperature.size if more is None else more
-    for kelvin, x, size, text in zip(temperature, log10_a, std, more, strict=True):
+    for value, x, size, text in zip(temperature, log10_a, std, more, strict=True):
         yield (
-            f"{kelvin - 273.15:8.2f} degC",
+            f"{value - 273.15:8.2f} degC",
             f"log10 a_T {x:8.3f} +- {TWO_SIGMA * size:.3f}{text}",
         )
     for name, fit in laws.items():
@@ -145,7 +145,7 @@ def dynamic_band(
     parts = [half for value in values for half in np.split(value, 2)]
     inside = _check_outside(flat, window, "frequencies")
     ordered = (*parts[0::2], *parts[1::2], inside)
-    return Band(omega, *(part.reshape(omega.shape) for part in ordered))
+    return Band(omega, *(bound.reshape(omega.shape) for bound in ordered))
 
 
 def relaxation_band(
@@ -163,7 +163,7 @@ def relaxation_band(
     values = _interval(joint, state, -np.log(flat), np.full(flat.size, RELAXATION), own)
     inside = _check_outside(1 / flat, window, "times")
     return RelaxationBand(
-        time, *(part.reshape(time.shape) for part in (*values, inside))
+        time, *(bound.reshape(time.shape) for bound in (*values, inside))
     )
 
 
@@ -333,8 +333,8 @@ def ansys_card(material: Prony, number: int = 1) -> str:
     ]
     for which in ("SHEAR", "BULK") if poisson <= _INCOMPRESSIBLE else ("SHEAR",):
         lines.append(f"TB,PRONY,{number},1,{parts.size},{which}")
-        for i, (part, time) in enumerate(zip(parts, material.times, strict=True)):
-            lines.append(f"TBDATA,{2 * i + 1},{part:.12g},{float(time):.8g}")
+        for i, (share, time) in enumerate(zip(parts, material.times, strict=True)):
+            lines.append(f"TBDATA,{2 * i + 1},{share:.12g},{float(time):.8g}")
     law = _as_wlf(material)
     if law is not None:
         lines += [

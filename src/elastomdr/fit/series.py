@@ -443,14 +443,14 @@ class PronyFit(AbstractFindings):
                 f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- "
                 f"{TWO_SIGMA * std:.2g} Pa",
             )
-        for text in self.warnings:
-            yield "warning", text
+        for warning in self.warnings:
+            yield "warning", warning
 
     def _equilibrium_in_words(self) -> str:
-        level = float(self.material.equilibrium)
-        if level:
+        equilibrium = float(self.material.equilibrium)
+        if equilibrium:
             low, high = self.equilibrium_interval
-            return f"{level:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %"
+            return f"{equilibrium:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %"
         if float(self.material.times.max()) * self.window[0] < 1:
             return "0: a liquid"
         return "0: none is visible in the data; below them the series is a liquid"
@@ -637,8 +637,8 @@ class _Series(NamedTuple):
     @property
     def equilibrium_std(self) -> float:
         low, high = self.interval
-        level = self.equilibrium
-        return max(level - low, high - level) / TWO_SIGMA
+        equilibrium = self.equilibrium
+        return max(equilibrium - low, high - equilibrium) / TWO_SIGMA
 
     def part(self, name: str) -> np.ndarray:
         """Residuals of storage, loss or relaxation."""
@@ -647,11 +647,11 @@ class _Series(NamedTuple):
     def parts(self) -> dict[str, np.ndarray]:
         """Residuals of what was measured."""
         parts = {name: self.part(name) for name in _CHANNELS}
-        return {name: part for name, part in parts.items() if part.size}
+        return {name: deviation for name, deviation in parts.items() if deviation.size}
 
     def rms(self, name: str) -> float:
-        part = self.part(name)
-        return float(np.sqrt(np.mean(part**2))) if part.size else float("nan")
+        deviation = self.part(name)
+        return float(np.sqrt(np.mean(deviation**2))) if deviation.size else float("nan")
 
     def doubts(
         self, data: Data, joint: Joint, trades: Any, omega: np.ndarray
@@ -689,7 +689,9 @@ def _solved(data: Data, joint: Joint, state: AtReference, chosen: Any) -> _Serie
     std = np.sqrt(np.diag(covariance))
     count = chosen.log_times.size
     moduli, times = np.exp(chosen.log_moduli), np.exp(chosen.log_times)
-    level, *numbers = (float(f"{x:.6g}") for x in (chosen.equilibrium, *moduli, *times))
+    equilibrium, *numbers = (
+        float(f"{x:.6g}") for x in (chosen.equilibrium, *moduli, *times)
+    )
 
     def sensitivity(omega: np.ndarray) -> np.ndarray:
         z = omega[:, None] * times
@@ -699,10 +701,10 @@ def _solved(data: Data, joint: Joint, state: AtReference, chosen: Any) -> _Serie
     return _Series(
         channel=points.channel,
         residuals=np.expm1(-off),
-        equilibrium=level,
+        equilibrium=equilibrium,
         moduli=numbers[:count],
         times=numbers[count:],
-        interval=_equilibrium_interval(joint, state, end, level, std[-1]),
+        interval=_equilibrium_interval(joint, state, end, equilibrium, std[-1]),
         moduli_std=moduli * std[:count],
         times_std=times * std[count : 2 * count],
         covariance=covariance,

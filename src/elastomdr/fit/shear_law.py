@@ -107,8 +107,8 @@ class AdhesionFit(AbstractFindings):
             )
         if self.reference is not None:
             yield "reference", f"{self.reference - 273.15:.5g} degC, of velocity"
-        part = self.adhesion[self.used] / (self.adhesion + self.hysteresis)[self.used]
-        yield "adhesion", f"{part.min():.0%} to {part.max():.0%} of the friction"
+        share = self.adhesion[self.used] / (self.adhesion + self.hysteresis)[self.used]
+        yield "adhesion", f"{share.min():.0%} to {share.max():.0%} of the friction"
         rms = float(np.sqrt(np.mean(self.residuals[self.used] ** 2)))
         yield (
             "residuals",
@@ -130,8 +130,8 @@ class AdhesionFit(AbstractFindings):
             "area",
             "what the real contact area is off goes into the stress one to one",
         )
-        for text in self.warnings:
-            yield "warning", text
+        for warning in self.warnings:
+            yield "warning", warning
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the points with both parts as comma-separated text, the findings in
@@ -235,20 +235,24 @@ def adhesion(
     """
     curves = _checked_curves(curve)
     data = _measured(measured, next(iter(curves.values())))
-    kelvin, mu = data["temperature"], data["mu"]
+    temperature, mu = data["temperature"], data["mu"]
     computed = {float(q): _at_points(each, data) for q, each in curves.items()}
     used = np.isfinite(mu)
     for h, s, _ in computed.values():
         used &= np.isfinite(h) & np.isfinite(s)
-    if kelvin is None:
+    if temperature is None:
         reference = None
     elif reference is None:
-        reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
+        reference = float(temperature[np.argmin(np.abs(temperature - 293.15))])
     else:
         reference = float(plain("reference", reference))
     warm = None
-    if kelvin is not None and reference is not None and np.ptp(kelvin[used]) > _SAME:
-        warm = (1 / kelvin - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
+    if (
+        temperature is not None
+        and reference is not None
+        and np.ptp(temperature[used]) > _SAME
+    ):
+        warm = (1 / temperature - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
     every = _Points(np.log10(data["velocity"]), warm, mu, *_between(computed))
     points = _chosen(every, used)
     if points.mu.size <= len(points.names):

@@ -497,19 +497,19 @@ def fit_jointly(
     plain = join(
         _with_offsets(data, guess).points, data.temperature, guess, "none", roughly=True
     )
-    found = plain.horizontal(plain.posterior.mean)[0]
-    points, several = _with_offsets(data, found).points, data.temperature.size > 1
+    horizontal = plain.horizontal(plain.posterior.mean)[0]
+    points, several = _with_offsets(data, horizontal).points, data.temperature.size > 1
     both = vertical and several
     lift = "free" if both else "none"
     shifts = (
-        join(points, data.temperature, found, lift, near=plain, roughly=True)
+        join(points, data.temperature, horizontal, lift, near=plain, roughly=True)
         if both
         else plain
     )
     temper = alike(shifts.points, shifts.posterior.residuals)
-    shifts = join(points, data.temperature, found, lift, temper, near=shifts)
+    shifts = join(points, data.temperature, horizontal, lift, temper, near=shifts)
     plain = (
-        join(points, data.temperature, found, "none", temper, near=plain)
+        join(points, data.temperature, horizontal, "none", temper, near=plain)
         if both
         else shifts
     )

@@ -135,9 +135,11 @@ def predict(
     kernels = np.empty(x.shape)
     for which, at in _runs(channel):
         _kernel(which, x[at], kernels[at])
-    level = np.where(channel == LOSS, 0.0, equilibrium)
-    value = np.maximum(kernels @ heights + level, 1e-300)
-    return Prediction(np.log(value), heights, level / value, channel, value, x, kernels)
+    of_equilibrium = np.where(channel == LOSS, 0.0, equilibrium)
+    value = np.maximum(kernels @ heights + of_equilibrium, 1e-300)
+    return Prediction(
+        np.log(value), heights, of_equilibrium / value, channel, value, x, kernels
+    )
 
 
 def _runs(channel: np.ndarray) -> Iterator[tuple[int, slice]]:
@@ -247,8 +249,8 @@ def closest_passive(
     moduli = moduli / largest
     off, at = (matrix @ moduli - 1) ** 2, storage[:, 0]
     parts = (
-        float(np.sqrt(part.mean())) if part.size else 0.0
-        for part in (off, off[at], off[~at])
+        float(np.sqrt(residuals.mean())) if residuals.size else 0.0
+        for residuals in (off, off[at], off[~at])
     )
     return Passive(rates, moduli[:count], float(moduli[count]), level, *parts)
 

@@ -344,8 +344,10 @@ def _climb(
         mean=p[full], covariance=posterior.covariance[np.ix_(full, full)]
     )
     priors = tuple(prior._replace(rows=prior.rows[:, full]) for prior in priors)
-    level = float(np.exp(p[-1])) if solid else 0.0
-    return Terms(p[:n][order], p[n : 2 * n][order], level, posterior, priors, criterion)
+    equilibrium = float(np.exp(p[-1])) if solid else 0.0
+    return Terms(
+        p[:n][order], p[n : 2 * n][order], equilibrium, posterior, priors, criterion
+    )
 
 
 def _model(
@@ -353,8 +355,8 @@ def _model(
 ) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
     """ln of what a series predicts, and its Jacobian."""
     n = (p.size - solid) // 2
-    level = np.exp(p[-1]) if solid else 0.0
-    answer = predict(points.channel, points.log_rate, p[n : 2 * n], p[:n], level)
+    equilibrium = np.exp(p[-1]) if solid else 0.0
+    answer = predict(points.channel, points.log_rate, p[n : 2 * n], p[:n], equilibrium)
 
     def jacobian() -> np.ndarray:
         parts = [answer.by_spectrum, answer.by_place] + (
@@ -498,9 +500,9 @@ def _scatter(points: Points) -> np.ndarray:
         if at.size < 5:
             continue
         x, y = points.log_rate[at], points.log_value[at]
-        part = (x[1:-1] - x[:-2]) / np.maximum(x[2:] - x[:-2], 1e-12)
-        off = (y[1:-1] - (1 - part) * y[:-2] - part * y[2:]) / np.sqrt(
-            1 + part**2 + (1 - part) ** 2
+        fraction = (x[1:-1] - x[:-2]) / np.maximum(x[2:] - x[:-2], 1e-12)
+        off = (y[1:-1] - (1 - fraction) * y[:-2] - fraction * y[2:]) / np.sqrt(
+            1 + fraction**2 + (1 - fraction) ** 2
         )
         found[channel] = 1.4826 * np.median(np.abs(off))  # an outlier is not scatter
     return found
@@ -580,13 +582,13 @@ def _from_relaxation(
     )
     end = float(np.exp(last.value))
     sure = np.exp(-_SURE * last.value_std)
-    level = float(np.exp(before.value)) / end
+    equilibrium = float(np.exp(before.value)) / end
     # of d(ln G)/d(ln rate), in moduli at the slow end
     most = max(last.slope + _SURE * last.slope_std, 0.0)
     # flat within the scatter: what it may hide within one decade
     if last.slope < _SURE * last.slope_std:
         return end * (sure - most), end
-    least = level * (before.slope - _SURE * before.slope_std)
+    least = equilibrium * (before.slope - _SURE * before.slope_std)
     power = np.log10(least / most) if least > most else 0.0
     return (end * (sure - most * 10 ** (-power / 2) / power) if power > 0 else 0.0), end
 

@@ -110,18 +110,18 @@ def logarithm(text: str) -> tuple[str, str]:
 @functools.lru_cache(maxsize=4096)
 def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
     """The column below a title; None where the title is none of the quantities."""
-    log, text = logarithm(clean(head.title))
+    log, title = logarithm(clean(head.title))
     below = head.below.strip("[]() ")
     below = "" if below in ("-", "") else below
     refused: Column | None = None
-    ways = [*splits(text), (text, "")]
+    ways = [*splits(title), (title, "")]
     if below:
         ways = [
-            (text, below),
+            (title, below),
             *(
                 (name, below)
-                for name, unit in splits(text)
-                if text.endswith(("]", ")")) or is_unit(unit)
+                for name, unit in splits(title)
+                if title.endswith(("]", ")")) or is_unit(unit)
             ),
         ]
     for name, unit in ways:
@@ -148,7 +148,7 @@ def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
             if (
                 not (log and unit == "-")
                 and refused is None
-                and (below or re.search(r"[\[(]", text))
+                and (below or re.search(r"[\[(]", title))
             ):
                 refused = found._replace(known=False)
     return refused
@@ -224,13 +224,13 @@ def named_columns(
                 f"columns must hold titles or numbers of columns, got {wanted!r} "
                 f"for {role}."
             )
-        text = str(wanted).strip()
-        place, unit, log = _place(text, table.heads)
+        title = str(wanted).strip()
+        place, unit, log = _place(title, table.heads)
         if place is not None:
             head = next(head for head in table.heads if head.place == place)
             column = _named_column(name, head, roles[role], unit, quantities)
             named[role] = column._replace(log=log) if log else column
-        elif (constant := _NUMBER_WITH_UNIT.fullmatch(text)) and (
+        elif (constant := _NUMBER_WITH_UNIT.fullmatch(title)) and (
             si := to_si(constant[2], roles[role].kind)
         ):
             constants[role] = float(constant[1]) * si[0] + si[1]
@@ -604,7 +604,7 @@ def taken(table: Table, chosen: Mapping[str, Column], units: Mapping[str, str]) 
     """In words, which columns are read as what, in which unit, and which are passed
     over.
     """
-    text = ", ".join(
+    titles = ", ".join(
         f"{role} from {column.place + 1} {column.title!r}"
         + (
             f" in {unit}"
@@ -620,7 +620,7 @@ def taken(table: Table, chosen: Mapping[str, Column], units: Mapping[str, str]) 
         if head.title and head.place not in places
     ]
     more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""
-    return text + f"; passed over: {', '.join(rest[:_NAMED])}{more}" * bool(rest)
+    return titles + f"; passed over: {', '.join(rest[:_NAMED])}{more}" * bool(rest)
 
 
 def left_out(name: str, bad: Sequence[str], where: str) -> tuple[str, ...]:
@@ -745,8 +745,8 @@ def _rank(quantity: Quantity, name: str) -> int | None:
         return found
     for gap in re.finditer(r"[\s(,:-]+", name):
         ranks = [
-            quantity.rank(part)
-            for part in (name[: gap.start()].strip(), name[gap.end() :].strip(" )"))
+            quantity.rank(piece)
+            for piece in (name[: gap.start()].strip(), name[gap.end() :].strip(" )"))
         ]
         if None not in ranks:
             return min(rank for rank in ranks if rank is not None)

@@ -250,23 +250,27 @@ def join(*parts: Dma) -> Dma:
     Raises `InputError` where shear and tensile moduli meet, or raw data and a master
     curve.
     """
-    if not parts or not all(isinstance(part, Dma) for part in parts):
+    if not parts or not all(isinstance(measurement, Dma) for measurement in parts):
         raise InputError(
             f"parts must be Dma, as read_dma returns them, got {parts!r:.80}."
         )
-    if len({part.kind for part in parts}) > 1:
+    if len({measurement.kind for measurement in parts}) > 1:
         raise InputError(
             "parts must be of one kind, got both shear and tensile moduli: convert "
             "one of them first."
         )
-    if len({part.shifted for part in parts}) > 1:
+    if len({measurement.shifted for measurement in parts}) > 1:
         raise InputError(
             "parts must be all raw or all shifted, got isotherms and a master curve."
         )
 
-    timed = [part for part in parts if part.time.size] or [parts[0]]
-    if len({(part.response, part.ramp) for part in timed}) > 1:
-        words = " and ".join(dict.fromkeys(part.described for part in timed))
+    timed = [measurement for measurement in parts if measurement.time.size] or [
+        parts[0]
+    ]
+    if len({(measurement.response, measurement.ramp) for measurement in timed}) > 1:
+        words = " and ".join(
+            dict.fromkeys(measurement.described for measurement in timed)
+        )
         raise InputError(
             f"parts must be of one response over time, got {words}: fit them one "
             "by "
@@ -274,10 +278,10 @@ def join(*parts: Dma) -> Dma:
         )
 
     def chain(name: str) -> np.ndarray:
-        return np.concatenate([getattr(part, name) for part in parts])
+        return np.concatenate([getattr(measurement, name) for measurement in parts])
 
-    several = len({part.source for part in parts}) > 1
-    differ = several and len({part.columns for part in parts}) > 1
+    several = len({measurement.source for measurement in parts}) > 1
+    differ = several and len({measurement.columns for measurement in parts}) > 1
     arrays = (*_OF_OMEGA, "time", "relaxation", "time_temperature")
     return replace(
         parts[0],
@@ -286,35 +290,41 @@ def join(*parts: Dma) -> Dma:
         ramp=timed[0].ramp,
         units={
             key: ", ".join(
-                _each((part.units[key],) for part in parts if key in part.units)
+                _each(
+                    (measurement.units[key],)
+                    for measurement in parts
+                    if key in measurement.units
+                )
             )
-            for key in dict.fromkeys(key for part in parts for key in part.units)
+            for key in dict.fromkeys(
+                key for measurement in parts for key in measurement.units
+            )
         },
-        warnings=_each(part.warnings for part in parts),
-        bad_rows=_each(_bad_rows(part, several) for part in parts),
-        source=", ".join(_each((part.source,) for part in parts)),
-        columns=_each(_columns(part, differ) for part in parts),
+        warnings=_each(measurement.warnings for measurement in parts),
+        bad_rows=_each(_bad_rows(measurement, several) for measurement in parts),
+        source=", ".join(_each((measurement.source,) for measurement in parts)),
+        columns=_each(_columns(measurement, differ) for measurement in parts),
     )
 
 
 def _bad_rows(part: Dma, several: bool) -> tuple[str, ...]:
     """The rows left out, with their file where there are several."""
     return tuple(
-        f"{part.source}: {text}" if several and text.startswith("line ") else text
-        for text in part.bad_rows
+        f"{part.source}: {row}" if several and row.startswith("line ") else row
+        for row in part.bad_rows
     )
 
 
 def _columns(part: Dma, differ: bool) -> tuple[str, ...]:
     """What was taken as what, with its file where several differ."""
     return tuple(
-        f"{part.source}: {text}" if differ and "," not in part.source else text
-        for text in part.columns
+        f"{part.source}: {column}" if differ and "," not in part.source else column
+        for column in part.columns
     )
 
 
 def _each(lists: Any) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(text for texts in lists for text in texts))
+    return tuple(dict.fromkeys(line for texts in lists for line in texts))
 
 
 def _kind(kind: Any) -> Kind:
@@ -396,21 +406,27 @@ def in_strain_sweep(dma: Dma) -> np.ndarray:
     """
     found = np.zeros(dma.omega.size, bool)
     known = np.flatnonzero(dma.strain > 0)
-    kelvin = np.nan_to_num(dma.temperature)
-    rate, level = np.log(dma.omega), np.log(np.where(dma.strain > 0, dma.strain, 1.0))
+    temperature = np.nan_to_num(dma.temperature)
+    rate, log_strain = (
+        np.log(dma.omega),
+        np.log(np.where(dma.strain > 0, dma.strain, 1.0)),
+    )
     for i in known:
-        here = known[np.abs(kelvin[known] - kelvin[i]) < _SAME_PLACE]
+        here = known[np.abs(temperature[known] - temperature[i]) < _SAME_PLACE]
         sweep = here[np.abs(rate[here] - rate[i]) < _SAME_RATE]
         if (
             sweep.size < _SWEEP
-            or 1 + (np.diff(np.sort(level[sweep])) > 1e-3).sum() < _SWEEP
+            or 1 + (np.diff(np.sort(log_strain[sweep])) > 1e-3).sum() < _SWEEP
         ):
             continue
         alone = (
-            np.abs(rate[here[np.abs(level[here] - level[i]) < SAME_STRAIN]] - rate[i])
+            np.abs(
+                rate[here[np.abs(log_strain[here] - log_strain[i]) < SAME_STRAIN]]
+                - rate[i]
+            )
             < _SAME_RATE
         )
-        found[i] = np.ptp(level[sweep]) > 2 * SAME_STRAIN and alone.all()
+        found[i] = np.ptp(log_strain[sweep]) > 2 * SAME_STRAIN and alone.all()
     return found
 
 
@@ -454,11 +470,11 @@ def _levels(dma: Dma) -> list[np.ndarray]:
     order = known[np.argsort(dma.strain[known], kind="stable")]
     steps = np.diff(np.log(dma.strain[order])) > SAME_STRAIN
     groups = np.split(order, np.flatnonzero(steps) + 1)
-    kelvin = np.round(np.nan_to_num(dma.temperature) / _SAME_PLACE)
+    temperature = np.round(np.nan_to_num(dma.temperature) / _SAME_PLACE)
     places = [
         set(
             zip(
-                kelvin[at],
+                temperature[at],
                 np.round(np.log(dma.omega[at]) / (2 * _SAME_RATE)),
                 strict=True,
             )

@@ -132,9 +132,9 @@ def read_dma(
     options = _Options(kind, columns, units, specimen)
     unmet = dict(columns or {})
     parts = [
-        part
+        measurement
         for source in _checked_sources(path_or_paths)
-        for part in _read(source, options, unmet)
+        for measurement in _read(source, options, unmet)
     ]
     if unmet:
         raise InputError(
@@ -144,8 +144,8 @@ def read_dma(
     if temperature is None:
         parts = with_temperatures_of_names(parts)
     dma = join(*with_given_temperatures(without_holds(parts), temperature))
-    for text in dma.warnings:
-        warn(text, FitWarning)
+    for warning in dma.warnings:
+        warn(warning, FitWarning)
     return dma
 
 
@@ -209,7 +209,9 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
     tables = layout.tables(sheet)
     refuse_wide(name, tables)
     parts = [
-        part for table in tables for part in isotherms(name, table, options.columns)
+        isotherm
+        for table in tables
+        for isotherm in isotherms(name, table, options.columns)
     ]
     measurements: list[Dma] = []
     used: list[Table] = []
@@ -378,21 +380,23 @@ def _over_frequency(
     """Storage and loss modulus from a pair of columns; with one column the storage
     modulus alone.
     """
-    rate, kelvin = values["frequency"], values["temperature"]
+    rate, temperature = values["frequency"], values["temperature"]
     if len(pair) == 1:
-        text = (
+        message = (
             f"{name}: there is no loss modulus: the fit takes it from the spectrum, "
             "with a wide band."
         )
-        common["warnings"] = (*common["warnings"], text)
-        return _timed(1 / rate, values["storage"], kelvin, response="storage", **common)
+        common["warnings"] = (*common["warnings"], message)
+        return _timed(
+            1 / rate, values["storage"], temperature, response="storage", **common
+        )
     first, second = values[pair[0]], values[pair[1]]
     if pair[0].startswith("stiffness"):
         scale = _scale(name, specimen)
         first = first * scale
         second = second * scale if pair[1].startswith("stiffness") else second
     moduli = _moduli(first, second, pair, rate)
-    return Dma(kelvin, rate, *moduli, strain=values["strain"], **common)
+    return Dma(temperature, rate, *moduli, strain=values["strain"], **common)
 
 
 def _timed(
@@ -424,7 +428,7 @@ def _over_time(
     """
     ramp = specimen.ramp or 0.0
     modulus, response = _response(name, values, needed[1])
-    time, kelvin = values["time"], values["temperature"]
+    time, temperature = values["time"], values["temperature"]
     if ramp and response == "creep":
         raise InputError(f"ramp must be left out for creep, got {ramp:g} s ({name}).")
     good = np.isfinite(modulus) & (time > ramp)
@@ -434,13 +438,18 @@ def _over_time(
             "its start."
         )
     if not good.all():
-        text = (
+        message = (
             f"{name}: {int((~good).sum())} points within the ramp of {ramp:g} s left "
             "out."
         )
-        common["warnings"] = (*common["warnings"], text)
+        common["warnings"] = (*common["warnings"], message)
     return _timed(
-        time[good], modulus[good], kelvin[good], response=response, ramp=ramp, **common
+        time[good],
+        modulus[good],
+        temperature[good],
+        response=response,
+        ramp=ramp,
+        **common,
     )
 
 

@@ -177,12 +177,16 @@ def _beside(name: str, table: Table) -> list[Table]:
     shared = [heads[column.place] for column in columns[:once]]
     isotherms = []
     for start, end in zip(starts, [*starts[1:], _LAST], strict=True):
-        own = [heads[column.place] for column in columns if start <= column.place < end]
+        own_heads = [
+            heads[column.place] for column in columns if start <= column.place < end
+        ]
         first = 0 if start == starts[0] else start
         above = _between(name, table, first, end) if without else {}
-        rows = [row for row in table.rows if _has_cell(row, own)]
+        rows = [row for row in table.rows if _has_cell(row, own_heads)]
         isotherms.append(
-            table._replace(heads=[*shared, *own], rows=rows, fixed=above | table.fixed)
+            table._replace(
+                heads=[*shared, *own_heads], rows=rows, fixed=above | table.fixed
+            )
         )
     if once and not all("temperature" in one.fixed for one in isotherms):
         return [table]  # two samples, or raw and smoothed values
@@ -199,9 +203,9 @@ def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
     are two.
     """
     temperatures = {
-        kelvin: text
+        temperature: text
         for row in table.above
-        for place, kelvin, text in _above(row.cells)
+        for place, temperature, text in _above(row.cells)
         if first <= place < end
     }
     if temperatures and max(temperatures) - min(temperatures) > _SAME:
@@ -254,13 +258,13 @@ def _above(cells: Sequence[str]) -> list[tuple[int, float, str]]:
 
 def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
     for place, cell in enumerate(cells):
-        text = _with_minus(cell.strip())
-        if not text or len(text) >= 80 or _NUMBERED.match(text):
+        signed = _with_minus(cell.strip())
+        if not signed or len(signed) >= 80 or _NUMBERED.match(signed):
             continue
-        match = _TEMPERATURE.fullmatch(text)
+        match = _TEMPERATURE.fullmatch(signed)
         si = to_si(match[2].replace(" ", ""), "temperature") if match else None
-        if match and si and (kelvin := _decimal(match[1]) * si[0] + si[1]) > 0:
-            yield place, kelvin, text
+        if match and si and (temperature := _decimal(match[1]) * si[0] + si[1]) > 0:
+            yield place, temperature, signed
 
 
 def _with_minus(text: str) -> str:
@@ -275,21 +279,23 @@ def without_holds(parts: list[Dma]) -> list[Dma]:
     Nobody says what was changed in them: strain, time or preload. Where the strain is
     known, the fit sorts them out.
     """
-    held = [_is_hold(part) for part in parts]
+    held = [_is_hold(isotherm) for isotherm in parts]
     swept = [
-        part.omega.size > 1 and part.omega.max() > _SWEPT * part.omega.min()
-        for part in parts
+        isotherm.omega.size > 1 and isotherm.omega.max() > _SWEPT * isotherm.omega.min()
+        for isotherm in parts
     ]
     if not any(held) or not any(swept):
         return parts
-    kept = [part for part, hold in zip(parts, held, strict=True) if not hold]
-    count = sum(part.size for part, hold in zip(parts, held, strict=True) if hold)
-    text = (
+    kept = [isotherm for isotherm, hold in zip(parts, held, strict=True) if not hold]
+    count = sum(
+        isotherm.size for isotherm, hold in zip(parts, held, strict=True) if hold
+    )
+    warning = (
         f"{parts[held.index(True)].source}: {count} points in steps at one frequency "
         "and temperature are left out: a "
         "sweep of something that no column holds, such as strain or time."
     )
-    return [replace(kept[0], warnings=(*kept[0].warnings, text)), *kept[1:]]
+    return [replace(kept[0], warnings=(*kept[0].warnings, warning)), *kept[1:]]
 
 
 def _is_hold(part: Dma) -> bool:
@@ -307,26 +313,26 @@ def with_temperatures_of_names(parts: list[Dma]) -> list[Dma]:
     A dash right behind a word ("rubber-20C") may be a minus or not: such names say
     nothing.
     """
-    sources = [part.source for part in parts]
+    sources = [isotherm.source for isotherm in parts]
     completed = []
-    for part in parts:
-        stem = _with_minus(Path(part.source).stem)
+    for isotherm in parts:
+        stem = _with_minus(Path(isotherm.source).stem)
         temperatures = _NAME.findall(stem)
         unclear = len(temperatures) != 1 or _DASH.search(stem)
-        known = np.isfinite([*part.temperature, *part.time_temperature]).any()
-        if not known and not unclear and sources.count(part.source) == 1:
+        known = np.isfinite([*isotherm.temperature, *isotherm.time_temperature]).any()
+        if not known and not unclear and sources.count(isotherm.source) == 1:
             number, unit = temperatures[0]
             factor, offset = to_si(unit.replace(" ", ""), "temperature") or (1.0, 0.0)
-            kelvin = _decimal(number) * factor + offset
-            part = _at(part, kelvin, "from the name of the file")
-        completed.append(part)
+            temperature = _decimal(number) * factor + offset
+            isotherm = _at(isotherm, temperature, "from the name of the file")
+        completed.append(isotherm)
     return completed
 
 
 def _at(part: Dma, kelvin: float, source: str) -> Dma:
     """A measurement at a temperature, with a word on where that comes from."""
     words = f"temperature {kelvin - 273.15:g} degC {source}"
-    columns = tuple(f"{text}; {words}" for text in part.columns)
+    columns = tuple(f"{column}; {words}" for column in part.columns)
     return replace(part.at(kelvin), columns=columns)
 
 
@@ -334,11 +340,11 @@ def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
     """The measurements with the temperatures that the user gives to those without.
     Raises `InputError` for as many as do not fit.
     """
-    without = [not part.has_temperatures for part in parts]
+    without = [not isotherm.has_temperatures for isotherm in parts]
     if temperature is None:
         return [
-            _warned(part) if lacks else part
-            for part, lacks in zip(parts, without, strict=True)
+            _warned(isotherm) if lacks else isotherm
+            for isotherm, lacks in zip(parts, without, strict=True)
         ]
     given = [
         float(plain("temperature", one))
@@ -347,8 +353,8 @@ def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
     in_kelvin("temperature", given, COLDEST)
     count = sum(without)
     if not count:
-        kelvin = np.concatenate([part.temperatures for part in parts])
-        celsius = np.unique((kelvin - 273.15).round(1))
+        temperatures = np.concatenate([isotherm.temperatures for isotherm in parts])
+        celsius = np.unique((temperatures - 273.15).round(1))
         raise InputError(
             f"temperature must be left out, got {describe_list(given, 'K')}: the "
             f"files say {describe_list(celsius, 'degC')}."
@@ -360,20 +366,18 @@ def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
         )
     left = iter(given * count if len(given) == 1 else given)
     return [
-        _at(part, next(left), "as given") if lacks else part
-        for part, lacks in zip(parts, without, strict=True)
+        _at(isotherm, next(left), "as given") if lacks else isotherm
+        for isotherm, lacks in zip(parts, without, strict=True)
     ]
 
 
-def _warned(part: Dma) -> Dma:
+def _warned(isotherm: Dma) -> Dma:
     """A measurement without temperatures, with a warning; a sweep of strain, which
     nobody shifts, needs none.
     """
-    if part.omega.size and in_strain_sweep(part).all():
-        return part
-    unknown = ~np.isfinite(part.temperatures)
-    rates = np.concatenate([part.omega, 1 / part.time])[unknown]
-    warning = (
-        f"{part.source}: there is no temperature, which shifting needs: {untold(rates)}"
-    )
-    return replace(part, warnings=(*part.warnings, warning))
+    if isotherm.omega.size and in_strain_sweep(isotherm).all():
+        return isotherm
+    unknown = ~np.isfinite(isotherm.temperatures)
+    rates = np.concatenate([isotherm.omega, 1 / isotherm.time])[unknown]
+    warning = f"{isotherm.source}: there is no temperature, which shifting needs: {untold(rates)}"
+    return replace(isotherm, warnings=(*isotherm.warnings, warning))

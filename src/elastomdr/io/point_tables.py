@@ -115,17 +115,17 @@ def read_friction(
             )
         values["error"] = values["error"] * values["mu"]
     if temperature is not None:
-        kelvin = float(plain("temperature", temperature))
-        in_kelvin("temperature", kelvin)
+        given_temperature = float(plain("temperature", temperature))
+        in_kelvin("temperature", given_temperature)
         if "temperature" in values:
             raise InputError(
-                f"temperature must be left out, got {kelvin:g} K: {name!r} has a "
+                f"temperature must be left out, got {given_temperature:g} K: {name!r} has a "
                 "column for it."
             )
-        values["temperature"] = np.full(values["mu"].shape, kelvin)
+        values["temperature"] = np.full(values["mu"].shape, given_temperature)
     report = left_out(name, bad, "report")
-    for text in report:
-        warn(text, FitWarning)
+    for line in report:
+        warn(line, FitWarning)
     optional: dict[str, Any] = {
         role: values.get(role) for role in ("temperature", "pressure", "error")
     }

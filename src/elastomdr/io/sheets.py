@@ -174,14 +174,14 @@ def decode(raw: bytes, name: str) -> str:
         )
     for encoding in ("utf-8-sig", "cp1252", "cp949"):
         try:
-            text = raw.decode(encoding)
+            decoded = raw.decode(encoding)
         except UnicodeDecodeError:
             continue
         if (
             encoding != "cp1252"
-            or {character for character in text if ord(character) > 127} <= _EXPECTED
+            or {character for character in decoded if ord(character) > 127} <= _EXPECTED
         ):
-            return text
+            return decoded
     return raw.decode("latin-1")
 
 

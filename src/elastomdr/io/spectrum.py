@@ -100,11 +100,11 @@ def read_spectrum(
     if not kept.all():
         lines = [row.line for row, k in zip(table.rows, kept, strict=True) if not k]
         shown = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
-        text = (
+        message = (
             f"{len(lines)} of {len(table.rows)} rows without a number, or at q = 0, "
             f"left out (line {shown})"
         )
-        object.__setattr__(surface, "report", (text, *surface.report))
+        object.__setattr__(surface, "report", (message, *surface.report))
     return surface
 
 
@@ -227,7 +227,7 @@ def _unit(head: Head, *kinds: str) -> tuple[str, str]:
 
 def _bare(title: str) -> str:
     """A title in one spelling, without blanks, brackets and signs of multiplication."""
-    text = title.lower()
+    lower = title.lower()
     for old, new in (
         ("λ", "lambda"),
         ("π", "pi"),
@@ -235,8 +235,8 @@ def _bare(title: str) -> str:
         ("wavelength", "lambda"),
         ("wave length", "lambda"),
     ):
-        text = text.replace(old, new)
-    return re.sub(r"[\s*()·{}$\\]", "", text)
+        lower = lower.replace(old, new)
+    return re.sub(r"[\s*()·{}$\\]", "", lower)
 
 
 def _given(name: str, head: Head, said: str, user: Any, key: str, *kinds: str) -> str:

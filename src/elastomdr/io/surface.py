@@ -132,10 +132,13 @@ def read_surface(
         for source in sources
         if isinstance(source, (str, os.PathLike))
     ]
-    for text in dict.fromkeys(
-        text for scan in scans for text in scan.report if text.endswith(_LEFT_OUT)
+    for warning in dict.fromkeys(
+        warning
+        for scan in scans
+        for warning in scan.report
+        if warning.endswith(_LEFT_OUT)
     ):
-        warn(f"{', '.join(paths) or 'heights'}: {text}.", FitWarning)
+        warn(f"{', '.join(paths) or 'heights'}: {warning}.", FitWarning)
     try:
         return surface(scans, shortest, detrend)
     except InputError as error:

@@ -108,12 +108,12 @@ def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
     """The table with most rows, and those below it without titles of their own, for
     files that hold one table.
     """
-    found = tables(sheet, fewest)
-    best = max(found, key=lambda table: len(table.rows), default=None)
+    candidates = tables(sheet, fewest)
+    best = max(candidates, key=lambda table: len(table.rows), default=None)
     if best is None:
         return None
     rows: list[Row] = []
-    for table in (table for table in found if table.heads == best.heads):
+    for table in (table for table in candidates if table.heads == best.heads):
         # as wide as the table: a row that holds no numbers
         between = table.above if rows else []
         rows += [
@@ -146,10 +146,10 @@ def splits(title: str) -> Iterator[tuple[str, str]]:
 
 def clean(title: str) -> str:
     """A title with plain primes and single blanks."""
-    text = title.strip().strip('"').strip() if title.count('"') != 1 else title.strip()
+    bare = title.strip().strip('"').strip() if title.count('"') != 1 else title.strip()
     for mark in ("\u2032", "\u2019", "\u02b9", "`", "\u00b4"):
-        text = text.replace(mark, "'")
-    return re.sub(r"\s+", " ", re.sub('[″“”"]', "''", text))
+        bare = bare.replace(mark, "'")
+    return re.sub(r"\s+", " ", re.sub('[″“”"]', "''", bare))
 
 
 def listed(heads: Sequence[Head]) -> str:
@@ -220,8 +220,8 @@ def _header(
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    found = sum(is_unit(re.sub(r"^(ln|log10|log|lg)[ (]", "", cell)) for cell in cells)
-    return 2 * found >= len(cells) and (found >= 2 or len(cells) == 1)
+    units = sum(is_unit(re.sub(r"^(ln|log10|log|lg)[ (]", "", cell)) for cell in cells)
+    return 2 * units >= len(cells) and (units >= 2 or len(cells) == 1)
 
 
 def _titles(sheet: Sheet, row: Row, width: int) -> list[str]:
@@ -235,7 +235,12 @@ def _titles(sheet: Sheet, row: Row, width: int) -> list[str]:
         line = sheet.lines[row.line - 1].strip()
         bare = _MARK.sub("", line, count=1) if _MARK.match(line) else line
         return next(
-            (cut for text in (bare, line) for cut in _cuts(text) if len(cut) == width),
+            (
+                cut
+                for candidate in (bare, line)
+                for cut in _cuts(candidate)
+                if len(cut) == width
+            ),
             [],
         )
     match = _MARK.match(row.cells[0]) if row.cells else None

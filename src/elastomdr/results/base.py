@@ -228,8 +228,8 @@ class Result:
 
     def _value(self, q: Quantity) -> Any:
         value: Any = self
-        for part in q.path.split("."):
-            value = None if value is None else getattr(value, part)
+        for attribute in q.path.split("."):
+            value = None if value is None else getattr(value, attribute)
         return value
 
     def fields(self, dims: str | None = "...") -> dict[Quantity, np.ndarray]:
@@ -439,18 +439,18 @@ class Result:
         error.
         """
         (failed, count), error = self.counted(), np.asarray(self.error)
-        text = (
+        sentence = (
             f"{count}, "
             f"{f'{failed} did not converge' if failed else 'all converged'}{also}"
         )
         if np.isfinite(error).any():
             unit = next(q.unit for q in self.quantities() if q.path == "error")
             largest = significant(float(np.fmax.reduce(error, axis=None)), 2)
-            text += (
+            sentence += (
                 f"; largest estimated error of {self.error_of}: "
                 f"{largest}{'' if unit == '-' else f' {unit}'}"
             )
-        return text
+        return sentence
 
     def summary(self) -> str:
         """What went in and what came out, in a few lines of text."""

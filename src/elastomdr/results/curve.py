@@ -379,12 +379,12 @@ class FrictionCurve(AbstractCurve):
                 float(np.ravel(x)[i])
                 for x in (self.velocity, self.hysteresis, self.adhesion)
             )
-            text = (
+            sentence = (
                 f"hysteresis {significant(one)} and adhesive shear {significant(other)}"
             )
             yield (
                 "parts of mu",
-                f"{text} where it is largest, at {in_words('velocity', v)}",
+                f"{sentence} where it is largest, at {in_words('velocity', v)}",
             )
         rise, before = self.temperature_rise, self.cold
         if rise is not None and before is not None and np.isfinite(rise).any():
@@ -392,13 +392,13 @@ class FrictionCurve(AbstractCurve):
             most, v, hot, cold = (
                 float(np.ravel(x)[i]) for x in (rise, self.velocity, self.mu, before)
             )
-            text = (
+            sentence = (
                 f"at most {significant(most)} K above the rubber's, at "
                 f"{in_words('velocity', v)}: mu "
             )
             yield (
                 "flash temperature",
-                f"{text}{significant(hot)}, without heating {significant(cold)}",
+                f"{sentence}{significant(hot)}, without heating {significant(cold)}",
             )
 
 

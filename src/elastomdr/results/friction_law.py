@@ -128,12 +128,12 @@ class FrictionLaw(Tree):
         axes = self.axes()
         for name, value in asked.items():
             if (value is None) == (name in axes):
-                text = (
+                said = (
                     "given: this friction law depends"
                     if name in axes
                     else "left out: this friction law does not depend"
                 )
-                raise InputError(f"{name} must be {text} on it.")
+                raise InputError(f"{name} must be {said} on it.")
         values = {name: as_float64(name, asked[name]) for name in axes}
         shape = broadcast_shape(**values)
         corners, inside = [], xp.ones(shape, bool)
@@ -156,8 +156,8 @@ class FrictionLaw(Tree):
         grid, total = xp.asarray(self.mu), 0.0
         for corner in itertools.product(*corners):
             weight = 1.0
-            for _, part in corner:
-                weight = weight * part
+            for _, factor in corner:
+                weight = weight * factor
             # A corner of no weight must not spoil the rest, nor its derivative, where
             # it is NaN.
             value = grid[tuple(index for index, _ in corner)]
@@ -355,8 +355,8 @@ def _between(
         scale(axis[high]),
         scale(xp.clip(value, axis[0], axis[-1])),
     )
-    part = (at - start) / (end - start)
-    return (high - 1, 1 - part), (high, part)
+    fraction = (at - start) / (end - start)
+    return (high - 1, 1 - fraction), (high, fraction)
 
 
 def _write(
@@ -407,10 +407,10 @@ def _abaqus(law: FrictionLaw, units: str) -> Iterator[str]:
         "not known"
     )
     yield "*FRICTION"
-    for kelvin in fine.get("temperature", [None]):
+    for temperature in fine.get("temperature", [None]):
         for pressure in fine.get("pressure", [None]):
             for velocity in fine["velocity"]:
-                given = [x for x in (kelvin, pressure) if x is not None]
+                given = [x for x in (temperature, pressure) if x is not None]
                 named = dict(
                     zip(
                         [k for k in ("temperature", "pressure") if k in fine],
@@ -421,7 +421,7 @@ def _abaqus(law: FrictionLaw, units: str) -> Iterator[str]:
                 mu = float(law(velocity, **named))
                 cells = [f"{mu:.8g}", f"{velocity * of_v:.8g}"]
                 cells += ["" if pressure is None else f"{pressure * of_p:.8g}"]
-                cells += ["" if kelvin is None else f"{kelvin:.8g}"]
+                cells += ["" if temperature is None else f"{temperature:.8g}"]
                 yield ", ".join(cells).rstrip(", ")
 
 

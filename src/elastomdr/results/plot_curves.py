@@ -247,11 +247,11 @@ def _draw_measured(
     left = np.ones(points["mu"].shape, dtype=bool)
     if measured_at is not None and computed_at is not None:
         for line in lines:
-            kelvin = np.atleast_1d(computed_at[line.curve.at])
-            near = np.abs(measured_at - kelvin[0]) <= SAME_TEMPERATURE
-            near &= left & (np.ptp(kelvin) == 0)
+            temperature = np.atleast_1d(computed_at[line.curve.at])
+            near = np.abs(measured_at - temperature[0]) <= SAME_TEMPERATURE
+            near &= left & (np.ptp(temperature) == 0)
             if near.any():
-                label = f"measured, {in_words('temperature', float(kelvin[0]))}"
+                label = f"measured, {in_words('temperature', float(temperature[0]))}"
                 _mark_points(sketch, points, near, "o", line.colour, label)
             left &= ~near
     if not left.any():
@@ -269,14 +269,14 @@ def _draw_without_curve(
     where these are many.
     """
     note = " (no curve)" if other_curves else ""
-    kelvin = points["temperature"]
-    means = grouped(kelvin[left])
+    temperature = points["temperature"]
+    means = grouped(temperature[left])
     if len(means) > len(_WITHOUT_CURVE):
         low, high = (in_words("temperature", each) for each in (means[0], means[-1]))
         label = f"measured, {low} to {high}{note}"
         _mark_points(sketch, points, left, "s", INK, label)
         return
-    nearest = np.abs(kelvin[:, None] - means).argmin(axis=1)
+    nearest = np.abs(temperature[:, None] - means).argmin(axis=1)
     for k, (mean, marker) in enumerate(zip(means, _WITHOUT_CURVE, strict=False)):
         label = f"measured, {in_words('temperature', mean)}{note}"
         _mark_points(sketch, points, left & (nearest == k), marker, INK, label)

@@ -119,7 +119,7 @@ class FrictionSpectrum(Result):
         for curve in self.curves("wave_number")[1][:6]:
             at = curve.at[:-1]
             if np.isfinite(total[at]):
-                part = (
+                share_words = (
                     f"{significant(float(low[at]), 2)} to "
                     f"{significant(float(high[at]), 2)} rad/s"
                 )
@@ -128,7 +128,7 @@ class FrictionSpectrum(Result):
                     f"at {place}",
                     (
                         f"mu = {significant(float(total[at]))}, eight tenths of it "
-                        f"from {part}"
+                        f"from {share_words}"
                     ),
                 )
 
@@ -181,11 +181,11 @@ class Dissipation(Result):
         for i in {0: None, len(share) - 1: None}:
             if np.isfinite(share[i]).all() and share.shape[1]:
                 most = int(share[i].argmax())
-                text = (
+                sentence = (
                     f"{significant(100 * float(share[i, most]), 3)} % at tau = "
                     f"{significant(float(time[i, most]), 3)}"
                 )
                 yield (
                     f"at {significant(float(velocity[i, 0]), 3)} m/s",
-                    f"most, {text} s",
+                    f"most, {sentence} s",
                 )
