@@ -151,7 +151,8 @@ _LABELS = _TABLES | {
     # a seal
     "leak.pressure": "Contact pressure p [MPa]|over that of the fluid",
     "pressure_drop": "Pressure drop of the fluid Δp [MPa]|less than the contact pressure",
-    "molar_mass": "Molar mass M [g/mol]|of a gas: gives the mass rate as well",
+    "molar_mass": "Molar mass M [g/mol]|of a gas, with a temperature: its slip and the "
+    "mass rate",
     "outlet_pressure": "Outlet pressure [MPa]|absolute; makes the fluid a gas",
     "mean_free_path": "Mean free path at the outlet [nm]|of a gas that slips at the "
     "walls",
