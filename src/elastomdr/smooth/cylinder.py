@@ -49,9 +49,8 @@ ON_HALF_SPACE = (
     "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
 )
 _FIRST = 16  # terms of the pressure where the search begins
-_COARSE = 1e-4
-# compared each with the one before; the first one where `rtol` is coarse
-_ORDERS = (24, 48, 72, 108, 162, 243)
+# compared each with the one before; the first one only where `rtol` is coarse
+_ORDERS, _COARSE = (24, 48, 72, 108, 162, 243), 1e-4
 # relative error below which a point counts whatever `rtol` asks: `error` says what was
 # reached
 _FLOOR = 1e-5
@@ -64,15 +63,6 @@ _TRACED_RATIO = 12.0
 # Errors of friction fall as this power of the order, or faster: as the fourth or fifth
 # where a memory is as long as the edges that polynomials resolve.
 _POWER = 1.75
-_AT_ONCE = 64  # points whose matrices are made together, in the cache of a core
-_SMALL = 1e-4  # of the logarithm of the half-length, over which slopes are taken
-_TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
-_LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
-# half-length over thickness up to which derivatives are known
-_TRACED_RATIO = 12.0
-# of the change from the order before, at most, that is left in the higher one: errors of
-# friction fall as the fourth power of the order or faster, here taken as the third
-_SHARE = 0.5
 _NOTHING = 1e-12  # of the width of the contact over the radius
 _ROUNDING = 3e-9  # of mu: tables and sums
 # of the load, or of the gap: beyond it the contact is not the one assumed

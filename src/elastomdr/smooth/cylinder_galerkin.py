@@ -306,7 +306,11 @@ class _Shares(NamedTuple):
 
 def _half_plane(problem: Cylinders, half: Array, top: int) -> _Shares:
     """Shares of half-planes, up to the degree `top`."""
-    first, second, infinite, instantaneous, diagonal = 0.0, 0.0, 0.0, 0.0, 0.0
+    first: Any = 0.0
+    second: Any = 0.0
+    infinite: Any = 0.0
+    instantaneous: Any = 0.0
+    diagonal: Any = 0.0
     for cover in problem.covers:
         compliances = cover.chain.compliances
         z = half[:, None] / (problem.velocity[:, None] * cover.chain.times)
