@@ -3,6 +3,7 @@ them.
 """
 
 import dataclasses
+import re
 
 import pytest
 
@@ -53,7 +54,7 @@ def test_decimal_numbers_are_converted_exactly():
 @pytest.mark.parametrize("kind", quantities()[1:], ids=lambda kind: kind.__name__)
 def test_examples_are_quantities_of_their_kind(kind):
     assert kind.read(kind.example) != 0
-    with pytest.raises(InputError, match=kind.what):
+    with pytest.raises(InputError, match=re.escape(kind.what)):
         kind.read("5")
 
 

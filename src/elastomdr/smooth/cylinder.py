@@ -57,6 +57,7 @@ _FLOOR = 1e-5
 _AT_ONCE = 64  # points whose matrices are made together, in the cache of a core
 _SMALL = 1e-4  # of the logarithm of the half-length, over which slopes are taken
 _TRACED_ORDER = 48  # terms of the pressure whose derivatives are taken
+_LOSS_RTOL = 1e-6  # of friction, with which the half-length is right to 1e-4
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
 # half-length over thickness up to which derivatives are known
 _TRACED_RATIO = 12.0
@@ -720,7 +721,8 @@ def cylinder_pressure(
         depth=depth,
         temperature=temperature,
         model=model,
-        rtol=rtol,
+        # of the half-length, at which more terms are taken below, is known less than of mu
+        rtol=min(float(rtol), _LOSS_RTOL),
     )
     control = "load" if depth is None else "depth"
     given: dict[str, Any] = {control: load if depth is None else depth}
