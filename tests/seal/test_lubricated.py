@@ -1,9 +1,13 @@
 """Lubricated line contacts against published and closed solutions, and their limits."""
 
+import contextlib
+import warnings
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from scipy.signal import savgol_filter
 
 import elastomdr as em
 from elastomdr.seal import film
@@ -251,6 +255,28 @@ def test_profile_from_a_file(tmp_path):
         em.reciprocating(profile=each, **scene) for each in ((X, STEEP), path)
     )
     assert float(read.film_out) == pytest.approx(float(given.film_out), rel=1e-9)
+
+
+@pytest.mark.parametrize(("noise", "said"), [(1e-4, False), (1e-3, True), (1e-2, True)])
+def test_noise_of_a_profile_is_part_of_the_error_and_said(noise, said):
+    """As smoothing it shows, which is what the warning advises."""
+    scene = {"velocity_out": 0.1, "velocity_in": 0.1, "stroke": 0.1, "viscosity": 0.03}
+    x, clean = X[::5], STEEP[::5]
+    noisy = clean + noise * 3e6 * np.random.default_rng(1).standard_normal(x.size)
+    right = float(em.reciprocating(profile=(x, clean), **scene).film_out)
+    with (
+        pytest.warns(em.ModelWarning, match="smoother profile")
+        if said
+        else contextlib.nullcontext()
+    ):
+        found = em.reciprocating(profile=(x, noisy), **scene)
+    film = float(found.film_out)
+    assert abs(film - right) <= 1.5 * float(found.error)
+    smooth = savgol_filter(noisy, 31, 3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", em.ModelWarning)
+        again = em.reciprocating(profile=(x, smooth), **scene)
+    assert abs(float(again.film_out) - right) < abs(film - right)
 
 
 def test_o_ring_leaks_by_the_faster_stroke_out():
