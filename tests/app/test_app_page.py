@@ -263,6 +263,18 @@ def test_stop(tmp_path):
     simulated(tmp_path, act)
 
 
+def test_cards_of_friction_that_is_zero():
+    """An elastic body: nothing is divided by its friction."""
+    from elastomdr.app.cards import cards
+
+    result = em.friction(
+        em.Prony(1e6, [], []), em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0
+    )
+    top, sure, _ = cards(result)
+    assert top.number == "0"
+    assert sure.number == "± 0 %"
+
+
 def test_cards_of_a_result():
     from elastomdr.app.cards import cards
     from elastomdr.app.start import example

@@ -150,3 +150,12 @@ def test_rolling_of_the_same_rubber_stands_beside_its_friction(tmp_path, capsys)
         strict=True,
     ):
         assert found[kelvin, velocity] == pytest.approx(coefficient, rel=1e-9)
+
+
+def test_a_comparison_refuses_a_roller(tmp_path, capsys):
+    text = (FOLDER / "tread.toml").read_text(encoding="utf-8")
+    both = '["tread-passenger-synthetic", "sbr-gum-like"]'
+    scene = tmp_path / "tread.toml"
+    scene.write_text(text.replace('"tread-passenger-synthetic"', both))
+    assert main(["compare", str(scene), "--out", str(tmp_path)]) == 2
+    assert "roller must be left out" in capsys.readouterr().err

@@ -41,6 +41,10 @@ class _Top(NamedTuple):
         """The uncertainty that is known."""
         return self.error + float(np.nan_to_num(self.model_error))
 
+    def share(self, uncertainty: float) -> float:
+        """Relative to the value; 0 where that is 0, as of elastic bodies."""
+        return float(np.nan_to_num(uncertainty)) / abs(self.y) if self.y else 0.0
+
     @property
     def place(self) -> str:
         """Where it is, and what that is worth."""
@@ -52,8 +56,7 @@ class _Top(NamedTuple):
 
 def cards(result: Any) -> list[Card]:
     """The cards of a result; none of a kind that has no curve over velocity."""
-    ranked = hasattr(result, "places")
-    if ranked:
+    if hasattr(result, "places"):  # a ranking
         return [_first(result)]
     if not isinstance(result, AbstractCurve) or result.materials:
         return []
@@ -141,8 +144,8 @@ def _in_brackets(top: _Top) -> str:
 
 def _how_sure(tops: list[_Top]) -> Card:
     """The largest relative uncertainty of the peaks, with its parts."""
-    worst = max(tops, key=lambda top: top.spread / abs(top.y) if top.y else 0.0)
-    share = worst.spread / abs(worst.y) if worst.y else 0.0
+    worst = max(tops, key=lambda top: top.share(top.spread))
+    share = worst.share(worst.spread)
     notes = [
         f"computation and fit of the rubber {significant(worst.error, 2)}",
         "model: no bound is known here"
@@ -167,10 +170,8 @@ def _ways(tops: list[_Top]) -> Iterator[str]:
         yield "Higher velocities: a peak may lie beyond the highest."
     if any(not top.inside and top.slow for top in tops):
         yield "Lower velocities: a peak may lie below the lowest."
-    bound = max(
-        (np.nan_to_num(top.model_error) / abs(top.y) for top in tops), default=0
-    )
-    error = max((top.error / abs(top.y) for top in tops), default=0.0)
+    bound = max(top.share(top.model_error) for top in tops)
+    error = max(top.share(top.error) for top in tops)
     if any(np.isnan(top.model_error) for top in tops) or bound > max(_FINE, error):
         yield "Measured friction, to compare with: drop it on the friction screen."
     if error > _FINE:

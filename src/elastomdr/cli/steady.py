@@ -177,12 +177,11 @@ class SurfaceFriction(OfDraws):
         rubbers = [
             em.layer(rubber, roller.thickness) for rubber in self.rubbers(folder)
         ]
-        given_so = {"load": roller.load, "velocity": roller.velocity}
         return on_axes(
             {"shape": em.Cylinder(roller.radius, roller.length)}
             | {"material": rubbers if len(rubbers) > 1 else rubbers[0]}
             | given(self, "temperature")
-            | given_so
+            | given(roller, "load", "velocity")
         )
 
     def arguments(self, folder: Path) -> dict[str, Any]:
@@ -219,6 +218,7 @@ class Compare(Table):
 class SurfaceComparison(SurfaceFriction):
     """Materials ranked by friction on a rough surface."""
 
+    roller: Annotated[None, "of elastomdr friction"] = None
     compare: Annotated[Compare, "where they are ranked"] = Compare()
 
 

@@ -713,7 +713,8 @@ def _of_skewness(surface: AbstractSpectrum, area: Any) -> Any:
     """
     skewness = abs(getattr(surface, "skewness", 0.0))
     xp = namespace(area)
-    return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(xp.minimum(area, 1.0)))
+    area = xp.clip(area, 1e-300, 1.0)
+    return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(area))
 
 
 def _model_error(

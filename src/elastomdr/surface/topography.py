@@ -535,24 +535,16 @@ def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
     """Skewness and kurtosis of the heights from the first wave to the highest, and of
     the longer and the shorter half of these scales.
     """
-    shape, axes = scan.height.shape, tuple(range(scan.height.ndim))
-    k = [
-        2 * np.pi * frequencies(n, step)
-        for n, step, frequencies in zip(
-            shape,
-            scan.steps,
-            [np.fft.fftfreq] * (len(shape) - 1) + [np.fft.rfftfreq],
-            strict=True,
-        )
-    ]
-    q = np.sqrt(sum(each**2 for each in np.meshgrid(*k, indexing="ij")))
     spread = np.fft.rfftn(scan.height)
+    q = waves.q.reshape(spread.shape)
     middle = (waves.first * highest) ** 0.5
 
     def moments(low: float, high: float) -> tuple[float, float, float]:
         """Skewness, its standard error if the heights are Gaussian, and kurtosis."""
         kept = np.where((q >= low) & (q <= high), spread, 0.0)
-        heights = np.fft.irfftn(kept, s=shape, axes=axes)
+        heights = np.fft.irfftn(
+            kept, s=scan.height.shape, axes=tuple(range(scan.height.ndim))
+        )
         variance = np.mean(heights**2)
         power = np.abs(kept) ** 2
         independent = 2 * power.sum() ** 2 / (power**2).sum()  # half of the waves
