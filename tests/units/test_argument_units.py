@@ -36,6 +36,7 @@ ANSWERS = {  # what a call returns, not what it takes
 }
 SOLID, BALL = em.StandardSolid(1e6, 4e6, 0.3), em.Sphere(5e-3)
 ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e5)
+PLACES = np.linspace(0.0, 1.0, 65)
 RADIUS, ROLL = em.Paraboloid(5e-3), em.Cylinder(0.1, 1.0)
 
 
@@ -145,9 +146,7 @@ CALLS = {
     "break_out": lambda **k: em.break_out(SOLID, ROAD, **k).mu,
     "lubricated": lambda **k: em.lubricated(SOLID, em.Cylinder(5e-3, 1.0), **k).flow,
     "reciprocating": lambda **k: (
-        em.reciprocating(
-            profile=(np.arange(9.0), np.arange(9.0) * np.arange(8.0, -1.0, -1.0)), **k
-        ).net_leak
+        em.reciprocating(profile=(PLACES, PLACES * (1.0 - PLACES)), **k).net_leak
     ),
     "stability": lambda **k: (
         em.stability(em.Mount(1.0, 1e3), force=np.array([1.0, 2.0, 1.5]), **k).slope
