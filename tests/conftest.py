@@ -21,6 +21,8 @@ from pathlib import Path
 import pytest
 
 collect_ignore = ["typing"]  # read by pyright, not run
+# files of few, long tests: begun last, one worker would wait for the other
+LONG = ("test_notebooks.py", "test_site.py", "test_examples.py", "test_same_bits.py")
 # pieces of memory that a process has mapped; Linux ends one with more than 65,530
 MANY = 25_000
 PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
@@ -50,6 +52,10 @@ def pytest_configure(config):
         == 0
     ):
         os.environ["XLA_FLAGS"] = flags
+
+
+def pytest_collection_modifyitems(items):
+    items.sort(key=lambda item: item.path.name not in LONG)
 
 
 def pytest_collection_finish():
