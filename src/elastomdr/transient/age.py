@@ -140,9 +140,11 @@ def _instants(
     temperature: Any,
 ) -> Beyond:
     none = np.zeros(young.shape)
-    kelvin = None if temperature is None else np.broadcast_to(temperature, young.shape)
+    temperatures = (
+        None if temperature is None else np.broadcast_to(temperature, young.shape)
+    )
     elsewhere, nowhere = known._replace(omega=None), known.omega == ()
-    points = young | old | nowhere | elsewhere.outside(none, kelvin)
+    points = young | old | nowhere | elsewhere.outside(none, temperatures)
     within, after = (significant(age, 3) for age in ages)
     what = (
         [f"its answer within {within} s decides, range from {within} s"]
@@ -155,5 +157,5 @@ def _instants(
         else []
     )
     what += ["the data determine the loss modulus nowhere"] if nowhere else []
-    what += elsewhere.findings(none, kelvin)
+    what += elsewhere.findings(none, temperatures)
     return told(points, "; ".join(what), known.illustrative)

@@ -82,8 +82,8 @@ class Mount(Tree):
         given = scalar("load", load), scalar("normal_force", normal_force)
         positive("load", given[0])
         positive("normal_force", given[1])
-        part = given[0] / given[1]
-        return Mount(part * self.mass, part * self.stiffness, part * self.damping)
+        share = given[0] / given[1]
+        return Mount(share * self.mass, share * self.stiffness, share * self.damping)
 
 
 class Scene(NamedTuple):
@@ -208,9 +208,11 @@ def _put_down(
     c = coefficients(scene.law, begin.h, viscous=viscous)
     rise, slope = surface.rise_and_slope(y.position)
     fading = fade(c, y.line.f)
-    level = released(c, y.line.u, fading.seen) - rise
+    touch_depth = released(c, y.line.u, fading.seen) - rise
     stiffness = surface.weight * c.stiffness[0]
-    depth = settle(level, stiffness, spring, begin.value, y.ahead, surface.between)
+    depth = settle(
+        touch_depth, stiffness, spring, begin.value, y.ahead, surface.between
+    )
     line, done = _press(c, y.line, fading, rise, depth)
     work = total(surface.weight, done)
     motion = y._replace(
@@ -221,7 +223,7 @@ def _put_down(
         work=work,
         pressed=work + spring * depth**2 / 2,
     )
-    return motion, (slope, depth - level if surface.between else None)
+    return motion, (slope, depth - touch_depth if surface.between else None)
 
 
 def _advance(

@@ -174,15 +174,15 @@ def given_history(
         raise InputError(
             f"elements must be a whole number, 16 at least, got {elements!r}."
         )
-    law, kelvin, factor = at_temperature(body.foundation, temperature)
+    law, temperature, factor = at_temperature(body.foundation, temperature)
     unit = "m" if control == "depth" else "N/m" if body.per_length else "N"
     inputs = [
         ("time", brief(time, "s")),
         ("position", brief(position, "m")),
         (control, brief(value, unit)),
     ]
-    if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
+    if temperature is not None:
+        inputs.append(("temperature", brief(temperature, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     traced = is_traced(law, position, value)
     value = (xp if traced else np).broadcast_to(value, time.shape)
@@ -199,7 +199,7 @@ def given_history(
         traced=traced,
         inputs=tuple(inputs),
         range=body.foundation.range,
-        temperature=kelvin,
+        temperature=temperature,
         factor=factor,
     )
 
@@ -248,31 +248,33 @@ def at_temperature(
     law = foundation.law()
     if temperature is None:
         return law, None, 1.0
-    kelvin = scalar("temperature", temperature)
-    in_kelvin("temperature", kelvin)
-    factor, vertical = thermal_factors(foundation, kelvin)
+    temperature = scalar("temperature", temperature)
+    in_kelvin("temperature", temperature)
+    factor, vertical = thermal_factors(foundation, temperature)
     if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
         raise InputError(
             "temperature must be near where the shift law was measured, got "
-            f"{float(kelvin):g} K, a_T = {factor:.3g}."
+            f"{float(temperature):g} K, a_T = {factor:.3g}."
         )
     law = scaled(law, vertical)
     return (
         Relaxation(
             law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor
         ),
-        kelvin,
+        temperature,
         factor,
     )
 
 
 def describe_line(line: RoughLine) -> str:
     """A rough line in words."""
-    text = f"{line.label}, {line.count} points, period {float(line.period):.4g} m"
+    description = (
+        f"{line.label}, {line.count} points, period {float(line.period):.4g} m"
+    )
     return (
-        text
+        description
         if is_traced(line)
-        else f"{text}, rms height {float(line.rms_height):.4g} m"
+        else f"{description}, rms height {float(line.rms_height):.4g} m"
     )
 
 
@@ -448,8 +450,8 @@ def even_steps(
     more = time[0] + first * ratio ** np.arange(early, 0, -1)
     instants = numpy.concatenate([time[:1], more, time[1:]])
     duration = numpy.diff(instants)
-    part = np.arange(1, samples + 1) / samples
-    ends = (instants[:-1, None] + duration[:, None] * part).reshape(-1)
+    fractions = np.arange(1, samples + 1) / samples
+    ends = (instants[:-1, None] + duration[:, None] * fractions).reshape(-1)
     begin = numpy.reshape(_INSTANT * shortest, 1)
     steps = Steps(
         numpy.concatenate([begin, numpy.repeat(duration / samples, samples)]),

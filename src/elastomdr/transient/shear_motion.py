@@ -297,9 +297,9 @@ def step(
     seen = xp.sum(cn.seen * state.f, axis=0)
     depth = value
     if by_load:
-        level = grid.profile + released(cn, state.u, seen)
+        touch_depth = grid.profile + released(cn, state.u, seen)
         stiffness = grid.weight * cn.stiffness
-        depth = settle(level, stiffness, 0.0, value, state.depth)
+        depth = settle(touch_depth, stiffness, 0.0, value, state.depth)
     down = pressed(cn, state.u, seen, depth - grid.profile - state.u)
     share = _share(grid, cn, state, down)
     moved, slide = _moved(scene, grid, ct, state, down.q, share, ds)
@@ -383,13 +383,13 @@ def _moved(
         return xp.sum(grid.weight * xp.clip(trial, -limit, limit))
 
     slide: Any = ds(force) if callable(ds) else ds
-    carried = slide * share
-    trial = rest + ct.stiffness * carried
+    stuck_move = slide * share
+    trial = rest + ct.stiffness * stuck_move
     slips = xp.abs(trial) > limit
     bound = xp.sign(trial) * xp.where(slips, limit, 0.0)
     tau = xp.where(slips, bound, trial)
-    moved = xp.where(slips, (bound - rest) / ct.stiffness, carried)
-    return Moved(tau, trial, limit, slips, carried, moved), slide
+    moved = xp.where(slips, (bound - rest) / ct.stiffness, stuck_move)
+    return Moved(tau, trial, limit, slips, stuck_move, moved), slide
 
 
 def _heat(scene: Scene, ct: Coefficients, state: State, moved: Moved) -> Array:
@@ -474,12 +474,12 @@ def _edge(grid: Grid, value: Array) -> Array:
     n = value.shape[0]
     i = xp.where(xp.any(value < 0), argmax(value < 0), n)
     inner, outer = value[xp.clip(i - 1, 0, n - 1)], value[xp.clip(i, 0, n - 1)]
-    part = xp.where(
+    fraction = xp.where(
         inner > outer, inner / xp.where(inner > outer, inner - outer, 1.0), 0.0
     )
     between = (
         grid.x[xp.clip(i - 1, 0, n - 1)]
-        + xp.clip(xp.where(xp.isfinite(part), part, 1.0), 0, 1) * grid.width
+        + xp.clip(xp.where(xp.isfinite(fraction), fraction, 1.0), 0, 1) * grid.width
     )
     return xp.where(
         i == 0, 0.0, xp.where(i == n, grid.x[-1] + 0.5 * grid.width, between)

@@ -52,12 +52,14 @@ class Elements(NamedTuple):
         modes = recovery_modes(self.law)
         leading, instants = depth.shape[:-1], depth.shape[-1]
         rows = [
-            None if part is None else np.reshape(part, (-1, instants))
-            for part in self.course
+            None if quantity is None else np.reshape(quantity, (-1, instants))
+            for quantity in self.course
         ]
         values = []
         for i, row in enumerate(depth.reshape(-1, instants)):
-            history = Course(*(None if part is None else part[i] for part in rows))
+            history = Course(
+                *(None if quantity is None else quantity[i] for quantity in rows)
+            )
             first, last = history.time[0], history.time[-1]
             if not first <= time <= last:
                 raise InputError(
@@ -143,16 +145,16 @@ def surface_at(
     disc: Disc,
     time: np.ndarray,
     depth: np.ndarray,
-    at: float,
+    instant: float,
 ) -> Surface:
     """The line at one instant of a history, from all that happened before it."""
-    at = max(
-        at, time[0] + 1e-14 * (time[-1] - time[0])
+    instant = max(
+        instant, time[0] + 1e-14 * (time[-1] - time[0])
     )  # what a step at the first instant leaves is looked at after it
-    before = time < at
+    before = time < instant
     t, d = (
-        np.append(time[before], at),
-        np.append(depth[before], np.interp(at, time, depth)),
+        np.append(time[before], instant),
+        np.append(depth[before], np.interp(instant, time, depth)),
     )
     if (np.diff(d) >= 0).all():
         edges, q, u = _grown(law, disc, t, d)
