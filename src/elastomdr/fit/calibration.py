@@ -408,11 +408,7 @@ def calibrate(
         values = dict(zip(names, solution.point.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
-    judged = JudgedCalibration(
-        names, std, spread, solution.covariance, solution.used, solution.converged
-    )
-    doubted = doubts(OF_CALIBRATION, judged)
-    tell(doubted)
+    doubted = _judge(names, std, spread, solution)
     return Calibration(
         material=jax.tree.map(as_numpy, changed),
         shape=shape,
@@ -429,6 +425,18 @@ def calibrate(
         warnings=doubted,
         converged=solution.converged,
     )
+
+
+def _judge(
+    names: list[str], std: np.ndarray, spread: np.ndarray, solution: _Solution
+) -> tuple[str, ...]:
+    """What cannot be relied on, also as warnings; `spread` is that of the priors."""
+    judged = JudgedCalibration(
+        names, std, spread, solution.covariance, solution.used, solution.converged
+    )
+    doubted = doubts(OF_CALIBRATION, judged)
+    tell(doubted)
+    return doubted
 
 
 def _checked_data(
@@ -540,7 +548,7 @@ def _solved(task: _Task) -> _Solution:
     return _Solution(point, computed, covariance, used, sigma, evaluations, converged)
 
 
-def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
+def _start(material: Prony, parameters: Any, own_model: bool) -> dict[str, float]:
     """The parameters and where they start. Raises `InputError`."""
     needs_series("material", material, "a calibration")
     if not isinstance(material, Prony):
@@ -556,7 +564,7 @@ def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
         )
     start: dict[str, float] = {}
     for name in parameters:
-        if name not in MEANINGS and not own:
+        if name not in MEANINGS and not own_model:
             hint = closest(str(name), MEANINGS)
             raise InputError(
                 f"parameters must be among {', '.join(MEANINGS)}, got {name!r}.{hint}"

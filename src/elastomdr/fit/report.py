@@ -55,7 +55,7 @@ class AbstractFindings(abc.ABC):
         """All findings in a few lines; intervals are 95 %, and the first line says
         so.
         """
-        lines = [f"{name:<16}{text}" for name, text in self.findings()]
+        lines = [f"{name:<16}{sentence}" for name, sentence in self.findings()]
         return "\n".join([f"{'intervals':<16}{self.intervals}", *lines])
 
     def __repr__(self) -> str:
@@ -76,10 +76,10 @@ def of_shifts(
 ) -> Iterator[tuple[str, str]]:
     """A line per temperature, with `more` text behind it, and one per shift law."""
     more = [""] * temperature.size if more is None else more
-    for value, x, size, text in zip(temperature, log10_a, std, more, strict=True):
+    for value, x, size, remark in zip(temperature, log10_a, std, more, strict=True):
         yield (
             f"{value - 273.15:8.2f} degC",
-            f"log10 a_T {x:8.3f} +- {TWO_SIGMA * size:.3f}{text}",
+            f"log10 a_T {x:8.3f} +- {TWO_SIGMA * size:.3f}{remark}",
         )
     for name, fit in laws.items():
         yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
@@ -133,13 +133,13 @@ def dynamic_band(
     omega = as_float64("omega", omega)
     positive("omega", omega)
     flat = np.atleast_1d(omega).ravel()
-    own = None if series is None else np.concatenate(series(flat))
+    of_series = None if series is None else np.concatenate(series(flat))
     values = _interval(
         joint,
         state,
         np.tile(np.log(flat), 2),
         np.repeat([STORAGE, LOSS], flat.size),
-        own,
+        of_series,
     )
     # storage, loss, then both limits of either
     parts = [half for value in values for half in np.split(value, 2)]
@@ -159,8 +159,10 @@ def relaxation_band(
     time = as_float64("time", time)
     positive("time", time)
     flat = np.atleast_1d(time).ravel()
-    own = None if series is None else series(flat)
-    values = _interval(joint, state, -np.log(flat), np.full(flat.size, RELAXATION), own)
+    of_series = None if series is None else series(flat)
+    values = _interval(
+        joint, state, -np.log(flat), np.full(flat.size, RELAXATION), of_series
+    )
     inside = _check_outside(1 / flat, window, "times")
     return RelaxationBand(
         time, *(bound.reshape(time.shape) for bound in (*values, inside))
@@ -172,10 +174,10 @@ def _interval(
     state: AtReference,
     log_rate: np.ndarray,
     channel: np.ndarray,
-    own: np.ndarray | None,
+    of_series: np.ndarray | None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     smooth, std = curve(joint, state, log_rate, channel)
-    value = smooth if own is None else np.log(own)
+    value = smooth if of_series is None else np.log(of_series)
     std = np.sqrt(std**2 + (value - smooth) ** 2)
     return (
         np.exp(value),
@@ -218,7 +220,7 @@ def table_csv(
         f"elastomdr {__version__}: {what}",
         "units: SI, in brackets in the column titles",
         f"intervals: {intervals}; a column of standard deviations holds one of them",
-        *(f"{name.strip()}: {text}" for name, text in findings),
+        *(f"{name.strip()}: {sentence}" for name, sentence in findings),
     ]
     return csv_text(header, columns)
 

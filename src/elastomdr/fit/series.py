@@ -543,19 +543,10 @@ def prony(
     )
     return PronyFit(
         material=material,
-        storage_residual=series.rms("storage"),
-        loss_residual=series.rms("loss"),
-        relaxation_residual=series.rms("relaxation"),
-        residuals=series.parts(),
-        equilibrium_std=series.equilibrium_std,
-        equilibrium_interval=series.interval,
-        moduli_std=series.moduli_std,
-        times_std=series.times_std,
-        covariance=series.covariance,
+        **series.quality(),
         **measured._asdict(),
         kind=kind,
         warnings=warnings,
-        converged=series.converged,
         asked=None if terms is None else int(terms),
         trade_off=trades,
         joint=joint,
@@ -653,6 +644,21 @@ class _Series(NamedTuple):
         deviation = self.part(name)
         return float(np.sqrt(np.mean(deviation**2))) if deviation.size else float("nan")
 
+    def quality(self) -> dict[str, Any]:
+        """The fields of a `PronyFit` that say how well the series is known."""
+        return {
+            "storage_residual": self.rms("storage"),
+            "loss_residual": self.rms("loss"),
+            "relaxation_residual": self.rms("relaxation"),
+            "residuals": self.parts(),
+            "equilibrium_std": self.equilibrium_std,
+            "equilibrium_interval": self.interval,
+            "moduli_std": self.moduli_std,
+            "times_std": self.times_std,
+            "covariance": self.covariance,
+            "converged": self.converged,
+        }
+
     def doubts(
         self, data: Data, joint: Joint, trades: Any, omega: np.ndarray
     ) -> tuple[str, ...]:
@@ -663,7 +669,7 @@ class _Series(NamedTuple):
             contradiction=verdict(trades, self.rms("storage"), self.rms("loss")),
             excess=relaxation_excess(joint),
             converged=self.converged,
-            level=self.equilibrium,
+            equilibrium=self.equilibrium,
             interval=self.interval,
             end=self.end,
             limits=self.limits,
@@ -715,18 +721,18 @@ def _solved(data: Data, joint: Joint, state: AtReference, chosen: Any) -> _Serie
 
 
 def _equilibrium_interval(
-    joint: Joint, state: AtReference, end: SlowEnd, level: float, std: float
+    joint: Joint, state: AtReference, end: SlowEnd, equilibrium: float, std: float
 ) -> tuple[float, float]:
     """The 95 % interval of the equilibrium modulus [Pa], vertical shifts included, which
     move all of the series; it holds what the slow end of the data leaves open.
     """
-    if not level:
+    if not equilibrium:
         return 0.0, 0.0
     channel = STORAGE if end.kind == "storage" else RELAXATION
     at_end = np.array([np.log(end.rate)]), np.array([channel])
     lifted = float(curve(joint, state, *at_end)[1][0])
-    half = TWO_SIGMA * level * float(np.hypot(std, lifted))
-    return max(min(level - half, end.low), 0.0), max(level + half, end.end)
+    half = TWO_SIGMA * equilibrium * float(np.hypot(std, lifted))
+    return max(min(equilibrium - half, end.low), 0.0), max(equilibrium + half, end.end)
 
 
 def _smooth(points: Points) -> tuple[Joint, AtReference]:

@@ -169,11 +169,11 @@ class _Points(NamedTuple):
 
     @property
     def limits(self) -> np.ndarray:
-        own = {
+        of_data = {
             "velocity": (self.log_v.min() - _FAR, self.log_v.max() + _FAR),
             "q_high": self.cutoff,
         }
-        return np.array([(_LIMITS | own)[name] for name in self.names], dtype=float)
+        return np.array([(_LIMITS | of_data)[name] for name in self.names], dtype=float)
 
     def model(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """mu and its derivatives (points, parameters) at ln stress, log10 velocity,
@@ -294,7 +294,7 @@ def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
     """Velocity, temperature, pressure, mu and error of the points, flat."""
     names = ("velocity", "temperature", "pressure", "error")
     if isinstance(measured, MeasuredFriction):
-        found = {name: getattr(measured, name) for name in (*names, "mu")}
+        columns = {name: getattr(measured, name) for name in (*names, "mu")}
     else:
         mu = np.asarray(as_float64("measured", measured))
         if mu.shape != np.shape(curve.mu):
@@ -302,17 +302,17 @@ def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
                 f"measured must have the shape of the curve, {np.shape(curve.mu)}, "
                 f"got {mu.shape}."
             )
-        found = {
+        columns = {
             "velocity": curve.velocity,
             "temperature": curve.temperature,
             "pressure": curve.pressure,
             "mu": mu,
             "error": None,
         }
-    require("measured", found["mu"], "finite", np.isfinite)
+    require("measured", columns["mu"], "finite", np.isfinite)
     return {
         name: None if value is None else np.asarray(value, dtype=float).ravel()
-        for name, value in found.items()
+        for name, value in columns.items()
     }
 
 
@@ -379,9 +379,9 @@ def _meets(curve: FrictionCurve, data: dict[str, Any]) -> bool:
         for name in ("velocity", "temperature", "pressure")
     ]
     return all(
-        np.allclose(np.ravel(own), given, rtol=1e-6)
-        for own, given in pairs
-        if own is not None and given is not None
+        np.allclose(np.ravel(of_curve), given, rtol=1e-6)
+        for of_curve, given in pairs
+        if of_curve is not None and given is not None
     )
 
 
@@ -406,19 +406,19 @@ def _between(
         CubicSpline(np.log(q), np.where(whole, x, 0.0)) for x in (log_h, log_s)
     )
 
-    def parts(at: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def parts(log_q: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         h, s = (
-            np.where(whole, np.exp(of_h(at)), np.nan),
-            np.where(whole, np.exp(of_s(at)), np.nan),
+            np.where(whole, np.exp(of_h(log_q)), np.nan),
+            np.where(whole, np.exp(of_s(log_q)), np.nan),
         )
-        return h, s, h * of_h(at, 1), s * of_s(at, 1)
+        return h, s, h * of_h(log_q, 1), s * of_s(log_q, 1)
 
     return parts, (float(np.log(q[0])), float(np.log(q[-1])))
 
 
 def _chosen(every: _Points, used: np.ndarray) -> _Points:
-    def parts(at: Any) -> Any:
-        return tuple(x[used] for x in every.parts(at))
+    def parts(log_q: Any) -> Any:
+        return tuple(x[used] for x in every.parts(log_q))
 
     warm = None if every.warm is None else every.warm[used]
     return every._replace(
@@ -477,12 +477,12 @@ def _search(points: _Points, size: np.ndarray) -> tuple[np.ndarray, bool]:
         stress = max(float(shape @ left) / max(float(shape @ shape), 1e-300), 1e3)
         starts.append((float(((left - stress * shape) ** 2).sum()), np.log(stress), p))
     starts.sort(key=lambda start: start[0])
-    found = []
+    descents = []
     for _, log_stress, p in starts[:_STARTS]:
         p[0] = np.clip(log_stress, *_LIMITS["stress"])
         p, success = _descend(points, size, p)
-        found.append((_chi(points, p, size), p, success))
-    return min(found, key=lambda one: one[0])[1:]
+        descents.append((_chi(points, p, size), p, success))
+    return min(descents, key=lambda one: one[0])[1:]
 
 
 def _descend(
@@ -565,9 +565,9 @@ def _end(
     def over(x: float) -> float:
         start = last["p"].copy()
         start[i] = x
-        found, _ = _descend(points, size, start, i)
-        last.update(x=x, p=found)
-        return _chi(points, found, size) - allowed
+        best, _ = _descend(points, size, start, i)
+        last.update(x=x, p=best)
+        return _chi(points, best, size) - allowed
 
     step = 1.96 * float(np.clip(spread, 1e-6, abs(limit - p[i]) or 1e-6))
     inside = x = float(p[i])
