@@ -76,10 +76,10 @@ def held_beyond(
         rate = 4 * np.asarray(factor) / (np.inf if time is None else np.asarray(time))
     shape = np.broadcast_shapes(rate.shape, np.shape(temperature))
     rate = np.broadcast_to(rate, shape)
-    kelvin = None if temperature is None else np.broadcast_to(temperature, shape)
-    points = known.outside(rate, kelvin)
+    temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
+    points = known.outside(rate, temperatures)
     of = "held for ever, 1/t" if time is None else "a_T/t to 4 a_T/t, t the time held,"
-    what = "; ".join(known.findings(rate, kelvin, of)) if points.any() else ""
+    what = "; ".join(known.findings(rate, temperatures, of)) if points.any() else ""
     return told(points, what, known.illustrative)
 
 
@@ -122,8 +122,11 @@ def rough_beyond(
     if known is None:
         return NOT_KNOWN
     only, rate = known._replace(omega=None), np.zeros(shape)
-    kelvin = None if temperature is None else np.broadcast_to(temperature, shape)
-    points, what = only.outside(rate, kelvin), list(only.findings(rate, kelvin))
+    temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
+    points, what = (
+        only.outside(rate, temperatures),
+        list(only.findings(rate, temperatures)),
+    )
     if outside is not None and (outside > _OUTSIDE).any():
         points = points | (outside > _OUTSIDE)
         most = f"up to {outside.max():.0%} of the mean square slope"

@@ -159,7 +159,7 @@ def _warn_once(caught: list[tuple[str, warnings.WarningMessage]], most: int) -> 
     for category, texts in of_category.items():
         few = list(texts.items())[:most]
         said = "; ".join(
-            f"{', '.join(dict.fromkeys(names))}: {text}" for text, names in few
+            f"{', '.join(dict.fromkeys(names))}: {message}" for message, names in few
         )
         said += f"; and {len(texts) - most} more" if len(texts) > most else ""
         warn(said, category)

@@ -210,23 +210,23 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
     ):
         return None
     top = np.unravel_index(np.nanargmax(curve.mu), curve.mu.shape)
-    at: dict[str, Any] = {
+    point: dict[str, Any] = {
         "model": dataclasses.replace(model, average=False),
         "velocity": curve.velocity[top],
     }
-    at |= (
+    point |= (
         {"load": curve.normal_force[top]}
         if curve.pressure is None
         else {"pressure": curve.pressure[top]}
     )
     if curve.temperature is not None:
-        at["temperature"] = curve.temperature[top]
+        point["temperature"] = curve.temperature[top]
         if curve.temperature_rise is not None:
-            at["temperature"] += curve.temperature_rise[top]
+            point["temperature"] += curve.temperature_rise[top]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.ConvergenceWarning)
-        found = em.line_contact(arguments["material"], arguments["shape"], **at)
-    return found if found.converged.all() else None
+        contact = em.line_contact(arguments["material"], arguments["shape"], **point)
+    return contact if contact.converged.all() else None
 
 
 def _write_table(result: Any, path: Path, notes: str) -> None:

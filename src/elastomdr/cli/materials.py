@@ -59,9 +59,9 @@ def _one(name: str) -> Iterator[str]:
     yield info["name"]
     yield from textwrap.wrap(info.get("description", ""), 100)
     yield ""
-    for row, text in _rows(info, document):
+    for row, words in _rows(info, document):
         yield textwrap.fill(
-            text,
+            words,
             100,
             initial_indent=f"{row:<19}",
             subsequent_indent=" " * 19,

@@ -124,13 +124,13 @@ def only_one(table: Any, *keys: str) -> str:
     """The one of the keys that the table has. Raises `InputError` for none and for
     more.
     """
-    found = list(given(table, *keys))
-    if len(found) != 1:
+    present = list(given(table, *keys))
+    if len(present) != 1:
         raise InputError(
             f"must have one of {', '.join(keys)}, got "
-            f"{' and '.join(found) or 'none of them'}."
+            f"{' and '.join(present) or 'none of them'}."
         )
-    return found[0]
+    return present[0]
 
 
 def given(table: Any, *keys: str) -> dict[str, Any]:
@@ -240,11 +240,11 @@ def _custom(kind: Any, value: Any) -> Any:
         return origin([decode(inner, value)])
     if not value:
         raise InputError(f"must be {accepted(kind)}, got an empty list.")
-    found = []
+    entries = []
     for i, entry in enumerate(value):
         with named(f"[{i}]"):
-            found.append(decode(inner, entry))
-    return origin(found)
+            entries.append(decode(inner, entry))
+    return origin(entries)
 
 
 def _spread(span: Span) -> list[float]:

@@ -179,7 +179,7 @@ def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, A
     both = _program(compute, None if constants is None else _key(constants))
     last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def both_at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         key = p.tobytes()
         if key not in last:
             jacobian, value = both(p)
@@ -187,7 +187,7 @@ def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, A
             last[key] = np.asarray(value), np.asarray(jacobian)
         return last[key]
 
-    return lambda p: at(p)[0], lambda p: at(p)[1]
+    return lambda p: both_at(p)[0], lambda p: both_at(p)[1]
 
 
 def _program(compute: Callable[[Any], Any], key: Any) -> Any:

@@ -717,7 +717,7 @@ def _legend_outside(ax: Any, handles: list[Any], labels: list[str]) -> Any:
     }
     if not canvas.style.words:
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), **rows}
-        if canvas.own:
+        if canvas.own_figure:
             ax.figure.set_size_inches(
                 canvas.style.wide, canvas.style.size[1] + 0.14 * -(-len(labels) // 4)
             )
@@ -749,7 +749,7 @@ def _axes(ax: Any, style: str | None, panels: Any = None) -> Any:
     them.
     """
     ax, canvas = begin(Ask(ax, style), panels)
-    if canvas.own and canvas.style.words:
+    if canvas.own_figure and canvas.style.words:
         figure = ax.figure
         figure.set_size_inches(7.4, 4.6)
         # with fixed margins: looking for the best ones takes longer than the fit

@@ -51,7 +51,7 @@ class LawFit(NamedTuple):
     bound: bool
     # how far the law is off beyond what the shift factors are known to, a standard
     # deviation [decades]
-    own: float
+    law_error: float
 
     @property
     def rms(self) -> float:
@@ -61,7 +61,7 @@ class LawFit(NamedTuple):
     @property
     def holds(self) -> bool:
         """Whether the shift factors follow the law, within what they are known to."""
-        return self.own <= MISSES
+        return self.law_error <= MISSES
 
     @property
     def determined(self) -> bool:

@@ -631,17 +631,17 @@ class _Series(NamedTuple):
         equilibrium = self.equilibrium
         return max(equilibrium - low, high - equilibrium) / TWO_SIGMA
 
-    def part(self, name: str) -> np.ndarray:
+    def residuals_of(self, name: str) -> np.ndarray:
         """Residuals of storage, loss or relaxation."""
         return self.residuals[self.channel == _CHANNELS[name]]
 
     def parts(self) -> dict[str, np.ndarray]:
         """Residuals of what was measured."""
-        parts = {name: self.part(name) for name in _CHANNELS}
+        parts = {name: self.residuals_of(name) for name in _CHANNELS}
         return {name: deviation for name, deviation in parts.items() if deviation.size}
 
     def rms(self, name: str) -> float:
-        deviation = self.part(name)
+        deviation = self.residuals_of(name)
         return float(np.sqrt(np.mean(deviation**2))) if deviation.size else float("nan")
 
     def quality(self) -> dict[str, Any]:
@@ -679,7 +679,9 @@ class _Series(NamedTuple):
 
     def material(self, omega: np.ndarray, measured_at: Any, **options: Any) -> Prony:
         """The series as a material, which knows its range and its misfit."""
-        misfit = misfit_bands(omega, self.part("storage"), self.part("loss"))
+        misfit = misfit_bands(
+            omega, self.residuals_of("storage"), self.residuals_of("loss")
+        )
         known = Range(self.limits, measured_at, misfit=misfit)
         return Prony(self.equilibrium, self.moduli, self.times, range=known, **options)
 

@@ -229,7 +229,7 @@ def relaxation(
     """
     t, g = _positive("time", time), _positive("modulus", modulus)
     _same("modulus", g, "time", t)
-    at = _temperatures(temperature, t)
+    temperatures = _temperatures(temperature, t)
     return Dma(
         _NONE,
         _NONE,
@@ -238,7 +238,7 @@ def relaxation(
         _kind(kind),
         time=t,
         relaxation=g,
-        time_temperature=at,
+        time_temperature=temperatures,
         source=source,
     )
 
@@ -307,19 +307,21 @@ def join(*parts: Dma) -> Dma:
     )
 
 
-def _bad_rows(part: Dma, several: bool) -> tuple[str, ...]:
+def _bad_rows(measurement: Dma, several: bool) -> tuple[str, ...]:
     """The rows left out, with their file where there are several."""
     return tuple(
-        f"{part.source}: {row}" if several and row.startswith("line ") else row
-        for row in part.bad_rows
+        f"{measurement.source}: {row}" if several and row.startswith("line ") else row
+        for row in measurement.bad_rows
     )
 
 
-def _columns(part: Dma, differ: bool) -> tuple[str, ...]:
+def _columns(measurement: Dma, differ: bool) -> tuple[str, ...]:
     """What was taken as what, with its file where several differ."""
     return tuple(
-        f"{part.source}: {column}" if differ and "," not in part.source else column
-        for column in part.columns
+        f"{measurement.source}: {column}"
+        if differ and "," not in measurement.source
+        else column
+        for column in measurement.columns
     )
 
 
@@ -404,7 +406,7 @@ def in_strain_sweep(dma: Dma) -> np.ndarray:
     """Which points are those of a sweep of strain: several strains at their temperature
     and frequency, and at their temperature and strain no other frequency.
     """
-    found = np.zeros(dma.omega.size, bool)
+    in_sweep = np.zeros(dma.omega.size, bool)
     known = np.flatnonzero(dma.strain > 0)
     temperature = np.nan_to_num(dma.temperature)
     rate, log_strain = (
@@ -426,8 +428,8 @@ def in_strain_sweep(dma: Dma) -> np.ndarray:
             )
             < _SAME_RATE
         )
-        found[i] = np.ptp(log_strain[sweep]) > 2 * SAME_STRAIN and alone.all()
-    return found
+        in_sweep[i] = np.ptp(log_strain[sweep]) > 2 * SAME_STRAIN and alone.all()
+    return in_sweep
 
 
 def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
@@ -451,7 +453,7 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
     rest = dma.where(~swept) if said else dma
     levels = _levels(rest)
     if len(levels) > 1:
-        others = [strains(rest.strain[at]) for at in levels[1:]]
+        others = [strains(rest.strain[of_strain]) for of_strain in levels[1:]]
         said.append(
             "Sweeps at several strain amplitudes are not one sample: that at "
             f"{strains(rest.strain[levels[0]])} is used, that at "
@@ -474,18 +476,18 @@ def _levels(dma: Dma) -> list[np.ndarray]:
     places = [
         set(
             zip(
-                temperature[at],
-                np.round(np.log(dma.omega[at]) / (2 * _SAME_RATE)),
+                temperature[rows],
+                np.round(np.log(dma.omega[rows]) / (2 * _SAME_RATE)),
                 strict=True,
             )
         )
-        for at in groups
+        for rows in groups
     ]
     if sum(len(one) for one in places) < len(set().union(*places)) + 2:
         return []
     # a stable sort: ascending strains
-    groups.sort(key=lambda at: not _is_sweep(dma.omega[at]))
-    return [np.isin(np.arange(dma.omega.size), at) for at in groups]
+    groups.sort(key=lambda rows: not _is_sweep(dma.omega[rows]))
+    return [np.isin(np.arange(dma.omega.size), rows) for rows in groups]
 
 
 def _is_sweep(omega: np.ndarray) -> bool:
@@ -558,12 +560,12 @@ class MeasuredFriction:
     @property
     def points(self) -> dict[str, np.ndarray]:
         """The points as `curve.plot(measured=...)` takes them."""
-        found = {
+        columns = {
             "velocity": self.velocity,
             "mu": self.mu,
             "temperature": self.temperature,
         }
-        return {name: values for name, values in found.items() if values is not None}
+        return {name: values for name, values in columns.items() if values is not None}
 
     def __repr__(self) -> str:
         spans = [

@@ -400,7 +400,7 @@ def _over_frequency(
 
 
 def _timed(
-    time: np.ndarray, modulus: np.ndarray, kelvin: np.ndarray, **common: Any
+    time: np.ndarray, modulus: np.ndarray, temperature: np.ndarray, **common: Any
 ) -> Dma:
     """A measurement over time alone."""
     none = np.zeros(0)
@@ -411,7 +411,7 @@ def _timed(
         none,
         time=time,
         relaxation=modulus,
-        time_temperature=kelvin,
+        time_temperature=temperature,
         **common,
     )
 

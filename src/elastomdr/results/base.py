@@ -402,12 +402,13 @@ class Result:
         yield "model", self.model
         if self.drawn:
             yield from (
-                ("median, " + key, text) for key, text in self.typical().outcome()
+                ("median, " + key, sentence)
+                for key, sentence in self.typical().outcome()
             )
             yield from self._spread()
         for one in () if self.drawn else self.each_material():
             name = f"{dict(one.inputs)['material']}: " if self.origins else ""
-            yield from ((f"{name}{key}", text) for key, text in one.outcome())
+            yield from ((f"{name}{key}", sentence) for key, sentence in one.outcome())
         yield self.each, self.reached()
         if self.extrapolated is None and "range of the data" not in dict(self.inputs):
             yield "range of the data", self.unflagged
@@ -458,7 +459,7 @@ class Result:
             return repr(self)
         findings = list(self.findings())
         width = max(len(name) for name, _ in findings) + 2
-        return "\n".join(f"{name:<{width}}{text}" for name, text in findings)
+        return "\n".join(f"{name:<{width}}{sentence}" for name, sentence in findings)
 
     def __repr__(self) -> str:
         values = [self._value(q) for q in _quantities(self, "")]
@@ -514,7 +515,7 @@ class Result:
         ]
         return [
             *lines,
-            *(f"{name}: {text}" for name, text in (*notes, *self.findings())),
+            *(f"{name}: {sentence}" for name, sentence in (*notes, *self.findings())),
         ]
 
     def csv(self, notes: Iterable[tuple[str, str]] = ()) -> str:
@@ -616,12 +617,12 @@ class Result:
         names, data = tuple(axis.name for axis in axes), {}
         for q, values in self.fields(None).items():
             series = q.dims.removeprefix("...")
-            own = names if "..." in q.dims else names[: len(self.origins) > 0]
+            leading = names if "..." in q.dims else names[: len(self.origins) > 0]
             if q.key not in coordinates:
                 about = {"long_name": q.label, "units": q.unit} | (
                     {"description": q.meaning} if q.meaning else {}
                 )
-                data[q.key] = ((*own, *series.split()), values, about)
+                data[q.key] = ((*leading, *series.split()), values, about)
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def _attributes(self) -> dict[str, str]:

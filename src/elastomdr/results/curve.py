@@ -144,7 +144,9 @@ class AbstractCurve(Result):
         for curve in every[:_LISTED]:
             velocity, value, beyond = (
                 np.atleast_1d(
-                    fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at]
+                    fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[
+                        curve.place
+                    ]
                 )
                 for k in ("velocity", self.shows, "extrapolated")
             )

@@ -401,7 +401,7 @@ def felt_by(
     """F_N and F_x of the forces q of the elements, db/dX at each of them being `slope`.
 
     `excess` is what q is in proportion to where it is positive, if the contact ends
-    between two elements (`carried`).
+    between two elements (`force_on_line`).
     """
     normal, drag = total(weight, q), total(weight, q * slope)
     if excess is None:

@@ -214,7 +214,7 @@ def indent(
     Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     disc, foundation = contact(material, shape)
-    law, temperature, factor = at_temperature(foundation, temperature)
+    law, law_temperature, factor = at_temperature(foundation, temperature)
     course = _course(law, time, depth, load, pull=adhesion is not None)
     rtol = check_rtol(rtol, "1e-10", "1e-2")
     _check_depth(disc, course, adhesion)
@@ -231,7 +231,7 @@ def indent(
         foundation.range,
         every_time,
         course.load if given_load else solution.depth,
-        temperature,
+        law_temperature,
         factor,
     )
 
@@ -249,12 +249,12 @@ def indent(
         dissipated=known(solution.heat + solution.locked),
         error=solution.error,
         converged=solution.converged,
-        temperature=temperature,
+        temperature=law_temperature,
         surface=Elements(law, disc, course) if adhesion is None else None,
         model=_model(law, disc, adhesion),
         plan=solution.plan,
         inputs=(
-            *_inputs(foundation, shape, course, gamma, temperature, rtol),
+            *_inputs(foundation, shape, course, gamma, law_temperature, rtol),
             *beyond.said,
         ),
         extrapolated=beyond.points,

@@ -65,7 +65,7 @@ class Steps(NamedTuple):
     """
 
     h: Float[Array, " s"]  # [s]
-    part: Float[Array, " s"]  # of the interval, at the end of the step
+    fraction: Float[Array, " s"]  # of the interval, at the end of the step
     first: Bool[Array, " s"]  # first step of its interval
     by_depth: Bool[Array, " s"]
     target: Float[Array, " s"]  # depth or load at the end of the interval
@@ -163,7 +163,7 @@ def _steps(
     before = numpy.concatenate([share[:, :1], share[:, :-1]], axis=1)
     return Steps(
         h=numpy.diff(time)[:, interval] * (share - numpy.where(first, 0.0, before)),
-        part=share,
+        fraction=share,
         first=np.tile(first, (len(time), 1)),
         by_depth=by_depth[:, 1:][:, interval],
         target=target[:, 1:][:, interval],
@@ -425,7 +425,7 @@ def _advance(
     elements, weight = before.elements, row.weight
     first_depth = xp.where(now.first, before.depth, before.first_depth)
     first_force = xp.where(now.first, before.force, before.first_force)
-    load = first_force + (now.target - first_force) * now.part
+    load = first_force + (now.target - first_force) * now.fraction
     fading = fade(c, elements.f)
     free = released(c, elements.u, fading.seen)
     touch_depth, stiffness = row.profile + free, weight * c.stiffness
@@ -437,7 +437,7 @@ def _advance(
     )
     # without a load it lies on the surface
     depth = xp.where(mean_load > 0, depth, xp.min(touch_depth))
-    given = first_depth + (now.target - first_depth) * now.part
+    given = first_depth + (now.target - first_depth) * now.fraction
     depth = xp.where(now.by_depth, given, depth)
     places = before.depth - row.profile, depth - row.profile
     after = advance(c, elements, *places, fading)

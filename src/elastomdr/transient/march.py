@@ -170,9 +170,9 @@ def settle(
 
     `touch_depth` is the depth of the body at which it touches each element.
 
-    `slope` is W S, scalar or (n,). With `between` the sum is that of `carried`. Without
-    a spring the force must not be negative; for no force d is where the first element
-    is touched.
+    `slope` is W S, scalar or (n,). With `between` the sum is that of `force_on_line`.
+    Without a spring the force must not be negative; for no force d is where the first
+    element is touched.
     """
     return (_settle if on_numpy() else _traced_settle())(
         touch_depth, slope, spring, force, guess, between
@@ -244,7 +244,7 @@ def _corrected(
     depth: Array,
 ) -> tuple[Array, Array]:
     """The depth after one step of Newton's from `depth`, and the stiffness there."""
-    now, stiffness = carried(slope, depth - touch_depth)
+    now, stiffness = force_on_line(slope, depth - touch_depth)
     stiffness = fixed(spring + stiffness)
     empty = stiffness <= 0
     step = (force - spring * depth - now) / xp.where(empty, 1.0, stiffness)
@@ -277,7 +277,7 @@ def _newton(
     return load / xp.where(empty, alone, stiffness), stiffness
 
 
-def carried(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
+def force_on_line(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
     """The force where a contact ends between two elements, and how much it grows as all
     of `excess` grows by one.
 

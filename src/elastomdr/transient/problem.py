@@ -345,7 +345,7 @@ class Timeline(NamedTuple):
 
     interval: np.ndarray  # (steps,)
     fraction: np.ndarray  # at the end of each step
-    part: np.ndarray  # of the interval that the step takes
+    share: np.ndarray  # of the interval that the step takes
     instant: np.ndarray  # (instants - 1,) index of the step that ends there
 
 
@@ -384,7 +384,7 @@ def timeline(
     return Timeline(
         interval=np.repeat(np.arange(len(pieces)), sizes),
         fraction=np.concatenate([np.cumsum(piece) for piece in pieces]),
-        part=np.concatenate(pieces),
+        share=np.concatenate(pieces),
         instant=np.cumsum(sizes) - 1,
     )
 
@@ -409,14 +409,14 @@ def cut(
     times = duration[duration > 0]
     jump = _INSTANT * min(shortest, float(times.min()) if times.size else shortest)
     interval = np.repeat(line.interval, finer)
-    within = (np.tile(np.arange(finer) + 1, line.part.size) / finer - 1) * np.repeat(
-        line.part, finer
+    within = (np.tile(np.arange(finer) + 1, line.share.size) / finer - 1) * np.repeat(
+        line.share, finer
     )
     share = np.clip(np.repeat(line.fraction, finer) + within, 0.0, 1.0)
     last = finer * (line.instant + 1) - 1
     share[last] = 1.0
     length = np.where(duration > 0, duration, jump)
-    h = np.repeat(line.part / finer, finer) * length[interval]
+    h = np.repeat(line.share / finer, finer) * length[interval]
     numpy = xp if is_traced(position, value) else np
 
     def along(values: Any) -> Any:

@@ -274,7 +274,7 @@ class Moved(NamedTuple):
     trial: Array  # traction if they stick
     limit: Array  # the largest that friction allows
     slips: Array
-    carried: Array  # by the body, if they stick [m]
+    stuck_move: Array  # by the body, if they stick [m]
     moved: Array  # [m]
 
 
@@ -397,7 +397,7 @@ def _heat(scene: Scene, ct: Coefficients, state: State, moved: Moved) -> Array:
     step, meet: at once if the element slipped before.
     """
     slips, trial = moved.slips, moved.trial
-    slid = xp.where(slips, xp.abs(moved.carried - moved.moved), 0.0)
+    slid = xp.where(slips, xp.abs(moved.stuck_move - moved.moved), 0.0)
     before = _largest(scene, state.q)
     known = slips & xp.isfinite(before)
     last, now = xp.where(known, before, 0.0), xp.where(slips, moved.limit, 0.0)
@@ -427,7 +427,7 @@ def _at_end(
     held = held + (cn.end - cn.rate) * sunk[0] + cn.rate * sunk[1]
     q_end = xp.where(q > 0, xp.where(cn.rate > 0, xp.maximum(held, 0.0), q), 0.0)
     stuck = ct.equilibrium * state.s + xp.sum(ct.decay * state.p, axis=0)
-    stuck = stuck + (ct.end - ct.rate) * moved.carried + ct.rate * slide
+    stuck = stuck + (ct.end - ct.rate) * moved.stuck_move + ct.rate * slide
     limit = _largest(scene, q_end)
     stuck = xp.clip(xp.where(ct.rate > 0, stuck, moved.tau), -limit, limit)
     return xp.where(moved.slips, xp.sign(moved.tau) * limit, stuck), q_end

@@ -361,11 +361,11 @@ def carter(
     Johnson 1985, ch. 8.
     """
     half = xp.sqrt(4 * line_load * radius / (xp.pi * modulus))
-    part = xp.clip(
+    slipping = xp.clip(
         creepage * radius / xp.where(friction > 0, friction * half, 1.0), 0.0, 1.0
     )
-    part = xp.where(friction > 0, part, 1.0)
-    return friction * part * (2 - part), 1 - part, half
+    slipping = xp.where(friction > 0, slipping, 1.0)
+    return friction * slipping * (2 - slipping), 1 - slipping, half
 
 
 class LayerContact(NamedTuple):

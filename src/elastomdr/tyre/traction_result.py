@@ -195,8 +195,8 @@ class Traction(Result):
         """
         positive("radius", radius)
         positive("width", width)
-        text = _property_file(_fitted(self, temperature), radius, width)
-        write_files({Path(path): text.encode()})
+        content = _property_file(_fitted(self, temperature), radius, width)
+        write_files({Path(path): content.encode()})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The largest traction and the rolling loss."""
@@ -240,11 +240,14 @@ def _braking_points(
     Raises `InputError`.
     """
     mu = np.asarray(curve.coefficient, dtype=float)
-    kelvin = curve.temperature
+    temperatures = curve.temperature
     if temperature is not None:
-        mu = np.where(_is_at(temperature, kelvin), mu, np.nan)
-        kelvin = None
-    for name, values in (("temperature", kelvin), ("velocity of the road", curve.road)):
+        mu = np.where(_is_at(temperature, temperatures), mu, np.nan)
+        temperatures = None
+    for name, values in (
+        ("temperature", temperatures),
+        ("velocity of the road", curve.road),
+    ):
         if values is not None and np.ptp(values) > 0:
             raise InputError(
                 f"{name} must be one for a Magic Formula, got {np.ptp(values):.3g} "
@@ -280,9 +283,11 @@ def _least_squares(deviation: Any, mu: np.ndarray, slip: np.ndarray, free: int) 
     )
 
 
-def _is_at(temperature: float, kelvin: Any) -> np.ndarray:
+def _is_at(temperature: float, temperatures: Any) -> np.ndarray:
     """Which points have a temperature. Raises `InputError` where none has."""
-    known = np.zeros(0) if kelvin is None else np.asarray(kelvin, dtype=float)
+    known = (
+        np.zeros(0) if temperatures is None else np.asarray(temperatures, dtype=float)
+    )
     equal = np.isclose(known, temperature, rtol=0, atol=1e-6)
     if not equal.any():
         listed = ", ".join(f"{value:g} K" for value in np.unique(known))
