@@ -266,7 +266,13 @@ def test_local_names_say_what_they_hold():
         if path.relative_to(SOURCE).parts[0] in UNFINISHED:
             continue
         nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
-        fields = {id(node.target) for node in nodes if isinstance(node, ast.AnnAssign)}
+        fields = {
+            id(field.target)
+            for node in nodes
+            if isinstance(node, ast.ClassDef)
+            for field in node.body
+            if isinstance(field, ast.AnnAssign)
+        }
         names = {node.arg for node in nodes if isinstance(node, ast.arg)}
         names |= {
             node.id

@@ -123,10 +123,8 @@ def rough_beyond(
         return NOT_KNOWN
     only, rate = known._replace(omega=None), np.zeros(shape)
     temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
-    points, what = (
-        only.outside(rate, temperatures),
-        list(only.findings(rate, temperatures)),
-    )
+    points = only.outside(rate, temperatures)
+    what = list(only.findings(rate, temperatures))
     if outside is not None and (outside > _OUTSIDE).any():
         points = points | (outside > _OUTSIDE)
         most = f"up to {outside.max():.0%} of the mean square slope"

@@ -32,10 +32,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _library() -> Iterator[str]:
     names = materials()
-    width, columns = (
-        max(map(len, names), default=0) + 1,
-        max(60, shutil.get_terminal_size((120, 24)).columns),
-    )
+    width = max(map(len, names), default=0) + 1
+    columns = max(60, shutil.get_terminal_size((120, 24)).columns)
     for name in names:
         try:
             info = material_info(name)

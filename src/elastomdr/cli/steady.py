@@ -327,10 +327,8 @@ class ConveyorScene(Scene):
         belt, roll, layer = self.conveyor, self.indenter, self.layer
         material = load(folder, "material", self.material[0])
         with named("[layer]"):
-            carrying, back = (
-                layer.on_base(material),
-                layer.on_base(material, belt.return_thickness),
-            )
+            carrying = layer.on_base(material)
+            back = layer.on_base(material, belt.return_thickness)
         shares = belt.shares or [1.0]
         length = belt.return_length or len(shares) * roll.length
         with named("[conveyor]"):

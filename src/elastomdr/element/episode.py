@@ -270,10 +270,8 @@ def _parting(
         q, rate = _pull(law, u, f, v, t)
         # an element that has just met the surface begins at zero
         rising = (rate > 0) & (q > -_BLUR * size)
-        low, high = (
-            xp.where((q > 0) | rising, t, low),
-            xp.where((q > 0) | rising, high, t),
-        )
+        low = xp.where((q > 0) | rising, t, low)
+        high = xp.where((q > 0) | rising, high, t)
         following = t - q / xp.where(rate < 0, rate, -1.0)
         inside = (
             (following > low)

@@ -138,10 +138,8 @@ def _of_material(material: Prony, values: dict[str, Any]) -> Prony:
     equilibrium = equilibrium * 10.0 ** (
         values.get("equilibrium", 0.0) + values.get("modulus", 0.0)
     )
-    moduli, times = (
-        moduli * 10.0 ** values.get("modulus", 0.0),
-        times * 10.0 ** values.get("time", 0.0),
-    )
+    moduli = moduli * 10.0 ** values.get("modulus", 0.0)
+    times = times * 10.0 ** values.get("time", 0.0)
     material = eqx.tree_at(
         lambda m: (m.equilibrium, m.moduli, m.times),
         material,

@@ -144,11 +144,9 @@ def vertical_law(master: "MasterCurve") -> AbstractVertical | None:
     Beyond the data a table goes on by entropy elasticity: the range of the material
     says where they end.
     """
-    reference, temperatures, log10_b = (
-        float(master.reference),
-        master.temperature,
-        -master.log10_b,
-    )
+    reference = float(master.reference)
+    temperatures = master.temperature
+    log10_b = -master.log10_b
     if np.abs(log10_b).max() < _NONE:
         return None
     if np.abs(log10_b - np.log10(temperatures / reference)).max() < _NONE:
@@ -156,10 +154,8 @@ def vertical_law(master: "MasterCurve") -> AbstractVertical | None:
     away = np.abs(temperatures - reference) > 0.5
     temperature = np.append(temperatures[away], reference).round(TEMPERATURE_DIGITS)
     order = np.argsort(temperature)
-    temperature, factor = (
-        temperature[order],
-        (10 ** np.append(log10_b[away], 0.0))[order],
-    )
+    temperature = temperature[order]
+    factor = (10 ** np.append(log10_b[away], 0.0))[order]
     beyond = np.array(
         [max(temperature[0] - _ONWARD, temperature[0] / 2), temperature[-1] + _ONWARD]
     )

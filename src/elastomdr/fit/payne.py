@@ -40,10 +40,8 @@ NAMES = {"drop": "-", "strain": "-", "exponent": "-", "rise": "-"}
 _WARMS = 2.0  # of one sweep [K]
 _ALIKE = 0.05  # of the logarithm of one frequency
 _LARGEST = 5.0  # strain from which a number is taken for per cent
-_LOW, _HIGH = (
-    np.array([1e-3, np.log(1e-6), 0.1, 0.0]),
-    np.array([1.0, np.log(10.0), 2.0, 8.0]),
-)
+_LOW = np.array([1e-3, np.log(1e-6), 0.1, 0.0])
+_HIGH = np.array([1.0, np.log(10.0), 2.0, 8.0])
 _ROUNDS = 4  # of the size of errors
 _NODES = 41  # of the table that stands for Kraus' form, down to _FIRST of its strain
 _FIRST = 1e-4

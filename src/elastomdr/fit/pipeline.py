@@ -74,11 +74,9 @@ def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
 
     `material` is of the kind of the data, and has a shift law.
     """
-    times, moduli, equilibrium = (
-        np.asarray(material.times),
-        np.asarray(material.moduli),
-        float(material.equilibrium),
-    )
+    times = np.asarray(material.times)
+    moduli = np.asarray(material.moduli)
+    equilibrium = float(material.equilibrium)
     parts = {}
     if dma.omega.size:
         b = _lift(material.vertical, dma.temperature)

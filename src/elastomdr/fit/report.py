@@ -288,10 +288,8 @@ def abaqus_card(material: Prony) -> str:
             ", ".join(values),
         ]
     elif isinstance(material.shift, Arrhenius):
-        energy, reference = (
-            float(material.shift.energy),
-            float(material.shift.reference),
-        )
+        energy = float(material.shift.energy)
+        reference = float(material.shift.reference)
         lines += [
             (
                 "** energy [J/mol]; set the gas constant and absolute zero with "
@@ -421,10 +419,8 @@ def _describe(material: Prony) -> Iterator[str]:
             "have no place here"
         )
     if material.softening is not None:
-        last, left = (
-            float(material.softening.strain[-1]),
-            float(material.softening.storage[-1]),
-        )
+        last = float(material.softening.strain[-1])
+        left = float(material.softening.storage[-1])
         yield (
             f"small strains: softening (storage modulus times {left:.3g} at "
             f"{last:.3g}) has no place in this card"

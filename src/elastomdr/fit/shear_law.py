@@ -53,12 +53,10 @@ _LIMITS = {
 # decades beyond the measured velocities, as far as a summit of the stress is looked for
 _FAR = 8.0
 # tried to begin with
-_WIDTHS, _ENERGIES, _PLACES, _CUTOFFS = (
-    (0.02, 0.08, 0.3, 1.0),
-    (0.3, 0.6, 0.9, 1.3, 2.0),
-    9,
-    7,
-)
+_WIDTHS = (0.02, 0.08, 0.3, 1.0)
+_ENERGIES = (0.3, 0.6, 0.9, 1.3, 2.0)
+_PLACES = 9
+_CUTOFFS = 7
 _STARTS = 3  # of these, the best, from which the search sets out
 # rms of residuals over a given error from which the law is said not to describe the
 # data
@@ -407,10 +405,8 @@ def _between(
     )
 
     def parts(log_q: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        h, s = (
-            np.where(whole, np.exp(of_h(log_q)), np.nan),
-            np.where(whole, np.exp(of_s(log_q)), np.nan),
-        )
+        h = np.where(whole, np.exp(of_h(log_q)), np.nan)
+        s = np.where(whole, np.exp(of_s(log_q)), np.nan)
         return h, s, h * of_h(log_q, 1), s * of_s(log_q, 1)
 
     return parts, (float(np.log(q[0])), float(np.log(q[-1])))

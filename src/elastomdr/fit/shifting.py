@@ -373,10 +373,8 @@ def _first_spectrum(
         np.bincount(bins, of) for of in (-reduced, points.log_value)
     )
     count = np.bincount(bins)
-    log_time, log_modulus = (
-        log_time[count > 0] / count[count > 0],
-        log_modulus[count > 0] / count[count > 0],
-    )
+    log_time = log_time[count > 0] / count[count > 0]
+    log_modulus = log_modulus[count > 0] / count[count > 0]
     fall = (
         -np.gradient(log_modulus, log_time)
         if log_modulus.size > 1
@@ -408,11 +406,9 @@ def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
     """
     grid = np.arange(-0.5, max(4.0, 0.6 * gap), 0.05)
     chosen = (points.isotherm == cold) | (points.isotherm == warm)
-    rate, value, channel = (
-        points.log_rate[chosen],
-        points.log_value[chosen],
-        points.channel[chosen],
-    )
+    rate = points.log_rate[chosen]
+    value = points.log_value[chosen]
+    channel = points.channel[chosen]
     is_cold = points.isotherm[chosen] == cold
     u = rate + LN10 * grid[:, None] * is_cold  # (grid, points)
     low, high = u.min(axis=1, keepdims=True), u.max(axis=1, keepdims=True)
@@ -671,10 +667,8 @@ def entropic(joint: Joint) -> Joint | None:
     gain = (shifts.posterior.evidence - free.posterior.evidence) / max(
         1.0, joint.misfit
     ) ** 2
-    lift, lifted = (
-        shifts.vertical() @ shifts.posterior.mean,
-        free.vertical() @ free.posterior.mean,
-    )
+    lift = shifts.vertical() @ shifts.posterior.mean
+    lifted = free.vertical() @ free.posterior.mean
     if gain < 0 and np.ptp(lifted - lift) > _EVEN:
         return None
     here = shifts.horizontal(shifts.posterior.mean)[0]

@@ -368,10 +368,8 @@ def _model(
 
 
 def _first(data: Data, log_times: np.ndarray, solid: bool) -> tuple[np.ndarray, float]:
-    points, weight = (
-        data.points,
-        np.sqrt(data.weights) / data.noise[data.points.channel],
-    )
+    points = data.points
+    weight = np.sqrt(data.weights) / data.noise[data.points.channel]
     u = points.log_rate[:, None] + log_times
     x = np.exp(np.clip(u, -300, 300))
     storage, loss = 1 / (1 + 1 / x**2), 1 / (x + 1 / x)
@@ -421,10 +419,8 @@ def weigh(
     storage and loss modulus may contradict each other.
     """
     present, scatter = np.unique(points.channel), _scatter(points)
-    both, worst = (
-        LOSS in present and STORAGE in present,
-        present[noise[present].argmax()],
-    )
+    both = LOSS in present and STORAGE in present
+    worst = present[noise[present].argmax()]
     systematic = bool(
         both and noise[worst] > max(_CONTRADICTION, _SYSTEMATIC * scatter[worst])
     )

@@ -99,10 +99,8 @@ def logarithm(title: str) -> tuple[str, str]:
         depth = np.cumsum([(mark == "(") - (mark == ")") for mark in rest])
         end = int(np.argmax(depth == 0))
         if end:
-            inside, behind = (
-                re.sub(r"/\s*\(", " (", rest[1:end]),
-                rest[end + 1 :].strip(),
-            )
+            inside = re.sub(r"/\s*\(", " (", rest[1:end])
+            behind = rest[end + 1 :].strip()
             rest = f"{inside} {behind}" if behind.strip("[]()- 1") else inside
     return log if log in ("ln", "log") else "log10", rest.lstrip("_ ")
 

@@ -409,10 +409,8 @@ def in_strain_sweep(dma: Dma) -> np.ndarray:
     in_sweep = np.zeros(dma.omega.size, bool)
     known = np.flatnonzero(dma.strain > 0)
     temperature = np.nan_to_num(dma.temperature)
-    rate, log_strain = (
-        np.log(dma.omega),
-        np.log(np.where(dma.strain > 0, dma.strain, 1.0)),
-    )
+    rate = np.log(dma.omega)
+    log_strain = np.log(np.where(dma.strain > 0, dma.strain, 1.0))
     for i in known:
         here = known[np.abs(temperature[known] - temperature[i]) < _SAME_PLACE]
         sweep = here[np.abs(rate[here] - rate[i]) < _SAME_RATE]

@@ -111,10 +111,8 @@ class AbstractRelaxation(Tree):
         x = omega[..., None] * law.times
         with np.errstate(divide="ignore"):  # at rest nothing is stored or lost: x = 0
             both = x + 1 / x
-        storage, loss = (
-            _sum_branches(law.moduli, x / both),
-            _sum_branches(law.moduli, 1 / both),
-        )
+        storage = _sum_branches(law.moduli, x / both)
+        loss = _sum_branches(law.moduli, 1 / both)
         return law.equilibrium + storage + 1j * (loss + omega * law.viscosity)
 
     def storage(self, omega: ArrayLike) -> Array:
@@ -166,10 +164,8 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     """A `Relaxation` from a user's numbers, or an `InputError` that names what is wrong
     with them.
     """
-    equilibrium, viscosity = (
-        as_float64("equilibrium", equilibrium),
-        as_float64("viscosity", viscosity),
-    )
+    equilibrium = as_float64("equilibrium", equilibrium)
+    viscosity = as_float64("viscosity", viscosity)
     moduli, times = as_float64("moduli", moduli), as_float64("times", times)
     for name, value in (("equilibrium", equilibrium), ("viscosity", viscosity)):
         if value.shape != ():
@@ -306,10 +302,8 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     With s = -1/t, J(s) = t [J_0/t + sum_k J_k/(t - lambda_k) - phi].
     """
     compliances, times = xp.asarray(chain.compliances), xp.asarray(chain.times)
-    instantaneous, fluidity = (
-        xp.asarray(chain.instantaneous),
-        xp.asarray(chain.fluidity),
-    )
+    instantaneous = xp.asarray(chain.instantaneous)
+    fluidity = xp.asarray(chain.fluidity)
     poles = xp.concatenate([xp.zeros(1), times])
     weights = xp.concatenate([instantaneous[None], compliances])
     if not is_traced(weights):

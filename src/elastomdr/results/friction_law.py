@@ -350,11 +350,9 @@ def _between(
         return ((xp.zeros(xp.shape(value), int), xp.ones(xp.shape(value))),)
     axis, value = xp.asarray(axis), xp.asarray(value)
     high = xp.clip(xp.searchsorted(axis, value, side="right"), 1, axis.shape[0] - 1)
-    start, end, scaled = (
-        scale(axis[high - 1]),
-        scale(axis[high]),
-        scale(xp.clip(value, axis[0], axis[-1])),
-    )
+    start = scale(axis[high - 1])
+    end = scale(axis[high])
+    scaled = scale(xp.clip(value, axis[0], axis[-1]))
     fraction = (scaled - start) / (end - start)
     return (high - 1, 1 - fraction), (high, fraction)
 

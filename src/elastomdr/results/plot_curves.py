@@ -240,10 +240,8 @@ def _draw_measured(
     """Draws points in the colour of the curve at their temperature, in black where
     there is none.
     """
-    measured_at, computed_at = (
-        points.get("temperature"),
-        sketch.fields.get("temperature"),
-    )
+    measured_at = points.get("temperature")
+    computed_at = sketch.fields.get("temperature")
     left = np.ones(points["mu"].shape, dtype=bool)
     if measured_at is not None and computed_at is not None:
         for line in lines:

@@ -289,10 +289,8 @@ def edges(
     count, (inner, inner_far, outer, outer_far) = fori_loop(
         0, _SEARCH + 1, search, start
     )
-    g, outside = (
-        _secant(inner, inner_far),
-        xp.clip(_secant(outer, outer_far), inner[0], outer[0]),
-    )
+    g = _secant(inner, inner_far)
+    outside = xp.clip(_secant(outer, outer_far), inner[0], outer[0])
     # Where the force jumps at the edge, or falls within less than was looked at, it
     # does not tell where; the gap does.
     other = xp.where(inner[1] > -outer[1], outside, inner[0])

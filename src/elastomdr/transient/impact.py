@@ -383,13 +383,11 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
     """An impact counts as a passage as long as its contact."""
     if all(foundation.range is None for foundation in scene.foundations):
         return NOT_KNOWN
-    points, what, illustrative = (
-        np.zeros(
-            (len(scene.foundations), duration.size // len(scene.foundations)), bool
-        ),
-        [],
-        True,
+    points = np.zeros(
+        (len(scene.foundations), duration.size // len(scene.foundations)), bool
     )
+    what = []
+    illustrative = True
     temperatures = (
         None
         if scene.temperature is None
@@ -398,10 +396,8 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
     for i, (foundation, times) in enumerate(
         zip(scene.foundations, duration.reshape(points.shape), strict=True)
     ):
-        known, there = (
-            foundation.range,
-            None if temperatures is None else temperatures[i],
-        )
+        known = foundation.range
+        there = None if temperatures is None else temperatures[i]
         if known is None:
             continue
         factor = (

@@ -483,10 +483,8 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     error, duration, depth = (
         _left(*values) for values in zip(*(one[:3] for one in series), strict=True)
     )
-    duration, depth = (
-        duration / xp.abs(before.duration),
-        depth / xp.abs(before.max_depth),
-    )
+    duration = duration / xp.abs(before.duration)
+    depth = depth / xp.abs(before.max_depth)
     enough = (error <= rtol * xp.abs(best.restitution)) & (depth <= rtol)
     fine, coarse = motions.turning[-1], motions.turning[3]
     liquid = (body.moduli[0] == 0) & (

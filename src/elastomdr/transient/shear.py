@@ -215,10 +215,8 @@ def _checked_history(
 ) -> History:
     """Raises `InputError` for what is no history, or none that a dashpot can follow."""
     time = as_float64("time", time)
-    value, displacement = (
-        as_float64(name, value),
-        as_float64("displacement", displacement),
-    )
+    value = as_float64(name, value)
+    displacement = as_float64("displacement", displacement)
     if name == "load":
         not_negative(name, value)
     else:

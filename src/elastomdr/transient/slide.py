@@ -184,10 +184,8 @@ def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
     seen = History(*[none] * len(History._fields))._replace(depth=depth)
     no_mu, all_of_them = none * np.nan, none == 0
     solution = Levels(seen, no_mu, no_mu, all_of_them, 0, all_of_them)
-    branches, skipped_because = (
-        int(history.law.times.size),
-        "the body touches no element",
-    )
+    branches = int(history.law.times.size)
+    skipped_because = "the body touches no element"
     return solution, SlidePlan(0, 0, branches, 0, skipped_because)
 
 

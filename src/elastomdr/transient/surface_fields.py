@@ -126,10 +126,8 @@ class Surface(NamedTuple):
         for left, right, series in zip(
             self.edges[:-1], self.edges[1:], self.u, strict=True
         ):
-            t0, t1 = (
-                np.arcsin(np.minimum(left / safe, 1.0)),
-                np.arcsin(np.minimum(right / safe, 1.0)),
-            )
+            t0 = np.arcsin(np.minimum(left / safe, 1.0))
+            t1 = np.arcsin(np.minimum(right / safe, 1.0))
             half = 0.5 * (t1 - t0)[..., None]
             x = safe[..., None] * np.sin(t0[..., None] + half * (1 + _POINTS))
             inner = legendre.legval(
@@ -152,10 +150,8 @@ def surface_at(
         instant, time[0] + 1e-14 * (time[-1] - time[0])
     )  # what a step at the first instant leaves is looked at after it
     before = time < instant
-    t, d = (
-        np.append(time[before], instant),
-        np.append(depth[before], np.interp(instant, time, depth)),
-    )
+    t = np.append(time[before], instant)
+    d = np.append(depth[before], np.interp(instant, time, depth))
     if (np.diff(d) >= 0).all():
         edges, q, u = _grown(law, disc, t, d)
         radius = edges[-1]

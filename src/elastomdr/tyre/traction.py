@@ -611,11 +611,9 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
 
 def _checked_half_plane(foundation: Any, scene: _Scene) -> tuple[Any, Any]:
     """Load [N] and E* [Pa] at the temperature. Raises `InputError`."""
-    law, vertical, temperature = (
-        foundation.law(),
-        foundation.vertical,
-        scene.temperature,
-    )
+    law = foundation.law()
+    vertical = foundation.vertical
+    temperature = scene.temperature
     if scene.load is None or scene.depth is not None:
         raise InputError(
             "load must be given for a cylinder on a half-space, whose depth is "

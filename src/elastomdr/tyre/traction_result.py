@@ -31,10 +31,8 @@ from ..results.words import span
 
 COEFFICIENTS = ("PCX1", "PDX1", "PEX1", "PKX1", "PDX2", "PEX2", "PKX2")
 _START = (1.6, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0)
-_LOWEST, _HIGHEST = (
-    (1.0, 0.01, -20.0, 0.5, -1.0, -20.0, -200.0),
-    (1.99, 5.0, 1.0, 500.0, 1.0, 20.0, 200.0),
-)
+_LOWEST = (1.0, 0.01, -20.0, 0.5, -1.0, -20.0, -200.0)
+_HIGHEST = (1.99, 5.0, 1.0, 500.0, 1.0, 20.0, 200.0)
 
 
 class MagicFormula(NamedTuple):
