@@ -435,8 +435,8 @@ class Line(Model):
     def check_adhesion(self, adhesion: AdhesiveShear | None) -> None:
         from .rough.adhesion import no_area
 
-        what = f"a {self.label} on a rough line or surface"
-        no_area(adhesion, what, "use em.Multiscale() under a pressure")
+        model_in_words = f"a {self.label} on a rough line or surface"
+        no_area(adhesion, model_in_words, "use em.Multiscale() under a pressure")
 
 
 @constructor_in_si

@@ -96,13 +96,13 @@ def output_folder(out: str) -> Path:
     """
     folder = Path(out)
     try:
-        there = next(
+        existing = next(
             (f for f in (folder, *folder.absolute().parents) if f.exists()), None
         )
         usable = (
-            there is not None
-            and there.is_dir()
-            and os.access(there, os.W_OK)
+            existing is not None
+            and existing.is_dir()
+            and os.access(existing, os.W_OK)
             and "\0" not in out
         )
     except (OSError, ValueError):
@@ -300,9 +300,9 @@ class Bar:
         if not sys.stderr.isatty() or time.monotonic() - self._start < _PATIENCE:
             return
         self._shown = True
-        full = _WIDTH * done // total
+        filled = _WIDTH * done // total
         print(
-            f"\r[{'#' * full}{'.' * (_WIDTH - full)}] {done} of {total}",
+            f"\r[{'#' * filled}{'.' * (_WIDTH - filled)}] {done} of {total}",
             end="",
             file=sys.stderr,
             flush=True,

@@ -406,7 +406,7 @@ def calibrate(
         values = dict(zip(names, solution.point.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
-    doubted = _judge(names, std, spread, solution)
+    doubted = _diagnostics(names, std, spread, solution)
     return Calibration(
         material=jax.tree.map(as_numpy, changed),
         shape=shape,
@@ -425,7 +425,7 @@ def calibrate(
     )
 
 
-def _judge(
+def _diagnostics(
     names: list[str], std: np.ndarray, spread: np.ndarray, solution: _Solution
 ) -> tuple[str, ...]:
     """What cannot be relied on, also as warnings; `spread` is that of the priors."""

@@ -341,18 +341,19 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
             np.zeros(reduced.size), reduced, dma.storage, dma.loss
         )
     if exchanged:
-        said = (
+        columns_read = (
             f" (read were {'; '.join(column.split(';')[0] for column in dma.columns)})"
             if dma.columns
             else ""
         )
         places = [
-            re.search(rf"\b{name} from (\d+)", said) for name in ("loss", "storage")
+            re.search(rf"\b{name} from (\d+)", columns_read)
+            for name in ("loss", "storage")
         ]
         new, old = (
             (place[1] for place in places if place) if all(places) else ("N", "M")
         )
-        what = (
+        explanation = (
             ""
             if all(places)
             else ", N the column read as loss, M the one read as storage"
@@ -360,8 +361,8 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
         raise InputError(
             f"storage and loss modulus of {dma.source!r} look exchanged: no passive "
             "material has them as they are named, and one has them the other way "
-            f"round{said}. Exchange them: columns={{'storage': {new}, 'loss': {old}}} "
-            f"(--column storage={new} --column loss={old}){what}."
+            f"round{columns_read}. Exchange them: columns={{'storage': {new}, 'loss': {old}}} "
+            f"(--column storage={new} --column loss={old}){explanation}."
         )
 
 

@@ -253,9 +253,9 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
             f"at one temperature and frequency, got {number.size} points at "
             f"{number.max() + 1} of them."
         )
-    kept, said = np.isin(number, whole), []
+    kept, remarks = np.isin(number, whole), []
     if not kept.all():
-        said.append(
+        remarks.append(
             f"{int((~kept).sum())} points are in no sweep of four or more, and left "
             "out."
         )
@@ -265,7 +265,7 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
         for name in ("temperature", "omega")
     ]
     logs = np.log(np.stack([values["storage"], values["loss"]], -1))[kept]
-    return _Data(log_strain[kept], logs, number, *means), said
+    return _Data(log_strain[kept], logs, number, *means), remarks
 
 
 def _values(sweep: Any) -> dict[str, np.ndarray]:

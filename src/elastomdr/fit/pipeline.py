@@ -556,7 +556,7 @@ def material(
         "name": name or _default_name(dma),
         "citation": citation or f"Measured data: {dma.source or 'arrays'}",
     }
-    done = progress or (lambda _done, _total: None)
+    report_step = progress or (lambda _done, _total: None)
     with warnings.catch_warnings():
         # what is doubted in the end is told below
         warnings.simplefilter("ignore", FitWarning)
@@ -567,11 +567,11 @@ def material(
             shift=shift,
             temperature_error=temperature_error,
         )
-        done(1, _STEPS)
+        report_step(1, _STEPS)
         master = _shifted(free, vertical)
-        done(2, _STEPS)
+        report_step(2, _STEPS)
         fit = _fitted(master, law, series, description)
-        done(3, _STEPS)
+        report_step(3, _STEPS)
     fit = replace(fit, warnings=(*fit.warnings, *_misses(fit)))
     tell(warning for warning in fit.warnings if warning not in dma.warnings)
     return fit

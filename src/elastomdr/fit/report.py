@@ -187,7 +187,7 @@ def _interval(
 
 
 def _check_outside(
-    rate: np.ndarray, window: tuple[float, float], what: str
+    rate: np.ndarray, window: tuple[float, float], quantity: str
 ) -> np.ndarray:
     """Whether rates [rad/s] lie inside the measured window; those outside are counted
     in one `FitWarning`.
@@ -195,7 +195,7 @@ def _check_outside(
     inside = (rate >= window[0] * (1 - 1e-9)) & (rate <= window[1] * (1 + 1e-9))
     if not inside.all():
         warn(
-            f"{int((~inside).sum())} of {inside.size} {what} are extrapolated: they "
+            f"{int((~inside).sum())} of {inside.size} {quantity} are extrapolated: they "
             f"lie outside the measured {window[0]:.3g} to {window[1]:.3g} rad/s.",
             FitWarning,
         )
@@ -208,7 +208,7 @@ def _check_outside(
 
 
 def table_csv(
-    what: str,
+    title: str,
     findings: Iterable[tuple[str, str]],
     columns: Mapping[str, Any],
     intervals: str = PLUS_MINUS,
@@ -217,7 +217,7 @@ def table_csv(
     with the findings of a fit.
     """
     header = [
-        f"elastomdr {__version__}: {what}",
+        f"elastomdr {__version__}: {title}",
         "units: SI, in brackets in the column titles",
         f"intervals: {intervals}; a column of standard deviations holds one of them",
         *(f"{name.strip()}: {sentence}" for name, sentence in findings),

@@ -348,13 +348,13 @@ def _at_points(
         asked["pressure"] = np.full(data["mu"].shape, flat["pressure"][0])
     missing = [name for name, value in asked.items() if value is None]
     if missing or (data["temperature"] is not None and "temperature" not in flat):
-        what = (
+        lacking = (
             f"no {missing[0]}"
             if missing
             else "temperatures that the curve was not computed for"
         )
         raise InputError(
-            f"curve must be computed at the measured points, which have {what}: give "
+            f"curve must be computed at the measured points, which have {lacking}: give "
             "em.friction the velocity, "
             "temperature and pressure of the measurement."
         )
@@ -491,9 +491,9 @@ def _descend(
     low, high = points.limits[free].T
 
     def whole(x: np.ndarray) -> np.ndarray:
-        full = p.copy()
-        full[free] = x
-        return full
+        parameters = p.copy()
+        parameters[free] = x
+        return parameters
 
     answer = least_squares(
         lambda x: (points.model(whole(x))[0] - points.mu) / size,

@@ -538,8 +538,8 @@ def fit_jointly(
         1.0, misfit
     ) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
-    here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
-    difference = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
+    lifted, unlifted = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
+    difference = (unlifted - unlifted[shifts.anchor]) - (lifted - lifted[shifts.anchor])
     choice = Doubt(np.sqrt(weight) * difference, 0.0, (np.inf, np.inf))
     return Joint(
         shifts,
@@ -710,7 +710,7 @@ def at_reference(joint: Joint, reference: float) -> AtReference:
         place = of_law(float(x[shifts.anchor] + step[0]), temperature, reference)
     change = np.eye(n) - place.weights
     laws_own = change @ spread @ change.T + place.variance
-    full = (
+    log10_a_covariance = (
         laws_own
         + change
         @ _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n)
@@ -731,7 +731,14 @@ def at_reference(joint: Joint, reference: float) -> AtReference:
         else {}
     )
     return AtReference(
-        shifted, full, lift @ p, std, place, ln_b_by_unknowns, laws, error
+        shifted,
+        log10_a_covariance,
+        lift @ p,
+        std,
+        place,
+        ln_b_by_unknowns,
+        laws,
+        error,
     )
 
 

@@ -439,8 +439,8 @@ def _new_noise(
         if square.size:
             freedom = max(square.size - effective[g], 0.1 * square.size)
             noise[g] = np.clip(np.sqrt(square.sum() / freedom), *limits)
-    there = np.array([square.size > 0 for square in squares])
-    return np.maximum(noise, noise[there].max() / _RATIO)
+    measured = np.array([square.size > 0 for square in squares])
+    return np.maximum(noise, noise[measured].max() / _RATIO)
 
 
 def _new_widths(
@@ -558,9 +558,9 @@ def _cholesky(matrix: np.ndarray) -> np.ndarray:
 def _inverse(factor: np.ndarray) -> np.ndarray:
     # the upper triangle stays that of the factor, zero
     lower = dpotri(factor, lower=1)[0]
-    full = lower + lower.T
-    np.einsum("ii->i", full)[:] *= 0.5
-    return full
+    inverse = lower + lower.T
+    np.einsum("ii->i", inverse)[:] *= 0.5
+    return inverse
 
 
 # --------------------------------------------------------------------------------------

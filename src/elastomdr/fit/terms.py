@@ -339,11 +339,11 @@ def _climb(
         (data.weights * residuals**2).sum() / data.alike + 2.0 * start.size
     )
     order = np.argsort(p[n : 2 * n])
-    full = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
+    by_time = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
     posterior = posterior._replace(
-        mean=p[full], covariance=posterior.covariance[np.ix_(full, full)]
+        mean=p[by_time], covariance=posterior.covariance[np.ix_(by_time, by_time)]
     )
-    priors = tuple(prior._replace(rows=prior.rows[:, full]) for prior in priors)
+    priors = tuple(prior._replace(rows=prior.rows[:, by_time]) for prior in priors)
     equilibrium = float(np.exp(p[-1])) if solid else 0.0
     return Terms(
         p[:n][order], p[n : 2 * n][order], equilibrium, posterior, priors, criterion

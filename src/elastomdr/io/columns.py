@@ -355,7 +355,7 @@ def with_sign(
     A loss is positive; with exp(-i omega t) in place of exp(i omega t) all of it is
     negative.
     """
-    turned, said = dict(chosen), []
+    turned, remarks = dict(chosen), []
     for role, column in chosen.items():
         if not column.quantity.signed or column.log:
             continue
@@ -364,12 +364,12 @@ def with_sign(
         negative = int((numbers < 0).sum())
         if numbers.size and negative >= _ONE_SIGN * numbers.size:
             turned[role] = column._replace(sign=-1.0)
-            said.append(
+            remarks.append(
                 f"{name}: {column.title} is negative in {negative} of {numbers.size} "
                 "rows, as with exp(-i omega t): "
                 "its sign is turned."
             )
-    return turned, tuple(said)
+    return turned, tuple(remarks)
 
 
 def measured(

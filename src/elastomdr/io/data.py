@@ -171,9 +171,9 @@ class Dma:
             < SAME_STRAIN
         )
         if not near.any():
-            said = strains(self.strain) or "not known"
+            measured = strains(self.strain) or "not known"
             raise InputError(
-                f"strain must be one of those measured ({said}), got "
+                f"strain must be one of those measured ({measured}), got "
                 f"{100 * strain:.3g} %."
             )
         return self.where(near)
@@ -439,27 +439,27 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
     temperature, as those of a rheometer that holds its torque, stay.
     """
     swept = in_strain_sweep(dma)
-    said: list[str] = []
+    remarks: list[str] = []
     if swept.all():
         return dma, ()
     if swept.any():
-        said.append(
+        remarks.append(
             f"A sweep of strain, {int(swept.sum())} points from "
             f"{strains(dma.strain[swept])}, is left out: "
             "em.fit.softening reads it."
         )
-    rest = dma.where(~swept) if said else dma
+    rest = dma.where(~swept) if remarks else dma
     levels = _levels(rest)
     if len(levels) > 1:
         others = [strains(rest.strain[of_strain]) for of_strain in levels[1:]]
-        said.append(
+        remarks.append(
             "Sweeps at several strain amplitudes are not one sample: that at "
             f"{strains(rest.strain[levels[0]])} is used, that at "
             f"{' and '.join(others)} left out (dma.at_strain(...), --strain, chooses "
             "another)."
         )
         rest = rest.where(levels[0])
-    return rest, tuple(said)
+    return rest, tuple(remarks)
 
 
 def _levels(dma: Dma) -> list[np.ndarray]:

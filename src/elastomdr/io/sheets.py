@@ -55,13 +55,13 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     try:
         raw = read_bytes(path)
     except (OSError, ValueError) as error:
-        what = (
+        reason = (
             "is a folder: give the files in it"
             if path.is_dir()
             else getattr(error, "strerror", None) or error
         )
         raise InputError(
-            f"path must be a file that can be read, got {name!r}: {what}."
+            f"path must be a file that can be read, got {name!r}: {reason}."
         ) from error
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
         return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
@@ -328,12 +328,12 @@ def _spreadsheet(path: Path, name: str) -> list[Row]:
             f"{name!r}."
         ) from error
     if read.returncode != 0:
-        said = (
+        reason = (
             read.stdout.decode(errors="replace").strip() if read.returncode == 1 else ""
         )
         raise InputError(
             f"path must be a spreadsheet that can be read, got {name!r} "
-            f"({said or 'it is damaged'})."
+            f"({reason or 'it is damaged'})."
         )
     rows: list[Row] = []
     # line numbers are those of the sheet

@@ -274,21 +274,21 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
             (0, moduli.shape[0])
         )
     roots, slope, near = _roots(poles, strengths, equilibrium)
-    there = xp.isfinite(roots) & present
-    compliances = xp.where(there, 1 / (xp.where(there, roots, 1.0) * slope), 0.0)
-    order = xp.argsort(xp.where(there, roots, xp.inf))
-    roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
+    has_root = xp.isfinite(roots) & present
+    compliances = xp.where(has_root, 1 / (xp.where(has_root, roots, 1.0) * slope), 0.0)
+    order = xp.argsort(xp.where(has_root, roots, xp.inf))
+    roots = xp.where(has_root, roots, xp.maximum(2 * poles[-1], 1.0))
     near = near[:, 1:] if with_dashpot else near
     kept = slice(None) if is_traced(weights) else np.flatnonzero(np.asarray(moduli) > 0)
     gaps = roots[:, None] - xp.asarray(law.times)
-    closer = xp.where(there[:, None], near, gaps[:, kept])
+    closer = xp.where(has_root[:, None], near, gaps[:, kept])
     if on_numpy():
         gaps[:, kept] = closer
     else:
         gaps = gaps.at[:, kept].set(closer)
     # drop what is not there: the flow of a liquid, an empty branch
-    if not is_traced(there):
-        order = order[: int(there.sum())]
+    if not is_traced(has_root):
+        order = order[: int(has_root.sum())]
     return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[
         order
     ]
@@ -317,11 +317,11 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     if weights.shape[0] == 0:
         return Relaxation(equilibrium, weights, poles, viscosity)
     roots, slope, _ = _roots(poles, weights, fluidity)
-    there = xp.isfinite(roots)
-    roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
-    moduli = xp.where(there, 1 / (roots**2 * slope), 0.0)
-    if not is_traced(there):
-        roots, moduli = roots[there], moduli[there]
+    has_root = xp.isfinite(roots)
+    roots = xp.where(has_root, roots, xp.maximum(2 * poles[-1], 1.0))
+    moduli = xp.where(has_root, 1 / (roots**2 * slope), 0.0)
+    if not is_traced(has_root):
+        roots, moduli = roots[has_root], moduli[has_root]
     return Relaxation(equilibrium, moduli, roots, viscosity)
 
 

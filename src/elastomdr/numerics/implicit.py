@@ -209,11 +209,11 @@ def numbers_with_slopes(
             fixed = jax.lax.stop_gradient((shared, points))
             shapes = like(*fixed)
             values = on_host(_of_sound(numbers, shapes), shapes, *fixed)
-            done: tuple[Any, ...] = ()
+            answers: tuple[Any, ...] = ()
             for with_slopes, count in groups:
-                group = values[len(done) : len(done) + count]
-                done += with_slopes(group, (shared, points))
-            return (*done, *values[len(done) :])
+                group = values[len(answers) : len(answers) + count]
+                answers += with_slopes(group, (shared, points))
+            return (*answers, *values[len(answers) :])
 
     return whole
 

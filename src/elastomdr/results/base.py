@@ -792,46 +792,46 @@ def _joined_field(f: Any, column: list[Any]) -> Any:
     """The values of one field of several records. Raises `InputError` where they do not
     fit together.
     """
-    there = [value for value in column if value is not None]
+    given = [value for value in column if value is not None]
     if "static" in f.metadata:
         if any(value != column[0] for value in column):
             raise InputError(
                 f"results must have been computed alike, got {f.name} = {column}."
             )
         return column[0]
-    if not there:
+    if not given:
         return None
     if "quantity" in f.metadata:
-        return _stacked(f.name, column, there)
-    if not any(True for _ in _quantities(there[0], "")):
+        return _stacked(f.name, column, given)
+    if not any(True for _ in _quantities(given[0], "")):
         return tuple(column)
-    if len(there) < len(column):
+    if len(given) < len(column):
         raise InputError(
-            f"results must have been computed alike, got {f.name} in {len(there)} of "
+            f"results must have been computed alike, got {f.name} in {len(given)} of "
             f"{len(column)}."
         )
-    return _joined(there)
+    return _joined(given)
 
 
-def _stacked(name: str, column: list[Any], there: list[Any]) -> Any:
+def _stacked(name: str, column: list[Any], given: list[Any]) -> Any:
     """Arrays along a new first axis; one that is missing is NaN (or False), the last
     axis as long as the longest.
     """
     xp: Any = np
     if is_traced(column):
         import jax.numpy as xp
-    shapes = {np.shape(x)[:-1] for x in there}
-    if len(shapes) > 1 or len({np.ndim(x) for x in there}) > 1:
+    shapes = {np.shape(x)[:-1] for x in given}
+    if len(shapes) > 1 or len({np.ndim(x) for x in given}) > 1:
         raise InputError(
             f"results must have one shape, got {name} of the shapes "
-            f"{[np.shape(x) for x in there]}."
+            f"{[np.shape(x) for x in given]}."
         )
-    longest = max(np.shape(x)[-1] if np.ndim(x) else 0 for x in there)
+    longest = max(np.shape(x)[-1] if np.ndim(x) else 0 for x in given)
 
     def padded(x: Any) -> Any:
         if x is None:
-            shape = (*np.shape(there[0])[:-1], longest) if np.ndim(there[0]) else ()
-            return xp.full(shape, False if there[0].dtype == bool else np.nan)
+            shape = (*np.shape(given[0])[:-1], longest) if np.ndim(given[0]) else ()
+            return xp.full(shape, False if given[0].dtype == bool else np.nan)
         x = xp.asarray(x)
         if not x.ndim or x.shape[-1] == longest:
             return x

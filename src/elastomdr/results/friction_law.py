@@ -128,12 +128,12 @@ class FrictionLaw(Tree):
         axes = self.axes()
         for name, value in asked.items():
             if (value is None) == (name in axes):
-                said = (
+                requirement = (
                     "given: this friction law depends"
                     if name in axes
                     else "left out: this friction law does not depend"
                 )
-                raise InputError(f"{name} must be {said} on it.")
+                raise InputError(f"{name} must be {requirement} on it.")
         values = {name: as_float64(name, asked[name]) for name in axes}
         shape = broadcast_shape(**values)
         corners, inside = [], xp.ones(shape, bool)

@@ -333,8 +333,10 @@ def draw_traction(result: Any, ask: Ask) -> Any:
 
     ax = draw(result, ask, x=x, also=full_slip)
     if constant:
-        full = float(friction.flat[0])
-        for bound in {full, -full} if np.nanmin(getattr(result, x)) < 0 else {full}:
+        sliding = float(friction.flat[0])
+        for bound in (
+            {sliding, -sliding} if np.nanmin(getattr(result, x)) < 0 else {sliding}
+        ):
             ax.axhline(bound, color="#888888", linewidth=0.9, linestyle="--", zorder=1)
     return ax
 

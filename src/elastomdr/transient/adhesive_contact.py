@@ -223,7 +223,7 @@ def receding(
         by_depth[0], rest.radius("depth", depth[0]), rest.radius("load", load[0])
     )
     ends = bond.breaks("depth"), bond.breaks("load")
-    there = jnp.where(
+    holds = jnp.where(
         by_depth[0],
         _reaches(depth[0], rest.breaks("depth").depth),
         _reaches(load[0], rest.breaks("load").force),
@@ -237,12 +237,12 @@ def receding(
         return _recede(law, modes, bond, ends, begin, state, now)
 
     none = jnp.zeros_like(law.times), jnp.zeros_like(modes.rate)
-    start = _Receding(a0, d0, d0, there, *none)
+    start = _Receding(a0, d0, d0, holds, *none)
     _, (d, force, a, known, grows) = jax.lax.scan(
         step, start, (jnp.diff(time), depth[1:], load[1:], by_depth[1:])
     )
     first = (d0, jnp.where(by_depth[0], rest.force(a0, d0), load[0]), a0)
-    known = jnp.append(there, there & known & ~(jnp.cumsum(grows) > 0))
+    known = jnp.append(holds, holds & known & ~(jnp.cumsum(grows) > 0))
     nan = jnp.full(time.shape, jnp.nan)
     d, force, a = (
         jnp.where(known, jnp.append(one, many), jnp.nan)

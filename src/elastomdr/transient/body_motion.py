@@ -213,8 +213,8 @@ def _put_down(
     depth = settle(
         touch_depth, stiffness, spring, begin.value, y.ahead, surface.between
     )
-    line, done = _press(c, y.line, fading, rise, depth)
-    work = total(surface.weight, done)
+    line, element_work = _press(c, y.line, fading, rise, depth)
+    work = total(surface.weight, element_work)
     motion = y._replace(
         line=line,
         value=begin.value,
@@ -269,14 +269,14 @@ def _advance(
         drag, depth = xp.zeros(()), depth_at(rise, guess)
     if viscous:
         _, slope = surface.rise_and_slope(position - lag(c) * moved)
-    line, done = _press(c, y.line, fading, rise, depth)
+    line, element_work = _press(c, y.line, fading, rise, depth)
     after = y._replace(
         line=line,
         drive=end.position,
         value=end.value,
         position=position,
         depth=depth,
-        work=y.work + total(surface.weight, done),
+        work=y.work + total(surface.weight, element_work),
     )
     after = _moved(scene, y, after, end.h, drag)
     return after, (slope, depth + rise - u_free if surface.between else None)
@@ -408,10 +408,12 @@ def felt_by(
         return normal, drag
     edge, _ = edges(excess)
     a, b = xp.abs(excess[:-1]), xp.abs(excess[1:])
-    there = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
+    slope_at_edge = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
     top = xp.max(excess)  # q is S times what is positive of it
     stiffness = weight * xp.max(q) / xp.where(top > 0, top, 1.0)
-    return normal + stiffness * xp.sum(edge), drag + stiffness * xp.sum(edge * there)
+    return normal + stiffness * xp.sum(edge), drag + stiffness * xp.sum(
+        edge * slope_at_edge
+    )
 
 
 def _press(

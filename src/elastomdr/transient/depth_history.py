@@ -443,11 +443,13 @@ def over_histories(
     more = -count % size
     traced = is_traced(law, modes, disc, *histories)
     numpy = xp if traced else np
-    full = tuple(
+    filled_up = tuple(
         numpy.concatenate([h, numpy.repeat(h[:1], more, axis=0)]) if more else h
         for h in histories
     )
-    out = _mapped(law, modes, disc, *full, function=function, levels=levels, size=size)
+    out = _mapped(
+        law, modes, disc, *filled_up, function=function, levels=levels, size=size
+    )
     return mapped(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
 
 

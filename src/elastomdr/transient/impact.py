@@ -386,7 +386,7 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
     points = np.zeros(
         (len(scene.foundations), duration.size // len(scene.foundations)), bool
     )
-    what = []
+    findings = []
     illustrative = True
     temperatures = (
         None
@@ -397,20 +397,24 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
         zip(scene.foundations, duration.reshape(points.shape), strict=True)
     ):
         known = foundation.range
-        there = None if temperatures is None else temperatures[i]
+        temperature = None if temperatures is None else temperatures[i]
         if known is None:
             continue
         factor = (
-            1.0 if there is None else np.asarray(thermal_factors(foundation, there)[0])
+            1.0
+            if temperature is None
+            else np.asarray(thermal_factors(foundation, temperature)[0])
         )
         rate = _PASSAGE * factor / times
-        points[i] = known.outside(rate, there)
+        points[i] = known.outside(rate, temperature)
         if points[i].any():
-            what += known.findings(rate, there, "a_T/t to 4 a_T/t, t the contact time,")
+            findings += known.findings(
+                rate, temperature, "a_T/t to 4 a_T/t, t the contact time,"
+            )
             illustrative &= known.illustrative
     return told(
         points.reshape(scene.shape),
-        "; ".join(dict.fromkeys(what)),
+        "; ".join(dict.fromkeys(findings)),
         illustrative,
     )
 

@@ -130,20 +130,20 @@ class Indentation(AbstractHistory):
         """
         return self._surface(r, time, "displacement")
 
-    def _surface(self, r: Any, time: Any, what: str) -> np.ndarray:
+    def _surface(self, r: Any, time: Any, field_name: str) -> np.ndarray:
         if is_traced(self, r, time):
             raise InputError(
-                f"{what} is for numbers: call it outside jit, grad and vmap."
+                f"{field_name} is for numbers: call it outside jit, grad and vmap."
             )
         r, time = as_float64("r", r), scalar("time", time)
         not_negative("r", r)
         if self.origins:
             return np.stack(
-                [one._surface(r, time, what) for one in self.each_material()]
+                [one._surface(r, time, field_name) for one in self.each_material()]
             )
         if self.surface is None:
-            raise InputError(f"{what} is not computed with adhesion.")
-        return self.surface.at(np.asarray(self.depth), r, float(time), what)
+            raise InputError(f"{field_name} is not computed with adhesion.")
+        return self.surface.at(np.asarray(self.depth), r, float(time), field_name)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Largest depth and force, and what is left at the end."""
@@ -223,7 +223,7 @@ def indent(
     if isinstance(disc, LayerDisc):
         layer: Any = material
         incompressible_enough(layer, disc, solution.radius, solution.force)
-    shown = _judge(solution, adhesion is None, rtol)
+    shown = _accepted(solution, adhesion is None, rtol)
     numpy = xp if is_traced(solution.depth, solution.force) else np
     every_time = numpy.broadcast_to(course.time, solution.depth.shape)
     given_load = course.load is not None and course.depth is None
@@ -261,7 +261,7 @@ def indent(
     )
 
 
-def _judge(solution: Indented, has_heat: bool, rtol: float) -> Any:
+def _accepted(solution: Indented, has_heat: bool, rtol: float) -> Any:
     """Warns of instants that miss `rtol`; which of them are handed out."""
     asked = f" to rtol={rtol:g}"
     warn_unless(solution.converged, "instants", asked, solution.reason)

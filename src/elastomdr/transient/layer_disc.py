@@ -191,8 +191,8 @@ class LayerDisc(Disc):
     def _inverse(
         self, value: Array, levels: Array, power: float, value_and_slope: Any
     ) -> Array:
-        there = value > 0
-        value = xp.where(there, value, levels[0])
+        touches = value > 0
+        value = xp.where(touches, value, levels[0])
         log = xp.log(fixed(value))
         known, places = (xp.log(xp.asarray(fixed(x))) for x in (levels, self.places))
         guess = xp.interp(log, known, places) + xp.minimum(log - known[0], 0.0) / power
@@ -208,7 +208,7 @@ class LayerDisc(Disc):
             else:
                 a = a + (value - height) / fixed(rise)
         beyond = value > levels[-1] * (1 + 1e-12)
-        return xp.where(there, xp.where(beyond, xp.nan, a), 0.0)
+        return xp.where(touches, xp.where(beyond, xp.nan, a), 0.0)
 
     @property
     def _tip_power(self) -> float:
@@ -461,11 +461,11 @@ def incompressible_enough(
     bulk: Any = getattr(material.material, "bulk", None)
     if bulk is None or is_traced(bulk, disc, radius, force):
         return
-    there = np.isfinite(radius) & (radius > 0)
-    a = np.asarray(radius)[there]
+    touches = np.isfinite(radius) & (radius > 0)
+    a = np.asarray(radius)[touches]
     if not a.size:
         return
-    shear = np.asarray(force)[there] / (4 * np.asarray(disc.area(a)))
+    shear = np.asarray(force)[touches] / (4 * np.asarray(disc.area(a)))
     share = float(np.max((a / float(disc.thickness)) ** 2 * shear / float(bulk)))
     if share > _STIFFER:
         raise InputError(

@@ -451,8 +451,8 @@ def _advance(
     # int F dd of the body, apart from what elements receive; a dashpot's force jumps
     # with the rate of the depth.
     received = xp.sum(weight * (after.work - elements.work))
-    done = 0.5 * (before.force + force) * (depth - before.depth)
-    work = xp.where(now.by_depth & (law.viscosity > 0), received, done)
+    body_work = 0.5 * (before.force + force) * (depth - before.depth)
+    work = xp.where(now.by_depth & (law.viscosity > 0), received, body_work)
     state = _State(after, depth, force, before.work + work, first_depth, first_force)
     return state, depth - touch_depth
 

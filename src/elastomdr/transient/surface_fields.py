@@ -41,7 +41,7 @@ class Elements(NamedTuple):
     course: Course
 
     def at(
-        self, depth: np.ndarray, r: np.ndarray, time: float, what: str
+        self, depth: np.ndarray, r: np.ndarray, time: float, field_name: str
     ) -> np.ndarray:
         """The "pressure" or "displacement" at radii r [m] and one time [s], after the
         axes of the histories.
@@ -71,7 +71,7 @@ class Elements(NamedTuple):
                 continue
             knots = refined(self.law, modes, self.disc, history, row, _RTOL)
             surface = surface_at(self.law, modes, self.disc, *knots, time)
-            values.append(getattr(surface, what)(r))
+            values.append(getattr(surface, field_name)(r))
         return np.stack(values).reshape((*leading, *r.shape))
 
 
