@@ -173,19 +173,23 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
         full = list(leaves)
         for i, value in zip(places, given, strict=True):
             full[i] = value
-        some, named = jax.tree.unflatten(tree, full)
+        arguments, named = jax.tree.unflatten(tree, full)
         with jax.enable_x64(True):
-            found, shape = jax.tree.flatten(on_jax(function, *some, **named))
-            kept = [isinstance(leaf, jax.Array) for leaf in found]
+            result_leaves, shape = jax.tree.flatten(
+                on_jax(function, *arguments, **named)
+            )
+            kept = [isinstance(leaf, jax.Array) for leaf in result_leaves]
             rest[:] = [
                 shape,
                 [
                     None if array else leaf
-                    for leaf, array in zip(found, kept, strict=True)
+                    for leaf, array in zip(result_leaves, kept, strict=True)
                 ],
                 kept,
             ]
-            return tuple(leaf for leaf, array in zip(found, kept, strict=True) if array)
+            return tuple(
+                leaf for leaf, array in zip(result_leaves, kept, strict=True) if array
+            )
 
     @jax.custom_vjp
     def whole(*given: Any) -> tuple[Any, ...]:
@@ -240,11 +244,11 @@ def _holds(tree: Any, tracer: type) -> bool:
     if type(tree) in _PLAIN:
         return False
     if isinstance(tree, (tuple, list)):
-        return any(_holds(part, tracer) for part in tree)
+        return any(_holds(branch, tracer) for branch in tree)
     if isinstance(tree, (Tree, dict)):
         return any(
-            _holds(part, tracer)
-            for part in (tree if isinstance(tree, dict) else vars(tree)).values()
+            _holds(branch, tracer)
+            for branch in (tree if isinstance(tree, dict) else vars(tree)).values()
         )
     if isinstance(tree, tracer):
         return True

@@ -298,8 +298,10 @@ def warn_of_failed(
     none where all did.
     """
     if failed:
-        said = f"{failed} of {count} {points} did not converge{asked}; they are NaN."
-        warn(f"{said} {reason}".strip(), ConvergenceWarning)
+        sentence = (
+            f"{failed} of {count} {points} did not converge{asked}; they are NaN."
+        )
+        warn(f"{sentence} {reason}".strip(), ConvergenceWarning)
 
 
 def alike(least: int, **lists: Any) -> None:

@@ -49,10 +49,10 @@ def warn(message: str, category: type[Warning]) -> None:
     That line is just outside of the outermost frame of the package: decorators of the
     standard library, SciPy and JAX may stand between inner ones.
     """
-    caller, level, frame = 2, 1, sys._getframe(0)
+    caller, frames, frame = 2, 1, sys._getframe(0)
     while frame is not None:
-        level += 1
+        frames += 1
         if frame.f_code.co_filename.startswith(_PACKAGE):
-            caller = level
+            caller = frames
         frame = frame.f_back
     warnings.warn(message, category, stacklevel=caller)

@@ -108,7 +108,9 @@ def csv_text(header: Iterable[str], columns: Mapping[str, Any]) -> str:
 def _cell(value: Any) -> str:
     if isinstance(value, float):
         return "" if value != value else repr(float(value))
-    text = str(value)
+    entry = str(value)
     return (
-        f'"{text.replace(chr(34), 2 * chr(34))}"' if set(text) & set(',"\n') else text
+        f'"{entry.replace(chr(34), 2 * chr(34))}"'
+        if set(entry) & set(',"\n')
+        else entry
     )

@@ -85,9 +85,9 @@ class Model:
         """`em.plan` of a rough line or surface; `scene` holds its other arguments."""
         self._refuse("one of friction")
 
-    def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
-        """Gaps of a surface and the flow through them, for `em.leak`; `level` is the
-        pressure over E*, shape (points,).
+    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
+        """Gaps of a surface and the flow through them, for `em.leak`;
+        `relative_pressure` is the pressure over E*, shape (points,).
         """
         self._refuse(
             "em.Multiscale(), em.CriticalConstriction(), em.EffectiveMedium() or "
@@ -435,8 +435,8 @@ class Line(Model):
     def check_adhesion(self, adhesion: AdhesiveShear | None) -> None:
         from .rough.adhesion import no_area
 
-        what = f"a {self.label} on a rough line or surface"
-        no_area(adhesion, what, "use em.Multiscale() under a pressure")
+        model_in_words = f"a {self.label} on a rough line or surface"
+        no_area(adhesion, model_in_words, "use em.Multiscale() under a pressure")
 
 
 @constructor_in_si
@@ -472,10 +472,10 @@ class Multiscale(_ClosedIntegrals):
 
         return waves_of_multiscale(modulus, nodes, velocity, pressure, table, local)
 
-    def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
+    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
         from .seal.leak_form import leak
 
-        return leak(surface, level)
+        return leak(surface, relative_pressure)
 
 
 @constructor_in_si
@@ -620,10 +620,12 @@ class HalfSpace(SurfaceModel):
     ) -> Array | None:
         return None
 
-    def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
+    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
         from .seal.gap_maps import leak
 
-        return leak(self.cells, self.periods, seeds_of(self.seeds), surface, level)
+        return leak(
+            self.cells, self.periods, seeds_of(self.seeds), surface, relative_pressure
+        )
 
 
 KINDS: dict[str, type[Model]] = {

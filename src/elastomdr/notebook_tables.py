@@ -16,8 +16,8 @@ def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:
     """A heading and rows of a name and a text, all of it escaped."""
     lines = (
         f'<tr><th style="text-align: left">{html.escape(name)}</th>'
-        f'<td style="text-align: left">{html.escape(text)}</td></tr>'
-        for name, text in rows
+        f'<td style="text-align: left">{html.escape(value)}</td></tr>'
+        for name, value in rows
     )
     return f"<table><caption>{html.escape(title)}</caption><tbody>{''.join(lines)}</tbody></table>"
 
@@ -35,8 +35,8 @@ def fields_in_words(tree: Any) -> Iterator[tuple[str, str]]:
         ):
             continue
         unit = UNITS.get(field.name.removesuffix("_table"), "")
-        text = _in_words(value)
-        yield field.name, f"{text} {unit}" if unit and isinstance(unit, str) else text
+        words = _in_words(value)
+        yield field.name, f"{words} {unit}" if unit and isinstance(unit, str) else words
 
 
 def _in_words(value: Any) -> str:

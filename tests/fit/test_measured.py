@@ -12,7 +12,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
-from elastomdr.fit.isotherms import look_swapped
+from elastomdr.fit.isotherms import moduli_exchanged
 
 DATA = Path(
     os.environ.get(
@@ -92,9 +92,9 @@ def test_measured_moduli(names, options, size, means):
         for x in (dma.omega, dma.temperature, dma.storage, dma.loss)
     ]
     np.testing.assert_allclose(found, means, rtol=1e-8)
-    assert not look_swapped(dma.temperature, dma.omega, dma.storage, dma.loss)
+    assert not moduli_exchanged(dma.temperature, dma.omega, dma.storage, dma.loss)
     if size > 200 and "master" not in names[0]:
-        assert look_swapped(dma.temperature, dma.omega, dma.loss, dma.storage)
+        assert moduli_exchanged(dma.temperature, dma.omega, dma.loss, dma.storage)
 
 
 @pytest.mark.parametrize(

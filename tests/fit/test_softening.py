@@ -54,7 +54,7 @@ def test_without_noise_the_factors_come_back():
     f, g = factors(strain)
     assert np.abs(found.factors(strain)[0] - f).max() < 5e-4
     assert np.abs(found.factors(strain)[1] - g).max() < 5e-3
-    assert found.found.small == pytest.approx(np.array([[5e6, 4e5]]), rel=1e-5)
+    assert found.sweeps.small == pytest.approx(np.array([[5e6, 4e5]]), rel=1e-5)
     assert found.warnings == ()
     rubber = em.StandardSolid(1e6, 1e6, 1.0, softening=found)
     assert rubber.softening is found
@@ -97,11 +97,11 @@ def test_sweeps_at_several_temperatures_and_frequencies_are_joined():
         name: np.concatenate([part[name] for part in parts])[mixed] for name in parts[0]
     }
     found = em.fit.softening(joined)
-    assert found.found.omega.size == 3
+    assert found.sweeps.omega.size == 3
     for name, value in TRUTH.items():
         assert found.interval[name][0] <= value <= found.interval[name][1], name
         assert found.parameters[name] == pytest.approx(value, rel=0.1)
-    assert sorted(found.found.small[:, 0]) == pytest.approx([4e6, 7e6, 8e6], rel=0.02)
+    assert sorted(found.sweeps.small[:, 0]) == pytest.approx([4e6, 7e6, 8e6], rel=0.02)
     assert found.warnings == ()
     another = {**parts[1], "storage": parts[1]["storage"] * parts[1]["strain"] ** 0.1}
     with_it = {name: np.concatenate([joined[name], another[name]]) for name in joined}

@@ -7,7 +7,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.fit.laws import USUAL, slopes, thermometer
+from elastomdr.fit.laws import USUAL, slopes, temperature_error
 
 from ..io.dma_files import KNOWN, data
 
@@ -28,7 +28,9 @@ def factors(error, seed, kelvin=KELVIN, law=LAW):
 def test_found_from_the_scatter_about_a_law():
     known = 0.002**2 * np.eye(KELVIN.size)
     for error, low, high in ((0.0, 0.0, 0.06), (0.3, 0.2, 0.4), (0.6, 0.4, 0.8)):
-        found = [thermometer(KELVIN, factors(error, seed), known) for seed in range(20)]
+        found = [
+            temperature_error(KELVIN, factors(error, seed), known) for seed in range(20)
+        ]
         assert low <= np.sqrt(np.mean(np.square(found))) <= high
     np.testing.assert_allclose(
         slopes(KELVIN, factors(0.0, 0))[3], -5.8 * 125 / (125 - 10) ** 2, rtol=0.03
@@ -37,16 +39,16 @@ def test_found_from_the_scatter_about_a_law():
 
 def test_the_usual_error_where_the_scatter_says_nothing():
     known = 0.002**2 * np.eye(KELVIN.size)
-    assert thermometer(KELVIN[:3], factors(0.0, 0)[:3], known[:3, :3]) == USUAL
+    assert temperature_error(KELVIN[:3], factors(0.0, 0)[:3], known[:3, :3]) == USUAL
     jumps = factors(0.0, 0) - 1.5 * (KELVIN > 290)  # no law, and no thermometer
-    assert thermometer(KELVIN, jumps, known) == USUAL
+    assert temperature_error(KELVIN, jumps, known) == USUAL
 
 
 def test_what_is_expected_where_the_factors_are_hardly_known():
     """The likelihood is flat: half normal with two chances in three and nothing with
     one, mean square 2/3 USUAL^2.
     """
-    found = thermometer(KELVIN, factors(0.0, 0), 100.0**2 * np.eye(KELVIN.size))
+    found = temperature_error(KELVIN, factors(0.0, 0), 100.0**2 * np.eye(KELVIN.size))
     np.testing.assert_allclose(found, USUAL * np.sqrt(2 / 3), rtol=0.015)
 
 

@@ -636,7 +636,7 @@ def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(
     )
     glass = em.Prony(1e9, np.full(25, 1e7), times, shift=law)  # tan delta of 0.01
     filled = em.Prony(4e6, 4e5 * times**-0.05, times, shift=law)
-    from elastomdr.fit.isotherms import look_swapped
+    from elastomdr.fit.isotherms import moduli_exchanged
 
     for material in (melt, glass, filled, KNOWN):
         for decades, noise in ((1.0, 0.002), (3.0, 0.05)):
@@ -646,15 +646,17 @@ def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(
                 np.geomspace(0.1, 0.1 * 10**decades, 9),
                 noise,
             ).T
-            assert not look_swapped(t + 273.15, 2 * np.pi * f, s, l)
-            assert look_swapped(t + 273.15, 2 * np.pi * f, l, s)
+            assert not moduli_exchanged(t + 273.15, 2 * np.pi * f, s, l)
+            assert moduli_exchanged(t + 273.15, 2 * np.pi * f, l, s)
     omega = np.geomspace(0.1, 100, 20)
     rouse = 1e5 * np.sqrt(omega)
-    assert not look_swapped(np.full(20, 300.0), omega, rouse, rouse)  # alike
+    assert not moduli_exchanged(np.full(20, 300.0), omega, rouse, rouse)  # alike
     # a ramp
-    assert not look_swapped(np.arange(20) + 200.0, np.full(20, 6.28), rouse, 10 * rouse)
+    assert not moduli_exchanged(
+        np.arange(20) + 200.0, np.full(20, 6.28), rouse, 10 * rouse
+    )
     # damaged
-    assert not look_swapped(
+    assert not moduli_exchanged(
         np.full(20, 300.0), omega, rouse, np.where(omega > 1, 1e306, rouse)
     )
     rows = measure(KNOWN)[:, [0, 1, 3, 2]]

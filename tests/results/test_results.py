@@ -570,7 +570,7 @@ def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
             "storage": 1e6 + 4e6 / (1 + swept / 0.02),
             "loss": 1e5 + 0 * swept,
         }
-    ).found
+    ).sweeps
     assert "<caption>Sweeps</caption>" in fit._repr_html_()
     assert html.escape(fit.summary().splitlines()[-1][-20:]) in fit._repr_html_()
 

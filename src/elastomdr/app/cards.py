@@ -118,7 +118,7 @@ def _top(result: AbstractCurve, curve: Curve) -> _Top | None:
 
     def along(key: str, default: float) -> np.ndarray:
         values = fields.get(key, np.full(fields["error"].shape, default))
-        return np.atleast_1d(values[curve.at])
+        return np.atleast_1d(values[curve.place])
 
     x, y = along("velocity", np.nan), along(result.shows, np.nan)
     order = np.argsort(x, kind="stable")

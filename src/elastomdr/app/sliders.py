@@ -95,9 +95,11 @@ class Sliders:
         _, curves = result.curves()
         said = []
         for curve in curves:
-            x = np.log(np.atleast_1d(result.velocity[curve.at]))
+            x = np.log(np.atleast_1d(result.velocity[curve.place]))
             mu, half = (
-                float(np.interp(np.log(velocity), x, np.atleast_1d(values[curve.at])))
+                float(
+                    np.interp(np.log(velocity), x, np.atleast_1d(values[curve.place]))
+                )
                 for values in (result.mu, spread)
             )
             name = f"{curve.label}: " if curve.label else ""

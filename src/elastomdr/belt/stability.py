@@ -113,7 +113,7 @@ class Stability(Result):
         fields = {q.key: value for q, value in self.fields().items()}
         for curve in self.curves()[1][:_LISTED]:
             velocity, force, ratio, follows = (
-                fields[key][curve.at]
+                fields[key][curve.place]
                 for key in ("velocity", "force", "ratio", "follows")
             )
             counts = follows & np.isfinite(ratio)

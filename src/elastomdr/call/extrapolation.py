@@ -33,13 +33,13 @@ class Beyond(NamedTuple):
 NOT_KNOWN = Beyond(None, ())
 
 
-def told(points: np.ndarray, what: str, illustrative: bool) -> Beyond:
+def told(points: np.ndarray, findings: str, illustrative: bool) -> Beyond:
     """Says what lies beyond, with a warning unless the range is an assumption only."""
     if not points.any():
         return Beyond(points, ())
     sentence = (
         f"{int(points.sum())} of {points.size} points lie beyond the range of the "
-        f"material: {what}"
+        f"material: {findings}"
     )
     if not illustrative:
         warn(f"{sentence}.", ExtrapolationWarning)
@@ -60,8 +60,8 @@ def steady_beyond(
         return NOT_KNOWN
     rate = np.asarray(2 * reduced / size)
     points = known.outside(rate, temperature)
-    what = "; ".join(known.findings(rate, temperature)) if points.any() else ""
-    return told(points, what, known.illustrative)
+    findings = "; ".join(known.findings(rate, temperature)) if points.any() else ""
+    return told(points, findings, known.illustrative)
 
 
 def held_beyond(
@@ -76,11 +76,11 @@ def held_beyond(
         rate = 4 * np.asarray(factor) / (np.inf if time is None else np.asarray(time))
     shape = np.broadcast_shapes(rate.shape, np.shape(temperature))
     rate = np.broadcast_to(rate, shape)
-    kelvin = None if temperature is None else np.broadcast_to(temperature, shape)
-    points = known.outside(rate, kelvin)
+    temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
+    points = known.outside(rate, temperatures)
     of = "held for ever, 1/t" if time is None else "a_T/t to 4 a_T/t, t the time held,"
-    what = "; ".join(known.findings(rate, kelvin, of)) if points.any() else ""
-    return told(points, what, known.illustrative)
+    findings = "; ".join(known.findings(rate, temperatures, of)) if points.any() else ""
+    return told(points, findings, known.illustrative)
 
 
 def excited_outside(
@@ -122,12 +122,13 @@ def rough_beyond(
     if known is None:
         return NOT_KNOWN
     only, rate = known._replace(omega=None), np.zeros(shape)
-    kelvin = None if temperature is None else np.broadcast_to(temperature, shape)
-    points, what = only.outside(rate, kelvin), list(only.findings(rate, kelvin))
+    temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
+    points = only.outside(rate, temperatures)
+    findings = list(only.findings(rate, temperatures))
     if outside is not None and (outside > _OUTSIDE).any():
         points = points | (outside > _OUTSIDE)
         most = f"up to {outside.max():.0%} of the mean square slope"
-        what.append(f"{most} lies outside the measured frequencies of the material")
+        findings.append(f"{most} lies outside the measured frequencies of the material")
     if outside is None and known.temperature is None and not known.beyond:
         return NOT_KNOWN
-    return told(points, "; ".join(what), known.illustrative)
+    return told(points, "; ".join(findings), known.illustrative)

@@ -81,17 +81,21 @@ def steady_scene(
     velocity, value = as_float64("velocity", velocity), as_float64(name, given[name])
     positive("velocity", velocity)
     positive(name, value)
-    kelvin = None if temperature is None else as_float64("temperature", temperature)
+    temperature = (
+        None if temperature is None else as_float64("temperature", temperature)
+    )
     shape = broadcast_shape(
-        **{"velocity": velocity, name: value, "temperature": kelvin}
+        **{"velocity": velocity, name: value, "temperature": temperature}
     )
     factor, vertical = (
-        (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+        (1.0, 1.0) if temperature is None else thermal_factors(foundation, temperature)
     )
-    if kelvin is not None and not is_traced(velocity, factor):
-        _check_shift(kelvin, velocity, factor)
-    traced = is_traced(foundation, body, velocity, value, kelvin)
-    scene = Scene(foundation, name, shape, velocity, value, kelvin, None, None, traced)
+    if temperature is not None and not is_traced(velocity, factor):
+        _check_shift(temperature, velocity, factor)
+    traced = is_traced(foundation, body, velocity, value, temperature)
+    scene = Scene(
+        foundation, name, shape, velocity, value, temperature, None, None, traced
+    )
     return scene._replace(
         reduced=scene.full(velocity * factor), vertical=scene.full(vertical)
     )
@@ -135,14 +139,16 @@ def check_carries(foundation: Any) -> None:
         )
 
 
-def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
+def _check_shift(temperature: Any, velocity: Any, factor: Any) -> None:
     with np.errstate(over="ignore", invalid="ignore"):
-        kelvin, reduced = np.broadcast_arrays(kelvin, velocity * np.asarray(factor))
+        temperature, reduced = np.broadcast_arrays(
+            temperature, velocity * np.asarray(factor)
+        )
         bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
     if bad.any():
         raise InputError(
             f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} "
-            f"and {_FASTEST:g} m/s, got {float(kelvin[bad].flat[0]):g} K with v a_T = "
+            f"and {_FASTEST:g} m/s, got {float(temperature[bad].flat[0]):g} K with v a_T = "
             f"{float(reduced[bad].flat[0]):.3g} m/s: too far from where "
             "the shift law was measured."
         )

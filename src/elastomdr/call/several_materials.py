@@ -77,8 +77,10 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
         ]
         drawn = None
         if isinstance(material, Draws):
-            what = f"{len(material)} draws of {material.name or 'the material'}"
-            drawn = (what, material.words)
+            draws_in_words = (
+                f"{len(material)} draws of {material.name or 'the material'}"
+            )
+            drawn = (draws_in_words, material.words)
         return _packed(_computed(verb, calls, names, drawn), names, drawn)
 
     return wrapper
@@ -158,8 +160,8 @@ def _warn_once(caught: list[tuple[str, warnings.WarningMessage]], most: int) -> 
         texts.setdefault(str(warning.message), []).append(name)
     for category, texts in of_category.items():
         few = list(texts.items())[:most]
-        said = "; ".join(
-            f"{', '.join(dict.fromkeys(names))}: {text}" for text, names in few
+        sentence = "; ".join(
+            f"{', '.join(dict.fromkeys(names))}: {message}" for message, names in few
         )
-        said += f"; and {len(texts) - most} more" if len(texts) > most else ""
-        warn(said, category)
+        sentence += f"; and {len(texts) - most} more" if len(texts) > most else ""
+        warn(sentence, category)

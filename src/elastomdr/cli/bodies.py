@@ -428,9 +428,9 @@ class Adhesion(Table):
             return em.AdhesiveShear(self.stress, self.velocity, self.width, shift=shift)
 
 
-def equivalent_length(text: str) -> Any:
+def equivalent_length(value: str) -> Any:
     """A length [m], or "full contact"."""
-    if text == "full contact":
-        return text
+    if value == "full contact":
+        return value
     with named("equivalent_length"):
-        return Length.read(text)
+        return Length.read(value)

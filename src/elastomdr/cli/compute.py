@@ -96,13 +96,13 @@ def output_folder(out: str) -> Path:
     """
     folder = Path(out)
     try:
-        there = next(
+        existing = next(
             (f for f in (folder, *folder.absolute().parents) if f.exists()), None
         )
         usable = (
-            there is not None
-            and there.is_dir()
-            and os.access(there, os.W_OK)
+            existing is not None
+            and existing.is_dir()
+            and os.access(existing, os.W_OK)
             and "\0" not in out
         )
     except (OSError, ValueError):
@@ -210,23 +210,23 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
     ):
         return None
     top = np.unravel_index(np.nanargmax(curve.mu), curve.mu.shape)
-    at: dict[str, Any] = {
+    point: dict[str, Any] = {
         "model": dataclasses.replace(model, average=False),
         "velocity": curve.velocity[top],
     }
-    at |= (
+    point |= (
         {"load": curve.normal_force[top]}
         if curve.pressure is None
         else {"pressure": curve.pressure[top]}
     )
     if curve.temperature is not None:
-        at["temperature"] = curve.temperature[top]
+        point["temperature"] = curve.temperature[top]
         if curve.temperature_rise is not None:
-            at["temperature"] += curve.temperature_rise[top]
+            point["temperature"] += curve.temperature_rise[top]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.ConvergenceWarning)
-        found = em.line_contact(arguments["material"], arguments["shape"], **at)
-    return found if found.converged.all() else None
+        contact = em.line_contact(arguments["material"], arguments["shape"], **point)
+    return contact if contact.converged.all() else None
 
 
 def _write_table(result: Any, path: Path, notes: str) -> None:
@@ -300,9 +300,9 @@ class Bar:
         if not sys.stderr.isatty() or time.monotonic() - self._start < _PATIENCE:
             return
         self._shown = True
-        full = _WIDTH * done // total
+        filled = _WIDTH * done // total
         print(
-            f"\r[{'#' * full}{'.' * (_WIDTH - full)}] {done} of {total}",
+            f"\r[{'#' * filled}{'.' * (_WIDTH - filled)}] {done} of {total}",
             end="",
             file=sys.stderr,
             flush=True,

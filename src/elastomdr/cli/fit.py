@@ -241,11 +241,11 @@ def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
     return DONE
 
 
-def _kelvin(name: str, text: str | None) -> Any:
+def _kelvin(name: str, option: str | None) -> Any:
     """A temperature, or a list of them, in kelvin; numbers without a unit are in degC,
     as instruments write them.
     """
-    if text is None:
+    if option is None:
         return None
     from .schema import named
     from .units import Temperature
@@ -253,26 +253,26 @@ def _kelvin(name: str, text: str | None) -> Any:
     with named(name):
         parts = [
             f"{piece} degC" if _NUMBER.fullmatch(piece.strip()) else piece
-            for piece in text.split(",")
+            for piece in option.split(",")
         ]
         temperatures = [float(Temperature.read(piece)) for piece in parts]
     return temperatures if len(temperatures) > 1 else temperatures[0]
 
 
-def law_of(text: str | None) -> Any:
+def law_of(option: str | None) -> Any:
     """A shift law from its name and constants, or from a file; "universal" as it is."""
     import elastomdr as em
 
-    if text is None or text.strip() == "universal":
-        return text and text.strip()
-    match = re.fullmatch(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", text, re.IGNORECASE)
+    if option is None or option.strip() == "universal":
+        return option and option.strip()
+    match = re.fullmatch(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", option, re.IGNORECASE)
     if match is None:
-        return em.read_shifts(text)
+        return em.read_shifts(option)
     name, parts = match[1].lower(), [piece.strip() for piece in match[2].split(",")]
     units = {"wlf": ("", "K"), "vft": ("K", "degC"), "arrhenius": ("J/mol",)}[name]
     if len(parts) != len(units) + 1:
         raise InputError(
-            f'--shift must be a law such as "{_LAWS[name]}", got {text!r}.'
+            f'--shift must be a law such as "{_LAWS[name]}", got {option!r}.'
         )
     constants = [
         _constant(piece, unit, _LAWS[name])
@@ -283,50 +283,52 @@ def law_of(text: str | None) -> Any:
     )
 
 
-def _constant(text: str, unit: str, example: str) -> float:
+def _constant(constant: str, unit: str, example: str) -> float:
     if unit == "degC":
-        return float(_kelvin("--shift", text))
-    match = re.fullmatch(rf"({_NUMBER.pattern})\s*(k?J/mol|K)?", text, re.IGNORECASE)
+        return float(_kelvin("--shift", constant))
+    match = re.fullmatch(
+        rf"({_NUMBER.pattern})\s*(k?J/mol|K)?", constant, re.IGNORECASE
+    )
     known = {"": ("",), "K": ("", "k"), "J/mol": ("j/mol", "kj/mol")}[unit]
-    if match is None or (found := (match[4] or "").lower()) not in known:
+    if match is None or (symbol := (match[4] or "").lower()) not in known:
         raise InputError(
-            f'--shift must be a law such as "{example}", got {text!r} for '
+            f'--shift must be a law such as "{example}", got {constant!r} for '
             f"{unit or 'a number'}."
         )
-    return float(match[1]) * (1000 if found == "kj/mol" else 1)
+    return float(match[1]) * (1000 if symbol == "kj/mol" else 1)
 
 
-def size_of(key: str, text: str | None, kind: str) -> float | None:
+def size_of(key: str, option: str | None, kind: str) -> float | None:
     """A number with its unit in SI."""
     from ..units.registry import to_si, usual
 
-    if text is None:
+    if option is None:
         return None
-    match = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*(\S.*)", text, re.IGNORECASE)
+    match = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*(\S.*)", option, re.IGNORECASE)
     si = to_si(match[4], kind) if match else None
     if match is None or si is None:
         raise InputError(
             f"--{key} must be a number with a unit of {kind} ({usual(kind)}), got "
-            f"{text!r}."
+            f"{option!r}."
         )
     return float(match[1]) * si[0]
 
 
-def strain_of(text: str) -> float:
+def strain_of(option: str) -> float:
     """A strain amplitude [-], given as it is or in per cent."""
-    match = re.fullmatch(r"\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
+    match = re.fullmatch(r"\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", option)
     if match is None or match[1].count(".") > 1:
         raise InputError(
-            f'--strain must be an amplitude such as "0.1%" or 0.001, got {text!r}.'
+            f'--strain must be an amplitude such as "0.1%" or 0.001, got {option!r}.'
         )
     return float(match[1]) / (100 if match[2] else 1)
 
 
-def _column(text: str) -> tuple[str, Any]:
-    role, equals, title = text.partition("=")
+def _column(option: str) -> tuple[str, Any]:
+    role, equals, title = option.partition("=")
     if not equals or not role or not title:
         raise InputError(
             "--column must be a role and a title or number, such as storage=4, got "
-            f"{text!r}."
+            f"{option!r}."
         )
     return role.strip(), int(title) if title.strip().isdigit() else title

@@ -447,9 +447,9 @@ def follow(
         if not moved:
             # at rest the rubber answers on all its time scales
             fraction = np.geomspace(_FIRST, 1.0, points)
-        start, at, before = time[-1], position[-1], values[-1]
+        start, begin, before = time[-1], position[-1], values[-1]
         time.extend(start + duration * fraction)
-        position.extend(at + moved * fraction)
+        position.extend(begin + moved * fraction)
         values.extend(before + (new - before) * fraction)
     loads = np.array(values)
     if name == "pressure":

@@ -48,10 +48,10 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f"--profile and --spectrum belong to --kind road, got --kind {kind}."
         )
-    text = _filled_in(kind, path, options)
+    content = _filled_in(kind, path, options)
     try:
         with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+            file.write(content)
     except FileExistsError as error:
         raise InputError(
             f"{path} exists already: give another name, elastomdr init NAME.toml."
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f"{path} cannot be written: {getattr(error, 'strerror', None) or error}."
         ) from error
-    verb = text.split("elastomdr ", 1)[1].split()[0]
+    verb = content.split("elastomdr ", 1)[1].split()[0]
     print(f"wrote {path}\nelastomdr {verb} {path}")
     return DONE
 

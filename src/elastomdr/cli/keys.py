@@ -87,7 +87,7 @@ def as_markdown() -> str:
                     else []
                 )
                 lines += [
-                    f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |"
+                    f"| `{key.name}` | {' | '.join(_cell(entry) for entry in key[1:])} |"
                     for key in section.keys
                 ]
                 lines.append("")
@@ -105,7 +105,7 @@ def as_markdown() -> str:
         "|---|---|---|---|",
     ]
     lines += [
-        f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |"
+        f"| `{key.name}` | {' | '.join(_cell(entry) for entry in key[1:])} |"
         for key in section.keys
     ]
     return "\n".join([*lines, ""])
@@ -118,7 +118,7 @@ def _section(written: str, table: Any) -> Section:
         if config.tag_field
         else written
     )
-    found = []
+    keys = []
     for name, field in keys_of(table).items():
         default = (
             "required"
@@ -133,8 +133,8 @@ def _section(written: str, table: Any) -> Section:
             if inner
             else accepted(field.type)
         )
-        found.append(Key(name, words, default, _meaning(field.type)))
-    return Section(title, _about(table), tuple(found))
+        keys.append(Key(name, words, default, _meaning(field.type)))
+    return Section(title, _about(table), tuple(keys))
 
 
 def _about(table: Any) -> str:
@@ -155,5 +155,5 @@ def _shown(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
+def _cell(entry: str) -> str:
+    return entry.replace("|", "\\|")

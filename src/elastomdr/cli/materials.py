@@ -32,10 +32,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _library() -> Iterator[str]:
     names = materials()
-    width, columns = (
-        max(map(len, names), default=0) + 1,
-        max(60, shutil.get_terminal_size((120, 24)).columns),
-    )
+    width = max(map(len, names), default=0) + 1
+    columns = max(60, shutil.get_terminal_size((120, 24)).columns)
     for name in names:
         try:
             info = material_info(name)
@@ -59,9 +57,9 @@ def _one(name: str) -> Iterator[str]:
     yield info["name"]
     yield from textwrap.wrap(info.get("description", ""), 100)
     yield ""
-    for row, text in _rows(info, document):
+    for row, words in _rows(info, document):
         yield textwrap.fill(
-            text,
+            words,
             100,
             initial_indent=f"{row:<19}",
             subsequent_indent=" " * 19,

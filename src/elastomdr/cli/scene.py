@@ -322,7 +322,7 @@ def body(shape: AnyShape, folder: Path) -> Any:
         return shape.make(folder)
 
 
-def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
+def _pair(material: Any, other: Any, arguments: dict[str, Any]) -> dict[str, Any]:
     """Two bodies in contact. Where they shift differently, both are brought to the one
     temperature first.
     """
@@ -331,8 +331,10 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
     from ..material.shift import same_thermal
 
     if same_thermal(material, other):
-        return found | {"material": em.half_space(material, other)}
-    temperature, *more = np.ravel(found.pop("temperature", ()))[:2].tolist() or [None]
+        return arguments | {"material": em.half_space(material, other)}
+    temperature, *more = np.ravel(arguments.pop("temperature", ()))[:2].tolist() or [
+        None
+    ]
     if temperature is None or more:
         got = "several" if more else "none"
         raise InputError(
@@ -345,7 +347,7 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
     ]
     pair = em.half_space(*bodies)
     name = f"{pair.name} at {temperature:g} K"
-    return found | {
+    return arguments | {
         "material": em.Foundation(
             pair.equilibrium,
             pair.moduli,

@@ -102,8 +102,10 @@ def named(name: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        said = str(error)
-        raise InputError(said if said.startswith(name) else f"{name} {said}") from error
+        message = str(error)
+        raise InputError(
+            message if message.startswith(name) else f"{name} {message}"
+        ) from error
 
 
 @contextlib.contextmanager
@@ -114,9 +116,9 @@ def path_from(key: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        said = str(error)
+        message = str(error)
         raise InputError(
-            f"{key}{said[4:]}" if said.startswith("path") else f"{key}: {said}"
+            f"{key}{message[4:]}" if message.startswith("path") else f"{key}: {message}"
         ) from error
 
 
@@ -124,13 +126,13 @@ def only_one(table: Any, *keys: str) -> str:
     """The one of the keys that the table has. Raises `InputError` for none and for
     more.
     """
-    found = list(given(table, *keys))
-    if len(found) != 1:
+    present = list(given(table, *keys))
+    if len(present) != 1:
         raise InputError(
             f"must have one of {', '.join(keys)}, got "
-            f"{' and '.join(found) or 'none of them'}."
+            f"{' and '.join(present) or 'none of them'}."
         )
-    return found[0]
+    return present[0]
 
 
 def given(table: Any, *keys: str) -> dict[str, Any]:
@@ -240,11 +242,11 @@ def _custom(kind: Any, value: Any) -> Any:
         return origin([decode(inner, value)])
     if not value:
         raise InputError(f"must be {accepted(kind)}, got an empty list.")
-    found = []
+    entries = []
     for i, entry in enumerate(value):
         with named(f"[{i}]"):
-            found.append(decode(inner, entry))
-    return origin(found)
+            entries.append(decode(inner, entry))
+    return origin(entries)
 
 
 def _spread(span: Span) -> list[float]:
@@ -262,7 +264,7 @@ def _explained(kind: Any, content: Any, error: msgspec.ValidationError) -> str:
     """The message of msgspec's error: the key, what is wrong with its value, what is
     accepted.
     """
-    said, path = _PATH.fullmatch(str(error)).groups()  # type: ignore[union-attr]
+    message, path = _PATH.fullmatch(str(error)).groups()  # type: ignore[union-attr]
     steps = [
         int(i) if i else key for key, i in re.findall(r"\.(\w+)|\[(\d+)\]", path or "")
     ]
@@ -270,8 +272,9 @@ def _explained(kind: Any, content: Any, error: msgspec.ValidationError) -> str:
         kind, content = _inside(kind, content, step)
     if error.__cause__ is not None:  # our own words
         name = _name(steps, bool(tables_of(kind)))
-        return f"{name}{'' if said[0] in '[:' and not name.endswith(']') else ' '}{said}".strip()
-    if (match := re.search(r"unknown field `(.*)`", said, re.DOTALL)) is not None:
+        joined = message[0] in "[:" and not name.endswith("]")
+        return f"{name}{'' if joined else ' '}{message}".strip()
+    if (match := re.search(r"unknown field `(.*)`", message, re.DOTALL)) is not None:
         valid = list(
             dict.fromkeys(
                 key for table in _chosen(kind, content) for key in _all_keys(table)
@@ -294,7 +297,7 @@ def _explained(kind: Any, content: Any, error: msgspec.ValidationError) -> str:
             f"{_name(steps, table=True)} has a key that is not known: "
             f"{match[1]!r}.{hint}"
         ).strip()
-    if (match := re.search(r"missing required field `(.*)`", said)) is not None:
+    if (match := re.search(r"missing required field `(.*)`", message)) is not None:
         within, _ = _inside(kind, content, match[1])
         name = _name([*steps, match[1]])
         if tables_of(within):

@@ -96,18 +96,18 @@ class OfDraws(OfBodies):
         """The materials, or draws of the one. Raises `InputError` where nothing is
         known of its uncertainty.
         """
-        found = super().rubbers(folder)
+        materials = super().rubbers(folder)
         if self.uncertainty is None:
-            return found
-        if len(found) > 1 or self.other is not None:
+            return materials
+        if len(materials) > 1 or self.other is not None:
             raise InputError("uncertainty belongs to a single material, without other.")
-        if not isinstance(found[0], em.Prony):
+        if not isinstance(materials[0], em.Prony):
             raise InputError(
                 "uncertainty must be left out with a material that is a table of "
                 "moduli: it has no draws."
             )
         with named("uncertainty:"):
-            return found[0].draws(self.uncertainty)
+            return materials[0].draws(self.uncertainty)
 
 
 class Rolling(OfDraws):
@@ -271,19 +271,19 @@ class WarmingScene(OfBodies):
     def arguments(self, folder: Path) -> dict[str, Any]:
         import numpy as np
 
-        found = (
+        given_to_verb = (
             {"shape": body(self.indenter, folder)}
             | self.common(folder)
             | self.contact.arguments()
         )
-        found |= given(
+        given_to_verb |= given(
             self.heat_build_up, "ambient", "conductance", "capacity", "hottest"
         )
         if self.heat_build_up.duration is not None:
-            found["time"] = np.linspace(
+            given_to_verb["time"] = np.linspace(
                 0, self.heat_build_up.duration, self.heat_build_up.points
             )
-        return on_axes(found)
+        return on_axes(given_to_verb)
 
 
 class ConveyorContact(Table):
@@ -327,10 +327,8 @@ class ConveyorScene(Scene):
         belt, roll, layer = self.conveyor, self.indenter, self.layer
         material = load(folder, "material", self.material[0])
         with named("[layer]"):
-            carrying, back = (
-                layer.on_base(material),
-                layer.on_base(material, belt.return_thickness),
-            )
+            carrying = layer.on_base(material)
+            back = layer.on_base(material, belt.return_thickness)
         shares = belt.shares or [1.0]
         length = belt.return_length or len(shares) * roll.length
         with named("[conveyor]"):
@@ -342,12 +340,12 @@ class ConveyorScene(Scene):
                     back, em.Cylinder(roll.radius, length), spacing=belt.return_spacing
                 ),
             }
-        found = (
+        options = (
             given(self, "temperature")
             | self.numerics.chosen()
             | given(belt, "belt", "goods")
         )
-        return sides | on_axes(found | {"velocity": self.contact.velocity})
+        return sides | on_axes(options | {"velocity": self.contact.velocity})
 
 
 class TractionContact(Contact):

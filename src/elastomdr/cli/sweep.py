@@ -74,17 +74,17 @@ class Varied:
             values.index(given.pop(name))
             for name, values in zip(self.names, self.values, strict=True)
         ]
-        found = self.arguments[
+        arguments = self.arguments[
             int(np.ravel_multi_index(place, [len(v) for v in self.values]))
             if place
             else 0
         ]
         if draw is not None:
-            found = {
+            arguments = {
                 key: value[draw - 1] if isinstance(value, Draws) else value
-                for key, value in found.items()
+                for key, value in arguments.items()
             }
-        return getattr(em, self.verb)(**found, **given)
+        return getattr(em, self.verb)(**arguments, **given)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -96,21 +96,21 @@ def run(options: argparse.Namespace) -> int:
         content = read_content(path)
         call, axes = assembled(content, path.parent)
     with warned_of_at_the_end(), _client(options.scheduler) as client:
-        found = em.sweep(call, axes, store=options.out, client=client)
-    sizes = ", ".join(f"{name} {size}" for name, size in found.sizes.items())
-    good = int(found.converged.sum())
-    print(f"{found.converged.size} points ({sizes}), {good} converged")
-    for name, values in found.data_vars.items():
+        dataset = em.sweep(call, axes, store=options.out, client=client)
+    sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
+    good = int(dataset.converged.sum())
+    print(f"{dataset.converged.size} points ({sizes}), {good} converged")
+    for name, values in dataset.data_vars.items():
         if name in ("mu", "coefficient", "restitution"):
             print(f"{name}: {float(values.min()):.4g} to {float(values.max()):.4g}")
     if options.table:
         _write_table(
-            found,
+            dataset,
             Path(options.table),
-            list(_header(found, _inputs(call, content, path))),
+            list(_header(dataset, _inputs(call, content, path))),
         )
     print(f"wrote {options.out}" + (f" and {options.table}" if options.table else ""))
-    return DONE if good == found.converged.size else NOT_CONVERGED
+    return DONE if good == dataset.converged.size else NOT_CONVERGED
 
 
 def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, Any]]:
@@ -227,7 +227,7 @@ def _client(address: str | None) -> Any:
         ) from error
 
 
-def _write_table(found: Any, path: Path, header: list[str]) -> None:
+def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
     """All points as rows, titled as in the tables of curves, so that `em.load_friction`
     reads a map of friction.
 
@@ -236,7 +236,7 @@ def _write_table(found: Any, path: Path, header: list[str]) -> None:
     """
     from ..files import csv_text, write_files
 
-    points = found.drop_vars("state")
+    points = dataset.drop_vars("state")
     if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
         raise InputError(
             f"--table: a sheet of Excel has {_TABLE_ROWS} rows, got "
@@ -307,10 +307,10 @@ def _in_words(body: Any) -> str:
     return f"{body.label}, {body.words()}" if hasattr(body, "words") else describe(body)
 
 
-def _header(found: Any, inputs: Iterable[tuple[str, str]]) -> Iterator[str]:
+def _header(dataset: Any, inputs: Iterable[tuple[str, str]]) -> Iterator[str]:
     yield f"elastomdr {em.__version__}: sweep"
     yield "units: SI, in brackets in the column titles"
-    yield from (f"{name}: {text}" for name, text in inputs)
+    yield from (f"{name}: {words}" for name, words in inputs)
     yield from (
-        f"{name}: {value}" for name, value in found.attrs.items() if name != "sweep"
+        f"{name}: {value}" for name, value in dataset.attrs.items() if name != "sweep"
     )

@@ -90,12 +90,12 @@ class Quantity(float):
     example: ClassVar[str]
     sign: ClassVar[str] = "positive"  # or "zero or positive", or "" for either sign
 
-    def __init_subclass__(cls, **own: str):
-        for name, value in own.items():
+    def __init_subclass__(cls, **attributes: str):
+        for name, value in attributes.items():
             setattr(cls, name, value)
 
     @classmethod
-    def read(cls, text: Any) -> Self:
+    def read(cls, entry: Any) -> Self:
         """The quantity that a text stands for.
 
         Number and unit are read apart from each other, so that "-35 degC" is a
@@ -103,45 +103,45 @@ class Quantity(float):
         accepted, for a bare number, an unknown unit, a unit of another quantity, or a
         value that is not finite or of the wrong sign.
         """
-        if not isinstance(text, str):
+        if not isinstance(entry, str):
             hint = (
-                cls._with_unit(text)
-                if isinstance(text, int | float) and not isinstance(text, bool)
+                cls._with_unit(entry)
+                if isinstance(entry, int | float) and not isinstance(entry, bool)
                 else ""
             )
             raise InputError(
                 f"must be {cls.what} with its unit, as a text such as "
-                f'"{cls.example}", got {shown(text)}.{hint}'
+                f'"{cls.example}", got {shown(entry)}.{hint}'
             )
-        if (comma := _COMMA.fullmatch(text)) is not None:
+        if (comma := _COMMA.fullmatch(entry)) is not None:
             meant = f"{comma[1].replace('.', '')}.{comma[2]} {comma[3]}"
             raise InputError(
-                f'must have a decimal point, not a comma, got "{text}": write '
+                f'must have a decimal point, not a comma, got "{entry}": write '
                 f'"{meant}".'
             )
-        match = _NUMBER.fullmatch(text)
+        match = _NUMBER.fullmatch(entry)
         if match is None or not match[2]:
             lacking = (
                 "." if match is None else f" without one.{cls._with_unit(match[1])}"
             )
             raise InputError(
                 f'must be {cls.what} with its unit, such as "{cls.example}", got '
-                f"{shown(text)}{lacking}"
+                f"{shown(entry)}{lacking}"
             )
         if cls.unit == "K" and (degrees := _DEGREES.get(match[2].lower())) is not None:
             raise InputError(
-                f'must be {cls.what}, got "{text}": write "{match[1]} {degrees}".'
+                f'must be {cls.what}, got "{entry}": write "{match[1]} {degrees}".'
             )
         value = cls.convert(match[1], match[2])
         refused = {"": False, "zero or positive": value < 0}.get(cls.sign, value <= 0)
         if not math.isfinite(value) or refused:
             raise InputError(
-                f'must be {cls.sign or "of either sign"} and finite, got "{text}".'
+                f'must be {cls.sign or "of either sign"} and finite, got "{entry}".'
             )
         if value and not 1 / _LARGEST < abs(value) < _LARGEST:
             raise InputError(
                 f"must be between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}, got "
-                f'"{text}".'
+                f'"{entry}".'
             )
         return cls(value)
 

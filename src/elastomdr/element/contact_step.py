@@ -125,10 +125,8 @@ def coefficients(
     """
     h = xp.atleast_1d(xp.asarray(h))
     moduli, times = _by_element(law.moduli), _by_element(law.times)
-    equilibrium, viscosity = (
-        xp.atleast_1d(xp.asarray(law.equilibrium)),
-        xp.atleast_1d(xp.asarray(law.viscosity)),
-    )
+    equilibrium = xp.atleast_1d(xp.asarray(law.equilibrium))
+    viscosity = xp.atleast_1d(xp.asarray(law.viscosity))
     y = h[None] / times
     rate, decay, mean, half = viscosity / h, xp.exp(-y), phi1(y), phi2(y)
     gain = moduli * mean

@@ -231,13 +231,13 @@ def _meeting(
     size = _ROUNDING * (xp.abs(w) + xp.abs(v) * h + xp.sum(xp.abs(state.m), axis=0))
 
     def advance(carry: tuple) -> tuple:
-        t, met, done, count = carry
+        t, met, ended, count = carry
         gap, rate = _gap(modes, state, w, v, t)
         following = t - gap / xp.where(rate < 0, rate, -1.0)
-        there = (gap <= size) | ((rate < 0) & (following <= t))
-        never = ~there & ((rate >= 0) | (following > h * (1 + _ROUNDING)))
-        met = xp.where(done, met, there)
-        ends = done | there | never
+        touches = (gap <= size) | ((rate < 0) & (following <= t))
+        never = ~touches & ((rate >= 0) | (following > h * (1 + _ROUNDING)))
+        met = xp.where(ended, met, touches)
+        ends = ended | touches | never
         return xp.where(ends, t, xp.minimum(following, h)), met, ends, count + 1
 
     start = (xp.zeros_like(w), xp.zeros(w.shape, bool), state.contact, 0)
@@ -270,10 +270,8 @@ def _parting(
         q, rate = _pull(law, u, f, v, t)
         # an element that has just met the surface begins at zero
         rising = (rate > 0) & (q > -_BLUR * size)
-        low, high = (
-            xp.where((q > 0) | rising, t, low),
-            xp.where((q > 0) | rising, high, t),
-        )
+        low = xp.where((q > 0) | rising, t, low)
+        high = xp.where((q > 0) | rising, high, t)
         following = t - q / xp.where(rate < 0, rate, -1.0)
         inside = (
             (following > low)
@@ -312,10 +310,10 @@ def recovery_modes(law: Relaxation) -> Modes:
     is traced.
     """
     chain, gaps = kelvin_and_gaps(law)
-    there = xp.asarray(chain.compliances) > 0
-    rate = xp.where(there, 1 / xp.where(there, chain.times, 1.0), 0.0)
-    gain = xp.where(there, chain.compliances * rate, 0.0)
-    gap = rate[:, None] * gaps + xp.where(there, 0.0, 1.0)[:, None]
+    has_branch = xp.asarray(chain.compliances) > 0
+    rate = xp.where(has_branch, 1 / xp.where(has_branch, chain.times, 1.0), 0.0)
+    gain = xp.where(has_branch, chain.compliances * rate, 0.0)
+    gap = rate[:, None] * gaps + xp.where(has_branch, 0.0, 1.0)[:, None]
     if possible(lambda fluidity: fluidity > 0, chain.fluidity):
         rate, gain = xp.append(rate, 0.0), xp.append(gain, chain.fluidity)
         gap = xp.concatenate([gap, xp.ones((1, gap.shape[1]))])

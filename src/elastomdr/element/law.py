@@ -223,11 +223,9 @@ def half_space(
     if other is None and isinstance(material, TabulatedModulus):
         return _half_space_of_table(material, tangential)
     operator = tangential_operator if tangential else normal_operator
-    law, name, known = (
-        operator(_material("material", material)),
-        material.name,
-        material.range,
-    )
+    law = operator(_material("material", material))
+    name = material.name
+    known = material.range
     if other is not None:
         law = series(law, operator(_material("other", other)))
         if not same_thermal(material, other):
@@ -238,10 +236,8 @@ def half_space(
                 f"{material.vertical}; bring both to their "
                 "temperature first, with material.at(T)."
             )
-        name, known = (
-            f"{material.name or 'material'} on {other.name or 'material'}",
-            shared(known, other.range),
-        )
+        name = f"{material.name or 'material'} on {other.name or 'material'}"
+        known = shared(known, other.range)
         if not same_softening(material.softening, other.softening):
             material = replaced(material, softening=None)
             warn(

@@ -108,11 +108,9 @@ def moments(count: int, z: Any) -> Float[np.ndarray, "count ..."]:
     elif big_count == flat.size:
         mu = _forward(count, flat)
     else:
-        mu, near, far = (
-            np.empty((count, flat.size)),
-            np.flatnonzero(~big),
-            np.flatnonzero(big),
-        )
+        mu = np.empty((count, flat.size))
+        near = np.flatnonzero(~big)
+        far = np.flatnonzero(big)
         for row, low, high in zip(
             mu, _backward(count, flat[near]), _forward(count, flat[far]), strict=True
         ):

@@ -138,10 +138,8 @@ def _of_material(material: Prony, values: dict[str, Any]) -> Prony:
     equilibrium = equilibrium * 10.0 ** (
         values.get("equilibrium", 0.0) + values.get("modulus", 0.0)
     )
-    moduli, times = (
-        moduli * 10.0 ** values.get("modulus", 0.0),
-        times * 10.0 ** values.get("time", 0.0),
-    )
+    moduli = moduli * 10.0 ** values.get("modulus", 0.0)
+    times = times * 10.0 ** values.get("time", 0.0)
     material = eqx.tree_at(
         lambda m: (m.equilibrium, m.moduli, m.times),
         material,
@@ -179,7 +177,7 @@ def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, A
     both = _program(compute, None if constants is None else _key(constants))
     last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def both_at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         key = p.tobytes()
         if key not in last:
             jacobian, value = both(p)
@@ -187,7 +185,7 @@ def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, A
             last[key] = np.asarray(value), np.asarray(jacobian)
         return last[key]
 
-    return lambda p: at(p)[0], lambda p: at(p)[1]
+    return lambda p: both_at(p)[0], lambda p: both_at(p)[1]
 
 
 def _program(compute: Callable[[Any], Any], key: Any) -> Any:
@@ -408,11 +406,7 @@ def calibrate(
         values = dict(zip(names, solution.point.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
-    judged = JudgedCalibration(
-        names, std, spread, solution.covariance, solution.used, solution.converged
-    )
-    doubted = doubts(OF_CALIBRATION, judged)
-    tell(doubted)
+    doubted = _diagnostics(names, std, spread, solution)
     return Calibration(
         material=jax.tree.map(as_numpy, changed),
         shape=shape,
@@ -429,6 +423,18 @@ def calibrate(
         warnings=doubted,
         converged=solution.converged,
     )
+
+
+def _diagnostics(
+    names: list[str], std: np.ndarray, spread: np.ndarray, solution: _Solution
+) -> tuple[str, ...]:
+    """What cannot be relied on, also as warnings; `spread` is that of the priors."""
+    judged = JudgedCalibration(
+        names, std, spread, solution.covariance, solution.used, solution.converged
+    )
+    doubted = doubts(OF_CALIBRATION, judged)
+    tell(doubted)
+    return doubted
 
 
 def _checked_data(
@@ -540,7 +546,7 @@ def _solved(task: _Task) -> _Solution:
     return _Solution(point, computed, covariance, used, sigma, evaluations, converged)
 
 
-def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
+def _start(material: Prony, parameters: Any, own_model: bool) -> dict[str, float]:
     """The parameters and where they start. Raises `InputError`."""
     needs_series("material", material, "a calibration")
     if not isinstance(material, Prony):
@@ -556,7 +562,7 @@ def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
         )
     start: dict[str, float] = {}
     for name in parameters:
-        if name not in MEANINGS and not own:
+        if name not in MEANINGS and not own_model:
             hint = closest(str(name), MEANINGS)
             raise InputError(
                 f"parameters must be among {', '.join(MEANINGS)}, got {name!r}.{hint}"

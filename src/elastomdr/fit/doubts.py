@@ -369,7 +369,7 @@ class JudgedSeries(NamedTuple):
     contradiction: str  # of storage and loss modulus, as the closest material shows it
     excess: float | None  # of relaxation over what dynamic moduli make of it
     converged: bool
-    level: float  # equilibrium modulus [Pa]
+    equilibrium: float  # equilibrium modulus [Pa]
     interval: tuple[float, float]  # 95 % of it [Pa]
     end: SlowEnd
     limits: tuple[float, ...]  # of the angular frequencies of the material [rad/s]
@@ -415,12 +415,12 @@ def _why_missed(judged: JudgedSeries, size: float, noise: float) -> str:
 def _level_open(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
     """Whether the data say where the equilibrium modulus is, or only where they end."""
     end = judged.end
-    if judged.level and end.end - end.low > limit * end.end:
+    if judged.equilibrium and end.end - end.low > limit * end.end:
         low, high = judged.interval
         yield {
             "kind": end.kind,
             "rate": end.rate,
-            "level": judged.level,
+            "level": judged.equilibrium,
             "low": low,
             "high": high,
         }
@@ -728,10 +728,13 @@ def relaxation_excess(joint: Joint, limit: float = CONTRADICTION) -> float | Non
         (np.zeros_like(points.isotherm), reduced),
     ):
         each = [number == i for i in np.unique(number)]
-        found = [
-            _excess(rate[at], points.log_value[at], points.channel[at]) for at in each
+        excesses = [
+            _excess(
+                rate[isotherm], points.log_value[isotherm], points.channel[isotherm]
+            )
+            for isotherm in each
         ]
-        excess = np.concatenate(found)
+        excess = np.concatenate(excesses)
         if excess.size:
             ratio = float(np.exp(np.median(excess)))
             return ratio if max(ratio, 1 / ratio) > limit else None

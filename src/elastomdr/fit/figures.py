@@ -470,10 +470,10 @@ def draw_friction_master(
     levels = master.temperature
     colours = _scale(levels.size)
     for i, temperature in enumerate(levels):
-        at = master.number == i
+        isotherm = master.number == i
         ax.semilogx(
-            master.velocity[at],
-            master.mu[at],
+            master.velocity[isotherm],
+            master.mu[isotherm],
             "o",
             color=colours[i],
             markersize=_dot(ax),
@@ -511,11 +511,11 @@ def draw_adhesion(
     else:
         temperature = np.round(fit.temperature, 1)
     levels = np.unique(temperature)
-    for level, colour in zip(levels, _scale(levels.size), strict=True):
-        chosen = np.flatnonzero(temperature == level)
+    for isotherm, colour in zip(levels, _scale(levels.size), strict=True):
+        chosen = np.flatnonzero(temperature == isotherm)
         chosen = chosen[np.argsort(fit.velocity[chosen], kind="stable")]
         v, used = fit.velocity[chosen], fit.used[chosen]
-        name = "measured" if fit.temperature is None else _celsius(float(level))
+        name = "measured" if fit.temperature is None else _celsius(float(isotherm))
         look = {"color": colour, "markersize": _dot(ax), "label": name}
         ax.semilogx(v[used], fit.measured[chosen][used], "o", **look)
         total = (fit.hysteresis + fit.adhesion)[chosen]
@@ -717,7 +717,7 @@ def _legend_outside(ax: Any, handles: list[Any], labels: list[str]) -> Any:
     }
     if not canvas.style.words:
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), **rows}
-        if canvas.own:
+        if canvas.own_figure:
             ax.figure.set_size_inches(
                 canvas.style.wide, canvas.style.size[1] + 0.14 * -(-len(labels) // 4)
             )
@@ -728,8 +728,8 @@ def _legend_outside(ax: Any, handles: list[Any], labels: list[str]) -> Any:
     return ax.legend(handles, labels, frameon=False, fontsize=_size(ax), **place)
 
 
-def _celsius(kelvin: float) -> str:
-    return f"{round(kelvin - 273.15, 1) + 0.0:g} °C"  # without the sign of -0
+def _celsius(temperature: float) -> str:
+    return f"{round(temperature - 273.15, 1) + 0.0:g} °C"  # without the sign of -0
 
 
 def _colours(master: ShiftedModuli, number: np.ndarray) -> np.ndarray:
@@ -749,7 +749,7 @@ def _axes(ax: Any, style: str | None, panels: Any = None) -> Any:
     them.
     """
     ax, canvas = begin(Ask(ax, style), panels)
-    if canvas.own and canvas.style.words:
+    if canvas.own_figure and canvas.style.words:
         figure = ax.figure
         figure.set_size_inches(7.4, 4.6)
         # with fixed margins: looking for the best ones takes longer than the fit

@@ -237,19 +237,19 @@ def _checked_data(**given: Any) -> list[np.ndarray]:
 
 
 def _checked_reference(
-    reference: float | None, kelvin: np.ndarray, tolerance: float
+    reference: float | None, temperatures: np.ndarray, tolerance: float
 ) -> float:
     """The reference temperature, by default the one nearest to 20 degC. Raises
     `InputError`.
     """
     if reference is None:
-        reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
+        reference = float(temperatures[np.argmin(np.abs(temperatures - 293.15))])
     reference = float(scalar("reference", reference))
     in_kelvin("reference", reference)
-    if not kelvin[0] - tolerance <= reference <= kelvin[-1] + tolerance:
+    if not temperatures[0] - tolerance <= reference <= temperatures[-1] + tolerance:
         raise InputError(
-            f"reference must be within the measured temperatures, {kelvin[0]:g} "
-            f"to {kelvin[-1]:g} K, got {reference:g}."
+            f"reference must be within the measured temperatures, {temperatures[0]:g} "
+            f"to {temperatures[-1]:g} K, got {reference:g}."
         )
     return reference
 
@@ -262,20 +262,24 @@ class _Fit(NamedTuple):
     anchor: int  # the isotherm whose log10 a_T is 0
 
 
-def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) -> _Fit:
+def _infer(
+    points: Points, temperatures: np.ndarray, size: np.ndarray, known: bool
+) -> _Fit:
     """Spline and slopes; the noise of each point is `size`, times a factor to be found
     where that is not `known`.
     """
     scale = max(float(np.ptp(points.log_value)), 1e-9)
-    guess = guess_shifts(points._replace(log_value=points.log_value / scale), kelvin)
-    anchor = kelvin.size // 2
+    guess = guess_shifts(
+        points._replace(log_value=points.log_value / scale), temperatures
+    )
+    anchor = temperatures.size // 2
     guess = guess - guess[anchor]
     reduced = points.log_rate + LN10 * guess[points.isotherm]
     spline = _spline_over(reduced)
     count = spline.size
 
     def model(p: np.ndarray) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
-        log10_a, by_slope = from_slopes(p[count:], kelvin, anchor)
+        log10_a, by_slope = from_slopes(p[count:], temperatures, anchor)
         basis, slope = spline.basis(points.log_rate + LN10 * log10_a[points.isotherm])
         sideways = LN10 * (slope @ p[:count])[:, None]
 
@@ -285,18 +289,18 @@ def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) ->
 
         return basis @ p[:count] / size, jacobian
 
-    every = np.eye(count + kelvin.size - 1)
+    every = np.eye(count + temperatures.size - 1)
     second = np.diff(every[:count], 2, axis=0)
     start = np.concatenate(
         [
             _first_coefficients(spline, reduced, points.log_value, second[:, :count]),
-            first_slopes(guess, kelvin),
+            first_slopes(guess, temperatures),
         ]
     )
     priors = [
         Prior(second, 0.1 * scale, (_BEND[0] * scale, _BEND[1] * scale), 0.0, 1.5),
         Prior(every[:count], 10 * scale, None, points.log_value.mean()),
-        *slope_priors(every[count:], kelvin),
+        *slope_priors(every[count:], temperatures),
     ]
     typical = scale / float(np.median(size))
     infer_with = partial(
@@ -336,11 +340,15 @@ def _first_coefficients(
 
 
 def _packed(
-    points: Points, kelvin: np.ndarray, fit: _Fit, reference: float, size: np.ndarray
+    points: Points,
+    temperatures: np.ndarray,
+    fit: _Fit,
+    reference: float,
+    size: np.ndarray,
 ) -> FrictionMaster:
     posterior, spline, anchor = fit
     count = spline.size
-    x, by_slope = from_slopes(posterior.mean[count:], kelvin, anchor)
+    x, by_slope = from_slopes(posterior.mean[count:], temperatures, anchor)
     spread = by_slope @ posterior.covariance[count:, count:] @ by_slope.T
     basis, _ = spline.basis(points.log_rate + LN10 * x[points.isotherm])
     error = posterior.noise[0] * size
@@ -349,17 +357,17 @@ def _packed(
     # beforehand
     if flat:
         spread = spread + np.outer(x, x)
-    place = locate(kelvin, x, spread, reference)
-    change = np.eye(kelvin.size) - place.weights
+    place = locate(temperatures, x, spread, reference)
+    change = np.eye(temperatures.size) - place.weights
     log10_a, covariance = x - place.log10_a, change @ spread @ change.T + place.variance
-    judged = JudgedFriction(kelvin - 273.15, x, spread, flat, posterior.converged)
+    judged = JudgedFriction(temperatures - 273.15, x, spread, flat, posterior.converged)
     master = FrictionMaster(
         reference=reference,
-        temperature=kelvin,
+        temperature=temperatures,
         log10_a=log10_a,
         log10_a_std=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
         covariance=covariance,
-        laws=fit_laws(kelvin, log10_a, covariance, reference),
+        laws=fit_laws(temperatures, log10_a, covariance, reference),
         velocity=np.exp(points.log_rate) * 10 ** log10_a[points.isotherm],
         mu=points.log_value,
         number=points.isotherm,

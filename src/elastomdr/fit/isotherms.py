@@ -82,18 +82,18 @@ def gathered(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
 
 
 def _cells(
-    kelvin: np.ndarray,
+    temperature: np.ndarray,
     log_rate: np.ndarray,
     strain: np.ndarray,
     widths: tuple[float, float],
 ) -> np.ndarray:
     """The number of the cell of each point, in the order in which cells are met."""
-    n = kelvin.size
+    n = temperature.size
     if not n:
         return np.zeros(0, dtype=int)
     log_strain = np.log(np.where(strain > 0, strain, 1e-12)) / SAME_STRAIN
     place = (
-        np.stack([kelvin / widths[0], log_rate / widths[1], log_strain])
+        np.stack([temperature / widths[0], log_rate / widths[1], log_strain])
         .round()
         .astype(int)
     )
@@ -245,13 +245,17 @@ def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.nda
 
 def curves(points: Points) -> list[np.ndarray]:
     """Indices of each isotherm's points of each channel, in order of frequency."""
-    found = []
+    sorted_indices = []
     for i in np.unique(points.isotherm):
         for channel in np.unique(points.channel):
-            at = np.flatnonzero((points.isotherm == i) & (points.channel == channel))
-            if at.size:
-                found.append(at[np.argsort(points.log_rate[at], kind="stable")])
-    return found
+            indices = np.flatnonzero(
+                (points.isotherm == i) & (points.channel == channel)
+            )
+            if indices.size:
+                sorted_indices.append(
+                    indices[np.argsort(points.log_rate[indices], kind="stable")]
+                )
+    return sorted_indices
 
 
 def own_noise(points: Points) -> np.ndarray:
@@ -259,20 +263,20 @@ def own_noise(points: Points) -> np.ndarray:
     alone, per channel; NaN if unknown.
     """
     squares, freedom = np.zeros(3), np.zeros(3)
-    for at in curves(points):
-        degree = min(4, at.size // 3)
-        left = np.unique(points.log_rate[at]).size - degree - 1
+    for indices in curves(points):
+        degree = min(4, indices.size // 3)
+        left = np.unique(points.log_rate[indices]).size - degree - 1
         if left < 2:
             continue
-        u = points.log_rate[at]
+        u = points.log_rate[indices]
         u = (u - u.mean()) / max(float(np.ptp(u)), 1e-9)
         fit = np.polynomial.polynomial.polyval(
-            u, np.polynomial.polynomial.polyfit(u, points.log_value[at], degree)
+            u, np.polynomial.polynomial.polyfit(u, points.log_value[indices], degree)
         )
-        size = np.abs(points.log_value[at] - fit)
+        size = np.abs(points.log_value[indices] - fit)
         size = np.minimum(size, 4 * np.median(size) + 1e-12)  # an outlier is not noise
-        squares[points.channel[at[0]]] += (size**2).sum()
-        freedom[points.channel[at[0]]] += at.size - degree - 1
+        squares[points.channel[indices[0]]] += (size**2).sum()
+        freedom[points.channel[indices[0]]] += indices.size - degree - 1
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.sqrt(squares / np.where(freedom > 0, freedom, np.nan))
 
@@ -291,13 +295,16 @@ def alike(points: Points, residuals: np.ndarray) -> float:
 
 def _correlation(points: Points, residuals: np.ndarray) -> float:
     pairs = [
-        (residuals[at][1:] @ residuals[at][:-1], residuals[at] @ residuals[at])
-        for at in curves(points)
+        (
+            residuals[indices][1:] @ residuals[indices][:-1],
+            residuals[indices] @ residuals[indices],
+        )
+        for indices in curves(points)
     ]
     values = [
         both / max(one, 1e-300)
-        for (both, one), at in zip(pairs, curves(points), strict=True)
-        if at.size >= 5
+        for (both, one), indices in zip(pairs, curves(points), strict=True)
+        if indices.size >= 5
     ]
     return float(np.mean(values)) if values else 0.0
 
@@ -323,27 +330,30 @@ _FEWEST = 5  # points that say anything
 _MOST = 100  # points of an isotherm that are looked at
 
 
-def refuse_swapped(dma: Dma, law: AbstractShift | None = None) -> None:
+def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
     """Raises `InputError` where no passive material has the moduli as named, and one
     has them exchanged: the isotherms, or the master curve along a `law`.
     """
-    swapped = look_swapped(dma.temperature, dma.omega, dma.storage, dma.loss)
-    if law is not None and not swapped and dma.omega.size:
+    exchanged = moduli_exchanged(dma.temperature, dma.omega, dma.storage, dma.loss)
+    if law is not None and not exchanged and dma.omega.size:
         reduced = dma.omega * 10 ** log10_a(law, dma.temperature)
-        swapped = look_swapped(np.zeros(reduced.size), reduced, dma.storage, dma.loss)
-    if swapped:
-        said = (
+        exchanged = moduli_exchanged(
+            np.zeros(reduced.size), reduced, dma.storage, dma.loss
+        )
+    if exchanged:
+        columns_read = (
             f" (read were {'; '.join(column.split(';')[0] for column in dma.columns)})"
             if dma.columns
             else ""
         )
         places = [
-            re.search(rf"\b{name} from (\d+)", said) for name in ("loss", "storage")
+            re.search(rf"\b{name} from (\d+)", columns_read)
+            for name in ("loss", "storage")
         ]
         new, old = (
             (place[1] for place in places if place) if all(places) else ("N", "M")
         )
-        what = (
+        explanation = (
             ""
             if all(places)
             else ", N the column read as loss, M the one read as storage"
@@ -351,12 +361,12 @@ def refuse_swapped(dma: Dma, law: AbstractShift | None = None) -> None:
         raise InputError(
             f"storage and loss modulus of {dma.source!r} look exchanged: no passive "
             "material has them as they are named, and one has them the other way "
-            f"round{said}. Exchange them: columns={{'storage': {new}, 'loss': {old}}} "
-            f"(--column storage={new} --column loss={old}){what}."
+            f"round{columns_read}. Exchange them: columns={{'storage': {new}, 'loss': {old}}} "
+            f"(--column storage={new} --column loss={old}){explanation}."
         )
 
 
-def look_swapped(
+def moduli_exchanged(
     temperature: np.ndarray, omega: np.ndarray, storage: np.ndarray, loss: np.ndarray
 ) -> bool:
     """Whether isotherms suit no passive material as named, and one with storage and
@@ -371,12 +381,14 @@ def look_swapped(
     number, mean = group(bounded, _TOLERANCE)
     named, exchanged = [], []
     for i in range(mean.size):
-        at = np.flatnonzero(number == i)
-        at = at[np.argsort(omega[at], kind="stable")]
-        at = at[np.linspace(0, at.size - 1, min(at.size, _MOST)).astype(int)]
-        if omega[at[-1]] / _LEAST_RANGE > omega[at[0]]:
-            named.append(_misfit(omega[at], storage[at], loss[at]))
-            exchanged.append(_misfit(omega[at], loss[at], storage[at]))
+        indices = np.flatnonzero(number == i)
+        indices = indices[np.argsort(omega[indices], kind="stable")]
+        indices = indices[
+            np.linspace(0, indices.size - 1, min(indices.size, _MOST)).astype(int)
+        ]
+        if omega[indices[-1]] / _LEAST_RANGE > omega[indices[0]]:
+            named.append(_misfit(omega[indices], storage[indices], loss[indices]))
+            exchanged.append(_misfit(omega[indices], loss[indices], storage[indices]))
     if not named or not float(np.median(named)) > _MISFIT:
         return False
     other = float(np.median(exchanged))

@@ -51,7 +51,7 @@ class LawFit(NamedTuple):
     bound: bool
     # how far the law is off beyond what the shift factors are known to, a standard
     # deviation [decades]
-    own: float
+    law_error: float
 
     @property
     def rms(self) -> float:
@@ -61,7 +61,7 @@ class LawFit(NamedTuple):
     @property
     def holds(self) -> bool:
         """Whether the shift factors follow the law, within what they are known to."""
-        return self.own <= MISSES
+        return self.law_error <= MISSES
 
     @property
     def determined(self) -> bool:
@@ -408,7 +408,7 @@ _GRID = np.linspace(0.0, 5.0, 101)  # of s, in usual ones
 _OWN = 1e-3  # by how much the best law is off at any rate [decades]
 
 
-def thermometer(
+def temperature_error(
     temperature: np.ndarray,
     log10_a: np.ndarray,
     covariance: np.ndarray,
@@ -512,13 +512,13 @@ def given_law(shift: Any, dma: Dma) -> tuple[AbstractShift | None, str]:
         return shift, "as given"
     if isinstance(shift, str) and shift == "universal":
         glass = _glass_temperature(dma)
-        at = (
+        reference = (
             f"T_g = {glass - 273.15:.3g} degC, where storage and loss modulus suit "
             "each other best"
         )
         return WLF(
             *UNIVERSAL, round(glass, 1)
-        ), f"estimated: universal constants about {at}"
+        ), f"estimated: universal constants about {reference}"
     raise InputError(
         "shift must be a shift law (em.WLF, Arrhenius, VFT, ShiftTable, or "
         f"em.read_shifts of a file) or 'universal', got {shift!r:.80}."
@@ -596,17 +596,17 @@ def _glass_temperature(dma: Dma) -> float:
             "em.WLF(17.44, 51.6, T_g)."
         )
     order = np.argsort(dma.temperature, kind="stable")
-    at = order[np.linspace(0, order.size - 1, min(order.size, _MOST)).astype(int)]
+    sample = order[np.linspace(0, order.size - 1, min(order.size, _MOST)).astype(int)]
     coldest = float(dma.temperature.min())
-    value = np.log(np.concatenate([dma.storage[at], dma.loss[at]]))
+    value = np.log(np.concatenate([dma.storage[sample], dma.loss[sample]]))
     tried = np.arange(coldest - _COLDEST, coldest + UNIVERSAL[1] - _POLE, _STEP)
     misfits = np.full(tried.size, np.inf)
     for i, degrees in enumerate(tried):
-        rate = np.log(dma.omega[at]) + np.log(10) * log10_a(
-            WLF(*UNIVERSAL, degrees), dma.temperature[at]
+        rate = np.log(dma.omega[sample]) + np.log(10) * log10_a(
+            WLF(*UNIVERSAL, degrees), dma.temperature[sample]
         )
         closest = closest_passive(
-            np.tile(rate, 2), value, np.arange(2 * at.size) < at.size
+            np.tile(rate, 2), value, np.arange(2 * sample.size) < sample.size
         )
         misfits[i] = np.inf if closest is None else closest.misfit
     best = int(misfits.argmin())

@@ -29,7 +29,7 @@ from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
 from ..trees import replaced
 from .doubts import OF_SHIFTS, JudgedShifts, doubts
-from .isotherms import Isotherms, gathered, group, isotherms, refuse_swapped
+from .isotherms import Isotherms, gathered, group, isotherms, refuse_exchanged
 from .laws import LawFit, given_law, law_about, words
 from .report import (
     TWO_SIGMA,
@@ -144,11 +144,9 @@ def vertical_law(master: "MasterCurve") -> AbstractVertical | None:
     Beyond the data a table goes on by entropy elasticity: the range of the material
     says where they end.
     """
-    reference, temperatures, log10_b = (
-        float(master.reference),
-        master.temperature,
-        -master.log10_b,
-    )
+    reference = float(master.reference)
+    temperatures = master.temperature
+    log10_b = -master.log10_b
     if np.abs(log10_b).max() < _NONE:
         return None
     if np.abs(log10_b - np.log10(temperatures / reference)).max() < _NONE:
@@ -156,10 +154,8 @@ def vertical_law(master: "MasterCurve") -> AbstractVertical | None:
     away = np.abs(temperatures - reference) > 0.5
     temperature = np.append(temperatures[away], reference).round(TEMPERATURE_DIGITS)
     order = np.argsort(temperature)
-    temperature, factor = (
-        temperature[order],
-        (10 ** np.append(log10_b[away], 0.0))[order],
-    )
+    temperature = temperature[order]
+    factor = (10 ** np.append(log10_b[away], 0.0))[order]
     beyond = np.array(
         [max(temperature[0] - _ONWARD, temperature[0] / 2), temperature[-1] + _ONWARD]
     )
@@ -210,14 +206,14 @@ def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
     ratio, time = _first(dma, tolerance), _middle(dma.time, dma.ramp)
     near = None
     for _ in range(_ROUNDS):
-        found = replace(
+        relaxation = replace(
             dma,
             time=time,
             relaxation=dma.relaxation * ratio,
             response="relaxation",
             ramp=0.0,
         )
-        data = isotherms(found, tolerance, law)
+        data = isotherms(relaxation, tolerance, law)
         near = rough_shifts(data, law, near)
         before, ratio = ratio, _ratio(dma, time, data, near)
         if np.abs(np.log(ratio / before)).max() < _SETTLED:
@@ -238,14 +234,16 @@ def _first(dma: Dma, tolerance: float) -> np.ndarray:
     number, mean = group(dma.time_temperature, tolerance)
     ratio = np.ones(dma.time.size)
     for i in range(mean.size):
-        at = np.flatnonzero(number == i)
-        u = np.log(dma.time[at])
+        indices = np.flatnonzero(number == i)
+        u = np.log(dma.time[indices])
         if np.unique(u).size < _DEGREE + 2:
             continue
-        curve = np.polynomial.Polynomial.fit(u, np.log(dma.relaxation[at]), _DEGREE)
+        curve = np.polynomial.Polynomial.fit(
+            u, np.log(dma.relaxation[indices]), _DEGREE
+        )
         m = np.clip(-curve.deriv()(u), 1e-3, _STEEPEST)
         if dma.response == "creep":
-            ratio[at] = np.sinc(m)
+            ratio[indices] = np.sinc(m)
     return ratio
 
 
@@ -568,7 +566,7 @@ class MasterCurve(AbstractFindings):
             yield (
                 "thermometer",
                 (
-                    f"isotherms to +- {TWO_SIGMA * self.state.thermometer:.2g} K (95 "
+                    f"isotherms to +- {TWO_SIGMA * self.state.temperature_error:.2g} K (95 "
                     "%), "
                     "in all intervals"
                 ),
@@ -665,7 +663,7 @@ def master_curve(
     law, origin = given_law(shift, dma)
     dma = as_relaxation(dma, tolerance, law)
     sorted_dma = isotherms(dma, tolerance, law)
-    refuse_swapped(dma, law)
+    refuse_exchanged(dma, law)
     if (once := without_copies(dma)) is not dma:
         dma, sorted_dma = once, isotherms(once, tolerance, law)
     if reference is None:
@@ -691,10 +689,10 @@ def _assemble(
     points = shifts.points
     reduced = points.log_rate + LN10 * (state.log10_a[points.isotherm] + points.offset)
     lifted = np.exp(points.log_value + state.ln_b[points.isotherm])
-    at = [points.channel == which for which in (STORAGE, LOSS, RELAXATION)]
+    by_channel = [points.channel == which for which in (STORAGE, LOSS, RELAXATION)]
     noise = {
         name: float(np.sqrt(np.mean(shifts.posterior.residuals[where] ** 2)))
-        for name, where in zip(CHANNELS, at, strict=True)
+        for name, where in zip(CHANNELS, by_channel, strict=True)
         if where.any()
     }
     if ambiguous is None:
@@ -711,13 +709,13 @@ def _assemble(
         covariance=state.covariance,
         ambiguous=ambiguous,
         laws=state.laws,
-        omega=np.exp(reduced[at[STORAGE]]),
-        storage=lifted[at[STORAGE]],
-        loss=lifted[at[LOSS]],
-        isotherm=points.isotherm[at[STORAGE]],
-        time=np.exp(-reduced[at[RELAXATION]]),
-        relaxation=lifted[at[RELAXATION]],
-        time_isotherm=points.isotherm[at[RELAXATION]],
+        omega=np.exp(reduced[by_channel[STORAGE]]),
+        storage=lifted[by_channel[STORAGE]],
+        loss=lifted[by_channel[LOSS]],
+        isotherm=points.isotherm[by_channel[STORAGE]],
+        time=np.exp(-reduced[by_channel[RELAXATION]]),
+        relaxation=lifted[by_channel[RELAXATION]],
+        time_isotherm=points.isotherm[by_channel[RELAXATION]],
         noise=noise,
         warnings=doubts(OF_SHIFTS, judged),
         converged=shifts.posterior.converged,

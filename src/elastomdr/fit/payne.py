@@ -40,10 +40,8 @@ NAMES = {"drop": "-", "strain": "-", "exponent": "-", "rise": "-"}
 _WARMS = 2.0  # of one sweep [K]
 _ALIKE = 0.05  # of the logarithm of one frequency
 _LARGEST = 5.0  # strain from which a number is taken for per cent
-_LOW, _HIGH = (
-    np.array([1e-3, np.log(1e-6), 0.1, 0.0]),
-    np.array([1.0, np.log(10.0), 2.0, 8.0]),
-)
+_LOW = np.array([1e-3, np.log(1e-6), 0.1, 0.0])
+_HIGH = np.array([1.0, np.log(10.0), 2.0, 8.0])
 _ROUNDS = 4  # of the size of errors
 _NODES = 41  # of the table that stands for Kraus' form, down to _FIRST of its strain
 _FIRST = 1e-4
@@ -92,42 +90,42 @@ class Sweeps(AbstractFindings):
 
 
 class SofteningFit(Softening):
-    """An `em.Softening` with the sweeps that it was fitted to: `found` has constants,
+    """An `em.Softening` with the sweeps that it was fitted to: `sweeps` has constants,
     intervals and points.
     """
 
-    found: Sweeps = static()
+    sweeps: Sweeps = static()
 
     def __init__(
-        self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike, found: Sweeps
+        self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike, sweeps: Sweeps
     ):
         super().__init__(strain, storage, loss)
-        fill(self, found=found)
+        fill(self, sweeps=sweeps)
 
     @property
     def parameters(self) -> dict[str, float]:
         """Kraus' constants: drop r, strain_c, exponent m, rise h."""
-        return self.found.parameters
+        return self.sweeps.parameters
 
     @property
     def interval(self) -> dict[str, tuple[float, float]]:
         """95 % intervals of `parameters`."""
-        return self.found.interval
+        return self.sweeps.interval
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the data cannot decide."""
-        return self.found.warnings
+        return self.sweeps.warnings
 
     def summary(self) -> str:
         """All findings in a few lines."""
-        return self.found.summary()
+        return self.sweeps.summary()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the measured factors as comma-separated text, the findings in header
         lines.
         """
-        write_files({Path(path): softening_csv(self.found).encode()})
+        write_files({Path(path): softening_csv(self.sweeps).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws the factors over strain with the measured points, in a style of
@@ -135,7 +133,7 @@ class SofteningFit(Softening):
         """
         from .figures import draw_softening
 
-        return draw_softening(self.found, self.factors, ax, style)
+        return draw_softening(self.sweeps, self.factors, ax, style)
 
     def __repr__(self) -> str:
         return f"SofteningFit\n{self.summary()}"
@@ -255,9 +253,9 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
             f"at one temperature and frequency, got {number.size} points at "
             f"{number.max() + 1} of them."
         )
-    kept, said = np.isin(number, whole), []
+    kept, remarks = np.isin(number, whole), []
     if not kept.all():
-        said.append(
+        remarks.append(
             f"{int((~kept).sum())} points are in no sweep of four or more, and left "
             "out."
         )
@@ -267,7 +265,7 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
         for name in ("temperature", "omega")
     ]
     logs = np.log(np.stack([values["storage"], values["loss"]], -1))[kept]
-    return _Data(log_strain[kept], logs, number, *means), said
+    return _Data(log_strain[kept], logs, number, *means), remarks
 
 
 def _values(sweep: Any) -> dict[str, np.ndarray]:
@@ -315,17 +313,26 @@ def _fitted(data: _Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """
     from scipy.optimize import least_squares
 
-    own = np.array([data.values[data.number == i].max(0) for i in range(data.sweeps)])
-    own[:, 1] = [data.values[data.number == i, 1].min() for i in range(data.sweeps)]
-    low = np.concatenate([_LOW, np.full(own.size, -50.0)])
-    high = np.concatenate([_HIGH, np.full(own.size, 80.0)])
+    small_strain = np.array(
+        [data.values[data.number == i].max(0) for i in range(data.sweeps)]
+    )
+    small_strain[:, 1] = [
+        data.values[data.number == i, 1].min() for i in range(data.sweeps)
+    ]
+    low = np.concatenate([_LOW, np.full(small_strain.size, -50.0)])
+    high = np.concatenate([_HIGH, np.full(small_strain.size, 80.0)])
     sigma, best = np.full(2, 0.02), None
     middle, end = np.median(data.log_strain), data.log_strain.max()
     for start in ((0.5, middle, 0.5, 0.5), (0.7, end, 0.5, 1.0), (0.3, end, 0.8, 0.2)):
-        found = _solve(
-            least_squares, data, sigma, np.concatenate([start, own.ravel()]), low, high
+        trial = _solve(
+            least_squares,
+            data,
+            sigma,
+            np.concatenate([start, small_strain.ravel()]),
+            low,
+            high,
         )
-        best = found if best is None or found.cost < best.cost else best
+        best = trial if best is None or trial.cost < best.cost else best
     assert best is not None
     for _ in range(_ROUNDS):
         off = data.model(best.x) - data.values
@@ -367,17 +374,17 @@ def _of_kraus(data: _Data, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.exp(nodes), np.exp(_factors(nodes, p))
 
 
-def _table(found: Sweeps) -> tuple[np.ndarray, np.ndarray]:
+def _table(sweeps: Sweeps) -> tuple[np.ndarray, np.ndarray]:
     """Means of the measured factors in even steps of log strain, those of storage
     falling.
     """
-    x = np.log(found.strain)
+    x = np.log(sweeps.strain)
     steps = max(2, int(np.ceil(np.ptp(x) / np.log(10.0) * _PER_DECADE)))
     which = np.minimum((steps * (x - x[0]) / np.ptp(x)).astype(int), steps - 1)
     rows = [
-        (x[at].mean(), found.storage[at].mean(), found.loss[at].mean())
-        for at in (which == i for i in range(steps))
-        if at.any()
+        (x[step].mean(), sweeps.storage[step].mean(), sweeps.loss[step].mean())
+        for step in (which == i for i in range(steps))
+        if step.any()
     ]
     nodes, storage, loss = np.array(rows).T
     # neighbours that rise become their mean, until none does

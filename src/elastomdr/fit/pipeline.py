@@ -74,11 +74,9 @@ def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
 
     `material` is of the kind of the data, and has a shift law.
     """
-    times, moduli, equilibrium = (
-        np.asarray(material.times),
-        np.asarray(material.moduli),
-        float(material.equilibrium),
-    )
+    times = np.asarray(material.times)
+    moduli = np.asarray(material.moduli)
+    equilibrium = float(material.equilibrium)
     parts = {}
     if dma.omega.size:
         b = _lift(material.vertical, dma.temperature)
@@ -156,9 +154,9 @@ def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
     check_draws(n, seed)
     joint, state = fit.master.joint, fit.master.state
     low, high = np.log(fit.prony.window)
-    at = np.linspace(low, high, max(int(_PER_DECADE * (high - low) / LN10), 8))
+    log_omega = np.linspace(low, high, max(int(_PER_DECADE * (high - low) / LN10), 8))
     curve = sensitivity(
-        joint, state, np.tile(at, 2), np.repeat([STORAGE, LOSS], at.size)
+        joint, state, np.tile(log_omega, 2), np.repeat([STORAGE, LOSS], log_omega.size)
     )
     of_a, of_others, of_b = moved(joint, state)
     rng = np.random.default_rng(seed)
@@ -167,14 +165,16 @@ def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
         @ root_of(joint.shifts.posterior.covariance).T
     )
     others = rng.standard_normal((n, of_others.shape[1]))
-    off = np.log(np.concatenate(fit.prony.moduli_at(np.exp(at)))) - curve.log_value
+    off = (
+        np.log(np.concatenate(fit.prony.moduli_at(np.exp(log_omega)))) - curve.log_value
+    )
     spectrum = (
         unknowns @ curve.by_unknowns.T
         + others @ curve.by_others.T
         + np.outer(rng.standard_normal(n), off)
     )
     log10_a, ln_b = unknowns @ of_a.T + others @ of_others.T, unknowns @ of_b.T
-    changes = spectrum @ by_moduli(fit.material, np.exp(at)).T
+    changes = spectrum @ by_moduli(fit.material, np.exp(log_omega)).T
     shift = _shifts(fit, log10_a, rng)
     each = [
         changed(
@@ -194,11 +194,11 @@ def draws(fit: MaterialFit, n: int, seed: int) -> Draws[Prony]:
 
 def _shifts(fit: MaterialFit, log10_a: np.ndarray, rng: np.random.Generator) -> Any:
     """A function from the number of a draw to its shift law."""
-    own, master = fit.material.shift, fit.master
-    if own is None or fit.law == "given":
-        return lambda _: own
-    if isinstance(own, ShiftTable):
-        return lambda i: ShiftTable(own.temperature, _along(fit, own, log10_a[i]))
+    law, master = fit.material.shift, fit.master
+    if law is None or fit.law == "given":
+        return lambda _: law
+    if isinstance(law, ShiftTable):
+        return lambda i: ShiftTable(law.temperature, _along(fit, law, log10_a[i]))
     reference, temperature = master.reference, master.temperature
     form = forms(reference, float(min(temperature.min(), reference)))[fit.law]
     start, spread, law_own = fit_form(
@@ -211,16 +211,16 @@ def _shifts(fit: MaterialFit, log10_a: np.ndarray, rng: np.random.Generator) -> 
     return lambda i: form.constants(np.clip(start + gain @ off[i], low, high))[0]
 
 
-def _along(fit: MaterialFit, own: Any, change: np.ndarray) -> np.ndarray:
+def _along(fit: MaterialFit, table: Any, change: np.ndarray) -> np.ndarray:
     """The shift factors of a table with their changes, zero at the reference
     temperature, falling.
     """
-    at = np.asarray(own.temperature)
+    temperature = np.asarray(table.temperature)
     away = np.abs(fit.master.temperature - fit.master.reference) > _NEAR
     x = np.append(fit.master.temperature[away], fit.master.reference)
     order = np.argsort(x)
-    moved = np.asarray(own.log10_a_table) + np.interp(
-        at, x[order], np.append(change[away], 0.0)[order]
+    moved = np.asarray(table.log10_a_table) + np.interp(
+        temperature, x[order], np.append(change[away], 0.0)[order]
     )
     return np.minimum.accumulate(moved)
 
@@ -351,7 +351,7 @@ class MaterialFit(AbstractFindings):
             "grade": "fitted here",
         }
         moduli: dict[str, Any] = fitted | {"note": self._note()}
-        own = {
+        of_series = {
             "storage": fit.storage_residual,
             "loss": fit.loss_residual,
             "relaxation": fit.relaxation_residual,
@@ -360,7 +360,7 @@ class MaterialFit(AbstractFindings):
         for name in ("storage", "loss"):
             of = name if fit.storage.size else "relaxation"
             moduli[f"{name}_residual"] = rounded(
-                self.misfit.get(f"{of} modulus", own[of]), 2
+                self.misfit.get(f"{of} modulus", of_series[of]), 2
             )
         sources = {
             "moduli": moduli,
@@ -556,7 +556,7 @@ def material(
         "name": name or _default_name(dma),
         "citation": citation or f"Measured data: {dma.source or 'arrays'}",
     }
-    done = progress or (lambda _done, _total: None)
+    report_step = progress or (lambda _done, _total: None)
     with warnings.catch_warnings():
         # what is doubted in the end is told below
         warnings.simplefilter("ignore", FitWarning)
@@ -567,11 +567,11 @@ def material(
             shift=shift,
             temperature_error=temperature_error,
         )
-        done(1, _STEPS)
+        report_step(1, _STEPS)
         master = _shifted(free, vertical)
-        done(2, _STEPS)
+        report_step(2, _STEPS)
         fit = _fitted(master, law, series, description)
-        done(3, _STEPS)
+        report_step(3, _STEPS)
     fit = replace(fit, warnings=(*fit.warnings, *_misses(fit)))
     tell(warning for warning in fit.warnings if warning not in dma.warnings)
     return fit
@@ -617,11 +617,13 @@ def _misses(fit: MaterialFit) -> Iterator[str]:
     """A warning where the material, by its shift law, is far from data that its series
     is close to.
     """
-    own = {
+    of_series = {
         f"{name} modulus": getattr(fit.prony, f"{name}_residual")
         for name in ("storage", "loss", "relaxation")
     }
-    if any(size > max(_MISSED, 2 * own[name]) for name, size in fit.misfit.items()):
+    if any(
+        size > max(_MISSED, 2 * of_series[name]) for name, size in fit.misfit.items()
+    ):
         law = fit.master.laws.get(fit.law)
         remedy = (
             (

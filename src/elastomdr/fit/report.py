@@ -55,7 +55,7 @@ class AbstractFindings(abc.ABC):
         """All findings in a few lines; intervals are 95 %, and the first line says
         so.
         """
-        lines = [f"{name:<16}{text}" for name, text in self.findings()]
+        lines = [f"{name:<16}{sentence}" for name, sentence in self.findings()]
         return "\n".join([f"{'intervals':<16}{self.intervals}", *lines])
 
     def __repr__(self) -> str:
@@ -76,10 +76,10 @@ def of_shifts(
 ) -> Iterator[tuple[str, str]]:
     """A line per temperature, with `more` text behind it, and one per shift law."""
     more = [""] * temperature.size if more is None else more
-    for value, x, size, text in zip(temperature, log10_a, std, more, strict=True):
+    for value, x, size, remark in zip(temperature, log10_a, std, more, strict=True):
         yield (
             f"{value - 273.15:8.2f} degC",
-            f"log10 a_T {x:8.3f} +- {TWO_SIGMA * size:.3f}{text}",
+            f"log10 a_T {x:8.3f} +- {TWO_SIGMA * size:.3f}{remark}",
         )
     for name, fit in laws.items():
         yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
@@ -133,13 +133,13 @@ def dynamic_band(
     omega = as_float64("omega", omega)
     positive("omega", omega)
     flat = np.atleast_1d(omega).ravel()
-    own = None if series is None else np.concatenate(series(flat))
+    of_series = None if series is None else np.concatenate(series(flat))
     values = _interval(
         joint,
         state,
         np.tile(np.log(flat), 2),
         np.repeat([STORAGE, LOSS], flat.size),
-        own,
+        of_series,
     )
     # storage, loss, then both limits of either
     parts = [half for value in values for half in np.split(value, 2)]
@@ -159,8 +159,10 @@ def relaxation_band(
     time = as_float64("time", time)
     positive("time", time)
     flat = np.atleast_1d(time).ravel()
-    own = None if series is None else series(flat)
-    values = _interval(joint, state, -np.log(flat), np.full(flat.size, RELAXATION), own)
+    of_series = None if series is None else series(flat)
+    values = _interval(
+        joint, state, -np.log(flat), np.full(flat.size, RELAXATION), of_series
+    )
     inside = _check_outside(1 / flat, window, "times")
     return RelaxationBand(
         time, *(bound.reshape(time.shape) for bound in (*values, inside))
@@ -172,10 +174,10 @@ def _interval(
     state: AtReference,
     log_rate: np.ndarray,
     channel: np.ndarray,
-    own: np.ndarray | None,
+    of_series: np.ndarray | None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     smooth, std = curve(joint, state, log_rate, channel)
-    value = smooth if own is None else np.log(own)
+    value = smooth if of_series is None else np.log(of_series)
     std = np.sqrt(std**2 + (value - smooth) ** 2)
     return (
         np.exp(value),
@@ -185,7 +187,7 @@ def _interval(
 
 
 def _check_outside(
-    rate: np.ndarray, window: tuple[float, float], what: str
+    rate: np.ndarray, window: tuple[float, float], quantity: str
 ) -> np.ndarray:
     """Whether rates [rad/s] lie inside the measured window; those outside are counted
     in one `FitWarning`.
@@ -193,7 +195,7 @@ def _check_outside(
     inside = (rate >= window[0] * (1 - 1e-9)) & (rate <= window[1] * (1 + 1e-9))
     if not inside.all():
         warn(
-            f"{int((~inside).sum())} of {inside.size} {what} are extrapolated: they "
+            f"{int((~inside).sum())} of {inside.size} {quantity} are extrapolated: they "
             f"lie outside the measured {window[0]:.3g} to {window[1]:.3g} rad/s.",
             FitWarning,
         )
@@ -206,7 +208,7 @@ def _check_outside(
 
 
 def table_csv(
-    what: str,
+    title: str,
     findings: Iterable[tuple[str, str]],
     columns: Mapping[str, Any],
     intervals: str = PLUS_MINUS,
@@ -215,10 +217,10 @@ def table_csv(
     with the findings of a fit.
     """
     header = [
-        f"elastomdr {__version__}: {what}",
+        f"elastomdr {__version__}: {title}",
         "units: SI, in brackets in the column titles",
         f"intervals: {intervals}; a column of standard deviations holds one of them",
-        *(f"{name.strip()}: {text}" for name, text in findings),
+        *(f"{name.strip()}: {sentence}" for name, sentence in findings),
     ]
     return csv_text(header, columns)
 
@@ -286,10 +288,8 @@ def abaqus_card(material: Prony) -> str:
             ", ".join(values),
         ]
     elif isinstance(material.shift, Arrhenius):
-        energy, reference = (
-            float(material.shift.energy),
-            float(material.shift.reference),
-        )
+        energy = float(material.shift.energy)
+        reference = float(material.shift.reference)
         lines += [
             (
                 "** energy [J/mol]; set the gas constant and absolute zero with "
@@ -419,10 +419,8 @@ def _describe(material: Prony) -> Iterator[str]:
             "have no place here"
         )
     if material.softening is not None:
-        last, left = (
-            float(material.softening.strain[-1]),
-            float(material.softening.storage[-1]),
-        )
+        last = float(material.softening.strain[-1])
+        left = float(material.softening.storage[-1])
         yield (
             f"small strains: softening (storage modulus times {left:.3g} at "
             f"{last:.3g}) has no place in this card"

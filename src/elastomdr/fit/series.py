@@ -543,19 +543,10 @@ def prony(
     )
     return PronyFit(
         material=material,
-        storage_residual=series.rms("storage"),
-        loss_residual=series.rms("loss"),
-        relaxation_residual=series.rms("relaxation"),
-        residuals=series.parts(),
-        equilibrium_std=series.equilibrium_std,
-        equilibrium_interval=series.interval,
-        moduli_std=series.moduli_std,
-        times_std=series.times_std,
-        covariance=series.covariance,
+        **series.quality(),
         **measured._asdict(),
         kind=kind,
         warnings=warnings,
-        converged=series.converged,
         asked=None if terms is None else int(terms),
         trade_off=trades,
         joint=joint,
@@ -640,18 +631,33 @@ class _Series(NamedTuple):
         equilibrium = self.equilibrium
         return max(equilibrium - low, high - equilibrium) / TWO_SIGMA
 
-    def part(self, name: str) -> np.ndarray:
+    def residuals_of(self, name: str) -> np.ndarray:
         """Residuals of storage, loss or relaxation."""
         return self.residuals[self.channel == _CHANNELS[name]]
 
     def parts(self) -> dict[str, np.ndarray]:
         """Residuals of what was measured."""
-        parts = {name: self.part(name) for name in _CHANNELS}
+        parts = {name: self.residuals_of(name) for name in _CHANNELS}
         return {name: deviation for name, deviation in parts.items() if deviation.size}
 
     def rms(self, name: str) -> float:
-        deviation = self.part(name)
+        deviation = self.residuals_of(name)
         return float(np.sqrt(np.mean(deviation**2))) if deviation.size else float("nan")
+
+    def quality(self) -> dict[str, Any]:
+        """The fields of a `PronyFit` that say how well the series is known."""
+        return {
+            "storage_residual": self.rms("storage"),
+            "loss_residual": self.rms("loss"),
+            "relaxation_residual": self.rms("relaxation"),
+            "residuals": self.parts(),
+            "equilibrium_std": self.equilibrium_std,
+            "equilibrium_interval": self.interval,
+            "moduli_std": self.moduli_std,
+            "times_std": self.times_std,
+            "covariance": self.covariance,
+            "converged": self.converged,
+        }
 
     def doubts(
         self, data: Data, joint: Joint, trades: Any, omega: np.ndarray
@@ -663,7 +669,7 @@ class _Series(NamedTuple):
             contradiction=verdict(trades, self.rms("storage"), self.rms("loss")),
             excess=relaxation_excess(joint),
             converged=self.converged,
-            level=self.equilibrium,
+            equilibrium=self.equilibrium,
             interval=self.interval,
             end=self.end,
             limits=self.limits,
@@ -673,7 +679,9 @@ class _Series(NamedTuple):
 
     def material(self, omega: np.ndarray, measured_at: Any, **options: Any) -> Prony:
         """The series as a material, which knows its range and its misfit."""
-        misfit = misfit_bands(omega, self.part("storage"), self.part("loss"))
+        misfit = misfit_bands(
+            omega, self.residuals_of("storage"), self.residuals_of("loss")
+        )
         known = Range(self.limits, measured_at, misfit=misfit)
         return Prony(self.equilibrium, self.moduli, self.times, range=known, **options)
 
@@ -715,18 +723,18 @@ def _solved(data: Data, joint: Joint, state: AtReference, chosen: Any) -> _Serie
 
 
 def _equilibrium_interval(
-    joint: Joint, state: AtReference, end: SlowEnd, level: float, std: float
+    joint: Joint, state: AtReference, end: SlowEnd, equilibrium: float, std: float
 ) -> tuple[float, float]:
     """The 95 % interval of the equilibrium modulus [Pa], vertical shifts included, which
     move all of the series; it holds what the slow end of the data leaves open.
     """
-    if not level:
+    if not equilibrium:
         return 0.0, 0.0
     channel = STORAGE if end.kind == "storage" else RELAXATION
     at_end = np.array([np.log(end.rate)]), np.array([channel])
     lifted = float(curve(joint, state, *at_end)[1][0])
-    half = TWO_SIGMA * level * float(np.hypot(std, lifted))
-    return max(min(level - half, end.low), 0.0), max(level + half, end.end)
+    half = TWO_SIGMA * equilibrium * float(np.hypot(std, lifted))
+    return max(min(equilibrium - half, end.low), 0.0), max(equilibrium + half, end.end)
 
 
 def _smooth(points: Points) -> tuple[Joint, AtReference]:

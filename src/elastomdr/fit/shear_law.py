@@ -53,12 +53,10 @@ _LIMITS = {
 # decades beyond the measured velocities, as far as a summit of the stress is looked for
 _FAR = 8.0
 # tried to begin with
-_WIDTHS, _ENERGIES, _PLACES, _CUTOFFS = (
-    (0.02, 0.08, 0.3, 1.0),
-    (0.3, 0.6, 0.9, 1.3, 2.0),
-    9,
-    7,
-)
+_WIDTHS = (0.02, 0.08, 0.3, 1.0)
+_ENERGIES = (0.3, 0.6, 0.9, 1.3, 2.0)
+_PLACES = 9
+_CUTOFFS = 7
 _STARTS = 3  # of these, the best, from which the search sets out
 # rms of residuals over a given error from which the law is said not to describe the
 # data
@@ -169,11 +167,11 @@ class _Points(NamedTuple):
 
     @property
     def limits(self) -> np.ndarray:
-        own = {
+        of_data = {
             "velocity": (self.log_v.min() - _FAR, self.log_v.max() + _FAR),
             "q_high": self.cutoff,
         }
-        return np.array([(_LIMITS | own)[name] for name in self.names], dtype=float)
+        return np.array([(_LIMITS | of_data)[name] for name in self.names], dtype=float)
 
     def model(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """mu and its derivatives (points, parameters) at ln stress, log10 velocity,
@@ -294,7 +292,7 @@ def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
     """Velocity, temperature, pressure, mu and error of the points, flat."""
     names = ("velocity", "temperature", "pressure", "error")
     if isinstance(measured, MeasuredFriction):
-        found = {name: getattr(measured, name) for name in (*names, "mu")}
+        columns = {name: getattr(measured, name) for name in (*names, "mu")}
     else:
         mu = np.asarray(as_float64("measured", measured))
         if mu.shape != np.shape(curve.mu):
@@ -302,17 +300,17 @@ def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
                 f"measured must have the shape of the curve, {np.shape(curve.mu)}, "
                 f"got {mu.shape}."
             )
-        found = {
+        columns = {
             "velocity": curve.velocity,
             "temperature": curve.temperature,
             "pressure": curve.pressure,
             "mu": mu,
             "error": None,
         }
-    require("measured", found["mu"], "finite", np.isfinite)
+    require("measured", columns["mu"], "finite", np.isfinite)
     return {
         name: None if value is None else np.asarray(value, dtype=float).ravel()
-        for name, value in found.items()
+        for name, value in columns.items()
     }
 
 
@@ -350,13 +348,13 @@ def _at_points(
         asked["pressure"] = np.full(data["mu"].shape, flat["pressure"][0])
     missing = [name for name, value in asked.items() if value is None]
     if missing or (data["temperature"] is not None and "temperature" not in flat):
-        what = (
+        lacking = (
             f"no {missing[0]}"
             if missing
             else "temperatures that the curve was not computed for"
         )
         raise InputError(
-            f"curve must be computed at the measured points, which have {what}: give "
+            f"curve must be computed at the measured points, which have {lacking}: give "
             "em.friction the velocity, "
             "temperature and pressure of the measurement."
         )
@@ -379,9 +377,9 @@ def _meets(curve: FrictionCurve, data: dict[str, Any]) -> bool:
         for name in ("velocity", "temperature", "pressure")
     ]
     return all(
-        np.allclose(np.ravel(own), given, rtol=1e-6)
-        for own, given in pairs
-        if own is not None and given is not None
+        np.allclose(np.ravel(of_curve), given, rtol=1e-6)
+        for of_curve, given in pairs
+        if of_curve is not None and given is not None
     )
 
 
@@ -406,19 +404,17 @@ def _between(
         CubicSpline(np.log(q), np.where(whole, x, 0.0)) for x in (log_h, log_s)
     )
 
-    def parts(at: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        h, s = (
-            np.where(whole, np.exp(of_h(at)), np.nan),
-            np.where(whole, np.exp(of_s(at)), np.nan),
-        )
-        return h, s, h * of_h(at, 1), s * of_s(at, 1)
+    def parts(log_q: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        h = np.where(whole, np.exp(of_h(log_q)), np.nan)
+        s = np.where(whole, np.exp(of_s(log_q)), np.nan)
+        return h, s, h * of_h(log_q, 1), s * of_s(log_q, 1)
 
     return parts, (float(np.log(q[0])), float(np.log(q[-1])))
 
 
 def _chosen(every: _Points, used: np.ndarray) -> _Points:
-    def parts(at: Any) -> Any:
-        return tuple(x[used] for x in every.parts(at))
+    def parts(log_q: Any) -> Any:
+        return tuple(x[used] for x in every.parts(log_q))
 
     warm = None if every.warm is None else every.warm[used]
     return every._replace(
@@ -477,12 +473,12 @@ def _search(points: _Points, size: np.ndarray) -> tuple[np.ndarray, bool]:
         stress = max(float(shape @ left) / max(float(shape @ shape), 1e-300), 1e3)
         starts.append((float(((left - stress * shape) ** 2).sum()), np.log(stress), p))
     starts.sort(key=lambda start: start[0])
-    found = []
+    descents = []
     for _, log_stress, p in starts[:_STARTS]:
         p[0] = np.clip(log_stress, *_LIMITS["stress"])
         p, success = _descend(points, size, p)
-        found.append((_chi(points, p, size), p, success))
-    return min(found, key=lambda one: one[0])[1:]
+        descents.append((_chi(points, p, size), p, success))
+    return min(descents, key=lambda one: one[0])[1:]
 
 
 def _descend(
@@ -495,9 +491,9 @@ def _descend(
     low, high = points.limits[free].T
 
     def whole(x: np.ndarray) -> np.ndarray:
-        full = p.copy()
-        full[free] = x
-        return full
+        parameters = p.copy()
+        parameters[free] = x
+        return parameters
 
     answer = least_squares(
         lambda x: (points.model(whole(x))[0] - points.mu) / size,
@@ -565,9 +561,9 @@ def _end(
     def over(x: float) -> float:
         start = last["p"].copy()
         start[i] = x
-        found, _ = _descend(points, size, start, i)
-        last.update(x=x, p=found)
-        return _chi(points, found, size) - allowed
+        best, _ = _descend(points, size, start, i)
+        last.update(x=x, p=best)
+        return _chi(points, best, size) - allowed
 
     step = 1.96 * float(np.clip(spread, 1e-6, abs(limit - p[i]) or 1e-6))
     inside = x = float(p[i])

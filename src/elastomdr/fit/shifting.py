@@ -10,7 +10,16 @@ import numpy as np
 
 from ..material.shift import AbstractShift
 from .isotherms import Isotherms, alike, own_noise
-from .laws import LawFit, Place, fit_laws, locate, log10_a, of_law, slopes, thermometer
+from .laws import (
+    LawFit,
+    Place,
+    fit_laws,
+    locate,
+    log10_a,
+    of_law,
+    slopes,
+    temperature_error,
+)
 from .spectrum import (
     GAIN,
     LOSS,
@@ -294,7 +303,7 @@ def _priors(
     )
     # Relaxation shows lines worse than a loss modulus does: how far off the grid they
     # are has to be learnt from all.
-    near, far = (LN10 / PER_DECADE * part for part in _PLACE)
+    near, far = (LN10 / PER_DECADE * spacings for spacings in _PLACE)
     free, is_free = every[entropy + 1 : shifts.places.start], vertical == "free"
     mean, width = _ENTROPY if is_free else (float(vertical == "entropic"), _FIXED)
     return [
@@ -349,24 +358,32 @@ def _first_spectrum(
     equilibrium modulus that is too low they would stay, and bend the slow edge.
     """
     width = np.log(LN10 / PER_DECADE)
-    at = points.channel == LOSS
-    if at.any():
-        order = np.argsort(-reduced[at])
+    is_loss = points.channel == LOSS
+    if is_loss.any():
+        order = np.argsort(-reduced[is_loss])
         return (
-            np.interp(log_times, -reduced[at][order], points.log_value[at][order])
+            np.interp(
+                log_times, -reduced[is_loss][order], points.log_value[is_loss][order]
+            )
             + np.log(2 / np.pi)
             + width
         )
     bins = np.floor((reduced.max() - reduced) / (_BIN * LN10)).astype(int)
-    log_time, level = (np.bincount(bins, of) for of in (-reduced, points.log_value))
-    count = np.bincount(bins)
-    log_time, level = (
-        log_time[count > 0] / count[count > 0],
-        level[count > 0] / count[count > 0],
+    log_time, log_modulus = (
+        np.bincount(bins, of) for of in (-reduced, points.log_value)
     )
-    fall = -np.gradient(level, log_time) if level.size > 1 else np.array([_LEAST_FALL])
+    count = np.bincount(bins)
+    log_time = log_time[count > 0] / count[count > 0]
+    log_modulus = log_modulus[count > 0] / count[count > 0]
+    fall = (
+        -np.gradient(log_modulus, log_time)
+        if log_modulus.size > 1
+        else np.array([_LEAST_FALL])
+    )
     return (
-        np.interp(log_times, log_time, level + np.log(np.maximum(fall, _LEAST_FALL)))
+        np.interp(
+            log_times, log_time, log_modulus + np.log(np.maximum(fall, _LEAST_FALL))
+        )
         + width
     )
 
@@ -388,9 +405,11 @@ def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
     channel, over a grid of shifts.
     """
     grid = np.arange(-0.5, max(4.0, 0.6 * gap), 0.05)
-    at = (points.isotherm == cold) | (points.isotherm == warm)
-    rate, value, channel = points.log_rate[at], points.log_value[at], points.channel[at]
-    is_cold = points.isotherm[at] == cold
+    chosen = (points.isotherm == cold) | (points.isotherm == warm)
+    rate = points.log_rate[chosen]
+    value = points.log_value[chosen]
+    channel = points.channel[chosen]
+    is_cold = points.isotherm[chosen] == cold
     u = rate + LN10 * grid[:, None] * is_cold  # (grid, points)
     low, high = u.min(axis=1, keepdims=True), u.max(axis=1, keepdims=True)
     u = 2 * (u - low) / np.maximum(high - low, 1e-9) - 1
@@ -398,9 +417,9 @@ def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
     design = np.zeros((*u.shape, 1 + 6 * kinds.size))
     design[..., 0] = is_cold  # a vertical offset, held small below
     for k, which in enumerate(kinds):
-        at = channel == which
-        design[:, at, 1 + 6 * k : 7 + 6 * k] = np.vander(
-            u[:, at].ravel(), 6, increasing=True
+        of_channel = channel == which
+        design[:, of_channel, 1 + 6 * k : 7 + 6 * k] = np.vander(
+            u[:, of_channel].ravel(), 6, increasing=True
         ).reshape(len(u), -1, 6)
     ridge = np.array([1e2] + [1e-8, 1e-8, 1e-8, 1e-6, 1e-4, 1e-2] * kinds.size)
     normal = design.swapaxes(1, 2) @ design + np.diag(ridge)
@@ -463,7 +482,7 @@ class Joint(NamedTuple):
     # that the shifts follow exactly, since the user gave it
     law: AbstractShift | None = None
     # standard error of an isotherm's temperature [K]; None: found from its scatter
-    thermometer: float | None = None
+    temperature_error: float | None = None
 
 
 class AtReference(NamedTuple):
@@ -474,16 +493,17 @@ class AtReference(NamedTuple):
     ln_b: np.ndarray
     ln_b_std: np.ndarray
     place: Place  # of the reference temperature among the isotherms
-    level: np.ndarray  # takes the unknowns to ln b at the reference temperature
+    # takes the unknowns to ln b at the reference temperature
+    ln_b_by_unknowns: np.ndarray
     laws: dict[str, LawFit]
-    thermometer: float  # standard error of an isotherm's temperature [K]
+    temperature_error: float  # standard error of an isotherm's temperature [K]
 
 
 def fit_jointly(
     data: Isotherms,
     vertical: bool,
     law: AbstractShift | None = None,
-    thermometer: float | None = None,
+    temperature_error: float | None = None,
 ) -> Joint:
     """Shifts without a vertical part first, then with one, starting from that answer.
 
@@ -518,8 +538,8 @@ def fit_jointly(
         1.0, misfit
     ) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
-    here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
-    difference = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
+    lifted, unlifted = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
+    difference = (unlifted - unlifted[shifts.anchor]) - (lifted - lifted[shifts.anchor])
     choice = Doubt(np.sqrt(weight) * difference, 0.0, (np.inf, np.inf))
     return Joint(
         shifts,
@@ -529,7 +549,7 @@ def fit_jointly(
         plain,
         float(weight),
         None,
-        thermometer,
+        temperature_error,
     )
 
 
@@ -621,7 +641,7 @@ def without_vertical(joint: Joint) -> Joint:
         plain,
         1.0,
         None,
-        joint.thermometer,
+        joint.temperature_error,
     )
 
 
@@ -647,10 +667,8 @@ def entropic(joint: Joint) -> Joint | None:
     gain = (shifts.posterior.evidence - free.posterior.evidence) / max(
         1.0, joint.misfit
     ) ** 2
-    lift, lifted = (
-        shifts.vertical() @ shifts.posterior.mean,
-        free.vertical() @ free.posterior.mean,
-    )
+    lift = shifts.vertical() @ shifts.posterior.mean
+    lifted = free.vertical() @ free.posterior.mean
     if gain < 0 and np.ptp(lifted - lift) > _EVEN:
         return None
     here = shifts.horizontal(shifts.posterior.mean)[0]
@@ -675,9 +693,9 @@ def at_reference(joint: Joint, reference: float) -> AtReference:
     spread = by_x @ covariance @ by_x.T + _outer(
         (d.by_isotherm * d.of_law for d in joint.doubts), n
     )
-    error = joint.thermometer if joint.thermometer is not None else 0.0
-    if n > 1 and joint.thermometer is None and joint.law is None:
-        error = thermometer(
+    error = joint.temperature_error if joint.temperature_error is not None else 0.0
+    if n > 1 and joint.temperature_error is None and joint.law is None:
+        error = temperature_error(
             temperature,
             x,
             spread + _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n),
@@ -692,7 +710,7 @@ def at_reference(joint: Joint, reference: float) -> AtReference:
         place = of_law(float(x[shifts.anchor] + step[0]), temperature, reference)
     change = np.eye(n) - place.weights
     laws_own = change @ spread @ change.T + place.variance
-    full = (
+    log10_a_covariance = (
         laws_own
         + change
         @ _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n)
@@ -700,17 +718,28 @@ def at_reference(joint: Joint, reference: float) -> AtReference:
     )
     shifted = x - place.log10_a
     # of the reference: the free part is that of the isotherms nearby,
-    level = place.near @ shifts.vertical()
+    ln_b_by_unknowns = place.near @ shifts.vertical()
     # entropy elasticity its own
-    level[shifts.slopes.stop] = np.log(temperature[shifts.anchor] / reference)
-    lift = shifts.vertical() - level
+    ln_b_by_unknowns[shifts.slopes.stop] = np.log(
+        temperature[shifts.anchor] / reference
+    )
+    lift = shifts.vertical() - ln_b_by_unknowns
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
     laws = (
         fit_laws(temperature, shifted, laws_own, reference)
         if n >= 2 and joint.law is None
         else {}
     )
-    return AtReference(shifted, full, lift @ p, std, place, level, laws, error)
+    return AtReference(
+        shifted,
+        log10_a_covariance,
+        lift @ p,
+        std,
+        place,
+        ln_b_by_unknowns,
+        laws,
+        error,
+    )
 
 
 class Sensitivity(NamedTuple):
@@ -729,12 +758,15 @@ def curve(
     """ln of the common curve at the reference temperature, and its standard deviation,
     at ln(omega) or ln(1/t).
     """
-    at = sensitivity(joint, reference, log_rate, channel)
+    sensitive = sensitivity(joint, reference, log_rate, channel)
     variance = np.einsum(
-        "ij,jk,ik->i", at.by_unknowns, joint.shifts.posterior.covariance, at.by_unknowns
+        "ij,jk,ik->i",
+        sensitive.by_unknowns,
+        joint.shifts.posterior.covariance,
+        sensitive.by_unknowns,
     )
-    variance += (at.by_others**2).sum(axis=1)
-    return at.log_value, np.sqrt(np.maximum(variance, 0.0))
+    variance += (sensitive.by_others**2).sum(axis=1)
+    return sensitive.log_value, np.sqrt(np.maximum(variance, 0.0))
 
 
 def sensitivity(
@@ -746,10 +778,12 @@ def sensitivity(
     x, by_x = shifts.horizontal(p)
     weights = reference.place.weights
     here = float(x[shifts.anchor] - reference.log10_a[shifts.anchor])
-    level = float(reference.level @ p)
+    ln_b_at_reference = float(reference.ln_b_by_unknowns @ p)
     at_anchor = log_rate + LN10 * here
     answer = shifts.predict(p, channel, at_anchor)
-    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - reference.level
+    jacobian = (
+        LN10 * answer.by_rate[:, None] * (weights @ by_x) - reference.ln_b_by_unknowns
+    )
     reduced = shifts.points.log_rate + LN10 * (
         x[shifts.points.isotherm] + shifts.points.offset
     )
@@ -763,7 +797,9 @@ def sensitivity(
     steps = [np.full(log_rate.size, np.sqrt(reference.place.variance))]
     steps += [
         np.full(log_rate.size, size)
-        for size in weights * reference.thermometer * slopes(shifts.temperature, x)
+        for size in weights
+        * reference.temperature_error
+        * slopes(shifts.temperature, x)
     ]
     for doubt in joint.doubts:
         along = doubt.size * (
@@ -771,7 +807,7 @@ def sensitivity(
         )
         steps.append(weights @ doubt.by_isotherm - along)
     return Sensitivity(
-        answer.log_value - level,
+        answer.log_value - ln_b_at_reference,
         jacobian,
         LN10 * answer.by_rate[:, None] * np.stack(steps, axis=1),
     )
@@ -786,13 +822,13 @@ def moved(
     shifts, place = joint.shifts, reference.place
     x, by_x = shifts.horizontal(shifts.posterior.mean)
     change = np.eye(shifts.size) - place.weights
-    thermal = change * (reference.thermometer * slopes(shifts.temperature, x))
-    own = np.full((shifts.size, 1), -np.sqrt(place.variance))
+    thermal = change * (reference.temperature_error * slopes(shifts.temperature, x))
+    of_place = np.full((shifts.size, 1), -np.sqrt(place.variance))
     doubts = [(change @ doubt.by_isotherm)[:, None] for doubt in joint.doubts]
     return (
         change @ by_x,
-        np.hstack([own, thermal, *doubts]),
-        shifts.vertical() - reference.level,
+        np.hstack([of_place, thermal, *doubts]),
+        shifts.vertical() - reference.ln_b_by_unknowns,
     )
 
 
@@ -907,20 +943,20 @@ def _power_law(shifts: Shifts, cold: int, alike: float) -> bool:
     each modulus.
     """
     points, posterior = shifts.points, shifts.posterior
-    at = (points.isotherm == cold) | (points.isotherm == cold + 1)
-    channel, warm = points.channel[at], points.isotherm[at] == cold + 1
+    chosen = (points.isotherm == cold) | (points.isotherm == cold + 1)
+    channel, warm = points.channel[chosen], points.isotherm[chosen] == cold + 1
     log10_a = shifts.horizontal(posterior.mean)[0]
-    rate = points.log_rate[at] + LN10 * (
-        log10_a[points.isotherm[at]] + points.offset[at]
+    rate = points.log_rate[chosen] + LN10 * (
+        log10_a[points.isotherm[chosen]] + points.offset[chosen]
     )
     rate = rate - rate.mean()
-    weight = np.sqrt(posterior.weights[at] / alike) / posterior.noise[channel]
+    weight = np.sqrt(posterior.weights[chosen] / alike) / posterior.noise[channel]
     kinds = [channel == which for which in np.unique(channel)]
     levels = [kind & side for kind in kinds for side in (warm, ~warm)]
     misfits = []
     for shapes in ([rate], [kind * rate**k for kind in kinds for k in (1, 2)]):
         design = np.stack([*levels, *shapes], axis=1) * weight[:, None]
-        value = points.log_value[at] * weight
+        value = points.log_value[chosen] * weight
         off = value - design @ np.linalg.lstsq(design, value, rcond=None)[0]
         misfits.append(float(off @ off))
     freedom = 2 * len(kinds) - 1

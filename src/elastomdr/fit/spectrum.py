@@ -70,18 +70,18 @@ class Prediction:
         """(points, times): the derivative of a unit branch's contribution with respect
         to ln(omega), over the value.
         """
-        found = np.empty(self.x.shape)
-        for which, at in _runs(self.channel):
-            _bend(which, self.x[at], self.kernels[at], found[at])
-        found /= self.value[:, None]
-        return found
+        derivative = np.empty(self.x.shape)
+        for which, run in _runs(self.channel):
+            _bend(which, self.x[run], self.kernels[run], derivative[run])
+        derivative /= self.value[:, None]
+        return derivative
 
     @property
     def by_spectrum(self) -> np.ndarray:
         """(points, times), by ln H_k."""
-        found = self.kernels * self.heights
-        found /= self.value[:, None]
-        return found
+        derivative = self.kernels * self.heights
+        derivative /= self.value[:, None]
+        return derivative
 
     @property
     def by_neighbours(self) -> np.ndarray:
@@ -133,8 +133,8 @@ def predict(
         x = np.outer(np.exp(-log_rate), np.exp(-log_times))  # 1/(omega tau), or t/tau
     np.clip(x, 1 / _FAR, _FAR, out=x)
     kernels = np.empty(x.shape)
-    for which, at in _runs(channel):
-        _kernel(which, x[at], kernels[at])
+    for which, run in _runs(channel):
+        _kernel(which, x[run], kernels[run])
     of_equilibrium = np.where(channel == LOSS, 0.0, equilibrium)
     value = np.maximum(kernels @ heights + of_equilibrium, 1e-300)
     return Prediction(
@@ -192,14 +192,14 @@ _DAMAGED = 100.0
 
 
 class Passive(NamedTuple):
-    """Rates ln(1/tau_k), the moduli at them and at rest over exp(level), and the rms
+    """Rates ln(1/tau_k), the moduli at them and at rest over exp(log_median), and the rms
     relative misfit.
     """
 
     log_rates: Float[np.ndarray, " k"]
     moduli: Float[np.ndarray, " k"]
     equilibrium: float
-    level: float  # median ln(modulus)
+    log_median: float  # median ln(modulus)
     misfit: float
     storage: float  # rms relative misfit of the storage modulus,
     loss: float  # and of the loss modulus
@@ -209,7 +209,7 @@ class Passive(NamedTuple):
     ) -> Float[np.ndarray, " n"]:
         """ln G(t) at ln(1/t)."""
         past = np.exp(np.clip(self.log_rates - log_rate[:, None], -_DAMAGED, _DAMAGED))
-        return self.level + np.log(
+        return self.log_median + np.log(
             np.maximum(np.exp(-past) @ self.moduli + self.equilibrium, 1e-300)
         )
 
@@ -233,8 +233,8 @@ def closest_passive(
     x = np.exp(np.clip(log_rate[:, None] - rates, -_DAMAGED, _DAMAGED))
     storage = storage[:, None]
     spring, dashpot = storage * 1.0, ~storage * x[:, -1:] / x[:, -1].max()
-    level = float(np.median(log_value))
-    scale = np.exp(np.clip(level - log_value, -_DAMAGED, _DAMAGED))[:, None]
+    log_median = float(np.median(log_value))
+    scale = np.exp(np.clip(log_median - log_value, -_DAMAGED, _DAMAGED))[:, None]
     matrix = (
         np.hstack(
             [np.where(storage, x / (x + 1 / x), 1 / (x + 1 / x)), spring, dashpot]
@@ -247,12 +247,12 @@ def closest_passive(
     except RuntimeError:  # too many iterations
         return None
     moduli = moduli / largest
-    off, at = (matrix @ moduli - 1) ** 2, storage[:, 0]
+    off, is_storage = (matrix @ moduli - 1) ** 2, storage[:, 0]
     parts = (
         float(np.sqrt(residuals.mean())) if residuals.size else 0.0
-        for residuals in (off, off[at], off[~at])
+        for residuals in (off, off[is_storage], off[~is_storage])
     )
-    return Passive(rates, moduli[:count], float(moduli[count]), level, *parts)
+    return Passive(rates, moduli[:count], float(moduli[count]), log_median, *parts)
 
 
 # --------------------------------------------------------------------------------------
@@ -375,10 +375,7 @@ def infer(
             squares = [weights[i] * place.residuals[i] ** 2 for i in members]
             effective = [_trace(covariance, curvature) for curvature in curvatures]
             noise = _new_noise(noise, squares, effective, noise_limits)
-        widths = [
-            _new_width(prior, width, gram, place.p, covariance)
-            for prior, width, gram in zip(priors, widths, grams, strict=True)
-        ]
+        widths = _new_widths(priors, widths, grams, place.p, covariance)
         if robust:
             weights = _outlier_weights(place.residuals / noise[group])
         change = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
@@ -442,8 +439,21 @@ def _new_noise(
         if square.size:
             freedom = max(square.size - effective[g], 0.1 * square.size)
             noise[g] = np.clip(np.sqrt(square.sum() / freedom), *limits)
-    there = np.array([square.size > 0 for square in squares])
-    return np.maximum(noise, noise[there].max() / _RATIO)
+    measured = np.array([square.size > 0 for square in squares])
+    return np.maximum(noise, noise[measured].max() / _RATIO)
+
+
+def _new_widths(
+    priors: Sequence[Prior],
+    widths: list[float],
+    grams: list[np.ndarray],
+    p: np.ndarray,
+    covariance: np.ndarray,
+) -> list[float]:
+    return [
+        _new_width(prior, width, gram, p, covariance)
+        for prior, width, gram in zip(priors, widths, grams, strict=True)
+    ]
 
 
 def _new_width(
@@ -462,8 +472,8 @@ def _new_width(
 
 def _weighted(parts: list[np.ndarray], widths: list[float]) -> np.ndarray:
     total = parts[0] / widths[0] ** 2
-    for part, width in zip(parts[1:], widths[1:], strict=True):
-        total = total + part / width**2
+    for rows, width in zip(parts[1:], widths[1:], strict=True):
+        total = total + rows / width**2
     return total
 
 
@@ -548,9 +558,9 @@ def _cholesky(matrix: np.ndarray) -> np.ndarray:
 def _inverse(factor: np.ndarray) -> np.ndarray:
     # the upper triangle stays that of the factor, zero
     lower = dpotri(factor, lower=1)[0]
-    full = lower + lower.T
-    np.einsum("ii->i", full)[:] *= 0.5
-    return full
+    inverse = lower + lower.T
+    np.einsum("ii->i", inverse)[:] *= 0.5
+    return inverse
 
 
 # --------------------------------------------------------------------------------------
@@ -620,11 +630,11 @@ def early(
         return []
     start = -reduced.max()
     unmeasured = np.flatnonzero(hidden(points, reduced, log_times))
-    at = (points.channel == RELAXATION) & (-reduced <= start + _DECADES * _LN10)
-    u = -reduced[at] - start
+    chosen = (points.channel == RELAXATION) & (-reduced <= start + _DECADES * _LN10)
+    u = -reduced[chosen] - start
     if np.unique(u).size < _FEWEST or np.ptp(u) < _NARROW * _LN10:
         return []
-    curve = np.polynomial.Polynomial.fit(u, points.log_value[at], 2)
+    curve = np.polynomial.Polynomial.fit(u, points.log_value[chosen], 2)
     ends = np.array([_INWARD, 1 - _INWARD]) * np.ptp(u)
     # ln H per unit of ln(tau)
     fall = np.log(np.maximum(-curve.deriv()(ends), _FLAT)) + curve(ends)

@@ -116,9 +116,9 @@ def choose_terms(data: Data, terms: int | None, solid: bool | None) -> Terms:
     the answer.
     """
     gathered = _gathered(data)
-    found = _search(gathered, terms, solid)
-    found = _pruned(gathered, found) if terms is None else found
-    return _climb(data, found.posterior.mean, found.priors, found.equilibrium > 0)
+    series = _search(gathered, terms, solid)
+    series = _pruned(gathered, series) if terms is None else series
+    return _climb(data, series.posterior.mean, series.priors, series.equilibrium > 0)
 
 
 def _search(data: Data, terms: int | None, solid: bool | None) -> Terms:
@@ -153,28 +153,28 @@ def _search(data: Data, terms: int | None, solid: bool | None) -> Terms:
     return best
 
 
-def _off(data: Data, found: Terms) -> float:
+def _off(data: Data, series: Terms) -> float:
     """Mean square residual of a series in standard deviations."""
-    squares = (found.criterion - 2.0 * found.posterior.mean.size) * data.alike
+    squares = (series.criterion - 2.0 * series.posterior.mean.size) * data.alike
     return squares / float(data.weights.sum())
 
 
-def _pruned(data: Data, found: Terms) -> Terms:
+def _pruned(data: Data, series: Terms) -> Terms:
     """The series without terms that the data hardly know, as long as that lowers the
     criterion.
     """
-    while found.log_times.size > 1:
-        n = found.log_times.size
-        least = int(np.diag(found.posterior.covariance)[:n].argmax())
-        kept = np.delete(np.arange(found.posterior.mean.size), [least, n + least])
-        priors = tuple(_without(prior, kept) for prior in found.priors)
+    while series.log_times.size > 1:
+        n = series.log_times.size
+        least = int(np.diag(series.posterior.covariance)[:n].argmax())
+        kept = np.delete(np.arange(series.posterior.mean.size), [least, n + least])
+        priors = tuple(_without(prior, kept) for prior in series.priors)
         trial = _climb(
-            data, found.posterior.mean[kept], priors, found.equilibrium > 0, _ROUGHLY
+            data, series.posterior.mean[kept], priors, series.equilibrium > 0, _ROUGHLY
         )
-        if trial.criterion > found.criterion:
+        if trial.criterion > series.criterion:
             break
-        found = trial
-    return found
+        series = trial
+    return series
 
 
 def _without(prior: Prior, kept: np.ndarray) -> Prior:
@@ -211,7 +211,7 @@ def _gathered(data: Data) -> Data:
     return data._replace(points=gathered, weights=total, measured=None)
 
 
-def _levels_off(points: Points, found: Terms) -> bool:
+def _levels_off(points: Points, series: Terms) -> bool:
     """Whether the slow end of the data is that of a solid, so that its equilibrium
     modulus is more than a guess.
 
@@ -229,7 +229,7 @@ def _levels_off(points: Points, found: Terms) -> bool:
         or np.ptp(rate[slow]) == 0
         or np.polyfit(rate[slow], value[slow], 1)[0] < 1.0
     )
-    return bool(flat and found.equilibrium > _PLATEAU * np.exp(value.min()))
+    return bool(flat and series.equilibrium > _PLATEAU * np.exp(value.min()))
 
 
 def _counts(most: int) -> list[int]:
@@ -292,8 +292,8 @@ def _trial(data: Data, count: int, solid: bool, far: bool) -> Terms:
             ),
             Prior(every[n : 2 * n], _MOVE * spacing, None, start[n : 2 * n]),
         )
-        found = _climb(data, start, priors, solid, _ROUGHLY)
-        p = found.posterior.mean
+        series = _climb(data, start, priors, solid, _ROUGHLY)
+        p = series.posterior.mean
         share = np.abs(
             _model(points, p, solid)[1]()[:, :n] / data.noise[points.channel][:, None]
         ).max(axis=0)
@@ -301,7 +301,7 @@ def _trial(data: Data, count: int, solid: bool, far: bool) -> Terms:
         # a modulus that never changes leaves every term idle
         kept[share.argmax()] = True
         if kept.all():
-            return found
+            return series
         start = np.concatenate([p[:n][kept], p[n : 2 * n][kept], p[2 * n :]])
 
 
@@ -339,11 +339,11 @@ def _climb(
         (data.weights * residuals**2).sum() / data.alike + 2.0 * start.size
     )
     order = np.argsort(p[n : 2 * n])
-    full = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
+    by_time = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
     posterior = posterior._replace(
-        mean=p[full], covariance=posterior.covariance[np.ix_(full, full)]
+        mean=p[by_time], covariance=posterior.covariance[np.ix_(by_time, by_time)]
     )
-    priors = tuple(prior._replace(rows=prior.rows[:, full]) for prior in priors)
+    priors = tuple(prior._replace(rows=prior.rows[:, by_time]) for prior in priors)
     equilibrium = float(np.exp(p[-1])) if solid else 0.0
     return Terms(
         p[:n][order], p[n : 2 * n][order], equilibrium, posterior, priors, criterion
@@ -368,10 +368,8 @@ def _model(
 
 
 def _first(data: Data, log_times: np.ndarray, solid: bool) -> tuple[np.ndarray, float]:
-    points, weight = (
-        data.points,
-        np.sqrt(data.weights) / data.noise[data.points.channel],
-    )
+    points = data.points
+    weight = np.sqrt(data.weights) / data.noise[data.points.channel]
     u = points.log_rate[:, None] + log_times
     x = np.exp(np.clip(u, -300, 300))
     storage, loss = 1 / (1 + 1 / x**2), 1 / (x + 1 / x)
@@ -421,10 +419,8 @@ def weigh(
     storage and loss modulus may contradict each other.
     """
     present, scatter = np.unique(points.channel), _scatter(points)
-    both, worst = (
-        LOSS in present and STORAGE in present,
-        present[noise[present].argmax()],
-    )
+    both = LOSS in present and STORAGE in present
+    worst = present[noise[present].argmax()]
     systematic = bool(
         both and noise[worst] > max(_CONTRADICTION, _SYSTEMATIC * scatter[worst])
     )
@@ -457,18 +453,18 @@ def trade_off(points: Points) -> tuple[Met, ...]:
     """Of all passive materials those closest to storage and loss modulus, by the weight
     of the storage modulus.
     """
-    at = points.channel <= LOSS
-    found = []
+    dynamic = points.channel <= LOSS
+    met = []
     for balance in _BALANCES:
         near = closest_passive(
-            points.log_rate[at],
-            points.log_value[at],
-            points.channel[at] == STORAGE,
+            points.log_rate[dynamic],
+            points.log_value[dynamic],
+            points.channel[dynamic] == STORAGE,
             balance,
         )
         if near is not None:
-            found.append(Met(balance, near.storage, near.loss))
-    return tuple(found)
+            met.append(Met(balance, near.storage, near.loss))
+    return tuple(met)
 
 
 def verdict(met: tuple[Met, ...], storage: float, loss: float) -> str:
@@ -493,19 +489,19 @@ def _scatter(points: Points) -> np.ndarray:
     """Standard deviation of ln(value) about the line between its neighbours in
     frequency, by channel, or NaN.
     """
-    found = np.full(3, np.nan)
+    scatter = np.full(3, np.nan)
     for channel in np.unique(points.channel):
-        at = np.flatnonzero(points.channel == channel)
-        at = at[np.argsort(points.log_rate[at], kind="stable")]
-        if at.size < 5:
+        indices = np.flatnonzero(points.channel == channel)
+        indices = indices[np.argsort(points.log_rate[indices], kind="stable")]
+        if indices.size < 5:
             continue
-        x, y = points.log_rate[at], points.log_value[at]
+        x, y = points.log_rate[indices], points.log_value[indices]
         fraction = (x[1:-1] - x[:-2]) / np.maximum(x[2:] - x[:-2], 1e-12)
         off = (y[1:-1] - (1 - fraction) * y[:-2] - fraction * y[2:]) / np.sqrt(
             1 + fraction**2 + (1 - fraction) ** 2
         )
-        found[channel] = 1.4826 * np.median(np.abs(off))  # an outlier is not scatter
-    return found
+        scatter[channel] = 1.4826 * np.median(np.abs(off))  # an outlier is not scatter
+    return scatter
 
 
 # --------------------------------------------------------------------------------------
@@ -595,19 +591,24 @@ def _from_relaxation(
 
 def _line(points: Points, channel: int, noise: float, start: float) -> _Line:
     """A straight line through ln(modulus) over the decade from ln(rate) `start` on."""
-    at = np.flatnonzero((points.channel == channel) & (points.log_rate >= start - 1e-9))
-    at = at[np.argsort(points.log_rate[at], kind="stable")]
-    inside = int((points.log_rate[at] <= start + _LN10).sum())
-    at = at[: max(inside, _FEWEST)]
-    u = points.log_rate[at] - start
+    indices = np.flatnonzero(
+        (points.channel == channel) & (points.log_rate >= start - 1e-9)
+    )
+    indices = indices[np.argsort(points.log_rate[indices], kind="stable")]
+    inside = int((points.log_rate[indices] <= start + _LN10).sum())
+    indices = indices[: max(inside, _FEWEST)]
+    u = points.log_rate[indices] - start
     if np.unique(u).size < 2:
         return _Line(
-            float(points.log_value[at].mean()) if at.size else 0.0, 0.0, np.inf, noise
+            float(points.log_value[indices].mean()) if indices.size else 0.0,
+            0.0,
+            np.inf,
+            noise,
         )
     design = np.stack([np.ones(u.size), u], axis=1)
     inverse = np.linalg.inv(design.T @ design)
-    p = inverse @ design.T @ points.log_value[at]
-    off = points.log_value[at] - design @ p
+    p = inverse @ design.T @ points.log_value[indices]
+    off = points.log_value[indices] - design @ p
     size = max(noise, float(np.sqrt(off @ off / max(u.size - 2, 1))))
     return _Line(
         float(p[0]), float(p[1]), *(size * np.sqrt(np.diag(inverse))[::-1]).tolist()

@@ -87,22 +87,20 @@ class Column(NamedTuple):
         return numbers * factor + offset
 
 
-def logarithm(text: str) -> tuple[str, str]:
+def logarithm(title: str) -> tuple[str, str]:
     """Which logarithm a title says ("log10", "ln", or "log" without a base), and the
     title without it.
     """
-    match = _LOG.fullmatch(text.strip())
+    match = _LOG.fullmatch(title.strip())
     if match is None:
-        return "", text
+        return "", title
     log, rest = match[1].lower(), match[2]
     if rest.startswith("("):  # log(G' [Pa]), log(w/(rad/s)) [-], log(G') [Pa]
         depth = np.cumsum([(mark == "(") - (mark == ")") for mark in rest])
         end = int(np.argmax(depth == 0))
         if end:
-            inside, behind = (
-                re.sub(r"/\s*\(", " (", rest[1:end]),
-                rest[end + 1 :].strip(),
-            )
+            inside = re.sub(r"/\s*\(", " (", rest[1:end])
+            behind = rest[end + 1 :].strip()
             rest = f"{inside} {behind}" if behind.strip("[]()- 1") else inside
     return log if log in ("ln", "log") else "log10", rest.lstrip("_ ")
 
@@ -130,7 +128,7 @@ def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
             rank = _rank(quantity, name.strip())
             if rank is None or (log and quantity.kind in ("temperature", "angle")):
                 continue
-            found = Column(
+            column = Column(
                 head.place,
                 quantity,
                 head.title.strip(),
@@ -140,9 +138,9 @@ def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
                 log,
             )
             if not unit or to_si(unit, quantity.kind):
-                return found
+                return column
             if of_unit and to_si(inner, quantity.kind):
-                return found._replace(
+                return column._replace(
                     unit=inner, log=of_unit if log in ("", of_unit) else log
                 )
             if (
@@ -150,7 +148,7 @@ def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
                 and refused is None
                 and (below or re.search(r"[\[(]", title))
             ):
-                refused = found._replace(known=False)
+                refused = column._replace(known=False)
     return refused
 
 
@@ -357,7 +355,7 @@ def with_sign(
     A loss is positive; with exp(-i omega t) in place of exp(i omega t) all of it is
     negative.
     """
-    turned, said = dict(chosen), []
+    turned, remarks = dict(chosen), []
     for role, column in chosen.items():
         if not column.quantity.signed or column.log:
             continue
@@ -366,12 +364,12 @@ def with_sign(
         negative = int((numbers < 0).sum())
         if numbers.size and negative >= _ONE_SIGN * numbers.size:
             turned[role] = column._replace(sign=-1.0)
-            said.append(
+            remarks.append(
                 f"{name}: {column.title} is negative in {negative} of {numbers.size} "
                 "rows, as with exp(-i omega t): "
                 "its sign is turned."
             )
-    return turned, tuple(said)
+    return turned, tuple(remarks)
 
 
 def measured(
@@ -740,9 +738,9 @@ def _rank(quantity: Quantity, name: str) -> int | None:
     """The rank of a name, also of one that is said twice, in words and as a symbol:
     "Storage modulus (E')".
     """
-    found = quantity.rank(name)
-    if found is not None or len(name) > 80:
-        return found
+    known_rank = quantity.rank(name)
+    if known_rank is not None or len(name) > 80:
+        return known_rank
     for gap in re.finditer(r"[\s(,:-]+", name):
         ranks = [
             quantity.rank(piece)
@@ -779,7 +777,7 @@ def _letter(quantity: Quantity, name: str) -> str:
 
 
 def missing(
-    name: str, found: Sequence[str], needed: str, tables: Sequence[Table]
+    name: str, recognised: Sequence[str], needed: str, tables: Sequence[Table]
 ) -> str:
     """What is missing in a file, in words, and how to name it."""
     table = max(tables, key=lambda one: len(one.rows), default=None)
@@ -792,7 +790,7 @@ def missing(
         )
     return (
         f"{name}: {needed}; recognised "
-        f"{'is ' + ', '.join(found) if found else 'is none'} of the columns "
+        f"{'is ' + ', '.join(recognised) if recognised else 'is none'} of the columns "
         f"{listed(table.heads)}. Name the others by title or number, as "
         f"columns={{'ROLE': N}} (--column ROLE=N), with "
         "'N [UNIT]' where the title has no unit; a number for all rows is given as "

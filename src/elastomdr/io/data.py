@@ -171,9 +171,9 @@ class Dma:
             < SAME_STRAIN
         )
         if not near.any():
-            said = strains(self.strain) or "not known"
+            measured = strains(self.strain) or "not known"
             raise InputError(
-                f"strain must be one of those measured ({said}), got "
+                f"strain must be one of those measured ({measured}), got "
                 f"{100 * strain:.3g} %."
             )
         return self.where(near)
@@ -229,7 +229,7 @@ def relaxation(
     """
     t, g = _positive("time", time), _positive("modulus", modulus)
     _same("modulus", g, "time", t)
-    at = _temperatures(temperature, t)
+    temperatures = _temperatures(temperature, t)
     return Dma(
         _NONE,
         _NONE,
@@ -238,7 +238,7 @@ def relaxation(
         _kind(kind),
         time=t,
         relaxation=g,
-        time_temperature=at,
+        time_temperature=temperatures,
         source=source,
     )
 
@@ -307,19 +307,21 @@ def join(*parts: Dma) -> Dma:
     )
 
 
-def _bad_rows(part: Dma, several: bool) -> tuple[str, ...]:
+def _bad_rows(measurement: Dma, several: bool) -> tuple[str, ...]:
     """The rows left out, with their file where there are several."""
     return tuple(
-        f"{part.source}: {row}" if several and row.startswith("line ") else row
-        for row in part.bad_rows
+        f"{measurement.source}: {row}" if several and row.startswith("line ") else row
+        for row in measurement.bad_rows
     )
 
 
-def _columns(part: Dma, differ: bool) -> tuple[str, ...]:
+def _columns(measurement: Dma, differ: bool) -> tuple[str, ...]:
     """What was taken as what, with its file where several differ."""
     return tuple(
-        f"{part.source}: {column}" if differ and "," not in part.source else column
-        for column in part.columns
+        f"{measurement.source}: {column}"
+        if differ and "," not in measurement.source
+        else column
+        for column in measurement.columns
     )
 
 
@@ -404,13 +406,11 @@ def in_strain_sweep(dma: Dma) -> np.ndarray:
     """Which points are those of a sweep of strain: several strains at their temperature
     and frequency, and at their temperature and strain no other frequency.
     """
-    found = np.zeros(dma.omega.size, bool)
+    in_sweep = np.zeros(dma.omega.size, bool)
     known = np.flatnonzero(dma.strain > 0)
     temperature = np.nan_to_num(dma.temperature)
-    rate, log_strain = (
-        np.log(dma.omega),
-        np.log(np.where(dma.strain > 0, dma.strain, 1.0)),
-    )
+    rate = np.log(dma.omega)
+    log_strain = np.log(np.where(dma.strain > 0, dma.strain, 1.0))
     for i in known:
         here = known[np.abs(temperature[known] - temperature[i]) < _SAME_PLACE]
         sweep = here[np.abs(rate[here] - rate[i]) < _SAME_RATE]
@@ -426,8 +426,8 @@ def in_strain_sweep(dma: Dma) -> np.ndarray:
             )
             < _SAME_RATE
         )
-        found[i] = np.ptp(log_strain[sweep]) > 2 * SAME_STRAIN and alone.all()
-    return found
+        in_sweep[i] = np.ptp(log_strain[sweep]) > 2 * SAME_STRAIN and alone.all()
+    return in_sweep
 
 
 def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
@@ -439,27 +439,27 @@ def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
     temperature, as those of a rheometer that holds its torque, stay.
     """
     swept = in_strain_sweep(dma)
-    said: list[str] = []
+    remarks: list[str] = []
     if swept.all():
         return dma, ()
     if swept.any():
-        said.append(
+        remarks.append(
             f"A sweep of strain, {int(swept.sum())} points from "
             f"{strains(dma.strain[swept])}, is left out: "
             "em.fit.softening reads it."
         )
-    rest = dma.where(~swept) if said else dma
+    rest = dma.where(~swept) if remarks else dma
     levels = _levels(rest)
     if len(levels) > 1:
-        others = [strains(rest.strain[at]) for at in levels[1:]]
-        said.append(
+        others = [strains(rest.strain[of_strain]) for of_strain in levels[1:]]
+        remarks.append(
             "Sweeps at several strain amplitudes are not one sample: that at "
             f"{strains(rest.strain[levels[0]])} is used, that at "
             f"{' and '.join(others)} left out (dma.at_strain(...), --strain, chooses "
             "another)."
         )
         rest = rest.where(levels[0])
-    return rest, tuple(said)
+    return rest, tuple(remarks)
 
 
 def _levels(dma: Dma) -> list[np.ndarray]:
@@ -474,18 +474,18 @@ def _levels(dma: Dma) -> list[np.ndarray]:
     places = [
         set(
             zip(
-                temperature[at],
-                np.round(np.log(dma.omega[at]) / (2 * _SAME_RATE)),
+                temperature[rows],
+                np.round(np.log(dma.omega[rows]) / (2 * _SAME_RATE)),
                 strict=True,
             )
         )
-        for at in groups
+        for rows in groups
     ]
     if sum(len(one) for one in places) < len(set().union(*places)) + 2:
         return []
     # a stable sort: ascending strains
-    groups.sort(key=lambda at: not _is_sweep(dma.omega[at]))
-    return [np.isin(np.arange(dma.omega.size), at) for at in groups]
+    groups.sort(key=lambda rows: not _is_sweep(dma.omega[rows]))
+    return [np.isin(np.arange(dma.omega.size), rows) for rows in groups]
 
 
 def _is_sweep(omega: np.ndarray) -> bool:
@@ -558,12 +558,12 @@ class MeasuredFriction:
     @property
     def points(self) -> dict[str, np.ndarray]:
         """The points as `curve.plot(measured=...)` takes them."""
-        found = {
+        columns = {
             "velocity": self.velocity,
             "mu": self.mu,
             "temperature": self.temperature,
         }
-        return {name: values for name, values in found.items() if values is not None}
+        return {name: values for name, values in columns.items() if values is not None}
 
     def __repr__(self) -> str:
         spans = [

@@ -323,9 +323,9 @@ def _measurement(
         if role not in values:
             values[role] = np.full(int(good.sum()), table.fixed.get(role, np.nan))
     written = {role: _unit_in_words(column, units) for role, column in chosen.items()}
-    said = taken(table, chosen, written)
+    columns_taken = taken(table, chosen, written)
     if "temperature" in table.fixed:
-        said += "; temperature from the text"
+        columns_taken += "; temperature from the text"
     common: dict[str, Any] = {
         "kind": kind,
         "units": written,
@@ -336,7 +336,7 @@ def _measurement(
         "bad_rows": tuple(bad),
         "source": name,
         "shifted": layout.shifted,
-        "columns": (said,),
+        "columns": (columns_taken,),
     }
     if needed[0] == "time":
         return _over_time(name, values, needed, options.specimen, common)
@@ -400,7 +400,7 @@ def _over_frequency(
 
 
 def _timed(
-    time: np.ndarray, modulus: np.ndarray, kelvin: np.ndarray, **common: Any
+    time: np.ndarray, modulus: np.ndarray, temperature: np.ndarray, **common: Any
 ) -> Dma:
     """A measurement over time alone."""
     none = np.zeros(0)
@@ -411,7 +411,7 @@ def _timed(
         none,
         time=time,
         relaxation=modulus,
-        time_temperature=kelvin,
+        time_temperature=temperature,
         **common,
     )
 

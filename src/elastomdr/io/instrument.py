@@ -32,19 +32,21 @@ def main(path: str) -> int:
             reader = open_topography(path)
             channel = reader.default_channel
             sized = channel.physical_sizes is not None
-            found = (
+            topography = (
                 reader.topography()
                 if sized
                 else reader.topography(physical_sizes=channel.nb_grid_pts)
             )
-            height = np.ma.filled(np.ma.asarray(found.heights(), dtype=float), np.nan)
-            if found.dim == 1:
-                x, y = np.asarray(found.positions(), dtype=float), np.empty(0)
+            height = np.ma.filled(
+                np.ma.asarray(topography.heights(), dtype=float), np.nan
+            )
+            if topography.dim == 1:
+                x, y = np.asarray(topography.positions(), dtype=float), np.empty(0)
             else:
                 x, y = (
                     np.arange(n) * size / n
                     for n, size in zip(
-                        found.nb_grid_pts, found.physical_sizes, strict=True
+                        topography.nb_grid_pts, topography.physical_sizes, strict=True
                     )
                 )
     except Exception as error:  # whatever one of forty parsers may raise
@@ -56,7 +58,7 @@ def main(path: str) -> int:
         x=x,
         y=y,
         height=height,
-        unit=np.array(found.unit or ""),
+        unit=np.array(topography.unit or ""),
         sized=np.array(sized),
     )
     sys.stdout.buffer.write(buffer.getvalue())

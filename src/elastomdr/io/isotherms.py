@@ -84,9 +84,9 @@ def isotherms(
     if len(parts) < 2 or not users:
         return parts
     complete = [
-        part
-        for part in parts
-        if named_columns(name, columns, part, QUANTITIES)[0].keys() == users
+        candidate
+        for candidate in parts
+        if named_columns(name, columns, candidate, QUANTITIES)[0].keys() == users
     ]
     return complete or [table]
 
@@ -153,9 +153,9 @@ def _condition(title: str) -> tuple[tuple[str, float], str] | None:
     return None
 
 
-def _decimal(text: str) -> float:
+def _decimal(digits: str) -> float:
     """A number with a decimal point or comma."""
-    return float(text.replace(",", "."))
+    return float(digits.replace(",", "."))
 
 
 def _beside(name: str, table: Table) -> list[Table]:
@@ -203,9 +203,9 @@ def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
     are two.
     """
     temperatures = {
-        temperature: text
+        temperature: remark
         for row in table.above
-        for place, temperature, text in _above(row.cells)
+        for place, temperature, remark in _above(row.cells)
         if first <= place < end
     }
     if temperatures and max(temperatures) - min(temperatures) > _SAME:
@@ -222,8 +222,8 @@ def _rate_above(table: Table) -> dict[str, float]:
     else.
     """
     for row in reversed(table.above):
-        for text in (" ".join(cell for cell in row.cells if cell), *row.cells):
-            match = _RATE.fullmatch(text.strip())
+        for remark in (" ".join(cell for cell in row.cells if cell), *row.cells):
+            match = _RATE.fullmatch(remark.strip())
             if match and (si := to_si(match[2], "frequency")):
                 return {"frequency": _decimal(match[1]) * si[0]}
     return {}
@@ -253,7 +253,9 @@ def _above(cells: Sequence[str]) -> list[tuple[int, float, str]]:
     whole = [cell for cell in cells if cell]
     # a decimal comma may have been cut
     ways = ([",".join(whole)], cells, [" ".join(whole)])
-    return next((found for way in ways if (found := list(_temperatures(way)))), [])
+    return next(
+        (temperatures for way in ways if (temperatures := list(_temperatures(way)))), []
+    )
 
 
 def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
@@ -267,9 +269,9 @@ def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
             yield place, temperature, signed
 
 
-def _with_minus(text: str) -> str:
+def _with_minus(title: str) -> str:
     """A text with hyphens in place of signs of subtraction and dashes."""
-    return re.sub("[\u2212\u2013]", "-", text)
+    return re.sub("[\u2212\u2013]", "-", title)
 
 
 def without_holds(parts: list[Dma]) -> list[Dma]:
@@ -298,12 +300,16 @@ def without_holds(parts: list[Dma]) -> list[Dma]:
     return [replace(kept[0], warnings=(*kept[0].warnings, warning)), *kept[1:]]
 
 
-def _is_hold(part: Dma) -> bool:
-    if part.omega.size < _HOLD or np.isfinite(part.strain).any() or part.time.size:
+def _is_hold(measurement: Dma) -> bool:
+    if (
+        measurement.omega.size < _HOLD
+        or np.isfinite(measurement.strain).any()
+        or measurement.time.size
+    ):
         return False
-    one_rate = part.omega.max() < 1.01 * part.omega.min()
+    one_rate = measurement.omega.max() < 1.01 * measurement.omega.min()
     # NaN where no temperature is known: not held
-    return bool(one_rate and np.ptp(part.temperature) < _HELD)
+    return bool(one_rate and np.ptp(measurement.temperature) < _HELD)
 
 
 def with_temperatures_of_names(parts: list[Dma]) -> list[Dma]:
@@ -329,11 +335,11 @@ def with_temperatures_of_names(parts: list[Dma]) -> list[Dma]:
     return completed
 
 
-def _at(part: Dma, kelvin: float, source: str) -> Dma:
+def _at(measurement: Dma, temperature: float, source: str) -> Dma:
     """A measurement at a temperature, with a word on where that comes from."""
-    words = f"temperature {kelvin - 273.15:g} degC {source}"
-    columns = tuple(f"{column}; {words}" for column in part.columns)
-    return replace(part.at(kelvin), columns=columns)
+    words = f"temperature {temperature - 273.15:g} degC {source}"
+    columns = tuple(f"{column}; {words}" for column in measurement.columns)
+    return replace(measurement.at(temperature), columns=columns)
 
 
 def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:

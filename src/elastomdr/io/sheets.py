@@ -55,13 +55,13 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     try:
         raw = read_bytes(path)
     except (OSError, ValueError) as error:
-        what = (
+        reason = (
             "is a folder: give the files in it"
             if path.is_dir()
             else getattr(error, "strerror", None) or error
         )
         raise InputError(
-            f"path must be a file that can be read, got {name!r}: {what}."
+            f"path must be a file that can be read, got {name!r}: {reason}."
         ) from error
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
         return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
@@ -89,7 +89,9 @@ def sheet_of_frame(frame: Any) -> Sheet:
     levels = [
         title if isinstance(title, tuple) else (title,) for title in frame.columns
     ]
-    titles = [list(map(str, level)) for level in zip(*levels, strict=True)]
+    titles = [
+        list(map(str, titles_of_level)) for titles_of_level in zip(*levels, strict=True)
+    ]
     for i, kind in enumerate(frame.dtypes):
         if (unit := getattr(kind, "units", None)) is not None:
             titles[-1][i] += f" [{unit:~}]"
@@ -124,13 +126,13 @@ def _frame_cell(value: Any) -> str:
     return "" if value is None else str(value).strip()
 
 
-def cut(name: str, text: str) -> Sheet:
+def cut(name: str, content: str) -> Sheet:
     """A text as a sheet, cut at the separator that suits most of its lines."""
     # blanks between thousands
-    text = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", text).replace(
+    content = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", content).replace(
         "\u2212", "-"
     )
-    lines = text.splitlines()
+    lines = content.splitlines()
     longest = max(map(len, lines), default=0)
     if longest > _LONGEST_LINE:
         raise InputError(
@@ -138,19 +140,19 @@ def cut(name: str, text: str) -> Sheet:
             f"most, got {longest:,} in {name!r}."
         )
     mark = _separator(lines)
-    if text.count(mark) > _MOST_CELLS:
+    if content.count(mark) > _MOST_CELLS:
         raise InputError(
             f"path must be a text of {_MOST_CELLS:,} cells at most, got "
-            f"{text.count(mark):,} in {name!r}."
+            f"{content.count(mark):,} in {name!r}."
         )
     if mark == " ":
         rows = [Row(i, line.split()) for i, line in enumerate(lines, start=1)]
     else:
         rows = [Row(i, _cells(line, mark)) for i, line in enumerate(lines, start=1)]
     if (
-        (mark != "," and "," in text)
-        or '"' in text
-        or re.search(r"\d\.\d{3}\.\d{3}", text)
+        (mark != "," and "," in content)
+        or '"' in content
+        or re.search(r"\d\.\d{3}\.\d{3}", content)
     ):
         rows = with_points(rows, mark)
     return Sheet(name, rows, lines, mark)
@@ -326,12 +328,12 @@ def _spreadsheet(path: Path, name: str) -> list[Row]:
             f"{name!r}."
         ) from error
     if read.returncode != 0:
-        said = (
+        reason = (
             read.stdout.decode(errors="replace").strip() if read.returncode == 1 else ""
         )
         raise InputError(
             f"path must be a spreadsheet that can be read, got {name!r} "
-            f"({said or 'it is damaged'})."
+            f"({reason or 'it is damaged'})."
         )
     rows: list[Row] = []
     # line numbers are those of the sheet

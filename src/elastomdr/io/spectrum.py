@@ -239,7 +239,9 @@ def _bare(title: str) -> str:
     return re.sub(r"[\s*()·{}$\\]", "", lower)
 
 
-def _given(name: str, head: Head, said: str, user: Any, key: str, *kinds: str) -> str:
+def _given(
+    name: str, head: Head, in_title: str, user: Any, key: str, *kinds: str
+) -> str:
     """The unit of a column, from its title or else from the user, who does not overrule
     it.
     """
@@ -248,10 +250,10 @@ def _given(name: str, head: Head, said: str, user: Any, key: str, *kinds: str) -
         not isinstance(user, str) or not any(to_si(user, kind) for kind in kinds)
     ):
         raise InputError(f"{key} must be a unit such as {example}, got {user!r}.")
-    if said and user is not None and user != said:
-        raise InputError(f"{key} is {user!r}, but {name!r} says {said!r}.")
-    if said or user:
-        return said or str(user)
+    if in_title and user is not None and user != in_title:
+        raise InputError(f"{key} is {user!r}, but {name!r} says {in_title!r}.")
+    if in_title or user:
+        return in_title or str(user)
     raise InputError(
         f"path: {name!r} has no unit that is known in column {head.place + 1} "
         f'{head.title!r}; write titles such as "q [rad/m], C [m^4]", or give {key}, '
@@ -301,7 +303,7 @@ def _rows(
                 f"{len(table.heads)} elsewhere."
             )
     used = np.isfinite(q) & np.isfinite(c) & (q != 0)
-    for head, what, values in zip(heads, ("wave number", "C"), (q, c), strict=True):
+    for head, quantity, values in zip(heads, ("wave number", "C"), (q, c), strict=True):
         wrong = np.flatnonzero(used & ~(values > 0))
         if wrong.size:
             row = table.rows[wrong[0]]
@@ -311,7 +313,7 @@ def _rows(
                 else ""
             )
             raise InputError(
-                f"path: {name!r} has {what} {row.cells[head.place]} in line "
+                f"path: {name!r} has {quantity} {row.cells[head.place]} in line "
                 f"{row.line}, which must be positive ({wrong.size} such rows).{hint}"
             )
     if used.sum() < 3:

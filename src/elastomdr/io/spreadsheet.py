@@ -28,7 +28,7 @@ FORMULAS = (
 )
 
 
-def text(cell: object) -> str:
+def cell_text(cell: object) -> str:
     """A cell as a text; a number with all its digits, a duration as hh:mm:ss."""
     if isinstance(cell, datetime.timedelta):
         seconds = cell.total_seconds()
@@ -81,7 +81,7 @@ def main(path: str) -> int:
         return 1
     json.dump(
         {
-            name: [[text(cell) for cell in row] for row in sheet]
+            name: [[cell_text(cell) for cell in row] for row in sheet]
             for name, sheet in sheets.items()
         },
         sys.stdout,

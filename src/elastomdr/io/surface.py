@@ -155,9 +155,11 @@ def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
                 return _from_instrument(path, pixel_size, unit)
             return _from_text(path, pixel_size, unit)
         except InputError as error:
-            said = str(error)
+            message = str(error)
             raise InputError(
-                said if said.startswith("path") else f"path: {path.name!r}: {said}"
+                message
+                if message.startswith("path")
+                else f"path: {path.name!r}: {message}"
             ) from error
     if unit is not None:
         raise InputError(
@@ -179,12 +181,12 @@ def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
 
 
 def _even(
-    height: np.ndarray, pixel_size: Any, what: str, report: Sequence[str] = ()
+    height: np.ndarray, pixel_size: Any, source_words: str, report: Sequence[str] = ()
 ) -> Scan:
     """Heights [m] whose points are `pixel_size` [m] apart."""
     if pixel_size is None:
         raise InputError(
-            f"pixel_size must be given with {what}: the distance of neighbouring "
+            f"pixel_size must be given with {source_words}: the distance of neighbouring "
             "points [m], got None."
         )
     sizes = [
@@ -198,7 +200,7 @@ def _even(
             "pixel_size must be one number [m] or one for each direction, got "
             f"{len(sizes)}."
         )
-    _below(height, what)
+    _below(height, source_words)
     height, dropouts = without_dropouts(height)
     return Scan(
         height,
@@ -207,11 +209,11 @@ def _even(
     )
 
 
-def _below(lengths: np.ndarray, what: str) -> None:
+def _below(lengths: np.ndarray, source_words: str) -> None:
     known = np.abs(lengths[np.isfinite(lengths)])
     if known.size and not known.max() < _LARGEST:
         raise InputError(
-            f"{what} must be lengths below {_LARGEST:g} m, got one of "
+            f"{source_words} must be lengths below {_LARGEST:g} m, got one of "
             f"{known.max():g} "
             "m."
         )
@@ -298,7 +300,7 @@ def _read_instrument(
     try:
         read_bytes(path)
         reader = Path(__file__).with_name("instrument.py")
-        done = subprocess.run(
+        reader_run = subprocess.run(
             [sys.executable, reader, path],
             capture_output=True,
             timeout=_PATIENCE,
@@ -312,13 +314,13 @@ def _read_instrument(
         raise InputError(
             f"path: {path.name!r} was not read within {_PATIENCE} s."
         ) from error
-    if done.returncode != 0:
-        why = " ".join(done.stdout.decode(errors="replace").split())[:300]
+    if reader_run.returncode != 0:
+        why = " ".join(reader_run.stdout.decode(errors="replace").split())[:300]
         raise InputError(
             f"path must be a file that SurfaceTopography reads, got {path.name!r}: "
             f"{why or 'the reader gave up'}"
         )
-    with np.load(io.BytesIO(done.stdout)) as read:
+    with np.load(io.BytesIO(reader_run.stdout)) as read:
         return (
             read["x"],
             read["y"],
@@ -404,8 +406,15 @@ def _grid(data: np.ndarray) -> Scan:
 def _metres(head: Head, unit: str | None, name: str) -> float:
     """The length of one unit of a column [m]."""
     below = head.below.strip("[]() ")
-    ways = [below] if below else [said for _, said in splits(clean(head.title))]
-    given = next((said for said in ways if to_si(said, "length")), unit)
+    ways = (
+        [below]
+        if below
+        else [unit_in_title for _, unit_in_title in splits(clean(head.title))]
+    )
+    given = next(
+        (unit_in_title for unit_in_title in ways if to_si(unit_in_title, "length")),
+        unit,
+    )
     if given is None:
         raise InputError(
             f"path: {name!r} has no unit of length in column {head.place + 1} "

@@ -81,7 +81,7 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
     belongs to the run. A run without titles of its own has those of the run before it,
     if that is as wide.
     """
-    found: list[Table] = []
+    complete: list[Table] = []
     above: list[Row] = []
     rows: list[Row] = []
     before: Table | None = None
@@ -96,12 +96,12 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
             continue
         if rows:
             before = _table(sheet, above, rows, before)
-            found.append(before)
+            complete.append(before)
             above, rows = [], []
         above.append(row)
         if not row.line:  # the end of a sheet
             above, before = [], None
-    return found
+    return complete
 
 
 def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:

@@ -169,10 +169,8 @@ def _softening(document: dict[str, Any]) -> list[str]:
 
 
 def _temperatures(material: Any, document: dict[str, Any]) -> list[str]:
-    limits, reference = (
-        document.get("range", {}).get("temperature"),
-        document.get("reference_temperature"),
-    )
+    limits = document.get("range", {}).get("temperature")
+    reference = document.get("reference_temperature")
     if limits is None:
         return ["temperature is missing in [range]"]
     findings = [

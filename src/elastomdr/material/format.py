@@ -13,14 +13,12 @@ from ..files import read_text, write_files
 
 GRADES = ("measured", "published fit", "fitted here", "estimated", "illustrative")
 
-_TEXT, _NUMBER, _NUMBERS, _PAIR, _PAIR_OR_NONE, _TABLE = (
-    "a text in quotes",
-    "a finite number",
-    "a list of finite numbers",
-    "a list of two numbers, the lower first",
-    "a list of two numbers, the lower first, or an empty one",
-    "a table",
-)
+_TEXT = "a text in quotes"
+_NUMBER = "a finite number"
+_NUMBERS = "a list of finite numbers"
+_PAIR = "a list of two numbers, the lower first"
+_PAIR_OR_NONE = "a list of two numbers, the lower first, or an empty one"
+_TABLE = "a table"
 _KEYS = {
     "name": _TEXT,
     "description": _TEXT,

@@ -247,14 +247,14 @@ class Prony(AbstractRelaxation):
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
         if is_traced(self) or np.ndim(self.equilibrium) or np.ndim(self.moduli) != 1:
-            what = (
+            shape_in_words = (
                 "traced"
                 if is_traced(self)
                 else f"a batch of shape {np.shape(self.equilibrium)}"
             )
             return (
                 f"Prony({label}{self.kind}, {np.shape(self.moduli)[-1]} branches, "
-                f"{what})"
+                f"{shape_in_words})"
             )
         span = (
             f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s"

@@ -111,10 +111,8 @@ class AbstractRelaxation(Tree):
         x = omega[..., None] * law.times
         with np.errstate(divide="ignore"):  # at rest nothing is stored or lost: x = 0
             both = x + 1 / x
-        storage, loss = (
-            _sum_branches(law.moduli, x / both),
-            _sum_branches(law.moduli, 1 / both),
-        )
+        storage = _sum_branches(law.moduli, x / both)
+        loss = _sum_branches(law.moduli, 1 / both)
         return law.equilibrium + storage + 1j * (loss + omega * law.viscosity)
 
     def storage(self, omega: ArrayLike) -> Array:
@@ -166,10 +164,8 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     """A `Relaxation` from a user's numbers, or an `InputError` that names what is wrong
     with them.
     """
-    equilibrium, viscosity = (
-        as_float64("equilibrium", equilibrium),
-        as_float64("viscosity", viscosity),
-    )
+    equilibrium = as_float64("equilibrium", equilibrium)
+    viscosity = as_float64("viscosity", viscosity)
     moduli, times = as_float64("moduli", moduli), as_float64("times", times)
     for name, value in (("equilibrium", equilibrium), ("viscosity", viscosity)):
         if value.shape != ():
@@ -278,21 +274,21 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
             (0, moduli.shape[0])
         )
     roots, slope, near = _roots(poles, strengths, equilibrium)
-    there = xp.isfinite(roots) & present
-    compliances = xp.where(there, 1 / (xp.where(there, roots, 1.0) * slope), 0.0)
-    order = xp.argsort(xp.where(there, roots, xp.inf))
-    roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
+    has_root = xp.isfinite(roots) & present
+    compliances = xp.where(has_root, 1 / (xp.where(has_root, roots, 1.0) * slope), 0.0)
+    order = xp.argsort(xp.where(has_root, roots, xp.inf))
+    roots = xp.where(has_root, roots, xp.maximum(2 * poles[-1], 1.0))
     near = near[:, 1:] if with_dashpot else near
     kept = slice(None) if is_traced(weights) else np.flatnonzero(np.asarray(moduli) > 0)
     gaps = roots[:, None] - xp.asarray(law.times)
-    closer = xp.where(there[:, None], near, gaps[:, kept])
+    closer = xp.where(has_root[:, None], near, gaps[:, kept])
     if on_numpy():
         gaps[:, kept] = closer
     else:
         gaps = gaps.at[:, kept].set(closer)
     # drop what is not there: the flow of a liquid, an empty branch
-    if not is_traced(there):
-        order = order[: int(there.sum())]
+    if not is_traced(has_root):
+        order = order[: int(has_root.sum())]
     return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[
         order
     ]
@@ -306,10 +302,8 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     With s = -1/t, J(s) = t [J_0/t + sum_k J_k/(t - lambda_k) - phi].
     """
     compliances, times = xp.asarray(chain.compliances), xp.asarray(chain.times)
-    instantaneous, fluidity = (
-        xp.asarray(chain.instantaneous),
-        xp.asarray(chain.fluidity),
-    )
+    instantaneous = xp.asarray(chain.instantaneous)
+    fluidity = xp.asarray(chain.fluidity)
     poles = xp.concatenate([xp.zeros(1), times])
     weights = xp.concatenate([instantaneous[None], compliances])
     if not is_traced(weights):
@@ -323,11 +317,11 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     if weights.shape[0] == 0:
         return Relaxation(equilibrium, weights, poles, viscosity)
     roots, slope, _ = _roots(poles, weights, fluidity)
-    there = xp.isfinite(roots)
-    roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
-    moduli = xp.where(there, 1 / (roots**2 * slope), 0.0)
-    if not is_traced(there):
-        roots, moduli = roots[there], moduli[there]
+    has_root = xp.isfinite(roots)
+    roots = xp.where(has_root, roots, xp.maximum(2 * poles[-1], 1.0))
+    moduli = xp.where(has_root, 1 / (roots**2 * slope), 0.0)
+    if not is_traced(has_root):
+        roots, moduli = roots[has_root], moduli[has_root]
     return Relaxation(equilibrium, moduli, roots, viscosity)
 
 

@@ -214,10 +214,8 @@ class ShiftTable(AbstractShift):
     reference: Float[Array, ""]
 
     def __init__(self, temperature: ArrayLike, log10_a: ArrayLike):
-        temperature, log10_a = (
-            as_float64("temperature", temperature),
-            as_float64("log10_a", log10_a),
-        )
+        temperature = as_float64("temperature", temperature)
+        log10_a = as_float64("log10_a", log10_a)
         alike(2, temperature=temperature, log10_a=log10_a)
         in_kelvin("temperature", temperature)
         require("log10_a", log10_a, "finite", np.isfinite)
@@ -325,10 +323,8 @@ class VerticalTable(AbstractVertical):
     slopes: Float[Array, " n"]  # of the factor, at the table's temperatures [1/K]
 
     def __init__(self, temperature: ArrayLike, factor: ArrayLike):
-        temperature, factor = (
-            as_float64("temperature", temperature),
-            as_float64("factor", factor),
-        )
+        temperature = as_float64("temperature", temperature)
+        factor = as_float64("factor", factor)
         alike(2, temperature=temperature, factor=factor)
         untraced(
             "temperature", temperature, "a table is differentiated in its factors only"

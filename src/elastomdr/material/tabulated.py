@@ -157,11 +157,9 @@ class AbstractTable(Tree):
         nodes, storage, loss = map(
             xp.log, (self.omega, self.storage_table, self.loss_table)
         )
-        omega, low, high = (
-            xp.asarray(self.omega),
-            xp.asarray(low)[..., None],
-            xp.asarray(high)[..., None],
-        )
+        omega = xp.asarray(self.omega)
+        low = xp.asarray(low)[..., None]
+        high = xp.asarray(high)[..., None]
         # intervals between neighbours
         crossed = (omega[1:] >= low) & (omega[:-1] <= high)
         bound = xp.max(

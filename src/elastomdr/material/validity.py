@@ -194,10 +194,8 @@ def shared(one: Range | None, other: Range | None) -> Range | None:
     """
     if one is None or other is None:
         return one or other
-    omega, temperature = (
-        _overlap(one.omega, other.omega),
-        _overlap(one.temperature, other.temperature),
-    )
+    omega = _overlap(one.omega, other.omega)
+    temperature = _overlap(one.temperature, other.temperature)
     beyond = one.beyond or other.beyond
     if _apart(omega) or _apart(temperature):
         beyond = beyond or "two bodies whose ranges do not overlap"

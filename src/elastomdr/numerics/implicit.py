@@ -106,7 +106,9 @@ def _of_batch(
         one = jax.tree.map(lambda x: entry(x, (0,) * mapped), shared)
         return jax.tree.map(parted, function(one, jax.tree.map(joined, points)))
     answers = [
-        function(*jax.tree.map(lambda x, at=place: entry(x, at), (shared, points)))
+        function(
+            *jax.tree.map(lambda x, index=place: entry(x, index), (shared, points))
+        )
         for place in np.ndindex(shape)
     ]
     return jax.tree.map(lambda *x: np.stack(x).reshape(*shape, *x[0].shape), *answers)
@@ -207,11 +209,11 @@ def numbers_with_slopes(
             fixed = jax.lax.stop_gradient((shared, points))
             shapes = like(*fixed)
             values = on_host(_of_sound(numbers, shapes), shapes, *fixed)
-            done: tuple[Any, ...] = ()
+            answers: tuple[Any, ...] = ()
             for with_slopes, count in groups:
-                group = values[len(done) : len(done) + count]
-                done += with_slopes(group, (shared, points))
-            return (*done, *values[len(done) :])
+                group = values[len(answers) : len(answers) + count]
+                answers += with_slopes(group, (shared, points))
+            return (*answers, *values[len(answers) :])
 
     return whole
 
@@ -232,8 +234,10 @@ def _of_sound(numbers: Callable[..., Any], like: Any) -> Callable[..., Any]:
             sound &= (x > 0) if x.ndim == 1 else True
         answer = tuple(np.full((*x.shape[:-1], size), np.nan) for x in like)
         if sound.any():
-            some = jax.tree.map(lambda x: x[..., sound], points)
-            for array, values in zip(answer, numbers(shared, some), strict=True):
+            sound_points = jax.tree.map(lambda x: x[..., sound], points)
+            for array, values in zip(
+                answer, numbers(shared, sound_points), strict=True
+            ):
                 array[..., sound] = values
         return answer
 

@@ -30,10 +30,10 @@ def root(
         return search(residual, guess, min(close, _ROUNDING), slope)
     import jax
 
-    x, done = search(residual, guess, close, slope)
+    x, settled = search(residual, guess, close, slope)
     value, slope = jax.jvp(residual, (x,), (xp.ones_like(x),))
     step = value / fixed(slope)
-    converged = done & (xp.abs(step) < 10 * _CLOSE)
+    converged = settled & (xp.abs(step) < 10 * _CLOSE)
     return x - xp.where(converged, step, step - fixed(step)), converged
 
 
@@ -54,7 +54,7 @@ def search(
     usual = slope
 
     def advance(state: tuple) -> tuple:
-        x, slope, low, high, done, count, value = state
+        x, slope, low, high, settled, count, value = state
         low, high = xp.where(value < 0, x, low), xp.where(value < 0, high, x)
         secant = x - xp.clip(value / slope, -longest, longest)
         middle = 0.5 * (
@@ -62,7 +62,7 @@ def search(
         )
         following = xp.where((secant >= low) & (secant <= high), secant, middle)
         change = following - x
-        done = done | (xp.abs(change) < close) | xp.isnan(value)
+        settled = settled | (xp.abs(change) < close) | xp.isnan(value)
         following = xp.where(xp.isfinite(following), following, x)
         new = residual(following)
         slope = xp.where(
@@ -75,7 +75,7 @@ def search(
             xp.where((slope > 0.05) & (slope < math.inf), slope, usual),
             low,
             high,
-            done,
+            settled,
             count + 1,
             new,
         )
@@ -93,8 +93,8 @@ def search(
     )
     state = fixed(state)
     state = while_loop(lambda s: ~xp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
-    x, slope, _, _, done, _, value = state
-    return fixed((x, done & (xp.abs(value) < 10 * _CLOSE * slope)))
+    x, slope, _, _, settled, _, value = state
+    return fixed((x, settled & (xp.abs(value) < 10 * _CLOSE * slope)))
 
 
 def bisect(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..checks import numpy_unless_traced, positive, scalar
-from ..element.law import as_foundation
+from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact, HalfPlaneCurve
@@ -83,14 +83,7 @@ def half_plane_sliding(
 
     Source: the problem is that of Hunter 1961, there for one relaxation time.
     """
-    foundation = as_foundation(material)
-    if foundation.per_area:
-        raise InputError(
-            "material must be a half-space, got a layer: em.friction is exact for "
-            "layers."
-        )
-    radius = scalar("radius", radius)
-    positive("radius", radius)
+    foundation, radius = _checked(material, radius)
     scene = points_of(
         foundation,
         velocity=velocity,
@@ -98,7 +91,7 @@ def half_plane_sliding(
         temperature=temperature,
         points=points,
     )
-    at, law = scene.at, foundation.law()
+    steady, law = scene.steady, foundation.law()
     chain = to_kelvin(law)
     contacts, errors = zip(
         *(
@@ -114,10 +107,10 @@ def half_plane_sliding(
         return scene.field(good, values)
 
     mu = field(contact.mu for contact in contacts)
-    load = (scene.value * scene.vertical).reshape(at.shape)
+    load = (scene.value * scene.vertical).reshape(steady.shape)
     rows = scene.inputs(("shape", f"cylinder, radius {float(radius):g} m"), load="N/m")
     return HalfPlaneCurve(
-        velocity=at.full(at.velocity),
+        velocity=steady.full(steady.velocity),
         mu=mu,
         load_per_length=load,
         friction_per_length=mu * load,
@@ -126,8 +119,8 @@ def half_plane_sliding(
             field(-contact.edges[0] for contact in contacts),
         ),
         error=field(errors),
-        converged=good.reshape(at.shape),
-        temperature=at.full(at.kelvin),
+        converged=good.reshape(steady.shape),
+        temperature=steady.full(steady.kelvin),
         model=MODEL,
         plan=(
             f"{points} cells; three eighths, half and three quarters as many for the "
@@ -135,6 +128,19 @@ def half_plane_sliding(
         ),
         inputs=(*rows, NOT_COMPARED),
     )
+
+
+def _checked(material: Any, radius: Any) -> tuple[Foundation, Any]:
+    """The half-space and the radius. Raises `InputError`."""
+    foundation = as_foundation(material)
+    if foundation.per_area:
+        raise InputError(
+            "material must be a half-space, got a layer: em.friction is exact for "
+            "layers."
+        )
+    radius = scalar("radius", radius)
+    positive("radius", radius)
+    return foundation, radius
 
 
 def _point(problem: _Problem, points: int) -> tuple[_CylinderContact, float]:

@@ -208,7 +208,7 @@ def slide(
         temperature=temperature,
         points=points,
     )
-    law, at = foundation.law(), scene.at
+    law, steady = foundation.law(), scene.steady
     contacts, errors = zip(
         *(_point(shape, law, scene, cover, i) for i in range(scene.velocity.size)),
         strict=True,
@@ -223,10 +223,10 @@ def slide(
     def field(values: Any) -> Any:
         return scene.field(good, values)
 
-    force = field(contact.force for contact in contacts) * at.vertical
+    force = field(contact.force for contact in contacts) * steady.vertical
     mu = field(contact.mu for contact in contacts)
     return FrictionCurve(
-        velocity=at.full(at.velocity),
+        velocity=steady.full(steady.velocity),
         mu=mu,
         normal_force=force,
         friction_force=mu * force,
@@ -237,8 +237,8 @@ def slide(
             field(-contact.edges[0] for contact in contacts),
         ),
         error=field(errors),
-        converged=good.reshape(at.shape),
-        temperature=at.full(at.kelvin),
+        converged=good.reshape(steady.shape),
+        temperature=steady.full(steady.kelvin),
         model=model,
         plan=grid_words(points),
         inputs=(*scene.inputs(("shape", describe(shape))), NOT_COMPARED),
@@ -449,7 +449,7 @@ def slide_periodic(
     scene = points_of(
         foundation, velocity=velocity, load=load, temperature=temperature, points=points
     )
-    at, area = scene.at, float(np.prod(sides))
+    steady, area = scene.steady, float(np.prod(sides))
     law = foundation.law()
 
     def solved(on: np.ndarray) -> list[Any]:
@@ -469,20 +469,20 @@ def slide_periodic(
 
     drag = area * field(contact.stress for contact in fine)
     change = drag - area * field(contact.stress for contact in coarse)
-    force = scene.value.reshape(at.shape)
+    force = scene.value.reshape(steady.shape)
     grid = f"{heights.shape[0]} by {heights.shape[1]} points"
     inputs = dict(scene.inputs(("shape", name)))
     inputs |= {"cell": _metres(sides), "grid": grid}
     return HalfSpaceCurve(
-        velocity=at.full(at.velocity),
+        velocity=steady.full(steady.velocity),
         mu=drag / force,
-        normal_force=force * at.vertical,
-        friction_force=drag * at.vertical,
+        normal_force=force * steady.vertical,
+        friction_force=drag * steady.vertical,
         area=field((contact.pressure > 0).mean() for contact in fine),
         separation=field(contact.separation for contact in fine),
         error=abs(change) / force,
-        converged=good.reshape(at.shape),
-        temperature=at.full(at.kelvin),
+        converged=good.reshape(steady.shape),
+        temperature=steady.full(steady.kelvin),
         model=_PERIODIC,
         plan=f"{grid}, and every second of them along each side for the error",
         inputs=(*inputs.items(), NOT_COMPARED),

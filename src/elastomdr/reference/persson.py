@@ -106,14 +106,6 @@ def persson(
             error,
         )
     )
-    inputs = [
-        ("material", foundation.name or "given directly"),
-        ("surface", f"{surface.label}, {surface.words()}"),
-        ("pressure", brief(pressure, "Pa")),
-        ("velocity", brief(velocity, "m/s")),
-    ]
-    if temperature is not None:
-        inputs.append(("temperature", brief(temperature, "K")))
 
     def full(values: Any) -> Any:
         return np.array(np.broadcast_to(values, shape), dtype=float)
@@ -129,5 +121,23 @@ def persson(
         temperature=None if temperature is None else full(temperature),
         model=model.words(),
         plan=model.work(surface)[0],
-        inputs=(*inputs, NOT_COMPARED),
+        inputs=(
+            ("material", foundation.name or "given directly"),
+            ("surface", f"{surface.label}, {surface.words()}"),
+            *_conditions(pressure, velocity, temperature),
+            NOT_COMPARED,
+        ),
     )
+
+
+def _conditions(
+    pressure: Any, velocity: Any, temperature: Any
+) -> list[tuple[str, str]]:
+    """The rows of a result that say at which points it was computed."""
+    rows = [
+        ("pressure", brief(pressure, "Pa")),
+        ("velocity", brief(velocity, "m/s")),
+    ]
+    if temperature is not None:
+        rows.append(("temperature", brief(temperature, "K")))
+    return rows

@@ -25,7 +25,7 @@ NOT_COMPARED = (
 class Points(NamedTuple):
     """The points of a call, flattened."""
 
-    at: Scene
+    steady: Scene
     control: Control
     value: Float[np.ndarray, " n"]  # load over b_T [N], or depth [m]
     # b_T, by which forces are larger than those of the foundation's law
@@ -37,12 +37,12 @@ class Points(NamedTuple):
         self, *body: tuple[str, str], load: str = "N"
     ) -> tuple[tuple[str, str], ...]:
         """The rows of a result."""
-        return *self.at.inputs(*body, load=load), ("grid", f"{self.cells} points")
+        return *self.steady.inputs(*body, load=load), ("grid", f"{self.cells} points")
 
     def field(self, good: np.ndarray, values: Any) -> Float[np.ndarray, "..."]:
         """One number per point in the shape of the call, NaN where not `good`."""
         numbers = np.array([float(value) for value in values])
-        return np.where(good, numbers, np.nan).reshape(self.at.shape)
+        return np.where(good, numbers, np.nan).reshape(self.steady.shape)
 
 
 def warn_unless(good: np.ndarray, advice: str = "") -> None:
@@ -75,10 +75,10 @@ def points_of(
         raise InputError(
             f"points must be an even whole number from 16 to 4096, got {points!r}."
         )
-    at = steady_scene(
+    steady = steady_scene(
         foundation, None, velocity=velocity, temperature=temperature, **given
     )
-    if at.traced:
+    if steady.traced:
         raise InputError(
             "material, velocity and load must be plain numbers: the reference is "
             "not differentiable."
@@ -88,13 +88,13 @@ def points_of(
             "material must be a solid, got equilibrium modulus 0: a liquid sinks "
             "for ever."
         )
-    control: Control = "depth" if at.name == "depth" else "load"
+    control: Control = "depth" if steady.name == "depth" else "load"
     return Points(
-        at,
+        steady,
         control,
-        at.at_reference(),
-        at.vertical.ravel(),
-        at.reduced.ravel(),
+        steady.at_reference(),
+        steady.vertical.ravel(),
+        steady.reduced.ravel(),
         int(points),
     )
 

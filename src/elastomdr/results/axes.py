@@ -45,10 +45,10 @@ def dimensions(
     varying = {key: _varies_along(known[key][1]) for key in given if key in known}
     axes = []
     for i, length in enumerate(shape):
-        own = last if last and i == len(shape) - 1 else ""
-        axis = Axis(own or f"axis_{i}", np.arange(length))
+        fixed_name = last if last and i == len(shape) - 1 else ""
+        axis = Axis(fixed_name or f"axis_{i}", np.arange(length))
         for key, along in varying.items():
-            if along == {i} and own in ("", key):
+            if along == {i} and fixed_name in ("", key):
                 quantity, values = known[key]
                 others = tuple(j for j in range(len(shape)) if j != i)
                 axis = Axis(
@@ -64,7 +64,7 @@ class Curve(NamedTuple):
     others.
     """
 
-    at: tuple[int | slice, ...]
+    place: tuple[int | slice, ...]
     label: str  # "" where there is only one curve
 
 

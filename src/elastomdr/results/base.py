@@ -402,12 +402,13 @@ class Result:
         yield "model", self.model
         if self.drawn:
             yield from (
-                ("median, " + key, text) for key, text in self.typical().outcome()
+                ("median, " + key, sentence)
+                for key, sentence in self.typical().outcome()
             )
             yield from self._spread()
         for one in () if self.drawn else self.each_material():
             name = f"{dict(one.inputs)['material']}: " if self.origins else ""
-            yield from ((f"{name}{key}", text) for key, text in one.outcome())
+            yield from ((f"{name}{key}", sentence) for key, sentence in one.outcome())
         yield self.each, self.reached()
         if self.extrapolated is None and "range of the data" not in dict(self.inputs):
             yield "range of the data", self.unflagged
@@ -458,7 +459,7 @@ class Result:
             return repr(self)
         findings = list(self.findings())
         width = max(len(name) for name, _ in findings) + 2
-        return "\n".join(f"{name:<{width}}{text}" for name, text in findings)
+        return "\n".join(f"{name:<{width}}{sentence}" for name, sentence in findings)
 
     def __repr__(self) -> str:
         values = [self._value(q) for q in _quantities(self, "")]
@@ -514,7 +515,7 @@ class Result:
         ]
         return [
             *lines,
-            *(f"{name}: {text}" for name, text in (*notes, *self.findings())),
+            *(f"{name}: {sentence}" for name, sentence in (*notes, *self.findings())),
         ]
 
     def csv(self, notes: Iterable[tuple[str, str]] = ()) -> str:
@@ -616,12 +617,12 @@ class Result:
         names, data = tuple(axis.name for axis in axes), {}
         for q, values in self.fields(None).items():
             series = q.dims.removeprefix("...")
-            own = names if "..." in q.dims else names[: len(self.origins) > 0]
+            leading = names if "..." in q.dims else names[: len(self.origins) > 0]
             if q.key not in coordinates:
                 about = {"long_name": q.label, "units": q.unit} | (
                     {"description": q.meaning} if q.meaning else {}
                 )
-                data[q.key] = ((*own, *series.split()), values, about)
+                data[q.key] = ((*leading, *series.split()), values, about)
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def _attributes(self) -> dict[str, str]:
@@ -791,46 +792,46 @@ def _joined_field(f: Any, column: list[Any]) -> Any:
     """The values of one field of several records. Raises `InputError` where they do not
     fit together.
     """
-    there = [value for value in column if value is not None]
+    given = [value for value in column if value is not None]
     if "static" in f.metadata:
         if any(value != column[0] for value in column):
             raise InputError(
                 f"results must have been computed alike, got {f.name} = {column}."
             )
         return column[0]
-    if not there:
+    if not given:
         return None
     if "quantity" in f.metadata:
-        return _stacked(f.name, column, there)
-    if not any(True for _ in _quantities(there[0], "")):
+        return _stacked(f.name, column, given)
+    if not any(True for _ in _quantities(given[0], "")):
         return tuple(column)
-    if len(there) < len(column):
+    if len(given) < len(column):
         raise InputError(
-            f"results must have been computed alike, got {f.name} in {len(there)} of "
+            f"results must have been computed alike, got {f.name} in {len(given)} of "
             f"{len(column)}."
         )
-    return _joined(there)
+    return _joined(given)
 
 
-def _stacked(name: str, column: list[Any], there: list[Any]) -> Any:
+def _stacked(name: str, column: list[Any], given: list[Any]) -> Any:
     """Arrays along a new first axis; one that is missing is NaN (or False), the last
     axis as long as the longest.
     """
     xp: Any = np
     if is_traced(column):
         import jax.numpy as xp
-    shapes = {np.shape(x)[:-1] for x in there}
-    if len(shapes) > 1 or len({np.ndim(x) for x in there}) > 1:
+    shapes = {np.shape(x)[:-1] for x in given}
+    if len(shapes) > 1 or len({np.ndim(x) for x in given}) > 1:
         raise InputError(
             f"results must have one shape, got {name} of the shapes "
-            f"{[np.shape(x) for x in there]}."
+            f"{[np.shape(x) for x in given]}."
         )
-    longest = max(np.shape(x)[-1] if np.ndim(x) else 0 for x in there)
+    longest = max(np.shape(x)[-1] if np.ndim(x) else 0 for x in given)
 
     def padded(x: Any) -> Any:
         if x is None:
-            shape = (*np.shape(there[0])[:-1], longest) if np.ndim(there[0]) else ()
-            return xp.full(shape, False if there[0].dtype == bool else np.nan)
+            shape = (*np.shape(given[0])[:-1], longest) if np.ndim(given[0]) else ()
+            return xp.full(shape, False if given[0].dtype == bool else np.nan)
         x = xp.asarray(x)
         if not x.ndim or x.shape[-1] == longest:
             return x

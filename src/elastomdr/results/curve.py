@@ -144,7 +144,9 @@ class AbstractCurve(Result):
         for curve in every[:_LISTED]:
             velocity, value, beyond = (
                 np.atleast_1d(
-                    fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at]
+                    fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[
+                        curve.place
+                    ]
                 )
                 for k in ("velocity", self.shows, "extrapolated")
             )
@@ -155,11 +157,11 @@ class AbstractCurve(Result):
         if len(every) > _LISTED:
             yield "...", f"and {len(every) - _LISTED} more curves"
         if "model_error" in fields and np.isfinite(fields[self.shows]).any():
-            there = np.isfinite(fields[self.shows])
+            computed = np.isfinite(fields[self.shows])
             yield (
                 "model error",
                 self._model_error(
-                    fields["model_error"][there], fields[self.shows][there]
+                    fields["model_error"][computed], fields[self.shows][computed]
                 ),
             )
 
@@ -560,14 +562,16 @@ class Ranking:
         """Writes the ranking as comma-separated text, an empty cell for what is not
         known.
         """
-        said = {True: "yes", False: "no", None: ""}
+        words = {True: "yes", False: "no", None: ""}
         columns = {
             "rank": np.arange(1, len(self.places) + 1),
             "material": np.array([place.material for place in self.places]),
             "friction coefficient [-]": np.array([place.mu for place in self.places]),
             "uncertainty [-]": np.array([place.uncertainty for place in self.places]),
             "ahead of the next [-]": np.array([place.ahead for place in self.places]),
-            "significant": np.array([said[place.significant] for place in self.places]),
+            "significant": np.array(
+                [words[place.significant] for place in self.places]
+            ),
         }
         header = [
             f"elastomdr {__version__}: ranking by friction",

@@ -128,12 +128,12 @@ class FrictionLaw(Tree):
         axes = self.axes()
         for name, value in asked.items():
             if (value is None) == (name in axes):
-                said = (
+                requirement = (
                     "given: this friction law depends"
                     if name in axes
                     else "left out: this friction law does not depend"
                 )
-                raise InputError(f"{name} must be {said} on it.")
+                raise InputError(f"{name} must be {requirement} on it.")
         values = {name: as_float64(name, asked[name]) for name in axes}
         shape = broadcast_shape(**values)
         corners, inside = [], xp.ones(shape, bool)
@@ -256,12 +256,12 @@ class FrictionLaw(Tree):
             for k, v in self.axes().items()
         ]
         known = self.mu[np.isfinite(self.mu)]
-        found = (
+        mu_range = (
             f"mu {known.min():.4g} to {known.max():.4g}"
             if known.size
             else "no value of mu known"
         )
-        return f"FrictionLaw({', '.join(parts)}; {found})"
+        return f"FrictionLaw({', '.join(parts)}; {mu_range})"
 
 
 def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
@@ -287,16 +287,16 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
     places = {}
     for key, titles in _TITLES.items():
-        found = [
+        columns = [
             i for i, title in enumerate(rows[0] if rows else []) if title in titles
         ]
-        if len(found) > 1 or (not found and key in ("velocity", "mu")):
+        if len(columns) > 1 or (not columns and key in ("velocity", "mu")):
             got = ", ".join(rows[0]) if rows else "nothing"
             raise InputError(
                 f"path: {name!r} must have one column {titles[0]!r}, got {got}."
             )
-        if found:
-            places[key] = found[0]
+        if columns:
+            places[key] = columns[0]
     try:
         points = {
             key: np.array([float(row[i] or "nan") for row in rows[1:]])
@@ -350,12 +350,10 @@ def _between(
         return ((xp.zeros(xp.shape(value), int), xp.ones(xp.shape(value))),)
     axis, value = xp.asarray(axis), xp.asarray(value)
     high = xp.clip(xp.searchsorted(axis, value, side="right"), 1, axis.shape[0] - 1)
-    start, end, at = (
-        scale(axis[high - 1]),
-        scale(axis[high]),
-        scale(xp.clip(value, axis[0], axis[-1])),
-    )
-    fraction = (at - start) / (end - start)
+    start = scale(axis[high - 1])
+    end = scale(axis[high])
+    scaled = scale(xp.clip(value, axis[0], axis[-1]))
+    fraction = (scaled - start) / (end - start)
     return (high - 1, 1 - fraction), (high, fraction)
 
 
@@ -529,10 +527,12 @@ def _fric_coef(law: FrictionLaw, units: str) -> Iterator[str]:
 def _data(name: str, values: Any) -> Iterator[str]:
     """DATA statements of three numbers each, which fit into 72 columns."""
     for start in range(0, len(values), 3):
-        some = values[start : start + 3]
-        yield f"      data ({name}, i={start + 1},{start + len(some)}) /"
+        values_of_row = values[start : start + 3]
+        yield f"      data ({name}, i={start + 1},{start + len(values_of_row)}) /"
         yield (
-            "     *   " + ", ".join(f"{x:.10e}".replace("e", "d") for x in some) + " /"
+            "     *   "
+            + ", ".join(f"{x:.10e}".replace("e", "d") for x in values_of_row)
+            + " /"
         )
 
 

@@ -81,7 +81,7 @@ def draw_indentation(result: Any, ask: Ask) -> Any:
     log = bool(steps.size and steps.max() > _DECADES * np.median(steps))
     labels = _largest_in_words(sketch)
     for line, label in zip(sketch.lines(), labels, strict=True):
-        t = np.atleast_1d(result.time[line.curve.at])
+        t = np.atleast_1d(result.time[line.curve.place])
         since = np.where(t > t[0], t - t[0], np.nan) if log else t - t[0]
         for key, panel in histories.items():
             y = sketch.values(key, line.curve)

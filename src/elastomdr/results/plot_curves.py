@@ -240,14 +240,12 @@ def _draw_measured(
     """Draws points in the colour of the curve at their temperature, in black where
     there is none.
     """
-    measured_at, computed_at = (
-        points.get("temperature"),
-        sketch.fields.get("temperature"),
-    )
+    measured_at = points.get("temperature")
+    computed_at = sketch.fields.get("temperature")
     left = np.ones(points["mu"].shape, dtype=bool)
     if measured_at is not None and computed_at is not None:
         for line in lines:
-            temperature = np.atleast_1d(computed_at[line.curve.at])
+            temperature = np.atleast_1d(computed_at[line.curve.place])
             near = np.abs(measured_at - temperature[0]) <= SAME_TEMPERATURE
             near &= left & (np.ptp(temperature) == 0)
             if near.any():
@@ -304,9 +302,9 @@ def _mark_points(
     sketch.entry.extras.append((handle, label))
 
 
-def grouped(kelvin: np.ndarray) -> list[float]:
+def grouped(temperature: np.ndarray) -> list[float]:
     """The means of temperatures that belong together, ascending [K]."""
-    ascending = np.sort(np.ravel(kelvin))
+    ascending = np.sort(np.ravel(temperature))
     runs = np.split(
         ascending, np.flatnonzero(np.diff(ascending) > SAME_TEMPERATURE) + 1
     )
@@ -335,9 +333,11 @@ def draw_traction(result: Any, ask: Ask) -> Any:
 
     ax = draw(result, ask, x=x, also=full_slip)
     if constant:
-        full = float(friction.flat[0])
-        for level in {full, -full} if np.nanmin(getattr(result, x)) < 0 else {full}:
-            ax.axhline(level, color="#888888", linewidth=0.9, linestyle="--", zorder=1)
+        sliding = float(friction.flat[0])
+        for bound in (
+            {sliding, -sliding} if np.nanmin(getattr(result, x)) < 0 else {sliding}
+        ):
+            ax.axhline(bound, color="#888888", linewidth=0.9, linestyle="--", zorder=1)
     return ax
 
 
@@ -349,8 +349,10 @@ def draw_heat_build_up(result: Any, ask: Ask) -> Any:
 
     def steady(sketch: Sketch, line: Line) -> None:
         if over_time:
-            level = in_unit(sketch.values("steady", line.curve)[0], "°C")
-            sketch.ax.axhline(level, color=line.colour, linewidth=0.9, linestyle=":")
+            temperature = in_unit(sketch.values("steady", line.curve)[0], "°C")
+            sketch.ax.axhline(
+                temperature, color=line.colour, linewidth=0.9, linestyle=":"
+            )
             sketch.entry.notes[:] = ["dotted: steady"]
 
     return draw(result, ask, x="time" if over_time else "velocity", also=steady)

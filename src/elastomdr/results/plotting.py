@@ -107,7 +107,7 @@ class Canvas:
     """What has been drawn on axes, and what has to be made anew when more is drawn."""
 
     style: Style
-    own: bool  # the figure was made here
+    own_figure: bool  # the figure was made here
     foreign: bool  # something was drawn before
     panels: list[Any] = field(default_factory=list)
     entries: list[Entry] = field(default_factory=list)
@@ -182,7 +182,7 @@ class Sketch:
 
     def values(self, key: str, curve: Curve) -> np.ndarray:
         """A field along a curve."""
-        return np.atleast_1d(self.fields[key][curve.at])
+        return np.atleast_1d(self.fields[key][curve.place])
 
     def lines(self) -> Iterator["Line"]:
         """The curves, each with ascending x, in the units of the figure."""
@@ -257,7 +257,7 @@ class Sketch:
 
     def along_line(self, values: Any, line: "Line") -> np.ndarray:
         """Values of the result's shape at the points of a line."""
-        return np.atleast_1d(values[line.curve.at])[line.order]
+        return np.atleast_1d(values[line.curve.place])[line.order]
 
     def peak_mark(self, top: Peak, colour: Any) -> None:
         self.ax.plot(
@@ -308,7 +308,7 @@ def begin(ask: Ask, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
             )
         ax = grid[0]
         ax._elastomdr = Canvas(
-            style, own=True, foreign=False, panels=grid if panels else []
+            style, own_figure=True, foreign=False, panels=grid if panels else []
         )
     canvas: Canvas | None = getattr(ax, "_elastomdr", None)
     if canvas is None:
@@ -316,7 +316,7 @@ def begin(ask: Ask, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
 
         if style.words:  # as large as the letters that are there
             style = style._replace(text=float(matplotlib.rcParams["font.size"]))
-        canvas = ax._elastomdr = Canvas(style, own=False, foreign=ax.has_data())
+        canvas = ax._elastomdr = Canvas(style, own_figure=False, foreign=ax.has_data())
     on = {id(panel) for panel in (ax, *canvas.panels)}
     # cleared
     canvas.entries = [
@@ -520,7 +520,7 @@ def _write_legend(ax: Any, canvas: Canvas, handles: dict[str, Any]) -> None:
     labels = [textwrap.fill(label, 48) for label in handles]
     common = {"frameon": False, "borderaxespad": 0.2, "fontsize": 0.85 * style.text}
     if style.words and not crowded(ax, canvas):
-        if canvas.own:
+        if canvas.own_figure:
             width = style.panels[0] + 2.2 if canvas.panels else style.wide
             ax.figure.set_size_inches(width, ax.figure.get_size_inches()[1])
         common |= {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0)}
@@ -528,7 +528,7 @@ def _write_legend(ax: Any, canvas: Canvas, handles: dict[str, Any]) -> None:
         return
     common |= {"handlelength": 1.5, "columnspacing": 1.2}
     common["ncols"] = columns = _legend_columns(ax, style, labels)
-    if canvas.own:
+    if canvas.own_figure:
         rows = -(-len(labels) // columns) + sum(label.count("\n") for label in labels)
         height = style.panels[1] if canvas.panels else style.size[1]
         ax.figure.set_size_inches(style.wide, height + 0.14 * rows)
@@ -562,7 +562,7 @@ def crowded(ax: Any, canvas: Canvas) -> bool:
     them takes their width.
     """
     return (
-        not canvas.own
+        not canvas.own_figure
         and len(ax.figure.axes) > 1
         and ax.get_figure(root=True).get_layout_engine() is not None
     )
@@ -595,11 +595,16 @@ def write_title(
         if asked:
             ax.set_title(title, loc="left", fontsize=canvas.style.text + 1)
         return []
-    figure, text = ax.figure.get_figure(root=True), canvas.style.text
+    figure, font_size = ax.figure.get_figure(root=True), canvas.style.text
     if canvas.panels:
         left = 0.01 if figure.get_layout_engine() else ax.get_position().x0
         figure.suptitle(
-            title, x=left, ha="left", fontsize=1.2 * text, fontweight="bold", color=INK
+            title,
+            x=left,
+            ha="left",
+            fontsize=1.2 * font_size,
+            fontweight="bold",
+            color=INK,
         )
     inches = figure.get_size_inches()[0] * ax.get_position(original=True).width
     above = {
@@ -607,23 +612,23 @@ def write_title(
         "xycoords": "axes fraction",
         "textcoords": "offset points",
         "va": "bottom",
-        "fontsize": 0.8 * text,
+        "fontsize": 0.8 * font_size,
     }
-    made, height = [], 0.6 * text
+    made, height = [], 0.6 * font_size
     for words, colour in zip(reversed(small), (RED, FAINT, FAINT), strict=True):
-        lines = textwrap.wrap(words, max(30, int(170 * inches / text)))
+        lines = textwrap.wrap(words, max(30, int(170 * inches / font_size)))
         place = {"xytext": (0, height), "color": colour, "linespacing": 1.2, **above}
         made += [ax.annotate("\n".join(lines), **place)] if lines else []
-        height += 1.2 * text * len(lines)
+        height += 1.2 * font_size * len(lines)
     if not canvas.panels:
-        heading = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / text))))
+        heading = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / font_size))))
         ax.set_title(
             heading,
             loc="left",
-            fontsize=1.2 * text,
+            fontsize=1.2 * font_size,
             fontweight="bold",
             color=INK,
-            pad=height + 0.4 * text,
+            pad=height + 0.4 * font_size,
         )
     return made
 

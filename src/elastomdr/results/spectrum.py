@@ -80,15 +80,15 @@ class FrictionSpectrum(Result):
         require("share", share, "above 0 and below 1", lambda x: (x > 0) & (x < 1))
         mu, middle = np.asarray(self.mu), np.log(np.asarray(self.omega))
         half = 0.5 * np.log(self.width)
-        found = np.full((2, *mu.shape[:-1]), np.nan)
-        for at in np.ndindex(mu.shape[:-1]):
-            if np.isfinite(mu[at]).all() and mu[at].sum() > 0:
-                below = np.concatenate([[0.0], np.cumsum(mu[at])]) / mu[at].sum()
-                edges = np.append(middle[at] - half, middle[at][-1] + half)
-                found[(slice(None), *at)] = np.exp(
+        limits = np.full((2, *mu.shape[:-1]), np.nan)
+        for point in np.ndindex(mu.shape[:-1]):
+            if np.isfinite(mu[point]).all() and mu[point].sum() > 0:
+                below = np.concatenate([[0.0], np.cumsum(mu[point])]) / mu[point].sum()
+                edges = np.append(middle[point] - half, middle[point][-1] + half)
+                limits[(slice(None), *point)] = np.exp(
                     np.interp([0.5 - 0.5 * share, 0.5 + 0.5 * share], below, edges)
                 )
-        return found[0], found[1]
+        return limits[0], limits[1]
 
     def plot(
         self,
@@ -117,17 +117,17 @@ class FrictionSpectrum(Result):
         low, high = self.central()
         total, velocity = self.total, np.asarray(self.velocity)[..., 0]
         for curve in self.curves("wave_number")[1][:6]:
-            at = curve.at[:-1]
-            if np.isfinite(total[at]):
+            point = curve.place[:-1]
+            if np.isfinite(total[point]):
                 share_words = (
-                    f"{significant(float(low[at]), 2)} to "
-                    f"{significant(float(high[at]), 2)} rad/s"
+                    f"{significant(float(low[point]), 2)} to "
+                    f"{significant(float(high[point]), 2)} rad/s"
                 )
-                place = curve.label or in_words("velocity", float(velocity[at]))
+                place = curve.label or in_words("velocity", float(velocity[point]))
                 yield (
                     f"at {place}",
                     (
-                        f"mu = {significant(float(total[at]))}, eight tenths of it "
+                        f"mu = {significant(float(total[point]))}, eight tenths of it "
                         f"from {share_words}"
                     ),
                 )

@@ -54,12 +54,12 @@ class LeakTheory(Model, ABC):
     def flow(self, found: Contact, at: Scales) -> Array:
         """w [m^3] at each point."""
 
-    def leak(self, surface: AbstractSpectrum, level: Array) -> GapFlow:
-        if is_traced(surface, level):
+    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
+        if is_traced(surface, relative_pressure):
             raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
-        level = np.asarray(level)
+        relative_pressure = np.asarray(relative_pressure)
         found, coarse = (
-            contact_of(nodes(surface, count), level)
+            contact_of(nodes(surface, count), relative_pressure)
             for count in (2 * PER_DECADE, PER_DECADE)
         )
         at = scales(found)
@@ -73,7 +73,7 @@ class LeakTheory(Model, ABC):
             area=found.area,
             percolates=found.area < self.closes_at(),
             error=error,
-            model_error=np.full(level.shape, np.nan),
+            model_error=np.full(relative_pressure.shape, np.nan),
             good=np.isfinite(w),
             said=self.words(),
         )

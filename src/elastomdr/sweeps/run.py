@@ -330,7 +330,7 @@ def _as_completed(
     name = f"compute-{uuid.uuid4()}"
     under_way: dict[Any, Any] = {}
     waiting = iter(todo)
-    done, looked = as_completed(), -_LOOK
+    completed, looked = as_completed(), -_LOOK
     most = 1
     try:
         while True:
@@ -346,10 +346,10 @@ def _as_completed(
                     compute, shared, chunks[number], __version__, key=(name, number)
                 )
                 under_way[future.key] = future
-                done.add(future)
+                completed.add(future)
             if not under_way:
                 return
-            future = next(done)
+            future = next(completed)
             _, number = under_way.pop(future.key).key
             try:
                 outcome = future.result()

@@ -153,10 +153,10 @@ class Store:
         for left in path.rglob("*.partial"):
             left.unlink(missing_ok=True)
         self._record = Record(path, _STATE)
-        there = [
+        present = [
             name for name in self._record.arrays if self._record.array_is_there(name)
         ]
-        self._arrays: dict[str, Any] = {name: self._group[name] for name in there}
+        self._arrays: dict[str, Any] = {name: self._group[name] for name in present}
         self.damaged = self._set_aside()
         if _STATE not in self._arrays:
             self._arrays[_STATE] = self._new_array(

@@ -121,13 +121,13 @@ class Sticky(NamedTuple):
 
     def _steepness(self, a: Array, control: str) -> Array:
         """Of the sign of dd/da, or of dF/da along d = g(a) - delta(a)."""
-        slope, own = self.disc.slope(a), self.disc.kind == "half-space"
+        slope, on_half_space = self.disc.slope(a), self.disc.kind == "half-space"
         if control == "depth":
-            return 2 * a * slope - self.stretch(a) if own else slope
+            return 2 * a * slope - self.stretch(a) if on_half_space else slope
         ratio = self.disc.width(a) / self.disc.weight(a)
         return (
             (2 * a * slope - 3 * self.stretch(a))
-            if own
+            if on_half_space
             else ratio * slope - self.stretch(a)
         )
 
@@ -223,7 +223,7 @@ def receding(
         by_depth[0], rest.radius("depth", depth[0]), rest.radius("load", load[0])
     )
     ends = bond.breaks("depth"), bond.breaks("load")
-    there = jnp.where(
+    holds = jnp.where(
         by_depth[0],
         _reaches(depth[0], rest.breaks("depth").depth),
         _reaches(load[0], rest.breaks("load").force),
@@ -237,12 +237,12 @@ def receding(
         return _recede(law, modes, bond, ends, begin, state, now)
 
     none = jnp.zeros_like(law.times), jnp.zeros_like(modes.rate)
-    start = _Receding(a0, d0, d0, there, *none)
+    start = _Receding(a0, d0, d0, holds, *none)
     _, (d, force, a, known, grows) = jax.lax.scan(
         step, start, (jnp.diff(time), depth[1:], load[1:], by_depth[1:])
     )
     first = (d0, jnp.where(by_depth[0], rest.force(a0, d0), load[0]), a0)
-    known = jnp.append(there, there & known & ~(jnp.cumsum(grows) > 0))
+    known = jnp.append(holds, holds & known & ~(jnp.cumsum(grows) > 0))
     nan = jnp.full(time.shape, jnp.nan)
     d, force, a = (
         jnp.where(known, jnp.append(one, many), jnp.nan)
@@ -291,8 +291,8 @@ def _recede(
     moved = depth + (
         jnp.sum(jnp.exp(-y) * state.f + ramp * (depth - d)) / law.equilibrium
     )
-    level = jnp.where(control, moved, _depth_under(bond, a, load))
-    stays = level >= bond.depth(a)
+    depth_if_held = jnp.where(control, moved, _depth_under(bond, a, load))
+    stays = depth_if_held >= bond.depth(a)
     stable = jnp.where(
         control, _reaches(moved, ends[0].depth), _reaches(load, ends[1].force)
     )
@@ -337,8 +337,8 @@ def _depth_under(sticky: Sticky, a: Array, load: Array) -> Array:
     ) / sticky.disc.width(a)
 
 
-def _rising(level: Any, sticky: Sticky, value: Array, least: Array) -> Array:
-    """The largest a with level(a) = value on a branch that rises with a: halvings of
+def _rising(curve: Any, sticky: Sticky, value: Array, least: Array) -> Array:
+    """The largest a with curve(a) = value on a branch that rises with a: halvings of
     log a, then a Newton step.
     """
     fixed, goal, least = jax.lax.stop_gradient((sticky, jnp.asarray(value), least))
@@ -346,13 +346,13 @@ def _rising(level: Any, sticky: Sticky, value: Array, least: Array) -> Array:
     low = jnp.broadcast_to(jnp.log(jnp.maximum(least, 1 / _WIDEST)), goal.shape)
 
     low, high = bisect(
-        lambda log_a: level(fixed, jnp.exp(log_a)) < goal,
+        lambda log_a: curve(fixed, jnp.exp(log_a)) < goal,
         low,
         jnp.broadcast_to(top, goal.shape),
         _HALVINGS,
     )
     a = jnp.exp(0.5 * (low + high))
-    now, slope = jax.jvp(lambda a: level(sticky, a), (a,), (jnp.ones_like(a),))
+    now, slope = jax.jvp(lambda a: curve(sticky, a), (a,), (jnp.ones_like(a),))
     step = (value - now) / jax.lax.stop_gradient(jnp.where(slope > 0, slope, jnp.inf))
     return a + jnp.where(
         jnp.abs(jax.lax.stop_gradient(step)) < 1e-3 * a,

@@ -140,20 +140,22 @@ def _instants(
     temperature: Any,
 ) -> Beyond:
     none = np.zeros(young.shape)
-    kelvin = None if temperature is None else np.broadcast_to(temperature, young.shape)
+    temperatures = (
+        None if temperature is None else np.broadcast_to(temperature, young.shape)
+    )
     elsewhere, nowhere = known._replace(omega=None), known.omega == ()
-    points = young | old | nowhere | elsewhere.outside(none, kelvin)
+    points = young | old | nowhere | elsewhere.outside(none, temperatures)
     within, after = (significant(age, 3) for age in ages)
-    what = (
+    findings = (
         [f"its answer within {within} s decides, range from {within} s"]
         if young.any()
         else []
     )
-    what += (
+    findings += (
         [f"its answer after more than {after} s decides, range to {after} s"]
         if old.any()
         else []
     )
-    what += ["the data determine the loss modulus nowhere"] if nowhere else []
-    what += elsewhere.findings(none, kelvin)
-    return told(points, "; ".join(what), known.illustrative)
+    findings += ["the data determine the loss modulus nowhere"] if nowhere else []
+    findings += elsewhere.findings(none, temperatures)
+    return told(points, "; ".join(findings), known.illustrative)

@@ -82,8 +82,8 @@ class Mount(Tree):
         given = scalar("load", load), scalar("normal_force", normal_force)
         positive("load", given[0])
         positive("normal_force", given[1])
-        part = given[0] / given[1]
-        return Mount(part * self.mass, part * self.stiffness, part * self.damping)
+        share = given[0] / given[1]
+        return Mount(share * self.mass, share * self.stiffness, share * self.damping)
 
 
 class Scene(NamedTuple):
@@ -208,11 +208,13 @@ def _put_down(
     c = coefficients(scene.law, begin.h, viscous=viscous)
     rise, slope = surface.rise_and_slope(y.position)
     fading = fade(c, y.line.f)
-    level = released(c, y.line.u, fading.seen) - rise
+    touch_depth = released(c, y.line.u, fading.seen) - rise
     stiffness = surface.weight * c.stiffness[0]
-    depth = settle(level, stiffness, spring, begin.value, y.ahead, surface.between)
-    line, done = _press(c, y.line, fading, rise, depth)
-    work = total(surface.weight, done)
+    depth = settle(
+        touch_depth, stiffness, spring, begin.value, y.ahead, surface.between
+    )
+    line, element_work = _press(c, y.line, fading, rise, depth)
+    work = total(surface.weight, element_work)
     motion = y._replace(
         line=line,
         value=begin.value,
@@ -221,7 +223,7 @@ def _put_down(
         work=work,
         pressed=work + spring * depth**2 / 2,
     )
-    return motion, (slope, depth - level if surface.between else None)
+    return motion, (slope, depth - touch_depth if surface.between else None)
 
 
 def _advance(
@@ -267,14 +269,14 @@ def _advance(
         drag, depth = xp.zeros(()), depth_at(rise, guess)
     if viscous:
         _, slope = surface.rise_and_slope(position - lag(c) * moved)
-    line, done = _press(c, y.line, fading, rise, depth)
+    line, element_work = _press(c, y.line, fading, rise, depth)
     after = y._replace(
         line=line,
         drive=end.position,
         value=end.value,
         position=position,
         depth=depth,
-        work=y.work + total(surface.weight, done),
+        work=y.work + total(surface.weight, element_work),
     )
     after = _moved(scene, y, after, end.h, drag)
     return after, (slope, depth + rise - u_free if surface.between else None)
@@ -399,17 +401,19 @@ def felt_by(
     """F_N and F_x of the forces q of the elements, db/dX at each of them being `slope`.
 
     `excess` is what q is in proportion to where it is positive, if the contact ends
-    between two elements (`carried`).
+    between two elements (`force_on_line`).
     """
     normal, drag = total(weight, q), total(weight, q * slope)
     if excess is None:
         return normal, drag
     edge, _ = edges(excess)
     a, b = xp.abs(excess[:-1]), xp.abs(excess[1:])
-    there = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
+    slope_at_edge = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
     top = xp.max(excess)  # q is S times what is positive of it
     stiffness = weight * xp.max(q) / xp.where(top > 0, top, 1.0)
-    return normal + stiffness * xp.sum(edge), drag + stiffness * xp.sum(edge * there)
+    return normal + stiffness * xp.sum(edge), drag + stiffness * xp.sum(
+        edge * slope_at_edge
+    )
 
 
 def _press(

@@ -171,7 +171,10 @@ def indenter(
     strips = -(-count // 2)
     across = width / strips
     y = (xp.arange(strips) + 0.5) * across
-    x, y = (part.reshape(-1) for part in xp.broadcast_arrays(x[None], y[:, None]))
+    x, y = (
+        coordinate.reshape(-1)
+        for coordinate in xp.broadcast_arrays(x[None], y[:, None])
+    )
     weight = 2 * spacing * across
     return Indenter(
         shape=lines.shape,

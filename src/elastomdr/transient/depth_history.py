@@ -102,7 +102,8 @@ def indent_between(
     def measure(state: Touching, q: Array) -> tuple[Array, ...]:
         held, left = energies(law, modes, state)
         sums = [
-            xp.sum(weight * part) for part in (q, state.work, held, left, state.heat)
+            xp.sum(weight * density)
+            for density in (q, state.work, held, left, state.heat)
         ]
         return *sums, missed(weight * q, begin, disc)
 
@@ -158,11 +159,11 @@ def padded(*histories: Any, like: int = 0) -> tuple[Any, ...]:
         return histories
     count = histories[0].shape[-1]
     size = _size(max(count, like))
-    part = np.arange(1, size - count + 1) / (size - count + 1)
+    fractions = np.arange(1, size - count + 1) / (size - count + 1)
 
     def pad(a: Any) -> Any:
         numpy = xp if is_traced(a) else np
-        inner = a[..., -2:-1] + (a[..., -1:] - a[..., -2:-1]) * part
+        inner = a[..., -2:-1] + (a[..., -1:] - a[..., -2:-1]) * fractions
         return numpy.concatenate([a[..., :-1], inner, a[..., -1:]], axis=-1)
 
     return tuple(pad(a) for a in histories)
@@ -227,6 +228,18 @@ def _signed(
     return xp.where(free, scale * (depth[:, None] - value), value), free
 
 
+def _secant(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
+    """Where the line through two places, (g, residual) each, is zero."""
+    rise = near[1] - far[1]
+    return near[0] - near[1] * (near[0] - far[0]) / xp.where(
+        _level(near, far), xp.inf, rise
+    )
+
+
+def _choose(new: Any, old: Any, where: Array) -> Any:
+    return mapped(lambda n, o: xp.where(where, n, o), new, old)
+
+
 def edges(
     law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array
 ) -> Array:
@@ -247,20 +260,11 @@ def edges(
     m, size = depth.size, max(depth.size, _COARSE)
     grid = disc.profile(reach * xp.linspace(0.0, 1.0, size))
 
-    def secant(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
-        rise = near[1] - far[1]
-        return near[0] - near[1] * (near[0] - far[0]) / xp.where(
-            _level(near, far), xp.inf, rise
-        )
-
-    def choose(new: Any, old: Any, where: Array) -> Any:
-        return mapped(lambda n, o: xp.where(where, n, o), new, old)
-
-    def search(i: Any, found: tuple) -> tuple:
-        count, ends = found
+    def search(i: Any, bracket: tuple) -> tuple:
+        count, ends = bracket
         inner, inner_far, outer, outer_far = ends
         g = 0.5 * (inner[0] + outer[0])
-        for guess in (secant(outer, outer_far), secant(inner, inner_far)):
+        for guess in (_secant(outer, outer_far), _secant(inner, inner_far)):
             g = xp.where((guess > inner[0]) & (guess < outer[0]), guess, g)
         looked = xp.where(i == 0, grid, xp.pad(g, (0, size - m)))
         value, free = _signed(law, modes, looked, time, depth)
@@ -273,22 +277,20 @@ def edges(
         first = (pick(touched - 1), pick(touched - 2), pick(touched), pick(touched + 1))
         new, free = (g, xp.diagonal(value)), xp.diagonal(free)
         closer = (
-            choose(new, inner, ~free),
-            choose(inner, inner_far, ~free),
-            choose(new, outer, free),
-            choose(outer, outer_far, free),
+            _choose(new, inner, ~free),
+            _choose(inner, inner_far, ~free),
+            _choose(new, outer, free),
+            _choose(outer, outer_far, free),
         )
-        return choose(touched, count, i == 0), choose(first, closer, i == 0)
+        return _choose(touched, count, i == 0), _choose(first, closer, i == 0)
 
     nowhere = (xp.zeros(m), xp.zeros(m))
     start = (xp.zeros(m, int), (nowhere,) * 4)
     count, (inner, inner_far, outer, outer_far) = fori_loop(
         0, _SEARCH + 1, search, start
     )
-    g, outside = (
-        secant(inner, inner_far),
-        xp.clip(secant(outer, outer_far), inner[0], outer[0]),
-    )
+    g = _secant(inner, inner_far)
+    outside = xp.clip(_secant(outer, outer_far), inner[0], outer[0])
     # Where the force jumps at the edge, or falls within less than was looked at, it
     # does not tell where; the gap does.
     other = xp.where(inner[1] > -outer[1], outside, inner[0])
@@ -316,8 +318,10 @@ def cuts(levels: int) -> Float[np.ndarray, "rows n"]:
     """Where panels are cut, from 0 to 1, in rows of a few parts each: of one size on
     all levels, from 1 to `LAYERS`.
     """
-    at = np.append(_fractions(levels), 1.0)
-    return at[np.arange(0, len(at) - 1, _IN_A_ROW)[:, None] + np.arange(_IN_A_ROW + 1)]
+    fractions = np.append(_fractions(levels), 1.0)
+    return fractions[
+        np.arange(0, len(fractions) - 1, _IN_A_ROW)[:, None] + np.arange(_IN_A_ROW + 1)
+    ]
 
 
 @functools.cache
@@ -361,12 +365,13 @@ def missed_layers(
     time: Array,
     depth: Array,
     radius: Float[Array, " m"],
-    part: Any,
+    panel_share: Any,
 ) -> Float[Array, " m"]:
     """What the panels miss of layers at the edges: sum over W E_k v tau_k w_k r(q), [N]
     at every instant.
 
-    `part` is the share of a panel between two edges that the part of it at an edge has.
+    `panel_share` is the share of a panel between two edges that the part of it at an
+    edge has.
 
     w_k = v tau_k/g'(a) is the layer's width, W the weight at the edge, q the widths in
     a panel that ends there (less of the layer is left in panels further in), r what the
@@ -378,7 +383,7 @@ def missed_layers(
     h = xp.diff(time)
     pressing = xp.maximum(xp.diff(depth) / h, 0.0)
     ends = xp.sort(xp.append(radius, 0.0))
-    panel = xp.diff(ends) * part
+    panel = xp.diff(ends) * panel_share
     edge = radius[1:]
     slope = disc.slope(xp.where(edge > 0, edge, 1.0))
     width = xp.where(edge > 0, pressing / slope, 0.0)[:, None] * law.times  # (m-1, k)
@@ -429,20 +434,22 @@ def over_histories(
     count = histories[0].shape[0]
     if on_numpy():
         static = {} if levels is None else {"levels": levels}
-        found = [
+        by_history = [
             function(law, modes, disc, *(h[i] for h in histories), **static)
             for i in range(count)
         ]
-        return mapped(lambda *a: np.stack(a), *found)
+        return mapped(lambda *a: np.stack(a), *by_history)
     size = batch(count)
     more = -count % size
     traced = is_traced(law, modes, disc, *histories)
     numpy = xp if traced else np
-    full = tuple(
+    filled_up = tuple(
         numpy.concatenate([h, numpy.repeat(h[:1], more, axis=0)]) if more else h
         for h in histories
     )
-    out = _mapped(law, modes, disc, *full, function=function, levels=levels, size=size)
+    out = _mapped(
+        law, modes, disc, *filled_up, function=function, levels=levels, size=size
+    )
     return mapped(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
 
 
@@ -492,19 +499,19 @@ def indent_all(
     rows = cuts(levels)
     if on_numpy():
         parts = np.tile(np.append(rows[:, :-1], 1.0), (len(time), 1))
-        found, _ = over_histories(
+        history_sums, _ = over_histories(
             indent_between, law, modes, disc, time, depth, radius, parts
         )
-        return found._replace(radius=np.array(radius))
+        return history_sums._replace(radius=np.array(radius))
     which, row = np.divmod(np.arange(len(time) * len(rows)), len(rows))
     sums = []
     for i in range(0, which.size, size):
         taken = np.minimum(np.arange(i, i + size), which.size - 1)
         history = (a[which[taken]] for a in (time, depth, radius))
-        found, _ = over_histories(
+        history_sums, _ = over_histories(
             indent_between, law, modes, disc, *history, rows[row[taken]]
         )
-        sums.append(found)
+        sums.append(history_sums)
     joined = mapped(
         lambda *a: np.concatenate(a)[: which.size].reshape(len(time), len(rows), -1),
         *sums,

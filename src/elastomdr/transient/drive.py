@@ -140,7 +140,7 @@ def drive(
         "tangential": _mount("tangential", tangential),
         "normal": _mount("normal", normal),
     }
-    found, plan = _solve(body.over, history, list(mounts.values()), track)
+    solution, plan = _solve(body.over, history, list(mounts.values()), track)
     inputs = [
         *body.words,
         *(
@@ -151,10 +151,10 @@ def drive(
     ]
     if track is not None:
         inputs.append(("track", describe_line(track)))
-    deep = found.seen.depth
+    deep = solution.seen.depth
     beyond = sliding_beyond(history, body.over, deep, deep)
     inputs = (*inputs, *history.inputs, *beyond.said)
-    return _pack(history, found, mounts["tangential"], body, plan, inputs, beyond)
+    return _pack(history, solution, mounts["tangential"], body, plan, inputs, beyond)
 
 
 def _mount(name: str, mount: Any) -> Mount | None:
@@ -337,25 +337,25 @@ def _missing(seen: Any) -> tuple[Any, Any]:
     """
     numpy = xp if is_traced(seen) else np
     given = seen.driven + seen.pressed
-    found = seen.kinetic + seen.spring + seen.work + seen.damped
-    return given - found, numpy.max(numpy.maximum(numpy.abs(given), numpy.abs(found)))
+    spent = seen.kinetic + seen.spring + seen.work + seen.damped
+    return given - spent, numpy.max(numpy.maximum(numpy.abs(given), numpy.abs(spent)))
 
 
 def _pack(
     history: GivenHistory,
-    found: Levels,
+    solution: Levels,
     tangential: Mount | None,
     body: SlidingBody,
     plan: SlidePlan,
     inputs: tuple[tuple[str, str], ...],
     beyond: Beyond,
 ) -> Drive:
-    warn_unless(found.good, "instants", f" to rtol={history.rtol:g}")
+    warn_unless(solution.good, "instants", f" to rtol={history.rtol:g}")
 
     def shown(field: Any) -> Any:
-        return nan_unless(found.shown, field)
+        return nan_unless(solution.shown, field)
 
-    seen = found.seen
+    seen = solution.seen
     pull = seen.drag
     if tangential is not None:
         pull = tangential.stiffness * (history.position - seen.position)
@@ -365,7 +365,7 @@ def _pack(
         position=shown(seen.position),
         velocity=shown(seen.velocity),
         depth=shown(seen.depth),
-        mu=shown(found.mu),
+        mu=shown(solution.mu),
         normal_force=shown(seen.normal),
         friction_force=shown(seen.drag),
         pull=shown(pull),
@@ -374,8 +374,8 @@ def _pack(
         stored=shown(seen.stored + seen.spring),
         dissipated=shown(seen.work - seen.stored + seen.damped),
         imbalance=shown(_missing(seen)[0]),
-        error=shown(found.error),
-        converged=found.good,
+        error=shown(solution.error),
+        converged=solution.good,
         per_length=body.per_length,
         model=body.model,
         plan=plan,

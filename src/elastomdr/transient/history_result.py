@@ -139,10 +139,10 @@ class ForceSpectrum(Result):
                 f"{significant(self.rms)} {unit}"
             ),
         )
-        at = significant(float(self.frequency[largest]))
+        frequency = significant(float(self.frequency[largest]))
         yield (
             "largest amplitude",
-            f"{significant(float(self.amplitude[largest]))} {unit} at {at} Hz",
+            f"{significant(float(self.amplitude[largest]))} {unit} at {frequency} Hz",
         )
 
 
@@ -165,8 +165,8 @@ def force_spectrum(
     if count > 1:
         half = (count // 2) * each
         first, second = (
-            _waves(part, np.ones(half), step)[0]
-            for part in (values[:half], values[-half:])
+            _waves(segment, np.ones(half), step)[0]
+            for segment in (values[:half], values[-half:])
         )
         stride = values.size / half  # of the frequencies that the halves have
         near = np.arange(1, amplitude.size + 1) / stride
@@ -254,9 +254,11 @@ def _waves(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Amplitudes, and the one-sided density, of all frequencies but zero."""
     n = values.size
-    found = np.abs(np.fft.rfft(window * (values - values.mean())))[1:]
-    twice = np.where((np.arange(1, found.size + 1) * 2 == n), 1.0, 2.0)
-    return twice * found / window.sum(), twice * found**2 * step / (window**2).sum()
+    magnitude = np.abs(np.fft.rfft(window * (values - values.mean())))[1:]
+    twice = np.where((np.arange(1, magnitude.size + 1) * 2 == n), 1.0, 2.0)
+    return twice * magnitude / window.sum(), twice * magnitude**2 * step / (
+        window**2
+    ).sum()
 
 
 @record
@@ -389,14 +391,15 @@ class Drive(_OverSurface):
         if is_traced(self):
             import jax.numpy as xp
         ends = [np.flatnonzero(number <= j)[-1] for j in range(count + 1)]
-        found = []
+        swings = []
         for first, last in pairwise(ends):
             speed = (self.drive[last] - self.drive[first]) / (time[last] - time[first])
-            part = self.velocity[first + 1 : last + 1]
-            found.append(
-                (part.max() - part.min()) / xp.where(speed == 0, xp.nan, abs(speed))
+            velocity = self.velocity[first + 1 : last + 1]
+            swings.append(
+                (velocity.max() - velocity.min())
+                / xp.where(speed == 0, xp.nan, abs(speed))
             )
-        return xp.stack(found)
+        return xp.stack(swings)
 
     def stick_slip(self, normal_force: float | None = None) -> str:
         """Whether the body sticks and slips in the last fifth of the time, in a
@@ -427,13 +430,24 @@ class Drive(_OverSurface):
             positive("normal_force", whole)
             share, unit = whole / float(np.mean(self.normal_force[late])), "N"
         low, high = (float(x(self.velocity[late])) / mean for x in (np.min, np.max))
-        at = f"{significant(low, 3)} to {significant(high, 3)} times the drive's"
+        velocity_range = (
+            f"{significant(low, 3)} to {significant(high, 3)} times the drive's"
+        )
         force = f"friction {span(share * self.friction_force[late], unit)}"
         if low < _STANDS and high > 1 + _STEADY:
-            return f"yes: the body stands and jumps, its velocity is {at}; {force}"
+            return (
+                "yes: the body stands and jumps, its velocity is "
+                f"{velocity_range}; {force}"
+            )
         if low > 1 - _STEADY and high < 1 + _STEADY:
-            return f"no: the body follows the drive, its velocity is {at}; {force}"
-        return f"not decided: its velocity is {at}, so compute a longer motion; {force}"
+            return (
+                "no: the body follows the drive, its velocity is "
+                f"{velocity_range}; {force}"
+            )
+        return (
+            f"not decided: its velocity is {velocity_range}, so compute a longer motion; "
+            f"{force}"
+        )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Ranges of friction and normal force, the energy balance, the velocity late in

@@ -28,7 +28,7 @@ from ..results.base import Array, Origin, Result, distinct, quantity, record
 from ..results.words import brief, describe, span
 from .impact_motion import Body, Impacts, impacts
 from .layer_disc import incompressible_enough, of_layer
-from .oblique_impact import History, Oblique, check_oblique, solve_oblique
+from .oblique_impact import History, Oblique, Slips, check_oblique, solve_oblique
 from .problem import check_shape, standing
 
 if TYPE_CHECKING:
@@ -176,12 +176,19 @@ def impact(
     if slips is not None:
         extra = {"tangential_velocity": slips.velocity, "friction": slips.friction}
     scene = _scene(material, shape, mass, velocity, temperature, rtol, extra)
-    found = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
-    motion, good = found.motion, found.converged
-    reason = ""
+    solution = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
+    good, reason = solution.converged, ""
     if isinstance(material, Layer):
-        good, reason = _within_layer(material, scene.body.shape, found)
+        good, reason = _within_layer(material, scene.body.shape, solution)
     warn_unless(good, "impacts", f" to rtol={rtol:g}", reason)
+    return _pack(scene, shape, slips, solution, good)
+
+
+def _pack(
+    scene: _Scene, shape: Any, slips: Slips | None, solution: Impacts, good: Any
+) -> Impact:
+    """The result, NaN where an impact is not `good`."""
+    motion = solution.motion
 
     def shaped(field: Any) -> Any:
         return nan_unless(good, field).reshape(scene.shape)
@@ -189,7 +196,7 @@ def impact(
     def series(field: Any) -> Any:
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
-    duration = shaped(nan_unless(found.timed, motion.duration))
+    duration = shaped(nan_unless(solution.timed, motion.duration))
     beyond = NOT_KNOWN
     if not is_traced(motion.restitution):
         beyond = _beyond(scene, duration)
@@ -201,7 +208,7 @@ def impact(
     )
     oblique = None
     if slips is not None:
-        oblique = on_jax(solve_oblique, slips, scene, shape, history, found)
+        oblique = on_jax(solve_oblique, slips, scene, shape, history, solution)
     energy = 0.5 * scene.body.mass * scene.body.velocity**2
     return Impact(
         mass=scene.mass,
@@ -213,8 +220,8 @@ def impact(
         lost=shaped(energy * (1 - motion.restitution**2)),
         history=history,
         oblique=oblique,
-        error=nan_unless(good, found.error).reshape(scene.shape),
-        stuck=found.stuck.reshape(scene.shape),
+        error=nan_unless(good, solution.error).reshape(scene.shape),
+        stuck=solution.stuck.reshape(scene.shape),
         converged=good.reshape(scene.shape),
         temperature=scene.temperature,
         model=scene.model,
@@ -225,16 +232,18 @@ def impact(
     )
 
 
-def _within_layer(material: Layer, disc: Any, found: Impacts) -> tuple[np.ndarray, str]:
+def _within_layer(
+    material: Layer, disc: Any, solution: Impacts
+) -> tuple[np.ndarray, str]:
     """Which impacts are solved and less deep than the layer is thick, and why others
     are not. Raises `InputError` for rubber that is not incompressible enough.
     """
-    motion = found.motion
-    good = found.converged & (motion.max_depth < disc.thickness)
+    motion = solution.motion
+    good = solution.converged & (motion.max_depth < disc.thickness)
     numpy = xp if is_traced(disc, motion.max_depth) else np
     radius = numpy.asarray(disc.radius_of_depth(motion.max_depth))
     incompressible_enough(material, disc, radius, motion.max_force)
-    if is_traced(good) or not (found.converged & ~good).any():
+    if is_traced(good) or not (solution.converged & ~good).any():
         return good, ""
     h = float(disc.thickness)
     return good, f"The body would go deeper than the layer is thick, {h:.4g} m."
@@ -283,10 +292,14 @@ def _scene(
     mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
     positive("mass", mass)
     positive("velocity", velocity)
-    kelvin = None if temperature is None else as_float64("temperature", temperature)
-    points = broadcast_shape(mass=mass, velocity=velocity, temperature=kelvin, **extra)
+    temperature = (
+        None if temperature is None else as_float64("temperature", temperature)
+    )
+    points = broadcast_shape(
+        mass=mass, velocity=velocity, temperature=temperature, **extra
+    )
     result = (len(foundations), *points) if many else points
-    columns = _columns(foundations, kelvin, points, many)
+    columns = _columns(foundations, temperature, points, many)
 
     def full(array: Any) -> Any:
         return xp.broadcast_to(array, result)
@@ -298,8 +311,8 @@ def _scene(
         ("mass", brief(mass, "kg")),
         ("velocity", brief(velocity, "m/s")),
     ]
-    if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
+    if temperature is not None:
+        inputs.append(("temperature", brief(temperature, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     flat = (full(mass).reshape(-1), full(velocity).reshape(-1))
     return _Scene(
@@ -308,7 +321,7 @@ def _scene(
         model=model,
         mass=full(mass),
         velocity=full(velocity),
-        temperature=None if kelvin is None else full(kelvin),
+        temperature=None if temperature is None else full(temperature),
         shape=result,
         inputs=tuple(inputs),
         foundations=foundations,
@@ -346,15 +359,15 @@ def _struck(
 
 
 def _columns(
-    foundations: list[Foundation], kelvin: Any, points: tuple[int, ...], many: bool
+    foundations: list[Foundation], temperature: Any, points: tuple[int, ...], many: bool
 ) -> tuple[Any, Any, Any]:
     """(rates, moduli, viscosity) of all laws, a column for each point, or one for all."""
-    laws = [_at(foundation, kelvin, points) for foundation in foundations]
+    laws = [_law_at(foundation, temperature, points) for foundation in foundations]
     most = max(law.moduli.shape[0] for law in laws)
     width = next((n for n in _WIDTHS if n >= most), most)
-    lanes = [_lanes(law, width) for law in laws]
+    padded = [_branches(law, width) for law in laws]
     rates, moduli, viscosity = (
-        xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True)
+        xp.concatenate(parts, axis=-1) for parts in zip(*padded, strict=True)
     )
     # one column per material: one per point
     repeats = 1
@@ -370,14 +383,12 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
     """An impact counts as a passage as long as its contact."""
     if all(foundation.range is None for foundation in scene.foundations):
         return NOT_KNOWN
-    points, what, illustrative = (
-        np.zeros(
-            (len(scene.foundations), duration.size // len(scene.foundations)), bool
-        ),
-        [],
-        True,
+    points = np.zeros(
+        (len(scene.foundations), duration.size // len(scene.foundations)), bool
     )
-    kelvin = (
+    findings = []
+    illustrative = True
+    temperatures = (
         None
         if scene.temperature is None
         else np.reshape(scene.temperature, points.shape)
@@ -385,34 +396,41 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
     for i, (foundation, times) in enumerate(
         zip(scene.foundations, duration.reshape(points.shape), strict=True)
     ):
-        known, there = foundation.range, None if kelvin is None else kelvin[i]
+        known = foundation.range
+        temperature = None if temperatures is None else temperatures[i]
         if known is None:
             continue
         factor = (
-            1.0 if there is None else np.asarray(thermal_factors(foundation, there)[0])
+            1.0
+            if temperature is None
+            else np.asarray(thermal_factors(foundation, temperature)[0])
         )
         rate = _PASSAGE * factor / times
-        points[i] = known.outside(rate, there)
+        points[i] = known.outside(rate, temperature)
         if points[i].any():
-            what += known.findings(rate, there, "a_T/t to 4 a_T/t, t the contact time,")
+            findings += known.findings(
+                rate, temperature, "a_T/t to 4 a_T/t, t the contact time,"
+            )
             illustrative &= known.illustrative
     return told(
         points.reshape(scene.shape),
-        "; ".join(dict.fromkeys(what)),
+        "; ".join(dict.fromkeys(findings)),
         illustrative,
     )
 
 
-def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...]) -> Relaxation:
+def _law_at(
+    foundation: Foundation, temperature: Any, points: tuple[int, ...]
+) -> Relaxation:
     """The law, with one column per point where a temperature gives each its own times
     and moduli.
     """
     law = foundation.law()
-    if kelvin is None:
+    if temperature is None:
         return law
     a, b = (
         xp.broadcast_to(xp.asarray(x), points).reshape(-1)
-        for x in thermal_factors(foundation, kelvin)
+        for x in thermal_factors(foundation, temperature)
     )
     return Relaxation(
         law.equilibrium * b,
@@ -422,7 +440,7 @@ def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...]) -> Relaxat
     )
 
 
-def _lanes(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
+def _branches(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
     """(rates, moduli, viscosity), the spring as a branch with rate zero, `width` more
     branches, equal columns.
     """
@@ -430,11 +448,11 @@ def _lanes(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
     columns = times.shape[-1]
     viscosity = xp.broadcast_to(law.viscosity, (columns,))
     filled = xp.zeros((width - law.moduli.shape[0], columns))
-    own = xp.broadcast_to(
+    branch_moduli = xp.broadcast_to(
         law.moduli if law.moduli.ndim == 2 else law.moduli[:, None], times.shape
     )
     moduli = xp.concatenate(
-        [xp.broadcast_to(law.equilibrium, (1, columns)), own, filled]
+        [xp.broadcast_to(law.equilibrium, (1, columns)), branch_moduli, filled]
     )
     return (
         xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]),

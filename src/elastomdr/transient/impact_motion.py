@@ -62,7 +62,7 @@ _SHARE, _SLOWEST, _BY_CHANCE = 4.0, 20.0, 0.5
 # relative correction below which it is not for a series any more to shrink
 _ROUNDING = 1e-9
 _LOOSER = 100  # times rtol: what a duration may miss
-# lanes computed together: their states fit the processor's cache
+# impacts computed together: their states fit the processor's cache
 _BLOCK, _SMALL = 256, 8
 # fall of the force at the turn, from the fourth grid to the last, for a body that never
 # turns
@@ -84,15 +84,15 @@ class Grid(NamedTuple):
 
 
 class Body(NamedTuple):
-    """What strikes, and on what; lanes run over the last axis."""
+    """What strikes, and on what; impacts run over the last axis."""
 
     shape: AbstractShape | Disc  # a body, or its contact on rubber of finite thickness
     # 1/tau_k, the first one zero: the equilibrium spring [1/s]
-    rates: Float[Array, "k lanes"]
-    moduli: Float[Array, "k lanes"]  # [Pa, or Pa/m]
-    viscosity: Float[Array, " lanes"]  # [Pa s, or Pa s/m]
-    mass: Float[Array, " lanes"]  # [kg]
-    velocity: Float[Array, " lanes"]  # [m/s]
+    rates: Float[Array, "k impacts"]
+    moduli: Float[Array, "k impacts"]  # [Pa, or Pa/m]
+    viscosity: Float[Array, " impacts"]  # [Pa s, or Pa s/m]
+    mass: Float[Array, " impacts"]  # [kg]
+    velocity: Float[Array, " impacts"]  # [m/s]
 
 
 class Motion(NamedTuple):
@@ -100,17 +100,17 @@ class Motion(NamedTuple):
     end.
     """
 
-    restitution: Float[Array, " lanes"]
-    duration: Float[Array, " lanes"]  # [s]
-    max_depth: Float[Array, " lanes"]  # [m]
-    max_force: Float[Array, " lanes"]  # [N]
-    peak: Float[Array, " lanes"]  # where that is, s from 0 at touch to 1 at the turn
-    turning: Float[Array, " lanes"]  # force at the turn over the largest force
-    time: Float[Array, "nodes lanes"]  # [s]
-    depth: Float[Array, "nodes lanes"]  # [m]
-    speed: Float[Array, "nodes lanes"]  # d' [m/s]
-    force: Float[Array, "nodes lanes"]  # [N]
-    solved: Bool[Array, " lanes"]
+    restitution: Float[Array, " impacts"]
+    duration: Float[Array, " impacts"]  # [s]
+    max_depth: Float[Array, " impacts"]  # [m]
+    max_force: Float[Array, " impacts"]  # [N]
+    peak: Float[Array, " impacts"]  # where that is, s from 0 at touch to 1 at the turn
+    turning: Float[Array, " impacts"]  # force at the turn over the largest force
+    time: Float[Array, "nodes impacts"]  # [s]
+    depth: Float[Array, "nodes impacts"]  # [m]
+    speed: Float[Array, "nodes impacts"]  # d' [m/s]
+    force: Float[Array, "nodes impacts"]  # [N]
+    solved: Bool[Array, " impacts"]
 
 
 class _Node(NamedTuple):
@@ -120,13 +120,13 @@ class _Node(NamedTuple):
     depth: Array
     speed: Array
     rate: Array  # A'(d) d'
-    forces: Array  # F_k, (k, lanes)
-    centre: Array  # C_k, (k, lanes)
+    forces: Array  # F_k, (k, impacts)
+    centre: Array  # C_k, (k, impacts)
     force: Array  # F
 
 
 def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
-    """One impact per lane on one grid; differentiable in both modes."""
+    """Impacts on one grid; differentiable in both modes."""
     zero = xp.zeros(body.velocity.shape)
     none = xp.zeros((body.rates.shape[0], *zero.shape))
     punch = (
@@ -189,7 +189,7 @@ def _approach(
     body: Body, per_area: bool, start: _Node, grid: Grid
 ) -> tuple[_Node, _Node, Array, Array]:
     """From touch to the turn: the turn, the node after each step, step lengths, and
-    which lanes were solved.
+    which impacts were solved.
     """
 
     def after(node: _Node, log_h: Array, speed: Array) -> _Node:
@@ -217,10 +217,10 @@ def _approach(
 
         # The mean force over a step is nearly a power of s: that gives the first guess
         # of the step's length.
-        log_h, found = root(residual, momentum - (log_force + slope * step.stride))
+        log_h, met = root(residual, momentum - (log_force + slope * step.stride))
         mean = momentum - fixed(log_h)
         slope = xp.clip((mean - log_force) / step.stride, -20, 20)
-        return (after(node, log_h, speed), mean, slope, good & found), xp.exp(log_h)
+        return (after(node, log_h, speed), mean, slope, good & met), xp.exp(log_h)
 
     def skip(carry: tuple, step: Grid) -> tuple:
         return carry, xp.ones_like(body.velocity)
@@ -270,7 +270,7 @@ class _Rebound(NamedTuple):
     time: Array
     depth: Array
     speed: Array
-    centre: Array  # C_k, (k, lanes)
+    centre: Array  # C_k, (k, impacts)
     force: Array
 
 
@@ -313,10 +313,10 @@ def _retreat(
         def residual(log_h: Array) -> Array:  # rises as a power of the step does
             return xp.log((held - after(node, touched, log_h)[0]) / held)
 
-        log_h, found = root(residual, log_length + log_ratio + trend)
+        log_h, met = root(residual, log_length + log_ratio + trend)
         ratio = fixed(log_h) - log_length
         trend = xp.clip(xp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
-        return after(node, touched, log_h)[1], ratio, trend, good & found
+        return after(node, touched, log_h)[1], ratio, trend, good & met
 
     def step(carry: tuple, step: tuple) -> tuple:
         carry = cond(step[2], take, lambda carry, _: carry, carry, step)
@@ -363,8 +363,8 @@ def _retreat_of_punch(
                 (node.force - after(node, target, log_h)[0]) / (node.force - target)
             )
 
-        log_h, found = root(residual, fixed(log_h))
-        return after(node, target, log_h)[1], log_h, good & found
+        log_h, met = root(residual, fixed(log_h))
+        return after(node, target, log_h)[1], log_h, good & met
 
     def step(carry: tuple, step: tuple) -> tuple:
         carry = cond(step[1], take, lambda carry, _: carry, carry, step)
@@ -384,71 +384,74 @@ class Impacts(NamedTuple):
     """Impacts of many bodies; histories have their nodes first."""
 
     motion: Motion
-    error: Float[Array, " lanes"]  # estimated error of the restitution, absolute
+    error: Float[Array, " impacts"]  # estimated error of the restitution, absolute
     # the body never turns: a liquid too viscous to throw it back
-    stuck: Bool[Array, " lanes"]
-    converged: Bool[Array, " lanes"]  # restitution and depth to rtol
+    stuck: Bool[Array, " impacts"]
+    converged: Bool[Array, " impacts"]  # restitution and depth to rtol
     # and the duration to 100 rtol: strong damping leaves the instant of the turn open
-    timed: Bool[Array, " lanes"]
+    timed: Bool[Array, " impacts"]
 
 
 def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
-    """Every lane to `rtol`, on finer grids where one needs them and values are known
-    (not under `jit` or `grad`).
+    """Every impact to `rtol`, on finer grids where one needs them and values are
+    known (not under `jit` or `grad`).
     """
     if is_traced(body):
         return _stage(body, rtol, per_area=per_area, stage=1)
-    lanes = int(body.velocity.shape[0])
-    if lanes <= _SMALL:
+    count = int(body.velocity.shape[0])
+    if count <= _SMALL:
         return _block(body, per_area, rtol)
 
     def solve(start: int) -> Impacts:
-        block = _lanes(body, np.arange(start, min(start + _BLOCK, lanes)))
+        block = _select(body, np.arange(start, min(start + _BLOCK, count)))
         return on_jax(_block, block, per_area, rtol)  # a thread has its own setting
 
-    if lanes <= _BLOCK:
+    if count <= _BLOCK:
         return solve(0)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        parts = list(pool.map(solve, range(0, lanes, _BLOCK)))
+        parts = list(pool.map(solve, range(0, count, _BLOCK)))
     return mapped(lambda *pieces: np.concatenate(pieces, axis=-1), *parts)
 
 
 def _block(body: Body, per_area: bool, rtol: float) -> Impacts:
-    """A block of lanes whose values can be looked at: stage by stage, each for those
+    """A block of impacts whose values can be looked at: stage by stage, each for those
     that the last left open.
     """
-    lanes = int(body.velocity.shape[0])
-    found: Any = None
-    waiting = np.arange(lanes)
+    count = int(body.velocity.shape[0])
+    solved: Any = None
+    waiting = np.arange(count)
     for stage in range(len(_STAGES)):
         # few, so that few are compiled
         sizes = () if on_numpy() else (_SMALL, 64, _BLOCK)
         size = next((n for n in sizes if n >= waiting.size), waiting.size)
-        part = _stage(
-            _lanes(body, np.resize(waiting, size)), rtol, per_area=per_area, stage=stage
-        )
-        part = mapped(lambda x, n=waiting.size: np.array(x)[..., :n], part)
-        if found is None:
-            found = part
+        batch = _select(body, np.resize(waiting, size))
+        latest = _stage(batch, rtol, per_area=per_area, stage=stage)
+        latest = mapped(lambda x, n=waiting.size: np.array(x)[..., :n], latest)
+        if solved is None:
+            solved = latest
         else:
             mapped(
-                lambda whole, piece, at=waiting: whole.__setitem__((..., at), piece),
-                found,
-                part,
+                lambda whole, piece, i=waiting: whole.__setitem__((..., i), piece),
+                solved,
+                latest,
             )
         waiting = np.flatnonzero(
-            ~(found.converged & found.timed) & np.isfinite(found.motion.max_depth)
+            ~(solved.converged & solved.timed) & np.isfinite(solved.motion.max_depth)
         )
         if not waiting.size:
             break
-    return found
+    return solved
 
 
-def _lanes(body: Body, chosen: Array) -> Body:
-    lanes = body.velocity.shape
+def _select(body: Body, chosen: Array) -> Body:
+    """The impacts with these numbers."""
+    batch_shape = body.velocity.shape
     return Body(
         body.shape,
-        *(np.broadcast_to(x, (*x.shape[:-1], *lanes))[..., chosen] for x in body[1:]),
+        *(
+            np.broadcast_to(x, (*x.shape[:-1], *batch_shape))[..., chosen]
+            for x in body[1:]
+        ),
     )
 
 
@@ -480,10 +483,8 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     error, duration, depth = (
         _left(*values) for values in zip(*(one[:3] for one in series), strict=True)
     )
-    duration, depth = (
-        duration / xp.abs(before.duration),
-        depth / xp.abs(before.max_depth),
-    )
+    duration = duration / xp.abs(before.duration)
+    depth = depth / xp.abs(before.max_depth)
     enough = (error <= rtol * xp.abs(best.restitution)) & (depth <= rtol)
     fine, coarse = motions.turning[-1], motions.turning[3]
     liquid = (body.moduli[0] == 0) & (

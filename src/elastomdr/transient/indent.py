@@ -37,7 +37,7 @@ from ..surface.disc import Disc
 from ..surface.shapes import Cylinder, PowerLaw
 from .age import history_beyond
 from .history_result import AbstractHistory
-from .indentation_route import Course, Found, indent_under, indent_with_adhesion
+from .indentation_route import Course, Indented, indent_under, indent_with_adhesion
 from .layer_disc import LayerDisc, incompressible_enough, of_layer
 from .problem import at_temperature, check_shape
 from .surface_fields import Elements
@@ -130,20 +130,20 @@ class Indentation(AbstractHistory):
         """
         return self._surface(r, time, "displacement")
 
-    def _surface(self, r: Any, time: Any, what: str) -> np.ndarray:
+    def _surface(self, r: Any, time: Any, field_name: str) -> np.ndarray:
         if is_traced(self, r, time):
             raise InputError(
-                f"{what} is for numbers: call it outside jit, grad and vmap."
+                f"{field_name} is for numbers: call it outside jit, grad and vmap."
             )
         r, time = as_float64("r", r), scalar("time", time)
         not_negative("r", r)
         if self.origins:
             return np.stack(
-                [one._surface(r, time, what) for one in self.each_material()]
+                [one._surface(r, time, field_name) for one in self.each_material()]
             )
         if self.surface is None:
-            raise InputError(f"{what} is not computed with adhesion.")
-        return self.surface.at(np.asarray(self.depth), r, float(time), what)
+            raise InputError(f"{field_name} is not computed with adhesion.")
+        return self.surface.at(np.asarray(self.depth), r, float(time), field_name)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Largest depth and force, and what is left at the end."""
@@ -214,66 +214,75 @@ def indent(
     Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     disc, foundation = contact(material, shape)
-    law, kelvin, factor = at_temperature(foundation, temperature)
+    law, law_temperature, factor = at_temperature(foundation, temperature)
     course = _course(law, time, depth, load, pull=adhesion is not None)
     rtol = check_rtol(rtol, "1e-10", "1e-2")
     _check_depth(disc, course, adhesion)
     gamma = None if adhesion is None else _work_of_adhesion(law, shape, adhesion)
-    found = _solved(law, disc, course, gamma, rtol)
+    solution = _solved(law, disc, course, gamma, rtol)
     if isinstance(disc, LayerDisc):
         layer: Any = material
-        incompressible_enough(layer, disc, found.radius, found.force)
-    asked = f" to rtol={rtol:g}"
-    warn_unless(found.converged, "instants", asked, found.reason)
-    if adhesion is None:
-        known_heat = ~(found.converged & xp.isnan(xp.asarray(found.heat)))
-        warn_unless(known_heat, "values of the heat", asked)
-    traced = is_traced(found.depth, found.force)
-    numpy = xp if traced else np
-    every_time = numpy.broadcast_to(course.time, found.depth.shape)
+        incompressible_enough(layer, disc, solution.radius, solution.force)
+    shown = _accepted(solution, adhesion is None, rtol)
+    numpy = xp if is_traced(solution.depth, solution.force) else np
+    every_time = numpy.broadcast_to(course.time, solution.depth.shape)
     given_load = course.load is not None and course.depth is None
     beyond = history_beyond(
         foundation.range,
         every_time,
-        course.load if given_load else found.depth,
-        kelvin,
+        course.load if given_load else solution.depth,
+        law_temperature,
         factor,
     )
-    # Under a transformation the steps are fixed: what they give is handed out, with its
-    # error.
-    shown = found.converged | (found.error <= _WORST) if traced else found.converged
 
     def known(field: Any) -> Any:
         return nan_unless(shown, field)
 
     return Indentation(
         time=every_time,
-        depth=known(found.depth),
-        force=known(found.force),
-        contact_radius=known(found.radius),
-        work=known(found.work),
-        stored=known(found.stored),
-        locked=known(found.locked),
-        dissipated=known(found.heat + found.locked),
-        error=found.error,
-        converged=found.converged,
-        temperature=kelvin,
+        depth=known(solution.depth),
+        force=known(solution.force),
+        contact_radius=known(solution.radius),
+        work=known(solution.work),
+        stored=known(solution.stored),
+        locked=known(solution.locked),
+        dissipated=known(solution.heat + solution.locked),
+        error=solution.error,
+        converged=solution.converged,
+        temperature=law_temperature,
         surface=Elements(law, disc, course) if adhesion is None else None,
         model=_model(law, disc, adhesion),
-        plan=found.plan,
-        inputs=(*_inputs(foundation, shape, course, gamma, kelvin, rtol), *beyond.said),
+        plan=solution.plan,
+        inputs=(
+            *_inputs(foundation, shape, course, gamma, law_temperature, rtol),
+            *beyond.said,
+        ),
         extrapolated=beyond.points,
     )
 
 
+def _accepted(solution: Indented, has_heat: bool, rtol: float) -> Any:
+    """Warns of instants that miss `rtol`; which of them are handed out."""
+    asked = f" to rtol={rtol:g}"
+    warn_unless(solution.converged, "instants", asked, solution.reason)
+    if has_heat:
+        known_heat = ~(solution.converged & xp.isnan(xp.asarray(solution.heat)))
+        warn_unless(known_heat, "values of the heat", asked)
+    if not is_traced(solution.depth, solution.force):
+        return solution.converged
+    # Under a transformation the steps are fixed: what they give is handed out, with its
+    # error.
+    return solution.converged | (solution.error <= _WORST)
+
+
 def _solved(
     law: Relaxation, disc: Disc, course: Course, gamma: Any, rtol: float
-) -> Found:
+) -> Indented:
     modes = recovery_modes(law)
     if gamma is not None:
         return on_jax(indent_with_adhesion, law, modes, disc, course, gamma)
-    found = indent_under(law, modes, disc, course, rtol)
-    return _within(found, disc) if isinstance(disc, LayerDisc) else found
+    solution = indent_under(law, modes, disc, course, rtol)
+    return _within(solution, disc) if isinstance(disc, LayerDisc) else solution
 
 
 def _inputs(
@@ -281,7 +290,7 @@ def _inputs(
     shape: Any,
     course: Course,
     gamma: Any,
-    kelvin: Any,
+    temperature: Any,
     rtol: float,
 ) -> list[tuple[str, str]]:
     """What was given, in words."""
@@ -290,7 +299,7 @@ def _inputs(
         ("depth", course.depth, "m"),
         ("load", course.load, "N"),
         ("work of adhesion", gamma, "J/m^2"),
-        ("temperature", kelvin, "K"),
+        ("temperature", temperature, "K"),
     ]
     return [
         ("material", foundation.name or "given directly"),
@@ -347,19 +356,19 @@ def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
     return RULE
 
 
-def _within(found: Found, disc: LayerDisc) -> Found:
+def _within(solution: Indented, disc: LayerDisc) -> Indented:
     """Instants at which the body is less deep than the layer is thick; no small strain
     gives an answer beyond.
     """
-    numpy = xp if is_traced(found.depth, disc) else np
-    deep = numpy.asarray(found.depth) >= disc.thickness
-    reason = found.reason
+    numpy = xp if is_traced(solution.depth, disc) else np
+    deep = numpy.asarray(solution.depth) >= disc.thickness
+    reason = solution.reason
     if not is_traced(deep) and deep.any():
         h = float(disc.thickness)
         reason = (
             f"No depth below the thickness of the layer, {h:.4g} m, carries the load."
         )
-    return found._replace(converged=found.converged & ~deep, reason=reason)
+    return solution._replace(converged=solution.converged & ~deep, reason=reason)
 
 
 def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
@@ -490,16 +499,18 @@ def _in_short(row: dict[str, np.ndarray]) -> str:
         f"{in_words('depth', float(row['depth'][known]))}, "
         f"{in_words('load', float(row['force'][known]))}"
     )
-    text = f"deepest {most('depth', 'depth')}; largest force {most('force', 'load')}; "
-    text += f"largest radius {most('contact_radius', 'radius')}; at the end {end}"
+    sentence = (
+        f"deepest {most('depth', 'depth')}; largest force {most('force', 'load')}; "
+    )
+    sentence += f"largest radius {most('contact_radius', 'radius')}; at the end {end}"
     lost, work = (float(row[key][known]) for key in ("dissipated", "work"))
     if np.isfinite(lost):
-        text += f"; dissipated {significant(lost)} J"
+        sentence += f"; dissipated {significant(lost)} J"
         # Adhesion pulls the body in, so that less than nothing may have been put in, or
         # less than was dissipated.
-        text += (
+        sentence += (
             f" of {significant(work)} J"
             if work >= lost
             else f"; work of the body {significant(work)} J"
         )
-    return text
+    return sentence

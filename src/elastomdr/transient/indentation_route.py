@@ -73,7 +73,7 @@ class Course(NamedTuple):
     by_depth: Any
 
 
-class Found(NamedTuple):
+class Indented(NamedTuple):
     """Solved histories, every field of their shape."""
 
     depth: Array
@@ -91,7 +91,7 @@ class Found(NamedTuple):
 
 def indent_under(
     law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
-) -> Found:
+) -> Indented:
     """Solves all histories of a course."""
     if course.load is None:
         if on_numpy() and course.time.size > _FEW:
@@ -102,7 +102,7 @@ def indent_under(
 
 def indent_with_adhesion(
     law: Relaxation, modes: Modes, disc: Disc, course: Course, gamma: Array
-) -> Found:
+) -> Indented:
     """JKR for an elastic foundation; for a viscoelastic one the rule of
     `transient.adhesive_contact`.
     """
@@ -117,8 +117,8 @@ def indent_with_adhesion(
     if by_depth is None:
         by_depth = numpy.full(shape, course.load is None)
     depth, load = (
-        zero if part is None else numpy.nan_to_num(part)
-        for part in (course.depth, course.load)
+        zero if values is None else numpy.nan_to_num(values)
+        for values in (course.depth, course.load)
     )
     rows = tuple(a.reshape(-1, shape[-1]) for a in (course.time, depth, load, by_depth))
     simple = law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any())
@@ -141,7 +141,7 @@ def indent_with_adhesion(
                     ", or the contact would have grown, for which there is no rule"
                 )
             reason += "."
-    return Found(
+    return Indented(
         depth=depth,
         force=force,
         radius=radius,
@@ -173,7 +173,7 @@ def _breaks(sticky: Any) -> str:
 
 def _by_depth(
     law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
-) -> Found:
+) -> Indented:
     shape = course.time.shape
     time, depth = (
         a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth)
@@ -184,13 +184,13 @@ def _by_depth(
     frozen = fixed(given) if is_traced(given) else given
     growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
     radius = over_histories(edges_of_growth if growing else edges, *frozen)
-    found, levels = None, _LEVELS[1]
+    sums, levels = None, _LEVELS[1]
     if not is_traced(frozen):
         levels, size = _LEVELS[0], batch(len(time))
-        found = indent_all(*frozen, radius, levels, size)
+        sums = indent_all(*frozen, radius, levels, size)
         for finer in _LEVELS[1:]:
-            asked = 0.5 * rtol * abs(found.force).max(axis=-1)
-            which = np.flatnonzero((found.error > asked[:, None]).any(axis=-1))
+            asked = 0.5 * rtol * abs(sums.force).max(axis=-1)
+            which = np.flatnonzero((sums.error > asked[:, None]).any(axis=-1))
             if not which.size:
                 break
             levels = finer
@@ -202,31 +202,31 @@ def _by_depth(
                 levels,
                 size,
             )
-            for field, better in zip(found, again, strict=True):
+            for field, better in zip(sums, again, strict=True):
                 field[which] = better
-    if found is None or is_traced(given):  # with derivatives
+    if sums is None or is_traced(given):  # with derivatives
         parts = np.tile(np.append(cuts(levels)[:, :-1], 1.0), (len(time), 1))
-        found, _ = over_histories(indent_between_smooth, *given, radius, parts)
-    largest = abs(found.force).max(axis=-1, keepdims=True)
-    error = found.error / (largest + (largest == 0)) + _ROUNDING
-    good = numpy.isfinite(found.force) & (error <= rtol)
+        sums, _ = over_histories(indent_between_smooth, *given, radius, parts)
+    largest = abs(sums.force).max(axis=-1, keepdims=True)
+    error = sums.error / (largest + (largest == 0)) + _ROUNDING
+    good = numpy.isfinite(sums.force) & (error <= rtol)
     fields = (
-        found.force,
-        found.radius,
-        found.work,
-        found.stored,
-        found.locked,
-        found.heat,
+        sums.force,
+        sums.radius,
+        sums.work,
+        sums.stored,
+        sums.locked,
+        sums.heat,
         error,
         good,
     )
     fields = (_unpadded(a, shape) for a in fields)
-    return Found(course.depth, *fields, BY_DEPTH, "")
+    return Indented(course.depth, *fields, BY_DEPTH, "")
 
 
 def _by_load(
     law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
-) -> Found:
+) -> Indented:
     """In closed form as long as the contact grows, in steps where it does not."""
     shape = course.time.shape
     load = course.load
@@ -276,7 +276,7 @@ def _by_load(
             "Where no finite number came out, the contact would be wider than the "
             f"{disc.shape.label} is."
         )
-    return Found(
+    return Indented(
         depth, force, radius, work, stored, locked, heat, error, good, plan, reason
     )
 
@@ -289,22 +289,22 @@ def _grown(
     """
     numpy = xp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
-    found: Creep = over_histories(
+    creep_history: Creep = over_histories(
         creep, law, modes, disc, *padded(time, load), levels=levels
     )
-    found = mapped(lambda a: _unpadded(a, time.shape), found)
+    creep_history = mapped(lambda a: _unpadded(a, time.shape), creep_history)
     nothing = numpy.zeros(time.shape)
-    error = numpy.where(numpy.isfinite(found.depth), _ROUNDING, numpy.nan)
+    error = numpy.where(numpy.isfinite(creep_history.depth), _ROUNDING, numpy.nan)
     return (
-        found.depth,
+        creep_history.depth,
         load,
-        found.radius,
-        found.work,
-        found.stored,
+        creep_history.radius,
+        creep_history.work,
+        creep_history.stored,
         nothing,
-        found.heat,
+        creep_history.heat,
         error,
-    ), found.growing
+    ), creep_history.growing
 
 
 def _stepped(
@@ -364,7 +364,7 @@ def _stepped(
     error = beside(error / 3, 1) + _ROUNDING
     return tuple(
         a if is_traced(a) else np.asarray(a)
-        for a in (*(part * fits for part in parts), error)
+        for a in (*(field * fits for field in parts), error)
     )
 
 
@@ -383,8 +383,8 @@ def _series(
     before: Any = None
     ratio: Any = None
     while True:
-        found, edges = _marched(*given, before=edges, levels=levels, **sizes)
-        marches.append(found)
+        latest, edges = _marched(*given, before=edges, levels=levels, **sizes)
+        marches.append(latest)
         if len(marches) > 2:
             error = _apart(limit(marches[-2:], (2,)), limit(marches[-3:-1], (2,)))
             before, ratio = ratio, steady_ratio(marches)
@@ -474,19 +474,22 @@ def refined(
     from .load_steps import places
 
     kept = 2 ** int(np.clip(np.log2(_KNOTS / len(course.time)), 0, 5))
-    part = places(kept)[1:]
+    fractions = places(kept)[1:]
     time = np.append(
-        course.time[0], course.time[:-1, None] + np.diff(course.time)[:, None] * part
+        course.time[0],
+        course.time[:-1, None] + np.diff(course.time)[:, None] * fractions,
     )
     if course.by_depth is None:
         load = np.append(
             course.load[0],
-            course.load[:-1, None] + np.diff(course.load)[:, None] * part,
+            course.load[:-1, None] + np.diff(course.load)[:, None] * fractions,
         )
-        found = creep(law, modes, disc, *padded(time, load), levels=3)
-        found = mapped(lambda a: _unpadded(np.asarray(a), time.shape), found)
-        if found.growing.all():
-            return time, found.depth
+        creep_history = creep(law, modes, disc, *padded(time, load), levels=3)
+        creep_history = mapped(
+            lambda a: _unpadded(np.asarray(a), time.shape), creep_history
+        )
+        if creep_history.growing.all():
+            return time, creep_history.depth
     by_depth = (
         np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth
     )

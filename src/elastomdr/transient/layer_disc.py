@@ -87,10 +87,10 @@ def _resolvents(squeeze: Any, bonded: bool, low: float, high: float) -> Resolven
         wave, at_edge = np.cos(x[:, None] * z), np.cos(a * z)
         matrix = np.eye(count) + (wave * weight) @ wave.T * dx
         right = numpy.stack([numpy.ones(count), (wave * weight) @ at_edge], axis=1)
-        found = numpy.linalg.solve(matrix, right)
-        edge = 1 - at_edge * weight @ (wave.T @ (dx * found[:, 0]))
-        parts.append((found[:, 0], found[:, 1], edge))
-    unit, row, edge = (numpy.stack(list(part)) for part in zip(*parts, strict=True))
+        solution = numpy.linalg.solve(matrix, right)
+        edge = 1 - at_edge * weight @ (wave.T @ (dx * solution[:, 0]))
+        parts.append((solution[:, 0], solution[:, 1], edge))
+    unit, row, edge = (numpy.stack(list(column)) for column in zip(*parts, strict=True))
     return Resolvents(alpha, s, ds, unit, row, edge)
 
 
@@ -159,10 +159,10 @@ class LayerDisc(Disc):
 
     @property
     def largest(self) -> Any:
-        own = (xp if is_traced(self.shape, self.thickness) else np).minimum(
+        limit = (xp if is_traced(self.shape, self.thickness) else np).minimum(
             self.shape.largest_contact, WIDEST * self.thickness
         )
-        return own * (1 - 1e-12)
+        return limit * (1 - 1e-12)
 
     def radius_of_depth(self, depth: Array) -> Array:
         """a at which an elastic contact has this depth; zero for d <= 0, NaN beyond the
@@ -188,9 +188,11 @@ class LayerDisc(Disc):
             lambda a: (self.area(a), self.width(a) * self.slope(a)),
         )
 
-    def _inverse(self, value: Array, levels: Array, power: float, level: Any) -> Array:
-        there = value > 0
-        value = xp.where(there, value, levels[0])
+    def _inverse(
+        self, value: Array, levels: Array, power: float, value_and_slope: Any
+    ) -> Array:
+        touches = value > 0
+        value = xp.where(touches, value, levels[0])
         log = xp.log(fixed(value))
         known, places = (xp.log(xp.asarray(fixed(x))) for x in (levels, self.places))
         guess = xp.interp(log, known, places) + xp.minimum(log - known[0], 0.0) / power
@@ -198,7 +200,7 @@ class LayerDisc(Disc):
         top = xp.asarray(self.largest)
         for i in range(_STEPS):
             a = fixed(xp.minimum(a, top))
-            height, rise = level(a)
+            height, rise = value_and_slope(a)
             if i < _STEPS - 1:  # on logarithms, where it is nearly straight
                 a = a * xp.exp(
                     xp.clip((log - xp.log(height)) * height / (a * rise), -1.0, 1.0)
@@ -206,7 +208,7 @@ class LayerDisc(Disc):
             else:
                 a = a + (value - height) / fixed(rise)
         beyond = value > levels[-1] * (1 + 1e-12)
-        return xp.where(there, xp.where(beyond, xp.nan, a), 0.0)
+        return xp.where(touches, xp.where(beyond, xp.nan, a), 0.0)
 
     @property
     def _tip_power(self) -> float:
@@ -334,19 +336,21 @@ def tip_power(shape: AbstractShape) -> float:
 
 
 def _over_pieces(
-    shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: bool
+    shape: Profile, h: Any, resolvents: Resolvents, squeeze: Any, bonded: bool
 ) -> tuple[Array, Array]:
     numpy: Any = xp if is_traced(shape, h, squeeze) else np
-    z, weight = kernel_line(squeeze, bonded, float(at.alpha[-1]))
+    z, weight = kernel_line(squeeze, bonded, float(resolvents.alpha[-1]))
     places = numpy.asarray(shape.r) / h
     pulls, helds = [], []
-    for k, alpha in enumerate(at.alpha):
+    for k, alpha in enumerate(resolvents.alpha):
         edges = numpy.minimum(places, numpy.minimum(alpha, places[-1] * (1 - 1e-12)))
         s, ds = gauss_on_panels(edges, 6)
         wave = numpy.cos(s[:, None] * z) * weight
-        inner = np.cos(at.s[k][:, None] * z)
-        unit = 1 - wave @ (inner.T @ (at.ds[k] * at.unit[k]))
-        row = wave @ (np.cos(alpha * z) - inner.T @ (at.ds[k] * at.row[k]))
+        inner = np.cos(resolvents.s[k][:, None] * z)
+        unit = 1 - wave @ (inner.T @ (resolvents.ds[k] * resolvents.unit[k]))
+        row = wave @ (
+            np.cos(alpha * z) - inner.T @ (resolvents.ds[k] * resolvents.row[k])
+        )
         g = shape._profile(s * h)
         pulls.append(numpy.sum(ds * row * g))
         helds.append(numpy.sum(ds * unit * g) * h)
@@ -457,11 +461,11 @@ def incompressible_enough(
     bulk: Any = getattr(material.material, "bulk", None)
     if bulk is None or is_traced(bulk, disc, radius, force):
         return
-    there = np.isfinite(radius) & (radius > 0)
-    a = np.asarray(radius)[there]
+    touches = np.isfinite(radius) & (radius > 0)
+    a = np.asarray(radius)[touches]
     if not a.size:
         return
-    shear = np.asarray(force)[there] / (4 * np.asarray(disc.area(a)))
+    shear = np.asarray(force)[touches] / (4 * np.asarray(disc.area(a)))
     share = float(np.max((a / float(disc.thickness)) ** 2 * shear / float(bulk)))
     if share > _STIFFER:
         raise InputError(

@@ -65,7 +65,7 @@ class Steps(NamedTuple):
     """
 
     h: Float[Array, " s"]  # [s]
-    part: Float[Array, " s"]  # of the interval, at the end of the step
+    fraction: Float[Array, " s"]  # of the interval, at the end of the step
     first: Bool[Array, " s"]  # first step of its interval
     by_depth: Bool[Array, " s"]
     target: Float[Array, " s"]  # depth or load at the end of the interval
@@ -133,10 +133,10 @@ def march_load(
     sums, radius, fits = _all(law, disc, steps, start, reach, radius)
     every = np.arange(intervals * kept + 1) * (levels // kept)
     every[1:] += more
-    found = Marched(
+    marched = Marched(
         *(numpy.asarray(a)[:, every] for a in (*sums[:2], radius, *sums[2:], fits))
     )
-    return found, Edges(place, fixed(radius))
+    return marched, Edges(place, fixed(radius))
 
 
 def _shares(
@@ -144,10 +144,10 @@ def _shares(
 ) -> Float[Array, "b s"]:
     """Where each step ends, as a part of its interval."""
     batch, intervals = time.shape[0], time.shape[1] - 1
-    part = np.tile(places(levels), (batch, intervals, 1))
+    fractions = np.tile(places(levels), (batch, intervals, 1))
     early_ends = _early(numpy, law, time[:, 1:2] - time[:, :1], levels, coarsest, early)
-    rest_of_first = part[:, 0, 1 + levels // coarsest :]
-    others = part[:, 1:, 1:].reshape(batch, -1)
+    rest_of_first = fractions[:, 0, 1 + levels // coarsest :]
+    others = fractions[:, 1:, 1:].reshape(batch, -1)
     return numpy.concatenate([early_ends, rest_of_first, others], axis=1)
 
 
@@ -163,7 +163,7 @@ def _steps(
     before = numpy.concatenate([share[:, :1], share[:, :-1]], axis=1)
     return Steps(
         h=numpy.diff(time)[:, interval] * (share - numpy.where(first, 0.0, before)),
-        part=share,
+        fraction=share,
         first=np.tile(first, (len(time), 1)),
         by_depth=by_depth[:, 1:][:, interval],
         target=target[:, 1:][:, interval],
@@ -198,15 +198,21 @@ def extrapolated(marches: list[Marched], ratio: Array | None = None) -> Marched:
     """The limit of marches of ever more steps; `ratio` as in `steady_ratio`."""
     # An element that is touched or lost within a step errs by the cube of the step in
     # what it receives.
-    found = limit(marches, (2, 4, 6))._replace(heat=limit(marches, (2, 3, 4)).heat)
+    by_power = limit(marches, (2, 4, 6))._replace(heat=limit(marches, (2, 3, 4)).heat)
     if ratio is None or np.isnan(ratio).all():
-        return found
+        return by_power
     steady, gain = ~np.isnan(ratio), np.nan_to_num(ratio / (1 - ratio))
 
-    def goes_on(found: Array, a: Array, b: Array) -> Array:
-        return found if b.dtype == bool else xp.where(steady, b + (b - a) * gain, found)
+    def goes_on(by_power: Array, a: Array, b: Array) -> Array:
+        return (
+            by_power
+            if b.dtype == bool
+            else xp.where(steady, b + (b - a) * gain, by_power)
+        )
 
-    return mapped(goes_on, found, limit(marches[:-1], (2,)), limit(marches[-2:], (2,)))
+    return mapped(
+        goes_on, by_power, limit(marches[:-1], (2,)), limit(marches[-2:], (2,))
+    )
 
 
 def steady_ratio(marches: list[Marched]) -> Array:
@@ -239,12 +245,12 @@ def _ratio(marches: list[Marched]) -> Array:
     return (older * newer).sum(axis=1, keepdims=True) / (square + (square == 0))
 
 
-def unaccounted(found: Marched) -> Array:
+def unaccounted(marched: Marched) -> Array:
     """Work that was neither stored nor turned into heat, relative to the largest work
     of the history.
     """
-    largest = abs(found.work).max(axis=-1, keepdims=True)
-    return abs(found.work - found.stored - found.locked - found.heat) / (
+    largest = abs(marched.work).max(axis=-1, keepdims=True)
+    return abs(marched.work - marched.stored - marched.locked - marched.heat) / (
         largest + (largest == 0)
     )
 
@@ -419,17 +425,19 @@ def _advance(
     elements, weight = before.elements, row.weight
     first_depth = xp.where(now.first, before.depth, before.first_depth)
     first_force = xp.where(now.first, before.force, before.first_force)
-    load = first_force + (now.target - first_force) * now.part
+    load = first_force + (now.target - first_force) * now.fraction
     fading = fade(c, elements.f)
     free = released(c, elements.u, fading.seen)
-    level, stiffness = row.profile + free, weight * c.stiffness
+    touch_depth, stiffness = row.profile + free, weight * c.stiffness
     # With a dashpot q is a mean over the end of the step: the load is averaged in the
     # same way.
-    carried = load - (load - before.force) * lag(c)
-    depth = settle(level, stiffness, 0.0, xp.maximum(carried, 0.0), before.depth)
+    mean_load = load - (load - before.force) * lag(c)
+    depth = settle(
+        touch_depth, stiffness, 0.0, xp.maximum(mean_load, 0.0), before.depth
+    )
     # without a load it lies on the surface
-    depth = xp.where(carried > 0, depth, xp.min(level))
-    given = first_depth + (now.target - first_depth) * now.part
+    depth = xp.where(mean_load > 0, depth, xp.min(touch_depth))
+    given = first_depth + (now.target - first_depth) * now.fraction
     depth = xp.where(now.by_depth, given, depth)
     places = before.depth - row.profile, depth - row.profile
     after = advance(c, elements, *places, fading)
@@ -443,10 +451,10 @@ def _advance(
     # int F dd of the body, apart from what elements receive; a dashpot's force jumps
     # with the rate of the depth.
     received = xp.sum(weight * (after.work - elements.work))
-    done = 0.5 * (before.force + force) * (depth - before.depth)
-    work = xp.where(now.by_depth & (law.viscosity > 0), received, done)
+    body_work = 0.5 * (before.force + force) * (depth - before.depth)
+    work = xp.where(now.by_depth & (law.viscosity > 0), received, body_work)
     state = _State(after, depth, force, before.work + work, first_depth, first_force)
-    return state, depth - level
+    return state, depth - touch_depth
 
 
 def _measured(law: Relaxation, row: _Row, state: _State) -> tuple[Array, ...]:

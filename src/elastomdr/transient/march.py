@@ -89,16 +89,18 @@ def _on_jax(
         return state, if_so(now[1], look, state, details)
 
     @jax.checkpoint
-    def block(state: Any, part: Any) -> tuple[Any, Any]:
+    def block(state: Any, steps_and_seen: Any) -> tuple[Any, Any]:
         def made(state: Any, steps: Any, is_seen: Any) -> tuple[Any, Any]:
             # what the last block is filled up with goes on with its steps
             steps = steps._replace(h=xp.where(steps.h > 0, steps.h, steps.h[0]))
             return jax.lax.scan(one, state, (prepare(steps), is_seen))
 
-        def left_out(state: Any, *part: Any) -> tuple[Any, Any]:
-            return state, _zeros(lambda *x: made(*x)[1], state, *part)
+        def left_out(state: Any, *steps_and_seen: Any) -> tuple[Any, Any]:
+            return state, _zeros(lambda *x: made(*x)[1], state, *steps_and_seen)
 
-        return jax.lax.cond(part[0].h[0] > 0, made, left_out, state, *part)
+        return jax.lax.cond(
+            steps_and_seen[0].h[0] > 0, made, left_out, state, *steps_and_seen
+        )
 
     blocks = jax.tree.map(
         lambda x: x.reshape(-1, _BLOCK, *x.shape[1:]), (steps, is_seen)
@@ -156,29 +158,36 @@ def _zeros(function: Callable[..., Any], *args: Any) -> Any:
 
 
 def settle(
-    level: Array,
+    touch_depth: Array,
     slope: Array,
     spring: Any,
     force: Array,
     guess: Array,
     between: bool = False,
 ) -> Array:
-    """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by
-    Newton's method from above.
+    """The depth d at which spring d + sum slope max(0, d - touch_depth) = force,
+    exactly, by Newton's method from above.
 
-    `slope` is W S, scalar or (n,). With `between` the sum is that of `carried`. Without
-    a spring the force must not be negative; for no force d is where the first element
-    is touched.
+    `touch_depth` is the depth of the body at which it touches each element.
+
+    `slope` is W S, scalar or (n,). With `between` the sum is that of `force_on_line`.
+    Without a spring the force must not be negative; for no force d is where the first
+    element is touched.
     """
     return (_settle if on_numpy() else _traced_settle())(
-        level, slope, spring, force, guess, between
+        touch_depth, slope, spring, force, guess, between
     )
 
 
 def _settle(
-    level: Array, slope: Array, spring: Any, force: Array, guess: Array, between: bool
+    touch_depth: Array,
+    slope: Array,
+    spring: Any,
+    force: Array,
+    guess: Array,
+    between: bool,
 ) -> Array:
-    lowest = xp.min(level)
+    lowest = xp.min(touch_depth)
 
     def again(state):
         depth, stiffness, before, last, tries = state
@@ -189,12 +198,12 @@ def _settle(
         # From above the elements in contact only become fewer: as stiff as before is
         # the same ones.
         depth, before, _, _, tries = state
-        found, stiffness = (
-            _corrected(level, lowest, slope, spring, force, depth)
+        improved, stiffness = (
+            _corrected(touch_depth, lowest, slope, spring, force, depth)
             if between
-            else _newton(level, lowest, slope, spring, force, level < depth)
+            else _newton(touch_depth, lowest, slope, spring, force, touch_depth < depth)
         )
-        return found, stiffness, before, depth, tries + 1
+        return improved, stiffness, before, depth, tries + 1
 
     return while_loop(again, improve, (guess, -1.0, -2.0, xp.inf, 0))[0]
 
@@ -212,11 +221,13 @@ def _traced_settle() -> Any:
     def derivative(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
         depth = settle(*given, between)
 
-        def moved(level: Array, slope: Array, spring: Any, force: Array) -> Array:
+        def moved(touch_depth: Array, slope: Array, spring: Any, force: Array) -> Array:
             if between:
-                return _corrected(level, xp.min(level), slope, spring, force, depth)[0]
+                return _corrected(
+                    touch_depth, xp.min(touch_depth), slope, spring, force, depth
+                )[0]
             return _newton(
-                level, xp.min(level), slope, spring, force, given[0] < depth
+                touch_depth, xp.min(touch_depth), slope, spring, force, given[0] < depth
             )[0]
 
         return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
@@ -225,10 +236,15 @@ def _traced_settle() -> Any:
 
 
 def _corrected(
-    level: Array, lowest: Array, slope: Array, spring: Any, force: Array, depth: Array
+    touch_depth: Array,
+    lowest: Array,
+    slope: Array,
+    spring: Any,
+    force: Array,
+    depth: Array,
 ) -> tuple[Array, Array]:
     """The depth after one step of Newton's from `depth`, and the stiffness there."""
-    now, stiffness = carried(slope, depth - level)
+    now, stiffness = force_on_line(slope, depth - touch_depth)
     stiffness = fixed(spring + stiffness)
     empty = stiffness <= 0
     step = (force - spring * depth - now) / xp.where(empty, 1.0, stiffness)
@@ -236,7 +252,12 @@ def _corrected(
 
 
 def _newton(
-    level: Array, lowest: Array, slope: Array, spring: Any, force: Array, active: Array
+    touch_depth: Array,
+    lowest: Array,
+    slope: Array,
+    spring: Any,
+    force: Array,
+    active: Array,
 ) -> tuple[Array, Array]:
     """The depth at which those that are `active` carry the force, and their
     stiffness.
@@ -244,15 +265,19 @@ def _newton(
     stiffness = spring + total(slope, xp.where(active, 1.0, 0.0))
     # Without a spring one element at least carries the load. (The place of the least
     # level takes long to find.)
-    alone = slope if slope.ndim == 0 else xp.max(xp.where(level == lowest, slope, 0.0))
+    alone = (
+        slope
+        if slope.ndim == 0
+        else xp.max(xp.where(touch_depth == lowest, slope, 0.0))
+    )
     empty = stiffness <= 0
     load = force + xp.where(
-        empty, alone * lowest, total(slope, xp.where(active, level, 0.0))
+        empty, alone * lowest, total(slope, xp.where(active, touch_depth, 0.0))
     )
     return load / xp.where(empty, alone, stiffness), stiffness
 
 
-def carried(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
+def force_on_line(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
     """The force where a contact ends between two elements, and how much it grows as all
     of `excess` grows by one.
 
@@ -279,6 +304,6 @@ def edges(
     return xp.where(between, a * b / span, 0.0), xp.where(between, (a + b) / span, 0.0)
 
 
-def total(weight: Array, part: Float[Array, " n"]) -> Array:
+def total(weight: Array, values: Float[Array, " n"]) -> Array:
     """The sum over all elements."""
-    return weight * xp.sum(part) if weight.ndim == 0 else xp.sum(weight * part)
+    return weight * xp.sum(values) if weight.ndim == 0 else xp.sum(weight * values)

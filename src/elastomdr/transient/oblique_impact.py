@@ -156,7 +156,7 @@ class Steps(NamedTuple):
 
 
 def solve_oblique(
-    slips: Slips, scene: Any, shape: AbstractShape, history: History, found: Any
+    slips: Slips, scene: Any, shape: AbstractShape, history: History, normal_impact: Any
 ) -> Oblique:
     """The tangential motion of every point of an impact that is solved already; NaN
     where that failed. On JAX.
@@ -172,7 +172,7 @@ def solve_oblique(
     fields = (history.time, history.depth, history.velocity, history.force)
     course = Course(*(xp.asarray(field).reshape(count, -1) for field in fields))
     laws = _laws(slips, scene, count)
-    reach = _reach(shape, scene.per_area, xp.asarray(found.motion.max_depth))
+    reach = _reach(shape, scene.per_area, xp.asarray(normal_impact.motion.max_depth))
 
     def marched(finer: int) -> Deflection:
         def one(point: tuple) -> Deflection:
@@ -189,7 +189,9 @@ def solve_oblique(
     after = best.velocity[:, -1]
     order = xp.where(xp.isinf(friction), 2, 1)
     error = order * xp.abs(after - coarse.velocity[:, -1]) * 0.75
-    good = xp.asarray(found.converged & ~found.stuck) & xp.isfinite(after)
+    good = xp.asarray(normal_impact.converged & ~normal_impact.stuck) & xp.isfinite(
+        after
+    )
 
     def shaped(field: Any) -> Any:
         field = nan_unless(good.reshape(-1, *[1] * (field.ndim - 1)), field)
@@ -226,13 +228,13 @@ def _laws(slips: Slips, scene: Any, count: int) -> tuple[Relaxation, Relaxation]
     )
     times = 1 / xp.where(rates > 0, rates, 1.0)
     normal = Relaxation(moduli[:, 0], moduli[:, 1:], times[:, 1:], viscosity)
-    law, own = slips.tangential.law(), slips.tangential
+    law, foundation = slips.tangential.law(), slips.tangential
     factor, vertical = xp.ones((count, 1)), xp.ones((count, 1))
-    shifted = own.shift is not None or own.vertical is not None
+    shifted = foundation.shift is not None or foundation.vertical is not None
     if scene.temperature is not None and shifted:
         factor, vertical = (
             xp.broadcast_to(xp.asarray(x), scene.shape).reshape(-1, 1)
-            for x in thermal_factors(own, scene.temperature)
+            for x in thermal_factors(foundation, scene.temperature)
         )
     tangential = Relaxation(
         (law.equilibrium * vertical)[:, 0],
@@ -312,7 +314,7 @@ def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> 
     """x with x = free - compliance (F_before + F(x)); F rises in straight pieces."""
     scale = fixed(xp.abs(free) + compliance * xp.abs(before) + 1e-300)
 
-    def residual(part: Array) -> Array:
-        return part + (compliance * (before + force(scale * part)) - free) / scale
+    def residual(scaled: Array) -> Array:
+        return scaled + (compliance * (before + force(scale * scaled)) - free) / scale
 
     return scale * root(residual, fixed(free) / scale, _MET, 1.0)[0]

@@ -174,15 +174,15 @@ def given_history(
         raise InputError(
             f"elements must be a whole number, 16 at least, got {elements!r}."
         )
-    law, kelvin, factor = at_temperature(body.foundation, temperature)
+    law, temperature, factor = at_temperature(body.foundation, temperature)
     unit = "m" if control == "depth" else "N/m" if body.per_length else "N"
     inputs = [
         ("time", brief(time, "s")),
         ("position", brief(position, "m")),
         (control, brief(value, unit)),
     ]
-    if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
+    if temperature is not None:
+        inputs.append(("temperature", brief(temperature, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     traced = is_traced(law, position, value)
     value = (xp if traced else np).broadcast_to(value, time.shape)
@@ -199,7 +199,7 @@ def given_history(
         traced=traced,
         inputs=tuple(inputs),
         range=body.foundation.range,
-        temperature=kelvin,
+        temperature=temperature,
         factor=factor,
     )
 
@@ -248,31 +248,33 @@ def at_temperature(
     law = foundation.law()
     if temperature is None:
         return law, None, 1.0
-    kelvin = scalar("temperature", temperature)
-    in_kelvin("temperature", kelvin)
-    factor, vertical = thermal_factors(foundation, kelvin)
+    temperature = scalar("temperature", temperature)
+    in_kelvin("temperature", temperature)
+    factor, vertical = thermal_factors(foundation, temperature)
     if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
         raise InputError(
             "temperature must be near where the shift law was measured, got "
-            f"{float(kelvin):g} K, a_T = {factor:.3g}."
+            f"{float(temperature):g} K, a_T = {factor:.3g}."
         )
     law = scaled(law, vertical)
     return (
         Relaxation(
             law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor
         ),
-        kelvin,
+        temperature,
         factor,
     )
 
 
 def describe_line(line: RoughLine) -> str:
     """A rough line in words."""
-    text = f"{line.label}, {line.count} points, period {float(line.period):.4g} m"
+    description = (
+        f"{line.label}, {line.count} points, period {float(line.period):.4g} m"
+    )
     return (
-        text
+        description
         if is_traced(line)
-        else f"{text}, rms height {float(line.rms_height):.4g} m"
+        else f"{description}, rms height {float(line.rms_height):.4g} m"
     )
 
 
@@ -343,7 +345,7 @@ class Timeline(NamedTuple):
 
     interval: np.ndarray  # (steps,)
     fraction: np.ndarray  # at the end of each step
-    part: np.ndarray  # of the interval that the step takes
+    share: np.ndarray  # of the interval that the step takes
     instant: np.ndarray  # (instants - 1,) index of the step that ends there
 
 
@@ -382,7 +384,7 @@ def timeline(
     return Timeline(
         interval=np.repeat(np.arange(len(pieces)), sizes),
         fraction=np.concatenate([np.cumsum(piece) for piece in pieces]),
-        part=np.concatenate(pieces),
+        share=np.concatenate(pieces),
         instant=np.cumsum(sizes) - 1,
     )
 
@@ -407,14 +409,14 @@ def cut(
     times = duration[duration > 0]
     jump = _INSTANT * min(shortest, float(times.min()) if times.size else shortest)
     interval = np.repeat(line.interval, finer)
-    within = (np.tile(np.arange(finer) + 1, line.part.size) / finer - 1) * np.repeat(
-        line.part, finer
+    within = (np.tile(np.arange(finer) + 1, line.share.size) / finer - 1) * np.repeat(
+        line.share, finer
     )
     share = np.clip(np.repeat(line.fraction, finer) + within, 0.0, 1.0)
     last = finer * (line.instant + 1) - 1
     share[last] = 1.0
     length = np.where(duration > 0, duration, jump)
-    h = np.repeat(line.part / finer, finer) * length[interval]
+    h = np.repeat(line.share / finer, finer) * length[interval]
     numpy = xp if is_traced(position, value) else np
 
     def along(values: Any) -> Any:
@@ -448,8 +450,8 @@ def even_steps(
     more = time[0] + first * ratio ** np.arange(early, 0, -1)
     instants = numpy.concatenate([time[:1], more, time[1:]])
     duration = numpy.diff(instants)
-    part = np.arange(1, samples + 1) / samples
-    ends = (instants[:-1, None] + duration[:, None] * part).reshape(-1)
+    fractions = np.arange(1, samples + 1) / samples
+    ends = (instants[:-1, None] + duration[:, None] * fractions).reshape(-1)
     begin = numpy.reshape(_INSTANT * shortest, 1)
     steps = Steps(
         numpy.concatenate([begin, numpy.repeat(duration / samples, samples)]),

@@ -178,9 +178,9 @@ def widened(
     outside of it are touched; `widest` is the largest contact expected.
     """
     while True:
-        found, plan, outside = within(reach)
+        solution, plan, outside = within(reach)
         if not outside or float(reach) > 30 * float(widest):
-            return found, plan
+            return solution, plan
         reach = 2 * reach
 
 
@@ -291,7 +291,9 @@ def beside(error: Any, reach: int = 2) -> Any:
     """
     numpy = xp if is_traced(error) else np
     instants, largest = error.shape[-1], error
-    at = np.arange(instants)
+    index = np.arange(instants)
     for shift in range(-reach, reach + 1):
-        largest = numpy.fmax(largest, error[..., np.clip(at + shift, 0, instants - 1)])
+        largest = numpy.fmax(
+            largest, error[..., np.clip(index + shift, 0, instants - 1)]
+        )
     return largest

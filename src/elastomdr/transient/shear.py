@@ -136,16 +136,16 @@ def shear(
     )
     reach = _reach(shape, laws[0].law(), per_area, name, given, cut.elements)
     scene = _scene(shape, laws, mu, reach)
-    found, error = _solved(scene, given, cut, exact)
-    numpy = xp if is_traced(found) else np
+    sheared, error = _solved(scene, given, cut, exact)
+    numpy = xp if is_traced(sheared) else np
     inside: Any = True
     if not isinstance(shape, FlatPunch):
-        inside = found.contact_radius <= reach * (1 - 0.25 / cut.elements)
-    good = numpy.isfinite(found.force) & numpy.isfinite(found.normal_force) & inside
+        inside = sheared.contact_radius <= reach * (1 - 0.25 / cut.elements)
+    good = numpy.isfinite(sheared.force) & numpy.isfinite(sheared.normal_force) & inside
     reason = "The contact is wider there than the body or the grid."
     warn_unless(good, "instants", reason=reason)
     beyond = _beyond(laws, given)
-    fields = {key: nan_unless(good, x) for key, x in found._asdict().items()}
+    fields = {key: nan_unless(good, x) for key, x in sheared._asdict().items()}
     del fields["missed"]
     return Shear(
         time=given.time,
@@ -215,10 +215,8 @@ def _checked_history(
 ) -> History:
     """Raises `InputError` for what is no history, or none that a dashpot can follow."""
     time = as_float64("time", time)
-    value, displacement = (
-        as_float64(name, value),
-        as_float64("displacement", displacement),
-    )
+    value = as_float64(name, value)
+    displacement = as_float64("displacement", displacement)
     if name == "load":
         not_negative(name, value)
     else:
@@ -277,25 +275,25 @@ def _solved(
     elif cut.by_load and _turns(given):
         parts = max(1, min(_BETWEEN, _INSTANTS // given.time.shape[0]))
         history = _divided(given, parts)
-    found = _marched(scene, history, cut, cut.elements, cut.steps)
+    sheared = _marched(scene, history, cut, cut.elements, cut.steps)
     if exact:
-        found, error = _summed(scene, history, found, cut)
+        sheared, error = _summed(scene, history, sheared, cut)
     else:
         elements, steps = cut.elements, cut.steps // 2
         if cut.elastic or cut.steps == 1:
             elements, steps = cut.elements // 2, cut.steps
         coarse = _marched(scene, history, cut, elements, steps)
-        change = abs(found.force - coarse.force)
+        change = abs(sheared.force - coarse.force)
         if not cut.elastic:
             change = 2 * beside(change)
         # What is left of a force that has faded is the difference of what was carried
         # before.
-        force = abs(found.force)
+        force = abs(sheared.force)
         largest = _so_far(fixed(force) if is_traced(force) else force)
-        error = change + found.missed + _ROUNDING * largest
-    count, instants = given.time.shape[0], found.force.shape[0]
+        error = change + sheared.missed + _ROUNDING * largest
+    count, instants = given.time.shape[0], sheared.force.shape[0]
     chosen = np.append(0, np.arange(parts, instants, parts)[1 - count :])
-    return mapped(lambda x: x[chosen], (found, error))
+    return mapped(lambda x: x[chosen], (sheared, error))
 
 
 def _marched(
@@ -324,17 +322,17 @@ def _so_far(x: Any) -> Any:
 
 
 def _summed(
-    scene: Scene, history: History, found: Sheared, cut: _Cut
+    scene: Scene, history: History, sheared: Sheared, cut: _Cut
 ) -> tuple[Sheared, Any]:
     """An elastic contact summed by Gauss' rule between the edges of stick and contact
-    in `found`, and the error of F_x.
+    in `sheared`, and the error of F_x.
 
     The error is the difference of two rules. Where that is not less than their distance
-    from `found`, something other than those edges is not smooth (the points of a
-    profile, say); `found` stays, with that distance as its error.
+    from `sheared`, something other than those edges is not smooth (the points of a
+    profile, say); `sheared` stays, with that distance as its error.
     """
-    numpy = xp if is_traced(found) else np
-    radii = numpy.concatenate([found.contact_radius, found.stick_radius])
+    numpy = xp if is_traced(sheared) else np
+    radii = numpy.concatenate([sheared.contact_radius, sheared.stick_radius])
     rules = [
         panels(scene, radii, parts, nodes, cut.per_area)
         for parts, nodes in ((4, 6), (6, 4))
@@ -344,14 +342,14 @@ def _summed(
         known(shear_history(scene, history, rule, **options)) for rule in rules
     )
     best = best._replace(
-        contact_radius=found.contact_radius, stick_radius=found.stick_radius
+        contact_radius=sheared.contact_radius, stick_radius=sheared.stick_radius
     )
-    error, distance = abs(best.force - other.force), abs(found.force - best.force)
+    error, distance = abs(best.force - other.force), abs(sheared.force - best.force)
     better = numpy.max(error) <= numpy.max(distance)
     error = error + _EDGES * numpy.max(abs(best.force))
-    both = zip(best, found, strict=True)
+    both = zip(best, sheared, strict=True)
     return Sheared(*(numpy.where(better, a, b) for a, b in both)), numpy.where(
-        better, error, distance + found.missed
+        better, error, distance + sheared.missed
     )
 
 
@@ -360,8 +358,12 @@ def _with_early_instants(history: History) -> History:
     on all time scales.
     """
     (t0, t1), (v0, v1), (s0, s1) = (x[:2] for x in history)
-    numpy, part = xp if is_traced(history) else np, 0.2 ** np.arange(_EARLY, 0, -1)
-    more = t0 + part * (t1 - t0), v0 + part * (v1 - v0), s0 + part * (s1 - s0)
+    numpy, fractions = xp if is_traced(history) else np, 0.2 ** np.arange(_EARLY, 0, -1)
+    more = (
+        t0 + fractions * (t1 - t0),
+        v0 + fractions * (v1 - v0),
+        s0 + fractions * (s1 - s0),
+    )
     return History(
         *(
             numpy.concatenate([x[:1], m, x[1:]])
@@ -372,11 +374,11 @@ def _with_early_instants(history: History) -> History:
 
 def _divided(history: History, parts: int) -> History:
     """More instants, evenly between those given."""
-    numpy, part = xp if is_traced(history) else np, np.arange(1, parts + 1) / parts
+    numpy, fractions = xp if is_traced(history) else np, np.arange(1, parts + 1) / parts
 
     def fill(x: Any) -> Any:
         return numpy.concatenate(
-            [x[:1], (x[:-1, None] + numpy.diff(x)[:, None] * part).reshape(-1)]
+            [x[:1], (x[:-1, None] + numpy.diff(x)[:, None] * fractions).reshape(-1)]
         )
 
     return History(*map(fill, history))

@@ -274,7 +274,7 @@ class Moved(NamedTuple):
     trial: Array  # traction if they stick
     limit: Array  # the largest that friction allows
     slips: Array
-    carried: Array  # by the body, if they stick [m]
+    stuck_move: Array  # by the body, if they stick [m]
     moved: Array  # [m]
 
 
@@ -297,9 +297,9 @@ def step(
     seen = xp.sum(cn.seen * state.f, axis=0)
     depth = value
     if by_load:
-        level = grid.profile + released(cn, state.u, seen)
+        touch_depth = grid.profile + released(cn, state.u, seen)
         stiffness = grid.weight * cn.stiffness
-        depth = settle(level, stiffness, 0.0, value, state.depth)
+        depth = settle(touch_depth, stiffness, 0.0, value, state.depth)
     down = pressed(cn, state.u, seen, depth - grid.profile - state.u)
     share = _share(grid, cn, state, down)
     moved, slide = _moved(scene, grid, ct, state, down.q, share, ds)
@@ -383,13 +383,13 @@ def _moved(
         return xp.sum(grid.weight * xp.clip(trial, -limit, limit))
 
     slide: Any = ds(force) if callable(ds) else ds
-    carried = slide * share
-    trial = rest + ct.stiffness * carried
+    stuck_move = slide * share
+    trial = rest + ct.stiffness * stuck_move
     slips = xp.abs(trial) > limit
     bound = xp.sign(trial) * xp.where(slips, limit, 0.0)
     tau = xp.where(slips, bound, trial)
-    moved = xp.where(slips, (bound - rest) / ct.stiffness, carried)
-    return Moved(tau, trial, limit, slips, carried, moved), slide
+    moved = xp.where(slips, (bound - rest) / ct.stiffness, stuck_move)
+    return Moved(tau, trial, limit, slips, stuck_move, moved), slide
 
 
 def _heat(scene: Scene, ct: Coefficients, state: State, moved: Moved) -> Array:
@@ -397,7 +397,7 @@ def _heat(scene: Scene, ct: Coefficients, state: State, moved: Moved) -> Array:
     step, meet: at once if the element slipped before.
     """
     slips, trial = moved.slips, moved.trial
-    slid = xp.where(slips, xp.abs(moved.carried - moved.moved), 0.0)
+    slid = xp.where(slips, xp.abs(moved.stuck_move - moved.moved), 0.0)
     before = _largest(scene, state.q)
     known = slips & xp.isfinite(before)
     last, now = xp.where(known, before, 0.0), xp.where(slips, moved.limit, 0.0)
@@ -427,7 +427,7 @@ def _at_end(
     held = held + (cn.end - cn.rate) * sunk[0] + cn.rate * sunk[1]
     q_end = xp.where(q > 0, xp.where(cn.rate > 0, xp.maximum(held, 0.0), q), 0.0)
     stuck = ct.equilibrium * state.s + xp.sum(ct.decay * state.p, axis=0)
-    stuck = stuck + (ct.end - ct.rate) * moved.carried + ct.rate * slide
+    stuck = stuck + (ct.end - ct.rate) * moved.stuck_move + ct.rate * slide
     limit = _largest(scene, q_end)
     stuck = xp.clip(xp.where(ct.rate > 0, stuck, moved.tau), -limit, limit)
     return xp.where(moved.slips, xp.sign(moved.tau) * limit, stuck), q_end
@@ -474,12 +474,12 @@ def _edge(grid: Grid, value: Array) -> Array:
     n = value.shape[0]
     i = xp.where(xp.any(value < 0), argmax(value < 0), n)
     inner, outer = value[xp.clip(i - 1, 0, n - 1)], value[xp.clip(i, 0, n - 1)]
-    part = xp.where(
+    fraction = xp.where(
         inner > outer, inner / xp.where(inner > outer, inner - outer, 1.0), 0.0
     )
     between = (
         grid.x[xp.clip(i - 1, 0, n - 1)]
-        + xp.clip(xp.where(xp.isfinite(part), part, 1.0), 0, 1) * grid.width
+        + xp.clip(xp.where(xp.isfinite(fraction), fraction, 1.0), 0, 1) * grid.width
     )
     return xp.where(
         i == 0, 0.0, xp.where(i == n, grid.x[-1] + 0.5 * grid.width, between)

@@ -89,27 +89,27 @@ def slide(
     given = (time, position, load, depth, temperature, rtol, elements)
     history = given_history(body, *given)
     solve: Any = _rough if body.per_length else _indenter
-    found, plan = solve(body.over, history)
-    seen = found.seen
+    solution, plan = solve(body.over, history)
+    seen = solution.seen
     beyond = sliding_beyond(history, body.over, seen.depth, history.value)
-    warn_unless(found.good, "points", f" to rtol={history.rtol:g}")
+    warn_unless(solution.good, "points", f" to rtol={history.rtol:g}")
 
     def shown(field: Any) -> Any:
-        return nan_unless(found.shown, field)
+        return nan_unless(solution.shown, field)
 
     return Slide(
         time=history.time,
         position=history.position,
         velocity=_velocity(history),
-        mu=shown(found.mu),
+        mu=shown(solution.mu),
         normal_force=shown(seen.normal),
         friction_force=shown(seen.drag),
         depth=shown(seen.depth),
         work=shown(seen.work),
         stored=shown(seen.stored),
         dissipated=shown(seen.work - seen.stored),
-        error=shown(found.error),
-        converged=found.good,
+        error=shown(solution.error),
+        converged=solution.good,
         per_length=body.per_length,
         model=body.model,
         plan=plan,
@@ -135,16 +135,18 @@ def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
         height = xp.tile(shape._finer(finer), room // finer)
         return rough(height, shape.spacing / finer, xp.asarray(shape.highest))
 
-    text = f"every element of the period of {float(shape.period):.4g} m can be touched"
+    skipped_because = (
+        f"every element of the period of {float(shape.period):.4g} m can be touched"
+    )
     resolution = Cut(
         surface=surface,
         steps=steps,
         elements=shape.count,
         strips=1,
-        most_steps=line.part.size,
+        most_steps=line.share.size,
         traced=history.traced or is_traced(shape),
         endless=True,
-        skipped=text,
+        skipped=skipped_because,
     )
     return solve_levels(history, resolution, shape.rms_slope)[:2]
 
@@ -181,9 +183,10 @@ def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
     depth = np.asarray(history.value) if history.control == "depth" else none
     seen = History(*[none] * len(History._fields))._replace(depth=depth)
     no_mu, all_of_them = none * np.nan, none == 0
-    found = Levels(seen, no_mu, no_mu, all_of_them, 0, all_of_them)
-    branches, text = int(history.law.times.size), "the body touches no element"
-    return found, SlidePlan(0, 0, branches, 0, text)
+    solution = Levels(seen, no_mu, no_mu, all_of_them, 0, all_of_them)
+    branches = int(history.law.times.size)
+    skipped_because = "the body touches no element"
+    return solution, SlidePlan(0, 0, branches, 0, skipped_because)
 
 
 def _within(
@@ -218,7 +221,7 @@ def _within(
         steps=steps,
         elements=count,
         strips=1 if isinstance(lines, SingleLine) else count // 2,
-        most_steps=line.part.size,
+        most_steps=line.share.size,
         traced=traced,
         endless=False,
         skipped="elements that the body cannot touch are left out",

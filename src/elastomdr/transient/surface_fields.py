@@ -41,7 +41,7 @@ class Elements(NamedTuple):
     course: Course
 
     def at(
-        self, depth: np.ndarray, r: np.ndarray, time: float, what: str
+        self, depth: np.ndarray, r: np.ndarray, time: float, field_name: str
     ) -> np.ndarray:
         """The "pressure" or "displacement" at radii r [m] and one time [s], after the
         axes of the histories.
@@ -52,12 +52,14 @@ class Elements(NamedTuple):
         modes = recovery_modes(self.law)
         leading, instants = depth.shape[:-1], depth.shape[-1]
         rows = [
-            None if part is None else np.reshape(part, (-1, instants))
-            for part in self.course
+            None if quantity is None else np.reshape(quantity, (-1, instants))
+            for quantity in self.course
         ]
         values = []
         for i, row in enumerate(depth.reshape(-1, instants)):
-            history = Course(*(None if part is None else part[i] for part in rows))
+            history = Course(
+                *(None if quantity is None else quantity[i] for quantity in rows)
+            )
             first, last = history.time[0], history.time[-1]
             if not first <= time <= last:
                 raise InputError(
@@ -69,7 +71,7 @@ class Elements(NamedTuple):
                 continue
             knots = refined(self.law, modes, self.disc, history, row, _RTOL)
             surface = surface_at(self.law, modes, self.disc, *knots, time)
-            values.append(getattr(surface, what)(r))
+            values.append(getattr(surface, field_name)(r))
         return np.stack(values).reshape((*leading, *r.shape))
 
 
@@ -124,10 +126,8 @@ class Surface(NamedTuple):
         for left, right, series in zip(
             self.edges[:-1], self.edges[1:], self.u, strict=True
         ):
-            t0, t1 = (
-                np.arcsin(np.minimum(left / safe, 1.0)),
-                np.arcsin(np.minimum(right / safe, 1.0)),
-            )
+            t0 = np.arcsin(np.minimum(left / safe, 1.0))
+            t1 = np.arcsin(np.minimum(right / safe, 1.0))
             half = 0.5 * (t1 - t0)[..., None]
             x = safe[..., None] * np.sin(t0[..., None] + half * (1 + _POINTS))
             inner = legendre.legval(
@@ -143,17 +143,15 @@ def surface_at(
     disc: Disc,
     time: np.ndarray,
     depth: np.ndarray,
-    at: float,
+    instant: float,
 ) -> Surface:
     """The line at one instant of a history, from all that happened before it."""
-    at = max(
-        at, time[0] + 1e-14 * (time[-1] - time[0])
+    instant = max(
+        instant, time[0] + 1e-14 * (time[-1] - time[0])
     )  # what a step at the first instant leaves is looked at after it
-    before = time < at
-    t, d = (
-        np.append(time[before], at),
-        np.append(depth[before], np.interp(at, time, depth)),
-    )
+    before = time < instant
+    t = np.append(time[before], instant)
+    d = np.append(depth[before], np.interp(instant, time, depth))
     if (np.diff(d) >= 0).all():
         edges, q, u = _grown(law, disc, t, d)
         radius = edges[-1]

@@ -248,8 +248,8 @@ def _march(r: Rolling, length: Array, steps: int) -> _Marched:
     """
 
     def march_block(state: _State, block: tuple) -> tuple:
-        number, here, there = block
-        prepared = _prepare(r, length, number, here, there)
+        number, begin, end = block
+        prepared = _prepare(r, length, number, begin, end)
         return in_steps(advance, state, prepared)
 
     def advance(state: _State, step: _Step) -> tuple[_State, None]:
@@ -291,15 +291,15 @@ def _at_leading_edge(r: Rolling, length: Array, steps: int) -> _State:
 
 
 def _prepare(
-    r: Rolling, length: Array, number: Array, here: Array, there: Array
+    r: Rolling, length: Array, number: Array, begin_fraction: Array, end_fraction: Array
 ) -> _Step:
-    """Some steps, which begin at `here` and end at `there` along the length."""
+    """Some steps, from `begin_fraction` to `end_fraction` of the length."""
     normal, tangential = r.normal, r.tangential
 
     def height(x: Array) -> Array:
         return r.lines.profile(x[None], r.leading, xp.zeros((1, 1), int))[0]
 
-    begin, end = length * here[:, None], length * there[:, None]
+    begin, end = length * begin_fraction[:, None], length * end_fraction[:, None]
     h = end - begin
     decay, early, late = ramp_weights(h[:, None] / (r.velocity * normal.times[:, None]))
     slope = _slope(r, end)
@@ -319,7 +319,7 @@ def _prepare(
         + xp.sum(gain, axis=1)
         + tangential.viscosity * r.velocity / h
     )
-    share = there - here
+    share = end_fraction - begin_fraction
     return _Step(number, share, h, decay, pressing, pressed, kept, gain, stiffness)
 
 
@@ -329,10 +329,10 @@ def _advance(r: Rolling, state: _State, step: _Step, last: Array) -> _State:
     limit = _limit(r.friction, step.pressed + xp.sum(normal, axis=0))
     decayed = step.decay * state.sheared
     free = r.tangential.equilibrium * state.shear + xp.sum(decayed, axis=0)
-    full = r.creepage * step.width
-    trial = free + step.stiffness * full
+    displacement = r.creepage * step.width
+    trial = free + step.stiffness * displacement
     slips = trial > limit
-    moved = xp.where(slips, (limit - free) / step.stiffness, full)
+    moved = xp.where(slips, (limit - free) / step.stiffness, displacement)
     traction = xp.where(slips, limit, trial)
     again = state.slipped & ~slips & (trial < limit * (1 - 1e-9)) & ~last
     return _State(
@@ -361,11 +361,11 @@ def carter(
     Johnson 1985, ch. 8.
     """
     half = xp.sqrt(4 * line_load * radius / (xp.pi * modulus))
-    part = xp.clip(
+    slipping = xp.clip(
         creepage * radius / xp.where(friction > 0, friction * half, 1.0), 0.0, 1.0
     )
-    part = xp.where(friction > 0, part, 1.0)
-    return friction * part * (2 - part), 1 - part, half
+    slipping = xp.where(friction > 0, slipping, 1.0)
+    return friction * slipping * (2 - slipping), 1 - slipping, half
 
 
 class LayerContact(NamedTuple):
@@ -486,10 +486,11 @@ def _march_on_layer(contact: LayerContact, steps: int) -> _Marched:
         decayed = decay * branches
         free = stiffness * (law.equilibrium * shear + np.sum(decayed, axis=0))
         stiff = stiffness * (law.equilibrium + np.sum(gain, axis=0))
-        limit, full = contact.slip_limit(length * ends[i + 1]), contact.creepage * h
-        slips = free + stiff * full > limit
-        moved = np.where(slips, (limit - free) / stiff, full)
-        new = np.where(slips, limit, free + stiff * full)
+        limit = contact.slip_limit(length * ends[i + 1])
+        displacement = contact.creepage * h
+        slips = free + stiff * displacement > limit
+        moved = np.where(slips, (limit - free) / stiff, displacement)
+        new = np.where(slips, limit, free + stiff * displacement)
         if i < steps - 1:
             again = again | slipped & ~slips & (new < limit * (1 - 1e-9))
         first_slip = np.where(slips & ~slipped, i, first_slip)

@@ -42,6 +42,7 @@ from ..transient.problem import both_laws
 from ..trees import replaced
 from .brush import (
     LayerContact,
+    LayerTraction,
     Rolling,
     Tractions,
     carter,
@@ -93,7 +94,12 @@ class _Scene(NamedTuple):
         return self.friction if isinstance(self.friction, FrictionLaw) else None
 
     def friction_in(
-        self, velocity: Any, kelvin: Any, force: Any, contact: Contact, converged: Any
+        self,
+        velocity: Any,
+        temperature: Any,
+        force: Any,
+        contact: Contact,
+        converged: Any,
     ) -> Any:
         """Coulomb's coefficient of each contact, from the law where there is one;
         without creepage at the law's lowest velocity, which decides nothing there.
@@ -103,11 +109,11 @@ class _Scene(NamedTuple):
             return self.friction
         given = {}
         if "temperature" in law.axes():
-            if kelvin is None:
+            if temperature is None:
                 raise InputError(
                     "temperature must be given: the friction law depends on it."
                 )
-            given["temperature"] = kelvin
+            given["temperature"] = temperature
         if law.pressure is not None:
             length = contact.leading + contact.trailing
             area = (
@@ -454,7 +460,7 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
 
 def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
     """A cylinder on a bonded layer. Raises `InputError`."""
-    sheared = _checked_layer(layer, scene, tangential)
+    law = _checked_layer(layer, scene, tangential)
     loaded = scene.depth is None
     given = scene.load if loaded else scene.depth
     value = np.broadcast_to(
@@ -486,33 +492,36 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         float(layer.thickness),
         float(1 - layer.squeeze()) / 2,
     )
-    pulled = layer_traction(
-        LayerContact(
-            law=sheared,
-            stiffness=1 / softness,
-            velocity=np.asarray(points.reduced).reshape(-1),
-            half_length=contacts.half,
-            terms=contacts.terms,
-            friction=friction.reshape(-1),
-            creepage=np.abs(creepage).reshape(-1),
-        )
-    )
-    per_length = float(scene.shape.length) * np.asarray(points.vertical).reshape(-1)
-    pulled = pulled._replace(
-        force=(pulled.force * per_length).reshape(points.shape),
-        stick=pulled.stick.reshape(points.shape),
-        error=(pulled.error * per_length).reshape(points.shape),
+    sheared = LayerContact(
+        law=law,
+        stiffness=1 / softness,
+        velocity=np.asarray(points.reduced).reshape(-1),
+        half_length=contacts.half,
+        terms=contacts.terms,
+        friction=friction.reshape(-1),
+        creepage=np.abs(creepage).reshape(-1),
     )
     return _packed(
         scene,
         solution,
         creepage=creepage,
         friction=friction,
-        pulled=pulled,
+        pulled=_pulled(sheared, float(scene.shape.length), points),
         converged=solution.converged,
         temperature=steady.temperature,
         model=ON_LAYER + steady.model,
         plan=steady.plan,
+    )
+
+
+def _pulled(contact: LayerContact, length: float, points: Any) -> LayerTraction:
+    """The traction of a cylinder of this length, in the shape of the call."""
+    pulled = layer_traction(contact)
+    per_length = length * np.asarray(points.vertical).reshape(-1)
+    return pulled._replace(
+        force=(pulled.force * per_length).reshape(points.shape),
+        stick=pulled.stick.reshape(points.shape),
+        error=(pulled.error * per_length).reshape(points.shape),
     )
 
 
@@ -602,11 +611,9 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
 
 def _checked_half_plane(foundation: Any, scene: _Scene) -> tuple[Any, Any]:
     """Load [N] and E* [Pa] at the temperature. Raises `InputError`."""
-    law, vertical, temperature = (
-        foundation.law(),
-        foundation.vertical,
-        scene.temperature,
-    )
+    law = foundation.law()
+    vertical = foundation.vertical
+    temperature = scene.temperature
     if scene.load is None or scene.depth is not None:
         raise InputError(
             "load must be given for a cylinder on a half-space, whose depth is "
@@ -628,6 +635,6 @@ def _checked_half_plane(foundation: Any, scene: _Scene) -> tuple[Any, Any]:
         )
     modulus = law.equilibrium
     if temperature is not None and vertical is not None:
-        kelvin = as_float64("temperature", temperature)
-        modulus = modulus * thermal_factors(foundation, kelvin)[1]
+        temperature = as_float64("temperature", temperature)
+        modulus = modulus * thermal_factors(foundation, temperature)[1]
     return load, modulus

@@ -31,10 +31,8 @@ from ..results.words import span
 
 COEFFICIENTS = ("PCX1", "PDX1", "PEX1", "PKX1", "PDX2", "PEX2", "PKX2")
 _START = (1.6, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0)
-_LOWEST, _HIGHEST = (
-    (1.0, 0.01, -20.0, 0.5, -1.0, -20.0, -200.0),
-    (1.99, 5.0, 1.0, 500.0, 1.0, 20.0, 200.0),
-)
+_LOWEST = (1.0, 0.01, -20.0, 0.5, -1.0, -20.0, -200.0)
+_HIGHEST = (1.99, 5.0, 1.0, 500.0, 1.0, 20.0, 200.0)
 
 
 class MagicFormula(NamedTuple):
@@ -195,8 +193,8 @@ class Traction(Result):
         """
         positive("radius", radius)
         positive("width", width)
-        text = _property_file(_fitted(self, temperature), radius, width)
-        write_files({Path(path): text.encode()})
+        content = _property_file(_fitted(self, temperature), radius, width)
+        write_files({Path(path): content.encode()})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The largest traction and the rolling loss."""
@@ -240,11 +238,14 @@ def _braking_points(
     Raises `InputError`.
     """
     mu = np.asarray(curve.coefficient, dtype=float)
-    kelvin = curve.temperature
+    temperatures = curve.temperature
     if temperature is not None:
-        mu = np.where(_is_at(temperature, kelvin), mu, np.nan)
-        kelvin = None
-    for name, values in (("temperature", kelvin), ("velocity of the road", curve.road)):
+        mu = np.where(_is_at(temperature, temperatures), mu, np.nan)
+        temperatures = None
+    for name, values in (
+        ("temperature", temperatures),
+        ("velocity of the road", curve.road),
+    ):
         if values is not None and np.ptp(values) > 0:
             raise InputError(
                 f"{name} must be one for a Magic Formula, got {np.ptp(values):.3g} "
@@ -280,9 +281,11 @@ def _least_squares(deviation: Any, mu: np.ndarray, slip: np.ndarray, free: int) 
     )
 
 
-def _is_at(temperature: float, kelvin: Any) -> np.ndarray:
+def _is_at(temperature: float, temperatures: Any) -> np.ndarray:
     """Which points have a temperature. Raises `InputError` where none has."""
-    known = np.zeros(0) if kelvin is None else np.asarray(kelvin, dtype=float)
+    known = (
+        np.zeros(0) if temperatures is None else np.asarray(temperatures, dtype=float)
+    )
     equal = np.isclose(known, temperature, rtol=0, atol=1e-6)
     if not equal.any():
         listed = ", ".join(f"{value:g} K" for value in np.unique(known))

@@ -335,12 +335,12 @@ def _quantity(name: str, value: Any) -> Any:
 
     from .registry import quantity_of
 
-    text = value.attrs["units"]
-    quantity = quantity_of(np.asarray(value), text)
+    unit = value.attrs["units"]
+    quantity = quantity_of(np.asarray(value), unit)
     if quantity is None:
         raise InputError(
             f"{name} must have a unit that is known in its attrs['units'], got "
-            f"{text!r}."
+            f"{unit!r}."
         )
     return quantity
 

@@ -89,7 +89,7 @@ def registry() -> Any:
     return pint.UnitRegistry()
 
 
-def to_si(text: str, kind: str) -> tuple[float, float] | None:
+def to_si(spelling: str, kind: str) -> tuple[float, float] | None:
     """Factor and offset that turn numbers in a unit into SI; None for a text that is no
     unit of this kind.
 
@@ -97,10 +97,10 @@ def to_si(text: str, kind: str) -> tuple[float, float] | None:
     counted, and is no unit; of an angular frequency it can only be rad/s, and Hz is no
     unit.
     """
-    unit = _parsed(text, kind)
+    unit = _parsed(spelling, kind)
     if unit is None:
         return None
-    word = text.lower()
+    word = spelling.lower()
     if kind == "frequency" and not re.search("hz|hertz|rad|cycle|rev|turn|rpm", word):
         return None
     if kind == "angular frequency" and re.search("hz|hertz", word):
@@ -117,18 +117,18 @@ def to_si(text: str, kind: str) -> tuple[float, float] | None:
     return (round(one - zero, 12) if zero else one) * turns, zero
 
 
-def quantity_of(values: Any, text: str) -> Any:
+def quantity_of(values: Any, spelling: str) -> Any:
     """Values in a unit that is given as a text, as pint's quantity; None for a text
     that is no unit.
     """
-    unit = _pint(str(text))
+    unit = _pint(str(spelling))
     return None if unit is None else registry().Quantity(values, unit)
 
 
-def is_unit(text: str) -> bool:
+def is_unit(cell: str) -> bool:
     """Whether a cell holds a unit and nothing else; an empty one does not."""
-    return any(_parsed(text, kind) is not None for kind in KINDS) or any(
-        _alike(text, unit) for unit in _OTHERS
+    return any(_parsed(cell, kind) is not None for kind in KINDS) or any(
+        _alike(cell, unit) for unit in _OTHERS
     )
 
 
@@ -150,17 +150,17 @@ def harmless(unit: str) -> bool:
 
 
 @functools.cache
-def _parsed(text: str, kind: str) -> Any:
+def _parsed(spelling: str, kind: str) -> Any:
     """pint's unit, None where the text is none of this kind."""
     known = {unit.lower(): unit for unit in KINDS[kind][1].split()}
-    if _alike(text, KINDS[kind][0]):
-        return _pint(text)
-    word = known.get(_plain(text).lower(), "")  # hz, pa, mpa
+    if _alike(spelling, KINDS[kind][0]):
+        return _pint(spelling)
+    word = known.get(_plain(spelling).lower(), "")  # hz, pa, mpa
     return _pint(word) if word else None
 
 
-def _alike(text: str, unit: str) -> bool:
-    unit_given, unit_wanted = _pint(text), _pint(unit)
+def _alike(spelling: str, unit: str) -> bool:
+    unit_given, unit_wanted = _pint(spelling), _pint(unit)
     angular = "rad" in unit.split("/")  # angles have no dimension
     return (
         unit_given is not None
@@ -172,23 +172,23 @@ def _alike(text: str, unit: str) -> bool:
     )
 
 
-def _plain(text: str) -> str:
-    return text.strip().strip("[]()").strip().translate(_SPELLED)
+def _plain(spelling: str) -> str:
+    return spelling.strip().strip("[]()").strip().translate(_SPELLED)
 
 
 @functools.cache
-def _pint(text: str) -> Any:
-    if not harmless(text):
+def _pint(spelling: str) -> Any:
+    if not harmless(spelling):
         return None
     # N.m, Pa-s
     word = re.sub(
-        r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(text).replace("^", "**")
+        r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(spelling).replace("^", "**")
     )
     word = re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", word)  # mm2, s-1
     bare = re.sub(r"\s+", "", word)
     word = _ALIASES.get(bare.lower(), word)
     if not re.search("[A-Za-zµ°%]", word):
-        return registry().parse_units("") if not word and text.strip() else None
+        return registry().parse_units("") if not word and spelling.strip() else None
     try:
         return registry().parse_units(word)
     except Exception:  # pint lets errors of its parser through, of many types
