@@ -161,6 +161,32 @@ def test_without_a_film_friction_is_that_of_the_dry_surface(velocity):
         assert found == pytest.approx(mean, rel=5e-3)
 
 
+def test_liquid_that_closed_channels_trap_is_in_doubt():
+    """Friction of the dry surface, and of one whose channels keep their liquid, are both
+    within `trapped_error`.
+    """
+    load, modulus, stress, drag = 1e3, 4e6, 1e5, np.array([1e-10, 1e-3])
+    surface = em.SelfAffine(0.8, rms_height=5e-7, q_low=1e4, q_high=1e6)
+    half = np.sqrt(4 * load * BODY.radius / (np.pi * modulus))
+    angle = (np.arange(12) + 0.5) * np.pi / 12
+    dry = em.friction(
+        RUBBER, surface, velocity=0.1,
+        pressure=2 * load / (np.pi * half) * np.sin(angle),
+        adhesion=em.AdhesiveShear(stress, 1.0, 0.0),
+    )  # fmt: skip
+    wet = em.lubricated(
+        RUBBER, BODY, velocity=0.1, load=load, viscosity=drag / 0.1, surface=surface,
+        boundary_shear=stress,
+    )  # fmt: skip
+    off = np.average(dry.mu, weights=np.sin(angle) ** 2) - wet.mu[0]
+    assert 0.8 * wet.mu[0] < off < 1.01 * wet.trapped_error[0]  # the liquid carries
+    kept = 0.1110  # at 1e-12 N/m with a thousandth of the floor
+    assert abs(wet.mu[0] - kept) < wet.trapped_error[0]
+    assert wet.trapped_error[1] == wet.trapped_share[1] == 0
+    assert "at 1 of 2 points, and liquid in them may stay or leave" in wet.summary()
+    assert len(wet.plot().collections) == 1
+
+
 def test_thick_film_does_not_feel_the_surface():
     given = {"velocity": [1.0, 10.0], "load": 1e3, "viscosity": 0.1}
     smooth = em.lubricated(RUBBER, BODY, **given)

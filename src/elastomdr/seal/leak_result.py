@@ -117,6 +117,8 @@ class Leak(Result):
                 return
             error = sketch.along_line(sketch.fields["model_error"], line)
             factor = 1 + np.where(np.isfinite(error), error, np.nan)
+            if not np.isfinite(line.y * factor).any():
+                return  # a band of NaN would take its limits from the axes
             ends = line.y / factor, line.y * factor
             look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
             sketch.ax.fill_between(line.x, *ends, **look)
