@@ -65,6 +65,7 @@ _REFINED = 5e-4  # relative error of the finer grid above which there is another
 _FLAGGED = 3e-3  # and above which the point counts as not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
+_BAND = "shaded: liquid in closed channels may stay or leave"
 # velocities of rubber and counterface in the frame of the contact, over that asked for
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
 _MODEL = "Reynolds' equation and half-plane in plane strain, steady"
@@ -269,6 +270,12 @@ def lubricated(
     film ruptures. Roughness enters by its mean gap. Source: `docs/seal.md`; Giacopini et
     al., J. Tribol. 132 (2010) 041702; Patir & Cheng, J. Lubr. Technol. 100 (1978) 12.
     """
+    given = (material, shape, velocity, load, viscosity, temperature, time, surface)
+    if is_traced(*given, boundary_shear):
+        raise InputError(
+            "em.lubricated cannot be called under jax.jit, grad or vmap: it searches "
+            "with numbers."
+        )
     scene = _checked(
         material, shape, velocity, load, viscosity, temperature, time, rubber, surface
     )
@@ -343,11 +350,6 @@ def _checked(
     surface: Any,
 ) -> _Scene:
     """The arguments, checked and broadcast. Raises `InputError`."""
-    if is_traced(material, shape, velocity, load, viscosity, temperature, time):
-        raise InputError(
-            "em.lubricated cannot be called under jax.jit, grad or vmap: it searches "
-            "with numbers."
-        )
     if not isinstance(shape, Cylinder):
         raise InputError(
             f"shape must be an em.Cylinder(radius, length) under a film, got {shape!r}."
