@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 _NODES = 129  # of the coarsest grid
 _SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
 _FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
-_REFINED = 5e-4  # relative error of the finer grid above which there is another one
+_REFINED = 7.5e-4  # relative error of the finer grid above which there is another one
 _FLAGGED = 3e-3  # and above which the point counts as not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
@@ -449,11 +449,15 @@ def _group(
         for point, each, one in zip(points, scales, rubbed, strict=True)
     ]
 
+    numbers: dict[int, list[Array]] = {}  # of each grid
+
     def judged(number: int, found: list[films.Film]) -> tuple[Array, Array]:
         """The numbers of the last two grids, extrapolated, and their errors."""
         i, parameter = known[number], cases[number].parameter
         args = (scene, int(points[i]), scales[i], parameter, touching[i])
-        coarse, fine = (_numbers(each, *args) for each in found[-2:])
+        of_grids = numbers.setdefault(number, [])
+        of_grids += [_numbers(each, *args) for each in found[len(of_grids) :]]
+        coarse, fine = of_grids[-2:]
         better = halving_limit(coarse, fine)
         better = np.where(better * fine < 0, fine, better)  # of what is all but zero
         return better, np.abs(better - fine)
