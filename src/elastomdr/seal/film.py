@@ -258,7 +258,9 @@ def _jacobian(
         of_flux * (left + right) - diagonal * stiff[1:-1],
         of_flux * (right + above * stiff[2:]),
     )
-    matrix, part = np.empty((2, diagonal.size, response.shape[1]))
+    whole = np.empty((diagonal.size + 1, response.shape[1]))
+    whole[-1] = np.append(width, 0.0)  # the load
+    matrix, part = whole[:-1], np.empty((diagonal.size, response.shape[1]))
     np.multiply(by_film[0][:, None], response[:-2], out=matrix)
     for factor, rows in zip(by_film[1:], (response[1:-1], response[2:]), strict=True):
         matrix += np.multiply(factor[:, None], rows, out=part)
@@ -266,7 +268,7 @@ def _jacobian(
     matrix[row, row] += diagonal
     matrix[row[1:], row[:-1]] -= (of_flux * below)[1:]
     matrix[row[:-1], row[1:]] -= (of_flux * above)[:-1]
-    return np.vstack([matrix, np.append(width, 0.0)])
+    return whole
 
 
 def _even(contact: Contact, here: _Balance) -> tuple[Array, float, float]:

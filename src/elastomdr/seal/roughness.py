@@ -38,6 +38,7 @@ FlowFactor = Literal["maps", "patir-cheng"]
 _LEVELS = np.geomspace(1e-7, 10.0, 41)
 _CLOSED = 1e-3  # mean gap over the rms height below which the curve is extended
 _SMALL = 1e-3  # pressure over E* times rms slope at which areas are compared
+_RTOL = 1e-4  # of the friction at these pressures
 _PRESSURES = np.geomspace(1e-5, 3.0, 11)  # of the friction, over the largest pressure
 _CHANNELS = 1e-4  # c, what is left of channels where all of them are closed
 _GAPS = 257  # gaps between which the flow through channels is interpolated
@@ -175,7 +176,9 @@ def rubbing(
 
     body = half_space_of(material)
     pressures = _PRESSURES * largest
-    given: dict[str, Any] = {} if kelvin is None else {"temperature": kelvin}
+    given: dict[str, Any] = {"rtol": _RTOL}
+    if kelvin is not None:
+        given["temperature"] = kelvin
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sliding: Any = friction(
