@@ -464,7 +464,7 @@ UNITS = {  # of each quantity, whatever the result
         "adhesion area area_ratio asperity asperity_share boundary coefficient cold "
         "creepage error fill friction hysteresis knudsen linear model_error mu outside ratio "
         "restitution road_share rolling rubber share slip spread squeeze stick strain "
-        "viscous"
+        "trapped_error trapped_share viscous"
     ),
     "m^2": "contact_area",
     "": "converged extrapolated follows percolates stuck touching",
@@ -474,7 +474,7 @@ UNITS = {  # of each quantity, whatever the result
     "W": "power slip_power",
     "m": (
         "approach approach_error contact_radius critical_gap depth diameter "
-        "displacement drive film film_in film_out film_thickness height leading least_film max_depth mean_gap position separation "
+        "displacement drive film film_in film_in_error film_out film_thickness height leading least_film max_depth mean_gap position separation "
         "stick_radius surface trailing width x"
     ),
     "s": "duration settling time",
@@ -485,7 +485,7 @@ UNITS = {  # of each quantity, whatever the result
     "Pa s": "viscosity",
     "m^3/s": "rate",
     "m^2/s": "flow",
-    "m^3": "net_leak",
+    "m^3": "net_leak net_leak_error",
     "kg/s": "mass_rate",
     "rad/s": "omega",
     "rad/m": "wave_number",

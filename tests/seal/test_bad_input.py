@@ -64,6 +64,8 @@ def test_kinematic_viscosity(call):
     """46 cSt of an oil of 870 kg/m^3 are 40 mPa s."""
     with pytest.raises(em.InputError, match=r"viscosity must be .* times the density"):
         call(viscosity=46 * UNIT.cSt)
+    with pytest.raises(em.InputError, match=r"viscosity must be .* times the density"):
+        leak(viscosity=46 * UNIT.cSt, density=870 * UNIT.kg / UNIT.m**3)
     oil = 46 * UNIT.cSt * (870 * UNIT.kg / UNIT.m**3)
     assert call(viscosity=oil) == pytest.approx(call(viscosity=46e-6 * 870), rel=1e-12)
 

@@ -2,6 +2,8 @@
 against a third party's maps, the verb against its own parts.
 """
 
+import dataclasses
+
 import jax
 import numpy as np
 import pytest
@@ -342,3 +344,12 @@ def test_bad_input(change, words):
         em.leak(**given)
     with pytest.raises(em.InputError, match="closes must be a number between 0 and 1"):
         em.EffectiveMedium(closes=1.0)
+
+
+def test_a_leak_that_was_nowhere_found_is_drawn():
+    found = em.leak(RUBBER, ROUGH, **SCENE | {"time": [1.0, 10.0, 100.0]})
+    unknown = np.full(3, np.nan)
+    nowhere = dataclasses.replace(
+        found, rate=unknown, model_error=unknown, converged=np.zeros(3, bool)
+    )
+    assert nowhere.png().startswith(b"\x89PNG")

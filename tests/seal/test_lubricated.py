@@ -3,6 +3,7 @@
 import contextlib
 import warnings
 
+import jax
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -161,6 +162,32 @@ def test_without_a_film_friction_is_that_of_the_dry_surface(velocity):
         assert found == pytest.approx(mean, rel=5e-3)
 
 
+def test_liquid_that_closed_channels_trap_is_in_doubt():
+    """Friction of the dry surface, and of one whose channels keep their liquid, are both
+    within `trapped_error`.
+    """
+    load, modulus, stress, drag = 1e3, 4e6, 1e5, np.array([1e-10, 1e-3])
+    surface = em.SelfAffine(0.8, rms_height=5e-7, q_low=1e4, q_high=1e6)
+    half = np.sqrt(4 * load * BODY.radius / (np.pi * modulus))
+    angle = (np.arange(12) + 0.5) * np.pi / 12
+    dry = em.friction(
+        RUBBER, surface, velocity=0.1,
+        pressure=2 * load / (np.pi * half) * np.sin(angle),
+        adhesion=em.AdhesiveShear(stress, 1.0, 0.0),
+    )  # fmt: skip
+    wet = em.lubricated(
+        RUBBER, BODY, velocity=0.1, load=load, viscosity=drag / 0.1, surface=surface,
+        boundary_shear=stress,
+    )  # fmt: skip
+    off = np.average(dry.mu, weights=np.sin(angle) ** 2) - wet.mu[0]
+    assert 0.8 * wet.mu[0] < off < 1.01 * wet.trapped_error[0]  # the liquid carries
+    kept = 0.1110  # at 1e-12 N/m with a thousandth of the floor
+    assert abs(wet.mu[0] - kept) < wet.trapped_error[0]
+    assert wet.trapped_error[1] == wet.trapped_share[1] == 0
+    assert "at 1 of 2 points, and liquid in them may stay or leave" in wet.summary()
+    assert len(wet.plot().collections) == 1
+
+
 def test_thick_film_does_not_feel_the_surface():
     given = {"velocity": [1.0, 10.0], "load": 1e3, "viscosity": 0.1}
     smooth = em.lubricated(RUBBER, BODY, **given)
@@ -279,16 +306,82 @@ def test_noise_of_a_profile_is_part_of_the_error_and_said(noise, said):
     assert abs(float(again.film_out) - right) < abs(film - right)
 
 
+RING = em.o_ring(RUBBER, 5e-3, 0.15)
+STROKES = {"velocity_out": 0.1, "velocity_in": 0.1, "stroke": 0.1, "viscosity": 0.03}
+
+
 def test_o_ring_leaks_by_the_faster_stroke_out():
-    ring = em.o_ring(RUBBER, 5e-3, 0.15)
-    found = em.reciprocating(
-        RUBBER,
-        o_ring=ring,
-        velocity_out=0.3,
-        velocity_in=0.1,
-        stroke=0.1,
-        viscosity=0.03,
-    )
+    found = em.reciprocating(RUBBER, o_ring=RING, **STROKES | {"velocity_out": 0.3})
     # an inlet of Hertz: films as (eta U)^0.6
     assert float(found.film_out / found.film_in) == pytest.approx(3**0.6, rel=0.02)
     assert float(found.net_leak) > 0
+    errors = float(found.error + found.film_in_error)
+    assert float(found.net_leak_error) == pytest.approx(0.1 * errors)
+
+
+def test_the_pressure_of_the_fluid_thins_the_film_that_an_o_ring_lets_in():
+    """At a given width films of Hertz' inlet are as pressure to the power of -0.8."""
+    ring = em.o_ring(RUBBER, 5e-3, 0.15, fluid_pressure=2e6)
+    without, under = (
+        em.reciprocating(RUBBER, o_ring=each, **STROKES) for each in (RING, ring)
+    )
+    assert float(under.film_out) == float(without.film_out)
+    ratio = float(ring.sealing_pressure / ring.pressure)
+    thinner = float(without.film_in / under.film_in)
+    assert thinner == pytest.approx(ratio**0.8, rel=0.02)
+    assert float(without.net_leak) == 0 < float(under.net_leak)
+    pushed = float(without.friction_out - under.friction_out)
+    assert pushed == pytest.approx(2e6 * float(under.film_out), rel=1e-9)
+    assert "2e+06 Pa of its fluid" in under.summary()
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"material": em.Prony(1.1e6, [3e6], [1e-4])}, "material must be the rubber"),
+        ({"material": [RUBBER, RUBBER]}, "material must be one rubber"),
+        ({"material": None}, "material must be the rubber of the O-ring, got None"),
+        ({"o_ring": None, "profile": (X, STEEP), "material": [RUBBER]}, "one rubber"),
+        ({"o_ring": em.o_ring(RUBBER, 5e-3, [0.1, 0.2])}, "o_ring must be a single"),
+    ],
+)
+def test_what_strokes_refuse(change, named):
+    given = {"material": RUBBER, "o_ring": RING} | STROKES | change
+    with pytest.raises(em.InputError, match=named):
+        em.reciprocating(**given)
+
+
+def test_strokes_of_an_o_ring_at_its_time_and_temperature():
+    """A ring that relaxed is that of a softer rubber."""
+    rubber = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))
+    ring = em.o_ring(rubber, 5e-3, 0.15, time=1e6, temperature=303.15)
+    found = em.reciprocating(rubber, o_ring=ring, **STROKES)
+    soft = em.Prony(1e6, [], [])
+    known = em.reciprocating(soft, o_ring=em.o_ring(soft, 5e-3, 0.15), **STROKES)
+    assert float(found.film_out) == pytest.approx(float(known.film_out), rel=1e-9)
+
+
+TRACED = {
+    "velocity": lambda v: em.lubricated(RUBBER, BODY, velocity=v, load=1e3, viscosity=1.0),
+    "surface": lambda h: em.lubricated(
+        RUBBER, BODY, velocity=1.0, load=1e3, viscosity=1.0,
+        surface=em.SelfAffine(0.8, rms_height=h, q_low=1e5, q_high=1e7),
+    ),
+    "shear": lambda tau: em.lubricated(
+        RUBBER, BODY, velocity=1.0, load=1e3, viscosity=1.0, surface=ROUGH,
+        boundary_shear=tau,
+    ),
+    "stroke": lambda v: em.reciprocating(profile=(X, STEEP), **STROKES | {"stroke": v}),
+    "ring": lambda v: em.reciprocating(
+        RUBBER, o_ring=em.o_ring(RUBBER, v, 0.15), **STROKES
+    ),
+    "rubber": lambda e: em.reciprocating(
+        em.Prony(e, [], []), o_ring=RING, **STROKES
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TRACED)
+def test_what_is_traced_is_refused(name):
+    with jax.enable_x64(True), pytest.raises(em.InputError, match=r"under jax\.jit"):
+        jax.jit(TRACED[name])(0.1)

@@ -122,7 +122,7 @@ def nodes(
     length = ends[1] - ends[0]
     fine = [np.array(ends)]
     for edge, zone in both:
-        near = zone * np.sinh(np.linspace(0, np.arcsinh(length / zone), 20 * count))
+        near = zone * np.sinh(np.linspace(0, np.arcsinh(length / zone), 4 * count))
         fine += [edge - near, edge + near]
     places = np.unique(np.concatenate(fine))
     places = places[(places >= ends[0]) & (places <= ends[1])]
@@ -246,25 +246,29 @@ def _jacobian(
 ) -> Array:
     """Slopes of the residuals by the unknowns."""
     of_fluid, of_flux = slopes
-    # by the film: H of a face is the mean of two nodes
-    steep = 0.5 * (contact.parameter - here.slope * np.diff(here.fluid))
-    left, right = -steep[:-1], steep[1:]
-    matrix = (of_flux * left)[:, None] * response[:-2]
-    matrix += (of_flux * (left + right))[:, None] * response[1:-1]
-    matrix += (of_flux * right)[:, None] * response[2:]
     # by the fluid's pressure, tridiagonal
     below, above = here.conductance[:-1], here.conductance[1:]
     diagonal = of_fluid + of_flux * (below + above)
+    # by the film: H of a face is the mean of two nodes; P_f = P - P_a(H)
+    steep = 0.5 * (contact.parameter - here.slope * np.diff(here.fluid))
+    left, right = -steep[:-1], steep[1:]
+    stiff = here.stiffness
+    by_film = (
+        of_flux * (left + below * stiff[:-2]),
+        of_flux * (left + right) - diagonal * stiff[1:-1],
+        of_flux * (right + above * stiff[2:]),
+    )
+    whole = np.empty((diagonal.size + 1, response.shape[1]))
+    whole[-1] = np.append(width, 0.0)  # the load
+    matrix, part = whole[:-1], np.empty((diagonal.size, response.shape[1]))
+    np.multiply(by_film[0][:, None], response[:-2], out=matrix)
+    for factor, rows in zip(by_film[1:], (response[1:-1], response[2:]), strict=True):
+        matrix += np.multiply(factor[:, None], rows, out=part)
     row = np.arange(diagonal.size)
     matrix[row, row] += diagonal
     matrix[row[1:], row[:-1]] -= (of_flux * below)[1:]
     matrix[row[:-1], row[1:]] -= (of_flux * above)[:-1]
-    if contact.asperities is not None:  # P_f = P - P_a(H)
-        steep = here.stiffness[:, None] * response
-        matrix -= diagonal[:, None] * steep[1:-1]
-        matrix[1:] += (of_flux * below)[1:, None] * steep[1:-2]
-        matrix[:-1] += (of_flux * above)[:-1, None] * steep[2:-1]
-    return np.vstack([matrix, np.append(width, 0.0)])
+    return whole
 
 
 def _even(contact: Contact, here: _Balance) -> tuple[Array, float, float]:

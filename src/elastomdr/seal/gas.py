@@ -67,8 +67,9 @@ def check_gas(given: dict[str, Any]) -> None:
         )
     if mass is not None and given["temperature"] is None:
         raise InputError(
-            "temperature must be given with molar_mass: the mean free path of a gas "
-            "depends on it."
+            "temperature [K] must be given with molar_mass: the mean free path of a gas "
+            "depends on it. A rubber without a shift law is then the same at every "
+            "temperature."
         )
     if mass is not None and given["density"] is not None:
         raise InputError(

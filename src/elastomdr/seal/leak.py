@@ -113,8 +113,9 @@ def leak(
             the mean free path: gives `mass_rate` as well.
         time: how long the pressure has acted since it was put on at once [s]; None for
             long after.
-        temperature: temperature [K], for a material with a shift law. The viscosity is
-            that given, whatever the temperature.
+        temperature: temperature [K], for a material with a shift law, and with
+            molar_mass, where it is that of the gas; a rubber without a shift law is then
+            the same at every temperature. The viscosity is that given.
         model: `em.Multiscale()` by default, a form that was fitted to maps; to compare
             with, `em.CriticalConstriction()` and `em.EffectiveMedium()`;
             `em.HalfSpace()` solves Reynolds' equation on maps of gaps.
@@ -156,7 +157,7 @@ def leak(
         }
     )
     shape = broadcast_shape(**given)
-    level, factor = level_of(foundation, given)
+    level, factor = level_of(foundation, _of_rubber(foundation, given))
     found = _gaps(chosen, surface, level)
     good = xp.broadcast_to(found.good, shape)
     traced = is_traced(level, *given.values())
@@ -170,10 +171,20 @@ def leak(
     return Leak(
         **_fields(given, found, good, shape),
         extrapolated=beyond.points,
+        slip_estimated=given["outlet_pressure"] is not None and found.slip is None,
         model=_model_in_words(given, found),
         plan=found.work,
         inputs=(*_inputs_in_words(foundation, surface, given), *beyond.said),
     )
+
+
+def _of_rubber(foundation: Foundation, given: dict[str, Any]) -> dict[str, Any]:
+    """The arguments as the rubber has them: a temperature that a gas needs does not
+    change a rubber without a law for it.
+    """
+    lawless = foundation.shift is None and foundation.vertical is None
+    only_gas = lawless and given["molar_mass"] is not None
+    return given | {"temperature": None} if only_gas else given
 
 
 def _gaps(model: Any, surface: Any, level: Any) -> GapFlow:
@@ -309,4 +320,6 @@ def _inputs_in_words(
         for name, unit in _UNITS.items()
         if given[name] is not None
     ]
+    if _of_rubber(foundation, given)["temperature"] is not given["temperature"]:
+        inputs.append(("rubber", "without a shift law, the same at every temperature"))
     return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]

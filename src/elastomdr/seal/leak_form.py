@@ -43,9 +43,9 @@ class Form(NamedTuple):
 
 # Fitted to maps by benchmarks/leak_fit.py, which says how far the form is from them.
 FORM = Form(level=0.956, bend=0.0701, power=2.41, grows=0.499, leans=0.0962)
-# Of the bound: at light contact, its growth, and the contact from which on a map may as
-# well be closed; and of the maps: cutoff ratios, least contact.
-_LIGHT, _GROWTH, _UNSURE = 0.25, 0.35, 0.38
+UNSURE = 0.38  # real contact from which on a map may as well be closed
+# Of the bound: at light contact, its growth; and of the maps: cutoff ratios, least contact.
+_LIGHT, _GROWTH = 0.25, 0.35
 _RATIOS, _LEAST = (16.0, 128.0), 0.01
 _STEEP = 0.3, 1.4  # D of the maps
 
@@ -82,8 +82,8 @@ def log_bound(area: Any) -> Any:
     """Bound on |ln w/w_3D| for 95 % of the points of the maps; infinite near closing,
     where a map may be closed or not.
     """
-    near = np.log(1 - np.minimum(area, _UNSURE) / FORM.closes)
-    return np.where(area < _UNSURE, _LIGHT + _GROWTH * near**2, np.inf)
+    near = np.log(1 - np.minimum(area, UNSURE) / FORM.closes)
+    return np.where(area < UNSURE, _LIGHT + _GROWTH * near**2, np.inf)
 
 
 def bound(surface: Any, area: Any) -> Any:

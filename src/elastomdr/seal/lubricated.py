@@ -49,7 +49,7 @@ from ..trees import replaced
 from . import film as films
 from .leak import BOTH
 from .response import Body, bodies_of, compliance, response
-from .roughness import FlowFactor, Roughness, Rubbing, pressed, rubbing
+from .roughness import FlowFactor, Roughness, Rubbing, Touching, pressed, rubbing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,9 +61,11 @@ if TYPE_CHECKING:
 _NODES = 129  # of the coarsest grid
 _SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
 _FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
-_REFINED = 5e-4  # relative error of the finer grid above which there is another one
+_REFINED = 7.5e-4  # relative error of the finer grid above which there is another one
 _FLAGGED = 3e-3  # and above which the point counts as not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
+_DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
+_BAND = "shaded: liquid in closed channels may stay or leave"
 # velocities of rubber and counterface in the frame of the contact, over that asked for
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
 _MODEL = "Reynolds' equation and half-plane in plane strain, steady"
@@ -71,6 +73,20 @@ _ROUGH = {
     "maps": "; load shared with em.press, flow factor of em.leak",
     "patir-cheng": "; load shared with em.press, flow factor of Patir and Cheng",
 }
+# of a solved film, in the order of `_numbers`
+_NUMBERS = (
+    "mu",
+    "viscous",
+    "asperity",
+    "boundary",
+    "rubber",
+    "film_thickness",
+    "least_film",
+    "flow",
+    "asperity_share",
+    "trapped_share",
+    "trapped_error",
+)
 
 
 @part
@@ -94,8 +110,10 @@ class Lubricated(Result):
     """Lubricated contact of a cylinder, at every velocity.
 
     `mu` is the sum of `viscous`, `asperity`, `boundary` and `rubber`; `error` is its
-    numerical error. What the model leaves out is not bounded: `model_error` is NaN. A
-    point that was not solved is NaN with `converged=False`.
+    numerical error. Where channels may be closed, from a real contact of 0.38 on, liquid
+    may stay in them or leave: `trapped_error` says what that may change in `mu`, and is
+    zero where channels are open. What else the model leaves out is not bounded:
+    `model_error` is NaN. A point that was not solved is NaN with `converged=False`.
     """
 
     velocity: Array = quantity("velocity", "m/s", "v")
@@ -125,6 +143,16 @@ class Lubricated(Result):
     asperity_share: Array = quantity(
         "load on asperities", "-", "part of the load that asperities carry"
     )
+    trapped_share: Array = quantity(
+        "load on trapped liquid",
+        "-",
+        "part of the load that liquid carries where channels may be closed",
+    )
+    trapped_error: Array = quantity(
+        "what trapped liquid may change",
+        "-",
+        "how far mu may be off as liquid in closed channels stays there, or leaves",
+    )
     imbalance: Array = quantity(
         "imbalance of flow", "-", "largest difference of flow along the film, over it"
     )
@@ -153,14 +181,25 @@ class Lubricated(Result):
         label: str | None = None,
         show: Literal["mu", "film_thickness", "least_film", "flow"] = "mu",
     ) -> "Axes":
-        """Draws friction, film or flow against the velocity.
+        """Draws friction, with a band where trapped liquid is in doubt, or film or flow
+        against the velocity.
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
         self._check_shown(show, "mu", "film_thickness", "least_film", "flow")
-        from ..results.plotting import Ask, draw
+        from ..results.plotting import LIGHT, Ask, Line, Sketch, draw
 
-        return self._draw(draw, Ask(ax, style, title, label), y=show)
+        def band(sketch: Sketch, line: Line) -> None:
+            error = sketch.along_line(sketch.fields["trapped_error"], line)
+            if show == "mu" and (error > 0).any():
+                ends = line.y - error, line.y + error
+                look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
+                sketch.ax.fill_between(line.x, *ends, **look)
+                sketch.entry.notes.append(
+                    "band: liquid in closed channels stays or leaves"
+                )
+
+        return self._draw(draw, Ask(ax, style, title, label), y=show, also=band)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of friction, film and flow."""
@@ -168,6 +207,18 @@ class Lubricated(Result):
         yield "film at the apex", span(in_unit(self.film_thickness, "µm"), "µm")
         yield "least film", span(in_unit(self.least_film, "µm"), "µm")
         yield "load on asperities", span(self.asperity_share)
+        if (doubted := self._doubted()).any():
+            yield (
+                "trapped liquid",
+                f"channels may be closed at {int(doubted.sum())} of {doubted.size} "
+                "points, and liquid in them may stay or leave: friction is off by up to "
+                f"{span(np.asarray(self.trapped_error)[doubted])} there",
+            )
+
+    def _doubted(self) -> np.ndarray:
+        """Where trapped liquid may change friction by more than `_DOUBTED` of it."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.trapped_error > _DOUBTED * self.mu)
 
 
 @over_materials
@@ -219,6 +270,12 @@ def lubricated(
     film ruptures. Roughness enters by its mean gap. Source: `docs/seal.md`; Giacopini et
     al., J. Tribol. 132 (2010) 041702; Patir & Cheng, J. Lubr. Technol. 100 (1978) 12.
     """
+    given = (material, shape, velocity, load, viscosity, temperature, time, surface)
+    if is_traced(*given, boundary_shear):
+        raise InputError(
+            "em.lubricated cannot be called under jax.jit, grad or vmap: it searches "
+            "with numbers."
+        )
     scene = _checked(
         material, shape, velocity, load, viscosity, temperature, time, rubber, surface
     )
@@ -245,8 +302,8 @@ def lubricated(
 class _Solved(NamedTuple):
     """A point: the numbers of `_numbers`, their errors, and the profile."""
 
-    numbers: Array = np.full(9, np.nan)
-    errors: Array = np.full(9, np.nan)
+    numbers: Array = np.full(len(_NUMBERS), np.nan)
+    errors: Array = np.full(len(_NUMBERS), np.nan)
     profile: Array | None = None
     imbalance: float = np.nan
     half: float = np.nan  # half-width of the dry contact [m]
@@ -293,11 +350,6 @@ def _checked(
     surface: Any,
 ) -> _Scene:
     """The arguments, checked and broadcast. Raises `InputError`."""
-    if is_traced(material, shape, velocity, load, viscosity, temperature, time):
-        raise InputError(
-            "em.lubricated cannot be called under jax.jit, grad or vmap: it searches "
-            "with numbers."
-        )
     if not isinstance(shape, Cylinder):
         raise InputError(
             f"shape must be an em.Cylinder(radius, length) under a film, got {shape!r}."
@@ -392,12 +444,20 @@ def _group(
     cases = [
         _case(scene, int(points[i]), scales[i], bodies, rough, rubbed[i]) for i in known
     ]
+    touching = [
+        _touching(scene, int(point), each, rough, one, shear)
+        for point, each, one in zip(points, scales, rubbed, strict=True)
+    ]
+
+    numbers: dict[int, list[Array]] = {}  # of each grid
 
     def judged(number: int, found: list[films.Film]) -> tuple[Array, Array]:
         """The numbers of the last two grids, extrapolated, and their errors."""
         i, parameter = known[number], cases[number].parameter
-        args = (scene, int(points[i]), scales[i], parameter, rubbed[i], shear)
-        coarse, fine = (_numbers(each, *args) for each in found[-2:])
+        args = (scene, int(points[i]), scales[i], parameter, touching[i])
+        of_grids = numbers.setdefault(number, [])
+        of_grids += [_numbers(each, *args) for each in found[len(of_grids) :]]
+        coarse, fine = of_grids[-2:]
         better = halving_limit(coarse, fine)
         better = np.where(better * fine < 0, fine, better)  # of what is all but zero
         return better, np.abs(better - fine)
@@ -548,12 +608,47 @@ def _case(
     case = films.Case(float(parameter), scales.edges, respond)
     if rough is None or rubbed is None:
         return case
-    modulus = rough.modulus * rubbed.stiffening * float(scene.vertical[point])
+    modulus = _stiffened(scene, point, rough, rubbed)
     return case._replace(
         roughness=rough.rms / scales.film,
         asperities=partial(_asperities, rough, modulus, scales),
         factor=partial(_factor, rough, scales),
     )
+
+
+def _touching(
+    scene: _Scene,
+    point: int,
+    scales: _Scales,
+    rough: Roughness | None,
+    rubbed: Rubbing | None,
+    shear: AdhesiveShear | None,
+) -> Touching | None:
+    """What asperities do at a point, over its scales; None on smooth surfaces."""
+    if rough is None or rubbed is None:
+        return None
+    stress = 0.0
+    if shear is not None:
+        u_rubber, u_counter = MOTIONS[scene.rubber]
+        speed = (abs(u_counter - u_rubber) or 1.0) * scene.velocity[point]
+        kelvin = None
+        if scene.kelvin is not None and shear.shift is not None:
+            kelvin = scene.kelvin[point]
+        stress = float(shear.shear_stress(speed, kelvin))
+    modulus = _stiffened(scene, point, rough, rubbed)
+    at_closing, _ = rough.pressure(np.asarray(rough.closes), modulus)
+    return Touching(
+        rubbed,
+        scales.pressure,
+        stress / scales.pressure,
+        rough.closes / scales.film,
+        float(at_closing) / scales.pressure,
+    )
+
+
+def _stiffened(scene: _Scene, point: int, rough: Roughness, rubbed: Rubbing) -> float:
+    """E* of the rubber about asperities [Pa]."""
+    return rough.modulus * rubbed.stiffening * float(scene.vertical[point])
 
 
 def _asperities(
@@ -574,29 +669,22 @@ def _numbers(
     point: int,
     scales: _Scales,
     parameter: float,
-    rubbed: Rubbing | None,
-    shear: AdhesiveShear | None,
+    touching: Touching | None,
 ) -> Array:
-    """mu, its four parts, film at the apex, least film, flow, load on asperities."""
+    """A solved film in numbers, `_NUMBERS`."""
     x, film, fluid = found.places, found.film, found.pressure
     width = np.gradient(x)
     width[[0, -1]] *= 0.5
     u_rubber, u_counter = MOTIONS[scene.rubber]
     slide, mean = u_counter - u_rubber, 0.5 * (u_rubber + u_counter)
     per_load, slope = 1 / films.LOAD, scales.half / float(scene.shape.radius)
-    asperity_mu, share = np.zeros(x.size), np.zeros(x.size)
-    stress = 0.0
-    carried = found.asperity_pressure
-    if rubbed is not None:
-        asperity_mu, share = rubbed.at(carried * scales.pressure)
-    if shear is not None:
-        kelvin = (
-            None
-            if scene.kelvin is None or shear.shift is None
-            else (scene.kelvin[point])
-        )
-        speed = (abs(slide) or 1.0) * scene.velocity[point]
-        stress = float(shear.shear_stress(speed, kelvin)) / scales.pressure
+    carried, share = found.asperity_pressure, np.zeros(x.size)
+    asperity = boundary = trapped = doubt = 0.0
+    if touching is not None:
+        share = touching.share(carried)
+        asperity, boundary = per_load * abs(slide) * touching.friction(width, carried)
+        trapped, doubt = per_load * touching.trapped(width, film, fluid, carried)
+        doubt *= abs(slide)
     # where the pressure falls H < H_m; behind the rupture the liquid covers H_m/H
     wet = np.ones(x.size)
     wet[film.argmin() :] = np.minimum(found.flow / film[film.argmin() :], 1.0)
@@ -608,8 +696,6 @@ def _numbers(
     sheared *= width @ (wet * (1 - share) / film) + beyond
     pumped = mean * np.sum(0.5 * (film[1:] + film[:-1]) * np.diff(fluid))
     viscous = per_load * slope * (sheared + pumped)
-    asperity = per_load * abs(slide) * (width @ (asperity_mu * carried))
-    boundary = per_load * abs(slide) * stress * (width @ share)
     total, bent = found.total, film - 0.5 * x**2
     rubber = np.sum(0.5 * (total[1:] + total[:-1]) * np.diff(bent))
     rubber *= per_load * u_rubber * slope
@@ -626,6 +712,8 @@ def _numbers(
         CubicSpline(number, film)(near).min() * scales.film,
         found.flow * scales.film * mean * scene.velocity[point],
         per_load * (width @ carried),
+        trapped,
+        doubt,
     ])  # fmt: skip
 
 
@@ -651,7 +739,7 @@ def _packed(
     def shaped(values: Any) -> Any:
         return np.reshape(np.asarray(values, dtype=float), dims)
 
-    numbers = np.array([each.numbers for each in solved]).reshape(-1, 9)
+    numbers = np.array([each.numbers for each in solved]).reshape(-1, len(_NUMBERS))
     unsolved = np.full((4, _SHOWN), np.nan)
     profiles = np.array(
         [unsolved if each.profile is None else each.profile for each in solved]
@@ -674,23 +762,7 @@ def _packed(
     if scene.surface is not None:
         inputs.append(("surface", f"{scene.surface.label}, {scene.surface.words()}"))
         inputs.append(("roughness", BOTH))
-    named = dict(
-        zip(
-            (
-                "mu",
-                "viscous",
-                "asperity",
-                "boundary",
-                "rubber",
-                "film_thickness",
-                "least_film",
-                "flow",
-                "asperity_share",
-            ),
-            map(shaped, numbers.T),
-            strict=True,
-        )
-    )
+    named = dict(zip(_NUMBERS, map(shaped, numbers.T), strict=True))
     return Lubricated(
         velocity=shaped(scene.velocity),
         load=shaped(scene.load),

@@ -10,7 +10,16 @@ leaves the seal with a film of h_0/2. The steeper the pressure rises on the side
 rod comes from, the thinner that film: a seal with the steeper flank on the side of the
 fluid brings back more than it lets out. With y = h/h_0 and s = (4/27) p'/p'_max the film
 is the root of s y^3 - y + 1 = 0: the largest one ahead of the steepest place, then the
-one below 1.5. Source: H. Blok, Proc. Int. Symp. on Lubrication and Wear, Houston (1963);
+one below 1.5.
+
+The pressure of an O-ring is Hertz' p, and that of its fluid, f = nu/(1 - nu) Delta p, on
+top (`o_ring.py`). On the side of the fluid the film begins under Delta p, above which the
+pressure rises as Hertz' does: the film out is that of the ring without its fluid. On the
+side of the air it falls to zero, over the same width: the film in is that of Hertz'
+pressure of the mean p + f. That is a rule, not a solution. The rod feels the fall of the
+pressure in the film too, h_0 Delta p/2, with the stroke out and against that in.
+
+Source: H. Blok, Proc. Int. Symp. on Lubrication and Wear, Houston (1963);
 H. K. Mueller & B. S. Nau, Fluid Sealing Technology (1998).
 """
 
@@ -24,7 +33,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..checks import as_float64, broadcast_shape, in_si, positive, scalar
+from ..checks import as_float64, broadcast_shape, in_si, is_traced, positive, scalar
+from ..element.law import normal_operator
 from ..errors import InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
@@ -69,6 +79,8 @@ class Reciprocating(Result):
     friction_in: Array = quantity("friction of the stroke in", "N", "of the film")
     work: Array = quantity("work of friction", "J", "of one stroke out and in")
     error: Array = quantity("error of the film carried out", "m", "numerical")
+    film_in_error: Array = quantity("error of the film carried in", "m", "numerical")
+    net_leak_error: Array = quantity("error of the net leak", "m^3", "numerical")
     model_error: Array = quantity("model error", "-", "NaN: not known")
 
     title: ClassVar[str] = "Reciprocating seal"
@@ -115,11 +127,12 @@ def reciprocating(
     """Films, net leak and friction of a seal on a rod that moves out and in.
 
     Args:
-        material: rubber of the O-ring; not needed with a profile.
+        material: rubber of the O-ring, one; not needed with a profile.
         profile: pressure of the dry contact, from the side of the fluid to that of the
             air: positions [m] and pressures [Pa], or a file with these two columns and
             their units in its title line, such as position [mm], pressure [MPa].
-        o_ring: a single point of `em.o_ring`, in place of a profile.
+        o_ring: a single point of `em.o_ring`, in place of a profile, at its time and
+            temperature, and under the pressure of its fluid.
         velocity_out: velocity of the rod out of the fluid [m/s]; arguments broadcast.
         velocity_in: velocity of the rod into the fluid [m/s].
         stroke: length of the stroke [m].
@@ -132,14 +145,28 @@ def reciprocating(
 
     Raises:
         InputError: for a profile that is too short, not ascending, or of one flank
-            only; for both or neither of profile and o_ring.
+            only; for both or neither of profile and o_ring; for a material that is not
+            that of the O-ring; under `jax.jit`, `grad` and `vmap`.
 
     Exact for a profile that the film does not change, which is so where films are thin
     and its flanks of finite steepness. An O-ring has Hertz' pressure, with none: its
-    film is that of `em.lubricated` under its load and width, the same on both sides,
-    without the pressure of the fluid. Between strokes no fluid is lost from the rod.
-    Source: Blok 1963; Mueller & Nau 1998.
+    film is that of `em.lubricated` under its load and width. Its `fluid_pressure` is
+    added to the pressure of the contact, which makes the side of the air steeper and
+    the film in thinner, by a rule (`docs/seal.md`). Between strokes no fluid is lost
+    from the rod. Source: Blok 1963; Mueller & Nau 1998.
     """
+    ring = (o_ring.width, o_ring.line_load) if isinstance(o_ring, ORing) else ()
+    motion = (velocity_out, velocity_in, stroke, viscosity, width)
+    if is_traced(material, profile, ring, motion):
+        raise InputError(
+            "em.reciprocating cannot be called under jax.jit, grad or vmap: it searches "
+            "with numbers."
+        )
+    if not (material is None or isinstance(material, Prony)):
+        raise InputError(
+            "material must be one rubber (em.Prony, em.load_material(...)), that of the "
+            f"O-ring, got {material!r}."
+        )
     if (profile is None) == (o_ring is None):
         given = "neither" if profile is None else "both"
         raise InputError(f"profile or o_ring must be given, and only one, got {given}.")
@@ -164,12 +191,10 @@ def reciprocating(
         )
         _doubt(leaving, entering)
     else:
-        source = "O-ring"
-        leaving, entering = (
-            _of_ring(material, o_ring, each, eta) for each in (out, back)
-        )
-    good = np.isfinite(leaving.film) & np.isfinite(entering.film)
-    net = np.maximum(leaving.film - entering.film, 0.0)
+        source, leaving, entering = _of_ring(material, o_ring, out, back, eta)
+    more, off = leaving.film - entering.film, leaving.error + entering.error
+    net = np.maximum(more, 0.0)
+    net_error = np.where(more > 0, off, np.maximum(more + off, 0.0))
     return Reciprocating(
         velocity_out=out,
         velocity_in=back,
@@ -181,9 +206,11 @@ def reciprocating(
         friction_in=entering.friction * edge,
         work=(leaving.friction + entering.friction) * edge * length,
         error=leaving.error,
+        film_in_error=entering.error,
+        net_leak_error=net_error * length * edge,
         model_error=np.full(dims, np.nan),
-        converged=good,
-        extrapolated=leaving.extrapolated,
+        converged=np.isfinite(more),
+        extrapolated=_either(leaving.extrapolated, entering.extrapolated),
         model="inverse theory" if profile is not None else "inlet of Hertz' pressure",
         plan="closed form" if profile is not None else "em.lubricated",
         inputs=(
@@ -193,9 +220,14 @@ def reciprocating(
             ("viscosity", brief(eta, "Pa s")),
             ("stroke", brief(length, "m")),
             ("width", brief(edge, "m")),
-            *leaving.said,
+            *(leaving.said or entering.said),
         ),
     )
+
+
+def _either(first: Array | None, second: Array | None) -> Array | None:
+    """Where one of both is so; None where that is not known."""
+    return None if first is None or second is None else first | second
 
 
 def _profile(profile: Any) -> tuple[Array, Array]:
@@ -295,26 +327,46 @@ def _thickness(slope: Array, steepest: int) -> Array:
     return np.where(s > 0, rising, falling)
 
 
-def _of_ring(material: Any, ring: Any, velocity: Array, viscosity: Array) -> _Carried:
-    """The same of an O-ring: of the cylinder that has its load and its width."""
+def _of_ring(
+    material: Any, ring: Any, out: Array, back: Array, viscosity: Array
+) -> tuple[str, _Carried, _Carried]:
+    """Both strokes under an O-ring, and what it is."""
     if not isinstance(ring, ORing) or np.size(ring.width) != 1:
         raise InputError(
             f"o_ring must be a single point of em.o_ring(...), got {ring!r}."
         )
-    if not isinstance(material, Prony):
-        raise InputError(
-            "material must be the rubber of the O-ring (em.Prony, "
-            f"em.load_material(...)), got {material!r}."
-        )
-    kelvin = None if ring.temperature is None else float(np.ravel(ring.temperature)[0])
-    time = None if ring.time is None else float(np.ravel(ring.time)[0])
-    factor, vertical = (
-        (1.0, 1.0) if kelvin is None else thermal_factors(material, kelvin)
+    if material is None:
+        raise InputError("material must be the rubber of the O-ring, got None.")
+    pressure, width = float(np.ravel(ring.pressure)[0]), float(np.ravel(ring.width)[0])
+    _check_rubber(material, ring, 4 * pressure / width)
+    fluid, air_side = 0.0, pressure
+    source = "O-ring"
+    if ring.fluid_pressure is not None and ring.sealing_pressure is not None:
+        fluid = float(np.ravel(ring.fluid_pressure)[0])
+        air_side = float(np.ravel(ring.sealing_pressure)[0])
+        source += f" under {brief(fluid, 'Pa')} of its fluid"
+    leaving = _under_ring(material, ring, pressure, out, viscosity)
+    entering = _under_ring(material, ring, air_side, back, viscosity)
+    # h_0 Delta p/2, h_0 twice the film
+    return (
+        source,
+        leaving._replace(friction=leaving.friction - leaving.film * fluid),
+        entering._replace(friction=entering.friction + entering.film * fluid),
     )
-    held = None if time is None else float(time / factor)
-    soft = compliance(bodies_of(material)[0], held) / float(vertical)
-    load = float(np.ravel(ring.line_load)[0])
+
+
+def _under_ring(
+    material: Prony, ring: ORing, pressure: float, velocity: Array, viscosity: Array
+) -> _Carried:
+    """A stroke under Hertz' pressure of that mean [Pa] and the width of the ring: that
+    of a cylinder.
+    """
+    kelvin, time = _when(ring)
+    factor, vertical = _shifted(material, kelvin)
+    held = None if time is None else time / factor
+    soft = compliance(bodies_of(material)[0], held) / vertical
     half = 0.5 * float(np.ravel(ring.width)[0])
+    load = 2 * half * pressure
     found = lubricated(
         material,
         Cylinder(np.pi * half**2 / (4 * load * soft), 1.0),
@@ -329,7 +381,41 @@ def _of_ring(material: Any, ring: Any, velocity: Array, viscosity: Array) -> _Ca
     return _Carried(
         film,
         np.asarray(found.mu * load),
-        np.asarray(found.error * film),
+        np.asarray(found.error / found.mu * film),
         found.extrapolated,
         said,
     )
+
+
+def _when(ring: ORing) -> tuple[float | None, float | None]:
+    """Temperature [K] and time [s] of the ring."""
+    kelvin, time = (
+        None if value is None else float(np.ravel(value)[0])
+        for value in (ring.temperature, ring.time)
+    )
+    return kelvin, time
+
+
+def _shifted(material: Prony, kelvin: float | None) -> tuple[float, float]:
+    """a_T and b_T."""
+    if kelvin is None:
+        return 1.0, 1.0
+    factor, vertical = thermal_factors(material, kelvin)
+    return float(factor), float(vertical)
+
+
+def _check_rubber(material: Prony, ring: ORing, per_width: float) -> None:
+    """Raises `InputError` unless the material has the modulus that load and width of the
+    ring tell, E* = 8 W d/(pi (2a)^2); `per_width` is 4 W/(2a)^2.
+    """
+    kelvin, time = _when(ring)
+    factor, vertical = _shifted(material, kelvin)
+    law = normal_operator(material)
+    modulus = law.equilibrium if time is None else law.relaxation(time / factor)
+    known = 2 * per_width * float(np.ravel(ring.diameter)[0]) / np.pi
+    if not np.isclose(float(modulus) * vertical, known, rtol=1e-6):
+        raise InputError(
+            "material must be the rubber of the O-ring, whose modulus E* is "
+            f"{known:.4g} Pa at its time and temperature, got {material!r} of "
+            f"{float(modulus) * vertical:.4g} Pa."
+        )

@@ -35,6 +35,7 @@ from ..numerics.quadrature import gauss_on_panels
 
 _FAR = 40.0  # y beyond which a layer is at rest, S = ln y
 _FARTHEST = 1e3  # half-lengths ahead of the contact from which memories are followed
+_BLOCK = 16  # places whose memories are computed at once
 _AHEAD = 1.12  # ratio of distances between nodes there
 
 
@@ -121,14 +122,18 @@ def response(
 
 def _elastic(places: Array, x: Array, ratio: float | None, body: Body) -> Array:
     """Half of int K over each hat of the nodes x, at the places."""
-    apart = places[:, None] - x
-    distance = np.abs(apart)
-    distance[distance == 0] = 1.0
-    twice = -(0.5 * apart**2 * np.log(distance) - 0.75 * apart**2) / np.pi
+    square = np.square(places[:, None] - x)
+    logarithm = np.log(np.where(square == 0, 1.0, square))
+    # int int ln|X| = X^2 ln|X|/2 - 3 X^2/4, of which the latter's second differences are
+    # the same everywhere
+    twice = np.multiply(square, logarithm, out=logarithm)
+    twice *= -0.25 / np.pi
     if ratio is not None:
-        smooth = _layer_part(body.squeeze, body.bonded)(np.abs(apart) / ratio)
-        twice += (ratio**2 * smooth + 0.5 * apart**2 * np.log(ratio)) / np.pi
-    return np.diff(np.diff(twice, axis=1) / np.diff(x), axis=1)
+        smooth = _layer_part(body.squeeze, body.bonded)(np.sqrt(square) / ratio)
+        twice += (ratio**2 * smooth + 0.5 * square * np.log(ratio)) / np.pi
+    slope = np.diff(twice, axis=1)
+    slope /= np.diff(x)
+    return np.diff(slope, axis=1) + 0.75 / np.pi * (x[2:] - x[:-2])
 
 
 @functools.lru_cache(maxsize=8)
@@ -176,12 +181,27 @@ def _remembered(
     total = np.empty_like(elastic)
     total[0] = compliances @ now
     step = np.diff(places)[:, None] / memory
-    fading = np.exp(-step)
     mean = -np.expm1(-step) / step
-    new, old = 1 - mean, mean - fading
-    for i in range(step.shape[0]):
-        now *= fading[i][:, None]
-        now += new[i][:, None] * elastic[i + 1]
-        now += old[i][:, None] * elastic[i]
-        total[i + 1] = compliances @ now
+    new, old = 1 - mean, mean - np.exp(-step)
+    # u_l(i) = sum over j <= i of exp[-(x_i - x_j)/l] (new_j u_j + old_j u_(j-1)), in
+    # blocks, from the memory at the end of the one before
+    for first in range(0, step.shape[0], _BLOCK):
+        block = slice(first, first + _BLOCK)
+        x_block, rows = places[1:][block], new[block].shape[0]
+        since = (x_block - places[first])[:, None] / memory
+        fading = np.exp(
+            -np.maximum(x_block[:, None] - x_block, 0.0)[..., None] / memory
+        )
+        fading *= np.tri(rows)[..., None]
+        here, before = elastic[1:][block], elastic[block][:rows]
+        total[1:][block] = (
+            (np.exp(-since) * compliances) @ now
+            + np.einsum("ijk,jk->ij", fading, new[block] * compliances) @ here
+            + np.einsum("ijk,jk->ij", fading, old[block] * compliances) @ before
+        )
+        now = (
+            np.exp(-since[-1])[:, None] * now
+            + (fading[-1] * new[block]).T @ here
+            + (fading[-1] * old[block]).T @ before
+        )
     return total

@@ -29,7 +29,7 @@ from ..element.layer import Layer
 from ..material.prony import Prony
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..surface.spectrum import AbstractSpectrum
-from .leak_form import barely_touching, through
+from .leak_form import UNSURE, barely_touching, through
 from .persson_gap import contact_of
 
 FlowFactor = Literal["maps", "patir-cheng"]
@@ -38,6 +38,7 @@ FlowFactor = Literal["maps", "patir-cheng"]
 _LEVELS = np.geomspace(1e-7, 10.0, 41)
 _CLOSED = 1e-3  # mean gap over the rms height below which the curve is extended
 _SMALL = 1e-3  # pressure over E* times rms slope at which areas are compared
+_RTOL = 1e-4  # of the friction at these pressures
 _PRESSURES = np.geomspace(1e-5, 3.0, 11)  # of the friction, over the largest pressure
 _CHANNELS = 1e-4  # c, what is left of channels where all of them are closed
 _GAPS = 257  # gaps between which the flow through channels is interpolated
@@ -51,6 +52,7 @@ class Roughness(NamedTuple):
     curve: PchipInterpolator  # gap [m] to ln(p_a/E*(0)), for the relaxed rubber
     last: tuple[float, float]  # gaps between which the curve is known
     modulus: float  # E*(0) [Pa]
+    closes: float  # gap [m] below which channels may be closed
     channels: PchipInterpolator | None  # gap [m] to the log of phi's second bracket
 
     def pressure(self, gap: Array, modulus: float) -> tuple[Array, Array]:
@@ -90,6 +92,42 @@ class Rubbing(NamedTuple):
         return self.mu(place), faint * np.exp(self.share(place))
 
 
+class Touching(NamedTuple):
+    """What asperities do at one point; pressures over `unit`, gaps as those given."""
+
+    rubbing: Rubbing
+    unit: float  # [Pa]
+    stress: float  # shear of the real contact
+    closes: float  # gap below which channels may be closed
+    at_closing: float  # pressure of the asperities at that gap
+
+    def share(self, carried: Array) -> Array:
+        """Real contact under pressures that asperities carry."""
+        return self.rubbing.at(carried * self.unit)[1]
+
+    def friction(self, width: Array, carried: Array) -> Array:
+        """Hysteresis and shear of the real contact, both summed over the `width` of
+        each place.
+        """
+        mu, share = self.rubbing.at(carried * self.unit)
+        return np.array([width @ (mu * carried), self.stress * (width @ share)])
+
+    def trapped(self, width: Array, film: Array, fluid: Array, carried: Array) -> Array:
+        """The load that liquid carries where channels may be closed, and how far the
+        sum of `friction` may be off: if it leaves, asperities carry all of the pressure
+        there; if none could leave since channels closed, no more than at closing.
+        """
+        closed = film < self.closes
+        left = np.where(closed, fluid + carried, carried)
+        stayed = np.where(closed, np.minimum(carried, self.at_closing), carried)
+        here, *ends = (
+            float(self.friction(width, each).sum()) for each in (carried, left, stayed)
+        )
+        return np.array(
+            [width @ np.where(closed, fluid, 0.0), max(abs(x - here) for x in ends)]
+        )
+
+
 def half_space_of(material: Any) -> Any:
     """What waves that are short against a layer meet: its material."""
     return material.material if isinstance(material, Layer) else material
@@ -113,18 +151,15 @@ def pressed(
     open_ = np.isfinite(gap) & (gap > _CLOSED * rms)
     gap, level = gap[open_][::-1], np.log(pressure[open_][::-1] / modulus)
     curve, last = PchipInterpolator(gap, level), (gap[0], gap[-1])
-    channels = _channels(surface, curve, last) if flow_factor == "maps" else None
-    return Roughness(rms, curve, last, modulus, channels)
-
-
-def _channels(
-    surface: AbstractSpectrum, curve: PchipInterpolator, last: tuple[float, float]
-) -> PchipInterpolator:
-    """The log of what channels let through at a gap, by the contact there."""
     gap = np.geomspace(*last, _GAPS)
     found = contact_of(nodes(surface, PER_DECADE), np.exp(curve(gap)))
-    open_part = through(found.area, found.steep)
-    return PchipInterpolator(gap, np.log(open_part + _CHANNELS * (1 - open_part)))
+    closes = float(np.interp(-UNSURE, -found.area, gap))  # area falls with the gap
+    channels = None
+    if flow_factor == "maps":
+        open_part = through(found.area, found.steep)
+        left = np.log(open_part + _CHANNELS * (1 - open_part))
+        channels = PchipInterpolator(gap, left)
+    return Roughness(rms, curve, last, modulus, closes, channels)
 
 
 def rubbing(
@@ -141,7 +176,9 @@ def rubbing(
 
     body = half_space_of(material)
     pressures = _PRESSURES * largest
-    given: dict[str, Any] = {} if kelvin is None else {"temperature": kelvin}
+    given: dict[str, Any] = {"rtol": _RTOL}
+    if kelvin is not None:
+        given["temperature"] = kelvin
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sliding: Any = friction(
