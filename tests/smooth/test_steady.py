@@ -212,6 +212,26 @@ def test_a_sphere_on_a_layer_is_its_strips():
     assert "layer" in total.model
 
 
+def test_a_cone_on_springs():
+    # Springs k and dashpots eta per area at low speed: F_N = k slope pi a^3/3 and
+    # F_x = eta v slope^2 pi a^2/2.
+    layer = em.Foundation(2e10, [], [], viscosity=2e7, per_area=True)
+    cone = em.Cone(0.1)
+    slow = em.friction(layer, cone, velocity=1e-6, depth=1e-4)
+    np.testing.assert_allclose(slow.normal_force, 2e10 * 0.1 * np.pi * 1e-9 / 3, 1e-6)
+    np.testing.assert_allclose(slow.mu, 1.5 * 2e7 * 1e-6 * 0.1 / (2e10 * 1e-3), 1e-5)
+    # It has no length of its own: at twice the velocity and eight times the load all
+    # lengths are twice as large. Edges are found from the tip to the last strip.
+    rubber = em.Foundation(
+        2e8, np.geomspace(2e10, 2e8, 16), np.logspace(-7, 2, 16), per_area=True
+    )
+    velocity = np.array([1e-5, 1e-3, 0.1, 10.0])
+    near = em.friction(rubber, cone, velocity=velocity, load=1.0)
+    far = em.friction(rubber, cone, velocity=2 * velocity, load=8.0, rtol=1e-4)
+    assert (np.abs(far.mu - near.mu) <= far.error + near.error).all()
+    assert (near.error <= 1e-6 * near.mu).all()
+
+
 def test_a_sphere_given_as_points_is_the_sphere():
     radius = 5e-3
     r = np.linspace(0, 0.6 * radius, 80)

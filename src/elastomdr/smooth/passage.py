@@ -249,7 +249,8 @@ def _edges(
     """The passage with its table, contact sizes and trailing edges to rounding, and
     which points have them; on NumPy.
 
-    They are sought with few samples first, and from there with all of them.
+    On a single line they are sought with few samples first, and from there with all of
+    them.
     """
     top = _largest(p.lines, value)
     by_depth = control == "depth"
@@ -269,7 +270,7 @@ def _edges(
             )
             if p.rule.parabola and found.all():
                 return p, np.exp(log_size), ratio, found
-        if not p.rule.exact:
+        if single and not p.rule.exact:
             coarse = tabulated(p._replace(rule=p.rule.coarser()), np.exp(log_size))
             log_size, ratio, found = _sought(
                 coarse, value, log_size, ratio, top, by_depth
@@ -292,10 +293,9 @@ def _sought(
     """Contact sizes and trailing edges from some that are near, and which points have
     them.
     """
-    found = np.zeros(value.shape, bool)
     start = log_size, ratio
-    if isinstance(p.lines, SingleLine):
-        log_size, ratio, found = _by_newton(p, value, log_size, ratio, top, by_depth)
+    newton = _by_newton if isinstance(p.lines, SingleLine) else _by_newton_on_strips
+    log_size, ratio, found = newton(p, value, log_size, ratio, top, by_depth)
     left = ~found
     if left.any():
         some, log_size, ratio = selected(p, left), log_size.copy(), ratio.copy()
@@ -358,6 +358,46 @@ def _by_newton(
         left = left[
             ~small & np.isfinite(turn + step) & ((after > _NEAR) | (not p.rule.split))
         ]
+        if not left.size:
+            break
+    return log_size, ratio, found
+
+
+def _by_newton_on_strips(
+    p: Passage, value: Array, log_size: Array, ratio: Array, top: Array, by_depth: bool
+) -> tuple[Array, Array, Array]:
+    """The same on strips: each edge by its own density, and the size by the load.
+
+    How an edge moves with the size is left out; the force does not change to first
+    order with an edge, so that two steps together are still quadratic.
+    """
+    log_size, ratio, found = log_size.copy(), ratio.copy(), np.zeros(value.shape, bool)
+    left = np.arange(value.size)
+    for _ in range(_STEPS):
+        size, edge = np.exp(log_size[left]), ratio[:, left]
+        some = selected(p, left) if left.size < value.size else p
+        passing = balance_and_slopes(some, size, edge)
+        entry, weight = p.lines.entry(size), p.lines.weight(size)
+        turn = -passing.density / (entry * passing.density_exit)
+        excess, step = np.zeros_like(size), np.zeros_like(size)
+        if not by_depth:
+            force = np.sum(weight * passing.force, axis=0)
+            # With the depth d each line's force grows by dF/da da/dd = dF/da / g'(a).
+            steep = p.lines.slope(entry, size, np.arange(p.lines.count)[:, None])
+            per_depth = np.sum(weight * passing.force_entry / steep, axis=0)
+            depth = p.lines.depth(size)
+            per_size = p.lines.exponent(size) * depth * per_depth / force
+            excess = np.log(force / value[left])
+            step = np.clip(-excess / per_size, -2.0, 2.0)
+        turned = np.abs(turn) <= _CLOSE * np.minimum(edge, 1 - edge) + 4e-15
+        small = (np.abs(excess) <= _MET) & (np.abs(step) <= _CLOSE)
+        small &= np.all(turned, axis=0)
+        after = edge + turn
+        beyond = 1 - 0.2 * (1 - edge)
+        after = np.where(after >= 1, beyond, np.where(after <= 0, 0.2 * edge, after))
+        log_size[left] = np.minimum(log_size[left] + step, top[left])
+        ratio[:, left], found[left] = after, small
+        left = left[~small & np.isfinite(np.sum(turn, axis=0) + step)]
         if not left.size:
             break
     return log_size, ratio, found

@@ -19,13 +19,16 @@ from ..arrays import xp
 from ..checks import Array
 from ..numerics.quadrature import gauss, shares_to_legendre
 from ..trees import Tree, static
-from .shapes import AbstractShape, Cylinder
+from .profile import Profile
+from .shapes import AbstractShape, Cone, Cylinder, PowerLaw
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
 _APEX = 1e-9  # of the leading edge: what counts as the apex
 _FLAT = 60.0  # power that stands for a flat
+# Strips crowd towards a pointed apex, where the sum over them goes as y^n log y.
+_CROWDED = 3
 
 
 class AbstractLines(Tree):
@@ -150,20 +153,27 @@ class Strips(AbstractLines):
     def count(self) -> int:
         return self.strips
 
+    @property
+    def _angles(self) -> tuple[np.ndarray, np.ndarray]:
+        return _angles(self.strips, _CROWDED if pointed(self.shape) else 1)
+
     def entry(self, size: Array) -> Array:
-        return size * xp.cos(_angles(self.strips)[0])[:, None]
+        return size * xp.cos(self._angles[0])[:, None]
 
     def weight(self, size: Array) -> Array:
-        angle, weight = _angles(self.strips)
+        angle, weight = self._angles
         return 2 * size * (xp.cos(angle) * weight)[:, None]
 
     def profile(self, x: Array, size: Array, line: Array) -> Array:
-        y = size * xp.sin(xp.asarray(_angles(self.strips)[0])[line])
-        return self.shape._height(xp.hypot(x, y)) - self.shape._height(y)
+        return self.shape._rise(self._beside(size, line), x)
 
     def slope(self, x: Array, size: Array, line: Array) -> Array:
-        r = xp.hypot(x, size * xp.sin(xp.asarray(_angles(self.strips)[0])[line]))
+        r = xp.hypot(x, self._beside(size, line))
         return self.shape._steepness(r) * x / r
+
+    def _beside(self, size: Array, line: Array) -> Array:
+        """Distance y [m] of each strip from the axis."""
+        return size * xp.sin(xp.asarray(self._angles[0])[line])
 
     def summation_error(self, parts: Array) -> Array:
         # Gauss' rule with n points misses about the 2n-th Legendre coefficient c of the
@@ -185,7 +195,19 @@ class Strips(AbstractLines):
         return self.shape._height(size)
 
 
+def pointed(shape: AbstractShape) -> bool:
+    """Whether derivatives of the height do not exist at the apex: those of a cone, of
+    powers that are not even, and of profiles given by points, which may be anything.
+    """
+    if isinstance(shape, PowerLaw):
+        return shape.exponent % 2 != 0
+    return isinstance(shape, (Cone, Profile))
+
+
 @functools.cache
-def _angles(strips: int) -> tuple[np.ndarray, np.ndarray]:
+def _angles(strips: int, power: int) -> tuple[np.ndarray, np.ndarray]:
+    """theta and its weights: Gauss points in u, theta = (pi/2) u^power."""
     nodes, weights = gauss(strips)
-    return math.pi / 4 * (nodes + 1), math.pi / 4 * weights
+    u = 0.5 * (nodes + 1)
+    angle = 0.5 * math.pi * u**power
+    return angle, 0.25 * math.pi * weights * power * u ** (power - 1)

@@ -60,20 +60,15 @@ def ladder(
     y^2)): even powers stay polynomials, all others are divided ever finer towards the
     apex.
     """
-    if not strips:
-        return _along_line(shape, rtol, smallest)
-    power = (
-        1
-        if isinstance(shape, Cone)
-        else shape.exponent
-        if isinstance(shape, PowerLaw)
-        else 2
-    )
     rules = _along_line(shape, rtol, smallest)
-    if power % 2:
-        rules = tuple(
-            Rule(nodes, split=True, fractions=graded(levels))
-            for nodes, levels in ((8, 3), (12, 3), (16, 4))
+    if not strips:
+        return rules
+    power = shape.exponent if isinstance(shape, PowerLaw) else 2
+    if isinstance(shape, Cone) or power % 2:
+        rungs = ((10, 3, 24), (14, 3, 24), (16, 4, 40), (20, 5, 64))
+        return tuple(
+            Rule(nodes, split=True, fractions=graded(levels), strips=count)
+            for nodes, levels, count in rungs[sum(rtol < x for x in (3e-5, 1e-7)) :]
         )
     if isinstance(shape, Profile):
         rules = tuple(
@@ -81,8 +76,6 @@ def ladder(
             for levels in (2, 4, 6)
         )
     counts = (16, 32, 64) if rtol >= 1e-7 else (32, 64, 128)
-    if power < 2:  # the tip leaves a kink across the strips
-        rules, counts = rules[1:], (48, 96)
     return tuple(
         dataclasses.replace(rules[min(i, len(rules) - 1)], strips=n)
         for i, n in enumerate(counts)
