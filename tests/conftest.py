@@ -14,6 +14,7 @@ of its time.
 
 import gc
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,6 +27,8 @@ LONG = ("test_notebooks.py", "test_site.py", "test_examples.py", "test_same_bits
 # pieces of memory that a process has mapped; Linux ends one with more than 65,530
 MANY = 25_000
 PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+# of the browser: names outside of this machine do not resolve
+ALONE = "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
 # read when NumPy is loaded: by workers and the commands that tests start
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -75,6 +78,21 @@ def forget_programs():
         import jax
 
         jax.clear_caches()
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    """A headless Chromium, the system's, driven by Playwright."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("Chromium is not installed (apt-get install chromium)")
+    driver = pytest.importorskip("playwright.sync_api")
+    with driver.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=program, args=["--no-sandbox", "--disable-gpu", ALONE]
+        )
+        yield browser
+        browser.close()
 
 
 @pytest.fixture

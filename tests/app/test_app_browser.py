@@ -15,32 +15,45 @@ import pytest
 
 from elastomdr.cli.main import main
 
-from .browser import PROGRAM, Browser, wait
-
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
-SHOWN = (
-    "[...document.querySelectorAll('.picture')].filter(e => e.offsetParent && "
-    "e.querySelector('canvas')).length"
+SCREENS = (
+    "Start",
+    "Rubber",
+    "Road",
+    "Friction",
+    "Compare",
+    "Rolling",
+    "Seal",
+    "Export",
 )
-POINTED = """(() => {
+PICTURE = ".picture:visible:has(canvas)"
+ERROR = ".q-field--error .q-field__messages:visible"
+POINTED = """() => {
     const element = [...document.querySelectorAll('.chart')].find(e => e.offsetParent);
     const chart = getElement(Number(element.id.slice(1))).chart;
     const [x, y] = chart.getOption().series[0].data[1];
     const [left, top] = chart.convertToPixel({ xAxisIndex: 0, yAxisIndex: 0 }, [x, y]);
     chart.dispatchAction({ type: 'showTip', x: left, y: top });
-    return element.innerText;
-})()"""
-WIDE = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
-CUT = """[...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].filter(e => e.offsetParent
-    && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.words, .frame, .scroll')).length"""
-
-LONG = (
-    "[...document.querySelectorAll('.q-field--error .q-field__messages')].filter(e => "
-    "e.offsetParent)"
-)
-HERE = ".q-tab-panel:not([style*='none'])"
-ALERTS = "[...document.querySelectorAll('.alert')].filter(e => e.offsetParent)"
-BELOW = f"{LONG}[0].closest('.field').parentElement.nextElementSibling"
+    return /Sliding velocity.*\\n.*\\n.*0 °C.* [(].* to .*[)]/.test(element.innerText);
+}"""
+# nothing reaches beyond the window, and no message covers the field below
+WHOLE = """() => document.documentElement.scrollWidth <= document.documentElement.clientWidth
+    && [...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].every(e => !e.offsetParent
+        || e.getBoundingClientRect().right <= innerWidth + 1 || e.closest('.words, .frame, .scroll'))
+    && [...document.querySelectorAll('.q-field--error .q-field__messages')].every(e => !e.offsetParent
+        || e.getBoundingClientRect().bottom <=
+           e.closest('.field').parentElement.nextElementSibling.getBoundingClientRect().top)"""
+# nothing moves, which nobody sees and each frame of which is work
+STILL = """addEventListener('DOMContentLoaded', () => {
+    const style = document.head.appendChild(document.createElement('style'));
+    style.textContent = '* { animation: none !important; transition: none !important; }';
+});"""
+FOCUSED = """() => {
+    const e = document.activeElement, outline = getComputedStyle(e).outlineStyle;
+    if (e == document.body) return null;
+    const field = e.closest('.q-field')?.querySelector('.q-field__label');
+    return [e.closest('[aria-label]')?.ariaLabel || (field ?? e).innerText.trim().split('\\n').at(-1), outline != 'none'];
+}"""
 
 
 @pytest.fixture(scope="module")
@@ -55,12 +68,55 @@ def address(tmp_path_factory):
         stdout=subprocess.PIPE,
         text=True,
     ) as server:
-        line = server.stdout.readline()
-        wait(lambda: list(place.glob("elastomdr-app-*")), "the folder", 60)
-        yield line.split()[2]
+        # it listens before it says so
+        yield server.stdout.readline().split()[2]
         server.send_signal(signal.SIGTERM)
         assert server.wait(timeout=30) == 0
     assert not list(place.iterdir())  # nothing is left, here or beside
+
+
+@pytest.fixture(scope="module")
+def opened(address, chromium):
+    """One page for all tests of this file: to load it takes the longest."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 900})
+    page.set_default_timeout(30e3)
+    page.add_init_script(STILL)
+    page.goto(address)
+    page.locator(".result").nth(4).wait_for()
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def page(opened):
+    """The page, on its first screen, without an error of its scripts."""
+    errors = []
+    opened.on("pageerror", lambda error: errors.append(error))
+    tab(opened, "Start")
+    yield opened
+    assert not errors
+
+
+def tab(page, screen):
+    page.locator(f"[role=tab]:has(:text-is('{screen}'))").click()
+    page.locator(".q-tab-panel:visible").wait_for()
+
+
+def button(page, name):
+    return page.locator(f"button:visible:has(:text-is('{name}'))")
+
+
+def drop(page, *files):
+    page.locator(".q-tab-panel:visible input[type=file]").first.set_input_files(files)
+
+
+def says(page, where, words):
+    page.locator(where, has_text=words).first.wait_for()
+
+
+def shows(page, pictures):
+    page.locator(PICTURE).nth(pictures - 1).wait_for()
+    assert page.locator(PICTURE).count() == pictures
 
 
 def status(address, **options):
@@ -74,7 +130,6 @@ def status(address, **options):
 def test_only_who_has_the_address(address):
     origin, token = address.rstrip("/").rsplit("/", 1)
     assert origin.startswith("http://127.0.0.1:")
-    wait(lambda: _answers(address), "the server", 60)
     assert status(address) == 200
     assert status(f"{origin}/") == 403
     assert status(f"{origin}/_nicegui_ws/socket.io/?EIO=4&transport=polling") == 403
@@ -86,96 +141,133 @@ def test_only_who_has_the_address(address):
     assert status(polling, headers={"Origin": origin}) == 200
 
 
-def _answers(address):
-    try:
-        return status(address)
-    except OSError:
-        return None
-
-
-@pytest.mark.skipif(
-    PROGRAM is None, reason="Chromium is not installed (apt-get install chromium)"
-)
-def test_from_files_to_friction(address, tmp_path):
-    wait(lambda: _answers(address), "the server", 60)
-    browser = Browser()
-    try:
-        browser.open(address)
-        browser.until(
-            f"{SHOWN} == 1 && document.querySelectorAll('.result').length == 5"
-        )
-        browser.click("My rubber")
-        (tmp_path / "none.csv").touch()
-        browser.drop(HERE, tmp_path / "none.csv")
-        browser.until(f"{ALERTS}.some(e => e.innerText.includes('is empty'))")
-        browser.drop(HERE, SAMPLE / "dma.csv")
-        browser.until(f"{SHOWN} >= 3 && !{ALERTS}.length")
-        browser.click("Road")
-        browser.until(f"{SHOWN} == 1")
-        browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "road.csv")
-        # never guessed
-        browser.until("document.body.innerText.includes('Convention of C is missing')")
-        browser.click("Use sample road")
-        browser.until("document.body.innerText.includes('0.8034')")
-        slider = (
-            "[...document.querySelectorAll('.q-slider [tabindex]')].filter(e => "
-            "e.offsetParent)[1]"
-        )
-        browser.js(f"{slider}.focus()")
-        # a cutoff moves by a key, and the figure with it
-        browser.press("ArrowRight", 39)
-        browser.until(
-            "document.body.innerText.includes('wavelengths') && "
-            "!document.body.innerText.includes('0.8034')"
-        )
-        browser.click("Friction")
-        browser.until(
-            "[...document.querySelectorAll('input')].some(e => e.value == '0.3 "
-            "MPa' && e.offsetParent)"
-        )
-        browser.js(
-            "[...document.querySelectorAll('input')].find(e => e.value == '0.3 "
-            "MPa' && e.offsetParent).focus()"
-        )
-        browser.press("Enter", 13)
-        browser.until(f"{SHOWN} == 1")
-        # value and band of each curve at the pointer
-        browser.until(
-            f"/Sliding velocity.*\\n.*\\n.*0 °C.* [(].* to .*[)]/.test({POINTED})"
-        )
-        # is no friction, which takes some words
-        browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "dma.csv")
-        browser.until(
-            f"{LONG}.some(e => e.innerText.includes('there is no column of velocity'))"
-        )
+def test_from_files_to_friction(page):
+    """On the way each screen is read on a phone and on a small screen, and nothing on it
+    is a serious finding of axe-core, such as a contrast that is too low.
+    """
+    shows(page, 1)
+    button(page, "My rubber").click()
+    drop(page, SAMPLE / "dma.csv")
+    says(page, ".words:visible", "frequency from 2")
+    tab(page, "Road")
+    shows(page, 1)
+    drop(page, SAMPLE / "road.csv")
+    says(page, ERROR, "Convention of C is missing")  # never guessed
+    button(page, "Use sample road").click()
+    says(page, ".words:visible", "0.8034")
+    # a cutoff moves by a key, and the figure with it
+    page.locator(".q-slider [tabindex]:visible").nth(1).press("ArrowRight")
+    page.locator(".words:visible", has_not_text="0.8034").wait_for()
+    tab(page, "Friction")
+    page.get_by_label("Nominal pressure p [MPa]").locator("visible=true").press("Enter")
+    shows(page, 1)
+    page.wait_for_function(POINTED, polling=100)  # value and band of each curve
+    drop(page, SAMPLE / "dma.csv")  # is no friction, which takes some words
+    says(page, ERROR, "there is no column of velocity")
+    tab(page, "Export")
+    with page.expect_download() as download:
+        button(page, "Scene (TOML)").click()
+    scene = tomllib.loads(download.value.path().read_text(encoding="utf-8"))
+    assert scene["material"] == "dma.toml"
+    assert scene["surface"]["file"] == "road.csv"
+    findings = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    for screen in SCREENS:
+        tab(page, screen)
         for width in (390, 1280):
-            browser.resize(width)
-            browser.until(
-                f"{LONG}.every(e => e.getBoundingClientRect().bottom <= "
-                f"{BELOW}.getBoundingClientRect().top)"
-            )
-        browser.click("Export")
-        browser.click("Scene (TOML)")
-        scene = browser.downloads / "friction.toml"
-        wait(scene.exists, "the download", 60)
-        content = tomllib.loads(scene.read_text(encoding="utf-8"))
-        assert content["material"] == "dma.toml"
-        assert content["surface"]["file"] == "road.csv"
-        for width in (390, 1280):  # nothing is cut
-            browser.resize(width)
-            for stage in ("Start", "Rubber", "Road", "Friction", "Export"):
-                find = f"find(e => e.innerText.trim() == '{stage}')"
-                browser.js(
-                    f"[...document.querySelectorAll('[role=tab]')].{find}.click()"
-                )
-                browser.until(
-                    "document.querySelector('[role=tab][aria-selected=true]').innerText.trim() "
-                    f"== '{stage}'"
-                )
-                browser.until(f"{WIDE} && {CUT} == 0", 20)
-        assert not browser.console
-    finally:
-        browser.close()
+            page.set_viewport_size({"width": width, "height": 900})
+            page.wait_for_function(WHOLE, polling=50, timeout=20e3)
+        found = findings.run(page, options=AXE).response["violations"]
+        assert not [each for each in found if each["impact"] in SERIOUS], screen
+
+
+AXE = {
+    "resultTypes": ["violations"],
+    "runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"],
+}
+SERIOUS = ("serious", "critical")
+DAMAGED = {
+    "none.csv": b"",
+    "binary.csv": bytes(range(256)) * 40,
+    "words.csv": b"no,numbers\nat,all\n",
+    "x.xlsx": b"PK\3\4",
+}
+
+
+def test_damaged_files(page, tmp_path):
+    """What is wrong is said, and what was computed of another file goes."""
+    for name, content in DAMAGED.items():
+        (tmp_path / name).write_bytes(content)
+    none, *others = (tmp_path / name for name in DAMAGED)
+    for screen in ("Friction", "Rubber", "Road"):
+        tab(page, screen)
+        drop(page, none)
+        says(page, ".alert:visible", "'none.csv' is empty")
+    for file in others[:2]:
+        drop(page, file)
+        says(page, ERROR, file.name)
+        assert not page.locator(PICTURE).count()
+    button(page, "Use sample road").click()
+    page.locator(PICTURE).wait_for()
+    assert not page.locator(ERROR).count()
+    assert not page.locator(".alert:visible").count()
+    tab(page, "Rubber")
+    for file in others:
+        drop(page, file)
+        says(page, ERROR, file.name)
+        assert not page.locator(PICTURE).count()
+
+
+def test_two_tabs(page):
+    """They know nothing of each other; one that is loaded again is as it was."""
+    with page.context.expect_page() as opened:
+        page.evaluate("open(location.pathname)")
+    other = opened.value
+    tab(page, "Road")
+    button(page, "Use sample road").click()
+    says(page, ".words:visible", "0.8034")
+    tab(other, "Road")
+    says(other, ".words:visible", "0.7")
+    assert other.url != page.url
+    other.close()
+    page.reload()
+    says(page, ".words:visible", "0.8034")
+
+
+def test_by_keyboard_alone(page):
+    """Each stop has a name and is seen; a result is changed and saved."""
+    reach(page, "Change the example")
+    page.keyboard.press("Enter")
+    shows(page, 1)
+    before = page.locator(".number:visible").all_inner_texts()
+    reach(page, "Nominal pressure p [MPa]")
+    page.keyboard.press("Control+A")
+    page.keyboard.type("0.1")
+    page.keyboard.press("Enter")
+    page.wait_for_function(
+        "before => document.querySelectorAll('.number')[5]?.innerText != before",
+        arg=before[0],
+    )
+    reach(page, "Friction", back=True)
+    for _ in range(4):
+        page.keyboard.press("ArrowRight")
+    page.keyboard.press("Enter")
+    reach(page, "CSV")
+    with page.expect_download() as download:
+        page.keyboard.press("Enter")
+    assert "pressure" in download.value.path().read_text(encoding="utf-8")
+
+
+def reach(page, name, back=False):
+    """Presses Tab until something of this name has the focus."""
+    stops = []
+    while name.lower() not in stops:
+        assert len(stops) < 80, stops
+        page.keyboard.press("Shift+Tab" if back else "Tab")
+        if stop := page.evaluate(FOCUSED):
+            said, seen = stop
+            assert said, stops
+            assert seen, said
+            stops.append(said.lower())
 
 
 def test_ports(capsys):

@@ -78,12 +78,6 @@ def test_empty_files(tmp_path):
         ).read_bytes()
         assert await dropped(user, page.rubber, ("own.toml", material)) == ""
         assert page._session.scenes["friction"]["material"] == "own.toml"
-
-    simulated(tmp_path, act)
-
-
-def test_a_folder_that_is_gone(tmp_path):
-    async def act(user, page, opened):
         page._session.folder.remove()
         said = await dropped(user, page.rubber, ("a.csv", b"1"))
         assert said.startswith("The file could not be kept: ")
@@ -100,7 +94,7 @@ def test_open_tabs_are_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(session, "_MOST", 1)
 
     async def act(user, first, opened):
-        others = [await opened() for _ in range(3)]
+        others = [await opened() for _ in range(2)]
         sessions = [page._session for page in (first, *others)]
         assert all(each.folder.path.is_dir() for each in sessions)
         assert (await opened(f"/?session={sessions[0].name}"))._session is sessions[0]
@@ -111,7 +105,6 @@ def test_open_tabs_are_kept(tmp_path, monkeypatch):
         await opened()
         assert [each.folder.path.is_dir() for each in sessions] == [
             True,
-            False,
             False,
             True,
         ]
@@ -152,35 +145,29 @@ def test_presets_are_the_defaults_of_the_calls(tmp_path):
         wheel = page._session.scenes["traction"]
         assert wheel["material"] == page._session.scenes["friction"]["material"]
         assert wheel["friction"] == "computed"
+        await the_road_of_a_slip_curve(page)
 
     simulated(tmp_path, act)
 
 
-def test_the_road_of_a_slip_curve(tmp_path):
+async def the_road_of_a_slip_curve(page):
     """What is wrong with its road is said on the road's screen, and with its wheel
     beside the field.
     """
-
-    async def act(user, page, opened):
-        await page.rolling._other_kind(SimpleNamespace(value="traction"))
-        page._session.scenes["friction"]["surface"]["longest"] = "5 smoots"
-        await page.rolling.compute()
-        assert page._tabs.value == "Road"
-        longest = (
-            "[surface] longest"  # drawn anew with the value that was not typed there
-        )
-        await until(lambda: page.road.form.widgets[longest].error)
-        assert "smoots" in page.road.form.widgets[longest].error
-        page._session.scenes["friction"]["surface"]["longest"] = "5 mm"
-        page.rolling.form.set("[contact] slip", "0, 0.1")
-        await page.rolling.compute()
-        assert "must not be zero" in page.rolling.form.widgets["[contact] slip"].error
-        page.rolling.form.set("[contact] slip", "0.1")
-        page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
-        await page.rolling.compute()
-        assert "“Thermal conductivity λ”" in page.rolling.form.widgets["friction"].error
-
-    simulated(tmp_path, act)
+    page._session.scenes["friction"]["surface"]["longest"] = "5 smoots"
+    await page.rolling.compute()
+    assert page._tabs.value == "Road"
+    longest = "[surface] longest"  # drawn anew with the value that was not typed there
+    await until(lambda: page.road.form.widgets[longest].error)
+    assert "smoots" in page.road.form.widgets[longest].error
+    page._session.scenes["friction"]["surface"]["longest"] = "5 mm"
+    page.rolling.form.set("[contact] slip", "0, 0.1")
+    await page.rolling.compute()
+    assert "must not be zero" in page.rolling.form.widgets["[contact] slip"].error
+    page.rolling.form.set("[contact] slip", "0.1")
+    page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
+    await page.rolling.compute()
+    assert "“Thermal conductivity λ”" in page.rolling.form.widgets["friction"].error
 
 
 def test_measured_points_get_curves_at_their_temperatures():

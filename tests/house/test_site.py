@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from ..app.browser import PROGRAM, Browser
-
 ROOT = Path(__file__).parents[2]
 QUIET = {"NO_COLOR": "1", "NO_MKDOCS_2_WARNING": "1"}
 # Elements that reach beyond the window, and lie in nothing that scrolls.
@@ -29,13 +27,14 @@ COLOURS = (
 WIDE = "document.documentElement.scrollWidth > document.documentElement.clientWidth"
 
 
-@pytest.fixture(scope="module")
-def browser():
-    if PROGRAM is None:
-        pytest.skip("Chromium is not installed (apt-get install chromium)")
-    browser = Browser()
-    yield browser
-    browser.close()
+@pytest.fixture
+def page(chromium):
+    errors = []
+    page = chromium.new_page()
+    page.on("pageerror", lambda error: errors.append(error))
+    yield page
+    page.close()
+    assert not errors
 
 
 @pytest.fixture(scope="module")
@@ -141,33 +140,31 @@ def test_nothing_is_fetched_from_elsewhere(site):
         ), page
 
 
-def test_nothing_is_cut(site, browser):
+def test_nothing_is_cut(site, page):
     """On a phone and on a small screen, opened from files."""
     # one example
-    pages = [
-        page
-        for page in sorted(site.rglob("*.html"))
-        if not re.match(r"(?!20)\d\d_", page.name)
+    files = [
+        file
+        for file in sorted(site.rglob("*.html"))
+        if not re.match(r"(?!20)\d\d_", file.name)
     ]
-    assert len(pages) > 40
-    for page in pages:
-        browser.call("Page.navigate", url=page.as_uri())
+    assert len(files) > 40
+    for file in files:
+        page.goto(file.as_uri())
         for width in (390, 1280):
-            browser.resize(width)
-            browser.until(
-                f"document.readyState == 'complete' && !({WIDE}) && !{CUT}.length", 10
+            page.set_viewport_size({"width": width, "height": 900})
+            page.wait_for_function(
+                f"!({WIDE}) && !{CUT}.length", polling=50, timeout=10e3
             )
-    assert not browser.console
 
 
-def test_search_and_code(site, browser):
-    browser.call("Page.navigate", url=(site / "tour.html").as_uri())
+def test_search_and_code(site, page):
+    page.goto((site / "tour.html").as_uri())
     buttons = "document.querySelectorAll('.highlight button[title^=Copy]').length"
-    browser.until(
+    page.wait_for_function(
         f"{buttons} > 5 && {buttons} == document.querySelectorAll('.highlight "
         "pre').length"
     )
-    assert browser.js(f"new Set({COLOURS}).size") > 4
-    browser.js("document.querySelector('.md-search__input').focus()")
-    browser.call("Input.insertText", text="squeezed cord")
-    browser.until("!!document.querySelector('.md-search-result__link[href*=o_ring]')")
+    assert page.evaluate(f"new Set({COLOURS}).size") > 4
+    page.locator(".md-search__input").fill("squeezed cord")
+    page.wait_for_selector(".md-search-result__link[href*=o_ring]", state="attached")

@@ -78,10 +78,11 @@ def serve(token: str, place: Path) -> Any:
 
 
 def _listen(door: socket.socket, port: int) -> None:
-    """Binds to this machine only. Raises `InputError` for a port that is in use."""
+    """Listens on this machine only. Raises `InputError` for a port that is in use."""
     try:
         door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         door.bind(("127.0.0.1", port))
+        door.listen()  # a browser that comes before the server is ready waits
     except (OSError, OverflowError) as error:
         raise InputError(
             f"--port must be a free port, 0 to 65535, got {port}: {error}."

@@ -88,8 +88,9 @@ window.elastomdr = (() => {
   return { tick, polygon, said, label };
 })();
 
-// Quasar has the field of an uploader within a button, which screen readers cannot tell; the field alone is one
+// Quasar's loading bar has no name, and it has the field of an uploader within a button, which screen readers cannot tell; the field alone is one
 new MutationObserver(() => {
+  document.querySelector(".q-loading-bar:not([aria-label])")?.setAttribute("aria-label", "Loading");
   for (const input of document.querySelectorAll(".q-uploader__input:not([aria-label])")) {
     const uploader = input.closest(".q-uploader");
     input.setAttribute("aria-label", uploader.getAttribute("aria-label"));
