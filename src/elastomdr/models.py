@@ -140,6 +140,18 @@ class SurfaceModel(Model, ABC):
     # whether each length scale has a temperature of its own under `em.Heat`, for which
     # the model needs `waves` and `contact`; otherwise all scales have one
     heats_by_scale: ClassVar[bool] = False
+    # whether `solve` follows `local.directed`, the direction of sliding on a surface
+    # with a lay; others refuse a direction
+    takes_direction: ClassVar[bool] = False
+    # whether without one `solve` is the mean over directions of sliding, not that of
+    # the mean spectrum
+    samples_directions: ClassVar[bool] = False
+
+    def on_map(self, surface: AbstractSpectrum) -> bool:
+        """Whether the body slides over the heights that were measured, not over what
+        their spectrum stands for.
+        """
+        return False
 
     @abstractmethod
     def words(self) -> str:
@@ -258,6 +270,7 @@ class _ClosedIntegrals(SurfaceModel):
 
     softens: ClassVar[bool] = True
     heats_by_scale: ClassVar[bool] = True
+    takes_direction: ClassVar[bool] = True
 
     @abstractmethod
     def energy_factor(self) -> tuple[float, bool]:
@@ -400,9 +413,16 @@ class Line(Model):
         *,
         adhesion: AdhesiveShear | None,
         strain_share: Number,
+        direction: ArrayLike | None,
         **scene: Any,
     ) -> FrictionCurve:
         from .rough.line import rough_friction
+
+        if direction is not None:
+            raise InputError(
+                "direction needs em.Multiscale(), em.Persson() or em.HalfSpace() and a "
+                f"surface under a pressure, got {self!r}."
+            )
 
         return rough_friction(material, surface, model=self, **scene)
 
@@ -545,12 +565,17 @@ class HalfSpace(SurfaceModel):
         seeds: number of random maps that stand for a surface, or a list of their seeds.
         periods: side of a map in longest waves of the surface; by default as many as
             fit on the grid.
+
+    A surface that `em.read_surface` read from one map is that map itself, its edges
+    made to meet, unless `seeds` or `periods` ask for random maps of its spectrum.
     """
 
     cells: int | None = None
     seeds: int | Sequence[int] = 1
     periods: int | None = None
     label: ClassVar[str] = "half-space"
+    takes_direction: ClassVar[bool] = True
+    samples_directions: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         seeds_of(self.seeds)
@@ -572,11 +597,18 @@ class HalfSpace(SurfaceModel):
         return grid_words(self.cells or _CELLS)
 
     def words(self) -> str:
-        return "half-space in three dimensions, random maps of cells (no reduction)"
+        return "half-space in three dimensions, maps of cells (no reduction)"
+
+    def on_map(self, surface: AbstractSpectrum) -> bool:
+        random = self.periods is not None or self.seeds != 1
+        return not random and getattr(surface, "map", None) is not None
 
     def work(self, surface: AbstractSpectrum) -> tuple[str, str]:
+        from .rough import on_maps
         from .rough.random_maps import work
 
+        if self.on_map(surface):
+            return on_maps.work(surface, self.cells)
         return work(surface, self.cells, self.periods, len(seeds_of(self.seeds)))
 
     def solve(
@@ -591,20 +623,20 @@ class HalfSpace(SurfaceModel):
     ) -> SurfaceFriction:
         import numpy as np
 
-        from .rough import random_maps
+        from .rough.on_maps import friction
 
-        grid = random_maps.grid_of(surface, self.cells, self.periods)
         if is_traced(surface, velocity, pressure, foundation):
             raise InputError(
                 "model must be em.Multiscale() or em.Persson() under jit, grad and "
                 "vmap."
             )
-        return random_maps.friction(
+        return friction(
+            self,
             foundation.complex_modulus,
             surface,
             np.asarray(velocity),
             np.asarray(pressure),
-            grid,
+            local.directed,
             seeds_of(self.seeds),
             rtol,
             progress,

@@ -18,12 +18,17 @@ def is_rough(shape: Any) -> TypeGuard[RoughLine | AbstractSpectrum]:
     return isinstance(shape, (RoughLine, AbstractSpectrum))
 
 
-def only_rough(heat: Any) -> None:
+def only_rough(heat: Any = None, direction: Any = None) -> None:
     """Refuses for an indenter what belongs to a rough surface. Raises `InputError`."""
     if heat is not None:
         raise InputError(
             "heat belongs to a rough surface; an indenter's friction is at the "
             "temperature given."
+        )
+    if direction is not None:
+        raise InputError(
+            "direction is an angle to the lay of a rough surface; an indenter has "
+            f"none, got {direction!r}."
         )
 
 

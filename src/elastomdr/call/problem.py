@@ -43,6 +43,7 @@ class Scene(NamedTuple):
     # reference
     vertical: Any
     traced: bool
+    direction: Any = None  # of sliding, to the lay of a surface [rad], or None
 
     def full(self, array: Any) -> Any:
         """`array` in the broadcast shape; None stays None."""
@@ -70,7 +71,13 @@ class Scene(NamedTuple):
 
 
 def steady_scene(
-    foundation: Any, body: Any, *, velocity: Any, temperature: Any, **given: Any
+    foundation: Any,
+    body: Any,
+    *,
+    velocity: Any,
+    temperature: Any,
+    direction: Any = None,
+    **given: Any,
 ) -> Scene:
     """Checks and broadcasts; `given` are load, depth and pressure, of which one is not
     None. Raises `InputError`.
@@ -84,20 +91,22 @@ def steady_scene(
     temperature = (
         None if temperature is None else as_float64("temperature", temperature)
     )
-    shape = broadcast_shape(
-        **{"velocity": velocity, name: value, "temperature": temperature}
-    )
+    direction = None if direction is None else as_float64("direction", direction)
+    points = {"velocity": velocity, name: value, "temperature": temperature}
+    shape = broadcast_shape(**points, direction=direction)
     factor, vertical = (
         (1.0, 1.0) if temperature is None else thermal_factors(foundation, temperature)
     )
     if temperature is not None and not is_traced(velocity, factor):
         _check_shift(temperature, velocity, factor)
-    traced = is_traced(foundation, body, velocity, value, temperature)
+    traced = is_traced(foundation, body, velocity, value, temperature, direction)
     scene = Scene(
         foundation, name, shape, velocity, value, temperature, None, None, traced
     )
     return scene._replace(
-        reduced=scene.full(velocity * factor), vertical=scene.full(vertical)
+        reduced=scene.full(velocity * factor),
+        vertical=scene.full(vertical),
+        direction=direction,
     )
 
 

@@ -239,6 +239,9 @@ class FrictionCurve(AbstractCurve):
     pressure: Array | None = quantity(
         "nominal pressure", "Pa", "of a surface", default=None, shown="MPa"
     )
+    direction: Array | None = quantity(
+        "direction", "rad", "angle to the lay of a surface", default=None, shown="°"
+    )
     area_ratio: Array | None = quantity(
         "real contact area over nominal area",
         "-",

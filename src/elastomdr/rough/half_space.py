@@ -280,28 +280,36 @@ class Waves(NamedTuple):
 
 
 def waves(
-    modulus: Callable[[Any], Any], velocity: float, shape: tuple[int, int], sides: Any
+    modulus: Callable[[Any], Any],
+    velocity: float,
+    shape: tuple[int, int],
+    sides: Any,
+    angle: float = 0.0,
 ) -> Waves:
-    """The waves of a map of `shape` cells on `sides` [m]; `modulus(omega)` is E* [Pa]
-    at omega >= 0 [rad/s].
+    """The waves of a map of `shape` cells on `sides` [m] that moves at `angle` to x
+    [rad]; `modulus(omega)` is E* [Pa] at omega >= 0 [rad/s].
     """
     nx, ny = shape
-    kx = 2 * np.pi * np.fft.fftfreq(nx, 1 / nx) / sides[0]
+    kx = 2 * np.pi * np.fft.fftfreq(nx, 1 / nx)[:, None] / sides[0]
     ky = 2 * np.pi * np.fft.rfftfreq(ny, 1 / ny) / sides[1]
-    value = np.conj(modulus(np.abs(kx) * velocity))  # E*(-kx v)
-    value = np.where(kx < 0, np.conj(value), value)
+    along = kx * np.cos(angle) + ky * np.sin(angle) if angle else kx
+    value = np.conj(modulus(np.abs(along) * velocity))  # E*(-k v)
+    value = np.where(along < 0, np.conj(value), value)
+    # waves without a direction of their own
     if nx % 2 == 0:
-        value[nx // 2] = value[nx // 2].real  # a wave without a direction of its own
-    k = np.hypot(kx[:, None], ky[None])
+        value[nx // 2] = value[nx // 2].real
+    if ny % 2 == 0 and angle:
+        value[:, -1] = value[:, -1].real
+    k = np.hypot(kx, ky)
     k[0, 0] = 1.0
-    inverse = 0.5 * k * value[:, None]
+    inverse = 0.5 * k * value
     kernel = 1 / inverse
     kernel[0, 0] = inverse[0, 0] = 0.0  # the mean is given: only the rest counts
     twice = np.full(ky.size, 2.0)
     twice[0] = 1.0
     if ny % 2 == 0:
         twice[-1] = 1.0
-    loss = twice * (2 * kx * -value.imag / np.abs(value) ** 2)[:, None] / k
+    loss = twice * (2 * along * -value.imag / np.abs(value) ** 2) / k
     return Waves(kernel, inverse, loss)
 
 
@@ -323,17 +331,18 @@ def solve(
     *,
     velocity: float,
     pressure: float,
+    angle: float = 0.0,
     start: Any = None,
     double: bool = True,
 ) -> MapContact:
     """Contact of periodic `heights` [m] (positive into the rubber) at a mean `pressure`
-    [Pa].
+    [Pa]; the map moves at `angle` to x [rad].
 
     `start` is a map of pressures on the same grid, for its cells in contact: those of a
     neighbouring velocity or load; without it they come from a grid half as fine. The
     contact is found in 32 bits, to 1e-4 of the stress, and with `double` settled in 64.
     """
-    on = waves(modulus, velocity, heights.shape, sides)
+    on = waves(modulus, velocity, heights.shape, sides, angle)
     full = _in_full_contact(on, heights, pressure)
     if full is not None:
         return full
@@ -347,6 +356,7 @@ def solve(
                 sides,
                 velocity=velocity,
                 pressure=pressure,
+                angle=angle,
                 double=False,
             )
             start = np.repeat(np.repeat(half.pressure, 2, axis=0), 2, axis=1)

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..arrays import namespace
 from ..material.shift import thermal_factors
+from .against_lay import Directed
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
 _ONSET = 0.1  # c of `place_of`
@@ -100,10 +101,13 @@ class Warmed(NamedTuple):
 
 
 class Local(NamedTuple):
-    """What makes moduli differ from scale to scale; nothing, as it is."""
+    """What makes moduli differ from scale to scale, and waves from direction to
+    direction; nothing, as it is.
+    """
 
     softened: Softened | None = None
     warmed: Warmed | None = None
+    directed: Directed | None = None
 
     @property
     def parted(self) -> bool:
@@ -114,12 +118,13 @@ class Local(NamedTuple):
 
     def of(self, points: Any) -> Local:
         """The same for some of the points."""
-        if self.warmed is None:
-            return self
-        warm = self.warmed
-        return self._replace(
-            warmed=warm._replace(rise=warm.rise[points], kelvin=warm.kelvin[points])
-        )
+        local, warm = self, self.warmed
+        if warm is not None:
+            rise, kelvin = warm.rise[points], warm.kelvin[points]
+            local = local._replace(warmed=warm._replace(rise=rise, kelvin=kelvin))
+        if self.directed is not None:
+            local = local._replace(directed=self.directed.of(points))
+        return local
 
     def at(self, q: Any) -> tuple[Any, Any, Any]:
         """Factors at wave numbers q (cells, 2) or one: on the velocity, on the storage

@@ -47,6 +47,7 @@ from ..models import SurfaceFriction
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
+from . import against_lay
 from .local_modulus import Local, Softened, Warmed
 from .psd_integrals import (
     PER_DECADE,
@@ -191,6 +192,8 @@ def table_of(
     low = velocity.min() * at.q.min() * local.slowest()
     high = velocity.max() * at.end * _BEYOND
     step = np.log(10.0) / per_decade
+    if local.directed is not None:
+        return against_lay.directed_table(modulus, low, high * np.exp(FORM.finer), step)
     return tables(modulus, low, high, step, FORM.finer, local.parted)
 
 
@@ -230,7 +233,7 @@ def _spread(plain: Any, stiffer: Any) -> Any:
     return plain * namespace(plain, stiffer).exp((1 - share(plain)) * stiffer)
 
 
-def _averages(
+def averages_of(
     modulus: Any,
     velocity: Any,
     q: Any,
@@ -243,11 +246,14 @@ def _averages(
     """
     speed, storage, loss = local.at(q)
     w = _frequency(velocity, q, speed)
-    found = (
-        direct(modulus, w, finer, local.parted)
-        if table is None
-        else read(table, np.log(w))
-    )
+    if local.directed is not None:
+        found = against_lay.averages(
+            modulus, table, w, q, local.directed, finer, local.parted
+        )
+    elif table is None:
+        found = direct(modulus, w, finer, local.parted)
+    else:
+        found = read(table, np.log(w))
     if found.lost is None:
         return found
     factor = storage**2 + (loss**2 - storage**2) * found.lost
@@ -265,6 +271,10 @@ def _stiffer(
     """`Averages.stiffer` alone."""
     speed, _, _ = local.at(q)
     w = _frequency(velocity, q, speed)
+    if local.directed is not None:
+        return against_lay.averages(
+            modulus, table, w, q, local.directed, finer, False
+        ).stiffer
     if table is None:
         return direct(modulus, w, finer, local.parted).stiffer
     return read_stiffer(table, np.log(w))
@@ -287,7 +297,7 @@ def stress_variance(
     """R of all waves, at points (velocity [m/s], pressure [Pa]), flat."""
     at = nodes(spectrum, per_decade)
     table = table_of(modulus, at, velocity, per_decade, _LINEAR)
-    stiffness = _averages(modulus, velocity, at.q, table).stiffness
+    stiffness = averages_of(modulus, velocity, at.q, table).stiffness
     rate = rate_of(at, stiffness, pressure[:, None, None])
     return (rate * at.weight).sum((-2, -1))
 
@@ -303,7 +313,7 @@ def waves_of_persson(
 ) -> Waves:
     """Friction wave by wave, by Persson's theory; none of contact edges."""
     p = pressure[:, None, None]
-    drag, stiffness, *_ = _averages(modulus, velocity, at.q, table, local)
+    drag, stiffness, *_ = averages_of(modulus, velocity, at.q, table, local)
     rate = rate_of(at, stiffness, p)
     shares = contact(until(rate, at.weight), *energy_factor)
     full = at.weight * at.power * drag / (2 * p)
@@ -326,7 +336,7 @@ def waves_of_multiscale(
     p = pressure[:, None, None]
 
     def averages(q: Any) -> Averages:
-        return _averages(modulus, velocity, q, table, local, form.finer)
+        return averages_of(modulus, velocity, q, table, local, form.finer)
 
     def summed(values: Any) -> Any:
         return (values * at.weight).sum((-2, -1))
@@ -460,24 +470,26 @@ def _taken_apart(
 ) -> tuple[Any, Any]:
     """What all points share, and what each has of its own, for `_with_slopes`."""
     share = None if local.softened is None else local.softened.share
+    direction = against_lay.to_points(local.directed)
     if local.warmed is None:
-        return as_doubles(((foundation, surface, share, None), (velocity, pressure)))
+        points = velocity, pressure, direction
+        return as_doubles(((foundation, surface, share, None), points))
     warmed = local.warmed
     shared = foundation, surface, share, (warmed.ends, warmed.highest)
-    return as_doubles(
-        (shared, (velocity, pressure, warmed.kelvin, xp.transpose(warmed.rise)))
-    )
+    points = velocity, pressure, direction, warmed.kelvin, xp.transpose(warmed.rise)
+    return as_doubles((shared, points))
 
 
 def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
     foundation, surface, share, range_of_scales = shared
     softened = warmed = None
+    directed = against_lay.of_points(surface, points[2])
     if share is not None:
         softened = Softened(foundation.softening, surface, share)
     if range_of_scales is not None:
-        (ends, highest), (_, _, kelvin, rise) = range_of_scales, points
+        (ends, highest), (kelvin, rise) = range_of_scales, points[3:]
         warmed = Warmed(ends, rise.T, highest, kelvin, foundation)
-    return foundation, surface, Local(softened, warmed)
+    return foundation, surface, Local(softened, warmed, directed)
 
 
 @functools.lru_cache(64)

@@ -246,6 +246,16 @@ def tables(
     return Tables(step, first + 1, np.stack([_cubics(y) for y in columns]))
 
 
+def moduli_table(modulus: Any, low: float, high: float, step: float) -> Tables:
+    """The logarithms of Im E* and |E*|^2 themselves, on the grid of `tables`."""
+    first = int(np.floor(np.log(low) / step)) - 2
+    last = int(np.ceil(np.log(high) / step)) + 3
+    value = modulus(np.exp(step * np.arange(first, last + 1)))
+    columns = (value.imag, abs(value) ** 2)
+    cubics = [_cubics(np.log(np.maximum(y, 1e-300))) for y in columns]
+    return Tables(step, first + 1, np.stack(cubics))
+
+
 def _cubics(y: np.ndarray) -> np.ndarray:
     """The cubic through each four points at -1, 0, 1 and 2, its coefficients from s^3
     down: (4, points - 3).
@@ -285,7 +295,7 @@ def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Av
 
 def read(table: Tables, log_w: Any) -> Averages:
     """The averages at log w, by cubics through four points of their logarithm."""
-    drag, stiffness, stiffer, *lost = _columns(table, log_w, slice(None))
+    drag, stiffness, stiffer, *lost = read_columns(table, log_w, slice(None))
     return Averages(
         np.exp(drag), np.exp(stiffness), stiffer, np.exp(lost[0]) if lost else None
     )
@@ -293,11 +303,12 @@ def read(table: Tables, log_w: Any) -> Averages:
 
 def read_stiffer(table: Tables, log_w: Any) -> Any:
     """`Averages.stiffer` alone at log w."""
-    (stiffer,) = _columns(table, log_w, slice(2, 3))
+    (stiffer,) = read_columns(table, log_w, slice(2, 3))
     return stiffer
 
 
-def _columns(table: Tables, log_w: Any, some: slice) -> list[Any]:
+def read_columns(table: Tables, log_w: Any, some: slice) -> list[Any]:
+    """Some columns of a table at log w."""
     place = log_w / table.step - table.first
     left = interval_of(place, table.cubics.shape[-1])
     return [even_cubics(column, place, left) for column in table.cubics[some]]

@@ -12,7 +12,6 @@ the load. With one of them friction was 14 % low, with four 1 %: `error` has 0.3
 of them; below one there is no answer.
 """
 
-import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -21,16 +20,18 @@ import numpy as np
 from ..errors import InputError
 from ..models import Persson, SurfaceFriction
 from ..surface.spectrum import rough_map
+from .against_lay import Directed
 from .half_space import solve, waves
 from .local_modulus import Local
-from .psd_integrals import direct, nodes, until
+from .multiscale import averages_of
+from .psd_integrals import nodes, until
 
 SAMPLES = 4  # cells per shortest wave
 # cells to a side that are aimed at, and the most, where none are given
-_USUAL, _LARGEST = 512, 2048
+_USUAL, LARGEST = 512, 2048
 _PERIODS = 16  # longest waves to a side, at most, where none are given
 # relative error of a cell, over the number of summits that carry its load
-_OF_SUMMITS = 0.3
+OF_SUMMITS = 0.3
 # Half of the change from a grid half as fine: a grid of 4 cells per shortest wave is
 # within 0.8 % of ever finer ones.
 _OF_HALF = 0.5
@@ -51,7 +52,7 @@ def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> Grid:
         periods = min(max(1, int(_USUAL / (SAMPLES * ratio))), _PERIODS)
     if cells is None:
         cells = 32 * int(np.ceil(SAMPLES * ratio * periods / 32 - 1e-9))
-        if cells > _LARGEST:
+        if cells > LARGEST:
             raise InputError(
                 "cells must be given for a surface whose cutoffs are a factor of "
                 f"{ratio:.3g} apart: {cells} to a side "
@@ -69,7 +70,7 @@ def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> Grid:
     return Grid(cells, periods, 2 * np.pi * periods / spectrum.q_low)
 
 
-class _MapFriction(NamedTuple):
+class MapFriction(NamedTuple):
     """One map at each point; NaN where there is no answer."""
 
     mu: np.ndarray
@@ -86,30 +87,50 @@ def friction(
     grid: Grid,
     seeds: tuple[int, ...],
     rtol: float,
-    progress: Callable[[int, int], None] | None,
+    tick: Callable[[], None],
+    direction: float | None = None,
 ) -> SurfaceFriction:
-    """Points (velocity [m/s], pressure [Pa]), flat, each on every map."""
-    full = full_contact(modulus, spectrum, velocity, pressure)
-    enough = summits(modulus, spectrum, velocity, pressure, grid)
-    done = itertools.count(1)
+    """Points (velocity [m/s], pressure [Pa]), flat, each on every map; at an angle to
+    the lay of a surface that has one.
+    """
+    directed = None
+    if direction is not None:
+        directed = Directed(spectrum, np.full(velocity.shape, direction))
+    full = full_contact(modulus, spectrum, velocity, pressure, directed)
+    enough = summits(modulus, spectrum, velocity, pressure, grid, directed)
 
-    def tick() -> None:
-        number = next(done)
-        if progress is not None:
-            progress(number, velocity.size * len(seeds))
+    def both_in_full(
+        heights: np.ndarray, i: int, given: dict[str, float]
+    ) -> tuple[float, float]:
+        """Full contact of the spectrum and of the waves of a map."""
+        return full[i], full_contact_of_map(modulus, heights, sides, **given)
 
-    maps = []
+    maps, sides = [], (grid.side, grid.side)
     for seed in seeds:
-        heights, _ = rough_map(spectrum, seed, periods=grid.periods, points=grid.cells)
+        heights, _ = rough_map(
+            spectrum,
+            seed,
+            periods=grid.periods,
+            points=grid.cells,
+            direction=direction or 0.0,
+        )
         maps.append(
-            _on_map(
-                modulus, heights, grid, velocity, pressure, full, enough, rtol, tick
+            on_map(
+                modulus,
+                heights,
+                sides,
+                velocity,
+                pressure,
+                enough,
+                rtol,
+                tick,
+                in_full=both_in_full,
             )
         )
-    each = _MapFriction(*map(np.array, zip(*maps, strict=True)))
+    each = MapFriction(*map(np.array, zip(*maps, strict=True)))
     mu, area = each.mu.mean(axis=0), each.area.mean(axis=0)
-    of_mu = each.mu_error.mean(axis=0) + _OF_SUMMITS * np.abs(mu) / enough
-    of_area = each.area_error.mean(axis=0) + _OF_SUMMITS * area / enough
+    of_mu = each.mu_error.mean(axis=0) + OF_SUMMITS * np.abs(mu) / enough
+    of_area = each.area_error.mean(axis=0) + OF_SUMMITS * area / enough
     good = np.isfinite(each.mu).all(axis=0) & (enough >= 1)
     said = (
         f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest "
@@ -134,20 +155,27 @@ def _standard_error(values: np.ndarray) -> np.ndarray:
     return np.std(values, axis=0, ddof=1) / np.sqrt(len(values))
 
 
-def _on_map(
+def on_map(
     modulus: Callable[[Any], Any],
     heights: np.ndarray,
-    grid: Grid,
+    sides: tuple[float, float],
     velocity: np.ndarray,
     pressure: np.ndarray,
-    full: np.ndarray,
     enough: np.ndarray,
     rtol: float,
     tick: Callable[[], None],
-) -> _MapFriction:
-    """All points on one map; neighbours begin with each other's contact."""
-    answer = _MapFriction(*(np.full(velocity.size, np.nan) for _ in range(4)))
-    sides = (grid.side, grid.side)
+    *,
+    in_full: Callable[[np.ndarray, int, dict[str, float]], tuple[float, float]]
+    | None = None,
+    angle: float = 0.0,
+) -> MapFriction:
+    """All points on one map that moves at `angle` to x; neighbours begin with each
+    other's contact.
+
+    `in_full`, of the map and the point: friction of full contact by which mu is
+    multiplied, and that by which it is divided.
+    """
+    answer = MapFriction(*(np.full(velocity.size, np.nan) for _ in range(4)))
     start, last = None, None
     for i in np.lexsort((velocity, pressure)):
         if last is not None and pressure[last] != pressure[i]:
@@ -158,13 +186,16 @@ def _on_map(
             # in 32 bits
             continue
         given = {"velocity": float(velocity[i]), "pressure": float(pressure[i])}
-        fine = solve(modulus, heights, sides, **given, start=start, double=rtol < 1e-4)
-        coarse = solve(modulus, heights[::2, ::2], sides, **given, double=False)
+        on = {**given, "angle": angle}
+        fine = solve(modulus, heights, sides, **on, start=start, double=rtol < 1e-4)
+        coarse = solve(modulus, heights[::2, ::2], sides, **on, double=False)
         start, last = (fine.pressure if fine.settled else None), i
         if not fine.settled:
             continue
-        on_map = full_contact_of_map(modulus, heights, sides, **given)
-        answer.mu[i] = fine.stress / pressure[i] * full[i] / on_map
+        answer.mu[i] = fine.stress / pressure[i]
+        if in_full is not None:
+            whole, of_map = in_full(heights, i, given)
+            answer.mu[i] = answer.mu[i] * whole / of_map
         answer.area[i] = fine.area
         if coarse.settled:
             change = abs(fine.stress - coarse.stress) / pressure[i]
@@ -174,12 +205,18 @@ def _on_map(
 
 
 def summits(
-    modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray, grid: Grid
+    modulus: Any,
+    spectrum: Any,
+    velocity: np.ndarray,
+    pressure: np.ndarray,
+    grid: Grid,
+    directed: Directed | None = None,
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
     at = nodes(spectrum, 16)
     model = Persson()
-    found = model.waves(modulus, at, velocity, pressure, None, Local())
+    local = Local(directed=directed)
+    found = model.waves(modulus, at, velocity, pressure, None, local)
     shares = model.contact(until(found.rate, at.weight), found.stiffer)
     shares = shares.reshape(velocity.size, -1)
     longest = spectrum.q[
@@ -187,16 +224,23 @@ def summits(
     ]
     # longest waves that still grow, or the roll-off's
     number = (grid.side * longest / (2 * np.pi)) ** 2
+    if directed is not None:  # of ridges, which are longer than wide
+        number = number / np.exp(abs(directed.spectrum.lay.log_peklenik[0]))
     where = np.searchsorted(at.q.ravel(), min(2 * longest, 0.999 * spectrum.q_high))
+    where = min(int(where), shares.shape[1] - 1)
     return number * shares[:, where]
 
 
 def full_contact(
-    modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray
+    modulus: Any,
+    spectrum: Any,
+    velocity: np.ndarray,
+    pressure: np.ndarray,
+    directed: Directed | None = None,
 ) -> np.ndarray:
     """Friction in full contact of all waves of a spectrum."""
     at = nodes(spectrum, 32)
-    drag = direct(modulus, velocity[:, None, None] * at.q).drag
+    drag = averages_of(modulus, velocity, at.q, None, Local(directed=directed)).drag
     return (at.weight * at.power * drag).sum((-2, -1)) / (2 * pressure)
 
 

@@ -19,9 +19,12 @@ from ..material.shift import thermal_factors
 from ..material.validity import misfit
 from ..models import SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
+from ..results.words import brief
 from ..smooth.softening import LINEAR
+from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
 from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
+from .against_lay import Directed
 from .heat import HIGHEST, Heat, check_heat, highest_rise
 from .local_modulus import Local, Softened
 
@@ -45,6 +48,7 @@ _SKEWED, _PER_SKEWNESS = 0.4, 0.6
 # sweep in shear: benchmarks/strain_share.py
 _STRAIN_SHARE = (0.12, 1.35), (0.3, 2.0)
 _MOST_SHARE = 2.0
+_ROUGHLY = 1e-3  # relative error of what only goes into a bound
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,6 +99,14 @@ class _Strained(NamedTuple):
     rows: list[tuple[str, str]]
 
 
+class _Turned(NamedTuple):
+    """What the direction of sliding does on a surface with a lay."""
+
+    of_mu: Any  # how far mu and, relatively, the area may be from those computed
+    of_area: Any
+    rows: list[tuple[str, str]]
+
+
 def surface_friction(
     material: Any,
     surface: AbstractSpectrum,
@@ -107,13 +119,14 @@ def surface_friction(
     heat: Heat | None,
     adhesion: AdhesiveShear | None,
     strain_share: Any,
+    direction: Any,
     progress: Callable[[int, int], None] | None,
 ) -> FrictionCurve:
     """`em.friction` of a surface that is given by its spectrum, under a pressure; see
     there.
     """
     foundation, scene = _set_up(
-        material, surface, model, velocity, pressure, temperature, rtol, heat
+        material, surface, model, velocity, pressure, temperature, rtol, heat, direction
     )
     check_adhesion(adhesion, temperature)
     strain_share = _checked_share(strain_share)
@@ -126,7 +139,8 @@ def surface_friction(
     solved = partial(
         model.solve, foundation, surface, rtol=float(rtol), progress=progress
     )
-    answer = _solved(scene, surface, model, heat, adhesion, Local(softened), solved)
+    local = Local(softened, directed=_directed(scene, surface, model))
+    answer = _solved(scene, surface, model, heat, adhesion, local, solved)
     if not scene.traced:
         _warn_of_failed(answer.found, rtol)
     outside = (
@@ -140,6 +154,7 @@ def surface_friction(
         else _misfit(foundation, surface, answer.reduced.ravel())
     )
     strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
+    turned = _turned(scene, surface, model, answer, solved)
     beyond = (
         NOT_KNOWN
         if scene.traced
@@ -152,7 +167,8 @@ def surface_friction(
         )
         rows += beyond.said[-1:]
     inputs = _inputs(scene, surface, heat, answer, strained, of_data, outside)
-    curve = _packed(scene, surface, model, answer, strained, of_data)
+    inputs += turned.rows
+    curve = _packed(scene, surface, model, answer, strained, turned, of_data)
     if not scene.traced and curve.model_error is not None:
         inputs += _wide_bound(curve, model, foundation, surface, answer, strained)
     curve = dataclasses.replace(
@@ -168,7 +184,7 @@ def surface_friction(
     if adhesion is None:
         return curve
     return _with_adhesion(
-        curve, adhesion, heat, scene, surface, model, answer, strained
+        curve, adhesion, heat, scene, surface, model, answer, strained, turned
     )
 
 
@@ -252,7 +268,7 @@ def _heated_by_scale(
     problem = Problem(
         foundation,
         surface,
-        answer.local.softened,
+        answer.local,
         heat,
         adhesion,
         velocity,
@@ -357,6 +373,7 @@ def _packed(
     model: SurfaceModel,
     answer: _Answer,
     strained: _Strained,
+    turned: _Turned,
     of_data: Any,
 ) -> FrictionCurve:
     """The numbers of the result, of hysteresis alone."""
@@ -366,7 +383,7 @@ def _packed(
     softening = ""
     if scene.foundation.softening is not None:
         softening = LINEAR if answer.local.softened is None else _SOFTENED
-    bound = _model_error(model, scene, surface, answer, strained.of_mu)
+    bound = _model_error(model, scene, surface, answer, strained.of_mu + turned.of_mu)
     return FrictionCurve(
         velocity=scene.full(scene.velocity),
         mu=field(found.mu),
@@ -382,6 +399,7 @@ def _packed(
         inputs=(),
         model_error=bound,
         pressure=pressure,
+        direction=scene.full(scene.direction),
         area_ratio=field(found.area),
         linear=None if strained.linear is None else field(strained.linear),
     )
@@ -419,6 +437,7 @@ def _with_adhesion(
     model: SurfaceModel,
     answer: _Answer,
     strained: _Strained,
+    turned: _Turned,
 ) -> FrictionCurve:
     """The shear of the real contact added."""
     field = partial(answer.field, scene.shape)
@@ -435,7 +454,14 @@ def _with_adhesion(
         adhesion,
         area / pressure,
         field(found.area_error) / area,
-        _model_error(model, scene, surface, answer, strained.of_area, of_area=True),
+        _model_error(
+            model,
+            scene,
+            surface,
+            answer,
+            strained.of_area + turned.of_area,
+            of_area=True,
+        ),
         "area of real contact",
         **fields,
     )
@@ -537,6 +563,66 @@ def _strained(
     return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
 
 
+def _directed(
+    scene: Scene, surface: AbstractSpectrum, model: SurfaceModel
+) -> Directed | None:
+    """The direction of sliding at each point, where one is given and matters."""
+    if scene.direction is None or not (lay_of(surface) or model.on_map(surface)):
+        return None
+    return Directed(surface, scene.full(scene.direction).ravel())
+
+
+def _turned(
+    scene: Scene,
+    surface: AbstractSpectrum,
+    model: SurfaceModel,
+    answer: _Answer,
+    solved: Callable[..., SurfaceFriction],
+) -> _Turned:
+    """What the direction of sliding does; how far mu may be from its mean over
+    directions where none is given.
+    """
+    if lay_of(surface) is None:
+        if scene.direction is None or model.on_map(surface):
+            return _Turned(0.0, 0.0, [])
+        words = "friction is the same in all directions: the surface has no lay"
+        return _Turned(0.0, 0.0, [("direction", words)])
+    if scene.direction is not None:
+        words = brief(scene.direction, "rad")
+        return _Turned(0.0, 0.0, [("direction", f"{words} to the lay (0: along it)")])
+    words = "none is given: the mean over directions"
+    if not model.takes_direction or model.samples_directions:
+        return _Turned(0.0, 0.0, [("direction", words)])
+    if scene.traced:
+        return _Turned(np.nan, np.nan, [("direction", words)])
+    pressure = (scene.full(scene.value) / scene.vertical).ravel()
+
+    def towards(angle: float) -> SurfaceFriction:
+        directed = Directed(surface, np.full(pressure.shape, angle))
+        local = answer.local._replace(directed=directed)
+        return solved(
+            scene.reduced.ravel(), pressure, local=local, rtol=_ROUGHLY, progress=None
+        )
+
+    found, along, across = answer.found, towards(0.0), towards(np.pi / 2)
+    of_mu, of_area = (
+        np.maximum(*(abs(end - mean) for end in ends))
+        for mean, ends in (
+            (found.mu, (along.mu, across.mu)),
+            (1.0, (along.area / found.area, across.area / found.area)),
+        )
+    )
+    if found.good.any():
+        least, most = (
+            np.median((end.mu / found.mu)[found.good]) for end in (along, across)
+        )
+        words += (
+            f", from {least:.2g} times along the lay to {most:.2g} times across it, "
+            "which the model error holds"
+        )
+    return _Turned(of_mu, of_area, [("direction", words)])
+
+
 def _softening_words(
     softened: Softened,
     surface: Any,
@@ -632,6 +718,7 @@ def _set_up(
     temperature: Any,
     rtol: Any,
     heat: Any,
+    direction: Any = None,
 ) -> tuple[Any, Scene]:
     """The foundation and its points, checked. Raises `InputError`."""
     foundation = surface_foundation(material)
@@ -642,7 +729,13 @@ def _set_up(
         pressure=pressure,
         temperature=temperature,
         rtol=rtol,
+        direction=direction,
     )
+    if direction is not None and not model.takes_direction:
+        raise InputError(
+            "direction needs em.Multiscale(), em.Persson() or em.HalfSpace(), got "
+            f"{model!r}."
+        )
     check_heat(
         heat,
         temperature,

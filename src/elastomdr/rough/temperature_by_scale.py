@@ -40,6 +40,7 @@ from ..arrays import fixed, is_traced, namespace, xp
 from ..checks import known
 from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
+from .against_lay import of_points, to_points
 from .heat import HIGHEST, Heat, highest_rise
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, bends, table_of
@@ -75,7 +76,7 @@ class Problem(NamedTuple):
 
     body: Any  # foundation
     spectrum: Any
-    softened: Softened | None
+    local: Local  # softening and direction
     heat: Heat
     adhesion: Any  # em.AdhesiveShear, or None
     velocity: Any  # [m/s]
@@ -87,7 +88,10 @@ class Problem(NamedTuple):
     def of(self, points: Any) -> Problem:
         """The same for some of the points."""
         names = ("velocity", "reduced", "kelvin", "pressure", "carried")
-        return self._replace(**{name: getattr(self, name)[points] for name in names})
+        return self._replace(
+            local=self.local.of(points),
+            **{name: getattr(self, name)[points] for name in names},
+        )
 
 
 class Warm(NamedTuple):
@@ -190,10 +194,12 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
     spectrum = known(fixed(problem.spectrum))
     counts = cell_counts(spectrum, _TRACED_CELLS)
     stations = _count(spectrum, _LEVELS[_USUAL])
-    share = None if problem.softened is None else problem.softened.share
+    softened = problem.local.softened
+    share = None if softened is None else softened.share
     shared = problem.body, problem.spectrum, share, problem.heat, problem.adhesion
     points = (problem.velocity, problem.reduced, problem.kelvin)
     points += (problem.pressure, problem.carried)
+    points += (to_points(problem.local.directed),)
     solve = _with_slopes(model, stations, counts)
     rise, mean, flux, to_road, error, good, several = solve(
         *as_doubles((shared, points))
@@ -205,8 +211,10 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
 
 def _problem(shared: Any, points: Any) -> Problem:
     body, spectrum, share, heat, adhesion = shared
+    *points, direction = points
     softened = None if share is None else Softened(body.softening, spectrum, share)
-    return Problem(body, spectrum, softened, heat, adhesion, *points)
+    local = Local(softened, None, of_points(spectrum, direction))
+    return Problem(body, spectrum, local, heat, adhesion, *points)
 
 
 @functools.lru_cache(64)
@@ -285,9 +293,8 @@ def _state(
     table = _tables(problem, conduct.at, conduct.per_decade, highest)
 
     def of(rise: Any) -> State:
-        local = Local(
-            problem.softened,
-            Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body),
+        local = problem.local._replace(
+            warmed=Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body)
         )
         found = model.waves(
             problem.body.complex_modulus,
@@ -310,8 +317,8 @@ def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any
         (problem.kelvin.size, 1),
         min(highest, highest_rise(problem.body, problem.kelvin)),
     )
-    local = Local(
-        problem.softened, Warmed(None, hottest, highest, problem.kelvin, problem.body)
+    local = problem.local._replace(
+        warmed=Warmed(None, hottest, highest, problem.kelvin, problem.body)
     )
     return table_of(
         problem.body.complex_modulus, at, problem.reduced, per_decade, local
@@ -385,7 +392,7 @@ def _conduction(
     """
     bent, decades = (), sum(cells or ()) / per_decade
     if cells is None:
-        bent = bends(problem.spectrum, Local(problem.softened))
+        bent = bends(problem.spectrum, problem.local)
         decades = _decades(problem.spectrum)
     at = nodes(problem.spectrum, per_decade, bent, cells)
     ends = _ends(problem.spectrum)
@@ -548,8 +555,8 @@ def _first(
     tried = np.stack(steps)  # (steps, points)
     many = problem.of(np.tile(np.arange(count), len(steps)))
     rise = (tried[..., None] * shape).reshape(-1, stations)
-    local = Local(
-        problem.softened, Warmed(conduct.ends, rise, highest, many.kelvin, many.body)
+    local = many.local._replace(
+        warmed=Warmed(conduct.ends, rise, highest, many.kelvin, many.body)
     )
     power = []
     for i in range(0, rise.shape[0], _BATCH):

@@ -51,6 +51,7 @@ from ..errors import InputError, closest
 from ..material.validity import Draws, check_draws
 from ..models import whole_number
 from ..trees import Tree, fill, static
+from .lay import Lay, lay_of
 from .rough_line import RoughLine, line_of_heights
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ CONVENTIONS = {
 
 PER_WAVE = 8  # samples of the shortest wave
 PERIODS = 4  # longest waves in a period of the line
+_INNER = 4  # points along each side of the cell of a wave where a map has a lay
 MOST = 2**26  # samples of a line, which are half a gigabyte
 
 
@@ -478,12 +480,18 @@ def synthesise(
 
 @in_si
 def rough_map(
-    spectrum: AbstractSpectrum, seed: int = 0, *, periods: int = 2, points: int = 256
+    spectrum: AbstractSpectrum,
+    seed: int = 0,
+    *,
+    periods: int = 2,
+    points: int = 256,
+    direction: float = 0.0,
 ) -> "tuple[Float[np.ndarray, 'points points'], float]":
     """Heights [m] of a square cell of the surface, `periods` longest wavelengths wide,
     and its side [m].
 
-    For `em.reference.half_space_sliding`. Raises `InputError` where `points` do not
+    For `em.reference.half_space_sliding`. Of a surface with a lay x is at the angle
+    `direction` to it [rad]. Raises `InputError` where `points` do not
     give the shortest wave four.
     """
     spectrum = as_spectrum("spectrum", spectrum)
@@ -500,6 +508,9 @@ def rough_map(
     along = np.fft.fftfreq(points, 1 / points)
     q = 2 * np.pi / side * np.hypot(along[:, None], along[None, : points // 2 + 1])
     power = spectrum.at(np.where(q > 0, q, np.inf)) * (2 * np.pi / side) ** 2
+    lay = lay_of(spectrum)
+    if lay is not None:
+        power = power * _towards(lay, along, side, direction)
     white = np.fft.rfft2(np.random.default_rng(seed).standard_normal((points, points)))
     waves = np.sqrt(power) * white / np.maximum(np.abs(white), 1e-300)
     height = np.fft.irfft2(waves, s=(points, points))
@@ -511,3 +522,20 @@ def rough_map(
     return height * (
         spectrum.rms_slope / np.sqrt(sum(np.mean(slope**2) for slope in slopes))
     ), side
+
+
+def _towards(lay: Lay, along: np.ndarray, side: float, direction: float) -> np.ndarray:
+    """W of each wave of `rough_map`, the mean over its cell of the plane of waves: about
+    the lay W changes within a cell.
+    """
+    inner = (np.arange(_INNER) + 0.5) / _INNER - 0.5
+    mean = np.zeros((along.size, along.size // 2 + 1))
+    for off_x in inner:
+        for off_y in inner:
+            k_x = along[:, None] + off_x
+            k_y = along[None, : along.size // 2 + 1] + off_y
+            k = np.hypot(k_x, k_y)
+            to_lay = np.arctan2(k_y, k_x) + direction
+            q = 2 * np.pi / side * k
+            mean += lay.weight(q, np.cos(to_lay) ** 2, np.sin(to_lay) ** 2)
+    return mean / inner.size**2

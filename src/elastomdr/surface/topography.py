@@ -1,4 +1,4 @@
-"""The isotropic spectrum C(q) of measured heights.
+"""The spectrum C(q) of measured heights, averaged over directions.
 
 With a Hann window w, <w^2> = 1, and heights h about their straight line or plane, the
 periodogram of a profile and of a map is
@@ -25,6 +25,8 @@ import numpy as np
 
 from ..errors import InputError, warn
 from ..trees import static
+from .height_map import HeightMap
+from .lay import Lay, Periodogram, measured_lay
 from .spectrum import AbstractSpectrum, Spectrum
 
 if TYPE_CHECKING:
@@ -56,8 +58,8 @@ _STEEP = -6.0  # exponent of C below which an instrument did not resolve the wav
 # change of the exponent from band to band at which a spectrum ends at once
 _CLIFF = 2.5
 _STEEPEST = 3.0  # rms slope above which units are doubted
-# factor between C of two directions from which there is a Python warning
-_UNEQUAL = 2.0
+# Peklenik number from which there is a Python warning
+_UNEQUAL = 1.2
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
@@ -126,6 +128,7 @@ class _Limit(NamedTuple):
 
     q: float
     reason: str = ""
+    noisy: bool = False  # whether waves beyond are noise
 
 
 class _Fit(NamedTuple):
@@ -179,11 +182,12 @@ def surface(
         for scan, each, high in zip(ready, waves, highest, strict=True)
     ]
     report += [name + found.words for name, found in zip(names, asymmetry, strict=True)]
-    for name, scan, each, one, high in zip(
-        names, ready, waves, alone, highest, strict=True
-    ):
-        sentences = (_slopes(scan, each, one), *_directions(each, high))
-        report += [name + sentence for sentence in sentences]
+    report += [
+        name + _slopes(scan, each, one)
+        for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
+    ]
+    lay, said = _directions(waves, highest, fit)
+    report += said
     return MeasuredSurface(
         q=fit.q,
         c=fit.c,
@@ -191,7 +195,18 @@ def surface(
         measured_height=height,
         skewness=max((found.skewness for found in asymmetry), key=abs),
         report=tuple(report),
+        lay=lay,
+        map=_only_map(ready, highest, shortest is not None or limits[0].noisy),
     )
+
+
+def _only_map(
+    scans: Sequence[Scan], highest: Sequence[float], cut: bool
+) -> HeightMap | None:
+    """The heights, where they are those of one map."""
+    if len(scans) > 1 or scans[0].height.ndim == 1:
+        return None
+    return HeightMap(scans[0].height, scans[0].steps, highest[0] if cut else None)
 
 
 def _highest(
@@ -344,7 +359,9 @@ def _limit(waves: _Waves, scan: Scan) -> _Limit:
         return _Limit(limit)
     if limit == quiet:
         return _Limit(
-            limit, f"{wave} shorter waves flattens to white noise of the instrument"
+            limit,
+            f"{wave} shorter waves flattens to white noise of the instrument",
+            noisy=True,
         )
     return _Limit(
         limit,
@@ -609,45 +626,37 @@ def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
     return sentence
 
 
-def _directions(waves: _Waves, highest: float) -> list[str]:
-    """What there is to say of a map whose spectrum depends on direction: the worst of
-    six pairs at right angles.
-    """
-    if waves.dimensions == 1:
-        return []
-    angle = np.arctan2(waves.k[1], waves.k[0]) % np.pi
-    sector = (np.floor(angle / (np.pi / 12) + 0.5).astype(int)) % 12
-    edges = np.geomspace(
-        4 * max(waves.lowest),
-        highest,
-        max(2, round(2 * np.log2(highest / 4 / max(waves.lowest))) + 1),
+def _directions(
+    waves: Sequence[_Waves], highest: Sequence[float], fit: _Fit
+) -> tuple[Lay | None, list[str]]:
+    """The lay of a surface that has one, and what there is to say of it."""
+    maps = []
+    for each, high in zip(waves, highest, strict=True):
+        if each.dimensions == 1:
+            continue
+        inside = (each.q >= each.first) & (each.q <= high)
+        q, power, copies, kx, ky = (
+            x[inside] for x in (each.q, each.power, each.copies, *each.k)
+        )
+        c = np.exp(np.interp(np.log(q), np.log(fit.q), np.log(fit.c)))
+        angle = np.arctan2(ky, kx)
+        maps.append(Periodogram(q, angle, power / c, copies, _INDEPENDENT**2))
+    if not maps:
+        return None, []
+    lay, crossed = measured_lay(maps, fit.q)
+    said = [] if lay is None else [lay.words()]
+    said += [crossed] if crossed else []
+    if not said:
+        return lay, []
+    sentence = "; ".join(["the surface is not isotropic", *said])
+    sentence += (
+        "; em.friction takes a `direction`, all else the mean over directions"
+        if lay is not None
+        else "; the mean over directions is used"
     )
-    band = np.digitize(waves.q, edges) - 1
-    inside = (band >= 0) & (band < edges.size - 1)
-    place = (band * 12 + sector)[inside]
-    count, total = (
-        np.bincount(place, values[inside], 12 * (edges.size - 1)).reshape(-1, 12)
-        for values in (waves.copies, waves.copies * waves.power)
-    )
-    used = (count.min(axis=1) >= 16) & (total.min(axis=1) > 0)
-    if used.sum() < 3:
-        return []
-    logs = np.log(total[used] / count[used])
-    across = logs[:, :6] - logs[:, 6:]
-    mean, error = across.mean(axis=0), across.std(axis=0, ddof=1) / np.sqrt(used.sum())
-    worst = int(np.abs(mean).argmax())
-    factor = float(np.exp(np.abs(mean[worst])))
-    if factor < 1.5 or np.abs(mean[worst]) < 4 * error[worst]:
-        return []
-    along = 15 * (worst + (0 if mean[worst] > 0 else 6))
-    sentence = (
-        f"the surface is not isotropic: C along {along} degrees from x is "
-        f"{factor:.2g} times that across; "
-        "its mean over directions is used"
-    )
-    if factor > _UNEQUAL:
+    if lay is None or lay.log_peklenik.max() > np.log(_UNEQUAL):
         warn(sentence, UserWarning)
-    return [sentence]
+    return lay, [sentence]
 
 
 def _coarse(height: np.ndarray) -> list[str]:
@@ -718,6 +727,8 @@ class MeasuredSurface(AbstractSpectrum):
     # of the heights that the spectrum holds, zero where chance may make it
     skewness: float = static()
     report: tuple[str, ...] = static()
+    lay: Lay | None = None  # where C depends on direction; `c` is its mean then
+    map: HeightMap | None = static(default=None)  # the heights of a single map
     label: ClassVar[str] = "measured surface"
 
     def __repr__(self) -> str:

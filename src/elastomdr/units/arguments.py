@@ -38,6 +38,7 @@ UNITS: dict[str, Any] = {
     "conductivity": "W/(m*K)",
     "depth": "m",
     "diameter": "m",
+    "direction": "rad",
     "displacement": "m",
     "energy": "J/mol",
     "equilibrium": "Pa",

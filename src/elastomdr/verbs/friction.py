@@ -52,6 +52,7 @@ def friction(
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
     strain_share: Number = 0.5,
+    direction: ArrayLike | None = None,
     progress: Callable[[int, int], None] | None = None,
     store: Store | None = None,
 ) -> FrictionCurve:
@@ -101,6 +102,10 @@ def friction(
             wave number q over the rms slope of the waves up to q, above 0 and at most
             2. `linear` is mu without softening. `em.Line()` and `em.HalfSpace()` on a
             surface are linear and say so.
+        direction: of sliding, as an angle to the lay of a measured surface whose
+            spectrum depends on direction [rad]: 0 along the grooves, pi/2 across. None:
+            the mean over directions, and `model_error` holds what is between them. A
+            surface without a lay is the same in all directions.
         progress: `progress(done, total)` is called after each batch on a rough line or
             surface.
         store: keeps finished batches of lines (`get(key)`, `put(key, arrays)`).
@@ -139,10 +144,11 @@ def friction(
             heat=heat,
             adhesion=adhesion,
             strain_share=strain_share,
+            direction=direction,
             progress=progress,
             store=store,
         )
-    only_rough(heat)
+    only_rough(heat=heat, direction=direction)
     check_adhesion(adhesion, temperature)
     if isinstance(shape, AbstractShape):
         model = of_smooth(model, "friction", shape.label)

@@ -80,7 +80,7 @@ def plan(
             heat=heat,
             adhesion=adhesion,
         )
-    only_rough(heat)
+    only_rough(heat=heat)
     if isinstance(shape, AbstractShape):
         model = of_smooth(model, quantity, shape.label)
         if not model.on_line:

@@ -1,0 +1,146 @@
+"""Averages over the angle on a surface with a lay, in a given direction of sliding.
+
+A wave at the angle phi to the motion shakes the rubber at the frequency w cos phi, w =
+q v, and carries the share W(q, b) of the spectrum (`elastomdr.surface.lay`), b = phi +
+theta its angle to the lay where the motion is at theta to it:
+
+    drag = int W cos(phi) Im E*(w cos phi) dphi,    stiffness = int W |E*(w cos phi)|^2 dphi.
+
+They depend on q and v by themselves, so that only the moduli are tabulated. Between the
+two places where the integrand is not smooth, waves along which nothing moves (phi = 90
+degrees, a power of cos phi) and those across the lay (a peak of W of width 1/g), the
+angle is L/(1 + exp(-t)), t even: the integrand is analytic over t, and the trapezoidal
+rule converges exponentially.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import namespace
+from .psd_integrals import Averages, Tables, moduli_table, read_columns
+
+_STEP, _STEPS = 0.5, 34  # of t, and how many on either side of zero
+_LEAST = np.exp(-2 * _STEP * _STEPS)  # cosine that is looked at
+_MOST = 4000  # frequencies that are averaged at once, each at all angles
+
+
+class Directed(NamedTuple):
+    """A surface with a lay, and the direction of sliding at each point."""
+
+    spectrum: Any  # with its `lay`
+    direction: Any  # angle to the lay [rad], (points,)
+
+    def of(self, points: Any) -> Directed:
+        """The same for some of the points."""
+        return self._replace(direction=self.direction[points])
+
+
+def to_points(directed: Directed | None) -> Any:
+    """Its direction (1, points), as a number that need not be positive."""
+    return None if directed is None else directed.direction[None]
+
+
+def of_points(spectrum: Any, direction: Any) -> Directed | None:
+    """`Directed` of what `to_points` gave."""
+    return None if direction is None else Directed(spectrum, direction[0])
+
+
+class Angles(NamedTuple):
+    """Nodes over the directions of waves, (points, angles)."""
+
+    cosine: Any  # cos phi, positive
+    width: Any  # of int_0^2pi dphi
+    cos_square: Any  # of the angle to the lay, b
+    sin_square: Any
+
+
+def angles(direction: Any) -> Angles:
+    """Nodes for motions at `direction` [rad] to the lay, (points,)."""
+    xp = namespace(direction)
+    t = _STEP * np.arange(-_STEPS, _STEPS + 1)
+    near = 1 / (1 + np.exp(-t))
+    far = near[::-1]
+    # counted from the waves along which nothing moves, those across the lay are here
+    peak = xp.mod(-direction, np.pi)[:, None]
+    rest = np.pi - peak
+    cosine = xp.sin(xp.concatenate([peak * near, rest * far], -1))
+    # where the motion is along the lay the first part is no longer than nothing
+    cosine = xp.maximum(cosine, _LEAST)
+    from_peak = xp.concatenate([peak * far, rest * near], -1)
+    width = 2 * _STEP * near * far
+    return Angles(
+        cosine,
+        xp.concatenate([peak * width, rest * width], -1),
+        xp.sin(from_peak) ** 2,
+        xp.cos(from_peak) ** 2,
+    )
+
+
+def directed_table(modulus: Any, low: float, high: float, step: float) -> Tables:
+    """The moduli that `averages` asks for, at frequencies q v from `low` to `high`."""
+    return moduli_table(modulus, low * _LEAST, high, step)
+
+
+def averages(
+    modulus: Any,
+    table: Tables | None,
+    w: Any,
+    q: Any,
+    directed: Directed,
+    finer: float,
+    parted: bool,
+) -> Averages:
+    """`Averages` at frequencies w (points, cells, nodes) of wave numbers q (cells,
+    nodes); moduli from the table or, without one, from `modulus`.
+    """
+    if table is None:  # JAX traces
+        return _averages(modulus, None, w, q, directed, finer, parted)
+    size = max(1, _MOST // w[0].size)
+    parts = [
+        _averages(modulus, table, w[some], q, directed.of(some), finer, parted)
+        for some in (slice(i, i + size) for i in range(0, w.shape[0], size))
+    ]
+    whole = zip(*parts, strict=True)
+    return Averages(*(None if x[0] is None else np.concatenate(x) for x in whole))
+
+
+def _averages(
+    modulus: Any,
+    table: Tables | None,
+    w: Any,
+    q: Any,
+    directed: Directed,
+    finer: float,
+    parted: bool,
+) -> Averages:
+    xp = namespace(w, q, directed)
+    over = Angles(*(x[:, None, None] for x in angles(directed.direction)))
+    lay = directed.spectrum.lay
+    weight = over.width * lay.weight(
+        xp.asarray(q)[..., None], over.cos_square, over.sin_square
+    )
+
+    def moduli(w: Any) -> tuple[Any, Any]:
+        """Im E* and |E*|^2 at each angle."""
+        if table is None:
+            value = modulus(w[..., None] * over.cosine)
+            return value.imag, value.real**2 + value.imag**2
+        log_w = np.log(w)[..., None] + np.log(over.cosine)
+        loss, square = read_columns(table, log_w, slice(None))
+        return np.exp(loss), np.exp(square)
+
+    loss, square = moduli(w)
+    stiffness = (weight * square).sum(-1)
+    stiffer = 0.0 * stiffness
+    if finer:
+        _, in_contact = moduli(w * np.exp(finer))
+        stiffer = xp.log((weight * in_contact).sum(-1) / stiffness)
+    return Averages(
+        (weight * over.cosine * loss).sum(-1),
+        stiffness,
+        stiffer,
+        (weight * loss**2).sum(-1) / stiffness if parted else None,
+    )

@@ -1,0 +1,194 @@
+"""`em.HalfSpace` on surfaces: over the map that was measured, or over random maps of a
+spectrum, in a direction or in several.
+
+A measured map is the surface itself, with its flattened summits and its grooves; what
+is missing is more of it, so that `error` has the number of its summits that carry the
+load, as of a random map (`rough.random_maps`). Its edges are made to meet by
+`surface.height_map`. Without a direction the result is the mean over four on a surface
+with a lay, over x and y on a map without one.
+"""
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..models import SurfaceFriction
+from ..surface.height_map import PeriodicMap
+from ..surface.lay import lay_of
+from .against_lay import Directed
+from .random_maps import LARGEST, OF_SUMMITS, Grid, grid_of, on_map, summits
+from .random_maps import friction as on_random_maps
+
+_SAMPLED = {True: (0.0, 0.25, 0.5, 0.75), False: (0.0, 0.5)}  # with a lay, without [pi]
+
+# (which points, direction or None) -> friction
+Run = Callable[[Any, float | None], SurfaceFriction]
+
+
+def friction(
+    model: Any,
+    modulus: Callable[[Any], Any],
+    surface: Any,
+    velocity: np.ndarray,
+    pressure: np.ndarray,
+    directed: Directed | None,
+    seeds: tuple[int, ...],
+    rtol: float,
+    progress: Callable[[int, int], None] | None,
+) -> SurfaceFriction:
+    """Points (velocity [m/s], pressure [Pa]), flat."""
+    on_measured, has_lay = model.on_map(surface), lay_of(surface) is not None
+    sampled: list[np.ndarray | None] = [None]
+    if directed is not None:
+        sampled = [directed.direction]
+    elif on_measured or has_lay:
+        sampled = [np.full(velocity.shape, np.pi * part) for part in _SAMPLED[has_lay]]
+    maps = 1 if on_measured else len(seeds)
+    done, total = itertools.count(1), len(sampled) * maps * velocity.size
+
+    def tick() -> None:
+        number = next(done)
+        if progress is not None:
+            progress(number, total)
+
+    if on_measured:
+        grid = cells_of(surface, model.cells)
+        whole = surface.map.periodic(grid)
+
+        def run(some: Any, direction: float | None) -> SurfaceFriction:
+            given = velocity[some], pressure[some]
+            return _on_measured(
+                modulus, surface, whole, *given, direction or 0.0, rtol, tick
+            )
+
+    else:
+        square = grid_of(surface, model.cells, model.periods)
+
+        def run(some: Any, direction: float | None) -> SurfaceFriction:
+            given = velocity[some], pressure[some]
+            return on_random_maps(
+                modulus, surface, *given, square, seeds, rtol, tick, direction
+            )
+
+    return _mean([_each(run, direction) for direction in sampled], has_lay)
+
+
+def _each(run: Run, direction: np.ndarray | None) -> SurfaceFriction:
+    """Points of one direction after the other."""
+    if direction is None:
+        return run(slice(None), None)
+    whole = [np.full(direction.shape, np.nan) for _ in range(4)]
+    good, said = np.zeros(direction.shape, dtype=bool), ""
+    for angle in np.unique(direction):
+        some = direction == angle
+        found = run(some, float(angle))
+        values = found.mu, found.area, found.error, found.area_error
+        for array, entries in zip(whole, values, strict=True):
+            array[some] = entries
+        good[some], said = found.good, found.said
+    mu, area, error, area_error = whole
+    return SurfaceFriction(mu, area, error, good, area_error, said)
+
+
+def _mean(each: list[SurfaceFriction], has_lay: bool) -> SurfaceFriction:
+    """The mean over directions; where they are alike, half of their distance is an
+    error of the sample.
+    """
+    if len(each) == 1:
+        return each[0]
+    mu, area, error, area_error = (
+        np.mean([getattr(one, name) for one in each], axis=0)
+        for name in ("mu", "area", "error", "area_error")
+    )
+    if not has_lay:
+        error = error + np.ptp([one.mu for one in each], axis=0) / 2
+        area_error = area_error + np.ptp([one.area for one in each], axis=0) / 2
+    good = np.all([one.good for one in each], axis=0)
+    said = f"{each[0].said}; mean over {len(each)} directions of sliding"
+    return SurfaceFriction(mu, area, error, good, area_error, said)
+
+
+def cells_of(surface: Any, cells: int | None) -> tuple[int, int]:
+    """Cells along both sides of the measured map, `cells` along the longer one if
+    given. Raises `InputError` where they do not hold it, or are too many.
+    """
+    least = surface.map.least_cells()
+    longer = max(least)
+    if cells is None:
+        if longer > LARGEST:
+            raise InputError(
+                f"cells must be given for a map that needs {longer} along a side, more "
+                f"than {LARGEST}; or read it with a larger `shortest`."
+            )
+        return least
+    if cells % 4 or cells < longer:
+        raise InputError(
+            f"cells must be a multiple of 4, at least {longer} along the longer side "
+            f"of the map, got {cells}; a larger `shortest` in em.read_surface needs "
+            "fewer."
+        )
+    x, y = (4 * int(np.ceil(n * cells / longer / 4)) for n in least)
+    return x, y
+
+
+def _on_measured(
+    modulus: Callable[[Any], Any],
+    surface: Any,
+    whole: PeriodicMap,
+    velocity: np.ndarray,
+    pressure: np.ndarray,
+    direction: float,
+    rtol: float,
+    tick: Callable[[], None],
+) -> SurfaceFriction:
+    """Sliding over the measured map at an angle to its lay, or to x where it has
+    none.
+    """
+    lay, side = lay_of(surface), float(np.sqrt(np.prod(whole.sides)))
+    periods = max(1, round(side * surface.q_low / (2 * np.pi)))
+    directed = None
+    if lay is not None:
+        directed = Directed(surface, np.full(velocity.shape, direction))
+    grid = Grid(whole.height.shape[0], periods, side)
+    enough = summits(modulus, surface, velocity, pressure, grid, directed)
+    found = on_map(
+        modulus,
+        whole.height,
+        whole.sides,
+        velocity,
+        pressure,
+        enough,
+        rtol,
+        tick,
+        angle=direction + (0.0 if lay is None else lay.angle),
+    )
+    good = np.isfinite(found.mu) & (enough >= 1)
+    cells, cut = " by ".join(map(str, whole.height.shape)), surface.map.cut
+    shortest = "" if cut is None else f" with waves down to {2 * np.pi / cut:.3g} m"
+    said = (
+        f"the measured map on {cells} cells{shortest}, its edges made to meet by taking "
+        f"off a smooth part of {whole.changed:.0%} of its rms height; at least "
+        f"{enough.min():.2g} summits carry the load"
+    )
+    # two points may be all that a wave has: the error is the whole change of the grid
+    return SurfaceFriction(
+        found.mu,
+        found.area,
+        2 * found.mu_error + OF_SUMMITS * np.abs(found.mu) / enough,
+        good,
+        2 * found.area_error + OF_SUMMITS * found.area / enough,
+        said,
+    )
+
+
+def work(surface: Any, cells: int | None) -> tuple[str, str]:
+    """What is computed on the measured map and what is left out, in words."""
+    along = " by ".join(map(str, cells_of(surface, cells)))
+    return (
+        f"the measured map on {along} cells",
+        "cells out of contact; contact from a grid half as fine, then from the "
+        "neighbouring velocity",
+    )

@@ -1,0 +1,110 @@
+"""Measured heights as a periodic map for a solver on a grid.
+
+Opposite edges of a measured map do not meet. It is split into a smooth part, which has
+the steps from edge to edge and no others, and a periodic one, which is kept:
+
+    (2 cos(2 pi i/n_x) + 2 cos(2 pi j/n_y) - 4) s_ij = v_ij,    s_00 = 0,
+
+v the steps between opposite edges, on the edges (Moisan, J. Math. Imaging Vis. 39
+(2011) 161). Nothing is cut away or blended: what is inside keeps its shape, and close
+to an edge only long waves change.
+
+A map without noise is taken point by point: to cut its shortest waves would put ripples
+on summits that are worn flat. Where noise or the user cut a map, waves beyond are left
+out, and the grid has four cells or more for the shortest.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+PER_WAVE = 4  # cells of a grid to the shortest wave that is left where waves are cut
+_MULTIPLE = 4  # of which the cells along a side are one
+
+
+class PeriodicMap(NamedTuple):
+    """Heights that repeat in both directions."""
+
+    height: np.ndarray  # (n_x, n_y) [m]
+    sides: tuple[float, float]  # [m]
+    changed: float  # rms of what was taken off, over that of the heights
+
+
+class HeightMap:
+    """The heights of one map, without holes and trend; equal to itself alone, so that
+    JAX need not look into it.
+    """
+
+    def __init__(self, height: np.ndarray, steps: tuple[float, ...], cut: float | None):
+        # the solver halves its grid twice
+        whole = tuple(slice(0, n - n % _MULTIPLE) for n in height.shape)
+        self.height, self.steps = height[whole], steps
+        self.cut = cut  # wave number beyond which waves are left out [rad/m], or None
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Lengths of the map [m]."""
+        x, y = (n * step for n, step in zip(self.height.shape, self.steps, strict=True))
+        return x, y
+
+    def least_cells(self) -> tuple[int, int]:
+        """Cells along each side that hold the map: its own points, or fewer where its
+        shortest waves are cut.
+        """
+        x, y = self.height.shape
+        if self.cut is None:
+            return x, y
+        per_cell = 2 * np.pi * _MULTIPLE / PER_WAVE
+        x, y = (
+            min(n, _MULTIPLE * int(np.ceil(self.cut * side / per_cell - 1e-6)))
+            for n, side in zip((x, y), self.sides, strict=True)
+        )
+        return x, y
+
+    def periodic(self, cells: tuple[int, int]) -> PeriodicMap:
+        """The map on a grid of `cells`."""
+        n_x, n_y = self.height.shape
+        waves = np.fft.fft2(self.height) - _smooth(self.height)
+        whole = np.fft.ifft2(waves).real
+        changed = float(np.std(whole - self.height) / np.std(self.height))
+        if self.cut is None and cells == self.height.shape:
+            return PeriodicMap(whole, self.sides, changed)
+        if self.cut is not None:
+            k_x, k_y = (
+                2 * np.pi * np.fft.fftfreq(n, step)
+                for n, step in zip((n_x, n_y), self.steps, strict=True)
+            )
+            q = np.hypot(k_x[:, None], k_y)
+            waves = np.where(q <= self.cut * (1 + 1e-9), waves, 0.0)
+        return PeriodicMap(_on_grid(waves, cells), self.sides, changed)
+
+
+def _smooth(height: np.ndarray) -> np.ndarray:
+    """The waves of the smooth part s."""
+    steps = np.zeros(height.shape)
+    across_x, across_y = height[-1] - height[0], height[:, -1] - height[:, 0]
+    steps[0] += across_x
+    steps[-1] -= across_x
+    steps[:, 0] += across_y
+    steps[:, -1] -= across_y
+    c_x, c_y = (2 * np.cos(2 * np.pi * np.arange(n) / n) for n in height.shape)
+    laplace = c_x[:, None] + c_y - 4
+    laplace[0, 0] = 1.0
+    waves = np.fft.fft2(steps) / laplace
+    waves[0, 0] = 0.0
+    return waves
+
+
+def _on_grid(waves: np.ndarray, cells: tuple[int, int]) -> np.ndarray:
+    """Heights on a grid of other cells that have the same waves."""
+    whole = np.zeros(cells, dtype=complex)
+    places = []
+    for n, m in zip(waves.shape, cells, strict=True):
+        number = np.fft.fftfreq(n, 1 / n).astype(int)
+        held = 2 * np.abs(number) < min(n, m)
+        places.append((np.flatnonzero(held), number[held] % m))
+    (from_x, to_x), (from_y, to_y) = places
+    whole[np.ix_(to_x, to_y)] = waves[np.ix_(from_x, from_y)]
+    return np.fft.ifft2(whole).real * (whole.size / waves.size)

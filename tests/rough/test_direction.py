@@ -1,0 +1,130 @@
+"""Sliding in a direction to the lay of a surface, and over a measured map itself."""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.errors import InputError
+from elastomdr.rough import against_lay, half_space
+from elastomdr.surface.lay import Lay
+from elastomdr.surface.topography import MeasuredSurface
+
+SOLID = em.Foundation(1e6, np.full(6, 2e6), np.geomspace(1e-6, 1e-1, 6))
+ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
+
+
+def ground(peklenik: float, road: em.SelfAffine = ROAD) -> MeasuredSurface:
+    """A surface as `em.read_surface` gives it, with one Peklenik number at all
+    scales.
+    """
+    lay = Lay(road.q, np.full(road.q.size, np.log(peklenik)), 0 * road.q, 0.0)
+    return MeasuredSurface(
+        q=road.q,
+        c=road.c,
+        relative_error=0 * road.q,
+        measured_height=road.rms_height,
+        skewness=0.0,
+        report=(),
+        lay=lay,
+    )
+
+
+def test_a_lay_of_peklenik_number_one_is_none():
+    """By the tables of a material averaged over the angle, and by each angle."""
+    at = {"velocity": [1e-2, 1.0], "pressure": 1e5}
+    for model in (em.Multiscale(), em.Persson()):
+        plain = em.friction(SOLID, ROAD, **at, model=model)
+        turned = em.friction(SOLID, ground(1.0), **at, model=model, direction=0.4)
+        np.testing.assert_allclose(turned.mu, plain.mu, rtol=2e-6)
+        np.testing.assert_allclose(turned.area_ratio, plain.area_ratio, rtol=2e-6)
+    np.testing.assert_array_equal(turned.direction, [0.4, 0.4])
+
+
+@pytest.mark.parametrize("model", [em.Multiscale(), em.HalfSpace(seeds=2, cells=64)])
+def test_full_contact_is_the_closed_form_in_all_directions(model):
+    """Where Im E* goes with the frequency, mu goes with int W cos^2 phi dphi, the mean
+    square slope along the motion: 2 (cos^2 t + g^2 sin^2 t)/(1 + g^2) times the mean.
+    """
+    material, at = em.Foundation.kelvin(1e6, 2.0), {"velocity": 0.3, "pressure": 1e9}
+    direction = np.array([0.0, 0.5, np.pi / 2])
+    mean = em.friction(material, ROAD, **at).mu
+    curve = em.friction(material, ground(3.0), **at, model=model, direction=direction)
+    expected = (np.cos(direction) ** 2 + 9 * np.sin(direction) ** 2) / 5
+    np.testing.assert_allclose(curve.mu / mean, expected, rtol=1e-4)
+
+
+def test_without_a_direction_the_bound_holds_all():
+    at = {"velocity": 1e-2, "pressure": 1e5}
+    mean = em.friction(SOLID, ground(4.0), **at)
+    assert mean.mu == em.friction(SOLID, ROAD, **at).mu
+    ends = em.friction(SOLID, ground(4.0), **at, direction=[0.0, np.pi / 2])
+    assert ends.mu[0] < mean.mu < ends.mu[1]
+    assert (np.abs(ends.mu - mean.mu) < mean.model_error).all()
+    assert "mean over directions" in mean.summary()
+
+
+def test_a_derivative_by_the_direction():
+    """Of the average that both models take; a whole call has the same rule as by other
+    arguments.
+    """
+    w, q = np.full((1, 1, 1), 30.0), np.full((1, 1), 3e3)
+
+    def drag(direction):
+        directed = against_lay.Directed(ground(3.0), direction)
+        return against_lay.averages(
+            lambda w: 1.0 + 1j * w, None, w, q, directed, 0.0, False
+        )[0]
+
+    at = np.array([0.7])
+    with jax.enable_x64(True):
+        slope = jax.jvp(drag, (at,), (np.ones(1),))[1]
+    np.testing.assert_allclose(
+        slope, (drag(at + 1e-4) - drag(at - 1e-4)) / 2e-4, rtol=1e-5
+    )
+
+
+def test_directions_that_are_refused():
+    at = {"velocity": 0.1, "direction": 0.2}
+    with pytest.raises(InputError, match=r"^direction needs em\.Multiscale"):
+        em.friction(SOLID, ROAD, pressure=1e5, model=em.Line(), **at)
+    with pytest.raises(InputError, match=r"^direction is an angle to the lay"):
+        em.friction(SOLID, em.Sphere(1e-2), load=1.0, **at)
+
+
+def test_a_worn_map_itself():
+    """Summits worn flat at all scales: the spectrum does not know of them, the map does.
+
+    The map is periodic, so that its solution by itself is the truth.
+    """
+    cells, side = 64, 2 * np.pi * 2 / 1e3
+    heights = em.reference.rough_map(ROAD, 3, periods=2, points=cells)[0]
+    heights = np.where(heights > 0, 0.1 * heights, heights)
+    worn = em.read_surface(heights, pixel_size=side / cells)
+    at = {"velocity": 0.1, "pressure": 1e5}
+    truth = np.mean(
+        [
+            half_space.solve(
+                SOLID.complex_modulus, heights, (side, side), **at, angle=angle
+            ).stress
+            / at["pressure"]
+            for angle in (0.0, np.pi / 2)
+        ]
+    )
+    curve = em.friction(SOLID, worn, **at, model=em.HalfSpace(), rtol=1e-3)
+    assert curve.mu == pytest.approx(truth, rel=0.04)
+    assert abs(curve.mu - truth) < curve.error
+    assert em.friction(SOLID, worn, **at).mu > 1.3 * truth
+    assert "the measured map on 64 by 64 cells" in curve.summary()
+
+
+def test_a_map_that_moves_along_its_diagonal():
+    """A map turned by 90 degrees that moves along y is the map that moves along x."""
+    heights, side = em.reference.rough_map(ROAD, 1, periods=2, points=32 * 2)
+    at = {"velocity": 0.1, "pressure": 2e5, "double": False}
+    turned = np.roll(heights[::-1], 1, axis=0).T
+    results = [
+        half_space.solve(SOLID.complex_modulus, h, (side, side), **at, angle=angle)
+        for h, angle in ((heights, np.pi / 4), (turned, -np.pi / 4))
+    ]
+    assert results[0].stress == pytest.approx(results[1].stress, rel=1e-3)
