@@ -404,32 +404,64 @@ def _conduction(
         problem.heat.conductivity,
         problem.heat.heat_capacity,
     )
-    width = 2 * at.weight[:, 0]
-    of_q = namespace(at.q, log_q)  # NumPy where only others are traced
-    start = of_q.log(at.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
-    cell = of_q.clip(
-        of_q.searchsorted(start, log_q, side="right") - 1, 0, width.shape[0] - 1
-    )
-    place = of_q.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
-    low, high = 1e-3 * at.q[0, 0], 1e3 * at.end
-    waves_down = int(_K * (6 + decades)) + 1
-    k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, waves_down))
-    dk = (
-        k
-        * xp.log(k[1] / k[0])
-        * np.concatenate([[0.5], np.ones(waves_down - 2), [0.5]])
-    )
-    # what lies below counts as even
-    dk = dk + k * np.concatenate([[1.0], np.zeros(waves_down - 1)])
-    # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
-    # dlog r = 4 dy/y.
-    y, weights, _ = gauss_unit(_NEAR_NODES)
-    weights = 4 * weights / y
+    cell, place = _cells_of(log_q, at)
+    k, dk = _depth_waves(at, int(_K * (6 + decades)) + 1, xp)
     # The kernel of points that share a velocity is made once.
     velocity, again = problem.velocity, None
     if xp is np:
         velocity, again = np.unique(problem.velocity, return_inverse=True)
     w = velocity * problem.heat.heat_capacity / (2 * problem.heat.conductivity)
+    made = _kernels(at, w, k, cell, place, xp)
+    kernel, near, line, line_near = (
+        made if again is None else (array[again] for array in made)
+    )
+    q = xp.exp(log_q)
+    return Conduction(
+        at,
+        per_decade,
+        ends,
+        log_q,
+        cell,
+        place,
+        depth=_profile(q[:, None], k) * dk,
+        of_nodes=_profile(at.q[..., None], k),
+        of_end=_profile(at.end, k),
+        weight=dk,
+        kernel=kernel,
+        near=near,
+        line=line,
+        line_near=line_near,
+    )
+
+
+def _cells_of(log_q: Any, at: Nodes) -> tuple[Any, Any]:
+    """The cell in which each station lies, and where in it, 0 to 1."""
+    xp = namespace(at.q, log_q)  # NumPy where only others are traced
+    width = 2 * at.weight[:, 0]
+    start = xp.log(at.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
+    cell = xp.searchsorted(start, log_q, side="right") - 1
+    cell = xp.clip(cell, 0, width.shape[0] - 1)
+    return cell, xp.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
+
+
+def _depth_waves(at: Nodes, count: int, xp: Any) -> tuple[Any, Any]:
+    """Wave numbers k over the depth, and dk by the trapezoidal rule of log k."""
+    low, high = 1e-3 * at.q[0, 0], 1e3 * at.end
+    k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, count))
+    trapezoid = np.concatenate([[0.5], np.ones(count - 2), [0.5]])
+    # what lies below the lowest counts as even
+    below = np.concatenate([[1.0], np.zeros(count - 1)])
+    return k, k * (xp.log(k[1] / k[0]) * trapezoid + below)
+
+
+def _kernels(
+    at: Nodes, w: Any, k: Any, cell: Any, place: Any, xp: Any
+) -> tuple[Any, Any, Any, Any]:
+    """`kernel`, `near`, `line` and `line_near` of `Conduction`, for each w = v/2D."""
+    # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
+    # dlog r = 4 dy/y.
+    y, weights, _ = gauss_unit(_NEAR_NODES)
+    weights = 4 * weights / y
 
     def kernel(r: Any) -> Any:
         """r^2 I0(w r) K0(r sqrt(w^2 + k^2)), (velocities, k, ...)."""
@@ -444,36 +476,13 @@ def _conduction(
         )
 
     far, close = np.pi / at.q, np.pi / at.end * y**4
-    own, below = kernel(far), kernel(close) @ weights
-    parts = own * at.weight
-    inside = parts.sum((-2, -1))[..., None] - _until_stations(own, at, cell, place)
-    near = below[..., None] + inside
+    at_nodes, below = kernel(far), kernel(close) @ weights
+    beyond = (at_nodes * at.weight).sum((-2, -1))[..., None]
+    beyond = beyond - _until_stations(at_nodes, at, cell, place)
     speed = w.reshape(-1, 1, 1)
-    line, line_near = (
-        far * _i0e(speed * far),
-        (close * _i0e(speed[..., 0] * close)) @ weights,
-    )
-    if again is not None:
-        own, near, line, line_near = (
-            array[again] for array in (own, near, line, line_near)
-        )
-    q = xp.exp(log_q)
-    return Conduction(
-        at,
-        per_decade,
-        ends,
-        log_q,
-        cell,
-        place,
-        depth=_profile(q[:, None], k) * dk,
-        of_nodes=_profile(at.q[..., None], k),
-        of_end=_profile(at.end, k),
-        weight=dk,
-        kernel=own,
-        near=near,
-        line=line,
-        line_near=line_near,
-    )
+    line = far * _i0e(speed * far)
+    line_near = (close * _i0e(speed[..., 0] * close)) @ weights
+    return at_nodes, below[..., None] + beyond, line, line_near
 
 
 def _profile(q: Any, k: Any) -> Any:
@@ -541,66 +550,85 @@ def _first(
     top = np.maximum(state.rise.max(-1), _NOTHING)
     shape = state.rise / top[:, None]
     table = _tables(problem, conduct.at, _SCAN, highest)
-    low, middle = 0.02 * top, np.minimum(5 * top + 5.0, highest)
-    steps = [np.minimum(low, 0.5 * highest)]
-    for start, end, n in (
-        (low, middle, 24),
-        (middle, highest * np.ones_like(middle), 12),
-    ):
-        start = np.minimum(start, 0.5 * highest)
-        steps += [
-            start * (np.maximum(end, 1.01 * start) / start) ** (i / n)
-            for i in range(1, n + 1)
-        ]
-    tried = np.stack(steps)  # (steps, points)
-    many = problem.of(np.tile(np.arange(count), len(steps)))
+    tried = _heights(top, highest)  # (steps, points)
+    many = problem.of(np.tile(np.arange(count), len(tried)))
     rise = (tried[..., None] * shape).reshape(-1, stations)
-    local = many.local._replace(
-        warmed=Warmed(conduct.ends, rise, highest, many.kelvin, many.body)
-    )
-    power = []
-    for i in range(0, rise.shape[0], _BATCH):
-        some = slice(i, i + _BATCH)
-        part = many.of(some)
-        found = model.waves(
-            problem.body.complex_modulus,
-            conduct.at,
-            part.reduced,
-            part.carried,
-            table,
-            local.of(some),
-        )
-        mu = found.each.sum((-2, -1)) + found.edges
-        if problem.adhesion is not None:
-            stress = problem.adhesion.shear_stress(
-                part.velocity, part.kelvin + rise[some, -1]
-            )
-            mu = mu + stress * found.area / part.pressure
-        power.append(mu * part.pressure * part.velocity)
-    made = top * np.concatenate(power).reshape(tried.shape) / state.flux
+    power = _powers(many, model, conduct, rise, highest, table)
+    made = top * power.reshape(tried.shape) / state.flux
     below = made <= tried
-    first = np.argmax(below, axis=0)
     crossed = below[1:] & ~below[:-1]
     several = (crossed.sum(0) + below[0]) > 1
-    every = np.arange(count)
-    before = np.maximum(first - 1, 0)
-    (x_0, x_1), (y_0, y_1) = (
-        [a[i, every] for i in (before, first)] for a in (tried, made)
-    )
-    slope = (y_1 - y_0) / np.where(x_1 > x_0, x_1 - x_0, 1.0)
-    root = np.clip((y_0 - slope * x_0) / np.where(slope < 1, 1 - slope, 1.0), x_0, x_1)
-    start = np.where(first == 0, np.minimum(made[0], tried[0]), root)[:, None] * shape
+    start = _crossing(tried, made, np.argmax(below, axis=0))[:, None] * shape
     # another height is a steady state only where its temperatures settle
     if several.any():
         last = crossed.shape[0] - np.argmax(crossed[::-1], axis=0)
         lowest, settled = _settle(of, start, highest, _PROFILE)
-        height = tried[last, every, None]
+        height = tried[last, np.arange(count), None]
         # of hot rubber, which is not that of the lowest state
         profile = of(height * shape).rise
         profile = profile / np.maximum(profile.max(-1, keepdims=True), _NOTHING)
         hotter, hot = _settle(of, height * profile, highest, _PROFILE)
         several &= settled & hot & (hotter.max(-1) > 1.01 * lowest.max(-1))
     return start, below.any(0) | steady, several
+
+
+def _heights(top: Any, highest: float) -> Any:
+    """Heights of a profile to try, from nothing to the highest: (steps, points)."""
+    low, middle = 0.02 * top, np.minimum(5 * top + 5.0, highest)
+    steps = [np.minimum(low, 0.5 * highest)]
+    high = highest * np.ones_like(middle)
+    for start, end, n in ((low, middle, 24), (middle, high, 12)):
+        start = np.minimum(start, 0.5 * highest)
+        ratio = np.maximum(end, 1.01 * start) / start
+        steps += [start * ratio ** (i / n) for i in range(1, n + 1)]
+    return np.stack(steps)
+
+
+def _powers(
+    problem: Problem,
+    model: Any,
+    conduct: Conduction,
+    rise: Any,
+    highest: float,
+    table: Any,
+) -> Any:
+    """Power of friction per nominal area at rises (points, stations)."""
+    local = problem.local._replace(
+        warmed=Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body)
+    )
+    power = []
+    for i in range(0, rise.shape[0], _BATCH):
+        batch = slice(i, i + _BATCH)
+        points = problem.of(batch)
+        waves = model.waves(
+            problem.body.complex_modulus,
+            conduct.at,
+            points.reduced,
+            points.carried,
+            table,
+            local.of(batch),
+        )
+        mu = waves.each.sum((-2, -1)) + waves.edges
+        if problem.adhesion is not None:
+            stress = problem.adhesion.shear_stress(
+                points.velocity, points.kelvin + rise[batch, -1]
+            )
+            mu = mu + stress * waves.area / points.pressure
+        power.append(mu * points.pressure * points.velocity)
+    return np.concatenate(power)
+
+
+def _crossing(tried: Any, made: Any, first: Any) -> Any:
+    """The height that friction makes itself, by a straight line over the step before
+    the `first` at which it makes less than was tried.
+    """
+    every = np.arange(first.size)
+    before = np.maximum(first - 1, 0)
+    x_0, x_1 = tried[before, every], tried[first, every]
+    y_0, y_1 = made[before, every], made[first, every]
+    slope = (y_1 - y_0) / np.where(x_1 > x_0, x_1 - x_0, 1.0)
+    root = np.clip((y_0 - slope * x_0) / np.where(slope < 1, 1 - slope, 1.0), x_0, x_1)
+    return np.where(first == 0, np.minimum(made[0], tried[0]), root)
 
 
 def _settle(
