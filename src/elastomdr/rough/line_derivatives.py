@@ -208,6 +208,34 @@ def _followed(height, law, velocity, value, state, depth, spacing, control):
     return mu, load, y[-1]
 
 
+def _decays(step: Any, law: Relaxation) -> tuple[Any, ...]:
+    """z = step/tau_k of each branch, exp(-z), 1 - exp(-z), its mean (1 - exp(-z))/z,
+    and (z - 1 + exp(-z))/z^2.
+    """
+    z = step / law.times[:, None]
+    lost = -jnp.expm1(-z)
+    # what is not chosen must not be infinite either, for the derivative
+    safe = jnp.maximum(z, 1e-4)
+    late = jnp.where(
+        z < 1e-4, 0.5 - z / 6 + z**2 / 24, (safe + jnp.expm1(-safe)) / safe**2
+    )
+    return z, jnp.exp(-z), lost, lost / z, late
+
+
+def _yield_of_branches(step: Any, law: Relaxation, gain: Any) -> tuple[Any, Any]:
+    """How far a free element gives way per force, and how much of each branch's force
+    it sees in a step.
+    """
+    # the order of `rates_apart`
+    order = jnp.argsort(jnp.where(law.moduli > 0, 1 / law.times, jnp.inf))
+    apart = rates_apart(law)[:, :, None]
+    times = law.times[:, None]
+    give, seen = weights(
+        apart, times[order] * jnp.ones_like(step), gain[order], law.equilibrium, step
+    )
+    return give, seen[jnp.argsort(order)]
+
+
 def _period(
     y: Float[Array, "m lanes"],
     rise,
@@ -221,24 +249,11 @@ def _period(
     `rough.period`.
     """
     n = rise.shape[0]
-    step, times, moduli = spacing / velocity, law.times[:, None], law.moduli[:, None]
-    z = step / times
-    keep, lost = jnp.exp(-z), -jnp.expm1(-z)
-    held = lost / z
-    # what is not chosen must not be infinite either, for the derivative
-    some = jnp.maximum(z, 1e-4)
-    late = jnp.where(
-        z < 1e-4, 0.5 - z / 6 + z**2 / 24, (some + jnp.expm1(-some)) / some**2
-    )
-    gain = moduli * held
-    # that of `rates_apart`
-    order = jnp.argsort(jnp.where(law.moduli > 0, 1 / law.times, jnp.inf))
-    apart = rates_apart(law)[:, :, None]
-    give, sorted_seen = weights(
-        apart, times[order] * jnp.ones_like(step), gain[order], law.equilibrium, step
-    )
-    seen = sorted_seen[jnp.argsort(order)]
-    each = moduli * late
+    step = spacing / velocity
+    z, keep, lost, held, late = _decays(step, law)
+    gain = law.moduli[:, None] * held
+    give, seen = _yield_of_branches(step, law, gain)
+    each = law.moduli[:, None] * late
     drag = law.viscosity / step + each.sum(axis=0)
     depth = y[-1]
 
@@ -275,7 +290,7 @@ def _period(
     (f, u, _, _, work, load, sums, counts), _ = jax.lax.scan(several, start, chunks)
     struck, begun, touching = counts
     duration = jax.lax.stop_gradient(touching / jnp.maximum(begun, 1)) * step
-    outlasts = 1 / (1 + (duration / (LASTING * times)) ** 2)
+    outlasts = 1 / (1 + (duration / (LASTING * law.times[:, None])) ** 2)
     work = work + (drag - (each * outlasts).sum(axis=0)) * struck
     load = load / n
     whole = -jnp.expm1(-n * z)
