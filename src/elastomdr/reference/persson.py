@@ -95,7 +95,7 @@ def persson(
     friction = solve(modulus, *points, model, _RTOL)
     variance = stress_variance(modulus, *points, _PER_DECADE)
     good = np.isfinite(friction.mu) & (friction.error <= _WORST * friction.mu)
-    of_table = table_error(model, foundation, *points, Local(), _WORST, friction.mu)
+    of_table = table_error(model, foundation, *points, Local(), friction.mu)
     error = friction.error + _TABLES * friction.mu + of_table
     mu, area, spread, error = (
         np.where(good, values, np.nan).reshape(shape)

@@ -451,14 +451,7 @@ def friction(
         progress(velocity.size, velocity.size)
     good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
     change = table_error(
-        model,
-        foundation,
-        surface,
-        velocity,
-        pressure,
-        local,
-        max(rtol, 1e-3),
-        found.mu,
+        model, foundation, surface, velocity, pressure, local, found.mu
     )
     return SurfaceFriction(
         found.mu, found.area, found.error + change, good, found.area_error
@@ -529,20 +522,20 @@ def table_error(
     velocity: Any,
     pressure: Any,
     local: Local,
-    rtol: float,
     mu: Any,
 ) -> Any:
     """Error of mu by the interpolation of a table of moduli, from the friction of its
-    halves; 0 for a series.
+    halves, which one level of cells gives well enough; 0 for a series.
     """
     if not hasattr(foundation, "thinned") or is_traced(foundation):
         return 0.0
     change = np.zeros_like(mu)
     for half in foundation.thinned():
-        other = solve(
-            half.complex_modulus, surface, velocity, pressure, model, rtol, local=local
+        modulus = half.complex_modulus
+        other, _ = _in_batches(
+            modulus, surface, velocity, pressure, model, PER_DECADE, local
         )
-        change = np.maximum(change, LEFT_OUT * np.abs(other.mu - mu))
+        change = np.maximum(change, LEFT_OUT * np.abs(other - mu))
     return change
 
 

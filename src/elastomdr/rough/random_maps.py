@@ -245,10 +245,15 @@ def full_contact(
 
 
 def full_contact_of_map(
-    modulus: Any, heights: np.ndarray, sides: Any, velocity: float, pressure: float
+    modulus: Any,
+    heights: np.ndarray,
+    sides: Any,
+    velocity: float,
+    pressure: float,
+    angle: float = 0.0,
 ) -> float:
     """The same of the waves of one map."""
-    on = waves(modulus, velocity, heights.shape, sides)
+    on = waves(modulus, velocity, heights.shape, sides, angle)
     spread = np.abs(np.fft.rfft2(heights) / heights.size) ** 2
     return float((on.loss * spread * np.abs(on.inverse) ** 2).sum()) / pressure
 

@@ -166,7 +166,8 @@ def surface_friction(
             softened, surface, beyond, scene.shape, foundation.range
         )
         rows += beyond.said[-1:]
-    inputs = _inputs(scene, surface, heat, answer, strained, of_data, outside)
+    label = _label(surface)
+    inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
     inputs += turned.rows
     curve = _packed(scene, surface, model, answer, strained, turned, of_data)
     if not scene.traced and curve.model_error is not None:
@@ -174,7 +175,7 @@ def surface_friction(
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
-        plan=_plan(foundation, scene, surface, model, heat),
+        plan=_plan(foundation, scene, surface, model, heat, label),
         inputs=(*inputs, *rows),
         extrapolated=beyond.points,
         outside=outside,
@@ -299,6 +300,7 @@ def _warn_of_failed(found: SurfaceFriction, rtol: Any) -> None:
 
 def _inputs(
     scene: Scene,
+    label: str,
     surface: AbstractSpectrum,
     heat: Heat | None,
     answer: _Answer,
@@ -309,9 +311,6 @@ def _inputs(
     """What a result says of its arguments."""
     found = answer.found
     skewness = getattr(surface, "skewness", 0.0)
-    label = (
-        surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
-    )
     rows = scene.inputs(
         ("surface", label),
         *(("as read", text) for text in getattr(surface, "report", ())),
@@ -682,7 +681,14 @@ def surface_plan(
     scene = _set_up(
         material, surface, model, velocity, pressure, temperature, rtol, heat
     )
-    return _plan(*scene, surface, model, heat)
+    return _plan(*scene, surface, model, heat, _label(surface))
+
+
+def _label(surface: AbstractSpectrum) -> str:
+    """A surface in words."""
+    if is_traced(surface):
+        return surface.label
+    return f"{surface.label}, {surface.words()}"
 
 
 def _plan(
@@ -691,13 +697,11 @@ def _plan(
     surface: AbstractSpectrum,
     model: SurfaceModel,
     heat: Heat | None,
+    label: str,
 ) -> SurfacePlan:
     name = foundation.name or "a foundation given directly"
     work, skipped = model.work(surface)
     points = int(np.prod(scene.shape))
-    label = (
-        surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
-    )
     return SurfacePlan(
         f"{label} on {name}", model.words() + _hot(model, heat), points, work, skipped
     )

@@ -130,9 +130,8 @@ class AbstractSpectrum(Tree):
         """int q^power C dq from `low` to `high` (default: the cutoffs), arrays of
         limits allowed.
         """
-        low = self.q_low if low is None else low
-        high = self.q_high if high is None else high
-        return self._until(power, high) - self._until(power, low)
+        until = self._until(power, self.q_high if high is None else high)
+        return until if low is None else until - self._until(power, low)
 
     @numpy_unless_traced
     def _until(self, power: float, q: Any) -> Any:
