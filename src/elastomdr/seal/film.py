@@ -40,6 +40,10 @@ _EVEN = 1e-10  # relative difference of flow along a solved film
 _LEAST_STEP = 1e-4  # share of a Newton step below which the search gives up
 _FLOODED = 19.0  # half-widths ahead of the contact at which a film begins
 _OUTLET = 0.15  # zone of dense nodes at the outlet over that at the inlet
+_NARROWS = (
+    0.4  # of the way from the edge to the least film, where the outlet's nodes are
+)
+_NEAR = 0.01  # half-widths of this that are worth it
 _START = 0.3  # lam at which a search begins, from Hertz' pressure
 _RATIO = 1.8  # of lam between one solution and the next, at most
 _THICK = 1.0  # lam above which the pressure alone is foretold
@@ -58,6 +62,7 @@ class Contact(NamedTuple):
     places: Array  # X of the nodes
     asperities: Asperities | None = None
     factor: Factor | None = None
+    outlet: float | None = None  # X where the nodes of the outlet crowd
 
 
 class Case(NamedTuple):
@@ -71,8 +76,10 @@ class Case(NamedTuple):
     factor: Factor | None = None
     inlet: float | None = None  # X where the lubricant begins; None: flooded
 
-    def at(self, parameter: float, count: int) -> Contact:
-        """The contact with another parameter, on `count` nodes."""
+    def at(self, parameter: float, count: int, outlet: float | None = None) -> Contact:
+        """The contact with another parameter, on `count` nodes that crowd at the inlet
+        and, if not at its usual place, at the outlet.
+        """
         thick = max(parameter, (2 * self.roughness) ** (5 / 3))  # H about lam^0.6 / 2
         wide = 0.72 * thick**0.5  # sqrt(2H) of a rigid cylinder
         far = 200 * 0.72 * parameter**0.5  # loses 6e-5 of a rigid cylinder's load
@@ -83,10 +90,11 @@ class Case(NamedTuple):
         ends = (self.edges[0] - max(flooded, far), self.edges[1] + 1 + 3 * wide)
         if self.inlet is not None:
             ends = (self.inlet, ends[1])
-        # a rigid film ruptures at 0.475 sqrt(2H)
-        dense = (self.edges[0], self.edges[1] + 0.3 * 0.72 * parameter**0.5)
-        x = nodes(dense, ends, zones, count)
-        return Contact(parameter, self.respond(x), x, self.asperities, self.factor)
+        if outlet is None:  # a rigid film ruptures at 0.475 sqrt(2H)
+            outlet = self.edges[1] + 0.3 * 0.72 * parameter**0.5
+        x = nodes((self.edges[0], outlet), ends, zones, count)
+        response = self.respond(x)
+        return Contact(parameter, response, x, self.asperities, self.factor, outlet)
 
 
 class Film(NamedTuple):
@@ -100,6 +108,7 @@ class Film(NamedTuple):
     flow: float  # flux over lam, the film that leaves: H_m
     imbalance: float  # largest difference of flow between any two places, over the flow
     converged: bool
+    outlet: float | None  # X where the nodes of the outlet crowd
 
     @property
     def total(self) -> Array:
@@ -317,6 +326,7 @@ def _packed(contact: Contact, unknown: Array, here: _Balance, missed: float) -> 
         flow / contact.parameter,
         imbalance,
         good and bool(here.film.min() > 0),
+        contact.outlet,
     )
 
 
@@ -351,6 +361,8 @@ def follow(
             if film is None:  # the last one was too different
                 known = []
                 film = _walk(cases[i], known, count)
+            if film is not None:
+                film = _narrowed(cases[i], film)
             while film is not None:
                 solved[i].append(film)
                 many = len(solved[i])
@@ -447,11 +459,27 @@ def _from_film(
     return outside, float(solved[-1])
 
 
+def _narrowed(case: Case, film: Film) -> Film:
+    """The film on nodes that crowd nearer to where it narrows: on a rough surface, far
+    ahead of the edge.
+    """
+    edge, least = case.edges[1], float(film.places[film.film.argmin()])
+    outlet = edge - _NARROWS * (edge - least)
+    if case.asperities is None or film.outlet is None or outlet > edge - _NEAR:
+        return film
+    contact = case.at(case.parameter, film.places.size, outlet)
+    total = CubicSpline(film.places, film.total)(contact.places[1:-1])
+    thickness = np.exp(CubicSpline(film.places, np.log(film.film))(contact.places))
+    guess = _from_film(case, contact, thickness, np.maximum(total, 0.0))
+    again = solve(contact, *guess)
+    return again if again.converged else film
+
+
 def _refined(case: Case, coarse: Film) -> Film | None:
     """On twice as many nodes, from the film and the pressure between them."""
     count = coarse.places.size
     number, between = np.arange(count), 0.5 * np.arange(2 * count - 1)
-    contact = case.at(case.parameter, 2 * count - 1)
+    contact = case.at(case.parameter, 2 * count - 1, coarse.outlet)
     total = np.maximum(CubicSpline(number, coarse.total)(between), 0.0)[1:-1]
     film = np.exp(CubicSpline(number, np.log(coarse.film))(between))
     fine = solve(contact, *_from_film(case, contact, film, total))

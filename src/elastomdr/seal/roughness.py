@@ -22,7 +22,7 @@ import warnings
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PchipInterpolator, PPoly
 
 from ..checks import Array
 from ..element.layer import Layer
@@ -50,15 +50,18 @@ class Roughness(NamedTuple):
 
     rms: float  # R_q [m]
     curve: PchipInterpolator  # gap [m] to ln(p_a/E*(0)), for the relaxed rubber
+    steepness: PPoly  # its derivative
     last: tuple[float, float]  # gaps between which the curve is known
     modulus: float  # E*(0) [Pa]
     closes: float  # gap [m] below which channels may be closed
-    channels: PchipInterpolator | None  # gap [m] to the log of phi's second bracket
+    # gap [m] to the log of phi's second bracket, and its derivative
+    channels: PchipInterpolator | None
+    opening: PPoly | None
 
     def pressure(self, gap: Array, modulus: float) -> tuple[Array, Array]:
         """p_a [Pa] and its slope by the gap; exponential beyond the curve."""
         inside = np.clip(gap, *self.last)
-        slope = self.curve.derivative()(inside)
+        slope = self.steepness(inside)
         pressure = modulus * np.exp(
             np.minimum(self.curve(inside) + slope * (gap - inside), 300.0)
         )
@@ -69,11 +72,11 @@ class Roughness(NamedTuple):
         over = gap / self.rms
         factor = barely_touching(over)
         slope = 0.56 * (1 - factor) / self.rms
-        if self.channels is None:
+        if self.channels is None or self.opening is None:
             return factor, slope
         inside = np.clip(gap, *self.last)
         channels = np.exp(self.channels(inside))
-        steep = np.where(gap == inside, self.channels.derivative()(inside), 0.0)
+        steep = np.where(gap == inside, self.opening(inside), 0.0)
         return factor * channels, channels * (slope + factor * steep)
 
 
@@ -154,12 +157,14 @@ def pressed(
     gap = np.geomspace(*last, _GAPS)
     found = contact_of(nodes(surface, PER_DECADE), np.exp(curve(gap)))
     closes = float(np.interp(-UNSURE, -found.area, gap))  # area falls with the gap
-    channels = None
+    channels = opening = None
     if flow_factor == "maps":
         open_part = through(found.area, found.steep)
         left = np.log(open_part + _CHANNELS * (1 - open_part))
         channels = PchipInterpolator(gap, left)
-    return Roughness(rms, curve, last, modulus, closes, channels)
+        opening = channels.derivative()
+    steepness = curve.derivative()
+    return Roughness(rms, curve, steepness, last, modulus, closes, channels, opening)
 
 
 def rubbing(
