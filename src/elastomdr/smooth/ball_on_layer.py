@@ -42,6 +42,7 @@ BARE = (
 )
 # of mu: how far below the bare line three dimensions lay at most on the map
 BARE_LINE = 0.5
+_FIRST, _NEARLY = 8, 1e-3  # with which edges are found about
 _ORDERS = (14, 20, 28, 40, 56)  # of the polynomials, tried in turn
 _TRACED = 28
 _SHARE = 0.5  # of what the lower order changes, that is left of it in the higher one
@@ -116,6 +117,7 @@ class _Mean(NamedTuple):
     good: Array
 
 
+@one_thread()
 def ball_on_layer(
     quantity: str,
     material: Layer,
@@ -331,18 +333,9 @@ def _solve(
     """Lines at velocities and loads, and the estimated relative error of mu; `weights`
     sum them up to averages.
     """
-    places, loads, _ = lines.curve
-    radius = xp.interp(load, loads, places)
-    for _ in range(8):
-        stiffer = fixed(lines.modulus(velocity / radius)) / lines.rest
-        radius = fixed(
-            xp.exp(
-                0.5 * xp.log(radius)
-                + 0.5 * xp.log(xp.interp(load / stiffer, loads, places))
-            )
-        )
+    radius = _radius(lines, velocity, load)
     if is_traced(velocity, load, lines.on.shape, lines.on.chain, lines.on.thickness):
-        found = slide_on_layer(lines.on, velocity, "load", load, (radius, radius))
+        found, _ = slide_on_layer(lines.on, velocity, "load", load, (radius, radius))
         wide = found.leading + found.trailing < _TRACED_REACH * lines.on.thickness
         return found._replace(converged=found.converged & wide), xp.zeros_like(velocity)
     result: Any = None
@@ -350,10 +343,12 @@ def _solve(
     close = 1e-2 * min(max(lines.rtol, 1e-9), 1e-4)
     for start in range(0, velocity.size, _AT_ONCE):
         here = np.arange(start, min(start + _AT_ONCE, velocity.size))
-        edges, before, left = (radius[here], radius[here]), None, here
+        edges, slopes = _begun(lines.on, velocity[here], load[here], radius[here])
+        before, left = None, here
         for n in _ORDERS:
-            found = _with_neighbours(
-                lines.on._replace(order=n), velocity[left], load[left], edges, close
+            on = lines.on._replace(order=n)
+            found, slopes = _with_neighbours(
+                on, velocity[left], load[left], edges, close, slopes
             )
             if result is None:
                 result = Slid(
@@ -376,7 +371,7 @@ def _solve(
             lost = np.abs(found.mu) < _NONE
             error[left[lost]] = 1.0  # no order finds more
             again = np.flatnonzero((error[left] * counts > 0.2 * lines.rtol) & ~lost)
-            left, before = left[again], found.mu[again]
+            left, before, slopes = left[again], found.mu[again], slopes[..., again]
             edges = tuple(
                 np.where(found.converged[again], e[again], radius[left])
                 for e in (found.leading, found.trailing)
@@ -386,13 +381,43 @@ def _solve(
     return result, error
 
 
-def _with_neighbours(
-    on: Sliding, velocity: Array, load: Array, edges: Any, close: float
-) -> Slid:
-    """Lines of numbers; those whose edges are not found begin again where a neighbour
-    in velocity has its own.
+def _radius(lines: _Lines, velocity: Array, load: Array) -> Array:
+    """Contact radii to begin with, of an elastic layer as stiff as at the frequency of
+    the passage.
     """
-    found = slide_on_layer(on, velocity, "load", load, edges, close)
+    places, loads, _ = lines.curve
+    radius = xp.interp(load, loads, places)
+    for _ in range(8):
+        stiffer = fixed(lines.modulus(velocity / radius)) / lines.rest
+        radius = fixed(
+            xp.exp(
+                0.5 * xp.log(radius)
+                + 0.5 * xp.log(xp.interp(load / stiffer, loads, places))
+            )
+        )
+    return radius
+
+
+def _begun(
+    on: Sliding, velocity: Array, load: Array, radius: Array
+) -> tuple[tuple[Array, Array], Array]:
+    """Both edges about, by few polynomials, and how the equations change with them."""
+    on = on._replace(order=_FIRST)
+    begun, slopes = slide_on_layer(
+        on, velocity, "load", load, (radius, radius), _NEARLY
+    )
+    reached = np.isfinite(begun.load)
+    leading = np.where(reached, begun.leading, radius)
+    return (leading, np.where(reached, begun.trailing, radius)), slopes
+
+
+def _with_neighbours(
+    on: Sliding, velocity: Array, load: Array, edges: Any, close: float, slopes: Any
+) -> tuple[Slid, Array]:
+    """Lines of numbers, and the slopes that the search ended with; those whose edges
+    are not found begin again where a neighbour in velocity has its own.
+    """
+    found, slopes = slide_on_layer(on, velocity, "load", load, edges, close, slopes)
     for _ in range(_AGAIN):
         bad = np.flatnonzero(~found.converged)
         good = np.flatnonzero(found.converged)
@@ -403,7 +428,7 @@ def _with_neighbours(
         )
         near = good[far.argmin(axis=1)]
         scale = (load[bad] / load[near]) ** 0.33
-        again = slide_on_layer(
+        again, turned = slide_on_layer(
             on,
             velocity[bad],
             "load",
@@ -411,12 +436,12 @@ def _with_neighbours(
             (found.leading[near] * scale, found.trailing[near] * scale),
             close,
         )
+        slopes[..., bad] = turned
         for field, values in zip(found, again, strict=True):
             field[bad] = values
-    return found
+    return found, slopes
 
 
-@one_thread()
 def _mean(
     lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: bool
 ) -> _Mean:
@@ -518,7 +543,6 @@ def _between(nodes: Array, values: Array, velocity: Array) -> Array:
     return np.exp(np.sum(local * np.log(values[index]), axis=-1))
 
 
-@one_thread()
 def _load_of_depth(
     lines: _Lines, velocity: Array, depth: Array, averaged: bool
 ) -> Array:

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 # of the table, in log l
 _LOW, _HIGH, _STEP, _STENCIL = math.log(1e-7), math.log(1e10), 0.25, 12
 _TAIL, _LEAST = 14.0, -18.0  # ends of the rule in y
+_LONG = 9  # waves that stand for all those longer than the contact
 _SLOPES = 1e-5  # of the logarithm of an edge, over which slopes are taken
 _MOST, _CLOSE = 40, 1e-10  # steps of the search, and the residual at which it ends
 _FURTHEST = 6.0  # that the logarithm of an edge may go from its guess
@@ -78,9 +79,11 @@ def slide_on_layer(
     value: Array,
     guess: tuple[Array, Array],
     close: float = _CLOSE,
-) -> Slid:
+    slopes: Array | None = None,
+) -> tuple[Slid, Array]:
     """Points (velocity [m/s], load [N] or depth [m]), from guesses at the edges a and b
-    [m], to a residual `close`; both edges at once, by Broyden's method.
+    [m], to a residual `close`; both edges at once, by Broyden's method. With the slopes
+    that it ended with: another order of polynomials may begin with them.
     """
 
     def residual(parts: tuple, logs: Array) -> tuple[Array, _Line]:
@@ -121,15 +124,16 @@ def slide_on_layer(
         ) & (state[3] < _MOST)
 
     begin = equation(start)
-    state = (start, _slopes(equation, start, begin), begin, 0)
+    slopes = _slopes(equation, start, begin) if slopes is None else slopes
+    state = (start, slopes, begin, 0)
     logs, jacobian, miss, _ = while_loop(going, advance, state)
     good = xp.max(xp.abs(miss), axis=0) < 1e-6
     if not on_numpy():  # derivatives take exact slopes
-        jacobian = _slopes(equation, logs)
-    logs = fixed(logs)
-    logs = logs - _solve2(fixed(jacobian), residual(parts, logs)[0])
+        jacobian, logs = fixed(_slopes(equation, logs)), fixed(logs)
+        miss = residual(parts, logs)[0]
+    logs = logs - _solve2(jacobian, miss)
     _, line = residual(parts, logs)
-    return Slid(
+    solved = Slid(
         line.force / line.load,
         line.load,
         line.depth,
@@ -138,6 +142,7 @@ def slide_on_layer(
         good & xp.isfinite(line.load),
         line.lowest,
     )
+    return solved, jacobian
 
 
 def _slopes(
@@ -184,13 +189,13 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     share = xp.concatenate(
         [0.5 * b[:, None] * rule.weight, 0.5 * a[:, None] * rule.weight], axis=1
     )
-    z, dz = _waves(on.reach)
+    z, few, to_few = _waves(on.reach)
     # what materials take; beyond, all is at rest
     omega = xp.clip(z[None] * (velocity[:, None] / h), 1e-99, 1e99)
-    loss = on.deficit(xp.asarray(z)[None], omega)  # (points, z)
-    phase = (x / h)[..., None] * z
+    loss = on.deficit(xp.asarray(z)[None], omega) @ to_few  # (points, waves)
+    phase = (x / h)[..., None] * few
     cosine, sine = xp.cos(phase), xp.sin(phase)
-    real, lost = (xp.real(loss) * dz)[:, None], (xp.imag(loss) * dz)[:, None]
+    real, lost = xp.real(loss)[:, None], xp.imag(loss)[:, None]
     # Re (conj(D) e^{i(a - b)}) with D = real + i lost
     left = [real * cosine + lost * sine, real * sine - lost * cosine]
     smooth = xp.concatenate(left, axis=2) @ xp.swapaxes(
@@ -284,18 +289,20 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
     inside = xp.clip(log, _LOW, _HIGH)
     place = (inside - _LOW) / _STEP + _STENCIL // 2
     left = xp.floor(fixed(place)).astype(int) - (_STENCIL // 2 - 1)
-    left = xp.clip(left, 0, size - _STENCIL)
-    offset = np.arange(size) - left[..., None]
-    inside = (offset >= 0) & (offset < _STENCIL)
-    gaps = place[..., None] - np.arange(size)
-    gaps = xp.where(gaps == 0, 1e-300, gaps)
-    binomial = xp.asarray(_barycentric())[xp.clip(offset, 0, _STENCIL - 1)]
-    factor = xp.where(inside, binomial / gaps, 0.0)
+    near = xp.clip(left, 0, size - _STENCIL)[..., None] + np.arange(_STENCIL)
+    gaps = place[..., None] - near
+    factor = _barycentric() / xp.where(gaps == 0, 1e-300, gaps)
     # below the table what is missing to q is linear in l
     short = xp.minimum(l / math.exp(_LOW), 1.0)
     amount = compliance * short / (1 + xp.maximum(l, math.exp(_LOW)))
     weight = factor * (amount / xp.sum(factor, axis=-1))[..., None]
-    return weight, compliance * (1 - short)
+    if on_numpy():
+        spread = np.zeros((*l.shape, size))
+        np.put_along_axis(spread, near, weight, axis=-1)
+    else:
+        here = near[..., None] == np.arange(size)
+        spread = xp.sum(xp.where(here, weight[..., None], 0.0), axis=-2)
+    return spread, compliance * (1 - short)
 
 
 class _Rule(NamedTuple):
@@ -383,12 +390,28 @@ def _barycentric() -> np.ndarray:
 
 
 @functools.cache
-def _waves(reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes in z = kh and weights."""
+def _waves(reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes in z = kh, waves that stand for them, and the matrix from one to the other
+    with the weights of the nodes in it.
+
+    Long waves, of which a contact sees less than a radian, differ from each other for
+    the materials alone: for lengths up to `reach`, e^{izr} is a polynomial in z between
+    a few of them.
+    """
     step = min(0.4, 2 * math.pi / (reach + 15))
     y = np.arange(_LEAST, _TAIL, step)
     z = np.log1p(np.exp(y))
-    return z, step / (1 + np.exp(-y))
+    weight = step / (1 + np.exp(-y))
+    longest = min(1 / reach, 1.0)
+    count = int(np.searchsorted(z, longest))
+    nodes = longest * np.cos(math.pi / (4 * _LONG) * np.arange(1, 2 * _LONG, 2)) ** 2
+    to_few = np.eye(z.size)[:, count - _LONG :] if count > _LONG else np.eye(z.size)
+    if count <= _LONG:
+        return z, z, to_few * weight[:, None]
+    chebyshev = np.polynomial.chebyshev.chebvander
+    back = np.linalg.inv(chebyshev(2 * nodes / longest - 1, _LONG - 1))
+    to_few[:count, :_LONG] = chebyshev(2 * z[:count] / longest - 1, _LONG - 1) @ back
+    return z, np.concatenate([nodes, z[count:]]), to_few * weight[:, None]
 
 
 def _solve2(matrix: Array, right: Array) -> Array:
