@@ -23,7 +23,14 @@ from mkdocs.structure.files import File, Files
 ROOT = Path(__file__).parents[1]
 KEYS = "<!-- keys of scene files -->"
 GROUPS = {
-    "Friction and rolling": ("friction", "rolling", "plan", "AdhesiveShear", "Heat"),
+    "Friction and rolling": (
+        "friction",
+        "rolling",
+        "plan",
+        "AdhesiveShear",
+        "Heat",
+        "cite",
+    ),
     "Many scenes": ("sweep",),
     "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "Motion in time": (

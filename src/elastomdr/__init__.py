@@ -56,6 +56,7 @@ _HOMES = {
     "belt.heat_build_up": ("HeatBuildUp", "heat_build_up"),
     "belt.conveyor": ("Conveyor", "Idlers", "conveyor"),
     "verbs.plan": ("plan",),
+    "verbs.cite": ("cite",),
     "sweeps.run": ("sweep",),
     "seal.break_out": ("BreakOut", "break_out"),
     "seal.lubricated": ("FilmProfile", "Lubricated", "lubricated"),

@@ -98,6 +98,7 @@ from .transient.shear import shear as shear
 from .transient.slide import slide as slide
 from .tyre.traction import traction as traction
 from .tyre.traction_result import Traction as Traction
+from .verbs.cite import cite as cite
 from .verbs.friction import friction as friction
 from .verbs.plan import plan as plan
 from .verbs.rolling import rolling as rolling

@@ -20,22 +20,10 @@ def test_one_version_and_licence():
     version = PROJECT["project"]["version"]
     assert em.__version__ == version
     assert f"version: {version}\n" in words("CITATION.cff")
-    assert f'version: "{version}"\n' in words("conda/recipe.yaml")
     assert f"## [{version}]" in words("CHANGELOG.md")
     assert PROJECT["project"]["license"] == "MIT"
     assert "license: MIT\n" in words("CITATION.cff")
-    assert "license: MIT\n" in words("conda/recipe.yaml")
     assert words("LICENSE").startswith("MIT License")
-
-
-def test_recipe_needs_what_the_package_needs():
-    run = words("conda/recipe.yaml").split("  run:\n")[1].split("\n\n")[0]
-    listed = {
-        line.strip("- ").replace(" ", "").replace("matplotlib-base", "matplotlib")
-        for line in run.splitlines()
-    }
-    python = f"python{PROJECT['project']['requires-python']}"
-    assert listed == {python, *PROJECT["project"]["dependencies"]}
 
 
 def test_classifiers_agree_with_what_is_required():
@@ -48,6 +36,13 @@ def test_classifiers_agree_with_what_is_required():
     assert named[0].endswith(oldest)
     assert "Typing :: Typed" in PROJECT["project"]["classifiers"]
     assert (ROOT / "src" / "elastomdr" / "py.typed").exists()
+
+
+def test_every_extra_is_explained():
+    table = words("docs/install.md")
+    assert set(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == set(
+        PROJECT["project"]["optional-dependencies"]
+    )
 
 
 def test_wheel_carries_materials_and_scenes_to_start_from():

@@ -107,7 +107,7 @@ def test_structure_shows_the_rooms_in_their_order():
 
 def test_the_package_holds_what_it_reads():
     """Not the remains of a patch or of an editor."""
-    known = {".py", ".pyi", ".typed", ".css", ".js", ".mplstyle", ".toml"}
+    known = {".py", ".pyi", ".typed", ".css", ".js", ".mplstyle", ".toml", ".bib"}
     stray = {
         path.name
         for path in SOURCE.rglob("*")
