@@ -13,7 +13,7 @@ from scipy.special import erf
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.rough import multiscale
+from elastomdr.rough import many_points, multiscale
 
 SOLID = em.Foundation(1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2])
 ROAD = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=5e4, q_rolloff=3e3)
@@ -299,6 +299,18 @@ def test_derivatives_by_temperature_and_a_tabulated_spectrum():
             mu(293.15 + s * step[0], 1.0 + s * step[1], rtol=1e-8) for s in (1, -1)
         )
         assert slopes[i][0] == pytest.approx((high - low) / (2 * step[i]), rel=1e-3)
+
+
+def test_many_points_compiled_for_an_accelerator_are_those_of_numpy(monkeypatch):
+    """On JAX's processor backend, which computes as an accelerator does."""
+    velocity, pressure = np.geomspace(1e-4, 10, 30), np.geomspace(3e4, 3e6, 30)
+    given = {"velocity": velocity, "pressure": pressure, "model": em.Persson()}
+    plain = em.friction(SOLID, ROAD, **given)
+    monkeypatch.setattr(many_points, "_BATCH", 16)  # the last batch is not full
+    monkeypatch.setattr(multiscale, "worth_compiling", lambda count, local: True)
+    compiled = em.friction(SOLID, ROAD, **given)
+    np.testing.assert_allclose(compiled.mu, plain.mu, rtol=1e-12)
+    np.testing.assert_allclose(compiled.area_ratio, plain.area_ratio, rtol=1e-12)
 
 
 def test_wide_spectra_cost_little():

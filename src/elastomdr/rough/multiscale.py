@@ -49,6 +49,7 @@ from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
 from . import against_lay
 from .local_modulus import Local, Softened, Warmed
+from .many_points import friction_and_area, worth_compiling
 from .psd_integrals import (
     PER_DECADE,
     Averages,
@@ -162,6 +163,8 @@ def _in_batches(
 ) -> Any:
     at = nodes(spectrum, per_decade, bends(spectrum, local))
     table = table_of(modulus, at, velocity, per_decade, local)
+    if worth_compiling(velocity.size, local):
+        return friction_and_area(model, at, table, velocity, pressure)
     batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]
     out = [
         _evaluate(
@@ -253,7 +256,7 @@ def averages_of(
     elif table is None:
         found = direct(modulus, w, finer, local.parted)
     else:
-        found = read(table, np.log(w))
+        found = read(table, namespace(w).log(w))
     if found.lost is None:
         return found
     factor = storage**2 + (loss**2 - storage**2) * found.lost
@@ -277,7 +280,7 @@ def _stiffer(
         ).stiffer
     if table is None:
         return direct(modulus, w, finer, local.parted).stiffer
-    return read_stiffer(table, np.log(w))
+    return read_stiffer(table, namespace(w).log(w))
 
 
 def _frequency(velocity: Any, q: Any, speed: Any) -> Any:

@@ -295,9 +295,10 @@ def direct(modulus: Any, w: Any, finer: float = 0.0, parted: bool = False) -> Av
 
 def read(table: Tables, log_w: Any) -> Averages:
     """The averages at log w, by cubics through four points of their logarithm."""
+    xp = namespace(log_w)
     drag, stiffness, stiffer, *lost = read_columns(table, log_w, slice(None))
     return Averages(
-        np.exp(drag), np.exp(stiffness), stiffer, np.exp(lost[0]) if lost else None
+        xp.exp(drag), xp.exp(stiffness), stiffer, xp.exp(lost[0]) if lost else None
     )
 
 

@@ -1,0 +1,69 @@
+"""Points on one surface by the tens of thousands: the same integrals, compiled by JAX
+for an accelerator.
+
+On a processor NumPy is as fast, and starts at once (`benchmarks/accelerator.py`).
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from ..arrays import on_jax
+from .local_modulus import Local
+from .psd_integrals import Nodes, Tables
+
+# points from which an accelerator is asked for: below, compiling takes longer
+_MANY = 20_000
+_BATCH = 16_384  # some gigabytes of memory
+
+
+def worth_compiling(count: int, local: Local) -> bool:
+    """Whether so many points are asked for that an accelerator which JAX finds is
+    faster. Softening, heat and direction, which differ from point to point, stay on
+    NumPy.
+    """
+    if count < _MANY or any(field is not None for field in local):
+        return False
+    import jax
+
+    return jax.default_backend() != "cpu"
+
+
+def friction_and_area(
+    model: Any, at: Nodes, table: Tables, velocity: Any, pressure: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """mu and area of real contact at points (velocity [m/s], pressure [Pa]), flat."""
+    return on_jax(_in_batches, model, at, table, velocity, pressure)
+
+
+def _in_batches(
+    model: Any, at: Nodes, table: Tables, velocity: Any, pressure: Any
+) -> tuple[Any, Any]:
+    import jax
+
+    program = _program(model, table.step, table.first)
+    shared = jax.device_put((at, table.cubics))
+    count = velocity.size
+    size = min(_BATCH, count)
+    answers = []
+    for start in range(0, count, size):
+        # the last batch is filled up, so that one program serves all
+        points = np.minimum(np.arange(start, start + size), count - 1)
+        answers.append(program(*shared, velocity[points], pressure[points]))
+    mu, area = (np.concatenate(batch)[:count] for batch in zip(*answers, strict=True))
+    return mu, area
+
+
+@functools.lru_cache(maxsize=8)
+def _program(model: Any, step: float, first: int) -> Any:
+    import jax
+
+    def evaluate(at: Nodes, cubics: Any, velocity: Any, pressure: Any) -> Any:
+        table = Tables(step, first, cubics)
+        waves = model.waves(None, at, velocity, pressure, table, Local())
+        return waves.each.sum((-2, -1)) + waves.edges, waves.area
+
+    return jax.jit(evaluate)
