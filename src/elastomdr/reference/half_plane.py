@@ -83,7 +83,7 @@ def half_plane_sliding(
 
     Source: the problem is that of Hunter 1961, there for one relaxation time.
     """
-    foundation, radius = _checked(material, radius)
+    foundation, cylinder_radius = _checked(material, radius)
     scene = points_of(
         foundation,
         velocity=velocity,
@@ -95,7 +95,7 @@ def half_plane_sliding(
     chain = to_kelvin(law)
     contacts, errors = zip(
         *(
-            _point(_Problem(float(radius), law, chain, w, v), points)
+            _point(_Problem(float(cylinder_radius), law, chain, w, v), points)
             for w, v in zip(scene.value, scene.velocity, strict=True)
         ),
         strict=True,
@@ -108,7 +108,9 @@ def half_plane_sliding(
 
     mu = field(contact.mu for contact in contacts)
     load = (scene.value * scene.vertical).reshape(steady.shape)
-    rows = scene.inputs(("shape", f"cylinder, radius {float(radius):g} m"), load="N/m")
+    rows = scene.inputs(
+        ("shape", f"cylinder, radius {float(cylinder_radius):g} m"), load="N/m"
+    )
     return HalfPlaneCurve(
         velocity=steady.full(steady.velocity),
         mu=mu,
