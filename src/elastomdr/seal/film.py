@@ -475,6 +475,15 @@ def _narrowed(case: Case, film: Film) -> Film:
     return again if again.converged else film
 
 
+def coarsened(case: Case, fine: Film) -> Film | None:
+    """On every other node."""
+    count = (fine.places.size + 1) // 2
+    contact = case.at(case.parameter, count, fine.outlet)
+    guess = _from_film(case, contact, fine.film[::2], fine.total[2:-2:2])
+    coarse = solve(contact, *guess)
+    return coarse if coarse.converged else None
+
+
 def _refined(case: Case, coarse: Film) -> Film | None:
     """On twice as many nodes, from the film and the pressure between them."""
     count = coarse.places.size

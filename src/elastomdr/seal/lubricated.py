@@ -61,8 +61,9 @@ if TYPE_CHECKING:
 _NODES = 129  # of the coarsest grid
 _SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
 _FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
-_REFINED = 7.5e-4  # relative error of the finer grid above which there is another one
-_FLAGGED = 3e-3  # and above which the point counts as not solved
+_CHANGED = 1e-3  # relative change of what is extrapolated, above which another follows
+_UNSURE = 0.1  # part of that change that counts as error
+_FLAGGED = 3e-3  # relative error of the finer grid above which a point is not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
 _BAND = "shaded: liquid in closed channels may stay or leave"
@@ -449,21 +450,23 @@ def _group(
         for point, each, one in zip(points, scales, rubbed, strict=True)
     ]
 
-    numbers: dict[int, list[Array]] = {}  # of each grid
+    # numbers of each grid, from the one half as dense as the coarsest
+    grids: dict[int, list[Array]] = {}
 
-    def judged(number: int, found: list[films.Film]) -> tuple[Array, Array]:
-        """The numbers of the last two grids, extrapolated, and their errors."""
-        i, parameter = known[number], cases[number].parameter
-        args = (scene, int(points[i]), scales[i], parameter, touching[i])
-        of_grids = numbers.setdefault(number, [])
-        of_grids += [_numbers(each, *args) for each in found[len(of_grids) :]]
-        coarse, fine = of_grids[-2:]
-        better = halving_limit(coarse, fine)
-        better = np.where(better * fine < 0, fine, better)  # of what is all but zero
-        return better, np.abs(better - fine)
+    def judged(number: int, found: list[films.Film]) -> _Judged:
+        """The numbers of the last grids, extrapolated."""
+        i, case = known[number], cases[number]
+        args = (scene, int(points[i]), scales[i], case.parameter, touching[i])
+        if number not in grids:
+            coarser = films.coarsened(case, found[0])
+            unknown = np.full(len(_NUMBERS), np.nan)
+            grids[number] = [unknown if coarser is None else _numbers(coarser, *args)]
+        done = grids[number]
+        done += [_numbers(each, *args) for each in found[len(done) - 1 :]]
+        return _judged(*done[-3:])
 
     def enough(number: int, found: list[films.Film]) -> bool:
-        return len(found) >= _FEWEST and _off(*judged(number, found)) < _REFINED
+        return len(found) >= _FEWEST and judged(number, found).settled()
 
     if not cases:
         return out
@@ -471,15 +474,13 @@ def _group(
     for number, found in enumerate(solved):
         if len(found) < 2:
             continue
-        better, error = judged(number, found)
-        if (
-            not _off(better, error) < _FLAGGED
-        ):  # or the asperities' friction is not known
+        judgement = judged(number, found)
+        if not judgement.known():  # or the asperities' friction is not
             continue
         i = known[number]
         out[i] = _Solved(
-            better,
-            error,
+            judgement.numbers,
+            judgement.error,
             _profile(found[-1], scales[i]),
             found[-1].imbalance,
             scales[i].half,
@@ -489,10 +490,39 @@ def _group(
     return out
 
 
-def _off(better: Array, error: Array) -> float:
-    """Largest relative error of friction, films and flow, on the finer grid."""
-    judged = [0, 5, 6, 7]
-    return float(np.max(error[judged] / np.abs(better[judged])))
+class _Judged(NamedTuple):
+    """Numbers of a point, extrapolated from two grids."""
+
+    numbers: Array
+    error: Array
+    change: Array  # from those extrapolated one grid before; NaN: not known
+
+    def known(self) -> bool:
+        """Whether friction, films and flow are known, on the finer grid."""
+        judged = [0, 5, 6, 7]
+        off = self.error[judged] / np.abs(self.numbers[judged])
+        return bool((off < _FLAGGED).all())
+
+    def settled(self) -> bool:
+        """Whether no finer grid is needed."""
+        judged = [0, 5, 6, 7]
+        change = self.change[judged] / np.abs(self.numbers[judged])
+        return self.known() and bool((change < _CHANGED).all())
+
+
+def _judged(coarser: Array, coarse: Array, fine: Array) -> _Judged:
+    """Of three grids. The extrapolated numbers are of fourth order, so that the error
+    left in them is about a sixteenth of their change, if that is what grids say.
+    """
+    before, better = _extrapolated(coarser, coarse), _extrapolated(coarse, fine)
+    change = np.abs(better - before)
+    error = np.abs(better - fine) + _UNSURE * np.nan_to_num(change)
+    return _Judged(better, error, change)
+
+
+def _extrapolated(coarse: Array, fine: Array) -> Array:
+    better = halving_limit(coarse, fine)
+    return np.where(better * fine < 0, fine, better)  # of what is all but zero
 
 
 def _dry(scene: _Scene, points: Array, bodies: list[Body]) -> list[_Scales]:
