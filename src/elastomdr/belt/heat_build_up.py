@@ -39,7 +39,8 @@ from ..checks import (
 from ..element.law import as_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError, warn
-from ..numerics.interpolation import halving_limit
+from ..material.shift import thermal_factors
+from ..numerics.interpolation import halving_limit, lagrange
 from ..results.axes import place_in_words
 from ..results.base import Result, quantity, record
 from ..results.words import brief, in_words
@@ -54,11 +55,12 @@ if TYPE_CHECKING:
 _SCAN = 257
 _SCAN_RTOL = 1e-3  # relative error of the power there
 _REFINED_SCAN = 5  # temperatures between the two on either side of it
-_HISTORY_NODES = 49  # temperatures between start and steady state
-# points up to which one program is compiled (`smooth.solve`): few bodies are computed
-# in such parts
-_POINTS_AT_ONCE = 64
-_FEW_BODIES = 5  # of more, as many temperatures at a time as the history has
+_HISTORY_NODES = 49  # temperatures between start and steady state, and
+_FINER = 4  # by how many more between them, where the power is interpolated
+# Change of ln a_T from one computed temperature to the next. Over ln v a spectrum is
+# analytic within pi/2, so that eight of them miss some (step/(pi/2))^8 of the power.
+_SCAN_STEP, _HISTORY_STEP = 0.5, 0.2
+_STENCIL = 8
 # of the last Newton step, what it may leave: its slope is good to a few per cent
 _NEWTON_REMAINDER = 0.1
 # times rtol of the rise, the error up to which a temperature is handed out
@@ -431,34 +433,62 @@ def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any]:
     body stops warming up, as far as a coarse power tells; Newton's method may leave them.
     """
     body = body._replace(rtol=max(body.rtol, _SCAN_RTOL))
-    share = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
-    kelvin = fixed(low + share * (high - low))
-    power = fixed(_powers(body, kelvin))
+    kelvin, power, _ = map(fixed, _powers(body, low, high, count, _SCAN_STEP))
     # NaN ends the search, and the point is found not to be met
     cools = ~(power - body.conductance * (kelvin - body.ambient) > 0)
     cools = xp.concatenate(
         [xp.zeros_like(cools[:1]), cools[1:-1], xp.ones_like(cools[:1])]
     )
     index = np.argmax(cools, axis=0)[None] if on_numpy() else argmax(cools)[None]
-    kelvin = xp.asarray(kelvin)
     below = xp.take_along_axis(kelvin, index - 1, axis=0)[0]
     return below, xp.take_along_axis(kelvin, index, axis=0)[0]
 
 
-def _powers(body: _Body, kelvin: Any) -> Any:
-    """Power at temperatures along the first axis, in parts of a size that is compiled
-    once: that takes far longer.
+def _powers(
+    body: _Body, low: Any, high: Any, count: int, step: float, finer: int = 1
+) -> tuple[Any, Any, Any]:
+    """`count` temperatures from low to high along the first axis, the power at them,
+    and its estimated error, relatively.
+
+    Powers change with ln a_T, by `step` at most between those that are computed. The
+    others are interpolated, and those at `finer` temperatures for each asked for.
     """
-    bodies = max(1, math.prod(np.shape(kelvin)[1:]))
-    at_once = _POINTS_AT_ONCE // bodies if bodies <= _FEW_BODIES else _HISTORY_NODES
-    parts = -(-kelvin.shape[0] // at_once)
-    if not on_numpy() or parts == 1:
-        return body.roll(kelvin).power
-    power = np.empty(kelvin.shape)
-    # each part from end to end, so that one spectrum is carried in all of them
-    for i in range(parts):
-        power[i::parts] = body.roll(kelvin[i::parts]).power
-    return power
+    few = _enough(body, low, high, count, step)
+    computed = body.roll(_evenly(low, high, few)).power
+    if few == count and finer == 1:
+        return _evenly(low, high, count), computed, 0.0
+    count = finer * (count - 1) + 1
+    place = np.linspace(0.0, few - 1.0, count)
+    power, lower = (_interpolated(computed, place, n) for n in (_STENCIL, _STENCIL - 2))
+    off = np.abs(lower - power) / np.where(power > 0, power, 1.0)
+    return _evenly(low, high, count), power, np.max(off, axis=0)
+
+
+def _evenly(low: Any, high: Any, count: int) -> Any:
+    share = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
+    return low + share * (high - low)
+
+
+def _enough(body: _Body, low: Any, high: Any, count: int, step: float) -> int:
+    """How many temperatures, of `count`, are computed; all where JAX traces."""
+    if not on_numpy() or count <= _STENCIL:
+        return count
+    a, _ = thermal_factors(body.foundation, _evenly(low, high, count))
+    steepest = np.max(np.abs(np.diff(np.log(a), axis=0)), initial=0.0)
+    if not np.isfinite(steepest):
+        return count
+    return min(count, max(_STENCIL, 1 + math.ceil((count - 1) * steepest / step)))
+
+
+def _interpolated(power: Any, place: Any, stencil: int) -> Any:
+    """Powers between those at even temperatures along the first axis; in logarithms
+    where they are positive.
+    """
+    index, weights = lagrange(place, stencil, power.shape[0])
+    positive_everywhere = not np.any(power <= 0)
+    values = np.log(power) if positive_everywhere else power
+    between = np.einsum("ts,ts...->t...", weights, values[index])
+    return np.exp(between) if positive_everywhere else between
 
 
 def _history(
@@ -468,10 +498,12 @@ def _history(
     second node, and the rolling there.
     """
     ambient = body.ambient
-    share = np.linspace(0.0, 1.0, _HISTORY_NODES).reshape(-1, *[1] * np.ndim(ambient))
     top = xp.where(xp.isfinite(steady), steady, ambient + 1.0)
-    kelvin = ambient + share * (top - ambient)
-    net = xp.asarray(_powers(body, kelvin)) - body.conductance * (kelvin - ambient)
+    finer = _FINER if on_numpy() else 1
+    kelvin, power, off = _powers(
+        body, ambient, top, _HISTORY_NODES, _HISTORY_STEP, finer
+    )
+    net = xp.asarray(power) - body.conductance * (kelvin - ambient)
     # at the steady state by definition
     net = xp.concatenate([net[:-1], xp.zeros_like(net[:1])])
     fine = _follow(kelvin, net, heat, time)
@@ -481,7 +513,9 @@ def _history(
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
     way = body.roll(xp.moveaxis(fine, -1, 0), ConvergenceWarning)
     power = xp.asarray(xp.moveaxis(way.power, 0, -1))
-    error = fixed(abs(fine - coarse))
+    # The temperature follows the power: its rise by no larger a part.
+    rise = fine - xp.asarray(ambient)[..., None]
+    error = fixed(abs(fine - coarse) + xp.asarray(off)[..., None] * rise)
     return *(nan_unless(known, x) for x in (fine, power, error)), way
 
 

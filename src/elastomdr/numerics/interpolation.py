@@ -111,11 +111,14 @@ def parabola_slopes(x: Array, y: Array) -> Array:
     return xp.concatenate([first, inner, last])
 
 
-def lagrange(place: np.ndarray, stencil: int) -> tuple[np.ndarray, np.ndarray]:
+def lagrange(
+    place: np.ndarray, stencil: int, count: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Indices and weights of the `stencil` nodes around each place on a grid of unit
-    spacing: (..., stencil).
+    spacing, or the nearest of `count` nodes: (..., stencil).
     """
     left = np.floor(place).astype(int) - (stencil // 2 - 1)
+    left = left if count is None else np.clip(left, 0, count - stencil)
     offsets = np.arange(stencil)
     gaps = (place - left)[..., None] - offsets
     gaps = np.where(gaps == 0, 1e-300, gaps)
