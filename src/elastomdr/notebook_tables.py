@@ -1,14 +1,17 @@
-"""Objects as small tables of HTML, for notebooks (`_repr_html_`)."""
+"""Objects as small tables and figures of HTML, for notebooks (`_repr_html_`)."""
 
 from __future__ import annotations
 
+import base64
 import dataclasses
 import html
+import io
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 from .units.arguments import UNITS
 
+_DPI, _WIDTH = 150, 420  # of a figure: dots per inch, and dots across
 _SHORT = 6  # entries up to which an array is shown whole
 
 
@@ -20,6 +23,14 @@ def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:
         for name, value in rows
     )
     return f"<table><caption>{html.escape(title)}</caption><tbody>{''.join(lines)}</tbody></table>"
+
+
+def html_figure(axes: Any) -> str:
+    """The figure that matplotlib's axes belong to, small, as a part of the page."""
+    image = io.BytesIO()
+    axes.figure.savefig(image, format="png", dpi=_DPI)
+    content = base64.b64encode(image.getvalue()).decode()
+    return f'<img alt="" width="{_WIDTH}" src="data:image/png;base64,{content}">'
 
 
 def fields_in_words(tree: Any) -> Iterator[tuple[str, str]]:

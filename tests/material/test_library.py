@@ -41,11 +41,29 @@ def test_the_library_has_what_it_promises():
         "polyisoprene-34k",
         "tread-passenger-synthetic",
     } <= set(names)
+
+
+def test_each_material_stands_in_the_table_with_its_grades_range_and_licence():
     readme = (Path(__file__).parents[2] / "materials" / "README.md").read_text(
         encoding="utf-8"
     )
-    for name in names:
-        assert name in readme or name.replace("pa6-roller", "") in readme
+    table = readme.partition("## What is here")[2].partition("###")[0]
+    rows = [line.strip("| ").split(" | ") for line in table.splitlines() if "|" in line]
+    assert sorted(row[0] for row in rows[2:]) == sorted(em.materials())
+    for name, _, moduli, shift, omega, celsius, source, licence in rows[2:]:
+        info = material_info(name)
+        graded = {group: each["grade"] for group, each in info["source"].items()}
+        assert moduli == graded["moduli"]
+        assert shift == graded.get("shift", "none")
+        material = em.load_material(name)
+        for text, given, offset in (
+            (omega, material.range.omega, 0.0),
+            (celsius, material.range.temperature, 273.15),
+        ):
+            ends = [float(end) + offset for end in text.split(" to ")]
+            assert ends == pytest.approx(given, rel=0.06, abs=0.0)
+        assert source
+        assert licence in ("own", "paper", "MIT", "BSD-3-Clause", "GPL-3.0")
 
 
 @pytest.mark.parametrize("name", em.materials())

@@ -2,6 +2,7 @@
 that stays true.
 """
 
+import base64
 import dataclasses
 import html
 import importlib
@@ -553,6 +554,11 @@ def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
     for name, text in curve.findings():
         assert f">{html.escape(name)}</th>" in shown
         assert f">{html.escape(text)}</td>" in shown
+    table, image = shown.split('<img alt="" width="420" src="data:image/png;base64,')
+    assert table.endswith("</table>")
+    assert base64.b64decode(image.removesuffix('">')).startswith(b"\x89PNG")
+    one = friction_curve(velocity=VELOCITY[:1])._repr_html_()
+    assert "<img" not in one  # a point is no curve
     rubber = em.Prony(1e6, np.full(20, 1e6), np.geomspace(1e-9, 1e-2, 20), name="a & b")
     shown = rubber._repr_html_()
     for row in (

@@ -96,8 +96,8 @@ class StartStage:
             f"{BUTTON} outline"
         )
         ui.label(
-            "The rubber is made up, of the size of passenger-car treads; road and "
-            "adhesive shear are assumed."
+            "The rubber is synthetic, with moduli like those of a passenger-car tread; "
+            "road and adhesive shear are assumed."
         ).classes("about")
 
     async def _show(self) -> None:

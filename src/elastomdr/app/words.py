@@ -12,7 +12,7 @@ from ..errors import InputError
 # stands below the field, where it is not what the scene's own key says.
 _TABLES = {
     "adhesion": "Adhesive shear of the real contact",
-    "compare": "Where the rubbers are ranked",
+    "compare": "Conditions of the ranking",
     "contact": "Load and motion",
     "conveyor": "Belt conveyor",
     "heat": "Flash temperature",
@@ -31,7 +31,7 @@ _LABELS = _TABLES | {
     "data": "Files",
     "name": "Name of the rubber",
     "kind": "Kind of moduli",
-    "area": "Section of the specimen A [mm²]|for files that have stiffness",
+    "area": "Cross-section of the specimen A [mm²]|for files that have stiffness",
     "length": "Length of the specimen L [mm]|for files that have stiffness",
     "column": 'Columns|by quantity, such as "storage=4, loss=5"',
     "frequency_unit": "Unit of frequency",
@@ -41,19 +41,19 @@ _LABELS = _TABLES | {
     "law": "Shift law",
     "shift": "Known shift law",
     "poisson": "Poisson's ratio ν [-]|0.5 where nothing is given",
-    "ramp": "Duration of the ramp [s]|of a relaxation test whose times count from its "
-    "start",
+    "ramp": "Duration of the ramp [s]|of a relaxation test with times counted from the "
+    "start of the ramp",
     "reference": "Reference temperature T₀ [°C]",
-    "storage_only": "There is no loss modulus",
-    "strain": "Strain amplitude ε [%]|to use where several were measured; else the "
-    "smallest",
+    "storage_only": "Storage modulus only",
+    "strain": "Strain amplitude ε [%]|where several were measured; the smallest "
+    "where nothing is given",
     "vertical": "Vertical shifts b_T",
     "terms": "Terms of the Prony series",
     "material": "Rubber|of the library, or fitted or dropped on this page",
-    "other": "Second rubber|where the other body is no rigid one",
+    "other": "Second rubber|where the other body is not rigid",
     "temperature": "Rubber temperature T [°C]|one, or several: 0, 20, 40",
-    "measured": "Measured friction|a table that was dropped, drawn over the curve",
-    "uncertainty": "Draws for an uncertainty band|of the rubber's misfit and of the "
+    "measured": "Measured friction|a dropped table, drawn over the curves",
+    "uncertainty": "Number of draws for the uncertainty band|of the rubber's misfit and of the "
     "road's errors; 2 or more",
     "title": "Title of the figure",
     "friction": 'Friction coefficient µ [-]|a number, a table that was dropped, or "computed"',
@@ -95,8 +95,8 @@ _LABELS = _TABLES | {
     "capacity": "Heat capacity of the body [J/K]|for the way to the steady state",
     "conductance": "Thermal conductance to the surroundings [W/K]",
     "duration": "Duration [s]|how long the body rolls",
-    "hottest": "Highest temperature looked at [°C]|else that of the rubber's data",
-    "points": "Instants",
+    "hottest": "Highest temperature considered [°C]|else that of the rubber's data",
+    "points": "Number of instants",
     # bodies
     "shape": "Shape",
     "apex": "Tip|else the points decide",
@@ -123,7 +123,7 @@ _LABELS = _TABLES | {
     "convention": "Convention of C|how the spectrum is normalised",
     "cutoff_error": "Relative error of the shortest wave [-]|for the uncertainty band",
     "level_error": "Relative error of C [-]|for the uncertainty band",
-    "detrend": "Mean plane taken off",
+    "detrend": "Mean plane subtracted",
     "hurst": "Hurst exponent H [-]",
     "longest": "Longest wavelength λ₀ [mm]|",
     "shortest": "Shortest wavelength λ₁ [µm]|",
@@ -133,7 +133,7 @@ _LABELS = _TABLES | {
     "q_rolloff": "Roll-off wave number [1/m]|below which the spectrum is flat",
     "q": "Wave numbers q [rad/m]",
     "q_unit": "Unit of q|of the first column, where its title has none",
-    "wave_number": "Wave numbers count",
+    "wave_number": "Definition of the wave numbers",
     "pixel_size": "Pixel size [µm]|one, or one for each direction",
     "rms_height": "Rms height h [µm]|in place of the slope",
     "rms_slope": "Rms slope ξ [-]|of the surface; that of a straight cut is smaller by "
@@ -142,12 +142,12 @@ _LABELS = _TABLES | {
     # a belt
     "belt": "Mass of the belt per length [kg/m]",
     "goods": "Mass of the goods per length [kg/m]",
-    "spacing": "Distance of the carrying idlers [m]",
+    "spacing": "Spacing of the carrying idlers [m]",
     "shares": "Shares of the load|by roll of a set; one roll bears all where nothing is "
     "given",
-    "return_spacing": "Distance of the return rolls [m]",
+    "return_spacing": "Spacing of the return rolls [m]",
     "return_length": "Length of a return roll [mm]|else that of all rolls of a set",
-    "return_thickness": "Cover dented by return rolls [mm]|else the layer's thickness",
+    "return_thickness": "Cover indented by the return rolls [mm]|else the layer's thickness",
     # a seal
     "leak.pressure": "Contact pressure p [MPa]|over that of the fluid",
     "pressure_drop": "Pressure drop of the fluid Δp [MPa]|less than the contact pressure",

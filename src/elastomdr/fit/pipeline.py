@@ -60,7 +60,9 @@ from .spectrum import LOSS, STORAGE
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .._types import LawName, Number
+    from matplotlib.axes import Axes
+
+    from .._types import LawName, Number, Style
     from ..material.shift import AbstractShift
 
 # --------------------------------------------------------------------------------------
@@ -449,6 +451,10 @@ class MaterialFit(AbstractFindings):
                 f"The law misses them by {master.laws[self.law].rms:.2g} decades rms."
             )
         return " ".join(parts)
+
+    def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
+        """Draws data, series and band against frequency, as `prony.plot`."""
+        return self.prony.plot(ax, style)
 
     def files(self, stem: str | None = None) -> dict[str, bytes]:
         """File name to content: the material, its cards, tables and figures. Cards that

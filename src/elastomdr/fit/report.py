@@ -19,7 +19,7 @@ from ..io.data import FitWarning
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
 from ..material.tabulated import needs_series
-from ..notebook_tables import html_table
+from ..notebook_tables import html_figure, html_table
 from .laws import LawFit
 from .shifting import AtReference, Joint, curve
 from .spectrum import LOSS, RELAXATION, STORAGE
@@ -62,9 +62,11 @@ class AbstractFindings(abc.ABC):
         return f"{type(self).__name__}\n{self.summary()}"
 
     def _repr_html_(self) -> str:
-        return html_table(
+        table = html_table(
             type(self).__name__, [("intervals", self.intervals), *self.findings()]
         )
+        plot = getattr(self, "plot", None)
+        return table if plot is None else table + html_figure(plot(style="paper"))
 
 
 def of_shifts(

@@ -35,7 +35,7 @@ from .. import __version__
 from ..checks import as_float64, is_traced, require, significant
 from ..errors import InputError
 from ..files import csv_text, write_files
-from ..notebook_tables import html_table
+from ..notebook_tables import html_figure, html_table
 from ..trees import pytree
 from .axes import Axis, Curve, curves, dimensions
 
@@ -479,9 +479,12 @@ class Result:
 
     def _repr_html_(self) -> str:
         lines = repr(self).splitlines()
-        # without numbers there is nothing but that line
-        rows = self.findings() if len(lines) > 1 else ()
-        return html_table(lines[0], rows)
+        if len(lines) == 1:  # without numbers there is nothing but that line
+            return html_table(lines[0], ())
+        table = html_table(lines[0], self.findings())
+        if np.count_nonzero(self.converged) < 2:  # a point is no curve
+            return table
+        return table + html_figure(self.plot(style="paper"))
 
     # ------------------------------------------------------------------------------------------
     # tables and files
