@@ -29,6 +29,8 @@ FINER = 2  # times as many in earlier stages, whose shortest waves have more bel
 PERIODS = 4  # longest waves to a side of the map of a stage
 TABULATED = 7  # nominal pressures at which a later stage is solved
 LEVELS = (0.02, 0.1)  # pressure over the modulus at q_low times the rms slope
+COLUMNS = ("rubber", "ratio", "level", "contact", "mu", "mu of stages")
+COLUMNS += ("contact of stages", "multiscale")
 SLOWEST = 1 / (Q_LOW * VELOCITY)
 RUBBERS = {
     "broad": em.Foundation(
@@ -144,8 +146,7 @@ def main() -> None:
             rows.append((*row, contact[i] / area[i], model.mu[i] / mu[i]))
             print(rows[-1], flush=True)
     record["two stages"] = table(
-        ("rubber", "ratio", "level", "contact", "mu")
-        + ("mu of stages", "contact of stages", "multiscale"),
+        COLUMNS,
         rows,
     )
     if "--far" in sys.argv:
