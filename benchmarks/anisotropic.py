@@ -200,17 +200,15 @@ def summed(record: dict, rows: list) -> None:
         off = np.log([row[6] for row in some])
         beyond = off - np.log([plain[row[0], row[3]][6] for row in some])
         persson = np.log([row[7] for row in some])
-        summary.append(
-            (g, degrees, off.mean(), np.sqrt((off**2).mean()), beyond.mean())
-            + (np.sqrt((beyond**2).mean()), np.sqrt((persson**2).mean()))
-        )
+        rms = [np.sqrt((x**2).mean()) for x in (off, beyond, persson)]
+        summary.append((g, degrees, off.mean(), beyond.mean(), *rms))
     record["summary"] = table(
         (
             "g",
             "direction",
             "mean of ln(mu/mu_3D)",
-            "rms",
             "mean beyond that of g = 1",
+            "rms",
             "rms beyond",
             "rms of Persson",
         ),

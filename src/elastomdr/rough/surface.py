@@ -44,6 +44,8 @@ _SOFTENED = "; moduli softened by the strain of each length scale"
 # ln(mu/mu_Gaussian) over the skewness of the heights and sqrt(-ln A): the median of maps,
 # and what 97 % of them stay below
 _SKEWED, _PER_SKEWNESS = 0.4, 0.6
+# |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
+_PER_LAY = 0.12
 # real contact, and the factor within which the strain at a scale is known there, of a
 # sweep in shear: benchmarks/strain_share.py
 _STRAIN_SHARE = (0.12, 1.35), (0.3, 2.0)
@@ -814,6 +816,18 @@ def _of_skewness(surface: AbstractSpectrum, area: Any) -> Any:
     return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(area))
 
 
+def _of_lay(surface: AbstractSpectrum, area: Any) -> Any:
+    """Bound on |ln(mu/mu_3D)| by what a lay does beside giving waves their directions,
+    and on that of the real contact.
+    """
+    lay = lay_of(surface)
+    if lay is None:
+        return 0.0 * area
+    xp = namespace(area, lay.log_peklenik)
+    stretch = xp.mean(xp.abs(lay.log_peklenik))
+    return _PER_LAY * stretch * xp.sqrt(-xp.log(xp.clip(area, 1e-300, 1.0)))
+
+
 def _model_error(
     model: SurfaceModel,
     scene: Scene,
@@ -840,6 +854,7 @@ def _model_error(
     if bound is None:
         return None
     bound = bound + namespace(area).expm1(_of_skewness(road, area))
+    bound = bound + namespace(area).expm1(_of_lay(road, area))
     if not of_area:
         bound = abs(found.mu) * bound
     return answer.field(scene.shape, bound + of_strain)

@@ -188,6 +188,7 @@ def surface(
     ]
     lay, said = _directions(waves, highest, fit)
     report += said
+    report += [_asks_for_shortest(fit)] if shortest is None else []
     return MeasuredSurface(
         q=fit.q,
         c=fit.c,
@@ -531,6 +532,22 @@ def _overlap(alone: Sequence[_Fit]) -> str:
     )
 
 
+def _asks_for_shortest(fit: _Fit) -> str:
+    """What the shortest wave decides, where none was given."""
+    spectrum = Spectrum(fit.q, fit.c, convention="2d")
+    slopes = []
+    for factor in (1, 2, 4):
+        end = fit.q[-1] / factor
+        if end > 1.5 * fit.q[0]:
+            slope = (2 * np.pi * spectrum.moment(3, None, end)) ** 0.5
+            slopes.append(f"{slope:.2g} down to {2 * np.pi / end:.3g} m")
+    return (
+        "no `shortest` is given: waves are kept as the data have them, with an rms slope "
+        f"of {', '.join(slopes)}. Friction grows with the slope: give the shortest wave "
+        "that the rubber follows, usually some micrometres"
+    )
+
+
 def _heights(fit: _Fit, measured: float) -> str:
     in_spectrum = _moment(fit, 1) ** 0.5
     share = max(0.0, 1 - (in_spectrum / measured) ** 2)
@@ -654,7 +671,7 @@ def _directions(
         if lay is not None
         else "; the mean over directions is used"
     )
-    if lay is None or lay.log_peklenik.max() > np.log(_UNEQUAL):
+    if lay is not None and lay.log_peklenik.max() > np.log(_UNEQUAL):
         warn(sentence, UserWarning)
     return lay, [sentence]
 
