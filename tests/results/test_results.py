@@ -505,6 +505,7 @@ UNITS = {  # of each quantity, whatever the result
     "Hz": "frequency",
     "N^2/Hz": "density",
     "J/K": "capacity",
+    "rad": "direction",
 }
 OTHERS = {
     "Shear.error": "N",
