@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 _NODES = 129  # of the coarsest grid
 _SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
 _FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
-_CHANGED = 6e-4  # relative change of what is extrapolated, above which another follows
+_CHANGED = 3e-4  # relative change of what is extrapolated, above which another follows
 _UNSURE = 0.25  # part of that change that counts as error
 _FLAGGED = 3e-3  # relative error of the finer grid above which a point is not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
