@@ -40,6 +40,7 @@ SCRIPTS = (
     "rough_fit",
     "rough_press",
     "leak_fit",
+    "lubricated",
     "robustness/rough_scenes",
     "topography",
     "fit_coverage --sets 50",

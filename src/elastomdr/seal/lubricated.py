@@ -61,8 +61,8 @@ if TYPE_CHECKING:
 _NODES = 129  # of the coarsest grid
 _SHOWN = 2 * _NODES - 1  # of a profile, those of the second grid
 _FEWEST, _MOST = 2, 4  # grids, each twice as dense as the one before
-_CHANGED = 1e-3  # relative change of what is extrapolated, above which another follows
-_UNSURE = 0.1  # part of that change that counts as error
+_CHANGED = 3e-4  # relative change of what is extrapolated, above which another follows
+_UNSURE = 0.25  # part of that change that counts as error
 _FLAGGED = 3e-3  # relative error of the finer grid above which a point is not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
@@ -512,7 +512,7 @@ class _Judged(NamedTuple):
 
 def _judged(coarser: Array, coarse: Array, fine: Array) -> _Judged:
     """Of three grids. The extrapolated numbers are of fourth order, so that the error
-    left in them is about a sixteenth of their change, if that is what grids say.
+    left in them is a sixteenth of their change or so; a quarter of it is taken.
     """
     before, better = _extrapolated(coarser, coarse), _extrapolated(coarse, fine)
     change = np.abs(better - before)
