@@ -300,8 +300,10 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
         spread = np.zeros((*l.shape, size))
         np.put_along_axis(spread, near, weight, axis=-1)
     else:
-        here = near[..., None] == np.arange(size)
-        spread = xp.sum(xp.where(here, weight[..., None], 0.0), axis=-2)
+        spread = sum(
+            xp.where(near[..., j, None] == np.arange(size), weight[..., j, None], 0.0)
+            for j in range(_STENCIL)
+        )
     return spread, compliance * (1 - short)
 
 
