@@ -451,7 +451,7 @@ def test_every_screen(tmp_path, undrawn):
         page.road.form.set("[surface] shortest", "0.1 mm")
         await until(lambda: "5 mm to 100 um" in page.road._words._label.text)
         spent = []
-        for micrometres in range(90, 100, 2):  # a cutoff that moves
+        for micrometres in (90, 94, 98):  # a cutoff that moves
             before, start = page.road._words._label.text, time.process_time()
             page.road.form.set("[surface] shortest", f"{micrometres} um")
             await until(lambda before=before: page.road._words._label.text != before)
@@ -565,11 +565,11 @@ def test_every_screen(tmp_path, undrawn):
         await user.should_see("# elastomdr compare compare.toml")
         user.find("Tyre (.tir)").click()
         assert b"PDX1" in (await user.download.next(timeout=60)).content
-        user.find("Scene (TOML)").click()
+        first(user.find("Scene (TOML)")).click()
         answer = await user.download.next()
         content = tomllib.loads(answer.content.decode())
         assert content["surface"]["file"] == "road.csv"
-        user.find("All (zip)").click()
+        first(user.find("All (zip)")).click()
         archive = zipfile.ZipFile(
             io.BytesIO((await user.download.next(timeout=60)).content)
         )
@@ -594,7 +594,7 @@ def test_every_screen(tmp_path, undrawn):
             .splitlines()
         )
         assert written[1:] == session.done["friction"].csv().decode().splitlines()
-        user.find("Excel").click()
+        first(user.find("Excel")).click()
         assert (await user.download.next(timeout=60)).content[:2] == b"PK"
 
         # loaded again: nothing is lost
@@ -611,6 +611,14 @@ def test_every_screen(tmp_path, undrawn):
         )
 
     simulated(tmp_path, act)
+
+
+def first(buttons):
+    """The first of several buttons of one name, which is that of friction: others make
+    files as well, of all that has been computed.
+    """
+    buttons.elements = {min(buttons.elements, key=lambda button: button.id)}
+    return buttons
 
 
 async def an_isotherm_is_shifted(rubber):
@@ -638,7 +646,7 @@ async def curves_follow_sliders(stage):
     """Within .3 s of processor time; the velocity's slider reads the curves."""
     sliders, spent = stage._sliders, []
     kept = stage.form.widgets["[contact] pressure"].value
-    for pressure in (0.2e6, 0.25e6, 0.3e6):
+    for pressure in (0.2e6, 0.3e6):
         before, start = stage._picture._drawn, time.process_time()
         stage._slid("[contact] pressure", f"{pressure / 1e6:.3g} MPa")
         await until(lambda before=before: stage._picture._drawn is not before)

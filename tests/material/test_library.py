@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import textwrap
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +65,22 @@ def test_each_material_stands_in_the_table_with_its_grades_range_and_licence():
             assert ends == pytest.approx(given, rel=0.06, abs=0.0)
         assert source
         assert licence in ("own", "paper", "MIT", "BSD-3-Clause", "GPL-3.0")
+
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [*ROOT.glob("examples/scenes/*.toml"), *ROOT.glob("src/elastomdr/cli/*/*.toml")],
+    ids=lambda scene: f"{scene.parent.name}/{scene.name}",
+)
+def test_titles_of_scenes_say_that_a_rubber_is_illustrative(scene):
+    content = tomllib.loads(scene.read_text(encoding="utf-8"))
+    named = content.get("material", [])
+    known = {*([named] if isinstance(named, str) else named)} & {*em.materials()}
+    grades = {material_info(name)["source"]["moduli"]["grade"] for name in known}
+    assert "illustrative" not in grades or "ynthetic" in content["title"]
 
 
 @pytest.mark.parametrize("name", em.materials())

@@ -727,7 +727,7 @@ def test_a_friction_map_in_one_command(tmp_path, capsys):
     table = (tmp_path / "m.csv").read_text()
     assert "# material: tread-passenger-synthetic\n" in table
     assert "# surface: self-affine surface, rms height" in table
-    assert "# title: Friction map of a tread compound\n" in table
+    assert "# title: Friction map of a synthetic tread compound\n" in table
     law = em.load_friction(tmp_path / "m.csv")
     assert law.mu.shape == (4, 3, 3)
     store = xarray.open_zarr(tmp_path / "s.zarr")

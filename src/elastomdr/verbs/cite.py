@@ -60,7 +60,7 @@ def cite(result: Result) -> str:
             f"{type(result).__name__}."
         )
     signs = [type(result).__name__, result.model, *(name for name, _ in result.inputs)]
-    publications = files(__package__).joinpath("references.bib")
+    publications = files("elastomdr.verbs").joinpath("references.bib")
     entries = [
         entry.strip() + "\n"
         for entry in publications.read_text(encoding="utf-8").split("\n\n")
