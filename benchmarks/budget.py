@@ -25,7 +25,7 @@ import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from common import heading, save, table, verdict
+from common import RESULTS, heading, save, table, verdict
 
 ROOT = Path(__file__).parents[1]
 FIRST, CURVE, HISTORY, ITERATES = 1.0, 0.3, 2.0, 5.0
@@ -114,8 +114,8 @@ ALLOWED: dict[str, tuple[float, float, str]] = {
     "friction: profile on springs": (1.5, 5.0, f"{_POINTS}, 16 strips"),
     **{
         f"{verb}: {shape} on layer": (2.0, 1.0, _LINES)
-        for verb in ("friction", "rolling")
-        for shape in ("ball", "parabola", "cone", "power", "profile")
+        for verb, shapes in (("friction", SLIDERS[:-1]), ("rolling", ROLLERS[:-1]))
+        for shape in shapes
     },
     "dissipation: ball on half-space": (1.0, 2.0, _BRANCHES),
     "dissipation: roller on half-space": (2.0, 2.0, _BRANCHES),
@@ -259,7 +259,7 @@ CASES = (
     Case(
         "press: a road",
         "em.press(rubber, road, pressure=x, time=1.0)",
-        "area_ratio",
+        "separation",
         one="3e5",
         many="np.geomspace(1e4, 1e6, 64)",
     ),
@@ -305,8 +305,8 @@ CASES = (
     ),
     Case(
         "drive",
-        "em.drive(rubber, ball, em.Mount(mass=0.1, stiffness=1e4, damping=1.0), time=t, "
-        "base=x * t, load=1.0)",
+        "em.drive(rubber, ball, time=t, position=x * t, load=1.0, "
+        "tangential=em.Mount(mass=0.1, stiffness=1e4, damping=1.0))",
         curve=HISTORY,
         one="0.01",
         many="0.01",
@@ -388,9 +388,22 @@ def _weight() -> tuple[Any, ...]:
     return ("import elastomdr", first, nothing, nothing, nothing, modules, peak, "")
 
 
-def _calls(only: str) -> tuple[list[Any], list[Any]]:
-    """Rows and verdicts of the calls with a word in their name."""
-    rows, verdicts = [] if only else [_weight()], []
+CALLS = (
+    "call",
+    "first [s]",
+    "warm [s]",
+    "curve [s]",
+    "gradient [s]",
+    "modules",
+    "MiB",
+    "why",
+)
+SCENES = "scene", "command", "processor [s]", "MiB", "why"
+
+
+def _calls(only: str, record: dict[str, Any]) -> list[Any]:
+    """Rows of the calls with a word in their name."""
+    rows = [] if only else [_weight()]
     for case in CASES:
         if only not in case.name:
             continue
@@ -405,16 +418,18 @@ def _calls(only: str) -> tuple[list[Any], list[Any]]:
         keys = ("first", "warm", "curve", "gradient", "modules", "memory")
         rows.append((case.name, *(row.get(key, float("nan")) for key in keys), why))
         first = max(first, HISTORY) if case.curve == HISTORY else first
-        verdicts += [
+        verdicts = [
             verdict(f"{case.name}, first", row["first"], first, unit=" s"),
             verdict(f"{case.name}, curve", row["curve"], curve, unit=" s"),
         ]
-    return rows, verdicts
+        kept = [dict(zip(CALLS, row, strict=True)) for row in rows]
+        _keep(record, calls=kept, verdicts=verdicts)
+    return rows
 
 
-def _scenes(only: str) -> tuple[list[Any], list[Any]]:
-    """Rows and verdicts of the shipped scenes; of a sweep the user chooses the size."""
-    rows, verdicts = [], []
+def _scenes(only: str, record: dict[str, Any]) -> list[Any]:
+    """Rows of the shipped scenes; of a sweep the user chooses the size."""
+    rows = []
     for path in sorted((ROOT / "examples" / "scenes").glob("*.toml")):
         command = re.search(r"elastomdr (\w+)", path.read_text(encoding="utf-8"))
         if only not in path.stem or command is None or command[1] == "sweep":
@@ -423,24 +438,36 @@ def _scenes(only: str) -> tuple[list[Any], list[Any]]:
         name = f"scene {path.stem}"
         allowed, _, why = ALLOWED.get(name, (ITERATES, ITERATES, ""))
         rows.append((path.stem, command[1], row["first"], row["memory"], why))
-        verdicts.append(verdict(name, row["first"], allowed, unit=" s"))
-    return rows, verdicts
+        verdicts = [verdict(name, row["first"], allowed, unit=" s")]
+        kept = [dict(zip(SCENES, row, strict=True)) for row in rows]
+        _keep(record, scenes=kept, verdicts=verdicts)
+    return rows
+
+
+def _keep(record: dict[str, Any], **rows: list[dict[str, Any]]) -> None:
+    """Writes rows into the record in the place of those of the same name: a run that is
+    stopped leaves what it has measured.
+    """
+    path = RESULTS / "budget.json"
+    kept = json.loads(path.read_text()) if path.exists() else {}
+    names = {"calls": "call", "scenes": "scene", "verdicts": "name"}
+    for key, name in names.items():
+        together = (*kept.get(key, ()), *rows.get(key, ()))
+        kept[key] = list({row[name]: row for row in together}.values())
+    save("budget", {**record, **kept})
 
 
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    options.add_argument("--only", default="", help="rows with this word alone")
+    options.add_argument("--only", default="", help="rows with this word alone, anew")
     only = options.parse_args().only
     record = heading("A budget for every call and every scene", "processor seconds")
-    calls, verdicts = _calls(only)
-    columns = "first [s]", "warm [s]", "curve [s]", "gradient [s]", "modules", "MiB"
-    record["calls"] = table(("call", *columns, "why"), calls) if calls else []
-    scenes, more = _scenes(only)
-    columns = "scene", "command", "processor [s]", "MiB", "why"
-    record["scenes"] = table(columns, scenes) if scenes else []
-    record["verdicts"] = verdicts + more
-    if not only:
-        save("budget", record)
+    calls = _calls(only, record)
+    if calls:
+        table(CALLS, calls)
+    scenes = _scenes(only, record)
+    if scenes:
+        table(SCENES, scenes)
 
 
 if __name__ == "__main__":

@@ -38,6 +38,8 @@ SCRIPTS = (
     "transient",
     "rough_sliding",
     "rough_fit",
+    "time_error",
+    "budget",
     "rough_press",
     "leak_fit",
     "lubricated",
