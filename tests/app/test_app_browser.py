@@ -79,7 +79,7 @@ def address(tmp_path_factory):
 def opened(address, chromium):
     """One page for all tests of this file: to load it takes the longest."""
     page = chromium.new_page(viewport={"width": 1280, "height": 900})
-    page.set_default_timeout(30e3)
+    page.set_default_timeout(60e3)
     page.add_init_script(STILL)
     page.goto(address)
     page.locator(".result").nth(4).wait_for()
@@ -107,7 +107,10 @@ def button(page, name):
 
 
 def drop(page, *files):
-    page.locator(".q-tab-panel:visible input[type=file]").first.set_input_files(files)
+    """Drops files once those before have arrived: meanwhile Quasar takes no other."""
+    upload = page.locator(".q-tab-panel:visible .q-uploader").first
+    upload.locator(".q-uploader__list:empty").wait_for(state="attached")
+    upload.locator("input[type=file]").set_input_files(files)
 
 
 def says(page, where, words):
@@ -175,7 +178,7 @@ def test_from_files_to_friction(page):
         tab(page, screen)
         for width in (390, 1280):
             page.set_viewport_size({"width": width, "height": 900})
-            page.wait_for_function(WHOLE, polling=50, timeout=20e3)
+            page.wait_for_function(WHOLE, polling=50, timeout=60e3)
         found = findings.run(page, options=AXE).response["violations"]
         assert not [each for each in found if each["impact"] in SERIOUS], screen
 
