@@ -25,7 +25,6 @@ PAGES = [
 
 
 WIDE = 120  # characters of a line that can be broken
-UNBROKEN = ("rough.md", "seal.md", "structure.md", "theory.md")  # still to be wrapped
 # tables, headings, equations, figures and code, which cannot
 WHOLE = re.compile(r"\s*(\||#|<|\$\$|!\[.*\]\(.*\)$)")
 
@@ -43,7 +42,6 @@ def prose(page: Path) -> list[str]:
         page
         for page in PAGES
         if page.parent.name not in ("tests", "benchmarks", "robustness")
-        if page.name not in UNBROKEN
     ],
     ids=lambda page: page.name,
 )
