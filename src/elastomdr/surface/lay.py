@@ -137,7 +137,7 @@ def _moments(maps: list[Periodogram], q: np.ndarray) -> _Moments:
 
 def _sum(band: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
     real, imaginary = (
-        np.bincount(band, part, size) for part in (values.real, values.imag)
+        np.bincount(band, part, size) for part in (np.real(values), np.imag(values))
     )
     return real + 1j * imaginary
 
