@@ -93,6 +93,7 @@ def test_main_job_runs(tmp_path, monkeypatch, capsys):
     assert "all converged" in capsys.readouterr().out
 
 
+@pytest.mark.filterwarnings("ignore:the surface is not isotropic")
 @pytest.mark.parametrize(
     "page",
     [
