@@ -606,12 +606,9 @@ def _turned(
         )
 
     found, along, across = answer.found, towards(0.0), towards(np.pi / 2)
-    of_mu, of_area = (
-        np.maximum(*(abs(end - mean) for end in ends))
-        for mean, ends in (
-            (found.mu, (along.mu, across.mu)),
-            (1.0, (along.area / found.area, across.area / found.area)),
-        )
+    of_mu = np.maximum(abs(along.mu - found.mu), abs(across.mu - found.mu))
+    of_area = np.maximum(
+        abs(along.area / found.area - 1.0), abs(across.area / found.area - 1.0)
     )
     if found.good.any():
         least, most = (

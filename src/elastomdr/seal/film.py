@@ -90,11 +90,12 @@ class Case(NamedTuple):
         ends = (self.edges[0] - max(flooded, far), self.edges[1] + 1 + 3 * wide)
         if self.inlet is not None:
             ends = (self.inlet, ends[1])
-        if outlet is None:  # a rigid film ruptures at 0.475 sqrt(2H)
-            outlet = self.edges[1] + 0.3 * 0.72 * parameter**0.5
-        x = nodes((self.edges[0], outlet), ends, zones, count)
+        # a rigid film ruptures at 0.475 sqrt(2H)
+        usual = self.edges[1] + 0.3 * 0.72 * parameter**0.5
+        end = usual if outlet is None else outlet
+        x = nodes((self.edges[0], end), ends, zones, count)
         response = self.respond(x)
-        return Contact(parameter, response, x, self.asperities, self.factor, outlet)
+        return Contact(parameter, response, x, self.asperities, self.factor, end)
 
 
 class Film(NamedTuple):

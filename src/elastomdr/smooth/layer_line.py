@@ -296,6 +296,7 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
     short = xp.minimum(l / math.exp(_LOW), 1.0)
     amount = compliance * short / (1 + xp.maximum(l, math.exp(_LOW)))
     weight = factor * (amount / xp.sum(factor, axis=-1))[..., None]
+    spread: Any
     if on_numpy():
         spread = np.zeros((*l.shape, size))
         np.put_along_axis(spread, near, weight, axis=-1)
