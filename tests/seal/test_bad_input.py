@@ -160,3 +160,31 @@ def test_squeeze_above_what_formulas_hold_for():
     percent = em.o_ring(RUBBER, 3e-3, 15.0 / 100).line_load
     lindley = 3 * RUBBER.equilibrium * 3e-3 * (1.25 * 0.15**1.5 + 50 * 0.15**6)
     assert percent == pytest.approx(lindley, rel=1e-9)
+
+
+def test_a_layer_under_roughness_is_refused_and_its_rubber_accepted():
+    asked = {"pressure": 1e5, "pressure_drop": 1e3, "viscosity": 0.05, "length": 1e-3}
+    with pytest.raises(em.InputError, match=r"em\.layer: give its rubber alone"):
+        em.leak(em.layer(RUBBER, 1e-3), ROUGH, **asked)
+    assert em.leak(RUBBER, ROUGH, **asked).rate > 0
+    with pytest.raises(em.InputError, match="in kg/mol, at most 1"):
+        em.leak(
+            RUBBER,
+            ROUGH,
+            **asked,
+            outlet_pressure=1e5,
+            molar_mass=28.0,
+            temperature=300.0,
+        )
+
+
+def test_a_profile_with_holes_is_refused():
+    pressure = np.array([0.0, 1.0, 2.0, 3.0, np.nan, 3.0, 2.0, 1.0, 0.0])
+    with pytest.raises(em.InputError, match="profile must be finite"):
+        em.reciprocating(
+            profile=(np.arange(9.0), pressure),
+            velocity_out=0.1,
+            velocity_in=0.1,
+            stroke=0.1,
+            viscosity=0.1,
+        )

@@ -97,12 +97,23 @@ def test_rigid_cylinder():
 
 def test_smooth_stribeck_curve_keeps_mass():
     curve = em.lubricated(
-        RUBBER, BODY, velocity=np.geomspace(1e-4, 1e3, 12), load=1e3, viscosity=0.05
+        RUBBER, BODY, velocity=np.geomspace(1e-6, 1e2, 12), load=1e3, viscosity=0.05
     )
     assert curve.converged.all()
     assert curve.imbalance.max() < 1e-10
     assert curve.mu == pytest.approx(curve.viscous)
     assert (np.diff(curve.film_thickness) > 0).all()
+
+
+@pytest.mark.parametrize("viscosity", [1e4, 1e8])
+def test_films_as_thick_as_the_body(viscosity):
+    """Beside a point that is solved; the gap of a circle is no parabola there."""
+    with pytest.warns(em.ConvergenceWarning, match="1 of 2 points"):
+        curve = em.lubricated(
+            RUBBER, BODY, velocity=0.1, load=1e3, viscosity=np.array([1.0, viscosity])
+        )
+    assert curve.converged.tolist() == [True, False]
+    assert np.isnan(curve.mu[1])
 
 
 def test_power_in_the_film():

@@ -37,10 +37,9 @@ def told(points: np.ndarray, findings: str, illustrative: bool) -> Beyond:
     """Says what lies beyond, with a warning unless the range is an assumption only."""
     if not points.any():
         return Beyond(points, ())
-    sentence = (
-        f"{int(points.sum())} of {points.size} points lie beyond the range of the "
-        f"material: {findings}"
-    )
+    sentence = f"{int(points.sum())} of {points.size} points lie beyond the range of the material"
+    if findings:
+        sentence += f": {findings}"
     if not illustrative:
         warn(f"{sentence}.", ExtrapolationWarning)
     return Beyond(points, (("extrapolated", sentence),))

@@ -36,7 +36,7 @@ from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
 from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
 from ..rough.local_modulus import Local
-from .leak import level_of, pressed_bodies
+from .leak import BOTH, level_of, pressed_bodies
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -134,7 +134,8 @@ def break_out(
 
     Args:
         material: as for `em.press`, a series.
-        surface: roughness by its spectrum.
+        surface: roughness by its spectrum; where the rubber is rough too, that of the sum
+            of both spectra.
         pressure: nominal pressure [Pa]; arguments broadcast.
         boundary_shear: shear stress of the real contact [Pa], or an `em.AdhesiveShear`.
         time: dwell, for which the pressure has acted since it was put on at once [s];
@@ -260,6 +261,7 @@ def _in_words(
     inputs = [
         ("material", foundation.name or "given directly"),
         ("surface", f"{surface.label}{words}"),
+        ("roughness", BOTH),
         ("shear of the contact", shear.words()),
     ]
     inputs += [

@@ -455,7 +455,10 @@ def _from_film(
         film[1:-1][inside] - 0.5 * x[inside] ** 2 - rows @ outside,
         LOAD - width @ outside,
     )
-    solved = np.linalg.solve(matrix, right)
+    try:
+        solved = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:  # a film as thick as the contact is wide
+        return pressure, 0.0
     outside[inside] = solved[:-1]
     return outside, float(solved[-1])
 

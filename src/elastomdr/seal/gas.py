@@ -71,6 +71,9 @@ def check_gas(given: dict[str, Any]) -> None:
             "depends on it. A rubber without a shift law is then the same at every "
             "temperature."
         )
+    if mass is not None:
+        accepted = "in kg/mol, at most 1 (0.028 of nitrogen)"
+        require("molar_mass", mass, accepted, lambda x: (x > 0) & (x <= 1))
     if mass is not None and given["density"] is not None:
         raise InputError(
             "density must be left out with molar_mass, which gives that of the gas at "

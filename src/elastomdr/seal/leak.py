@@ -30,6 +30,7 @@ from ..checks import (
     warn_unless,
 )
 from ..element.law import Foundation, as_foundation
+from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..models import GapFlow, HalfSpace, Model, Multiscale, as_model
@@ -98,8 +99,9 @@ def leak(
         material: as for `em.press`, a series.
         surface: roughness by its spectrum; where the rubber is rough too, the sum of
             both spectra.
-        pressure: pressure with which rubber and surface are pressed together [Pa], over
-            that of the fluid between them. Arguments broadcast.
+        pressure: pressure with which rubber and surface are pressed together [Pa], of a
+            ring with what its fluid adds (`em.o_ring(..., fluid_pressure=)`). What the
+            fluid between them carries of it is left out. Arguments broadcast.
         pressure_drop: pressure of the fluid before the seal over that behind it [Pa],
             below `pressure`: a seal that is not pressed harder than its fluid opens.
         viscosity: dynamic viscosity [Pa s]; a kinematic one times the density.
@@ -208,11 +210,17 @@ def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
     """The foundation of rubber that is pressed on a rough surface. Raises
     `InputError`.
     """
+    if isinstance(material, Layer):
+        raise InputError(
+            "material must be a half-space under a rough surface, whose waves are far "
+            "shorter than a layer is thick, got an em.layer: give its rubber alone."
+        )
     foundation = as_foundation(material)
     as_spectrum("surface", surface)
     if foundation.per_area:
         raise InputError(
-            "material must be a half-space under a rough surface, got a layer."
+            "material must be a half-space under a rough surface, got independent "
+            "springs: give their rubber alone."
         )
     if time is None:
         check_carries(foundation)

@@ -33,7 +33,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..checks import as_float64, broadcast_shape, in_si, is_traced, positive, scalar
+from ..checks import (
+    as_float64,
+    broadcast_shape,
+    in_si,
+    is_traced,
+    positive,
+    require,
+    scalar,
+)
 from ..element.law import normal_operator
 from ..errors import InputError, ModelWarning, warn
 from ..material.prony import Prony
@@ -240,6 +248,8 @@ def _profile(profile: Any) -> tuple[Array, Array]:
             f"{profile!r}."
         )
     x, p = (as_float64("profile", each) for each in profile)
+    for each in (x, p):
+        require("profile", each, "finite numbers", np.isfinite)
     if x.ndim != 1 or x.shape != p.shape or x.size < _FEWEST:
         raise InputError(
             f"profile must have {_FEWEST} positions or more and as many pressures, got "
