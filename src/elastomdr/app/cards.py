@@ -48,10 +48,10 @@ class _Top(NamedTuple):
     @property
     def place(self) -> str:
         """Where it is, and what that is worth."""
-        at = f"at {significant(self.x, 3)} m/s"
+        where = f"at {significant(self.x, 3)} m/s"
         if self.inside:
-            return at
-        return f"{at}, the {'lowest' if self.slow else 'highest'} velocity computed"
+            return where
+        return f"{where}, the {'lowest' if self.slow else 'highest'} velocity computed"
 
 
 def cards(result: Any) -> list[Card]:
@@ -83,11 +83,11 @@ def cards(result: Any) -> list[Card]:
     return [*shown, _how_sure(tops), _surer(tops)]
 
 
-def show(place: Any, found: list[Card]) -> None:
+def show(place: Any, new_cards: list[Card]) -> None:
     """Shows cards in the place of the ones before."""
     place.clear()
     with place:
-        for card in found:
+        for card in new_cards:
             with ui.element("section").classes("result"):
                 ui.label(card.title).classes("about")
                 if card.number:

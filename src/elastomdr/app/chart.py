@@ -71,8 +71,8 @@ def image(axes: Any, kind: str = "svg") -> bytes:
 
 def points(charts: list[Chart]) -> bytes:
     """All points of the charts as comma-separated text, a line each."""
-    text = io.StringIO()
-    write = csv.writer(text)
+    buffer = io.StringIO()
+    write = csv.writer(buffer)
     for chart in charts:
         across, up = (chart.options[axis]["name"] for axis in ("xAxis", "yAxis"))
         write.writerow(["curve", across, up, "lower end", "upper end"])
@@ -80,14 +80,14 @@ def points(charts: list[Chart]) -> bytes:
             if series["type"] in ("line", "scatter"):
                 for point in series["data"]:
                     write.writerow([series["name"], *point])
-    return text.getvalue().encode()
+    return buffer.getvalue().encode()
 
 
-def plain(text: str) -> str:
+def plain(label: str) -> str:
     """A label of matplotlib, which may hold formulas, in plain letters."""
     for command, letter in _LETTERS.items():
-        text = text.replace(command, letter)
-    return re.sub(r"[${}]", "", text)
+        label = label.replace(command, letter)
+    return re.sub(r"[${}]", "", label)
 
 
 def _chart(ax: Any) -> Chart:
@@ -175,8 +175,8 @@ def _axis(axis: Any, name: str, gap: int) -> dict[str, Any]:
         "splitLine": _GRID,
     }
     if len(axis.get_majorticklocs()) == 0:
-        for part in ("axisLabel", "axisTick", "splitLine"):
-            options[part] = {"show": False}
+        for element in ("axisLabel", "axisTick", "splitLine"):
+            options[element] = {"show": False}
     return options
 
 
@@ -193,11 +193,11 @@ class _Names:
             if (label := _label(artist)) and not _is_empty(artist):
                 self._own.setdefault(_colour(artist), label)
         for legend in (*_legends(ax), *ax.figure.legends):
-            for handle, text in zip(
+            for handle, legend_text in zip(
                 legend.legend_handles, legend.get_texts(), strict=False
             ):
                 if handle is not None:
-                    label = " ".join(plain(text.get_text()).split())
+                    label = " ".join(plain(legend_text.get_text()).split())
                     self._own.setdefault(_colour(handle), label)
 
     def __call__(self, artist: Any, default: str | None = None) -> str:
@@ -260,7 +260,9 @@ def _curves(ax: Any, names: _Names) -> Iterator[dict[str, Any]]:
             yield from _scattered(drawn, names)
         elif isinstance(drawn, LineCollection):
             gap = np.full((1, 2), np.nan)
-            ends = [part for each in drawn.get_segments() for part in (each, gap)]
+            ends = [
+                vertices for each in drawn.get_segments() for vertices in (each, gap)
+            ]
             if ends:
                 yield _thin(np.vstack(ends), _colour(drawn), names(drawn, ""))
     for patch in ax.patches:
@@ -411,15 +413,15 @@ def _texts(ax: Any) -> Iterator[dict[str, Any]]:
     """What is written at a place of the data."""
     from matplotlib.text import Annotation
 
-    for text in ax.texts:
-        annotated = isinstance(text, Annotation)
-        if annotated and text.xycoords != "data":
+    for artist in ax.texts:
+        annotated = isinstance(artist, Annotation)
+        if annotated and artist.xycoords != "data":
             continue
-        if not annotated and text.get_transform() != ax.transData:
+        if not annotated and artist.get_transform() != ax.transData:
             continue
-        place = text.xy if annotated else text.get_position()
+        place = artist.xy if annotated else artist.get_position()
         side = {"left": "right", "right": "left"}.get(
-            text.get_horizontalalignment(), "top"
+            artist.get_horizontalalignment(), "top"
         )
         yield {
             "type": "scatter",
@@ -432,8 +434,8 @@ def _texts(ax: Any) -> Iterator[dict[str, Any]]:
             "label": {
                 "show": True,
                 "position": "top" if annotated else side,
-                "formatter": plain(text.get_text()),
-                "color": _colour(text),
+                "formatter": plain(artist.get_text()),
+                "color": _colour(artist),
             },
         }
 
@@ -449,9 +451,9 @@ def _headings(ax: Any) -> tuple[str, tuple[str, ...]]:
     if first and (whole := ax.figure.get_suptitle()):
         title = whole
     notes = [
-        text.get_text()
-        for text in ax.texts
-        if isinstance(text, Annotation) and text.xycoords == "axes fraction"
+        artist.get_text()
+        for artist in ax.texts
+        if isinstance(artist, Annotation) and artist.xycoords == "axes fraction"
     ]
     return tuple(  # type: ignore[return-value]
         [

@@ -213,15 +213,15 @@ class ComputedStage:
 
     def content(self) -> dict[str, Any]:
         """The scene as it is filled in."""
-        own = self._session.scenes[self._key]
+        scene = self._session.scenes[self._key]
         if self._key != "compare":
-            return own
+            return scene
         common = {
             k: v
             for k, v in self._session.scenes["friction"].items()
             if k not in ("measured", "temperature")
         }
-        return {**common, **own}
+        return {**common, **scene}
 
     def refresh(self) -> None:
         """Offers materials and files that have come meanwhile, and shows what others
@@ -263,13 +263,13 @@ class ComputedStage:
                 )
             if self._key in _ABOUT:
                 ui.label(_ABOUT[self._key]).classes("about")
-            own = session.scenes[self._key]
+            scene = session.scenes[self._key]
             only = screen.only or tuple(
                 key for key in table.__struct_fields__ if key != "title"
             )
             self.form = Form(
                 table,
-                own,
+                scene,
                 only=only,
                 first=screen.first,
                 choices=choices,
@@ -292,26 +292,26 @@ class ComputedStage:
         await self._dropped([name])
 
     async def _dropped(self, names: list[str]) -> None:
-        own = self._session.scenes[self._key]
-        own["measured"] = names[0]
-        own["temperature"] = await worked(
-            DRAWING, _with_measured, own, self._session.folder.path / names[0]
+        scene = self._session.scenes[self._key]
+        scene["measured"] = names[0]
+        scene["temperature"] = await worked(
+            DRAWING, _with_measured, scene, self._session.folder.path / names[0]
         )
         self._draw_form()
         await self.compute()
 
     def _done(self) -> Done | None:
         """What has been computed of what is filled in."""
-        done = self._session.done.get(self._screen.key)
-        same = done is not None and without_empty(done.asked) == without_empty(
-            self.content()
-        )
-        return done if same else None
+        computation = self._session.done.get(self._screen.key)
+        same = computation is not None and without_empty(
+            computation.asked
+        ) == without_empty(self.content())
+        return computation if same else None
 
     async def show_again(self) -> None:
         """Shows what has been computed before of what is filled in."""
-        if (done := self._done()) is not None:
-            await self._show(done)
+        if (computation := self._done()) is not None:
+            await self._show(computation)
 
     def _clear(self) -> None:
         """Takes away what has been computed of something else."""
@@ -324,14 +324,14 @@ class ComputedStage:
         self._table.clear()
         self._words.show("")
 
-    def _slid(self, name: str, text: str) -> None:
+    def _slid(self, name: str, typed: str) -> None:
         """Takes the value of a slider, and computes anew where that is fast."""
         table, _, key = name.rpartition(" ")
         if table == "[surface]":
-            self._session.scenes["friction"]["surface"][key] = text
+            self._session.scenes["friction"]["surface"][key] = typed
             self.look()
         else:
-            self.form.set(name, text)
+            self.form.set(name, typed)
         if self._picture.shown and self._seconds < _FAST:
             background_tasks.create(self._follow(), name="follow a slider")
 
@@ -348,18 +348,20 @@ class ComputedStage:
             self._button.disable()
         try:
             content = copy.deepcopy(self.content())
-            done = await self._busy.during(
+            computation = await self._busy.during(
                 COMPUTING, self._computed, content, quiet=quiet
             )
-            self._session.done[self._screen.key] = done
+            self._session.done[self._screen.key] = computation
             self._changed()
-            await self._show(done, quiet)
+            await self._show(computation, quiet)
         except InputError as error:
             self._clear()
-            said = str(error)
-            own = "[surface] shape" in self.form.widgets
-            if own or not (said.startswith("[surface]") and self._elsewhere(said)):
-                self.form.show_error(said)
+            message = str(error)
+            has_surface = "[surface] shape" in self.form.widgets
+            if has_surface or not (
+                message.startswith("[surface]") and self._elsewhere(message)
+            ):
+                self.form.show_error(message)
         except CancelledError:
             return
         finally:
@@ -367,9 +369,9 @@ class ComputedStage:
 
     def _computed(self, content: dict[str, Any]) -> Done:
         start = time.thread_time()
-        done = self._computed_as_asked(content)
+        computation = self._computed_as_asked(content)
         self._seconds = time.thread_time() - start
-        return done
+        return computation
 
     def _computed_as_asked(self, content: dict[str, Any]) -> Done:
         folder, progress = self._session.folder, self._busy.progress
@@ -381,22 +383,24 @@ class ComputedStage:
             content, copy.deepcopy(self._session.scenes["friction"]), folder, progress
         )
 
-    async def _show(self, done: Done, quiet: bool = False) -> None:
+    async def _show(self, computation: Done, quiet: bool = False) -> None:
         key = self._key
-        figure = await worked(DRAWING, done.figure)
+        figure = await worked(DRAWING, computation.figure)
         if key != self._key:
             return
-        cards.show(self._cards, cards.cards(done.result))
-        self._notes.show(done.warnings)
-        said = "\n".join(filter(None, (done.result.summary(), done.more)))
-        self._words.show(spoken(said))
+        cards.show(self._cards, cards.cards(computation.result))
+        self._notes.show(computation.warnings)
+        summary = "\n".join(
+            filter(None, (computation.result.summary(), computation.more))
+        )
+        self._words.show(spoken(summary))
         if self._screen.key == "compare":
-            self._rank(done.result)
+            self._rank(computation.result)
         self._picture.show(figure)
         if self._sliders is not None:
             if not quiet:  # else it is at the next value already
                 self._sliders.look()
-            self._sliders.read(done)
+            self._sliders.read(computation)
         self.look()
 
     def _rank(self, ranking: Any) -> None:
@@ -441,15 +445,15 @@ def _with_measured(content: dict[str, Any], path: Path) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", em.fit.FitWarning)
-            kelvin = em.read_friction(path).points.get("temperature")
-        computed = [float(Temperature.read(text)) for text in texts]
+            measured = em.read_friction(path).points.get("temperature")
+        computed = [float(Temperature.read(entry)) for entry in texts]
     except InputError:
         return given  # computing says what is wrong
-    if kelvin is None:
+    if measured is None:
         return given
     missing = [
         each
-        for each in grouped(kelvin)
+        for each in grouped(measured)
         if all(abs(each - one) > SAME_TEMPERATURE for one in computed)
     ]
     if not missing or len(computed) + len(missing) > _MOST_CURVES:

@@ -85,7 +85,7 @@ def leaf(kind: Any) -> Leaf:
     """What the type of a key accepts."""
     parts = _parts(kind)
     return Leaf(
-        tuple(part for part in parts if part is not type(None)),
+        tuple(member for member in parts if member is not type(None)),
         type(None) in parts or None in parts,
     )
 
@@ -100,32 +100,32 @@ def to_text(value: Any) -> str:
         if same[0] and same[1] and same[0][3] == same[1][3]:
             first = first.removesuffix(same[0][3]).rstrip()
         return _with_signs(f"{first} to {last}, {value['points']} points")
-    text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-    return _with_signs(text)
+    joined = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    return _with_signs(joined)
 
 
-def from_text(accepts: Leaf, text: str | None, unit: str = "") -> Any:
+def from_text(accepts: Leaf, typed: str | None, unit: str = "") -> Any:
     """The value of a scene file that a text stands for; None where the key is left out.
     Numbers without a unit have the field's `unit`, where it has one.
 
     What is no value of the kind is returned as it is, so that the scene's own message
     says what is accepted.
     """
-    text = (text or "").strip()
-    text = text.replace("°C", "degC").replace("µm", "um")
-    if not text:
+    typed = (typed or "").strip()
+    typed = typed.replace("°C", "degC").replace("µm", "um")
+    if not typed:
         return None
-    if accepts.spread and (match := _SPAN.fullmatch(text)) is not None:
+    if accepts.spread and (match := _SPAN.fullmatch(typed)) is not None:
         first, last = _with_unit([match[1], match[2]], unit)
         return {"from": first, "to": last, "points": int(match[3])}
     parts = (
-        [part.strip() for part in re.split(r";|,\s+", text) if part.strip()]
+        [entry.strip() for entry in re.split(r";|,\s+", typed) if entry.strip()]
         if accepts.several
-        else [text]
+        else [typed]
     )
     numeric = accepts.numeric and accepts.quantity is None
     values = (
-        [_number(part) for part in parts]
+        [_number(entry) for entry in parts]
         if numeric
         else _with_unit(parts, unit)
         if accepts.quantity or unit
@@ -137,8 +137,8 @@ def from_text(accepts: Leaf, text: str | None, unit: str = "") -> Any:
     return values[0] if one else values
 
 
-def _with_signs(text: str) -> str:
-    return text.replace("degC", "°C").replace(" um", " µm")
+def _with_signs(typed: str) -> str:
+    return typed.replace("degC", "°C").replace(" um", " µm")
 
 
 def _parts(kind: Any) -> tuple[Any, ...]:
@@ -146,14 +146,14 @@ def _parts(kind: Any) -> tuple[Any, ...]:
     if get_origin(kind) is Annotated:
         return _parts(get_args(kind)[0])
     if get_origin(kind) in (Union, types.UnionType):
-        return tuple(part for member in get_args(kind) for part in _parts(member))
+        return tuple(inner for member in get_args(kind) for inner in _parts(member))
     return (kind,)
 
 
-def _number(text: str) -> Any:
-    if _NUMBER.fullmatch(text) is None:
-        return text
-    return int(text) if re.fullmatch(r"[-+]?\d{1,15}", text) else float(text)
+def _number(typed: str) -> Any:
+    if _NUMBER.fullmatch(typed) is None:
+        return typed
+    return int(typed) if re.fullmatch(r"[-+]?\d{1,15}", typed) else float(typed)
 
 
 def _with_unit(parts: list[str], unit: str = "") -> list[str]:
@@ -165,7 +165,8 @@ def _with_unit(parts: list[str], unit: str = "") -> list[str]:
     if not unit:
         return parts
     return [
-        f"{part} {unit}" if _NUMBER.fullmatch(part.strip()) else part for part in parts
+        f"{entry} {unit}" if _NUMBER.fullmatch(entry.strip()) else entry
+        for entry in parts
     ]
 
 
@@ -287,10 +288,10 @@ class Form:
             return last.get(words[0], "") if words else ""
         return next(
             (
-                found[word]
-                for found in (within, last)
+                field_names[word]
+                for field_names in (within, last)
                 for word in words
-                if word in found
+                if word in field_names
             ),
             "",
         )
@@ -560,8 +561,12 @@ def _example(accepts: Leaf) -> str:
     return f"{example}, or several" if accepts.several else example
 
 
-def _as_options(found: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
-    return dict(found) if isinstance(found, Mapping) else {name: name for name in found}
+def _as_options(choices: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
+    return (
+        dict(choices)
+        if isinstance(choices, Mapping)
+        else {name: name for name in choices}
+    )
 
 
 def _flag(label: str, field: Any, accepts: Leaf, value: Any) -> Any:
@@ -574,9 +579,9 @@ def _flag(label: str, field: Any, accepts: Leaf, value: Any) -> Any:
     return ui.select(options, value=chosen, label=label)
 
 
-def _legend(text: str) -> None:
+def _legend(title: str) -> None:
     with ui.element("legend"):
-        ui.label(text)
+        ui.label(title)
 
 
 def _mark(widget: Any, message: str | None) -> None:

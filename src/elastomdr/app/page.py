@@ -37,13 +37,13 @@ class ExportStage:
                     "Nothing has been computed yet: compute friction, a "
                     "comparison or rolling first."
                 )
-            for stem, done in self._session.done.items():
-                self._card(stem, done)
+            for stem, computation in self._session.done.items():
+                self._card(stem, computation)
 
-    def _card(self, stem: str, done: Done) -> None:
-        notes = self._notes(done)
-        text = toml(done.verb, done.content, stem, notes)
-        beside = files_of(done.content)
+    def _card(self, stem: str, computation: Done) -> None:
+        notes = self._notes(computation)
+        scene_toml = toml(computation.verb, computation.content, stem, notes)
+        beside = files_of(computation.content)
         with ui.element("section").classes("card"):
             ui.label(stem.capitalize()).classes("lead").props(
                 "role=heading aria-level=2"
@@ -57,37 +57,45 @@ class ExportStage:
                     f"It reads, beside it: {', '.join(beside)}. The zip archive has them."
                 ).classes("about")
             with ui.element("div").classes("buttons"):
-                scene = text.encode()
+                scene = scene_toml.encode()
                 ui.button(
                     "Scene (TOML)",
                     on_click=lambda: ui.download.content(scene, f"{stem}.toml"),
                 ).props(BUTTON)
-                tyre = {"Tyre (.tir)": "tir"} if done.verb == "traction" else {}
+                tyre = {"Tyre (.tir)": "tir"} if computation.verb == "traction" else {}
                 for label, ending in (_KINDS | tyre).items():
                     ui.button(
-                        label, on_click=partial(self._give, stem, done, ending)
+                        label, on_click=partial(self._give, stem, computation, ending)
                     ).props(f"{BUTTON} outline")
-            ui.label(text).classes("words").props("tabindex=0")
+            ui.label(scene_toml).classes("words").props("tabindex=0")
 
-    def _notes(self, done: Done) -> tuple[str, ...]:
-        made = (self._session.notes.get(name) for name in files_of(done.content))
+    def _notes(self, computation: Done) -> tuple[str, ...]:
+        made = (self._session.notes.get(name) for name in files_of(computation.content))
         return tuple(f"material: {command}" for command in made if command)
 
-    async def _give(self, stem: str, done: Done, ending: str) -> None:
+    async def _give(self, stem: str, computation: Done, ending: str) -> None:
         try:
-            content = await worked(DRAWING, self._made, stem, done, ending)
+            content = await worked(DRAWING, self._made, stem, computation, ending)
         except InputError as error:
             ui.notify(str(error), type="negative")
             return
-        name = f"{stem}.zip" if ending == "zip" else f"{stem}-{done.verb}.{ending}"
+        name = (
+            f"{stem}.zip" if ending == "zip" else f"{stem}-{computation.verb}.{ending}"
+        )
         ui.download.content(content, name)
 
-    def _made(self, stem: str, done: Done, ending: str) -> Any:
+    def _made(self, stem: str, computation: Done, ending: str) -> Any:
         if ending in ("png", "svg"):
-            return done.figure().saved(ending)
+            return computation.figure().saved(ending)
         if ending == "zip":
-            return bundle(done, self._session.folder, stem, self._notes(done))
-        return {"csv": done.csv, "tir": done.tir, "xlsx": done.excel}[ending]()
+            return bundle(
+                computation, self._session.folder, stem, self._notes(computation)
+            )
+        return {
+            "csv": computation.csv,
+            "tir": computation.tir,
+            "xlsx": computation.excel,
+        }[ending]()
 
 
 _STAGES = (
@@ -120,13 +128,14 @@ def page(sessions: Sessions) -> "Page":
 
 def _help() -> None:
     """Shows the page of the docs about this page."""
-    text = DOCS.joinpath("app.md").read_text(encoding="utf-8")
-    text = text[text.index("| screen |") :]  # what stands before is to open the page
-    text = re.sub(r"!\[.*?\]\(.*?\)\n+\*.*?\*\n", "", text, flags=re.DOTALL)
-    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    markdown = DOCS.joinpath("app.md").read_text(encoding="utf-8")
+    # what stands before is to open the page
+    markdown = markdown[markdown.index("| screen |") :]
+    markdown = re.sub(r"!\[.*?\]\(.*?\)\n+\*.*?\*\n", "", markdown, flags=re.DOTALL)
+    markdown = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", markdown)
     with ui.dialog() as dialog, ui.element("div").classes("help"):
         ui.button("Close", on_click=dialog.close).props(f"{BUTTON} outline")
-        ui.markdown(text)
+        ui.markdown(markdown)
     dialog.open()
 
 
@@ -215,10 +224,10 @@ class Page:
 
     def _on_road(self, message: str) -> bool:
         """Shows what is wrong with the road where the road is filled in."""
-        found = self.road.form.show_error(message)
-        if found:
+        marked_field = self.road.form.show_error(message)
+        if marked_field:
             self._tabs.value = "Road"
-        return bool(found)
+        return bool(marked_field)
 
     def _computed(self) -> None:
         self.export.refresh()

@@ -187,8 +187,8 @@ class RoadStage:
                 ).props(f"{BUTTON} outline")
 
     def _cut(self, longest: str, shortest: str) -> None:
-        for name, text in zip(_NAMES, (longest, shortest), strict=True):
-            self.form.set(name, text)
+        for name, wavelength in zip(_NAMES, (longest, shortest), strict=True):
+            self.form.set(name, wavelength)
 
     def _show(self, seen: dict[str, Any]) -> None:
         self._picture.show(seen["drawn"])
@@ -237,7 +237,7 @@ def _offers(asked: Any, whole: Any) -> list[tuple[str, str, float]]:
         return []
     measured = _measured(whole)
     longest = min(measured[0], 5e-3)
-    found = {}
+    by_shortest = {}
     for wave in (*_USUAL, measured[1]):
         shortest = max(wave, measured[1])
         if shortest < 0.5 * longest:
@@ -246,8 +246,8 @@ def _offers(asked: Any, whole: Any) -> list[tuple[str, str, float]]:
                 * math.pi
                 * float(whole.moment(3, 2 * math.pi / longest, 2 * math.pi / shortest))
             )
-            found[length(shortest)] = length(longest), math.sqrt(max(slope, 0.0))
-    return [(first, last, slope) for last, (first, slope) in found.items()]
+            by_shortest[length(shortest)] = length(longest), math.sqrt(max(slope, 0.0))
+    return [(first, last, slope) for last, (first, slope) in by_shortest.items()]
 
 
 def _measured(whole: Any) -> list[float]:

@@ -146,7 +146,10 @@ class Fit(Table):
         if self.temperature is not None:
             words.append(
                 "--temperature="
-                + ",".join(f"{kelvin - 273.15:.6g}degC" for kelvin in self.temperature)
+                + ",".join(
+                    f"{temperature - 273.15:.6g}degC"
+                    for temperature in self.temperature
+                )
             )
         for key in (
             "name",
@@ -161,7 +164,7 @@ class Fit(Table):
         ):
             if (value := getattr(self, key)) is not None:
                 words.append(f"--{key.replace('_', '-')}={value}")
-        words += [f"--column={text}" for text in self.column or ()] + [
+        words += [f"--column={column}" for column in self.column or ()] + [
             "--storage-only"
         ] * self.storage_only
         words += (
@@ -357,7 +360,7 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
         name = f"{fit.material.name}.toml"
         em.save_material(fit.material, session.folder.path / name, info=fit.info())
     rows = (f"row left out: {row}" for row in dma.bad_rows)
-    warned = tuple(in_fields(text) for text in (*fit.warnings, *rows))
+    warned = tuple(in_fields(warning) for warning in (*fit.warnings, *rows))
     return Fitted(name, asked.command(), fit.summary(), warned, {}, fit, content)
 
 
@@ -393,21 +396,21 @@ def _given(asked: Fit, keys: tuple[str, ...]) -> dict[str, Any]:
 
 def figures(fit: Any) -> dict[str, Drawn]:
     """Master curve, shifts and spectrum of a fit."""
-    found = {
+    drawings = {
         "master": drawn(draw_prony(fit.prony)),
         "spectrum": drawn(draw_spectrum(fit.prony)),
     }
     if fit.master.temperature.size > 1:
-        found["shifts"] = drawn(draw_shifts(fit.master))
-    return found
+        drawings["shifts"] = drawn(draw_shifts(fit.master))
+    return drawings
 
 
-def _law(text: str | None, session: Session) -> Any:
+def _law(typed: str | None, session: Session) -> Any:
     """A shift law as it is typed; a file of factors must be one that was dropped."""
-    if text is None or "(" in text or text.strip() == "universal":
-        return law_of(text)
-    session.folder.check([text.strip()])
-    return law_of(str(session.folder.path / text.strip()))
+    if typed is None or "(" in typed or typed.strip() == "universal":
+        return law_of(typed)
+    session.folder.check([typed.strip()])
+    return law_of(str(session.folder.path / typed.strip()))
 
 
 def in_fields(message: str) -> str:
@@ -418,19 +421,19 @@ def in_fields(message: str) -> str:
     message = re.sub(
         _OPTION,
         "",
-        re.sub(_ADVICE, lambda found: _spoken(found[1] or found[2]), message),
+        re.sub(_ADVICE, lambda match: _spoken(match[1] or match[2]), message),
     )
     return spoken(re.sub(r"--([a-z-]+)", _field, message))
 
 
 def _spoken(options: str) -> str:
     """Options of a command as fields with what to type into them."""
-    text = re.sub(r"'([^']*)'", r"\1", options)
-    text = re.sub(
-        r"(?<!or) --(column )?", lambda more: ", " if more[1] else ", --", text
+    phrase = re.sub(r"'([^']*)'", r"\1", options)
+    phrase = re.sub(
+        r"(?<!or) --(column )?", lambda more: ", " if more[1] else ", --", phrase
     )
-    text = re.sub(r"--no-([a-z]+)", lambda option: f"{_field(option)}: no", text)
-    return re.sub(r"--([a-z-]+)", _field, text)
+    phrase = re.sub(r"--no-([a-z]+)", lambda option: f"{_field(option)}: no", phrase)
+    return re.sub(r"--([a-z-]+)", _field, phrase)
 
 
 def _field(option: re.Match[str]) -> str:
@@ -443,7 +446,7 @@ def _for_form(message: str) -> str:
     field that is named.
     """
     message = message.removeprefix("--")
-    said = in_fields(message)
+    spoken_message = in_fields(message)
     for key in (
         *_UNITS,
         "kind",
@@ -460,23 +463,23 @@ def _for_form(message: str) -> str:
     ):
         if re.match(rf"{key}s?\b", message):
             return (
-                f"{key}{said[len(key) :].removeprefix('s')}"
+                f"{key}{spoken_message[len(key) :].removeprefix('s')}"
                 if key == "column"
-                else said
+                else spoken_message
             )
     asked = re.search(r"--([a-z-]+)", message)  # what is missing
     key = asked[1].replace("-", "_") if asked else ""
     if key in Fit.__struct_fields__:
-        return f"{key}: {said}"
-    return said if message.startswith("data") else f"data: {said}"
+        return f"{key}: {spoken_message}"
+    return spoken_message if message.startswith("data") else f"data: {spoken_message}"
 
 
-def _column(text: str) -> tuple[str, Any]:
-    role, equals, title = text.partition("=")
+def _column(typed: str) -> tuple[str, Any]:
+    role, equals, title = typed.partition("=")
     if not equals or not role.strip() or not title.strip():
         raise InputError(
             "column must be a quantity and a title or number, such as storage=4, "
             "got "
-            f"{text!r}."
+            f"{typed!r}."
         )
     return role.strip(), int(title) if title.strip().isdigit() else title.strip()

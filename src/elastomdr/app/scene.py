@@ -103,31 +103,37 @@ def toml(
     return "\n".join([*head, "", *lines, ""])
 
 
-def bundle(done: Done, folder: Folder, stem: str, notes: tuple[str, ...] = ()) -> bytes:
+def bundle(
+    computation: Done, folder: Folder, stem: str, notes: tuple[str, ...] = ()
+) -> bytes:
     """A zip archive of the scene, the files it names, its table and its figure."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(f"{stem}.toml", toml(done.verb, done.content, stem, notes))
-        for name in files_of(done.content):
+        archive.writestr(
+            f"{stem}.toml", toml(computation.verb, computation.content, stem, notes)
+        )
+        for name in files_of(computation.content):
             archive.write(folder.path / name, name)
-        archive.writestr(f"out/{stem}-{done.verb}.csv", done.csv())
-        figure = done.figure()
+        archive.writestr(f"out/{stem}-{computation.verb}.csv", computation.csv())
+        figure = computation.figure()
         for kind in ("png", "svg"):
-            archive.writestr(f"out/{stem}-{done.verb}.{kind}", figure.saved(kind))
+            archive.writestr(
+                f"out/{stem}-{computation.verb}.{kind}", figure.saved(kind)
+            )
     return buffer.getvalue()
 
 
 def files_of(content: dict[str, Any]) -> list[str]:
     """The files beside the scene that it names."""
-    found, rubber = [], content.get("material", [])
+    files, rubber = [], content.get("material", [])
     names = [*(rubber if isinstance(rubber, list) else [rubber]), content.get("other")]
-    found += [name for name in names if isinstance(name, str) and _is_file(name)]
+    files += [name for name in names if isinstance(name, str) and _is_file(name)]
     for table in (
         content,
-        *(part for part in content.values() if isinstance(part, dict)),
+        *(inner for inner in content.values() if isinstance(inner, dict)),
     ):
-        found += [table[key] for key in _FILES if isinstance(table.get(key), str)]
-    return list(dict.fromkeys(found))
+        files += [table[key] for key in _FILES if isinstance(table.get(key), str)]
+    return list(dict.fromkeys(files))
 
 
 def compute(
@@ -248,23 +254,25 @@ def compute_on_road(
     try:
         table = compute("friction", scene, folder, progress)
     except InputError as error:
-        said = str(error)
+        message = str(error)
         raise InputError(
-            said if said.startswith(("[surface]", "material")) else f"friction: {said}"
+            message
+            if message.startswith(("[surface]", "material"))
+            else f"friction: {message}"
         ) from error
     folder.keep(TABLE, table.csv(), anew=True)
-    done = compute("traction", wheel | {"friction": TABLE}, folder)
-    done.asked = wheel
-    done.warnings = (
-        *(f"Friction of the tread: {text}" for text in table.warnings),
-        *done.warnings,
+    computation = compute("traction", wheel | {"friction": TABLE}, folder)
+    computation.asked = wheel
+    computation.warnings = (
+        *(f"Friction of the tread: {warning}" for warning in table.warnings),
+        *computation.warnings,
     )
     pressures, span = scene["contact"]["pressure"], scene["contact"]["velocity"]
-    done.more = (
+    computation.more = (
         "friction of the tread computed on the road of the friction screen, at "
         f"{pressures[0]} to {pressures[-1]}, {span['from']} to {span['to']}"
     )
-    return done
+    return computation
 
 
 def _scene_of_friction(

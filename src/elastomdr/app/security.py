@@ -111,11 +111,11 @@ class Guard:
                 return  # the application's own answer to what stopped it
             answered = True
             if message["type"] == "http.response.start":
-                own = [
+                added = [
                     (name.lower().encode(), value.encode())
                     for name, value in HEADERS.items()
                 ]
-                message = {**message, "headers": [*message.get("headers", []), *own]}
+                message = {**message, "headers": [*message.get("headers", []), *added]}
             await send(message)
 
         try:
@@ -138,14 +138,14 @@ class Folder:
         """The names of the files, of these endings where any are given, newest
         first.
         """
-        found = [
+        files = [
             file
             for file in self.path.iterdir()
             if file.is_file() and (file.suffix in endings or not endings)
         ]
         return [
             file.name
-            for file in sorted(found, key=lambda file: -file.stat().st_mtime_ns)
+            for file in sorted(files, key=lambda file: -file.stat().st_mtime_ns)
         ]
 
     def keep(self, name: str, content: bytes, *, anew: bool = False) -> str:
@@ -170,10 +170,10 @@ class Folder:
                 ),
             )
             here = next(each for each in names if self._free(each, content))
-        there = sum(
+        held_bytes = sum(
             file.stat().st_size for file in self.path.iterdir() if file.name != here
         )
-        if there + len(content) > self._most:
+        if held_bytes + len(content) > self._most:
             raise InputError(
                 f"the files of this page must be {self._most / 1e6:g} MB or less "
                 "in "
@@ -209,19 +209,19 @@ def safe(name: str) -> str:
     trip over.
     """
     last = re.split(r"[/\\]", name)[-1]
-    text = re.sub(r"[^\w.() -]+", "-", last).strip(" .-")
-    stem, dot, ending = text.rpartition(".")
+    cleaned = re.sub(r"[^\w.() -]+", "-", last).strip(" .-")
+    stem, dot, ending = cleaned.rpartition(".")
     short = (
         f"{stem[: _LONGEST - len(ending[:20])]}{dot}{ending[:20]}"
         if dot
-        else text[:_LONGEST]
+        else cleaned[:_LONGEST]
     )
     return short or "file"
 
 
 class _TooMuchError(Exception):
-    def __init__(self, status: int, text: str):
-        super().__init__(text)
+    def __init__(self, status: int, message: str):
+        super().__init__(message)
         self.status = status
 
 
@@ -235,7 +235,7 @@ def _header(scope: Any, name: bytes) -> bytes:
     )
 
 
-async def _refuse(scope: Any, send: Any, status: int, text: str) -> None:
+async def _refuse(scope: Any, send: Any, status: int, message: str) -> None:
     if scope["type"] == "websocket":
         return await send({"type": "websocket.close", "code": 1008})
     headers = [
@@ -243,4 +243,4 @@ async def _refuse(scope: Any, send: Any, status: int, text: str) -> None:
         (b"connection", b"close"),
     ]
     await send({"type": "http.response.start", "status": status, "headers": headers})
-    await send({"type": "http.response.body", "body": text.encode()})
+    await send({"type": "http.response.body", "body": message.encode()})

@@ -61,7 +61,9 @@ class ShiftEditor:
         if master is None:
             return
         self._offsets = np.zeros(master.temperature.size)
-        names = {i: _celsius(kelvin) for i, kelvin in enumerate(master.temperature)}
+        names = {
+            i: _celsius(temperature) for i, temperature in enumerate(master.temperature)
+        }
         farthest = int(np.abs(master.temperature - master.reference).argmax())
         self._isotherm.set_options(names, value=farthest)
         self._chosen()
@@ -84,9 +86,9 @@ class ShiftEditor:
         if self._master is None:
             return
         offsets, i = self._offsets.copy(), self._isotherm.value
-        figures, said = await worked(DRAWING, _figures, self._master, offsets, i)
+        figures, words = await worked(DRAWING, _figures, self._master, offsets, i)
         self._show(figures)
-        self._said.text = said
+        self._said.text = words
 
     def _back(self) -> None:
         self._offsets[:] = 0.0
@@ -152,16 +154,16 @@ def overlap(master: Any, i: int) -> tuple[float, int]:
         if dynamic
         else (master.time, master.relaxation, master.time_isotherm)
     )
-    own, beside = number == i, np.abs(number - i) == 1
+    on_isotherm, beside = number == i, np.abs(number - i) == 1
     order = np.argsort(x[beside])
     across, up = np.log(x[beside][order]), np.log(y[beside][order])
-    places = np.log(x[own])
+    places = np.log(x[on_isotherm])
     inside = (places >= across[0]) & (places <= across[-1])
     if not inside.any():
         return 0.0, 0
-    off = np.log(y[own][inside]) - np.interp(places[inside], across, up)
+    off = np.log(y[on_isotherm][inside]) - np.interp(places[inside], across, up)
     return float(np.sqrt(np.mean(off**2))), int(inside.sum())
 
 
-def _celsius(kelvin: float) -> str:
-    return f"{round(float(kelvin) - 273.15, 1) + 0.0:g} °C"
+def _celsius(temperature: float) -> str:
+    return f"{round(float(temperature) - 273.15, 1) + 0.0:g} °C"

@@ -50,8 +50,8 @@ class Sliders:
             self._temperature = Slider(
                 "Rubber temperature",
                 _TEMPERATURES,
-                lambda kelvin: _celsius(kelvin).replace("degC", "°C"),
-                lambda kelvin: moved("temperature", _celsius(kelvin)),
+                lambda temperature: _celsius(temperature).replace("degC", "°C"),
+                lambda temperature: moved("temperature", _celsius(temperature)),
                 logarithmic=False,
             )
             self._velocity = Slider(
@@ -70,14 +70,14 @@ class Sliders:
         _place(self._pressure, Pressure, contact.get("pressure"))
         _place(self._temperature, Temperature, self._content.get("temperature"))
 
-    def read(self, done: Done | None) -> None:
+    def read(self, computation: Done | None) -> None:
         """Reads the curves of a result where the velocity's slider is."""
         first = self._done is None
-        self._done = done
-        self._values.visible = done is not None
-        if done is None:
+        self._done = computation
+        self._values.visible = computation is not None
+        if computation is None:
             return
-        velocity = np.unique(np.asarray(done.result.velocity))
+        velocity = np.unique(np.asarray(computation.result.velocity))
         inside = float(np.clip(self._velocity.value, velocity[0], velocity[-1]))
         middle = float(np.sqrt(velocity[0] * velocity[-1]))
         if velocity[0] < velocity[-1]:
@@ -93,7 +93,7 @@ class Sliders:
         bound = result.model_error
         spread = result.error + (0.0 if bound is None else np.nan_to_num(bound))
         _, curves = result.curves()
-        said = []
+        readings = []
         for curve in curves:
             x = np.log(np.atleast_1d(result.velocity[curve.place]))
             mu, half = (
@@ -103,9 +103,9 @@ class Sliders:
                 for values in (result.mu, spread)
             )
             name = f"{curve.label}: " if curve.label else ""
-            said.append(f"{name}µ = {significant(mu, 3)} ± {significant(half, 2)}")
-        text = f"At {_velocity(velocity)}: {'; '.join(said)}"
-        self._values.text = text.replace("degC", "°C")
+            readings.append(f"{name}µ = {significant(mu, 3)} ± {significant(half, 2)}")
+        sentence = f"At {_velocity(velocity)}: {'; '.join(readings)}"
+        self._values.text = sentence.replace("degC", "°C")
 
 
 def _place(slider: Slider, quantity: Any, value: Any) -> None:
@@ -120,8 +120,8 @@ def _pressure(pascal: float) -> str:
     return f"{pascal / 1e6:.3g} MPa"
 
 
-def _celsius(kelvin: float) -> str:
-    return f"{round(kelvin - 273.15):g} degC"
+def _celsius(temperature: float) -> str:
+    return f"{round(temperature - 273.15):g} degC"
 
 
 def _velocity(velocity: float) -> str:

@@ -88,9 +88,9 @@ class Busy:
         """Whether something is being computed."""
         return self._work is not None
 
-    def progress(self, done: int, total: int) -> None:
+    def progress(self, finished: int, total: int) -> None:
         """Notes how much of it is done; may be called by any thread."""
-        self._share = done / max(total, 1)
+        self._share = finished / max(total, 1)
 
     def stop(self) -> None:
         """Stops it; who waits for it gets a `CancelledError`."""
@@ -122,9 +122,9 @@ class Busy:
             if self._stopping.done():
                 result.add_done_callback(lambda stopped: stopped.exception())
                 raise CancelledError
-            found = await result
+            answer = await result
             self._last = time.monotonic() - self._began
-            return found
+            return answer
         finally:
             self._work = self._stopping = None
             self._place.visible = self._timer.active = False
@@ -171,12 +171,12 @@ class Slider:
         self,
         label: str,
         limits: tuple[float, float],
-        text: Callable[[float], str],
+        as_text: Callable[[float], str],
         moved: Callable[[float], Any],
         *,
         logarithmic: bool = True,
     ):
-        self._text, self._logarithmic = text, logarithmic
+        self._text, self._logarithmic = as_text, logarithmic
         with ui.element("div").classes("slider") as self._place:
             ui.label(label)
             self._value = ui.label().classes("value")
@@ -187,7 +187,7 @@ class Slider:
 
         def changed(event: Any) -> None:
             value = self._of(float(event.args))
-            self._value.text = text(value)
+            self._value.text = as_text(value)
             moved(value)
 
         self._slider.on(
@@ -236,11 +236,11 @@ def material_names(session: Session) -> dict[str, str]:
     """What a rubber may be: the fitted and dropped ones of this page, then the
     library.
     """
-    own = {
+    of_page = {
         name: f"{name.removesuffix('.toml')} (this page)"
         for name in session.folder.names(".toml")
     }
-    return own | {name: name for name in em.materials()}
+    return of_page | {name: name for name in em.materials()}
 
 
 def drop(
@@ -259,8 +259,8 @@ def drop(
     failed = ui.label().classes("alert").props("role=alert")
     failed.visible = False
 
-    def refuse(text: str) -> None:
-        failed.text, failed.visible = text, True
+    def refuse(message: str) -> None:
+        failed.text, failed.visible = message, True
 
     async def take(work: Awaitable[None]) -> None:
         session.touch()
@@ -393,8 +393,8 @@ class Notes:
         """Shows these texts in the place of the ones before."""
         self._place.clear()
         with self._place:
-            for text in texts:
-                ui.label(text).classes("note")
+            for note in texts:
+                ui.label(note).classes("note")
 
 
 class Words:
@@ -404,6 +404,6 @@ class Words:
         self._label = ui.label().classes("words").props("tabindex=0")
         self._label.visible = False
 
-    def show(self, text: str) -> None:
+    def show(self, summary: str) -> None:
         """Shows a text in the place of the one before."""
-        self._label.text, self._label.visible = text, bool(text)
+        self._label.text, self._label.visible = summary, bool(summary)

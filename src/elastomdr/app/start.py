@@ -101,8 +101,8 @@ class StartStage:
         ).classes("about")
 
     async def _show(self) -> None:
-        done = await worked(COMPUTING, example)
-        cards.show(self._cards, cards.cards(done.result))
+        computation = await worked(COMPUTING, example)
+        cards.show(self._cards, cards.cards(computation.result))
         self._picture.show(await worked(DRAWING, _figure))
 
     async def _taken(self) -> None:

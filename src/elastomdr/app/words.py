@@ -174,23 +174,23 @@ def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
     """What the field of a key is called, with symbol and unit; `quantity` is what it
     measures, such as a force or a force per length.
     """
-    said = _entry(path).partition("|")[0]
-    if quantity is None or not (own := _unit_of(said)):
-        return said
+    entry = _entry(path).partition("|")[0]
+    if quantity is None or not (label_unit := _unit_of(entry)):
+        return entry
     try:
-        quantity.read(f"1 {own}")
+        quantity.read(f"1 {label_unit}")
     except InputError:
-        return re.sub(r"\[.*\]$", f"[{quantity.unit}]", said)
-    return said
+        return re.sub(r"\[.*\]$", f"[{quantity.unit}]", entry)
+    return entry
 
 
 def hint(path: tuple[str, ...], meaning: str) -> str:
     """What stands below the field; empty where the label says it all."""
-    own, bar, text = _entry(path).partition("|")
+    name, bar, below = _entry(path).partition("|")
     if bar:
-        return text
-    said, word = meaning.lower(), own.lower()
-    return "" if said.rstrip(".") in word else spoken(meaning)
+        return below
+    explanation, word = meaning.lower(), name.lower()
+    return "" if explanation.rstrip(".") in word else spoken(meaning)
 
 
 def unit(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
@@ -198,9 +198,9 @@ def unit(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
     return _unit_of(label(path, quantity))
 
 
-def _unit_of(said: str) -> str:
-    found = re.search(r" \[(.*)\]$", said)
-    return "" if found is None or found[1] == "-" else _SPELLED.get(found[1], found[1])
+def _unit_of(entry: str) -> str:
+    match = re.search(r" \[(.*)\]$", entry)
+    return "" if match is None or match[1] == "-" else _SPELLED.get(match[1], match[1])
 
 
 def title(path: tuple[str, ...]) -> str:
@@ -230,9 +230,9 @@ def in_words(message: str, names: Iterable[str]) -> str:
     return " ".join(spoken(message).split())
 
 
-def _place(found: re.Match[str]) -> str:
+def _place(match: re.Match[str]) -> str:
     """A table, or a key of a table, within a message."""
-    table, key = found[1].split("."), found[2] or ""
+    table, key = match[1].split("."), match[2] or ""
     if ".".join([table[-1], key]) in _LABELS or key in _LABELS:
         return quoted(*table, key)
     return " ".join(filter(None, (quoted(*table), key)))
@@ -254,8 +254,8 @@ def spoken(message: str) -> str:
 
 def path_of(name: str) -> tuple[str, ...]:
     """The tables and the key of a field's name."""
-    found = re.fullmatch(r"\[(.*)\] (.*)", name)
-    return (name,) if found is None else (*found[1].split("."), found[2])
+    match = re.fullmatch(r"\[(.*)\] (.*)", name)
+    return (name,) if match is None else (*match[1].split("."), match[2])
 
 
 def _entry(path: tuple[str, ...]) -> str:

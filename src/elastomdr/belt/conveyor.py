@@ -240,11 +240,11 @@ def conveyor(
             )
     given = _checked(velocity, belt, goods, temperature, gravity)
     points = broadcast(**given)
-    speed, kelvin = points["velocity"], points.get("temperature")
-    carried = (points["belt"] + points["goods"]) * points["gravity"]
-    returned = points["belt"] * points["gravity"]
-    loaded = _solve_side(carry, carried, speed, kelvin, model, rtol)
-    empty = _solve_side(back, returned, speed, kelvin, model, rtol)
+    speed, temperatures = points["velocity"], points.get("temperature")
+    carry_weight = (points["belt"] + points["goods"]) * points["gravity"]
+    return_weight = points["belt"] * points["gravity"]
+    loaded = _solve_side(carry, carry_weight, speed, temperatures, model, rtol)
+    empty = _solve_side(back, return_weight, speed, temperatures, model, rtol)
     converged = loaded.converged & empty.converged
     weight = (2 * points["belt"] + points["goods"]) * points["gravity"]
     on_carry = nan_unless(converged, loaded.resistance)
@@ -253,7 +253,7 @@ def conveyor(
         velocity=speed,
         belt=points["belt"],
         goods=points["goods"],
-        temperature=kelvin,
+        temperature=temperatures,
         carry=on_carry,
         back=on_return,
         resistance=on_carry + on_return,
@@ -290,7 +290,7 @@ def _checked(
 
 
 def _solve_side(
-    side: Idlers, weight: Any, velocity: Any, kelvin: Any, model: Any, rtol: float
+    side: Idlers, weight: Any, velocity: Any, temperature: Any, model: Any, rtol: float
 ) -> _Side:
     """Resistance of all rolls of a side under a weight per length of belt [N/m]; equal
     rolls are computed once.
@@ -303,7 +303,7 @@ def _solve_side(
         side.roll,
         velocity=velocity[..., None],
         load=weight[..., None] * side.spacing * shares,
-        temperature=None if kelvin is None else kelvin[..., None],
+        temperature=None if temperature is None else temperature[..., None],
         model=model,
         rtol=rtol,
     )

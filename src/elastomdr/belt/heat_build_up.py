@@ -151,7 +151,7 @@ class _Body(NamedTuple):
     model: Any
     rtol: float
 
-    def roll(self, kelvin: Any, ignored: type[Warning] = Warning) -> Any:
+    def roll(self, temperature: Any, ignored: type[Warning] = Warning) -> Any:
         """The rolling resistance at temperatures, without warnings of a class."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ignored)
@@ -160,7 +160,7 @@ class _Body(NamedTuple):
                 self.shape,
                 velocity=self.velocity,
                 load=self.load,
-                temperature=kelvin,
+                temperature=temperature,
                 model=self.model,
                 rtol=self.rtol,
             )
@@ -379,10 +379,10 @@ def _with_history(
         )
     ascending("time", instants)
     not_negative("time", instants)
-    kelvin, power, error, way = _history(body, state.temperature, heat, instants)
+    temperature, power, error, way = _history(body, state.temperature, heat, instants)
 
     def over_time(values: Any) -> Any:
-        return xp.broadcast_to(values[..., None], kelvin.shape)
+        return xp.broadcast_to(values[..., None], temperature.shape)
 
     velocity, load = over_time(body.velocity), over_time(body.load)
     extrapolated = way.extrapolated
@@ -399,9 +399,9 @@ def _with_history(
         settling=over_time(heat / state.stiffness),
         steady=over_time(state.temperature),
         error=over_time(state.error) + error,
-        temperature=kelvin,
+        temperature=temperature,
         power=power,
-        time=xp.broadcast_to(instants, kelvin.shape),
+        time=xp.broadcast_to(instants, temperature.shape),
         converged=over_time(state.converged),
         coefficient=power / (velocity * load),
         extrapolated=extrapolated,
@@ -433,15 +433,15 @@ def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any]:
     body stops warming up, as far as a coarse power tells; Newton's method may leave them.
     """
     body = body._replace(rtol=max(body.rtol, _SCAN_RTOL))
-    kelvin, power, _ = map(fixed, _powers(body, low, high, count, _SCAN_STEP))
+    temperature, power, _ = map(fixed, _powers(body, low, high, count, _SCAN_STEP))
     # NaN ends the search, and the point is found not to be met
-    cools = ~(power - body.conductance * (kelvin - body.ambient) > 0)
+    cools = ~(power - body.conductance * (temperature - body.ambient) > 0)
     cools = xp.concatenate(
         [xp.zeros_like(cools[:1]), cools[1:-1], xp.ones_like(cools[:1])]
     )
     index = np.argmax(cools, axis=0)[None] if on_numpy() else argmax(cools)[None]
-    below = xp.take_along_axis(kelvin, index - 1, axis=0)[0]
-    return below, xp.take_along_axis(kelvin, index, axis=0)[0]
+    below = xp.take_along_axis(temperature, index - 1, axis=0)[0]
+    return below, xp.take_along_axis(temperature, index, axis=0)[0]
 
 
 def _powers(
@@ -500,14 +500,14 @@ def _history(
     ambient = body.ambient
     top = xp.where(xp.isfinite(steady), steady, ambient + 1.0)
     finer = _FINER if on_numpy() else 1
-    kelvin, power, off = _powers(
+    temperature, power, off = _powers(
         body, ambient, top, _HISTORY_NODES, _HISTORY_STEP, finer
     )
-    net = xp.asarray(power) - body.conductance * (kelvin - ambient)
+    net = xp.asarray(power) - body.conductance * (temperature - ambient)
     # at the steady state by definition
     net = xp.concatenate([net[:-1], xp.zeros_like(net[:1])])
-    fine = _follow(kelvin, net, heat, time)
-    coarse = _follow(kelvin[::2], net[::2], heat, time)
+    fine = _follow(temperature, net, heat, time)
+    coarse = _follow(temperature[::2], net[::2], heat, time)
     known = xp.isfinite(steady)[..., None]
     fine = halving_limit(coarse, fine)
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
@@ -519,22 +519,21 @@ def _history(
     return *(nan_unless(known, x) for x in (fine, power, error)), way
 
 
-def _follow(kelvin: Any, net: Any, heat: Any, time: Any) -> Any:
+def _follow(temperature: Any, net: Any, heat: Any, time: Any) -> Any:
     """Temperature at the instants, from the net heat flow N = P - H (T - T_a) at nodes
     along the first axis.
 
     Between two nodes N is taken as linear in T, so that the time from one to the other
     is C (T' - T)/(N - N') ln(N/N'), and T within is an exponential in time.
     """
-    slope = (net[1:] - net[:-1]) / (kelvin[1:] - kelvin[:-1])
-    small = abs(slope) * (kelvin[1:] - kelvin[:-1]) < 1e-9 * net[:-1]
+    warmer = temperature[1:] - temperature[:-1]
+    slope = (net[1:] - net[:-1]) / warmer
+    small = abs(slope) * warmer < 1e-9 * net[:-1]
     safe = xp.where(small, 1.0, slope)
     ratio = net[1:] / net[:-1]
     log = xp.log(xp.where(ratio > 0, ratio, 1.0))
     # the last never ends
-    spent = (
-        heat * xp.where(small, (kelvin[1:] - kelvin[:-1]) / net[:-1], log / safe)[:-1]
-    )
+    spent = heat * xp.where(small, warmer / net[:-1], log / safe)[:-1]
     starts = xp.concatenate([xp.zeros_like(spent[:1]), xp.cumsum(spent, axis=0)])
     since = time - starts[..., None]  # nodes, points, instants
     index = xp.maximum(xp.sum(since >= 0, axis=0) - 1, 0)[None]
@@ -544,7 +543,7 @@ def _follow(kelvin: Any, net: Any, heat: Any, time: Any) -> Any:
             xp.broadcast_to(field[..., None], since.shape), index, axis=0
         )[0]
 
-    elapsed, begin = xp.take_along_axis(since, index, axis=0)[0], pick(kelvin[:-1])
+    elapsed, begin = xp.take_along_axis(since, index, axis=0)[0], pick(temperature[:-1])
     flow, rate = pick(net[:-1]), pick(safe) / heat[..., None]
     rise = xp.where(
         pick(small),

@@ -128,11 +128,11 @@ class AdhesiveShear(Tree):
         """The law in one line."""
         if is_traced(self):
             return "adhesive shear"
-        text = (
+        numbers = (
             f"{float(self.stress) / 1e6:.4g} MPa at {float(self.velocity):.4g} m/s, "
             f"width {float(self.width):.4g}"
         )
-        return f"{text}, {'athermal' if self.shift is None else repr(self.shift)}"
+        return f"{numbers}, {'athermal' if self.shift is None else repr(self.shift)}"
 
     def __repr__(self) -> str:
         return written(self)
@@ -173,12 +173,12 @@ def sheared(
         area: what area it is, in words.
         more: fields of the result that go with it.
     """
-    kelvin = curve.temperature
+    temperature = curve.temperature
     rise = curve.temperature_rise if curve.contact_rise is None else curve.contact_rise
-    if kelvin is not None and rise is not None:
+    if temperature is not None and rise is not None:
         # of a point without an answer, whose area is NaN
-        kelvin = kelvin + xp.where(xp.isnan(rise), 0.0, rise)
-    added = adhesion.shear_stress(curve.velocity, kelvin) * share
+        temperature = temperature + xp.where(xp.isnan(rise), 0.0, rise)
+    added = adhesion.shear_stress(curve.velocity, temperature) * share
     mu = curve.mu + added
     return dataclasses.replace(
         curve,
@@ -219,22 +219,22 @@ def _no_prediction(curve: FrictionCurve, added: Any) -> tuple[tuple[str, str], .
     over = np.asarray(added > MOST_SHEAR)
     if not over.any():
         return ()
-    text = (
+    sentence = (
         f"{int(over.sum())} of {over.size} points: the shear of the contact exceeds "
         "its pressure"
     )
     if curve.area_ratio is not None:
         least = (curve.area_ratio[over] / added[over]).min()
-        text += (
+        sentence += (
             f", from a real contact of {significant(float(least), 2)} on, p over the "
             "shear stress"
         )
     most = significant(float(added[over].max()))
-    text += (
+    sentence += (
         f"; it is up to {most} times that and would change the contact, which the sum "
         "leaves out"
     )
-    return (("no prediction", f"{text}; model_error is NaN there"),)
+    return (("no prediction", f"{sentence}; model_error is NaN there"),)
 
 
 def on_contact(
@@ -280,11 +280,11 @@ def on_cells(curve: FrictionCurve, adhesion: AdhesiveShear) -> FrictionCurve:
     )
 
 
-def no_area(adhesion: Any, what: str, instead: str) -> None:
+def no_area(adhesion: Any, subject: str, instead: str) -> None:
     """Refuses adhesion where no area of contact is known. Raises `InputError`."""
     if adhesion is not None:
         raise InputError(
-            f"adhesion acts on the area of real contact, which {what} does not "
+            f"adhesion acts on the area of real contact, which {subject} does not "
             f"have: {instead}."
         )
 
@@ -318,10 +318,10 @@ def why_hotter(
     shear = f"the shear stress there {significant(float(stronger))} times"
     if stronger > 1:
         shear += ", since warmth moves it towards its maximum"
-    text = (
+    sentence = (
         f"{int(higher.sum())} of {higher.size} points, most at "
         f"{in_words('velocity', float(curve.velocity[i]))}: of what cold rubber has, "
         f"the real contact is {significant(float(softer))} times, since warm rubber "
         f"is softer, {shear}, hysteresis {significant(float(lossier))} times"
     )
-    return (("hot above cold", text),)
+    return (("hot above cold", sentence),)

@@ -100,8 +100,8 @@ def averages(
         return _averages(modulus, None, w, q, directed, finer, parted)
     size = max(1, _MOST // w[0].size)
     parts = [
-        _averages(modulus, table, w[some], q, directed.of(some), finer, parted)
-        for some in (slice(i, i + size) for i in range(0, w.shape[0], size))
+        _averages(modulus, table, w[batch], q, directed.of(batch), finer, parted)
+        for batch in (slice(i, i + size) for i in range(0, w.shape[0], size))
     ]
     whole = zip(*parts, strict=True)
     return Averages(*(None if x[0] is None else np.concatenate(x) for x in whole))

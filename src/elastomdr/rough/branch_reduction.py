@@ -86,20 +86,20 @@ def lumped(
     viscosity = whole.viscosity + (moduli * times * fast).sum(axis=0)
     second = (moduli * times**2 * fast).sum(axis=0)
     total, rate = (moduli * slow).sum(axis=0), (moduli / times * slow).sum(axis=0)
-    some = slow.any(axis=0)
+    any_slow = slow.any(axis=0)
     nothing = np.zeros((1, step.size))
-    carried = np.concatenate([some[None], ~(slow | fast), nothing > 0])
-    count = int(carried.sum(axis=0).max())
+    kept = np.concatenate([any_slow[None], ~(slow | fast), nothing > 0])
+    count = int(kept.sum(axis=0).max())
     count = max(2, count + count % 2)
     # what is carried goes before the rest, in its order
-    first = np.argsort(~carried, axis=0, kind="stable")[:count]
-    lump = total / np.where(some, rate, 1.0)
-    moduli = np.where(carried, np.concatenate([total[None], moduli, nothing]), 0.0)
-    times = np.where(carried, np.concatenate([lump[None], times, nothing]), step)
+    first = np.argsort(~kept, axis=0, kind="stable")[:count]
+    lump_time = total / np.where(any_slow, rate, 1.0)
+    moduli = np.where(kept, np.concatenate([total[None], moduli, nothing]), 0.0)
+    times = np.where(kept, np.concatenate([lump_time[None], times, nothing]), step)
     lumps = slow.sum(axis=0)
     laws = {size: _with_lump(law, size) for size in np.unique(lumps)}
     apart = np.full((count + 1, count + 1, step.size), np.inf)
-    for lane, size in enumerate(carried.sum(axis=0)):
+    for lane, size in enumerate(kept.sum(axis=0)):
         apart[: size + 1, : size + 1, lane] = laws[lumps[lane]][: size + 1, : size + 1]
     spent = np.where(slow, np.where(fast, 0.0, cost), 0.0).sum(axis=0)
     moduli, times = (np.take_along_axis(x, first, axis=0) for x in (moduli, times))
@@ -111,9 +111,12 @@ def _with_lump(law: Relaxation, size: int) -> np.ndarray:
     order = slowest_first(law)
     moduli, times = np.asarray(law.moduli)[order], np.asarray(law.times)[order]
     if size:
-        some = moduli[:size].sum()
-        time = some / (moduli[:size] / times[:size]).sum()
-        moduli, times = np.append(some, moduli[size:]), np.append(time, times[size:])
+        lump_modulus = moduli[:size].sum()
+        time = lump_modulus / (moduli[:size] / times[:size]).sum()
+        moduli, times = (
+            np.append(lump_modulus, moduli[size:]),
+            np.append(time, times[size:]),
+        )
     return _rates(
         float(law.equilibrium),
         tuple(moduli[::-1]),

@@ -64,8 +64,8 @@ def mean_of_lines(
     """Mean over the lines, which are solved together."""
     if not average:
         runs = [
-            _bare(own)
-            for own in solved(
+            _bare(solution)
+            for solution in solved(
                 [(line, ask.velocity, ask.value, ask.control) for line in lines]
             )
         ]
@@ -103,14 +103,14 @@ class _Run(NamedTuple):
     good: np.ndarray
 
 
-def _bare(own: Line) -> _Run:
+def _bare(line: Line) -> _Run:
     return _Run(
-        own.mu,
-        own.error + own.cost * own.mu,
-        own.load,
-        own.depth,
-        own.share,
-        own.converged,
+        line.mu,
+        line.error + line.cost * line.mu,
+        line.load,
+        line.depth,
+        line.share,
+        line.converged,
     )
 
 
@@ -118,17 +118,19 @@ def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list
     """With the depth given, each point has its own load and so its own directions."""
     rule = directions(max(ask.rtol, AVERAGE))
     slowed = ask.velocity[:, None] * rule.cosines
-    owns = solved([(line, ask.velocity, ask.value, ask.control) for line in lines])
+    at_depths = solved([(line, ask.velocity, ask.value, ask.control) for line in lines])
     loads = [
-        np.broadcast_to(np.where(own.converged, own.load, 1.0)[:, None], slowed.shape)
-        for own in owns
+        np.broadcast_to(
+            np.where(at_depth.converged, at_depth.load, 1.0)[:, None], slowed.shape
+        )
+        for at_depth in at_depths
     ]
     turned = [
         (line, slowed.ravel(), load.ravel(), "load")
         for line, load in zip(lines, loads, strict=True)
     ]
     runs = []
-    for own, every in zip(owns, solved(turned), strict=True):
+    for at_depth, every in zip(at_depths, solved(turned), strict=True):
         each = every.mu.reshape(slowed.shape)
         mu = each @ rule.weights
         error = (
@@ -140,11 +142,11 @@ def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list
         runs.append(
             _Run(
                 mu,
-                error + own.cost * mu,
-                own.load,
-                own.depth,
-                own.share,
-                own.converged & np.isfinite(mu),
+                error + at_depth.cost * mu,
+                at_depth.load,
+                at_depth.depth,
+                at_depth.share,
+                at_depth.converged & np.isfinite(mu),
             )
         )
     return runs
@@ -154,8 +156,8 @@ def _averaged_by_load(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[
     """Points of one load share a line curve."""
     grids = _grids(ask)
     speeds, loads = _lanes(ask, grids)
-    found = solved([(line, speeds, loads, "load") for line in lines])
-    return [_average_of(ask, grids, every) for every in found]
+    curves = solved([(line, speeds, loads, "load") for line in lines])
+    return [_average_of(ask, grids, every) for every in curves]
 
 
 def _average_of(
@@ -165,12 +167,12 @@ def _average_of(
     curve.
     """
     start, tail = ask.velocity.size, directions(max(ask.rtol, AVERAGE)).tail
-    own = Line(*(field[:start] for field in every))
+    at_points = Line(*(field[:start] for field in every))
     mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
     for grid, chosen in grids:
-        part = slice(start, start + grid.velocity.size)
-        start = part.stop
-        curve = every.mu[part]
+        on_curve = slice(start, start + grid.velocity.size)
+        start = on_curve.stop
+        curve = every.mu[on_curve]
         used = grid.weights != 0
         # A node that failed spoils the points that use it and no others.
         broken = used @ ~np.isfinite(curve) > 0
@@ -180,11 +182,16 @@ def _average_of(
         error[chosen] = (
             quadrature_error(average, grid.half @ curve, grid.quarter @ curve, tail)
             + interpolation_error(average, np.where(broken, np.nan, grid.lower @ curve))
-            + np.abs(grid.weights) @ np.nan_to_num(every.error[part])
-            + average * np.nanmax(every.cost[part], initial=0.0)
+            + np.abs(grid.weights) @ np.nan_to_num(every.error[on_curve])
+            + average * np.nanmax(every.cost[on_curve], initial=0.0)
         )
     return _Run(
-        mu, error, own.load, own.depth, own.share, own.converged & np.isfinite(mu)
+        mu,
+        error,
+        at_points.load,
+        at_points.depth,
+        at_points.share,
+        at_points.converged & np.isfinite(mu),
     )
 
 
@@ -230,7 +237,7 @@ def coarse_at(error: Any, mu: Any) -> Any:
 
 def on_enough_samples(
     ask: Ask,
-    found: Mean,
+    mean: Mean,
     line: RoughLine,
     relaxed: float,
     solve: Callable[[Ask, int], Mean],
@@ -238,32 +245,32 @@ def on_enough_samples(
     """Points whose sampling error is above `SAMPLING` times mu, solved again on four
     times the samples, and so on.
 
-    `found` is the answer on `line` or on lines like it, `solve(ask, count)` that on as
+    `mean` is the answer on `line` or on lines like it, `solve(ask, count)` that on as
     many samples. Returns the answer, and on how many samples each point has it. The
     error that stays is the caller's to judge.
     """
     count = line.count
-    used = np.full(found.mu.shape, count)
-    helped = ~_beyond_all_samples(ask, found, line, relaxed)
+    used = np.full(mean.mu.shape, count)
+    helped = ~_beyond_all_samples(ask, mean, line, relaxed)
     while count * 4 <= _MOST:
         count *= 4
-        coarse = np.flatnonzero(found.good & helped & coarse_at(found.error, found.mu))
+        coarse = np.flatnonzero(mean.good & helped & coarse_at(mean.error, mean.mu))
         if not coarse.size:
             break
         finer = solve(
             ask._replace(velocity=ask.velocity[coarse], value=ask.value[coarse]), count
         )
-        better = finer.good & (finer.error < found.error[coarse])
+        better = finer.good & (finer.error < mean.error[coarse])
         if not better.any():
             break
-        at = coarse[better]
-        used[at] = count
-        found = jax.tree.map(partial(_put, at, better), found, finer)
-    return found, used
+        improved = coarse[better]
+        used[improved] = count
+        mean = jax.tree.map(partial(_put, improved, better), mean, finer)
+    return mean, used
 
 
 def _beyond_all_samples(
-    ask: Ask, found: Mean, line: RoughLine, relaxed: float
+    ask: Ask, mean: Mean, line: RoughLine, relaxed: float
 ) -> np.ndarray:
     """Points that no sampling will answer, of the order of a million samples each:
     those whose mu is below what rounding leaves, and those whose contact is less than
@@ -285,12 +292,12 @@ def _beyond_all_samples(
     )
     with np.errstate(divide="ignore"):
         narrow = np.sqrt(deep / bend) < 2.5 * spacing * line.count / _MOST
-    return narrow | (ROUNDING * slope > SAMPLING * np.abs(found.mu))
+    return narrow | (ROUNDING * slope > SAMPLING * np.abs(mean.mu))
 
 
-def _put(at: Array, which: Array, field: Array, finer: Array) -> np.ndarray:
+def _put(points: Array, which: Array, field: Array, finer: Array) -> np.ndarray:
     field = np.array(field)
-    field[at] = finer[which]
+    field[points] = finer[which]
     return field
 
 

@@ -89,7 +89,7 @@ def warmed(
     foundation: Foundation,
     surface: AbstractSpectrum,
     velocity: np.ndarray,
-    kelvin: np.ndarray,
+    temperature: np.ndarray,
     pressure: np.ndarray,
     cold: Any,
     friction: Callable[[np.ndarray, np.ndarray, bool], Any],
@@ -102,27 +102,35 @@ def warmed(
     end of the shift law, are NaN.
     """
     mean = _each(lambda field: np.array(field, dtype=np.float64), cold)
-    found = np.full(velocity.size, np.nan)
+    temperatures = np.full(velocity.size, np.nan)
     mean.good[:] = 0
     for p in np.unique(pressure):
-        at = np.flatnonzero((pressure == p) & cold.good)
-        if at.size:
+        same_pressure = np.flatnonzero((pressure == p) & cold.good)
+        if same_pressure.size:
             group = _Group(
-                heat, foundation, surface, velocity[at], kelvin[at], float(p), friction
+                heat,
+                foundation,
+                surface,
+                velocity[same_pressure],
+                temperature[same_pressure],
+                float(p),
+                friction,
             )
-            for points, kelvins, state in group.settle(np.asarray(cold.mu)[at]):
-                found[at[points]] = kelvins
+            for points, kelvins, state in group.settle(
+                np.asarray(cold.mu)[same_pressure]
+            ):
+                temperatures[same_pressure[points]] = kelvins
                 for field, values in zip(mean, state, strict=True):
                     if isinstance(field, np.ndarray):
-                        field[at[points]] = values
-    a, b = thermal_factors(foundation, kelvin + np.nan_to_num(found))
+                        field[same_pressure[points]] = values
+    a, b = thermal_factors(foundation, temperature + np.nan_to_num(temperatures))
     made = np.asarray(mean.mu) * pressure * velocity
     return Warm(
-        found,
+        temperatures,
         velocity * a,
         mean._replace(good=mean.good > 0),
         made,
-        b * np.ones_like(kelvin),
+        b * np.ones_like(temperature),
     )
 
 
@@ -164,17 +172,17 @@ class _Group(NamedTuple):
         for _ in range(_ROUNDS):
             if not left.size:
                 return
-            reduced, carried = (
+            reduced, reduced_pressure = (
                 of(np.nan_to_num(root))[left] for of in (self.reduced, self.carried)
             )
-            mean = self.friction(reduced, carried, False)
-            made = self.made(reduced, carried, np.asarray(mean.mu), left)
+            mean = self.friction(reduced, reduced_pressure, False)
+            made = self.made(reduced, reduced_pressure, np.asarray(mean.mu), left)
             off = np.abs(made - root[left]) / np.maximum(root[left], 1e6 * _NOTHING)
             settled = mean.good & (off <= SETTLED)
             yield (
                 left[settled],
                 root[left[settled]],
-                _each(lambda field, at=settled: field[at], mean),
+                _each(lambda field, chosen=settled: field[chosen], mean),
             )
             ratio = np.maximum(made, 1e-300) / np.array(
                 [
@@ -192,11 +200,11 @@ class _Group(NamedTuple):
         any).
         """
         more = warmer.ndim - 1
-        kelvin, velocity = (
+        temperature, velocity = (
             a.reshape(-1, *[1] * more) for a in (self.kelvin, self.velocity)
         )
         return velocity * np.asarray(
-            thermal_factors(self.foundation, kelvin + warmer)[0]
+            thermal_factors(self.foundation, temperature + warmer)[0]
         )
 
     def carried(self, warmer: np.ndarray) -> np.ndarray:
@@ -209,21 +217,27 @@ class _Group(NamedTuple):
     def made(
         self,
         reduced: np.ndarray,
-        carried: np.ndarray,
+        reduced_pressure: np.ndarray,
         mu: np.ndarray,
         points: np.ndarray,
     ) -> np.ndarray:
         """The rise [K] that friction `mu` makes at v a_T and p/b_T."""
-        at = scales(self.foundation, self.surface, reduced, carried)
-        own = [
+        contact_scales = scales(
+            self.foundation, self.surface, reduced, reduced_pressure
+        )
+        per_flux = [
             rise(
                 self.heat,
-                Scales(at.q, at.area[j : j + 1], at.share[j : j + 1]),
+                Scales(
+                    contact_scales.q,
+                    contact_scales.area[j : j + 1],
+                    contact_scales.share[j : j + 1],
+                ),
                 self.velocity[i : i + 1],
             )[0, 0]
             for j, i in enumerate(points)
         ]
-        return mu * self.pressure * self.velocity[points] * np.array(own)
+        return mu * self.pressure * self.velocity[points] * np.array(per_flux)
 
     def curve(self, top: float) -> list[Callable[[Any], Any]]:
         """The logarithm of the rise that friction makes against log(v a_T), for each
@@ -244,17 +258,17 @@ class _Group(NamedTuple):
         known = np.isfinite(mu) & (mu > 0)
         if known.sum() < 2:
             known, mu = np.ones_like(known), np.full_like(mu, np.nan)
-        at = scales(self.foundation, self.surface, nodes[known], pressure)
+        contact_scales = scales(self.foundation, self.surface, nodes[known], pressure)
         made = (
             mu[known]
             * self.pressure
             * self.velocity[:, None]
-            * rise(self.heat, at, self.velocity)
+            * rise(self.heat, contact_scales, self.velocity)
         )
-        level = np.log(np.maximum(made, 1e-300))
+        log_rise = np.log(np.maximum(made, 1e-300))
         return [
             PchipInterpolator(np.log(nodes[known]), np.nan_to_num(row, nan=800.0))
-            for row in level
+            for row in log_rise
         ]
 
     def roots(
@@ -324,37 +338,42 @@ def scales(
 
 
 def rise(
-    heat: Heat, at: Scales, velocity: Float[np.ndarray, " m"]
+    heat: Heat, contact_scales: Scales, velocity: Float[np.ndarray, " m"]
 ) -> Float[np.ndarray, "m n"]:
     """Flash temperature per mean heat flux [K m^2/W] of m velocities, at each of the n
-    states of `at`.
+    states of `contact_scales`.
 
     The double integral at the head of this file, by the trapezoidal rule in log r and log k,
     to about 1e-3.
     """
     from scipy.special import i0e, k0e
 
-    step = np.log(at.q[1] / at.q[0])
+    step = np.log(contact_scales.q[1] / contact_scales.q[0])
     near = np.arange(1, int(np.ceil(-np.log(_FAR) / step)) + 1)
     # descending
-    r = np.concatenate([np.pi / at.q, np.pi / at.q[-1] * np.exp(-step * near)])
-    excess = 1 / at.area - 1
+    r = np.concatenate(
+        [np.pi / contact_scales.q, np.pi / contact_scales.q[-1] * np.exp(-step * near)]
+    )
+    excess = 1 / contact_scales.area - 1
     excess = np.concatenate(
         [excess, np.repeat(excess[:, -1:], near.size, axis=1)], axis=1
     )
-    low, high = 1e-3 / r[0], 1e3 * at.q[-1]
+    low, high = 1e-3 / r[0], 1e3 * contact_scales.q[-1]
     k = np.geomspace(low, high, int(np.ceil(12 * np.log10(high / low))))
     dk = k * np.log(k[1] / k[0])
     dk[0] = 0.5 * dk[0] + k[0]  # what lies below counts as even
-    sampled = (at.share @ (4 * at.q**2 / (k[:, None] ** 2 + 4 * at.q**2)).T) ** 2 * dk
-    found = np.empty((velocity.size, excess.shape[0]))
+    sampled = (
+        contact_scales.share
+        @ (4 * contact_scales.q**2 / (k[:, None] ** 2 + 4 * contact_scales.q**2)).T
+    ) ** 2 * dk
+    flash = np.empty((velocity.size, excess.shape[0]))
     for i, v in enumerate(velocity):
         w = v / (2 * heat.diffusivity)
         whole = np.hypot(w, k)[:, None]
         kernel = (
             i0e(w * r) * k0e(whole * r) * np.exp(-(k[:, None] ** 2) / (whole + w) * r)
         )
-        found[i] = np.einsum(
+        flash[i] = np.einsum(
             "nk,kr,nr->n", sampled, kernel * r**2 * step, excess, optimize=True
         )
-    return np.asarray(2 / (np.pi * heat.conductivity) * found)
+    return np.asarray(2 / (np.pi * heat.conductivity) * flash)

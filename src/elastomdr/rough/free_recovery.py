@@ -54,10 +54,10 @@ def rates_apart(law: Relaxation) -> Float[Array, "m m"]:
     """
     chain, gaps = kelvin_and_gaps(law)
     count = law.times.shape[0] + 1
-    there = (xp.asarray(chain.compliances) > 0)[:, None]
-    roots = xp.where(there, xp.asarray(chain.times)[:, None], 1.0)
+    has_root = (xp.asarray(chain.compliances) > 0)[:, None]
+    roots = xp.where(has_root, xp.asarray(chain.times)[:, None], 1.0)
     apart = xp.concatenate([1 / roots, xp.abs(gaps) / (roots * law.times)], axis=1)
-    apart = xp.where(there, apart, xp.inf)
+    apart = xp.where(has_root, apart, xp.inf)
     missing = xp.full((max(0, count - apart.shape[0]), count), xp.inf)
     apart = xp.concatenate([apart, missing])[
         xp.argsort(xp.concatenate([apart[:, 0], missing[:, 0]]))
@@ -83,9 +83,9 @@ def weights(
     pairs = live[:, None] & live & ~xp.eye(m, dtype=bool)[:, :, None]
     between = xp.where(pairs, -xp.expm1(-step * xp.abs(rate[:, None] - rate)), 1.0)
     lost = xp.where(ever, -xp.expm1(-x), 1.0)
-    own = x[xp.arange(m), xp.arange(m)]  # by how much root i lies beyond pole i
+    beyond_pole = x[xp.arange(m), xp.arange(m)]  # by how much root i lies beyond pole i
     late = step * rate + xp.concatenate(
-        [xp.zeros_like(own[:1]), xp.cumsum(own, axis=0)[:-1]]
+        [xp.zeros_like(beyond_pole[:1]), xp.cumsum(beyond_pole, axis=0)[:-1]]
     )
     strength = (
         xp.exp(-late)
@@ -110,12 +110,12 @@ class Stretches(NamedTuple):
     rate: Float[np.ndarray, "m lanes"]  # -log(lambda), per sample
     relaxed: Float[np.ndarray, ""]  # E_inf [Pa]
 
-    def of(self, lanes: np.ndarray) -> "Stretches":
+    def of(self, chosen: np.ndarray) -> "Stretches":
         """Those of some lanes."""
         return self._replace(
-            to_modes=self.to_modes[..., lanes],
-            from_modes=self.from_modes[..., lanes],
-            rate=self.rate[..., lanes],
+            to_modes=self.to_modes[..., chosen],
+            from_modes=self.from_modes[..., chosen],
+            rate=self.rate[..., chosen],
         )
 
 
@@ -125,10 +125,10 @@ def stretches(
     """The maps of each lane, from the coefficients of its steps (see
     `rough.period`).
     """
-    lanes = give.size
-    seen = np.maximum(np.concatenate([np.ones((1, lanes)), seen]), _FORGOTTEN)
-    lost = np.concatenate([np.zeros((1, lanes)), lost])
-    gain = np.concatenate([np.full((1, lanes), float(relaxed)), gain])
+    lane_count = give.size
+    seen = np.maximum(np.concatenate([np.ones((1, lane_count)), seen]), _FORGOTTEN)
+    lost = np.concatenate([np.zeros((1, lane_count)), lost])
+    gain = np.concatenate([np.full((1, lane_count), float(relaxed)), gain])
     s, live = np.sqrt(seen * gain), gain > 0
     scale = np.where(live, np.sqrt(seen / np.where(live, gain, 1.0)), 1.0)
     matrix = s.T[:, :, None] * (s * give).T[:, None]  # 1 less the step's matrix
@@ -138,7 +138,7 @@ def stretches(
     # `eigh` leaves rounding of the fast modes in the slow ones. The matrix between its
     # vectors, summed from parts that are small where the modes are slow, tells how
     # much, and two steps of perturbation theory take it out.
-    fall = np.zeros((lanes, s.shape[0]))
+    fall = np.zeros((lane_count, s.shape[0]))
     for _ in range(2):
         stiff = (s.T[:, None] @ vector)[:, 0]
         rest = np.swapaxes(vector, 1, 2) @ (lost.T[:, :, None] * vector)

@@ -124,9 +124,13 @@ def friction_spectrum(
     edges = _edges(surface, scene.lines[0], int(per_decade))
     mu, error, good = _by_bands(scene, model.average, float(rtol), edges)
     warn_unless(good, "points")
-    at = scene.at
-    outside = excited_outside(foundation.range, surface, at.reduced.reshape(at.shape))
-    beyond = rough_beyond(foundation.range, outside, at.full(at.kelvin), at.shape)
+    points = scene.at
+    outside = excited_outside(
+        foundation.range, surface, points.reduced.reshape(points.shape)
+    )
+    beyond = rough_beyond(
+        foundation.range, outside, points.full(points.kelvin), points.shape
+    )
     spectrum = _packed(scene, edges, mu, error, good, beyond.points)
     inputs = [
         *scene.inputs(("surface", surface_words(surface, scene.lines[0]))),
@@ -191,7 +195,7 @@ def _by_bands(
     mu, error = np.zeros((reduced.size, bins)), np.zeros(reduced.size)
     good = np.ones(reduced.size, bool)
     for line in scene.lines:
-        found = excitation(
+        excited = excitation(
             np.asarray(line.height),
             float(line.spacing),
             scene.at.foundation.law(),
@@ -202,7 +206,7 @@ def _by_bands(
             edges,
             np.tile(cosines, reduced.size),
         )
-        bands, total, missed, fine = (field.reshape(shape) for field in found)
+        bands, total, missed, fine = (field.reshape(shape) for field in excited)
         gap = np.abs(bands.sum(axis=-1) - total[..., 0])
         bands = bands * (total / bands.sum(axis=-1, keepdims=True))
         mu += np.einsum("vdb,d->vb", bands, weights) / len(scene.lines)
@@ -221,25 +225,29 @@ def _packed(
     extrapolated: Any,
 ) -> FrictionSpectrum:
     """The numbers of the result; its last axis are the bands."""
-    at, bands = scene.at, edges.size - 1
+    points, bands = scene.at, edges.size - 1
     middle = np.sqrt(edges[1:] * edges[:-1])
-    velocity = at.full(at.velocity).ravel()
+    velocity = points.full(points.velocity).ravel()
 
     def banded(values: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(values.reshape(*at.shape, -1), (*at.shape, bands)).copy()
+        return np.broadcast_to(
+            values.reshape(*points.shape, -1), (*points.shape, bands)
+        ).copy()
 
     pressure = None
     if scene.length is not None:
-        pressure = banded(scene.given * at.vertical.ravel() / scene.length)
+        pressure = banded(scene.given * points.vertical.ravel() / scene.length)
     return FrictionSpectrum(
         velocity=banded(velocity),
-        omega=np.multiply.outer(velocity, middle).reshape(*at.shape, -1),
+        omega=np.multiply.outer(velocity, middle).reshape(*points.shape, -1),
         wave_number=banded(np.multiply.outer(np.ones(velocity.size), middle)),
         mu=banded(np.where(good[:, None], mu, np.nan)),
         error=banded(np.where(good, error, np.nan)),
         converged=banded(good),
         extrapolated=None if extrapolated is None else banded(extrapolated.ravel()),
-        temperature=None if at.kelvin is None else banded(at.full(at.kelvin)),
+        temperature=None
+        if points.kelvin is None
+        else banded(points.full(points.kelvin)),
         pressure=pressure,
         width=float(edges[1] / edges[0]),
         model="",
@@ -288,18 +296,18 @@ def excitation(
     """
     batches = []
     for start in range(0, velocity.size, _AT_ONCE):
-        lanes = slice(start, start + _AT_ONCE)
+        batch = slice(start, start + _AT_ONCE)
         batches.append(
             _of_lanes(
                 height,
                 spacing,
                 law,
-                velocity[lanes],
-                value[lanes],
+                velocity[batch],
+                value[batch],
                 control,
                 rtol,
                 edges,
-                stretch[lanes],
+                stretch[batch],
             )
         )
     return Excitation(

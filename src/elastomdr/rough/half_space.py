@@ -392,23 +392,23 @@ def _settled(
         (on.inverse / unit).astype(complex_),
         height.shape,
     )
-    found = settle(
+    contact = settle(
         cells,
         height,
         np.asarray(start / mean, dtype=real),
         accuracy,
         load=height.size,
     )
-    transformed: Any = fft.rfft2(found.pressure)
+    transformed: Any = fft.rfft2(contact.pressure)
     most = float(on.loss.max()) or 1.0  # 32 bits hold no loss of 1e-45
     share = (on.loss / most).astype(real) * np.abs(transformed / height.size) ** 2
     return MapContact(
         float(share.sum()) * most * mean * mean,
-        area_of(found.pressure > 0),
-        -found.depth * scale,
-        found.pressure * mean,
-        found.settled,
-        found.products,
+        area_of(contact.pressure > 0),
+        -contact.depth * scale,
+        contact.pressure * mean,
+        contact.settled,
+        contact.products,
     )
 
 

@@ -98,14 +98,14 @@ class Heat(Tree):
                 f"conductivity {one:.4g} W/(m K), heat capacity {other:.4g} J/(m^3 K)"
             )
 
-        text = of(self.conductivity, self.heat_capacity)
+        sentence = of(self.conductivity, self.heat_capacity)
         if self.road is None:
-            return text
-        text += f"; road: {of(*self.road)}"
+            return sentence
+        sentence += f"; road: {of(*self.road)}"
         if longest is None:
-            return text
+            return sentence
         return (
-            f"{text}, steady after "
+            f"{sentence}, steady after "
             f"{(longest / 2) ** 2 * self.road[1] / self.road[0]:.2g} s of contact"
         )
 
@@ -239,12 +239,12 @@ def check_heat(
         )
 
 
-def highest_rise(body: Any, kelvin: Any) -> float:
+def highest_rise(body: Any, temperature: Any) -> float:
     """The largest rise to look for [K]: that of a shift law's end above the warmest
     body, or 1000 K.
     """
     laws = [law for law in (body.shift, body.vertical) if law is not None]
     hottest = min(law._hottest for law in laws)
     # a temperature at the end itself may be rounded to one beyond it
-    room = hottest * (1 - 1e-12) - float(np.max(kelvin))
+    room = hottest * (1 - 1e-12) - float(np.max(temperature))
     return min(max(room, 0.0), HIGHEST)

@@ -89,7 +89,7 @@ class _Solver:
 
     def warm(self, heat: Heat, cold: Mean) -> Warm:
         """The points of the scene, at the temperatures that their friction makes."""
-        at, length = self.scene.at, self.scene.length
+        points, length = self.scene.at, self.scene.length
 
         def at_pressure(
             reduced: np.ndarray, pressure: np.ndarray, coarse: bool
@@ -98,11 +98,11 @@ class _Solver:
 
         return warmed(
             heat,
-            at.foundation,
+            points.foundation,
             self.surface,
-            at.full(at.velocity).ravel(),
-            at.full(at.kelvin).ravel(),
-            self.scene.given * at.vertical.ravel() / length,
+            points.full(points.velocity).ravel(),
+            points.full(points.kelvin).ravel(),
+            self.scene.given * points.vertical.ravel() / length,
             cold,
             at_pressure,
         )
@@ -207,18 +207,18 @@ def rough_friction(
     )
     cold = solver.cold()
     answer = _judged(scene, cold, None if heat is None else solver.warm(heat, cold))
-    at, foundation = scene.at, scene.at.foundation
+    points, foundation = scene.at, scene.at.foundation
     spread, far = _model_bounds(scene, surface, model, answer)
     outside = (
         None
-        if at.traced
+        if points.traced
         else excited_outside(foundation.range, surface, answer.reduced)
     )
     inputs = _inputs(scene, surface, model, heat, solver.largest, outside)
     beyond = (
         NOT_KNOWN
-        if at.traced
-        else rough_beyond(foundation.range, outside, at.kelvin, at.shape)
+        if points.traced
+        else rough_beyond(foundation.range, outside, points.kelvin, points.shape)
     )
     curve = _packed(scene, surface, answer, spread, far)
     return dataclasses.replace(
@@ -235,22 +235,22 @@ def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
     """The answer at the temperatures that friction makes, if it heats, and which points
     have one; one warning counts the others.
     """
-    at, mean = scene.at, cold if warm is None else warm.mean
+    points, mean = scene.at, cold if warm is None else warm.mean
     error = mean.error
     if warm is not None:
         error = error + SETTLED * np.abs(mean.mu - cold.mu)
     coarse = mean.good & coarse_at(error, mean.mu)
     good = mean.good & ~coarse
     reason = ""
-    if not at.traced and coarse.any():
+    if not points.traced and coarse.any():
         reason = (
             f"Of {int(coarse.sum())} the estimated error for the sampling of the "
             f"line, up to {(error / mean.mu)[coarse].max():.1g} of mu, is above "
             f"{SAMPLING:g}: more samples lower it."
         )
     warn_unless(good, "points", reason=reason)
-    reduced = at.reduced if warm is None else warm.reduced.reshape(at.shape)
-    vertical = at.vertical.ravel() if warm is None else warm.vertical
+    reduced = points.reduced if warm is None else warm.reduced.reshape(points.shape)
+    vertical = points.vertical.ravel() if warm is None else warm.vertical
     return _Answer(mean, cold.mu, warm, reduced, vertical, error, good)
 
 
@@ -278,23 +278,23 @@ def _packed(
     scene: RoughScene, surface: Any, answer: _Answer, spread: Any, far: Any
 ) -> FrictionCurve:
     """The numbers of the result."""
-    at, mean, warm = scene.at, answer.mean, answer.warm
+    points, mean, warm = scene.at, answer.mean, answer.warm
 
     def field(values: Array) -> Array:
-        return nan_unless(answer.good, values).reshape(at.shape)
+        return nan_unless(answer.good, values).reshape(points.shape)
 
     on_line = isinstance(surface, RoughLine)
     force = mean.load * answer.vertical
     curve = FrictionCurve(
-        velocity=at.full(at.velocity),
+        velocity=points.full(points.velocity),
         mu=field(mean.mu),
         normal_force=field(force),
         friction_force=field(mean.mu * force),
         depth=field(mean.depth),
         contact=None,
         error=field(answer.error + spread),
-        converged=answer.good.reshape(at.shape),
-        temperature=at.full(at.kelvin),
+        converged=answer.good.reshape(points.shape),
+        temperature=points.full(points.kelvin),
         model="",
         plan="",
         inputs=(),
@@ -307,8 +307,8 @@ def _packed(
         ),
     )
     if scene.length is not None:
-        pressure = scene.given * at.vertical.ravel() / scene.length
-        curve = dataclasses.replace(curve, pressure=pressure.reshape(at.shape))
+        pressure = scene.given * points.vertical.ravel() / scene.length
+        curve = dataclasses.replace(curve, pressure=pressure.reshape(points.shape))
     if warm is None:
         return curve
     return dataclasses.replace(
@@ -328,20 +328,22 @@ def _inputs(
     outside: Any,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
-    at, line = scene.at, scene.lines[0]
+    points, line = scene.at, scene.lines[0]
     rows = scene.inputs(
-        ("surface", surface.label if at.traced else surface_words(surface, line)),
-        *(("as read", text) for text in getattr(surface, "report", ())),
+        ("surface", surface.label if points.traced else surface_words(surface, line)),
+        *(("as read", remark) for remark in getattr(surface, "report", ())),
     )
-    if scene.length is not None and not at.traced:
-        rows += load_level(at.foundation, surface, at.value, model.equivalent_length)
+    if scene.length is not None and not points.traced:
+        rows += load_level(
+            points.foundation, surface, points.value, model.equivalent_length
+        )
     words = ensemble_words(scene.seeds, line.count, largest)
     if isinstance(surface, AbstractSpectrum) and len(scene.lines) == 1:
         words += ": how far lines scatter is not known, and so no error of mu"
     rows += [("ensemble", words)]
     if heat is not None:
         rows += [("heat", heat.words())]
-    if at.foundation.softening is not None:
+    if points.foundation.softening is not None:
         rows += [SOFTENING_LEFT_OUT]
     if outside is not None:
         rows += [excited_beyond(outside)]
@@ -372,27 +374,29 @@ def _plan(
     skip: Any,
     heat: Heat | None,
 ) -> RoughPlan:
-    at = scene.at
-    ask = Ask(at.reduced.ravel(), scene.given, scene.control, float(rtol), bool(skip))
-    line, law = scene.lines[0], at.foundation.law()
-    name = at.foundation.name or "a foundation given directly"
-    lanes = None if at.traced else lanes_of(ask, average)
+    points = scene.at
+    ask = Ask(
+        points.reduced.ravel(), scene.given, scene.control, float(rtol), bool(skip)
+    )
+    line, law = scene.lines[0], points.foundation.law()
+    name = points.foundation.name or "a foundation given directly"
+    solved_at = None if points.traced else lanes_of(ask, average)
     return plan_lines(
-        scene=f"{surface.label if at.traced else surface_words(surface, line)} on {name}",
+        scene=f"{surface.label if points.traced else surface_words(surface, line)} on {name}",
         model=_model(scene, average, heat),
-        line=None if at.traced else (np.asarray(line.height), float(line.spacing)),
+        line=None if points.traced else (np.asarray(line.height), float(line.spacing)),
         lines=len(scene.lines),
         samples=line.count,
         points=ask.velocity.size,
         law=law,
-        lanes=lanes,
+        solved_at=solved_at,
         control=scene.control,
         rtol=float(rtol),
         averaged=average,
-        solutions=None if at.traced else solutions(ask, average),
+        solutions=None if points.traced else solutions(ask, average),
         skip=bool(skip),
         heated=heat is not None,
-        temperatures=0 if at.kelvin is None else np.size(at.kelvin),
+        temperatures=0 if points.kelvin is None else np.size(points.kelvin),
     )
 
 
@@ -423,9 +427,9 @@ def surface_words(surface: Any, line: RoughLine) -> str:
 
 def ensemble_words(seeds: tuple[int, ...], count: int, largest: int = 0) -> str:
     """How many lines of how many samples, for results."""
-    text = f"{len(seeds)} line{'s' * (len(seeds) > 1)} of {count} samples"
+    sentence = f"{len(seeds)} line{'s' * (len(seeds) > 1)} of {count} samples"
     if seeds != tuple(range(len(seeds))):
-        text += f", seed{'s' * (len(seeds) > 1)} " + ", ".join(map(str, seeds))
+        sentence += f", seed{'s' * (len(seeds) > 1)} " + ", ".join(map(str, seeds))
     if largest > count:
-        text += f", of up to {largest} where that was too few"
-    return text
+        sentence += f", of up to {largest} where that was too few"
+    return sentence

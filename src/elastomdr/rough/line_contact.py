@@ -87,26 +87,26 @@ def line_contact(
         model=model,
         rtol=rtol,
     )
-    at = scene.at
-    if at.reduced.size != 1:
+    points = scene.at
+    if points.reduced.size != 1:
         raise InputError(
-            f"velocity, {at.name} and temperature must be single numbers, got "
-            f"{at.shape}."
+            f"velocity, {points.name} and temperature must be single numbers, got "
+            f"{points.shape}."
         )
-    found = _field(
+    field = _field(
         np.asarray(scene.lines[0].height),
         float(scene.lines[0].spacing),
-        at.foundation.law(),
-        float(at.reduced.ravel()[0]),
+        points.foundation.law(),
+        float(points.reduced.ravel()[0]),
         float(scene.given[0]),
         scene.control,
         float(rtol),
     )
-    warn_unless(found.line.converged, "points")
-    known = at.foundation.range
-    outside = excited_outside(known, surface, at.reduced.reshape(()))
-    beyond = rough_beyond(known, outside, at.kelvin, ())
-    return _packed(scene, surface, found, beyond)
+    warn_unless(field.line.converged, "points")
+    known = points.foundation.range
+    outside = excited_outside(known, surface, points.reduced.reshape(()))
+    beyond = rough_beyond(known, outside, points.kelvin, ())
+    return _packed(scene, surface, field, beyond)
 
 
 def _checked(surface: Any, model: Any, points: tuple[Any, ...]) -> Line:
@@ -133,28 +133,28 @@ def _checked(surface: Any, model: Any, points: tuple[Any, ...]) -> Line:
 
 
 def _packed(
-    scene: RoughScene, surface: Any, found: _Field, beyond: Beyond
+    scene: RoughScene, surface: Any, field: _Field, beyond: Beyond
 ) -> LineContact:
     """The result: one error, one flag at every sample."""
     (line,) = scene.lines
     height, vertical = np.asarray(line.height), float(scene.at.vertical.ravel()[0])
     mu, load, depth, share, error = (
-        float(getattr(found.line, name)[0])
+        float(getattr(field.line, name)[0])
         for name in ("mu", "load", "depth", "share", "error")
     )
     inputs = scene.inputs(("surface", surface_words(surface, line)))
     return LineContact(
         x=np.asarray(line.x),
         height=height - height.max() + depth,
-        surface=found.surface,
-        force=vertical * found.force,
-        touching=found.force > 0,
+        surface=field.surface,
+        force=vertical * field.force,
+        touching=field.force > 0,
         mu=mu,
         load=vertical * load,
         depth=depth,
         share=share,
         error=np.full(height.size, error),
-        converged=np.full(height.size, bool(found.line.converged[0])),
+        converged=np.full(height.size, bool(field.line.converged[0])),
         extrapolated=None
         if beyond.points is None
         else np.full(height.size, beyond.points),
@@ -195,7 +195,7 @@ def _field(
     )
     if not line.converged[0]:
         return _Field(line, np.full(n, np.nan), np.full(n, np.nan))
-    found = motion(
+    one_period = motion(
         rises(height),
         line.depth,
         state.branches,
@@ -204,5 +204,5 @@ def _field(
     # where along +x each sample of the period lies
     back = np.roll(np.arange(n)[::-1], -int(np.argmax(height[::-1])))
     laid = _Field(line, np.empty(n), np.empty(n))
-    laid.surface[back], laid.force[back] = (np.asarray(x)[:, 0] for x in found)
+    laid.surface[back], laid.force[back] = (np.asarray(x)[:, 0] for x in one_period)
     return laid

@@ -90,20 +90,28 @@ def _one_line(line: RoughLine, law, velocity, value, control, rtol, average) -> 
             )
         # A line stretched by a factor passes in the same time at as many times the
         # speed, with slopes as much smaller.
-        found = solve_traced(
+        unit_spaced = solve_traced(
             line.height, 1.0, law, velocity / spacing, value, control, rtol
         )
-        return found._replace(mu=found.mu / spacing, error=found.error / spacing)
+        return unit_spaced._replace(
+            mu=unit_spaced.mu / spacing, error=unit_spaced.error / spacing
+        )
 
     if not average:
-        own = solved(velocity, value, control)
+        ahead = solved(velocity, value, control)
         return Mean(
-            own.mu, own.error, own.load, own.depth, own.share, own.good > 0, None
+            ahead.mu,
+            ahead.error,
+            ahead.load,
+            ahead.depth,
+            ahead.share,
+            ahead.good > 0,
+            None,
         )
     rule = directions(max(rtol, AVERAGE))
-    own = solved(velocity, value, control)
+    ahead = solved(velocity, value, control)
     slowed = velocity[:, None] * rule.cosines
-    loads = jnp.broadcast_to(own.load[:, None], slowed.shape)
+    loads = jnp.broadcast_to(ahead.load[:, None], slowed.shape)
     every = solved(slowed.ravel(), loads.ravel(), "load")
     each = every.mu.reshape(slowed.shape)
     mu, half, quarter = (
@@ -112,8 +120,8 @@ def _one_line(line: RoughLine, law, velocity, value, control, rtol, average) -> 
     )
     sampled = (every.error.reshape(slowed.shape) * rule.weights).sum(axis=1)
     error = quadrature_error(mu, half, quarter, rule.tail) + sampled
-    good = (own.good > 0) & (every.good.reshape(slowed.shape) > 0).all(axis=1)
-    return Mean(mu, error, own.load, own.depth, own.share, good, None)
+    good = (ahead.good > 0) & (every.good.reshape(slowed.shape) > 0).all(axis=1)
+    return Mean(mu, error, ahead.load, ahead.depth, ahead.share, good, None)
 
 
 def solve_traced(
@@ -126,10 +134,10 @@ def solve_traced(
     rtol: float,
 ) -> Differentiable:
     """As `rough.periodic.solve_line`, for arguments that JAX traces."""
-    branches, lanes = jnp.shape(law.moduli)[0], jnp.shape(velocity)[0]
+    branches, lane_count = jnp.shape(law.moduli)[0], jnp.shape(velocity)[0]
     answer = [
         jax.ShapeDtypeStruct((*s, 2), jnp.uint32)
-        for s in ((branches, lanes), *[(lanes,)] * 4)
+        for s in ((branches, lane_count), *[(lane_count,)] * 4)
     ]
     fixed = jax.lax.stop_gradient((jnp.asarray(height), law, velocity, value))
     # JAX calls back from threads of its own, where it would round float64 to float32:
@@ -139,9 +147,9 @@ def solve_traced(
         fixed,
     )
     solved = partial(_solved, spacing=spacing, control=control, rtol=rtol)
-    found = jax.pure_callback(solved, answer, *bits, vmap_method="sequential")
+    answer_bits = jax.pure_callback(solved, answer, *bits, vmap_method="sequential")
     state, depth, share, error, good = (
-        jax.lax.bitcast_convert_type(x, jnp.float64) for x in found
+        jax.lax.bitcast_convert_type(x, jnp.float64) for x in answer_bits
     )
     mu, load, depth = _followed(
         jnp.asarray(height), law, velocity, value, state, depth, spacing, control
@@ -178,7 +186,7 @@ def _followed(height, law, velocity, value, state, depth, spacing, control):
     height = height[::-1]
     top = argmax(jax.lax.stop_gradient(height))
     rise = jnp.roll(height, -top) - height[top]
-    found = jnp.concatenate([state, depth[None]])
+    state_and_depth = jnp.concatenate([state, depth[None]])
 
     def residual(y, rise, law, velocity, value):
         return _period(y, rise, spacing, law, velocity, value, control)[0]
@@ -186,22 +194,24 @@ def _followed(height, law, velocity, value, state, depth, spacing, control):
     inputs = (rise, law, velocity, value)
     fixed = jax.lax.stop_gradient(inputs)
     # the depth is no unknown where it is given
-    size = found.shape[0] - (control == "depth")
+    size = state_and_depth.shape[0] - (control == "depth")
 
     def column(j):
-        along = jnp.zeros_like(found).at[j].set(1.0)
-        return jax.jvp(lambda y: residual(y, *fixed), (found,), (along,))[1][:size]
+        along = jnp.zeros_like(state_and_depth).at[j].set(1.0)
+        return jax.jvp(lambda y: residual(y, *fixed), (state_and_depth,), (along,))[1][
+            :size
+        ]
 
     # lane, row, column
     jacobian = jnp.moveaxis(jax.vmap(column)(jnp.arange(size)), (0, 1, 2), (2, 1, 0))
     if control == "depth":
-        found = jnp.concatenate([state, value[None]])
-    step = jnp.linalg.solve(jacobian, residual(found, *inputs)[:size].T[..., None])[
-        ..., 0
-    ].T
-    y = found - (
+        state_and_depth = jnp.concatenate([state, value[None]])
+    step = jnp.linalg.solve(
+        jacobian, residual(state_and_depth, *inputs)[:size].T[..., None]
+    )[..., 0].T
+    y = state_and_depth - (
         step
-        if size == found.shape[0]
+        if size == state_and_depth.shape[0]
         else jnp.concatenate([step, jnp.zeros_like(step[:1])])
     )
     _, mu, load = _period(y, rise, spacing, law, velocity, value, control)

@@ -76,7 +76,7 @@ def set_up(
 ) -> RoughScene:
     """Checks the arguments and makes the lines. Raises `InputError`."""
     foundation = as_foundation(material)
-    at = rough_scene(
+    points = rough_scene(
         foundation,
         surface,
         velocity=velocity,
@@ -86,7 +86,7 @@ def set_up(
         temperature=temperature,
         rtol=rtol,
     )
-    check_heat(heat, temperature, at.traced)
+    check_heat(heat, temperature, points.traced)
     if heat is not None and (isinstance(surface, RoughLine) or pressure is None):
         raise InputError(
             "heat needs a surface given by its spectrum, and a pressure: a line has "
@@ -97,11 +97,17 @@ def set_up(
     if model.samples is not None:
         whole_number("samples", model.samples, 64, MOST)
     which = seeds_of(model.seeds)
-    length, rule = _length(surface, at.name, model.equivalent_length)
+    length, rule = _length(surface, points.name, model.equivalent_length)
     lines = ensemble(surface, model.samples, model.periods, which)
-    given = at.at_reference() if length is None else at.at_reference() * length
+    given = points.at_reference() if length is None else points.at_reference() * length
     return RoughScene(
-        at, lines, which, "depth" if at.name == "depth" else "load", given, length, rule
+        points,
+        lines,
+        which,
+        "depth" if points.name == "depth" else "load",
+        given,
+        length,
+        rule,
     )
 
 

@@ -57,8 +57,8 @@ class Softened(NamedTuple):
         wanted = wanted[(wanted > strain[0]) & (wanted < strain[-1])]
         right = np.searchsorted(strain, wanted)
         q = np.unique(np.geomspace(q[right - 1], q[right], 65).ravel())
-        found = np.interp(wanted**2, self.strain(q) ** 2, q) if q.size else q
-        return found[found > float(self.spectrum.q_low) * (1 + _NEAREST)]
+        places = np.interp(wanted**2, self.strain(q) ** 2, q) if q.size else q
+        return places[places > float(self.spectrum.q_low) * (1 + _NEAREST)]
 
 
 class Warmed(NamedTuple):
@@ -92,10 +92,10 @@ class Warmed(NamedTuple):
 
     def factors(self, rise: Any) -> tuple[Any, Any]:
         """a_T and b_T at rises (points, ...), over those at the body's temperature."""
-        kelvin = self.kelvin.reshape(-1, *[1] * (rise.ndim - 1))
+        temperature = self.kelvin.reshape(-1, *[1] * (rise.ndim - 1))
         (a, b), (a_0, b_0) = (
-            thermal_factors(self.body, kelvin + rise),
-            thermal_factors(self.body, kelvin),
+            thermal_factors(self.body, temperature + rise),
+            thermal_factors(self.body, temperature),
         )
         return a / a_0, b / b_0
 
@@ -120,8 +120,8 @@ class Local(NamedTuple):
         """The same for some of the points."""
         local, warm = self, self.warmed
         if warm is not None:
-            rise, kelvin = warm.rise[points], warm.kelvin[points]
-            local = local._replace(warmed=warm._replace(rise=rise, kelvin=kelvin))
+            rise, temperature = warm.rise[points], warm.kelvin[points]
+            local = local._replace(warmed=warm._replace(rise=rise, kelvin=temperature))
         if self.directed is not None:
             local = local._replace(directed=self.directed.of(points))
         return local

@@ -33,19 +33,19 @@ def worth_compiling(count: int, local: Local) -> bool:
 
 
 def friction_and_area(
-    model: Any, at: Nodes, table: Tables, velocity: Any, pressure: Any
+    model: Any, wave_nodes: Nodes, table: Tables, velocity: Any, pressure: Any
 ) -> tuple[np.ndarray, np.ndarray]:
     """mu and area of real contact at points (velocity [m/s], pressure [Pa]), flat."""
-    return on_jax(_in_batches, model, at, table, velocity, pressure)
+    return on_jax(_in_batches, model, wave_nodes, table, velocity, pressure)
 
 
 def _in_batches(
-    model: Any, at: Nodes, table: Tables, velocity: Any, pressure: Any
+    model: Any, wave_nodes: Nodes, table: Tables, velocity: Any, pressure: Any
 ) -> tuple[Any, Any]:
     import jax
 
     program = _program(model, table.step, table.first)
-    shared = jax.device_put((at, table.cubics))
+    shared = jax.device_put((wave_nodes, table.cubics))
     count = velocity.size
     size = min(_BATCH, count)
     answers = []
@@ -61,9 +61,9 @@ def _in_batches(
 def _program(model: Any, step: float, first: int) -> Any:
     import jax
 
-    def evaluate(at: Nodes, cubics: Any, velocity: Any, pressure: Any) -> Any:
+    def evaluate(wave_nodes: Nodes, cubics: Any, velocity: Any, pressure: Any) -> Any:
         table = Tables(step, first, cubics)
-        waves = model.waves(None, at, velocity, pressure, table, Local())
+        waves = model.waves(None, wave_nodes, velocity, pressure, table, Local())
         return waves.each.sum((-2, -1)) + waves.edges, waves.area
 
     return jax.jit(evaluate)

@@ -129,7 +129,7 @@ def solve(
 
     mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
     left, per_decade = np.arange(velocity.size), PER_DECADE
-    coarsest, coarse = (evaluated(left, per_decade // part) for part in (4, 2))
+    coarsest, coarse = (evaluated(left, per_decade // fraction) for fraction in (4, 2))
     while left.size and per_decade <= _FINEST:
         fine = evaluated(left, per_decade)
         mu[left], area[left] = fine
@@ -161,24 +161,24 @@ def _in_batches(
     per_decade: int,
     local: Local,
 ) -> Any:
-    at = nodes(spectrum, per_decade, bends(spectrum, local))
-    table = table_of(modulus, at, velocity, per_decade, local)
+    wave_nodes = nodes(spectrum, per_decade, bends(spectrum, local))
+    table = table_of(modulus, wave_nodes, velocity, per_decade, local)
     if worth_compiling(velocity.size, local):
-        return friction_and_area(model, at, table, velocity, pressure)
+        return friction_and_area(model, wave_nodes, table, velocity, pressure)
     batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]
     out = [
         _evaluate(
             modulus,
-            at,
-            velocity[some],
-            pressure[some],
+            wave_nodes,
+            velocity[batch],
+            pressure[batch],
             model,
             table,
-            local.of(some),
+            local.of(batch),
         )
-        for some in batches
+        for batch in batches
     ]
-    return tuple(np.concatenate(part) for part in zip(*out, strict=True))
+    return tuple(np.concatenate(columns) for columns in zip(*out, strict=True))
 
 
 def bends(spectrum: Any, local: Local) -> tuple[float, ...]:
@@ -189,11 +189,11 @@ def bends(spectrum: Any, local: Local) -> tuple[float, ...]:
 
 
 def table_of(
-    modulus: Any, at: Nodes, velocity: Any, per_decade: int, local: Local
+    modulus: Any, wave_nodes: Nodes, velocity: Any, per_decade: int, local: Local
 ) -> Tables:
     """Averages for all that points at these velocities ask for."""
-    low = velocity.min() * at.q.min() * local.slowest()
-    high = velocity.max() * at.end * _BEYOND
+    low = velocity.min() * wave_nodes.q.min() * local.slowest()
+    high = velocity.max() * wave_nodes.end * _BEYOND
     step = np.log(10.0) / per_decade
     if local.directed is not None:
         return against_lay.directed_table(modulus, low, high * np.exp(FORM.finer), step)
@@ -202,7 +202,7 @@ def table_of(
 
 def _evaluate(
     modulus: Any,
-    at: Nodes,
+    wave_nodes: Nodes,
     velocity: Any,
     pressure: Any,
     model: Any,
@@ -210,8 +210,8 @@ def _evaluate(
     local: Local,
 ) -> tuple[Any, Any]:
     """mu and area of real contact at each point."""
-    found = model.waves(modulus, at, velocity, pressure, table, local)
-    return found.each.sum((-2, -1)) + found.edges, found.area
+    by_wave = model.waves(modulus, wave_nodes, velocity, pressure, table, local)
+    return by_wave.each.sum((-2, -1)) + by_wave.edges, by_wave.area
 
 
 class Waves(NamedTuple):
@@ -250,17 +250,19 @@ def averages_of(
     speed, storage, loss = local.at(q)
     w = _frequency(velocity, q, speed)
     if local.directed is not None:
-        found = against_lay.averages(
+        averages = against_lay.averages(
             modulus, table, w, q, local.directed, finer, local.parted
         )
     elif table is None:
-        found = direct(modulus, w, finer, local.parted)
+        averages = direct(modulus, w, finer, local.parted)
     else:
-        found = read(table, namespace(w).log(w))
-    if found.lost is None:
-        return found
-    factor = storage**2 + (loss**2 - storage**2) * found.lost
-    return found._replace(drag=loss * found.drag, stiffness=found.stiffness * factor)
+        averages = read(table, namespace(w).log(w))
+    if averages.lost is None:
+        return averages
+    factor = storage**2 + (loss**2 - storage**2) * averages.lost
+    return averages._replace(
+        drag=loss * averages.drag, stiffness=averages.stiffness * factor
+    )
 
 
 def _stiffer(
@@ -289,25 +291,25 @@ def _frequency(velocity: Any, q: Any, speed: Any) -> Any:
     return w if speed is None else w * speed
 
 
-def rate_of(at: Nodes, stiffness: Any, pressure: Any) -> Any:
+def rate_of(wave_nodes: Nodes, stiffness: Any, pressure: Any) -> Any:
     """dR/dlog q = q^4 C stiffness/(8 p^2), R the integral of G without S."""
-    return at.power * stiffness / (8 * pressure**2)
+    return wave_nodes.power * stiffness / (8 * pressure**2)
 
 
 def stress_variance(
     modulus: Any, spectrum: Any, velocity: Any, pressure: Any, per_decade: int
 ) -> Any:
     """R of all waves, at points (velocity [m/s], pressure [Pa]), flat."""
-    at = nodes(spectrum, per_decade)
-    table = table_of(modulus, at, velocity, per_decade, _LINEAR)
-    stiffness = averages_of(modulus, velocity, at.q, table).stiffness
-    rate = rate_of(at, stiffness, pressure[:, None, None])
-    return (rate * at.weight).sum((-2, -1))
+    wave_nodes = nodes(spectrum, per_decade)
+    table = table_of(modulus, wave_nodes, velocity, per_decade, _LINEAR)
+    stiffness = averages_of(modulus, velocity, wave_nodes.q, table).stiffness
+    rate = rate_of(wave_nodes, stiffness, pressure[:, None, None])
+    return (rate * wave_nodes.weight).sum((-2, -1))
 
 
 def waves_of_persson(
     modulus: Any,
-    at: Nodes,
+    wave_nodes: Nodes,
     velocity: Any,
     pressure: Any,
     energy_factor: tuple[float, bool],
@@ -316,11 +318,11 @@ def waves_of_persson(
 ) -> Waves:
     """Friction wave by wave, by Persson's theory; none of contact edges."""
     p = pressure[:, None, None]
-    drag, stiffness, *_ = averages_of(modulus, velocity, at.q, table, local)
-    rate = rate_of(at, stiffness, p)
-    shares = contact(until(rate, at.weight), *energy_factor)
-    full = at.weight * at.power * drag / (2 * p)
-    area = contact((rate * at.weight).sum((-2, -1)), *energy_factor)
+    drag, stiffness, *_ = averages_of(modulus, velocity, wave_nodes.q, table, local)
+    rate = rate_of(wave_nodes, stiffness, p)
+    shares = contact(until(rate, wave_nodes.weight), *energy_factor)
+    full = wave_nodes.weight * wave_nodes.power * drag / (2 * p)
+    area = contact((rate * wave_nodes.weight).sum((-2, -1)), *energy_factor)
     gamma, _ = energy_factor
     each = full * factor(shares, gamma) * shares
     return Waves(each, 0.0 * area, rate, 0.0 * rate, area)
@@ -328,7 +330,7 @@ def waves_of_persson(
 
 def waves_of_multiscale(
     modulus: Any,
-    at: Nodes,
+    wave_nodes: Nodes,
     velocity: Any,
     pressure: Any,
     table: Tables | None = None,
@@ -342,25 +344,25 @@ def waves_of_multiscale(
         return averages_of(modulus, velocity, q, table, local, form.finer)
 
     def summed(values: Any) -> Any:
-        return (values * at.weight).sum((-2, -1))
+        return (values * wave_nodes.weight).sum((-2, -1))
 
-    on = averages(at.q)
-    rate = rate_of(at, on.stiffness, p)
-    xp = namespace(rate, at.q)
+    on = averages(wave_nodes.q)
+    rate = rate_of(wave_nodes, on.stiffness, p)
+    xp = namespace(rate, wave_nodes.q)
     # log(q/q_high), at q_high and beyond
     past = np.concatenate([[0.0], _PAST])
-    after = averages(at.end * np.exp(past)[:, None])
+    after = averages(wave_nodes.end * np.exp(past)[:, None])
     total = summed(rate)
     spread = _spread(spread_of(total, form.gamma, True), after.stiffer[:, 0, 0])
     share_end = share(spread)
 
-    variance = until(rate, at.weight)
+    variance = until(rate, wave_nodes.weight)
     shares = contact(variance, form.gamma, True, on.stiffer)
-    log_later = xp.minimum(at.log + form.ahead, at.log_end)
-    later = at.end * xp.exp(log_later - at.log_end)
-    end = total, at.end_power * after.stiffness[:, 0, 0] / (8 * pressure**2)
+    log_later = xp.minimum(wave_nodes.log + form.ahead, wave_nodes.log_end)
+    later = wave_nodes.end * xp.exp(log_later - wave_nodes.log_end)
+    end = total, wave_nodes.end_power * after.stiffness[:, 0, 0] / (8 * pressure**2)
     later_shares = contact(
-        _later(at, rate, variance, end, log_later),
+        _later(wave_nodes, rate, variance, end, log_later),
         form.gamma,
         True,
         _stiffer(modulus, velocity, later, table, local, form.finer),
@@ -368,25 +370,25 @@ def waves_of_multiscale(
 
     full = 2 * rate  # F
     lost = (1 - share_end)[:, None, None]
-    own = full * later_shares**form.power * (1 + lost**1.5)
+    of_wave = full * later_shares**form.power * (1 + lost**1.5)
     # ln(q/q') (q'/q) is q'/q twice, one after the other
     source = full * shares**1.5
-    grown = at.q / at.end
-    once = until(source * grown, at.weight)
-    of_edges = until(once, at.weight) / grown
+    grown = wave_nodes.q / wave_nodes.end
+    once = until(source * grown, wave_nodes.weight)
+    of_edges = until(once, wave_nodes.weight) / grown
     # beyond q_high nothing is added: what is there goes on to fade
     once_end, twice_end = summed(source * grown)[:, None], summed(once)[:, None]
     fading = np.exp(-_PAST) * (twice_end + once_end * _PAST)
 
     whole = _variance(spread, share_end) * (1 + _EXCESS * (1 - share_end) ** 2)
-    of_own = summed(own)
-    own = own * xp.minimum(whole / of_own, 1.0)[:, None, None]
+    of_own = summed(of_wave)
+    of_wave = of_wave * xp.minimum(whole / of_own, 1.0)[:, None, None]
     # what F P^(3/2) makes at all higher waves is as much together
-    level = xp.maximum(whole - of_own, 0.0) / summed(source)  # N
-    spectrum = own + level[:, None, None] * of_edges  # D
-    each = 2 * p * at.weight * spectrum * on.drag / on.stiffness
+    edge_strength = xp.maximum(whole - of_own, 0.0) / summed(source)  # N
+    spectrum = of_wave + edge_strength[:, None, None] * of_edges  # D
+    each = 2 * p * wave_nodes.weight * spectrum * on.drag / on.stiffness
     faded = (after.drag / after.stiffness)[:, 1:, 0] * fading
-    edges = 2 * pressure * level * (faded * _PAST_WEIGHT).sum(-1)
+    edges = 2 * pressure * edge_strength * (faded * _PAST_WEIGHT).sum(-1)
     return Waves(each, edges, rate, on.stiffer, real_area(share_end))
 
 
@@ -395,13 +397,17 @@ def real_area(shares: Any) -> Any:
     return shares + 0.25 * shares**3 * (1 - shares)
 
 
-def _later(at: Nodes, rate: Any, variance: Any, end: tuple[Any, Any], log: Any) -> Any:
+def _later(
+    wave_nodes: Nodes, rate: Any, variance: Any, end: tuple[Any, Any], log: Any
+) -> Any:
     """R at log(q/q_low) (cells, 2) up to q_high: its logarithm by cubics with its
     slopes; `end` is R and dR/dlog q at q_high.
     """
     xp = namespace(rate, log)
     flat = (rate.shape[0], -1)
-    nodes = xp.concatenate([at.log.reshape(-1), xp.asarray(at.log_end).reshape(1)])
+    nodes = xp.concatenate(
+        [wave_nodes.log.reshape(-1), xp.asarray(wave_nodes.log_end).reshape(1)]
+    )
     r = xp.concatenate([variance.reshape(flat), end[0][:, None]], -1)
     slope = xp.concatenate([rate.reshape(flat), end[1][:, None]], -1) / r
     inside = hermite(nodes, xp.log(r), slope, log.reshape(-1))
@@ -446,18 +452,18 @@ def friction(
     if is_traced(foundation, surface, velocity, pressure, local):
         shared, points = _taken_apart(foundation, surface, velocity, pressure, local)
         counts = cell_counts(known(fixed(surface)), _TRACED)
-        found = _with_slopes(model, float(rtol), counts)(shared, points)
-        return found._replace(good=found.good > 0)
+        solved = _with_slopes(model, float(rtol), counts)(shared, points)
+        return solved._replace(good=solved.good > 0)
     modulus = foundation.complex_modulus
-    found = solve(modulus, surface, velocity, pressure, model, rtol, local=local)
+    solved = solve(modulus, surface, velocity, pressure, model, rtol, local=local)
     if progress is not None:
         progress(velocity.size, velocity.size)
-    good = (found.error <= rtol * abs(found.mu)) | (found.mu == 0)
+    good = (solved.error <= rtol * abs(solved.mu)) | (solved.mu == 0)
     change = table_error(
-        model, foundation, surface, velocity, pressure, local, found.mu
+        model, foundation, surface, velocity, pressure, local, solved.mu
     )
     return SurfaceFriction(
-        found.mu, found.area, found.error + change, good, found.area_error
+        solved.mu, solved.area, solved.error + change, good, solved.area_error
     )
 
 
@@ -483,8 +489,8 @@ def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
     if share is not None:
         softened = Softened(foundation.softening, surface, share)
     if range_of_scales is not None:
-        (ends, highest), (kelvin, rise) = range_of_scales, points[3:]
-        warmed = Warmed(ends, rise.T, highest, kelvin, foundation)
+        (ends, highest), (temperature, rise) = range_of_scales, points[3:]
+        warmed = Warmed(ends, rise.T, highest, temperature, foundation)
     return foundation, surface, Local(softened, warmed, directed)
 
 
@@ -499,17 +505,17 @@ def _with_slopes(
     def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
         foundation, surface, local = _put_together(shared, points)
         velocity, pressure = points[:2]
-        found = friction(
+        solved = friction(
             model, foundation, surface, velocity, pressure, local, rtol, None
         )
-        return found.mu, found.area, found.error, found.good, found.area_error
+        return solved.mu, solved.area, solved.error, solved.good, solved.area_error
 
     def integrals(shared: Any, points: Any) -> tuple[Any, Any]:
         foundation, surface, local = _put_together(shared, points)
         velocity, pressure = points[:2]
-        at = nodes(surface, _TRACED, counts=counts)
+        wave_nodes = nodes(surface, _TRACED, counts=counts)
         modulus = foundation.complex_modulus
-        return _evaluate(modulus, at, velocity, pressure, model, None, local)
+        return _evaluate(modulus, wave_nodes, velocity, pressure, model, None, local)
 
     def like(shared: Any, points: Any) -> tuple[Any, ...]:
         return (points[0],) * 5
@@ -621,27 +627,27 @@ def bound(
 
 def why_wide(foundation: Any, surface: Any, velocity: Any, area: Any) -> list[str]:
     """What makes the bound wide at points, and what would make it smaller, in words."""
-    said = []
+    reasons = []
     if (least := float(np.min(area))) < _AREA:
-        said.append(
+        reasons.append(
             f"real contact is {100 * least:.2g} % and less than the {100 * _AREA:g} % "
             "down to which three dimensions were solved: a lower q_high, a higher "
             "pressure or warmer rubber has more"
         )
     if (steep := float(np.max(steepness(foundation, surface, velocity)))) > _SMOOTH:
-        said.append(
+        reasons.append(
             f"the losses change as q^{steep:.1f} at the shortest waves, as beyond the "
             "peak of a single relaxation: a spectrum of relaxation times that is fitted "
             "to measured moduli has less"
         )
     if (rise := float(np.max(contrast(foundation, surface, velocity)))) > _CONTRAST:
-        said.append(
+        reasons.append(
             f"|E*| rises {rise:.2g} times from q_low to q_high, {_CONTRAST:g} times in "
             "three dimensions: cutoffs that are nearer have less"
         )
     if (ratio := float(surface.q_high / surface.q_low)) > _RATIOS[1]:
-        said.append(
+        reasons.append(
             f"the cutoffs are a factor of {ratio:.2g} apart, up to {_RATIOS[1]:g} in "
             f"three dimensions: {100 * _DRIFT:.0f} % more for each decade beyond"
         )
-    return said
+    return reasons

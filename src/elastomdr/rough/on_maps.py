@@ -45,12 +45,12 @@ def friction(
     if directed is not None:
         sampled = [directed.direction]
     elif on_measured or has_lay:
-        sampled = [np.full(velocity.shape, np.pi * part) for part in _SAMPLED[has_lay]]
+        sampled = [np.full(velocity.shape, np.pi * turn) for turn in _SAMPLED[has_lay]]
     maps = 1 if on_measured else len(seeds)
-    done, total = itertools.count(1), len(sampled) * maps * velocity.size
+    counter, total = itertools.count(1), len(sampled) * maps * velocity.size
 
     def tick() -> None:
-        number = next(done)
+        number = next(counter)
         if progress is not None:
             progress(number, total)
 
@@ -58,8 +58,8 @@ def friction(
         grid = cells_of(surface, model.cells)
         whole = surface.map.periodic(grid)
 
-        def run(some: Any, direction: float | None) -> SurfaceFriction:
-            given = velocity[some], pressure[some]
+        def run(batch: Any, direction: float | None) -> SurfaceFriction:
+            given = velocity[batch], pressure[batch]
             return _on_measured(
                 modulus, surface, whole, *given, direction or 0.0, rtol, tick
             )
@@ -67,8 +67,8 @@ def friction(
     else:
         square = grid_of(surface, model.cells, model.periods)
 
-        def run(some: Any, direction: float | None) -> SurfaceFriction:
-            given = velocity[some], pressure[some]
+        def run(batch: Any, direction: float | None) -> SurfaceFriction:
+            given = velocity[batch], pressure[batch]
             return on_random_maps(
                 modulus, surface, *given, square, seeds, rtol, tick, direction
             )
@@ -81,16 +81,16 @@ def _each(run: Run, direction: np.ndarray | None) -> SurfaceFriction:
     if direction is None:
         return run(slice(None), None)
     whole = [np.full(direction.shape, np.nan) for _ in range(4)]
-    good, said = np.zeros(direction.shape, dtype=bool), ""
+    good, remark = np.zeros(direction.shape, dtype=bool), ""
     for angle in np.unique(direction):
-        some = direction == angle
-        found = run(some, float(angle))
-        values = found.mu, found.area, found.error, found.area_error
+        same_direction = direction == angle
+        solved = run(same_direction, float(angle))
+        values = solved.mu, solved.area, solved.error, solved.area_error
         for array, entries in zip(whole, values, strict=True):
-            array[some] = entries
-        good[some], said = found.good, found.said
+            array[same_direction] = entries
+        good[same_direction], remark = solved.good, solved.said
     mu, area, error, area_error = whole
-    return SurfaceFriction(mu, area, error, good, area_error, said)
+    return SurfaceFriction(mu, area, error, good, area_error, remark)
 
 
 def _mean(each: list[SurfaceFriction], has_lay: bool) -> SurfaceFriction:
@@ -107,8 +107,8 @@ def _mean(each: list[SurfaceFriction], has_lay: bool) -> SurfaceFriction:
         error = error + np.ptp([one.mu for one in each], axis=0) / 2
         area_error = area_error + np.ptp([one.area for one in each], axis=0) / 2
     good = np.all([one.good for one in each], axis=0)
-    said = f"{each[0].said}; mean over {len(each)} directions of sliding"
-    return SurfaceFriction(mu, area, error, good, area_error, said)
+    remark = f"{each[0].said}; mean over {len(each)} directions of sliding"
+    return SurfaceFriction(mu, area, error, good, area_error, remark)
 
 
 def cells_of(surface: Any, cells: int | None) -> tuple[int, int]:
@@ -154,7 +154,7 @@ def _on_measured(
         directed = Directed(surface, np.full(velocity.shape, direction))
     grid = Grid(whole.height.shape[0], periods, side)
     enough = summits(modulus, surface, velocity, pressure, grid, directed)
-    found = on_map(
+    solved = on_map(
         modulus,
         whole.height,
         whole.sides,
@@ -165,22 +165,22 @@ def _on_measured(
         tick,
         angle=direction + (0.0 if lay is None else lay.angle),
     )
-    good = np.isfinite(found.mu) & (enough >= 1)
+    good = np.isfinite(solved.mu) & (enough >= 1)
     cells, cut = " by ".join(map(str, whole.height.shape)), surface.map.cut
     shortest = "" if cut is None else f" with waves down to {2 * np.pi / cut:.3g} m"
-    said = (
+    remark = (
         f"the measured map on {cells} cells{shortest}, its edges made to meet by taking "
         f"off a smooth part of {whole.changed:.0%} of its rms height; at least "
         f"{enough.min():.2g} summits carry the load"
     )
     # two points may be all that a wave has: the error is the whole change of the grid
     return SurfaceFriction(
-        found.mu,
-        found.area,
-        2 * found.mu_error + OF_SUMMITS * np.abs(found.mu) / enough,
+        solved.mu,
+        solved.area,
+        2 * solved.mu_error + OF_SUMMITS * np.abs(solved.mu) / enough,
         good,
-        2 * found.area_error + OF_SUMMITS * found.area / enough,
-        said,
+        2 * solved.area_error + OF_SUMMITS * solved.area / enough,
+        remark,
     )
 
 

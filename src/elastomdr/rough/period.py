@@ -75,9 +75,9 @@ class Coefficients(NamedTuple):
     late: Float[np.ndarray, " lanes"]  # theta/h^2 [Pa]
     each: Float[np.ndarray, "branches lanes"]  # E_k (1 - a_k)/z_k [Pa]
 
-    def of(self, lanes: np.ndarray) -> "Coefficients":
+    def of(self, chosen: np.ndarray) -> "Coefficients":
         """Those of some lanes."""
-        return Coefficients(*(x if np.ndim(x) == 0 else x[..., lanes] for x in self))
+        return Coefficients(*(x if np.ndim(x) == 0 else x[..., chosen] for x in self))
 
 
 class Swept(NamedTuple):
@@ -282,5 +282,5 @@ def motion(
         new = jnp.maximum(loose, w + depth)
         return (by.keep * f + by.gain * (new - u), new), (new, (new - loose) / by.give)
 
-    found = jax.lax.scan(one, (branches, depth), jnp.roll(rise, -1))[1]
-    return Motion(*(jnp.roll(field, 1, axis=0) for field in found))
+    path = jax.lax.scan(one, (branches, depth), jnp.roll(rise, -1))[1]
+    return Motion(*(jnp.roll(field, 1, axis=0) for field in path))

@@ -103,7 +103,7 @@ def solve_lines(
     law: Relaxation,
     rtol: float,
     skip: bool = True,
-    done: Any = None,  # called with the number of lanes whenever some are finished
+    finished: Any = None,  # called with the number of lanes whenever some are finished
     # keeps what is finished: get(key) gives None or what was put(key, arrays)
     store: Any = None,
 ) -> list[Line]:
@@ -113,8 +113,8 @@ def solve_lines(
         if hasattr(os, "sched_getaffinity")
         else os.cpu_count() or 1
     )
-    lanes = sum(job.velocity.size for job in jobs)
-    size = min(_LANES, max(_FEWEST_LANES, -(-lanes // threads)))
+    lane_count = sum(job.velocity.size for job in jobs)
+    size = min(_LANES, max(_FEWEST_LANES, -(-lane_count // threads)))
     batches = [_batches_of(job, size) for job in jobs]
     tasks = []
     for job, parts in zip(jobs, batches, strict=True):
@@ -123,17 +123,17 @@ def solve_lines(
 
     def run(task: tuple[Job, np.ndarray, np.ndarray]) -> Line:
         job, rise, batch = task
-        found = _stored_batch(job, rise, batch, law, rtol, skip, store)
-        if done is not None:
-            done(batch.size)
-        return found
+        line = _stored_batch(job, rise, batch, law, rtol, skip, store)
+        if finished is not None:
+            finished(batch.size)
+        return line
 
     with ThreadPoolExecutor(min(threads, len(tasks))) as pool:
-        found = iter(list(pool.map(run, tasks)))
+        solved_batches = iter(list(pool.map(run, tasks)))
     lines = []
     for parts in batches:
         back = np.argsort(np.concatenate(parts), kind="stable")
-        solved = [next(found) for _ in parts]
+        solved = [next(solved_batches) for _ in parts]
         lines.append(
             Line(
                 *(np.concatenate(fields)[back] for fields in zip(*solved, strict=True))
@@ -176,10 +176,10 @@ def _stored_batch(
             key = _key(rise, law, velocity, value, how)
             if (kept := store.get(key)) is not None:
                 return Line._make((*kept[:-1], kept[-1] > 0))
-        found, _ = _batch(rise, spacing, law, velocity, value, job.control, rtol, skip)
+        line, _ = _batch(rise, spacing, law, velocity, value, job.control, rtol, skip)
         if store is not None:
-            store.put(key, np.array(found, dtype=np.float64))
-    return found
+            store.put(key, np.array(line, dtype=np.float64))
+    return line
 
 
 def solve_states(
@@ -197,13 +197,13 @@ def solve_states(
     rise, lines, states = rises(height), [], []
     with jax.enable_x64(True):
         for start in range(0, velocity.size, _LANES):
-            part = slice(start, start + _LANES)
+            batch = slice(start, start + _LANES)
             line, state = _batch(
                 rise,
                 float(spacing),
                 law,
-                velocity[part],
-                value[part],
+                velocity[batch],
+                value[batch],
                 control,
                 rtol,
                 False,
@@ -226,8 +226,8 @@ def _key(
 ) -> str:
     """What a batch depends on, in a few letters."""
     digest = hashlib.sha256(repr((__version__, how)).encode())
-    for part in (rise, *jax.tree.leaves(law), velocity, value):
-        digest.update(np.ascontiguousarray(part, dtype=np.float64).tobytes())
+    for array in (rise, *jax.tree.leaves(law), velocity, value):
+        digest.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
     return digest.hexdigest()[:24]
 
 
@@ -237,20 +237,22 @@ def _batch(
     n = rise.size
     step = spacing / velocity
     if skip:
-        carried, cost = lumped(law, step, n * step, rtol)
+        reduced_law, cost = lumped(law, step, n * step, rtol)
     else:
-        carried, cost = lanes(law, velocity.size), np.zeros(velocity.size)
-    state, load, stiffness, share = first_guess(rise, carried, n * step, value, control)
+        reduced_law, cost = lanes(law, velocity.size), np.zeros(velocity.size)
+    state, load, stiffness, share = first_guess(
+        rise, reduced_law, n * step, value, control
+    )
     strides = strides_of(n)
     sweeps, mus, full = np.zeros(velocity.size), [], np.ones(velocity.size, bool)
-    fine = found = good = None
+    fine = settled = good = None
     for stride in strides:
         level = level_of(
             rise,
             spacing,
             stride,
             step,
-            carried,
+            reduced_law,
             load,
             stiffness,
             control,
@@ -260,20 +262,20 @@ def _batch(
             state = state._replace(
                 inverse=jacobian(level, state, np.ones(velocity.size, bool))
             )
-        found, turns, good = iterate(level, state)
-        fine = finish(level, found)
+        settled, turns, good = iterate(level, state)
+        fine = finish(level, settled)
         sweeps += (turns + 1) / stride
         mus.append(np.where(good, fine.mu, np.nan))
         full &= fine.share == 1
         state = State(
-            np.where(good, found.branches, state.branches),
-            np.where(good, found.depth, state.depth),
+            np.where(good, settled.branches, state.branches),
+            np.where(good, settled.depth, state.depth),
             np.where(
-                good[:, None, None], found.inverse, np.eye(found.inverse.shape[1])
+                good[:, None, None], settled.inverse, np.eye(settled.inverse.shape[1])
             ),
         )
     assert fine is not None  # the last stride is always 1
-    assert found is not None
+    assert settled is not None
     mu, error = _limit(mus, full)
     touching = np.where(full, np.inf, np.round(fine.share * n))  # samples
     touching = np.where(touching < 3, 1.0, touching)
@@ -286,10 +288,10 @@ def _batch(
         error
         + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     )
-    answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
+    answer = (mu, fine.load, settled.depth, fine.share, error, cost, fine.residual)
     return Line._make(
         (*(np.where(good, x, np.nan) for x in answer), sweeps, good)
-    ), found
+    ), settled
 
 
 def strides_of(n: int) -> list[int]:

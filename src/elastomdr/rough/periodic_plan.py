@@ -54,7 +54,7 @@ def plan_lines(
     samples: int,
     points: int,
     law: Relaxation,
-    lanes: tuple[np.ndarray, np.ndarray] | None,
+    solved_at: tuple[np.ndarray, np.ndarray] | None,
     control: str,
     rtol: float,
     averaged: bool,
@@ -89,13 +89,13 @@ def plan_lines(
         heated=heated,
         skip=skip,
     )
-    if line is None or lanes is None:
+    if line is None or solved_at is None:
         return plan
-    (height, spacing), (velocity, value) = line, lanes
+    (height, spacing), (velocity, value) = line, solved_at
     step = spacing / velocity
-    carried, cost = lumped(law, step, samples * step, rtol)
-    share = first_guess(rises(height), carried, samples * step, value, control)[-1]
-    kept = np.count_nonzero(carried.moduli, axis=0)
+    reduced_law, cost = lumped(law, step, samples * step, rtol)
+    share = first_guess(rises(height), reduced_law, samples * step, value, control)[-1]
+    kept = np.count_nonzero(reduced_law.moduli, axis=0)
     fast = np.count_nonzero(step / np.asarray(law.times)[:, None] > FORGOTTEN, axis=0)
     real = np.count_nonzero(np.asarray(law.moduli))
     slow = np.maximum(real - fast - kept + 1, 0) * (real - fast > kept)
@@ -131,7 +131,7 @@ def _described(plan: RoughPlan) -> list[str]:
             "of them"
         ),
     ]
-    lines += [f"  branches     {text}" for text in _branches(plan)]
+    lines += [f"  branches     {branches}" for branches in _branches(plan)]
     if plan.share is not None:
         low, high = plan.share
         lines.append(

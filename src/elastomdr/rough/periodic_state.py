@@ -151,14 +151,14 @@ def iterate(
     converged.
     """
     branches, depth, inverse = (np.array(a) for a in state)
-    lanes = depth.size
+    lane_count = depth.size
     load, count = level.load, level.rise.size // level.stride
     # what rounding of u leaves
     floor = 2e-16 * np.sqrt(count) * depth / (level.by.give * load)
-    best, kept = np.full(lanes, np.inf), None
-    stalled, restarts = np.zeros(lanes, int), np.zeros(lanes, int)
+    best, kept = np.full(lane_count, np.inf), None
+    stalled, restarts = np.zeros(lane_count, int), np.zeros(lane_count, int)
     moved = before = None
-    active, turns = np.ones(lanes, bool), np.zeros(lanes)
+    active, turns = np.ones(lane_count, bool), np.zeros(lane_count)
     for _ in range(_SWEEPS[level.stride > 1]):
         r, end = _residual(level, branches, depth, active)
         turns += active
@@ -255,9 +255,9 @@ def jacobian(
     """The inverse of minus the Jacobian of the residuals of some lanes, by differences;
     the identity elsewhere.
     """
-    lanes, unknowns = state.depth.size, state.inverse.shape[1]
+    lane_count, unknowns = state.depth.size, state.inverse.shape[1]
     start = _residual(level, state.branches, state.depth, every)[0]
-    found = np.tile(np.eye(unknowns), (lanes, 1, 1))  # of minus the Jacobian
+    matrix = np.tile(np.eye(unknowns), (lane_count, 1, 1))  # of minus the Jacobian
     for j in range(unknowns if level.by_load else unknowns - 1):
         felt = every if j == unknowns - 1 else every & level.lasting[j]
         if not felt.any():
@@ -268,12 +268,12 @@ def jacobian(
         else:
             depth = depth + _NUDGE * level.load / level.stiffness
         column = (start - _residual(level, branches, depth, felt)[0]) / _NUDGE
-        found[:, :, j] = np.where(felt[:, None], column, found[:, :, j])
-    found[~every | ~np.isfinite(found).all(axis=(1, 2))] = np.eye(unknowns)
-    found[np.linalg.slogdet(found)[0] == 0] = np.eye(unknowns)
-    found = np.linalg.inv(found)
-    found[~(np.abs(found) < _SINGULAR).all(axis=(1, 2))] = np.eye(unknowns)
-    return found
+        matrix[:, :, j] = np.where(felt[:, None], column, matrix[:, :, j])
+    matrix[~every | ~np.isfinite(matrix).all(axis=(1, 2))] = np.eye(unknowns)
+    matrix[np.linalg.slogdet(matrix)[0] == 0] = np.eye(unknowns)
+    matrix = np.linalg.inv(matrix)
+    matrix[~(np.abs(matrix) < _SINGULAR).all(axis=(1, 2))] = np.eye(unknowns)
+    return matrix
 
 
 def _residual(
@@ -327,7 +327,7 @@ def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
             None if level.free is None else level.free.of(pick),
         )
     count = level.rise.size // level.stride
-    found = sweep(
+    swept = sweep(
         rise,
         count,
         level.stride,
@@ -339,11 +339,11 @@ def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
         exact,
     )
     if size == depth.size == chosen.size:
-        return Swept(*map(np.asarray, found))
+        return Swept(*map(np.asarray, swept))
     whole = []
-    for field in found:
-        part = np.asarray(field)[..., : chosen.size]
-        full = np.zeros((*part.shape[:-1], depth.size))
-        full[..., chosen] = part
+    for field in swept:
+        values = np.asarray(field)[..., : chosen.size]
+        full = np.zeros((*values.shape[:-1], depth.size))
+        full[..., chosen] = values
         whole.append(full)
     return Swept(*whole)

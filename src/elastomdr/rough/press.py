@@ -128,13 +128,13 @@ def press(
         )
     length, rule = _length(surface, model)
     lines = _lines(surface, model)
-    found = (
+    solved = (
         _at_rest(points, lines, length)
         if velocity is None
         else _sliding(points, lines, length, foundation, rtol)
     )
-    contact = _packed(points, surface, model, lines, found, traced)
-    warn_unless(found.good, "points")
+    contact = _packed(points, surface, model, lines, solved, traced)
+    warn_unless(solved.good, "points")
     beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
     inputs = [
         ("material", foundation.name or "given directly"),
@@ -150,7 +150,7 @@ def press(
         *([] if temperature is None else [("temperature", brief(temperature, "K"))]),
         ("ensemble", _ensemble(surface, lines, model)),
     ]
-    good, conductance = found.good, found.conductance
+    good, conductance = solved.good, solved.conductance
     return dataclasses.replace(
         contact,
         thermal=_times(good, conductance, conductivity, "conductivity", False),
@@ -197,13 +197,13 @@ def _packed(
     surface: Any,
     model: Line,
     lines: list[RoughLine],
-    found: _Found,
+    solved: _Found,
     traced: bool,
 ) -> RoughContact:
     """The numbers of the result."""
 
     def field(values: Any) -> Any:
-        return nan_unless(found.good, values)
+        return nan_unless(solved.good, values)
 
     at_rest = points.velocity is None
     unknown = xp.full(points.shape, np.nan)
@@ -217,15 +217,15 @@ def _packed(
         time=points.time,
         velocity=points.velocity,
         temperature=points.kelvin,
-        approach=field(found.approach),
-        separation=field(found.gap),
-        stiffness=field(found.stiffness),
-        conductance=field(found.conductance),
+        approach=field(solved.approach),
+        separation=field(solved.gap),
+        stiffness=field(solved.stiffness),
+        conductance=field(solved.conductance),
         conductance_low=_least(points, surface, lines[0]) if at_rest else unknown,
-        error=field(found.error),
-        approach_error=field(found.approach_error),
+        error=field(solved.error),
+        approach_error=field(solved.approach_error),
         model_error=_model_error(surface, points) if compared else unknown,
-        converged=found.good,
+        converged=solved.good,
         model="",
         plan="closed form of the sorted heights of each line"
         if at_rest
@@ -235,11 +235,11 @@ def _packed(
 
 
 def _ensemble(surface: Any, lines: list[RoughLine], model: Line) -> str:
-    text = f"{len(lines)} line{'s' * (len(lines) > 1)} of {lines[0].count} samples"
+    sentence = f"{len(lines)} line{'s' * (len(lines) > 1)} of {lines[0].count} samples"
     return (
-        text
+        sentence
         if isinstance(surface, RoughLine)
-        else f"{text}, {model.periods} longest waves each"
+        else f"{sentence}, {model.periods} longest waves each"
     )
 
 
@@ -287,23 +287,25 @@ def _points(
         positive(name, value)
     shape = broadcast_shape(**arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
-    kelvin, time = full.get("temperature"), full.get("time")
+    temperatures, time = full.get("temperature"), full.get("time")
     factor, vertical = (
-        (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+        (1.0, 1.0)
+        if temperatures is None
+        else thermal_factors(foundation, temperatures)
     )
     compliance = (
         1 / foundation.equilibrium
         if time is None
         else foundation.creep_compliance(time / factor)
     )
-    carried = full["pressure"] / vertical
+    reduced_pressure = full["pressure"] / vertical
     return _Points(
         shape,
         full["pressure"],
         time,
         full.get("velocity"),
-        kelvin,
-        carried,
+        temperatures,
+        reduced_pressure,
         factor,
         compliance,
         vertical,
@@ -315,9 +317,9 @@ def _length(surface: Any, model: Line) -> tuple[Any, str]:
     length = model.equivalent_length
     if length is None and isinstance(surface, AbstractSpectrum):
         length = 2 * surface.moment(1) / surface.moment(2)
-        text = "" if is_traced(length) else f" = {float(length):.4g} m"
+        number = "" if is_traced(length) else f" = {float(length):.4g} m"
         return length, (
-            f"; pressure p as line load p L with L = 2 m_1/m_2{text}, of equal energy "
+            f"; pressure p as line load p L with L = 2 m_1/m_2{number}, of equal energy "
             "in full contact"
         )
     if length is None or isinstance(length, str):
@@ -359,11 +361,11 @@ def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _Found:
                 lambda x: x > 0,
             )
         on = bearing(line.height)
-        at = pressed(on, load)
-        approaches.append(on.mean - at.gap)
-        gaps.append(at.gap)
-        conductances.append(_conductance(at.share, length))
-        touching.append(at.share * line.height.size >= 1)
+        under_load = pressed(on, load)
+        approaches.append(on.mean - under_load.gap)
+        gaps.append(under_load.gap)
+        conductances.append(_conductance(under_load.share, length))
+        touching.append(under_load.share * line.height.size >= 1)
     return _mean(
         approaches,
         gaps,
@@ -379,8 +381,10 @@ def _conductance(share: Any, length: Any) -> Any:
     """Over the conductivity [1/m], from the share of the line in contact: of each
     element twice its width.
     """
-    part = share < 1
-    return xp.where(part, 2 / length * share / xp.where(part, 1 - share, 1.0), xp.inf)
+    not_full = share < 1
+    return xp.where(
+        not_full, 2 / length * share / xp.where(not_full, 1 - share, 1.0), xp.inf
+    )
 
 
 def _sliding(
@@ -419,26 +423,28 @@ def _steady(
     ]
     relaxed = float(foundation.equilibrium)
     approaches, gaps, conductances, stiffnesses, touching = [], [], [], [], []
-    for line, own in zip(
+    for line, solution in zip(
         lines, solve_lines(jobs, foundation.law(), float(rtol)), strict=True
     ):
         height = np.asarray(line.height)
         # In full contact the difference of depth and load, both large, is rounding.
         closed = height.max() - height.mean()
         middle, less, more = np.where(
-            own.share == 1, closed, own.depth - own.load / relaxed
+            solution.share == 1, closed, solution.depth - solution.load / relaxed
         ).reshape(3, -1)
         touching.append(
-            (own.share[: load.size] * height.size >= _FEWEST).reshape(points.shape)
+            (solution.share[: load.size] * height.size >= _FEWEST).reshape(points.shape)
         )
         approaches.append(middle.reshape(points.shape))
         gaps.append((closed - middle).reshape(points.shape))
         conductances.append(
-            np.asarray(_conductance(own.share[: load.size], length)).reshape(
+            np.asarray(_conductance(solution.share[: load.size], length)).reshape(
                 points.shape
             )
         )
-        rise = (own.load.reshape(3, -1)[2] - own.load.reshape(3, -1)[1]) / length
+        rise = (
+            solution.load.reshape(3, -1)[2] - solution.load.reshape(3, -1)[1]
+        ) / length
         stiffnesses.append(
             (rise / (more - less)).reshape(points.shape) * points.vertical
         )
@@ -535,8 +541,12 @@ def _model_error(surface: Any, points: _Points) -> Any:
     """Relative, of the conductance at rest: in the range of `benchmarks/rough_press.py`
     0.28 at most, NaN elsewhere.
     """
-    level = np.asarray(points.carried * points.compliance / surface.rms_slope)
-    inside = (level >= _LEVELS[0] * (1 - 1e-9)) & (level <= _LEVELS[1] * (1 + 1e-9))
+    relative_pressure = np.asarray(
+        points.carried * points.compliance / surface.rms_slope
+    )
+    inside = (relative_pressure >= _LEVELS[0] * (1 - 1e-9)) & (
+        relative_pressure <= _LEVELS[1] * (1 + 1e-9)
+    )
     inside &= points.velocity is None and surface.q_high <= _RATIO * surface.q_low * (
         1 + 1e-9
     )
@@ -585,12 +595,12 @@ def bearing(height: Any) -> Bearing:
 def pressed(on: Bearing, load: Any) -> Pressed:
     """The line under mean loads over the modulus [m], p L/E*, any shape."""
     last = on.depth.shape[0] - 1
-    at = xp.clip(xp.searchsorted(on.load, load, side="right") - 1, 0, last - 1)
-    share, rate, more = on.share[at], on.rate[at], load - on.load[at]
+    interval = xp.clip(xp.searchsorted(on.load, load, side="right") - 1, 0, last - 1)
+    share, rate, more = on.share[interval], on.rate[interval], load - on.load[interval]
     root = xp.sqrt(xp.maximum(share**2 + 2 * rate * more, 1e-300))
     further = 2 * more / (share + root)
     full = load >= on.load[last]
-    depth = xp.where(full, on.mean + load, on.depth[at] + further)
+    depth = xp.where(full, on.mean + load, on.depth[interval] + further)
     share = xp.where(full, 1.0, xp.clip(share + rate * further, 0.0, 1.0))
     return Pressed(
         depth, xp.where(full, 0.0, xp.maximum(on.mean - depth + load, 0.0)), share

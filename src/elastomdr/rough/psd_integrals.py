@@ -102,13 +102,13 @@ def nodes(
     width = xp.diff(log_q)
     low, high = (log_q[piece] + width[piece] * share for share in (start, end))
     if xp is np and len(bends):
-        at = _with_between(np.sort(np.log(bends)) - log_low, per_decade)
-        at = at[(at > low[0]) & (at < high[-1])]
-        ends = np.union1d(np.append(low, high[-1]), at)
+        bend_places = _with_between(np.sort(np.log(bends)) - log_low, per_decade)
+        bend_places = bend_places[(bend_places > low[0]) & (bend_places < high[-1])]
+        ends = np.union1d(np.append(low, high[-1]), bend_places)
         low, high = ends[:-1], ends[1:]
         piece = np.searchsorted(log_q[1:-1], 0.5 * (low + high))
     steep = xp.diff(log_c) / width
-    level = (log_c[:-1] - steep * log_q[:-1])[piece][:, None]
+    intercept = (log_c[:-1] - steep * log_q[:-1])[piece][:, None]
     slope = steep[piece][:, None]
     x = low[:, None] + (high - low)[:, None] * np.array(
         [0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6]
@@ -117,7 +117,7 @@ def nodes(
         xp.exp(log_low + x),
         x,
         xp.broadcast_to((0.5 * (high - low))[:, None], x.shape),
-        xp.exp(4 * log_low + (4 + slope) * x + level),
+        xp.exp(4 * log_low + (4 + slope) * x + intercept),
         xp.exp(log_low + log_q[-1]),
         log_q[-1],
         xp.exp(4 * (log_low + log_q[-1]) + log_c[-1]),
@@ -134,7 +134,7 @@ def cell_counts(spectrum: Any, per_decade: int) -> tuple[int, ...]:
     return tuple(np.maximum(1, np.ceil(decades * per_decade)).astype(int).tolist())
 
 
-def _with_between(at: np.ndarray, per_decade: int) -> np.ndarray:
+def _with_between(log_bends: np.ndarray, per_decade: int) -> np.ndarray:
     """Bends at log q, and between those nearer than a quarter of a decade so many
     places that cells do get finer there.
 
@@ -144,11 +144,11 @@ def _with_between(at: np.ndarray, per_decade: int) -> np.ndarray:
     count = 2 * per_decade // _COARSEST
     near = [
         pair
-        for pair in itertools.pairwise(at)
+        for pair in itertools.pairwise(log_bends)
         if pair[1] - pair[0] < 0.25 * np.log(10.0)
     ]
     return np.unique(
-        np.concatenate([at, *(np.linspace(*pair, count + 1) for pair in near)])
+        np.concatenate([log_bends, *(np.linspace(*pair, count + 1) for pair in near)])
     )
 
 
@@ -308,11 +308,11 @@ def read_stiffer(table: Tables, log_w: Any) -> Any:
     return stiffer
 
 
-def read_columns(table: Tables, log_w: Any, some: slice) -> list[Any]:
+def read_columns(table: Tables, log_w: Any, columns: slice) -> list[Any]:
     """Some columns of a table at log w."""
     place = log_w / table.step - table.first
     left = interval_of(place, table.cubics.shape[-1])
-    return [even_cubics(column, place, left) for column in table.cubics[some]]
+    return [even_cubics(column, place, left) for column in table.cubics[columns]]
 
 
 def share(spread: Any) -> Any:

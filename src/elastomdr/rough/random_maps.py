@@ -132,19 +132,19 @@ def friction(
     of_mu = each.mu_error.mean(axis=0) + OF_SUMMITS * np.abs(mu) / enough
     of_area = each.area_error.mean(axis=0) + OF_SUMMITS * area / enough
     good = np.isfinite(each.mu).all(axis=0) & (enough >= 1)
-    said = (
+    remark = (
         f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest "
         f"waves to a side; at least {enough.min():.2g} summits carry the load"
     )
     if len(seeds) == 1:
-        said += "; how far maps scatter is not known, and so no error of mu"
+        remark += "; how far maps scatter is not known, and so no error of mu"
     return SurfaceFriction(
         mu,
         area,
         of_mu + 2 * _standard_error(each.mu),
         good,
         of_area + 2 * _standard_error(each.area),
-        said,
+        remark,
     )
 
 
@@ -213,11 +213,11 @@ def summits(
     directed: Directed | None = None,
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""
-    at = nodes(spectrum, 16)
+    wave_nodes = nodes(spectrum, 16)
     model = Persson()
     local = Local(directed=directed)
-    found = model.waves(modulus, at, velocity, pressure, None, local)
-    shares = model.contact(until(found.rate, at.weight), found.stiffer)
+    by_wave = model.waves(modulus, wave_nodes, velocity, pressure, None, local)
+    shares = model.contact(until(by_wave.rate, wave_nodes.weight), by_wave.stiffer)
     shares = shares.reshape(velocity.size, -1)
     longest = spectrum.q[
         int(np.argmax(np.diff(np.log(spectrum.c)) / np.diff(np.log(spectrum.q)) < -1))
@@ -226,7 +226,9 @@ def summits(
     number = (grid.side * longest / (2 * np.pi)) ** 2
     if directed is not None:  # of ridges, which are longer than wide
         number = number / np.exp(abs(directed.spectrum.lay.log_peklenik[0]))
-    where = np.searchsorted(at.q.ravel(), min(2 * longest, 0.999 * spectrum.q_high))
+    where = np.searchsorted(
+        wave_nodes.q.ravel(), min(2 * longest, 0.999 * spectrum.q_high)
+    )
     where = min(int(where), shares.shape[1] - 1)
     return number * shares[:, where]
 
@@ -239,9 +241,11 @@ def full_contact(
     directed: Directed | None = None,
 ) -> np.ndarray:
     """Friction in full contact of all waves of a spectrum."""
-    at = nodes(spectrum, 32)
-    drag = averages_of(modulus, velocity, at.q, None, Local(directed=directed)).drag
-    return (at.weight * at.power * drag).sum((-2, -1)) / (2 * pressure)
+    wave_nodes = nodes(spectrum, 32)
+    drag = averages_of(
+        modulus, velocity, wave_nodes.q, None, Local(directed=directed)
+    ).drag
+    return (wave_nodes.weight * wave_nodes.power * drag).sum((-2, -1)) / (2 * pressure)
 
 
 def full_contact_of_map(

@@ -203,8 +203,8 @@ def _solved(
     """Friction at the temperatures that are given or, with `heat`, that it makes."""
     pressure = scene.full(scene.value)
     # by the material at its reference temperature
-    carried = (pressure / scene.vertical).ravel()
-    cold = solved(scene.reduced.ravel(), carried, local=local)
+    reduced_pressure = (pressure / scene.vertical).ravel()
+    cold = solved(scene.reduced.ravel(), reduced_pressure, local=local)
     if not scene.traced:
         _doubt_unit(cold, pressure.ravel())
     answer = _Answer(cold, cold, local, None, None, scene.reduced)
@@ -234,21 +234,21 @@ def _heated(
     ) -> SurfaceFriction:
         return solved(reduced, pressure, local=answer.local)
 
-    velocity, kelvin, pressure = (
+    velocity, temperature, pressure = (
         scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
     )
     cold = answer.cold
     warm = warmed(
-        heat, scene.foundation, surface, velocity, kelvin, pressure, cold, again
+        heat, scene.foundation, surface, velocity, temperature, pressure, cold, again
     )
-    found = cold._replace(
+    heated = cold._replace(
         mu=warm.mean.mu,
         area=warm.mean.area,
         good=warm.mean.good,
         error=warm.mean.error + SETTLED * np.abs(warm.mean.mu - cold.mu),
     )
     reduced = warm.reduced.reshape(scene.shape)
-    return answer._replace(found=found, warm=warm, reduced=reduced)
+    return answer._replace(found=heated, warm=warm, reduced=reduced)
 
 
 def _heated_by_scale(
@@ -263,10 +263,10 @@ def _heated_by_scale(
     """Friction at the temperatures by length scale that it makes."""
     from .temperature_by_scale import Problem, warmed
 
-    velocity, kelvin, pressure = (
+    velocity, temperature, pressure = (
         scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
     )
-    reduced, carried = scene.reduced.ravel(), pressure / scene.vertical.ravel()
+    reduced, reduced_pressure = scene.reduced.ravel(), pressure / scene.vertical.ravel()
     foundation = scene.foundation
     problem = Problem(
         foundation,
@@ -276,28 +276,32 @@ def _heated_by_scale(
         adhesion,
         velocity,
         reduced,
-        kelvin,
+        temperature,
         pressure,
-        carried,
+        reduced_pressure,
     )
-    highest = HIGHEST if scene.traced else highest_rise(foundation, kelvin)
+    highest = HIGHEST if scene.traced else highest_rise(foundation, temperature)
     by_scale = warmed(problem, model, highest)
     local = answer.local._replace(warmed=by_scale.warmed)
-    found = solved(reduced, carried, local=local)
-    good = found.good & answer.cold.good & by_scale.good
-    found = found._replace(error=found.error + by_scale.error, good=good)
-    answer = answer._replace(found=found, local=local, by_scale=by_scale)
+    heated = solved(reduced, reduced_pressure, local=local)
+    good = heated.good & answer.cold.good & by_scale.good
+    heated = heated._replace(error=heated.error + by_scale.error, good=good)
+    answer = answer._replace(found=heated, local=local, by_scale=by_scale)
     if scene.traced:
         return answer
-    factor, _ = thermal_factors(foundation, kelvin + by_scale.mean)
+    factor, _ = thermal_factors(foundation, temperature + by_scale.mean)
     reduced = scene.full(scene.velocity) * factor.reshape(scene.shape)
     return answer._replace(reduced=reduced)
 
 
-def _warn_of_failed(found: SurfaceFriction, rtol: Any) -> None:
+def _warn_of_failed(hysteresis: SurfaceFriction, rtol: Any) -> None:
     """Counts the points without an answer in one warning."""
-    maps = f"Maps: {found.said}; more cells hold more of them." if found.said else ""
-    warn_unless(found.good, "points", f" to rtol={rtol:g}", maps)
+    maps = (
+        f"Maps: {hysteresis.said}; more cells hold more of them."
+        if hysteresis.said
+        else ""
+    )
+    warn_unless(hysteresis.good, "points", f" to rtol={rtol:g}", maps)
 
 
 def _inputs(
@@ -311,22 +315,22 @@ def _inputs(
     outside: Any,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
-    found = answer.found
+    hysteresis = answer.found
     skewness = getattr(surface, "skewness", 0.0)
     rows = scene.inputs(
         ("surface", label),
-        *(("as read", text) for text in getattr(surface, "report", ())),
+        *(("as read", remark) for remark in getattr(surface, "report", ())),
     )
     if skewness:
-        rows += [("heights", _skewed_words(surface, found.area))]
+        rows += [("heights", _skewed_words(surface, hysteresis.area))]
     if heat is not None:
         longest = None if scene.traced else float(2 * np.pi / surface.q_low)
         rows += [("heat", heat.words(longest))]
     if answer.by_scale is not None and not scene.traced:
-        rows += _scales_in_words(answer.by_scale, np.asarray(found.good))
+        rows += _scales_in_words(answer.by_scale, np.asarray(hysteresis.good))
     rows += strained.rows
-    if found.said:
-        rows += [("maps", found.said)]
+    if hysteresis.said:
+        rows += [("maps", hysteresis.said)]
     if np.any(of_data):
         share = f"at most {np.max(of_data):.0%} of mu, part of the error"
         rows += [("material against its data", share)]
@@ -378,7 +382,7 @@ def _packed(
     of_data: Any,
 ) -> FrictionCurve:
     """The numbers of the result, of hysteresis alone."""
-    found, shape = answer.found, scene.shape
+    hysteresis, shape = answer.found, scene.shape
     field = partial(answer.field, shape)
     pressure = scene.full(scene.value)
     softening = ""
@@ -387,13 +391,13 @@ def _packed(
     bound = _model_error(model, scene, surface, answer, strained.of_mu + turned.of_mu)
     return FrictionCurve(
         velocity=scene.full(scene.velocity),
-        mu=field(found.mu),
+        mu=field(hysteresis.mu),
         normal_force=field(pressure.ravel()),
-        friction_force=field(found.mu * pressure.ravel()),
+        friction_force=field(hysteresis.mu * pressure.ravel()),
         depth=None,
         contact=None,
-        error=field(found.error + of_data * abs(found.mu)),
-        converged=found.good.reshape(shape),
+        error=field(hysteresis.error + of_data * abs(hysteresis.mu)),
+        converged=hysteresis.good.reshape(shape),
         temperature=scene.full(scene.kelvin),
         model=model.words() + softening,
         plan="",
@@ -401,7 +405,7 @@ def _packed(
         model_error=bound,
         pressure=pressure,
         direction=scene.full(scene.direction),
-        area_ratio=field(found.area),
+        area_ratio=field(hysteresis.area),
         linear=None if strained.linear is None else field(strained.linear),
     )
 
@@ -442,8 +446,8 @@ def _with_adhesion(
 ) -> FrictionCurve:
     """The shear of the real contact added."""
     field = partial(answer.field, scene.shape)
-    found, pressure = answer.found, scene.full(scene.value)
-    area, cold_area = field(found.area), field(answer.cold.area)
+    hysteresis, pressure = answer.found, scene.full(scene.value)
+    area, cold_area = field(hysteresis.area), field(answer.cold.area)
     stress, fields = None, {}
     if heat is not None:
         stress = adhesion.shear_stress(
@@ -454,7 +458,7 @@ def _with_adhesion(
         curve,
         adhesion,
         area / pressure,
-        field(found.area_error) / area,
+        field(hysteresis.area_error) / area,
         _model_error(
             model,
             scene,
@@ -486,7 +490,7 @@ def _checked_share(share: Any) -> Any:
 
 def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
     """The rise of temperature by length scale, where it is largest."""
-    said = []
+    rows = []
     if good.any():
         i = int(np.argmax(np.where(good, by_scale.contact, -np.inf)))
         length, rise = (
@@ -497,9 +501,9 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
             f"{rise[k]:.3g} K at {1e3 * length[k]:.2g} mm"
             for k in (0, rise.size // 2, -1)
         ]
-        said.append(("rise by wavelength", f"{', '.join(parts)}, where it is largest"))
+        rows.append(("rise by wavelength", f"{', '.join(parts)}, where it is largest"))
     if by_scale.several.any():
-        said.append(
+        rows.append(
             (
                 "hot branch",
                 (
@@ -510,7 +514,7 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
                 ),
             )
         )
-    return said
+    return rows
 
 
 def _strained(
@@ -533,14 +537,20 @@ def _strained(
     if scene.traced:
         return _Strained(None, np.nan, np.nan, [])
     velocity = scene.reduced.ravel()
-    carried = (scene.full(scene.value) / scene.vertical).ravel()
+    reduced_pressure = (scene.full(scene.value) / scene.vertical).ravel()
 
     def at(share: Any) -> Any:
         other = answer.local._replace(
             softened=None if share is None else softened._replace(share=share)
         )
         return model.solve(
-            foundation, surface, velocity, carried, other, max(float(rtol), 1e-3), None
+            foundation,
+            surface,
+            velocity,
+            reduced_pressure,
+            other,
+            max(float(rtol), 1e-3),
+            None,
         )
 
     linear, here = at(None), at(softened.share)
@@ -605,14 +615,16 @@ def _turned(
             scene.reduced.ravel(), pressure, local=local, rtol=_ROUGHLY, progress=None
         )
 
-    found, along, across = answer.found, towards(0.0), towards(np.pi / 2)
-    of_mu = np.maximum(abs(along.mu - found.mu), abs(across.mu - found.mu))
+    hysteresis, along, across = answer.found, towards(0.0), towards(np.pi / 2)
+    of_mu = np.maximum(abs(along.mu - hysteresis.mu), abs(across.mu - hysteresis.mu))
     of_area = np.maximum(
-        abs(along.area / found.area - 1.0), abs(across.area / found.area - 1.0)
+        abs(along.area / hysteresis.area - 1.0),
+        abs(across.area / hysteresis.area - 1.0),
     )
-    if found.good.any():
+    if hysteresis.good.any():
         least, most = (
-            np.median((end.mu / found.mu)[found.good]) for end in (along, across)
+            np.median((end.mu / hysteresis.mu)[hysteresis.good])
+            for end in (along, across)
         )
         words += (
             f", from {least:.2g} times along the lay to {most:.2g} times across it, "
@@ -654,13 +666,13 @@ def _strained_beyond(
     )
     if strain <= last * (1 + 1e-9):
         return beyond._replace(said=())
-    what = (
+    description = (
         f"strains up to {strain:.2g} on a sweep that ends at {last:.2g}, whose last "
         "factors are held"
     )
     return told(
         np.ones(shape, dtype=bool),
-        what,
+        description,
         known is not None and known.illustrative,
     )
 
@@ -748,19 +760,19 @@ def _set_up(
     # averages over directions look far below a frequency, contact edges beyond q_high
     if not scene.traced:
         low, high = 1e-89 / float(surface.q_low), 1e95 / float(surface.q_high)
-        text = (
+        accepted = (
             f"between {low:.0e} and {high:.0e} m/s on this surface, times the shift "
             "factor"
         )
-        require("velocity", scene.reduced, text, lambda v: (v > low) & (v < high))
+        require("velocity", scene.reduced, accepted, lambda v: (v > low) & (v < high))
     return foundation, scene
 
 
-def _doubt_unit(found: SurfaceFriction, pressure: np.ndarray) -> None:
+def _doubt_unit(hysteresis: SurfaceFriction, pressure: np.ndarray) -> None:
     """Warns of a pressure that is likely to be meant in MPa: a small number, under
     which hardly anything touches.
     """
-    area = np.where(found.good & (pressure <= _MEGAPASCALS), found.area, 1.0)
+    area = np.where(hysteresis.good & (pressure <= _MEGAPASCALS), hysteresis.area, 1.0)
     least = int(np.argmin(area))
     if area[least] < _LEAST:
         given = f"{pressure[least]:g}"
@@ -840,12 +852,12 @@ def _model_error(
     bound itself holds with softening as without: each scale is linear, and moduli that
     change with the wave number are what it was established for.
     """
-    found, foundation = answer.found, scene.foundation
+    hysteresis, foundation = answer.found, scene.foundation
     if foundation.softening is not None and not model.softens:
-        return answer.field(scene.shape, np.full(np.shape(found.mu), np.nan))
+        return answer.field(scene.shape, np.full(np.shape(hysteresis.mu), np.nan))
     # a bound has no derivatives: of plain numbers nothing is traced
     body, road, velocity, area = known(
-        fixed((foundation, surface, answer.reduced.ravel(), found.area))
+        fixed((foundation, surface, answer.reduced.ravel(), hysteresis.area))
     )
     bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:
@@ -853,5 +865,5 @@ def _model_error(
     bound = bound + namespace(area).expm1(_of_skewness(road, area))
     bound = bound + namespace(area).expm1(_of_lay(road, area))
     if not of_area:
-        bound = abs(found.mu) * bound
+        bound = abs(hysteresis.mu) * bound
     return answer.field(scene.shape, bound + of_strain)

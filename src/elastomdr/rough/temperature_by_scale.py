@@ -142,9 +142,12 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
     mus: list[np.ndarray] = []
     for number, level in enumerate(_LEVELS):
         rise = _at_stations(rise, _count(problem.spectrum, level), highest)
-        own = problem.of(left)
+        problem_left = problem.of(left)
         of = _state(
-            own, model, _conduction(own, model, _CELLS * level, rise.shape[1]), highest
+            problem_left,
+            model,
+            _conduction(problem_left, model, _CELLS * level, rise.shape[1]),
+            highest,
         )
         rise[left], good[left] = _settled(of, rise[left], good[left], highest)
         state = of(rise[left])
@@ -156,8 +159,10 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
             if not left.size:
                 break
     good = good & (error <= _MOST * abs(mus[-1]))
-    found = Warmed(_ends(problem.spectrum), rise, highest, problem.kelvin, problem.body)
-    return Warm(found, error, mean, rise[:, -1], flux, to_road, good, several)
+    profile = Warmed(
+        _ends(problem.spectrum), rise, highest, problem.kelvin, problem.body
+    )
+    return Warm(profile, error, mean, rise[:, -1], flux, to_road, good, several)
 
 
 def _settled(
@@ -205,8 +210,8 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
         *as_doubles((shared, points))
     )
     ends = _ends(problem.spectrum)
-    found = Warmed(ends, xp.transpose(rise), highest, problem.kelvin, problem.body)
-    return Warm(found, error, mean, rise[-1], flux, to_road, good > 0, several > 0)
+    profile = Warmed(ends, xp.transpose(rise), highest, problem.kelvin, problem.body)
+    return Warm(profile, error, mean, rise[-1], flux, to_road, good > 0, several > 0)
 
 
 def _problem(shared: Any, points: Any) -> Problem:
@@ -296,7 +301,7 @@ def _state(
         local = problem.local._replace(
             warmed=Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body)
         )
-        found = model.waves(
+        by_wave = model.waves(
             problem.body.complex_modulus,
             conduct.at,
             problem.reduced,
@@ -304,12 +309,14 @@ def _state(
             table,
             local,
         )
-        return _heated(problem, model, conduct, found, rise)
+        return _heated(problem, model, conduct, by_wave, rise)
 
     return of
 
 
-def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any:
+def _tables(
+    problem: Problem, wave_nodes: Nodes, per_decade: int, highest: float
+) -> Any:
     """Tables for temperatures up to a rise, None where JAX traces."""
     if is_traced(problem):
         return None
@@ -321,31 +328,33 @@ def _tables(problem: Problem, at: Nodes, per_decade: int, highest: float) -> Any
         warmed=Warmed(None, hottest, highest, problem.kelvin, problem.body)
     )
     return table_of(
-        problem.body.complex_modulus, at, problem.reduced, per_decade, local
+        problem.body.complex_modulus, wave_nodes, problem.reduced, per_decade, local
     )
 
 
 def _heated(
-    problem: Problem, model: Any, c: Conduction, found: Waves, rise: Any
+    problem: Problem, model: Any, c: Conduction, by_wave: Waves, rise: Any
 ) -> State:
-    xp = namespace(found.each, rise, problem.velocity)
-    shear = 0.0 * found.area
+    xp = namespace(by_wave.each, rise, problem.velocity)
+    shear = 0.0 * by_wave.area
     if problem.adhesion is not None:
         stress = problem.adhesion.shear_stress(
             problem.velocity, problem.kelvin + rise[:, -1]
         )
-        shear = stress * found.area / problem.pressure
-    whole = found.each.sum((-2, -1)) + found.edges + shear
+        shear = stress * by_wave.area / problem.pressure
+    whole = by_wave.each.sum((-2, -1)) + by_wave.edges + shear
     depth = (
-        xp.tensordot(found.each, c.of_nodes, 2)
-        + found.edges[:, None] * c.of_end
+        xp.tensordot(by_wave.each, c.of_nodes, 2)
+        + by_wave.edges[:, None] * c.of_end
         + shear[:, None]
     )
     depth = depth / whole[:, None]  # S(k)
     on_surface = shear / whole  # of it
-    excess = 1 / model.contact(until(found.rate, c.at.weight), found.stiffer) - 1
-    variance = _until_stations(found.rate, c.at, c.cell, c.place)
-    ends = 1 / model.contact(variance, _of_stations(found.stiffer, c.cell, c.place)) - 1
+    excess = 1 / model.contact(until(by_wave.rate, c.at.weight), by_wave.stiffer) - 1
+    variance = _until_stations(by_wave.rate, c.at, c.cell, c.place)
+    ends = (
+        1 / model.contact(variance, _of_stations(by_wave.stiffer, c.cell, c.place)) - 1
+    )
     # int r dr c_q(r) I0 K0 of each station: beyond its half wave by the nodes, below it
     # by the share of its own
     inner = (
@@ -372,11 +381,11 @@ def _heated(
         road = xp.where(top > 0, top / xp.where(top > 0, resistance, 1.0), 0.0)
     made = flux[:, None] * (of_volume - road[:, None] * of_surface)
     # the mean by where heat arises, at nodes from the stations
-    share = found.each / whole[:, None, None]
+    share = by_wave.each / whole[:, None, None]
     log_q = namespace(c.at.q).log(c.at.q).reshape(-1)
     spline = basis(rise.shape[1], place_of(log_q, c.ends))
     weight = share.reshape(share.shape[0], -1) @ spline
-    mean = (rise * weight).sum(-1) + (found.edges + shear) / whole * rise[:, -1]
+    mean = (rise * weight).sum(-1) + (by_wave.edges + shear) / whole * rise[:, -1]
     return State(made, mean, flux, road)
 
 
@@ -394,38 +403,38 @@ def _conduction(
     if cells is None:
         bent = bends(problem.spectrum, problem.local)
         decades = _decades(problem.spectrum)
-    at = nodes(problem.spectrum, per_decade, bent, cells)
+    wave_nodes = nodes(problem.spectrum, per_decade, bent, cells)
     ends = _ends(problem.spectrum)
     log_q = log_stations(count, ends)
     xp = namespace(
-        at.q,
+        wave_nodes.q,
         log_q,
         problem.velocity,
         problem.heat.conductivity,
         problem.heat.heat_capacity,
     )
-    cell, place = _cells_of(log_q, at)
-    k, dk = _depth_waves(at, int(_K * (6 + decades)) + 1, xp)
+    cell, place = _cells_of(log_q, wave_nodes)
+    k, dk = _depth_waves(wave_nodes, int(_K * (6 + decades)) + 1, xp)
     # The kernel of points that share a velocity is made once.
     velocity, again = problem.velocity, None
     if xp is np:
         velocity, again = np.unique(problem.velocity, return_inverse=True)
     w = velocity * problem.heat.heat_capacity / (2 * problem.heat.conductivity)
-    made = _kernels(at, w, k, cell, place, xp)
+    made = _kernels(wave_nodes, w, k, cell, place, xp)
     kernel, near, line, line_near = (
         made if again is None else (array[again] for array in made)
     )
     q = xp.exp(log_q)
     return Conduction(
-        at,
+        wave_nodes,
         per_decade,
         ends,
         log_q,
         cell,
         place,
         depth=_profile(q[:, None], k) * dk,
-        of_nodes=_profile(at.q[..., None], k),
-        of_end=_profile(at.end, k),
+        of_nodes=_profile(wave_nodes.q[..., None], k),
+        of_end=_profile(wave_nodes.end, k),
         weight=dk,
         kernel=kernel,
         near=near,
@@ -434,19 +443,19 @@ def _conduction(
     )
 
 
-def _cells_of(log_q: Any, at: Nodes) -> tuple[Any, Any]:
+def _cells_of(log_q: Any, wave_nodes: Nodes) -> tuple[Any, Any]:
     """The cell in which each station lies, and where in it, 0 to 1."""
-    xp = namespace(at.q, log_q)  # NumPy where only others are traced
-    width = 2 * at.weight[:, 0]
-    start = xp.log(at.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
+    xp = namespace(wave_nodes.q, log_q)  # NumPy where only others are traced
+    width = 2 * wave_nodes.weight[:, 0]
+    start = xp.log(wave_nodes.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
     cell = xp.searchsorted(start, log_q, side="right") - 1
     cell = xp.clip(cell, 0, width.shape[0] - 1)
     return cell, xp.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
 
 
-def _depth_waves(at: Nodes, count: int, xp: Any) -> tuple[Any, Any]:
+def _depth_waves(wave_nodes: Nodes, count: int, xp: Any) -> tuple[Any, Any]:
     """Wave numbers k over the depth, and dk by the trapezoidal rule of log k."""
-    low, high = 1e-3 * at.q[0, 0], 1e3 * at.end
+    low, high = 1e-3 * wave_nodes.q[0, 0], 1e3 * wave_nodes.end
     k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, count))
     trapezoid = np.concatenate([[0.5], np.ones(count - 2), [0.5]])
     # what lies below the lowest counts as even
@@ -455,7 +464,7 @@ def _depth_waves(at: Nodes, count: int, xp: Any) -> tuple[Any, Any]:
 
 
 def _kernels(
-    at: Nodes, w: Any, k: Any, cell: Any, place: Any, xp: Any
+    wave_nodes: Nodes, w: Any, k: Any, cell: Any, place: Any, xp: Any
 ) -> tuple[Any, Any, Any, Any]:
     """`kernel`, `near`, `line` and `line_near` of `Conduction`, for each w = v/2D."""
     # Below half the shortest wave r goes with the fourth power of Gauss' nodes: over
@@ -475,10 +484,10 @@ def _kernels(
             * r**2
         )
 
-    far, close = np.pi / at.q, np.pi / at.end * y**4
+    far, close = np.pi / wave_nodes.q, np.pi / wave_nodes.end * y**4
     at_nodes, below = kernel(far), kernel(close) @ weights
-    beyond = (at_nodes * at.weight).sum((-2, -1))[..., None]
-    beyond = beyond - _until_stations(at_nodes, at, cell, place)
+    beyond = (at_nodes * wave_nodes.weight).sum((-2, -1))[..., None]
+    beyond = beyond - _until_stations(at_nodes, wave_nodes, cell, place)
     speed = w.reshape(-1, 1, 1)
     line = far * _i0e(speed * far)
     line_near = (close * _i0e(speed[..., 0] * close)) @ weights
@@ -490,21 +499,21 @@ def _profile(q: Any, k: Any) -> Any:
     return 4 * q**2 / (k**2 + 4 * q**2)
 
 
-def _until_stations(rate: Any, at: Nodes, cell: Any, s: Any) -> Any:
+def _until_stations(rate: Any, wave_nodes: Nodes, cell: Any, s: Any) -> Any:
     """int dlog q of `rate` (..., cells, 2) from q_low to each station: (...,
     stations).
     """
     xp = namespace(rate, s)
     first, second = rate[..., 0], rate[..., 1]
-    width = 2 * at.weight[:, 0]
+    width = 2 * wave_nodes.weight[:, 0]
     whole = 0.5 * width * (first + second)
     before = xp.cumsum(whole, axis=-1) - whole
     near = 0.5 - np.sqrt(3) / 6
     one, other = first[..., cell], second[..., cell]
-    part = width[cell] * (
+    within_cell = width[cell] * (
         one * s + (other - one) * np.sqrt(3) * (0.5 * s**2 - near * s)
     )
-    return before[..., cell] + xp.clip(part, 0.0, whole[..., cell])
+    return before[..., cell] + xp.clip(within_cell, 0.0, whole[..., cell])
 
 
 def _of_stations(values: Any, cell: Any, s: Any) -> Any:
@@ -648,12 +657,12 @@ def _settle(
         share = np.clip(share, -20.0, 20.0)[:, None]
         new = rise + off - share * (move + turn) if count else rise + 0.5 * off
         new = np.clip(np.where(np.isfinite(new), new, 0.0), 0.0, highest)
-        done = good[:, None]
+        steady = good[:, None]
         before, off_before = (
-            np.where(done, before, rise),
-            np.where(done, off_before, off),
+            np.where(steady, before, rise),
+            np.where(steady, off_before, off),
         )
-        rise = np.where(done, rise, new)
+        rise = np.where(steady, rise, new)
         if good.all():
             break
     return rise, good & (rise.max(-1) < highest)

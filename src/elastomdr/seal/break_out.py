@@ -171,24 +171,24 @@ def break_out(
         if value is not None:
             positive(name, value)
     shape = broadcast_shape(**given)
-    level, factor = level_of(foundation, given)
-    found = _contact(chosen, surface, level)
+    relative_pressure, factor = level_of(foundation, given)
+    contact = _contact(chosen, surface, relative_pressure)
     stress = _largest_stress(shear, given)
-    mu = stress * found.area / given["pressure"]
-    good = xp.broadcast_to(found.good, shape)
-    traced = is_traced(surface, shear, level, *given.values())
+    mu = stress * contact.area / given["pressure"]
+    good = xp.broadcast_to(contact.good, shape)
+    traced = is_traced(surface, shear, relative_pressure, *given.values())
     beyond = NOT_KNOWN
     if not traced:
         warn_unless(good, "points")
         factor = np.broadcast_to(factor, shape)
-        kelvin = given["temperature"]
-        beyond = held_beyond(foundation.range, given["time"], kelvin, factor)
+        temperatures = given["temperature"]
+        beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
     numbers = {
         "mu": mu,
-        "area_ratio": found.area,
+        "area_ratio": contact.area,
         "shear_stress": stress,
-        "error": mu * found.error,
-        "model_error": xp.where(mu > MOST_SHEAR, xp.nan, mu * found.bound),
+        "error": mu * contact.error,
+        "model_error": xp.where(mu > MOST_SHEAR, xp.nan, mu * contact.bound),
     }
     fields = {
         name: nan_unless(good, xp.broadcast_to(value, shape))
@@ -213,19 +213,19 @@ class _Contact(NamedTuple):
 
 
 def _contact(
-    model: Multiscale | Persson, surface: AbstractSpectrum, level: Any
+    model: Multiscale | Persson, surface: AbstractSpectrum, relative_pressure: Any
 ) -> _Contact:
     """The contact of an elastic body at pressures over its E*."""
-    one, flat = Foundation(1.0, [], []), level.ravel()
-    found = model.solve(
+    one, flat = Foundation(1.0, [], []), relative_pressure.ravel()
+    solved = model.solve(
         one, surface, xp.ones_like(flat), flat, Local(None), _RTOL, None
     )
-    bound = model.bound(one, surface, xp.ones_like(flat), found.area, of_area=True)
-    error = found.area_error / xp.where(found.area > 0, found.area, 1.0)
+    bound = model.bound(one, surface, xp.ones_like(flat), solved.area, of_area=True)
+    error = solved.area_error / xp.where(solved.area > 0, solved.area, 1.0)
     # its friction is zero: what has to settle is the area
-    good = found.good & (fixed(error) <= _MOST)
-    numbers = found.area, error, bound, good
-    return _Contact(*(xp.reshape(x, level.shape) for x in numbers))
+    good = solved.good & (fixed(error) <= _MOST)
+    numbers = solved.area, error, bound, good
+    return _Contact(*(xp.reshape(x, relative_pressure.shape) for x in numbers))
 
 
 def _checked_shear(shear: Any, temperature: Any) -> AdhesiveShear:
@@ -244,11 +244,11 @@ def _largest_stress(shear: AdhesiveShear, given: dict[str, Any]) -> Any:
     velocity = given["velocity"]
     if velocity is None:
         return shear.stress
-    kelvin: Any = None if shear.shift is None else given["temperature"]
+    temperature: Any = None if shear.shift is None else given["temperature"]
     peak = shear.velocity
     if shear.shift is not None:
-        peak = peak / shear.shift.a(kelvin)
-    return shear.shear_stress(xp.minimum(velocity, peak), kelvin)
+        peak = peak / shear.shift.a(temperature)
+    return shear.shear_stress(xp.minimum(velocity, peak), temperature)
 
 
 def _in_words(

@@ -146,9 +146,9 @@ def nodes(
     return x
 
 
-def solve(contact: Contact, pressure: Array, level: float) -> Film:
+def solve(contact: Contact, pressure: Array, approach: float) -> Film:
     """The film from a guess at the pressures of the inner nodes and at H_0."""
-    guess = np.append(pressure, level)
+    guess = np.append(pressure, approach)
     film = _newton(contact, guess, _least)
     return film if film.converged else _newton(contact, guess, _fischer_burmeister)
 
@@ -190,16 +190,16 @@ def _newton(contact: Contact, unknown: Array, rupture: Rupture) -> Film:
         share = 1.0
         while share > _LEAST_STEP:
             moved = unknown + share * step
-            there = _balance(contact, moved)
-            if there.film.min() > _KEPT * here.film.min():
-                left, *_ = _missed(there, moved, width, scale, rupture)
+            trial = _balance(contact, moved)
+            if trial.film.min() > _KEPT * here.film.min():
+                left, *_ = _missed(trial, moved, width, scale, rupture)
                 after = np.linalg.norm(left)
                 if after < (1 - 0.1 * share) * norm or after < _CLOSE:
                     break
             share *= 0.5
         else:
             break
-        unknown, here = moved, there
+        unknown, here = moved, trial
     return _packed(contact, unknown, here, norm)
 
 
@@ -270,10 +270,10 @@ def _jacobian(
     )
     whole = np.empty((diagonal.size + 1, response.shape[1]))
     whole[-1] = np.append(width, 0.0)  # the load
-    matrix, part = whole[:-1], np.empty((diagonal.size, response.shape[1]))
+    matrix, product = whole[:-1], np.empty((diagonal.size, response.shape[1]))
     np.multiply(by_film[0][:, None], response[:-2], out=matrix)
     for factor, rows in zip(by_film[1:], (response[1:-1], response[2:]), strict=True):
-        matrix += np.multiply(factor[:, None], rows, out=part)
+        matrix += np.multiply(factor[:, None], rows, out=product)
     row = np.arange(diagonal.size)
     matrix[row, row] += diagonal
     matrix[row[1:], row[:-1]] -= (of_flux * below)[1:]
@@ -291,12 +291,12 @@ def _even(contact: Contact, here: _Balance) -> tuple[Array, float, float]:
     """
     last = _rupture(here) + 1
     face = 0.5 * (here.film[1:] + here.film[:-1])[:last]
-    conductance, carried = here.conductance[:last], contact.parameter * face
-    flow = float((carried / conductance).sum() / (1 / conductance).sum())
+    conductance, entrained = here.conductance[:last], contact.parameter * face
+    flow = float((entrained / conductance).sum() / (1 / conductance).sum())
     fluid = np.zeros(here.fluid.size)
-    fluid[1 : last + 1] = np.cumsum((carried - flow) / conductance)
+    fluid[1 : last + 1] = np.cumsum((entrained - flow) / conductance)
     fluid[last] = 0.0
-    flux = carried - conductance * np.diff(fluid)[:last]
+    flux = entrained - conductance * np.diff(fluid)[:last]
     return fluid, flow, float(np.ptp(flux) / abs(flow)) if flow != 0 else np.inf
 
 
@@ -417,8 +417,8 @@ def _first(case: Case, count: int) -> _Known | None:
     width = 0.5 * (contact.places[2:] - contact.places[:-2])
     hertz *= LOAD / (width @ hertz)
     dry = 0.5 * contact.places**2 + contact.response @ hertz
-    level = 0.5 * min(parameter**0.6, parameter) - dry.min()
-    film = _newton(contact, np.append(hertz, level), _fischer_burmeister)
+    approach = 0.5 * min(parameter**0.6, parameter) - dry.min()
+    film = _newton(contact, np.append(hertz, approach), _fischer_burmeister)
     return _kept(parameter, film) if film.converged else None
 
 

@@ -84,8 +84,8 @@ def channels(is_open: Any) -> tuple[np.ndarray, dict[int, tuple[int, int]]]:
     """
     from scipy.ndimage import label
 
-    found: Any = label(is_open)
-    pieces, count = found
+    labelled: Any = label(is_open)
+    pieces, count = labelled
     links = _links(pieces)
     pool_of = np.arange(count + 1)
     windings: dict[int, tuple[int, int]] = {}
@@ -101,12 +101,12 @@ def channels(is_open: Any) -> tuple[np.ndarray, dict[int, tuple[int, int]]]:
             piece = waiting.pop()
             pool_of[piece] = root
             for other, *step in links[piece]:
-                there = copy[piece][0] + step[0], copy[piece][1] + step[1]
+                next_copy = copy[piece][0] + step[0], copy[piece][1] + step[1]
                 if other not in copy:
-                    copy[other] = there
+                    copy[other] = next_copy
                     waiting.append(other)
                 for axis in (0, 1):  # reached in two copies: it winds
-                    apart = abs(there[axis] - copy[other][axis])
+                    apart = abs(next_copy[axis] - copy[other][axis])
                     around[axis] = max(around[axis], apart)
         if any(around):
             windings[root] = around[0], around[1]
@@ -142,8 +142,10 @@ def _faces(cube: Any, number: Any) -> Iterator[_Faces]:
         total = np.maximum(cube + beyond, 1e-300)
         mean = 2 * cube * beyond / total
         # dc/d(g^3) of one side is half the square of c over its g^3
-        here, there = cube / total, beyond / total
-        slip = 12 * (cube ** (2 / 3) * there**2 + beyond ** (2 / 3) * here**2)
+        share_before, share_beyond = cube / total, beyond / total
+        slip = 12 * (
+            cube ** (2 / 3) * share_beyond**2 + beyond ** (2 / 3) * share_before**2
+        )
         open_ = mean > 0
         following = np.roll(number, -1, axis)
         yield _Faces(mean[open_], slip[open_], number[open_], following[open_])
@@ -163,11 +165,11 @@ def _fluxes(cube: Any, pools: Any, inside: Any) -> list[tuple[float, float]]:
     number = np.full(cube.shape, -1)
     number[inside] = np.arange(count)
     faces = list(_faces(cube, number))
-    means, slips, here, there = (
-        np.concatenate(part) for part in zip(*faces, strict=True)
+    means, slips, here, following = (
+        np.concatenate(field) for field in zip(*faces, strict=True)
     )
-    rows = np.concatenate([here, there, here, there])
-    columns = np.concatenate([there, here, here, there])
+    rows = np.concatenate([here, following, here, following])
+    columns = np.concatenate([following, here, here, following])
     values = np.concatenate([-means, -means, means, means])
     # Only differences of pressure count: that of one cell of each pool is held.
     free = np.ones(count, bool)
@@ -189,7 +191,7 @@ def _fluxes(cube: Any, pools: Any, inside: Any) -> list[tuple[float, float]]:
         pressure[free] = solved.solve(gained[free])
         falls = 1 + pressure[face.here] - pressure[face.there]
         flux = float((face.cube * falls).sum()) / cube.size
-        every = pressure[here] - pressure[there]  # on the faces of both axes
+        every = pressure[here] - pressure[following]  # on the faces of both axes
         every[ends[axis] : ends[axis + 1]] = falls
         fluxes.append((flux, float((slips * every**2).sum()) / cube.size))
     return fluxes

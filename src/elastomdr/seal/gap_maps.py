@@ -39,20 +39,31 @@ class Pressed(NamedTuple):
     settled: bool
 
 
-def pressed(heights: Any, side: float, level: float, start: Any = None) -> Pressed:
+def pressed(
+    heights: Any, side: float, relative_pressure: float, start: Any = None
+) -> Pressed:
     """Periodic `heights` [m], positive into the rubber, on a square of `side` [m] under
-    a mean pressure over E* of `level`; `start` are the pressures of a lighter load.
+    a mean pressure over E* of `relative_pressure`; `start` are the pressures of a
+    lighter load.
     """
     sides = side, side
-    found = solve(
-        _one, heights, sides, velocity=1.0, pressure=level, start=start, double=False
+    contact = solve(
+        _one,
+        heights,
+        sides,
+        velocity=1.0,
+        pressure=relative_pressure,
+        start=start,
+        double=False,
     )
     kernel = waves(_one, 1.0, heights.shape, sides).kernel
-    displacement = np.fft.irfft2(kernel * np.fft.rfft2(found.pressure), s=heights.shape)
-    gap = displacement - (heights - heights.mean()) + found.separation
-    touches = found.pressure > 0
+    displacement = np.fft.irfft2(
+        kernel * np.fft.rfft2(contact.pressure), s=heights.shape
+    )
+    gap = displacement - (heights - heights.mean()) + contact.separation
+    touches = contact.pressure > 0
     gap = np.where(touches, 0.0, np.maximum(gap, 0.0))
-    return Pressed(gap, area_of(touches), found.pressure, found.settled)
+    return Pressed(gap, area_of(touches), contact.pressure, contact.settled)
 
 
 def _one(omega: Any) -> Any:
@@ -65,7 +76,7 @@ def narrowest(gap: Any) -> float:
     NaN where none leads through along either.
     """
     sorted_gaps = np.unique(gap[gap > 0])
-    found = []
+    critical = []
     for axis in (0, 1):
         low, high = -1, sorted_gaps.size  # channels of gaps above it: yes, no
         while high - low > 1:
@@ -76,33 +87,39 @@ def narrowest(gap: Any) -> float:
             else:
                 high = middle
         if low >= 0:
-            found.append(sorted_gaps[low])
-    return float(np.mean(found)) if found else np.nan
+            critical.append(sorted_gaps[low])
+    return float(np.mean(critical)) if critical else np.nan
 
 
 def leak(
-    cells: int | None, periods: int | None, seeds: Any, surface: Any, level: Any
+    cells: int | None,
+    periods: int | None,
+    seeds: Any,
+    surface: Any,
+    relative_pressure: Any,
 ) -> GapFlow:
     """The answers of `em.HalfSpace` at pressures over E*, (points,)."""
-    if is_traced(surface, level):
+    if is_traced(surface, relative_pressure):
         raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
     grid = grid_of(surface, cells, periods)
-    level = np.asarray(level)
-    flows, slips = np.full((2, len(seeds), 2, level.size), np.nan)
-    gap, critical, area = (np.full((len(seeds), level.size), np.nan) for _ in range(3))
+    relative_pressure = np.asarray(relative_pressure)
+    flows, slips = np.full((2, len(seeds), 2, relative_pressure.size), np.nan)
+    gap, critical, area = (
+        np.full((len(seeds), relative_pressure.size), np.nan) for _ in range(3)
+    )
     for i, seed in enumerate(seeds):
         heights, side = rough_map(
             surface, seed, periods=grid.periods, points=grid.cells
         )
         start = None
-        for j in np.argsort(level):
-            found = pressed(heights, side, float(level[j]), start)
-            start = found.pressure if found.settled else None
-            if found.settled:
-                through = flow(found.gap)
+        for j in np.argsort(relative_pressure):
+            contact = pressed(heights, side, float(relative_pressure[j]), start)
+            start = contact.pressure if contact.settled else None
+            if contact.settled:
+                through = flow(contact.gap)
                 flows[i, :, j], slips[i, :, j] = through.conductance, through.slip
-                gap[i, j], area[i, j] = found.gap.mean(), found.area
-                critical[i, j] = narrowest(found.gap)
+                gap[i, j], area[i, j] = contact.gap.mean(), contact.area
+                critical[i, j] = narrowest(contact.gap)
     good: Any = np.isfinite(flows).all((0, 1))
     w = _of_maps(flows)
     path = _SMALL * np.where(w > 0, w, 1.0) ** (1 / 3)

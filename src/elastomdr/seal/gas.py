@@ -91,13 +91,13 @@ def check_absolute(name: str, value: Any) -> None:
 
 def gas_flow(given: dict[str, Any], flow: Any, slip: Any = None) -> GasFlow:
     """The gas from w of a liquid [m^3]; `slip` is dw/dl [m^2], if known."""
-    outlet, kelvin, mass = (
+    outlet, temperature, mass = (
         given[name] for name in ("outlet_pressure", "temperature", "molar_mass")
     )
     mean = outlet + 0.5 * given["pressure_drop"]
     path, density = given["mean_free_path"], None
     if mass is not None:
-        specific = GAS_CONSTANT * kelvin / mass
+        specific = GAS_CONSTANT * temperature / mass
         path = given["viscosity"] / outlet * xp.sqrt(0.5 * np.pi * specific)
         density = outlet / specific
     is_open = flow > 0

@@ -159,23 +159,23 @@ def leak(
         }
     )
     shape = broadcast_shape(**given)
-    level, factor = level_of(foundation, _of_rubber(foundation, given))
-    found = _gaps(chosen, surface, level)
-    good = xp.broadcast_to(found.good, shape)
-    traced = is_traced(level, *given.values())
+    relative_pressure, factor = level_of(foundation, _of_rubber(foundation, given))
+    gaps = _gaps(chosen, surface, relative_pressure)
+    good = xp.broadcast_to(gaps.good, shape)
+    traced = is_traced(relative_pressure, *given.values())
     if not traced:
         warn_unless(good, "points")
     beyond = NOT_KNOWN
     if not traced:
         factor = np.broadcast_to(factor, shape)
-        kelvin = given["temperature"]
-        beyond = held_beyond(foundation.range, given["time"], kelvin, factor)
+        temperatures = given["temperature"]
+        beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
     return Leak(
-        **_fields(given, found, good, shape),
+        **_fields(given, gaps, good, shape),
         extrapolated=beyond.points,
-        slip_estimated=given["outlet_pressure"] is not None and found.slip is None,
-        model=_model_in_words(given, found),
-        plan=found.work,
+        slip_estimated=given["outlet_pressure"] is not None and gaps.slip is None,
+        model=_model_in_words(given, gaps),
+        plan=gaps.work,
         inputs=(*_inputs_in_words(foundation, surface, given), *beyond.said),
     )
 
@@ -189,21 +189,21 @@ def _of_rubber(foundation: Foundation, given: dict[str, Any]) -> dict[str, Any]:
     return given | {"temperature": None} if only_gas else given
 
 
-def _gaps(model: Any, surface: Any, level: Any) -> GapFlow:
+def _gaps(model: Any, surface: Any, relative_pressure: Any) -> GapFlow:
     """The model's answers, in the shape of the levels."""
-    found = model.leak(surface, level.ravel())
+    gaps = model.leak(surface, relative_pressure.ravel())
     numbers = {
-        name: xp.reshape(x, level.shape)
-        for name, x in found._asdict().items()
+        name: xp.reshape(x, relative_pressure.shape)
+        for name, x in gaps._asdict().items()
         if name not in ("said", "work") and x is not None
     }
-    return found._replace(**numbers)
+    return gaps._replace(**numbers)
 
 
-def _model_in_words(given: dict[str, Any], found: GapFlow) -> str:
+def _model_in_words(given: dict[str, Any], gaps: GapFlow) -> str:
     if given["outlet_pressure"] is None:
-        return found.said
-    return found.said + (gas.SAID if found.slip is None else gas.SAID_OF_MAPS)
+        return gaps.said
+    return gaps.said + (gas.SAID if gaps.slip is None else gas.SAID_OF_MAPS)
 
 
 def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
@@ -255,28 +255,30 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
 
 def level_of(foundation: Foundation, given: dict[str, Any]) -> tuple[Any, Any]:
     """p/E*, in the shape of what it depends on, and a_T."""
-    time, kelvin = given["time"], given["temperature"]
-    shape = broadcast_shape(pressure=given["pressure"], time=time, temperature=kelvin)
+    time, temperature = given["time"], given["temperature"]
+    shape = broadcast_shape(
+        pressure=given["pressure"], time=time, temperature=temperature
+    )
     factor, vertical = (
-        (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+        (1.0, 1.0) if temperature is None else thermal_factors(foundation, temperature)
     )
     compliance = (
         1 / foundation.equilibrium
         if time is None
         else foundation.creep_compliance(time / factor)
     )
-    level = given["pressure"] / vertical * compliance
-    return xp.broadcast_to(level, shape) + 0.0, factor
+    relative_pressure = given["pressure"] / vertical * compliance
+    return xp.broadcast_to(relative_pressure, shape) + 0.0, factor
 
 
 def _fields(
-    given: dict[str, Any], found: GapFlow, good: Any, shape: tuple[int, ...]
+    given: dict[str, Any], gaps: GapFlow, good: Any, shape: tuple[int, ...]
 ) -> dict[str, Any]:
     """The numbers of the result."""
-    flow, knudsen, expansion, density = found.flow, None, 1.0, given["density"]
-    model_error = found.model_error
+    flow, knudsen, expansion, density = gaps.flow, None, 1.0, given["density"]
+    model_error = gaps.model_error
     if given["outlet_pressure"] is not None:
-        flow, knudsen, expansion, of_gas = gas.gas_flow(given, found.flow, found.slip)
+        flow, knudsen, expansion, of_gas = gas.gas_flow(given, gaps.flow, gaps.slip)
         density = of_gas if density is None else density
         model_error = gas.bound(model_error, knudsen)
     conductance = flow / (12 * given["viscosity"])
@@ -287,10 +289,10 @@ def _fields(
         "rate": rate,
         "mass_rate": mass_rate,
         "conductance": conductance,
-        "mean_gap": found.gap,
-        "critical_gap": found.critical_gap,
-        "area_ratio": found.area,
-        "error": found.error,
+        "mean_gap": gaps.gap,
+        "critical_gap": gaps.critical_gap,
+        "area_ratio": gaps.area,
+        "error": gaps.error,
         "model_error": model_error,
         "knudsen": knudsen,
     }
@@ -309,7 +311,7 @@ def _fields(
     return broadcast(
         **{name: given[name] for name in kept},
         **fields,
-        percolates=found.percolates,
+        percolates=gaps.percolates,
         converged=good,
     )
 

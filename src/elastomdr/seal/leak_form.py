@@ -74,8 +74,12 @@ def through(area: Any, steep: Any, form: Form = FORM) -> Any:
     """By what contact lowers the flow through the channels that it leaves open."""
     xp = namespace(area, steep)
     power = form.power * xp.clip(steep, *_STEEP) ** -form.leans
-    part = xp.minimum(area / form.closes, 1 - 1e-12)
-    return xp.where(area < form.closes, (1 - part) ** (power * part**form.grows), 0.0)
+    closed_share = xp.minimum(area / form.closes, 1 - 1e-12)
+    return xp.where(
+        area < form.closes,
+        (1 - closed_share) ** (power * closed_share**form.grows),
+        0.0,
+    )
 
 
 def log_bound(area: Any) -> Any:
@@ -101,17 +105,19 @@ def bound(surface: Any, area: Any) -> Any:
     return np.expm1(log_bound(area) * (1 + beyond))
 
 
-def leak(surface: Any, level: Any) -> GapFlow:
+def leak(surface: Any, relative_pressure: Any) -> GapFlow:
     """The answers at pressures over E*, (points,)."""
-    if is_traced(surface, level):
-        shared, points = as_doubles((surface, level))
+    if is_traced(surface, relative_pressure):
+        shared, points = as_doubles((surface, relative_pressure))
         counts = cell_counts(known(fixed(surface)), _TRACED)
-        found = _with_slopes(counts)(shared, points)
+        numbers = _with_slopes(counts)(shared, points)
     else:
-        batches = np.split(level, range(_BATCH, level.size, _BATCH))
+        batches = np.split(
+            relative_pressure, range(_BATCH, relative_pressure.size, _BATCH)
+        )
         parts = [_numbers(surface, batch) for batch in batches]
-        found = [np.concatenate(part) for part in zip(*parts, strict=True)]
-    flow, gap, area, critical, error, model_error = found
+        numbers = [np.concatenate(columns) for columns in zip(*parts, strict=True)]
+    flow, gap, area, critical, error, model_error = numbers
     return GapFlow(
         flow=flow,
         gap=gap,
@@ -125,10 +131,10 @@ def leak(surface: Any, level: Any) -> GapFlow:
     )
 
 
-def _numbers(surface: Any, level: Any) -> tuple[Any, ...]:
+def _numbers(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
     """Flow, gap, area, critical gap, relative error of the flow and its bound."""
     fine, coarse = (
-        contact_of(nodes(surface, count), level)
+        contact_of(nodes(surface, count), relative_pressure)
         for count in (PER_DECADE, PER_DECADE // 2)
     )
     flow, gap = _flow_and_gap(fine, surface.rms_height)
@@ -138,10 +144,10 @@ def _numbers(surface: Any, level: Any) -> tuple[Any, ...]:
     return flow, gap, fine.area, critical, error, bound(surface, fine.area)
 
 
-def _flow_and_gap(found: Contact, rms_height: Any) -> tuple[Any, Any]:
+def _flow_and_gap(contacts: Contact, rms_height: Any) -> tuple[Any, Any]:
     """w [m^3] and the mean gap [m]."""
-    gap = gap_of(mean_gap(found) / rms_height)
-    flow = gap**3 * factor(gap, found.area, found.steep)
+    gap = gap_of(mean_gap(contacts) / rms_height)
+    flow = gap**3 * factor(gap, contacts.area, contacts.steep)
     return rms_height**3 * flow, rms_height * gap
 
 
@@ -151,12 +157,12 @@ def _with_slopes(counts: tuple[int, ...]) -> Callable[..., tuple[Any, ...]]:
     area.
     """
 
-    def formula(surface: Any, level: Any) -> tuple[Any, ...]:
-        found = contact_of(nodes(surface, _TRACED, counts=counts), level)
-        flow, gap = _flow_and_gap(found, (2 * np.pi * surface.moment(1)) ** 0.5)
-        return flow, gap, found.area
+    def formula(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
+        contacts = contact_of(nodes(surface, _TRACED, counts=counts), relative_pressure)
+        flow, gap = _flow_and_gap(contacts, (2 * np.pi * surface.moment(1)) ** 0.5)
+        return flow, gap, contacts.area
 
-    def like(surface: Any, level: Any) -> tuple[Any, ...]:
-        return (level,) * 6
+    def like(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
+        return (relative_pressure,) * 6
 
     return numbers_with_slopes(_numbers, ((formula, 3),), like)

@@ -51,27 +51,27 @@ class LeakTheory(Model, ABC):
         """The real contact area over nominal area at which nothing flows any more."""
 
     @abstractmethod
-    def flow(self, found: Contact, at: Scales) -> Array:
+    def flow(self, contacts: Contact, at_scales: Scales) -> Array:
         """w [m^3] at each point."""
 
     def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
         if is_traced(surface, relative_pressure):
             raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
         relative_pressure = np.asarray(relative_pressure)
-        found, coarse = (
+        contacts, coarse = (
             contact_of(nodes(surface, count), relative_pressure)
             for count in (2 * PER_DECADE, PER_DECADE)
         )
-        at = scales(found)
-        w, less = self.flow(found, at), self.flow(coarse, scales(coarse))
+        at_scales = scales(contacts)
+        w, less = self.flow(contacts, at_scales), self.flow(coarse, scales(coarse))
         with np.errstate(invalid="ignore", divide="ignore"):
             error = np.where(w > 0, np.abs(w - less) / w, 0.0)
         return GapFlow(
             flow=w,
-            gap=mean_gap(found),
-            critical_gap=critical_gap(found, at),
-            area=found.area,
-            percolates=found.area < self.closes_at(),
+            gap=mean_gap(contacts),
+            critical_gap=critical_gap(contacts, at_scales),
+            area=contacts.area,
+            percolates=contacts.area < self.closes_at(),
             error=error,
             model_error=np.full(relative_pressure.shape, np.nan),
             good=np.isfinite(w),
@@ -98,8 +98,10 @@ class CriticalConstriction(LeakTheory):
     def closes_at(self) -> float:
         return CLOSES
 
-    def flow(self, found: Contact, at: Scales) -> Array:
-        return np.where(found.area < CLOSES, critical_gap(found, at) ** 3, 0.0)
+    def flow(self, contacts: Contact, at_scales: Scales) -> Array:
+        return np.where(
+            contacts.area < CLOSES, critical_gap(contacts, at_scales) ** 3, 0.0
+        )
 
 
 @constructor_in_si
@@ -132,8 +134,8 @@ class EffectiveMedium(LeakTheory):
     def closes_at(self) -> float:
         return self.closes
 
-    def flow(self, found: Contact, at: Scales) -> Array:
-        each = zip(at.share, at.gap, found.area, strict=True)
+    def flow(self, contacts: Contact, at_scales: Scales) -> Array:
+        each = zip(at_scales.share, at_scales.gap, contacts.area, strict=True)
         return np.array([_medium(*one, closes=self.closes) for one in each])
 
 
@@ -143,9 +145,9 @@ def _medium(shares: Any, gaps: Any, area: float, closes: float) -> float:
     """
     if area >= closes:
         return 0.0
-    part = -np.diff(np.append(shares, area))
-    known = np.isfinite(gaps) & (part > 0)
-    part = part[known] * (1 - area) / part[known].sum()
+    gap_shares = -np.diff(np.append(shares, area))
+    known = np.isfinite(gaps) & (gap_shares > 0)
+    gap_shares = gap_shares[known] * (1 - area) / gap_shares[known].sum()
     return effective_medium(
-        np.append(part, area), np.append(gaps[known] ** 3, 0.0), 1 / (1 - closes)
+        np.append(gap_shares, area), np.append(gaps[known] ** 3, 0.0), 1 / (1 - closes)
     )

@@ -332,9 +332,9 @@ class _Scene(NamedTuple):
 
     def groups(self) -> Iterator[Array]:
         """Numbers of points that differ in velocity and viscosity only."""
-        kelvin = np.zeros(self.load.size) if self.kelvin is None else self.kelvin
+        temperature = np.zeros(self.load.size) if self.kelvin is None else self.kelvin
         time = np.zeros(self.load.size) if self.time is None else self.time
-        key = np.column_stack([self.load, kelvin, time])
+        key = np.column_stack([self.load, temperature, time])
         _, group = np.unique(key, axis=0, return_inverse=True)
         group = group.ravel()
         for i in range(group.max() + 1 if group.size else 0):
@@ -381,13 +381,13 @@ def _checked(
     flat = {
         name: np.broadcast_to(value, dims).ravel() for name, value in arrays.items()
     }
-    kelvin = flat.get("temperature")
+    temperatures = flat.get("temperature")
     factor, vertical = np.ones(flat["load"].size), np.ones(flat["load"].size)
-    if kelvin is not None:
-        in_kelvin("temperature", kelvin)
+    if temperatures is not None:
+        in_kelvin("temperature", temperatures)
         factor, vertical = (
-            np.broadcast_to(each, kelvin.shape)
-            for each in thermal_factors(material, kelvin)
+            np.broadcast_to(each, temperatures.shape)
+            for each in thermal_factors(material, temperatures)
         )
     bodies_of(material)  # refuses what carries no film
     return _Scene(
@@ -399,7 +399,7 @@ def _checked(
         flat["velocity"],
         flat["load"],
         flat["viscosity"],
-        kelvin,
+        temperatures,
         flat.get("time"),
         factor,
         vertical,
@@ -455,28 +455,30 @@ def _group(
     # numbers of each grid, from the one half as dense as the coarsest
     grids: dict[int, list[Array]] = {}
 
-    def judged(number: int, found: list[films.Film]) -> _Judged:
+    def judged(number: int, by_grid: list[films.Film]) -> _Judged:
         """The numbers of the last grids, extrapolated."""
         i, case = known[number], cases[number]
         args = (scene, int(points[i]), scales[i], case.parameter, touching[i])
         if number not in grids:
-            coarser = films.coarsened(case, found[0])
+            coarser = films.coarsened(case, by_grid[0])
             unknown = np.full(len(_NUMBERS), np.nan)
             grids[number] = [unknown if coarser is None else _numbers(coarser, *args)]
-        done = grids[number]
-        done += [_numbers(each, *args) for each in found[len(done) - 1 :]]
-        return _judged(*done[-3:])
+        grid_numbers = grids[number]
+        grid_numbers += [
+            _numbers(each, *args) for each in by_grid[len(grid_numbers) - 1 :]
+        ]
+        return _judged(*grid_numbers[-3:])
 
-    def enough(number: int, found: list[films.Film]) -> bool:
-        return len(found) >= _FEWEST and judged(number, found).settled()
+    def enough(number: int, by_grid: list[films.Film]) -> bool:
+        return len(by_grid) >= _FEWEST and judged(number, by_grid).settled()
 
     if not cases:
         return out
     solved = films.follow(cases, _NODES, _MOST, enough)
-    for number, found in enumerate(solved):
-        if len(found) < 2:
+    for number, by_grid in enumerate(solved):
+        if len(by_grid) < 2:
             continue
-        judgement = judged(number, found)
+        judgement = judged(number, by_grid)
         if not judgement.known():  # or the asperities' friction is not
             continue
         if not judgement.numbers[5] < _THICKEST * float(scene.shape.radius):
@@ -485,8 +487,8 @@ def _group(
         out[i] = _Solved(
             judgement.numbers,
             judgement.error,
-            _profile(found[-1], scales[i]),
-            found[-1].imbalance,
+            _profile(by_grid[-1], scales[i]),
+            by_grid[-1].imbalance,
             scales[i].half,
             None if beyond is None else bool(beyond[i]),
             True,
@@ -560,34 +562,37 @@ def _dry_edges(scene: _Scene, points: Array, held: float | None) -> tuple[Array,
     from ..smooth.cylinder import cylinder_on_layer
 
     material, velocity = scene.material, scene.velocity[points]
-    kelvin = None if scene.kelvin is None else scene.kelvin[points]
+    temperature = None if scene.kelvin is None else scene.kelvin[points]
     if MOTIONS[scene.rubber][0] == 0:
-        material, velocity, kelvin = _at_rest(material, held), 1.0, None
+        material, velocity, temperature = _at_rest(material, held), 1.0, None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = cylinder_on_layer(
+        dry_contact = cylinder_on_layer(
             "friction",
             material,
             scene.shape,
             velocity=velocity,
-            load=scene.load[points] / (scene.vertical[points] if kelvin is None else 1),
+            load=scene.load[points]
+            / (scene.vertical[points] if temperature is None else 1),
             depth=None,
-            temperature=kelvin,
+            temperature=temperature,
             model=None,
             rtol=1e-4,
         ).found
-    return np.asarray(found.contact.leading), np.asarray(found.contact.trailing)
+    return np.asarray(dry_contact.contact.leading), np.asarray(
+        dry_contact.contact.trailing
+    )
 
 
 def _at_rest(layer: Layer, held: float | None) -> Layer:
     """The layer as an elastic one, of its modulus long after or after a time."""
-    own = layer.material
-    if not isinstance(own, Prony):
+    material = layer.material
+    if not isinstance(material, Prony):
         raise InputError("material must be an em.Prony as a layer under a film.")
-    shear = own.shear()
+    shear = material.shear()
     modulus = shear.equilibrium if held is None else 1 / shear.creep_compliance(held)
     elastic = replaced(
-        own if own.poisson is None else shear,
+        material if material.poisson is None else shear,
         equilibrium=np.asarray(modulus),
         moduli=np.zeros(0),
         times=np.zeros(0),
@@ -608,10 +613,14 @@ def _rubbing(
     u_rubber, u_counter = MOTIONS[scene.rubber]
     # a rolling contact presses its asperities for as long as it passes
     slide = abs(u_counter - u_rubber) or 1.0
-    kelvin = None if scene.kelvin is None else float(scene.kelvin[points[0]])
+    temperature = None if scene.kelvin is None else float(scene.kelvin[points[0]])
     largest = float(np.nanmax([each.pressure for each in scales]))
     out, beyond = rubbing(
-        scene.material, scene.surface, slide * scene.velocity[points], largest, kelvin
+        scene.material,
+        scene.surface,
+        slide * scene.velocity[points],
+        largest,
+        temperature,
     )
     return list(out), beyond
 
@@ -665,10 +674,10 @@ def _touching(
     if shear is not None:
         u_rubber, u_counter = MOTIONS[scene.rubber]
         speed = (abs(u_counter - u_rubber) or 1.0) * scene.velocity[point]
-        kelvin = None
+        temperature = None
         if scene.kelvin is not None and shear.shift is not None:
-            kelvin = scene.kelvin[point]
-        stress = float(shear.shear_stress(speed, kelvin))
+            temperature = scene.kelvin[point]
+        stress = float(shear.shear_stress(speed, temperature))
     modulus = _stiffened(scene, point, rough, rubbed)
     at_closing, _ = rough.pressure(np.asarray(rough.closes), modulus)
     return Touching(
@@ -698,7 +707,7 @@ def _factor(rough: Roughness, scales: _Scales, film: Array) -> tuple[Array, Arra
 
 
 def _numbers(
-    found: films.Film,
+    solution: films.Film,
     scene: _Scene,
     point: int,
     scales: _Scales,
@@ -706,22 +715,26 @@ def _numbers(
     touching: Touching | None,
 ) -> Array:
     """A solved film in numbers, `_NUMBERS`."""
-    x, film, fluid = found.places, found.film, found.pressure
+    x, film, fluid = solution.places, solution.film, solution.pressure
     width = np.gradient(x)
     width[[0, -1]] *= 0.5
     u_rubber, u_counter = MOTIONS[scene.rubber]
     slide, mean = u_counter - u_rubber, 0.5 * (u_rubber + u_counter)
     per_load, slope = 1 / films.LOAD, scales.half / float(scene.shape.radius)
-    carried, share = found.asperity_pressure, np.zeros(x.size)
+    asperity_pressure, share = solution.asperity_pressure, np.zeros(x.size)
     asperity = boundary = trapped = doubt = 0.0
     if touching is not None:
-        share = touching.share(carried)
-        asperity, boundary = per_load * abs(slide) * touching.friction(width, carried)
-        trapped, doubt = per_load * touching.trapped(width, film, fluid, carried)
+        share = touching.share(asperity_pressure)
+        asperity, boundary = (
+            per_load * abs(slide) * touching.friction(width, asperity_pressure)
+        )
+        trapped, doubt = per_load * touching.trapped(
+            width, film, fluid, asperity_pressure
+        )
         doubt *= abs(slide)
     # where the pressure falls H < H_m; behind the rupture the liquid covers H_m/H
     wet = np.ones(x.size)
-    wet[film.argmin() :] = np.minimum(found.flow / film[film.argmin() :], 1.0)
+    wet[film.argmin() :] = np.minimum(solution.flow / film[film.argmin() :], 1.0)
     # beyond both ends the gap is a parabola: int dx/H, H = x^2/2 - l, and of H_m/H^2
     lower = 0.5 * x[0] ** 2 - film[0]
     beyond = 2 / abs(x[0]) * (1 + 2 * lower / (3 * x[0] ** 2))
@@ -730,7 +743,7 @@ def _numbers(
     sheared *= width @ (wet * (1 - share) / film) + beyond
     pumped = mean * np.sum(0.5 * (film[1:] + film[:-1]) * np.diff(fluid))
     viscous = per_load * slope * (sheared + pumped)
-    total, bent = found.total, film - 0.5 * x**2
+    total, bent = solution.total, film - 0.5 * x**2
     rubber = np.sum(0.5 * (total[1:] + total[:-1]) * np.diff(bent))
     rubber *= per_load * u_rubber * slope
     number = np.arange(x.size)
@@ -744,22 +757,22 @@ def _numbers(
         rubber,
         CubicSpline(x, film)(0.0) * scales.film,
         CubicSpline(number, film)(near).min() * scales.film,
-        found.flow * scales.film * mean * scene.velocity[point],
-        per_load * (width @ carried),
+        solution.flow * scales.film * mean * scene.velocity[point],
+        per_load * (width @ asperity_pressure),
         trapped,
         doubt,
     ])  # fmt: skip
 
 
-def _profile(found: films.Film, scales: _Scales) -> Array:
+def _profile(film: films.Film, scales: _Scales) -> Array:
     """Of every grid the nodes of the second."""
-    every = (found.places.size - 1) // (_SHOWN - 1)
+    every = (film.places.size - 1) // (_SHOWN - 1)
     return np.stack(
         [
-            found.places[::every] * scales.half,
-            found.film[::every] * scales.film,
-            found.pressure[::every] * scales.pressure,
-            found.asperity_pressure[::every] * scales.pressure,
+            film.places[::every] * scales.half,
+            film.film[::every] * scales.film,
+            film.pressure[::every] * scales.pressure,
+            film.asperity_pressure[::every] * scales.pressure,
         ]
     )
 
@@ -780,7 +793,7 @@ def _packed(
     )
     profile = [profiles[:, i].reshape(*dims, -1) for i in range(4)]
     beyond = _beyond(scene, solved)
-    kelvin = scene.kelvin
+    temperature = scene.kelvin
     inputs = [
         ("material", getattr(scene.material, "name", "") or "given directly"),
         ("shape", describe(scene.shape).replace(" on a layer", "")),
@@ -791,8 +804,8 @@ def _packed(
             if (values := getattr(scene, name)) is not None
         ),
     ]
-    if kelvin is not None:
-        inputs.append(("temperature", brief(np.unique(kelvin), "K")))
+    if temperature is not None:
+        inputs.append(("temperature", brief(np.unique(temperature), "K")))
     if scene.surface is not None:
         inputs.append(("surface", f"{scene.surface.label}, {scene.surface.words()}"))
         inputs.append(("roughness", BOTH))
@@ -801,7 +814,7 @@ def _packed(
         velocity=shaped(scene.velocity),
         load=shaped(scene.load),
         viscosity=shaped(scene.viscosity),
-        temperature=None if kelvin is None else shaped(kelvin),
+        temperature=None if temperature is None else shaped(temperature),
         **named,
         imbalance=shaped([each.imbalance for each in solved]),
         error=shaped([each.errors[0] for each in solved]),
@@ -836,6 +849,6 @@ def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Array | None, Any]:
     points = np.broadcast_to(rubber.points, shape) | np.array(
         [bool(each.beyond) for each in solved]
     )
-    what = "frequencies or times of the rubber, or of its asperities"
-    said = told(points, what, known.illustrative)
-    return points.reshape(scene.dims), said.said
+    quantities = "frequencies or times of the rubber, or of its asperities"
+    flagged = told(points, quantities, known.illustrative)
+    return points.reshape(scene.dims), flagged.said

@@ -197,9 +197,9 @@ class ORing(Result):
         Finite elements have a largest pressure of 1.26 to 1.31 times the mean in a free
         cord, and of 1.29 to 1.47 in a held one squeezed by 2 to 30 %.
         """
-        part = 2 * as_float64("x", x) / self.width[..., None]
+        relative_place = 2 * as_float64("x", x) / self.width[..., None]
         height = 4 / np.pi * self.pressure[..., None]
-        return height * xp.sqrt(xp.maximum(1 - part**2, 0.0))
+        return height * xp.sqrt(xp.maximum(1 - relative_place**2, 0.0))
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of line load, width and pressure."""

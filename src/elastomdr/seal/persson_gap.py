@@ -49,23 +49,27 @@ class Contact(NamedTuple):
     steep: Any  # dlog R/dlog q at q_high
 
 
-def contact_of(at: Nodes, level: Any) -> Contact:
+def contact_of(wave_nodes: Nodes, relative_pressure: Any) -> Contact:
     """The contact at many levels p/E*, shape (points,)."""
-    level = level[:, None, None]
-    rate = rate_of(at, _ALL_ROUND, level)
-    total = (rate * at.weight).sum((-2, -1))
-    end = at.end_power / (at.power * at.weight).sum()
+    relative_pressure = relative_pressure[:, None, None]
+    rate = rate_of(wave_nodes, _ALL_ROUND, relative_pressure)
+    total = (rate * wave_nodes.weight).sum((-2, -1))
+    end = wave_nodes.end_power / (wave_nodes.power * wave_nodes.weight).sum()
     return Contact(
-        at, level, until(rate, at.weight), contact(total, *_CONTACT), end + 0 * total
+        wave_nodes,
+        relative_pressure,
+        until(rate, wave_nodes.weight),
+        contact(total, *_CONTACT),
+        end + 0 * total,
     )
 
 
-def mean_gap(found: Contact) -> Any:
+def mean_gap(contacts: Contact) -> Any:
     """u(q_low) [m], shape (points,)."""
-    xp = namespace(found.variance)
-    x = 0.5 / xp.sqrt(found.variance)
-    each = found.at.power / found.at.q * x * gap_integral(x) * found.at.weight
-    return np.sqrt(np.pi) / found.level[:, 0, 0] * each.sum((-2, -1))
+    xp = namespace(contacts.variance)
+    x = 0.5 / xp.sqrt(contacts.variance)
+    each = contacts.at.power / contacts.at.q * x * gap_integral(x) * contacts.at.weight
+    return np.sqrt(np.pi) / contacts.level[:, 0, 0] * each.sum((-2, -1))
 
 
 def gap_integral(x: Any) -> Any:
@@ -90,20 +94,20 @@ class Scales(NamedTuple):
     gap: Any  # u_1(z) [m]
 
 
-def scales(found: Contact) -> Scales:
+def scales(contacts: Contact) -> Scales:
     """Contact and the gap where it is lost, at all scales; on NumPy."""
-    points = found.area.size
-    variance = found.variance.reshape(points, -1)
-    q, weight = found.at.q.ravel(), found.at.weight.ravel()
-    own = (found.at.power.ravel() / q * weight)[None]
+    points = contacts.area.size
+    variance = contacts.variance.reshape(points, -1)
+    q, weight = contacts.at.q.ravel(), contacts.at.weight.ravel()
+    weighted_power = (contacts.at.power.ravel() / q * weight)[None]
     shares = contact(variance, *_CONTACT)
     gaps = np.zeros_like(shares)
     for k in range(q.size - 1):
         beyond = variance[:, k + 1 :] - variance[:, k : k + 1]
         x = 0.5 / np.sqrt(np.maximum(beyond, 1e-300))
-        each = own[:, k + 1 :] * x * _tabulated(x / shares[:, k : k + 1])
+        each = weighted_power[:, k + 1 :] * x * _tabulated(x / shares[:, k : k + 1])
         gaps[:, k] = each.sum(-1)
-    gaps *= np.sqrt(np.pi) / found.level[:, :, 0]
+    gaps *= np.sqrt(np.pi) / contacts.level[:, :, 0]
     log_q = np.log(q)
     falls = np.gradient(shares, log_q, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -112,11 +116,11 @@ def scales(found: Contact) -> Scales:
     return Scales(shares, np.where(inside, np.maximum(lost, gaps), np.nan))
 
 
-def critical_gap(found: Contact, at_scales: Scales) -> np.ndarray:
+def critical_gap(contacts: Contact, at_scales: Scales) -> np.ndarray:
     """u_1 [m] where the share of contact falls to that at which channels close; NaN
     where it does not, or within the first waves.
     """
-    gap = np.full(found.area.size, np.nan)
+    gap = np.full(contacts.area.size, np.nan)
     for i, (shares, lost) in enumerate(zip(*at_scales, strict=True)):
         known = np.isfinite(lost) & (lost > 0)
         if known.any() and shares[known][-1] < CLOSES < shares[known][0]:

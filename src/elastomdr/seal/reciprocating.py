@@ -371,46 +371,46 @@ def _under_ring(
     """A stroke under Hertz' pressure of that mean [Pa] and the width of the ring: that
     of a cylinder.
     """
-    kelvin, time = _when(ring)
-    factor, vertical = _shifted(material, kelvin)
+    temperature, time = _when(ring)
+    factor, vertical = _shifted(material, temperature)
     held = None if time is None else time / factor
     soft = compliance(bodies_of(material)[0], held) / vertical
     half = 0.5 * float(np.ravel(ring.width)[0])
     load = 2 * half * pressure
-    found = lubricated(
+    film_of_ring = lubricated(
         material,
         Cylinder(np.pi * half**2 / (4 * load * soft), 1.0),
         velocity=velocity,
         viscosity=viscosity,
         load=load,
-        temperature=kelvin,
+        temperature=temperature,
         time=time,
     )
-    film = np.asarray(found.flow / velocity)
-    said = tuple(line for line in found.inputs if line[0] == "extrapolated")
+    film = np.asarray(film_of_ring.flow / velocity)
+    remarks = tuple(line for line in film_of_ring.inputs if line[0] == "extrapolated")
     return _Carried(
         film,
-        np.asarray(found.mu * load),
-        np.asarray(found.error / found.mu * film),
-        found.extrapolated,
-        said,
+        np.asarray(film_of_ring.mu * load),
+        np.asarray(film_of_ring.error / film_of_ring.mu * film),
+        film_of_ring.extrapolated,
+        remarks,
     )
 
 
 def _when(ring: ORing) -> tuple[float | None, float | None]:
     """Temperature [K] and time [s] of the ring."""
-    kelvin, time = (
+    temperature, time = (
         None if value is None else float(np.ravel(value)[0])
         for value in (ring.temperature, ring.time)
     )
-    return kelvin, time
+    return temperature, time
 
 
-def _shifted(material: Prony, kelvin: float | None) -> tuple[float, float]:
+def _shifted(material: Prony, temperature: float | None) -> tuple[float, float]:
     """a_T and b_T."""
-    if kelvin is None:
+    if temperature is None:
         return 1.0, 1.0
-    factor, vertical = thermal_factors(material, kelvin)
+    factor, vertical = thermal_factors(material, temperature)
     return float(factor), float(vertical)
 
 
@@ -418,8 +418,8 @@ def _check_rubber(material: Prony, ring: ORing, per_width: float) -> None:
     """Raises `InputError` unless the material has the modulus that load and width of the
     ring tell, E* = 8 W d/(pi (2a)^2); `per_width` is 4 W/(2a)^2.
     """
-    kelvin, time = _when(ring)
-    factor, vertical = _shifted(material, kelvin)
+    temperature, time = _when(ring)
+    factor, vertical = _shifted(material, temperature)
     law = normal_operator(material)
     modulus = law.equilibrium if time is None else law.relaxation(time / factor)
     known = 2 * per_width * float(np.ravel(ring.diameter)[0]) / np.pi

@@ -104,27 +104,29 @@ class Touching(NamedTuple):
     closes: float  # gap below which channels may be closed
     at_closing: float  # pressure of the asperities at that gap
 
-    def share(self, carried: Array) -> Array:
+    def share(self, pressure: Array) -> Array:
         """Real contact under pressures that asperities carry."""
-        return self.rubbing.at(carried * self.unit)[1]
+        return self.rubbing.at(pressure * self.unit)[1]
 
-    def friction(self, width: Array, carried: Array) -> Array:
+    def friction(self, width: Array, pressure: Array) -> Array:
         """Hysteresis and shear of the real contact, both summed over the `width` of
         each place.
         """
-        mu, share = self.rubbing.at(carried * self.unit)
-        return np.array([width @ (mu * carried), self.stress * (width @ share)])
+        mu, share = self.rubbing.at(pressure * self.unit)
+        return np.array([width @ (mu * pressure), self.stress * (width @ share)])
 
-    def trapped(self, width: Array, film: Array, fluid: Array, carried: Array) -> Array:
+    def trapped(
+        self, width: Array, film: Array, fluid: Array, pressure: Array
+    ) -> Array:
         """The load that liquid carries where channels may be closed, and how far the
         sum of `friction` may be off: if it leaves, asperities carry all of the pressure
         there; if none could leave since channels closed, no more than at closing.
         """
         closed = film < self.closes
-        left = np.where(closed, fluid + carried, carried)
-        stayed = np.where(closed, np.minimum(carried, self.at_closing), carried)
+        left = np.where(closed, fluid + pressure, pressure)
+        stayed = np.where(closed, np.minimum(pressure, self.at_closing), pressure)
         here, *ends = (
-            float(self.friction(width, each).sum()) for each in (carried, left, stayed)
+            float(self.friction(width, each).sum()) for each in (pressure, left, stayed)
         )
         return np.array(
             [width @ np.where(closed, fluid, 0.0), max(abs(x - here) for x in ends)]
@@ -152,14 +154,14 @@ def pressed(
     rms = float(np.sqrt(2 * np.pi * surface.moment(1)))
     gap = np.asarray(contact.separation)
     open_ = np.isfinite(gap) & (gap > _CLOSED * rms)
-    gap, level = gap[open_][::-1], np.log(pressure[open_][::-1] / modulus)
-    curve, last = PchipInterpolator(gap, level), (gap[0], gap[-1])
+    gap, log_pressure = gap[open_][::-1], np.log(pressure[open_][::-1] / modulus)
+    curve, last = PchipInterpolator(gap, log_pressure), (gap[0], gap[-1])
     gap = np.geomspace(*last, _GAPS)
-    found = contact_of(nodes(surface, PER_DECADE), np.exp(curve(gap)))
-    closes = float(np.interp(-UNSURE, -found.area, gap))  # area falls with the gap
+    contacts = contact_of(nodes(surface, PER_DECADE), np.exp(curve(gap)))
+    closes = float(np.interp(-UNSURE, -contacts.area, gap))  # area falls with the gap
     channels = opening = None
     if flow_factor == "maps":
-        open_part = through(found.area, found.steep)
+        open_part = through(contacts.area, contacts.steep)
         left = np.log(open_part + _CHANNELS * (1 - open_part))
         channels = PchipInterpolator(gap, left)
         opening = channels.derivative()
@@ -172,7 +174,7 @@ def rubbing(
     surface: AbstractSpectrum,
     velocity: Array,
     largest: float,
-    kelvin: float | None,
+    temperature: float | None,
 ) -> tuple[list[Rubbing], Array | None]:
     """Friction by `em.Multiscale` at each velocity [m/s], up to about the `largest`
     pressure [Pa]; and at which the material is extrapolated.
@@ -182,14 +184,14 @@ def rubbing(
     body = half_space_of(material)
     pressures = _PRESSURES * largest
     given: dict[str, Any] = {"rtol": _RTOL}
-    if kelvin is not None:
-        given["temperature"] = kelvin
+    if temperature is not None:
+        given["temperature"] = temperature
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sliding: Any = friction(
             body, surface, velocity=velocity[:, None], pressure=pressures, **given
         )
-        small, slow = _compared(body, surface, kelvin)
+        small, slow = _compared(body, surface, temperature)
         areas: Any = friction(
             body, surface, velocity=np.append(slow, velocity), pressure=small, **given
         ).area_ratio
@@ -211,14 +213,18 @@ def rubbing(
 
 
 def _compared(
-    body: Prony, surface: AbstractSpectrum, kelvin: float | None
+    body: Prony, surface: AbstractSpectrum, temperature: float | None
 ) -> tuple[float, float]:
     """A small pressure [Pa], and a velocity so slow that all is relaxed [m/s]."""
     from ..element.law import as_foundation
     from ..material.shift import thermal_factors
 
     foundation = as_foundation(body)
-    factor = 1.0 if kelvin is None else float(thermal_factors(foundation, kelvin)[0])
+    factor = (
+        1.0
+        if temperature is None
+        else float(thermal_factors(foundation, temperature)[0])
+    )
     slowest = float(np.max(foundation.times, initial=1e-9))
     modulus = float(foundation.equilibrium)
     return _SMALL * modulus * float(surface.rms_slope), _SLOW / (

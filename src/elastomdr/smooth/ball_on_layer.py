@@ -160,29 +160,29 @@ def ball_on_layer(
         covers_in_words(material),
         _count(reduced, value, averaged, rtol, points.traced),
     )
-    kelvin = points.full(points.kelvin)
+    temperatures = points.full(points.kelvin)
     if not solved:
-        return OnLayer(None, kelvin, label, plan)
+        return OnLayer(None, temperatures, label, plan)
     force = value
     if control == "depth":
         force = _load_of_depth(lines, reduced, value, averaged)
-    found = _mean(lines, reduced, force, averaged, points.traced)
-    mu, error = found.mu, found.error + lines.misfit * xp.abs(found.mu)
+    mean = _mean(lines, reduced, force, averaged, points.traced)
+    mu, error = mean.mu, mean.error + lines.misfit * xp.abs(mean.mu)
     bound = BARE_LINE * mu
     if averaged:
-        mu, error, bound = _asymmetric(found, error, shape, thick, corrected)
-    sunk = found.depth >= thick
-    good = found.good & ~sunk
+        mu, error, bound = _asymmetric(mean, error, shape, thick, corrected)
+    sunk = mean.depth >= thick
+    good = mean.good & ~sunk
     if not points.traced:
         if np.any(lines.on.chain.compliances):
             good = good & (mu > _NONE)
         warn_unless(good, "points", f" to rtol={rtol:g}", too_deep(sunk, thick))
-    line = found.line
+    line = mean.line
     solution = Solved(
-        mu, error, bound, force, found.depth, line.leading, line.trailing, good
+        mu, error, bound, force, mean.depth, line.leading, line.trailing, good
     )
     steady = packed(points, solution, material, describe(shape), plan.covers, rtol)
-    return OnLayer(steady, kelvin, label, plan)
+    return OnLayer(steady, temperatures, label, plan)
 
 
 def _check_depth(points: Scene, thick: Any) -> None:
@@ -199,22 +199,22 @@ def _check_depth(points: Scene, thick: Any) -> None:
 
 
 def _asymmetric(
-    found: _Mean, error: Any, shape: AbstractShape, thick: Any, corrected: bool
+    mean: _Mean, error: Any, shape: AbstractShape, thick: Any, corrected: bool
 ) -> tuple[Any, Any, Any]:
     """mu of an average over directions, its error and bound, corrected or only bounded
     for a contact that is longer ahead than behind.
     """
-    line = found.line
+    line = mean.line
     exponent = line.leading * shape._slope(line.leading) / shape._profile(line.leading)
     width = (line.leading + line.trailing) / thick
     off = layer_asymmetry(
-        found.mu, line.mu, line.leading, line.trailing, exponent, width
+        mean.mu, line.mu, line.leading, line.trailing, exponent, width
     )
     if not corrected:
-        return found.mu, error * (1 + off.sensitivity), found.mu * off.bound
+        return mean.mu, error * (1 + off.sensitivity), mean.mu * off.bound
     factor = xp.exp(-off.excess)
-    bound = found.mu * off.corrected * factor
-    return found.mu * factor, error * factor * (1 + off.sensitivity), bound
+    bound = mean.mu * off.corrected * factor
+    return mean.mu * factor, error * factor * (1 + off.sensitivity), bound
 
 
 def _check_shape(shape: AbstractShape) -> None:
@@ -335,9 +335,11 @@ def _solve(
     """
     radius = _radius(lines, velocity, load)
     if is_traced(velocity, load, lines.on.shape, lines.on.chain, lines.on.thickness):
-        found, _ = slide_on_layer(lines.on, velocity, "load", load, (radius, radius))
-        wide = found.leading + found.trailing < _TRACED_REACH * lines.on.thickness
-        return found._replace(converged=found.converged & wide), xp.zeros_like(velocity)
+        solved, _ = slide_on_layer(lines.on, velocity, "load", load, (radius, radius))
+        wide = solved.leading + solved.trailing < _TRACED_REACH * lines.on.thickness
+        return solved._replace(converged=solved.converged & wide), xp.zeros_like(
+            velocity
+        )
     result: Any = None
     error = np.full(velocity.shape, np.inf)
     close = 1e-2 * min(max(lines.rtol, 1e-9), 1e-4)
@@ -347,19 +349,19 @@ def _solve(
         before, left = None, here
         for n in _ORDERS:
             on = lines.on._replace(order=n)
-            found, slopes = _with_neighbours(
+            solved, slopes = _with_neighbours(
                 on, velocity[left], load[left], edges, close, slopes
             )
             if result is None:
                 result = Slid(
                     *(
                         np.full(velocity.shape, np.nan).astype(field.dtype)
-                        for field in found
+                        for field in solved
                     )
                 )
             if before is not None:
-                error[left] = _SHARE * np.abs(found.mu / before - 1) + 1e-10
-            for field, values in zip(result, found, strict=True):
+                error[left] = _SHARE * np.abs(solved.mu / before - 1) + 1e-10
+            for field, values in zip(result, solved, strict=True):
                 field[left] = values
             counts = 1.0
             if weights is not None and before is not None and velocity.size <= _AT_ONCE:
@@ -368,13 +370,13 @@ def _solve(
                 counts = np.nanmax(
                     sums / np.nansum(sums, axis=1, keepdims=True), axis=0
                 )[left]
-            lost = np.abs(found.mu) < _NONE
+            lost = np.abs(solved.mu) < _NONE
             error[left[lost]] = 1.0  # no order finds more
             again = np.flatnonzero((error[left] * counts > 0.2 * lines.rtol) & ~lost)
-            left, before, slopes = left[again], found.mu[again], slopes[..., again]
+            left, before, slopes = left[again], solved.mu[again], slopes[..., again]
             edges = tuple(
-                np.where(found.converged[again], e[again], radius[left])
-                for e in (found.leading, found.trailing)
+                np.where(solved.converged[again], e[again], radius[left])
+                for e in (solved.leading, solved.trailing)
             )
             if not left.size:
                 break
@@ -417,10 +419,10 @@ def _with_neighbours(
     """Lines of numbers, and the slopes that the search ended with; those whose edges
     are not found begin again where a neighbour in velocity has its own.
     """
-    found, slopes = slide_on_layer(on, velocity, "load", load, edges, close, slopes)
+    solved, slopes = slide_on_layer(on, velocity, "load", load, edges, close, slopes)
     for _ in range(_AGAIN):
-        bad = np.flatnonzero(~found.converged)
-        good = np.flatnonzero(found.converged)
+        bad = np.flatnonzero(~solved.converged)
+        good = np.flatnonzero(solved.converged)
         if not bad.size or not good.size:
             break
         far = np.abs(np.log(velocity[bad, None] / velocity[good])) + 3 * np.abs(
@@ -433,13 +435,13 @@ def _with_neighbours(
             velocity[bad],
             "load",
             load[bad],
-            (found.leading[near] * scale, found.trailing[near] * scale),
+            (solved.leading[near] * scale, solved.trailing[near] * scale),
             close,
         )
         slopes[..., bad] = turned
-        for field, values in zip(found, again, strict=True):
+        for field, values in zip(solved, again, strict=True):
             field[bad] = values
-    return found, slopes
+    return solved, slopes
 
 
 def _mean(
@@ -449,9 +451,9 @@ def _mean(
     itself.
     """
     if not averaged:
-        found, off = _solve(lines, velocity, load)
-        good = found.converged & (off <= max(lines.rtol, _FLOOR))
-        return _Mean(found.mu, found.depth, found, off * xp.abs(found.mu), good)
+        solved, off = _solve(lines, velocity, load)
+        good = solved.converged & (off <= max(lines.rtol, _FLOOR))
+        return _Mean(solved.mu, solved.depth, solved, off * xp.abs(solved.mu), good)
     rule = directions(lines.rtol)
     # of the depth, which every direction counts alike
     flat = rule.weights / rule.cosines
@@ -463,18 +465,18 @@ def _mean(
     lines_own = Slid(*(np.full(velocity.shape, np.nan) for _ in Slid._fields))
     good = np.zeros(velocity.shape, bool)
     for each in np.unique(load):
-        at = np.flatnonzero(load == each)
-        grid = shared_grid(velocity[at], lines.rtol)
-        if grid.velocity.size < at.size * rule.cosines.size:
-            averages = _on_shared_grid(lines, velocity[at], each, grid, rule, flat)
+        points = np.flatnonzero(load == each)
+        grid = shared_grid(velocity[points], lines.rtol)
+        if grid.velocity.size < points.size * rule.cosines.size:
+            averages = _on_shared_grid(lines, velocity[points], each, grid, rule, flat)
         else:
-            averages = _one_by_one(lines, velocity[at], each, rule, flat)
-        mu, depth, missed, fine, own = averages
+            averages = _one_by_one(lines, velocity[points], each, rule, flat)
+        mu, depth, missed, fine, along_motion = averages
         for field, values in zip(out, (mu, depth, missed), strict=True):
-            field[at] = values
-        for field, values in zip(lines_own, own, strict=True):
-            field[at] = values
-        good[at] = fine & (missed <= max(lines.rtol, _FLOOR) * np.abs(mu))
+            field[points] = values
+        for field, values in zip(lines_own, along_motion, strict=True):
+            field[points] = values
+        good[points] = fine & (missed <= max(lines.rtol, _FLOOR) * np.abs(mu))
     mu, depth, missed = out
     return _Mean(mu, depth, lines_own, missed, good)
 
@@ -485,8 +487,8 @@ def _mean_of_traced(
     """Every direction of every point a line of its own."""
     count = velocity.shape[0]
     slowed = (velocity[:, None] * rule.cosines).reshape(-1)
-    found, _ = _solve(lines, slowed, xp.repeat(load, rule.cosines.size))
-    table = Slid(*(field.reshape(count, -1) for field in found))
+    solved, _ = _solve(lines, slowed, xp.repeat(load, rule.cosines.size))
+    table = Slid(*(field.reshape(count, -1) for field in solved))
     return _Mean(
         table.mu @ rule.weights,
         table.depth @ flat,
@@ -511,8 +513,8 @@ def _on_shared_grid(
     slowed = velocity[:, None] * rule.cosines
     depth = _between(grid.velocity, solved.depth, slowed) @ flat
     fine = (grid.weights != 0) @ ~solved.converged == 0
-    own = [_between(grid.velocity, field, velocity) for field in solved[:5]]
-    return mu, depth, missed, fine, [*own, fine, fine]
+    along_motion = [_between(grid.velocity, field, velocity) for field in solved[:5]]
+    return mu, depth, missed, fine, [*along_motion, fine, fine]
 
 
 def _one_by_one(

@@ -100,7 +100,7 @@ def condensed(law: Relaxation, how: Condensation) -> Relaxation:
             (moduli[dashpots] * times[dashpots] ** 2).sum(),
         )
         fewer.append(((first / second * first)[None], (second / first)[None]))
-    moduli, times = (np.concatenate(part) for part in zip(*fewer, strict=True))
+    moduli, times = (np.concatenate(branches) for branches in zip(*fewer, strict=True))
     return Relaxation(law.equilibrium, moduli, times, law.viscosity)
 
 

@@ -176,18 +176,18 @@ def cylinder_on_layer(
     )
     if not solved:
         return OnLayer(None, points.full(points.kelvin), label, plan)
-    found, sunk = _solved(points, body, shape, control, carriers, misfit, rtol)
+    contacts, sunk = _solved(points, body, shape, control, carriers, misfit, rtol)
     if not points.traced:
-        _say(found, sunk, body, shape, rtol)
+        _say(contacts, sunk, body, shape, rtol)
     solution = Solved(
-        found.mu,
-        found.error,
-        found.mu * np.nan,
-        found.load * shape.length,
-        found.depth,
-        found.leading,
-        -found.trailing,
-        found.good,
+        contacts.mu,
+        contacts.error,
+        contacts.mu * np.nan,
+        contacts.load * shape.length,
+        contacts.depth,
+        contacts.leading,
+        -contacts.trailing,
+        contacts.good,
     )
     steady = packed(points, solution, body, name, plan.covers, rtol)
     return OnLayer(steady, points.full(points.kelvin), label, plan)
@@ -210,17 +210,17 @@ def _solved(
     if points.traced:
         dashpot = _begins_with_dashpot(known(fixed(carriers)))
         solve = _with_slopes(layers, by_depth, dashpot, float(rtol), misfit)
-        found = solve(*as_doubles(((carriers, radius), (wanted, reduced))))
-        found = found._replace(good=found.good > 0)
+        contacts = solve(*as_doubles(((carriers, radius), (wanted, reduced))))
+        contacts = contacts._replace(good=contacts.good > 0)
     else:
         flat = Cylinders(radius, carriers, reduced)
-        found = _refined(flat, wanted, by_depth, rtol, misfit)
+        contacts = _refined(flat, wanted, by_depth, rtol, misfit)
     sunk = False
     if layers and control == "load":
         thin = sum(cover.thickness for cover in body.covers)
-        sunk = ~(found.depth < thin) & xp.isfinite(found.depth)
-        found = found._replace(good=found.good & ~sunk)
-    return found, sunk
+        sunk = ~(contacts.depth < thin) & xp.isfinite(contacts.depth)
+        contacts = contacts._replace(good=contacts.good & ~sunk)
+    return contacts, sunk
 
 
 def _checked_body(
@@ -348,13 +348,13 @@ def _with_slopes(
         return flat, solve_at(flat, half, _TRACED_ORDER, waves, dashpot)
 
     def forces(shared: Any, points: Any) -> tuple[Any, ...]:
-        _, found = solution(shared, points)
-        edges = found.shift + found.half, found.shift - found.half
-        return found.mu, found.load, *edges
+        _, contact = solution(shared, points)
+        edges = contact.shift + contact.half, contact.shift - contact.half
+        return contact.mu, contact.load, *edges
 
     def sunk(shared: Any, points: Any) -> tuple[Any, ...]:
-        flat, found = solution(shared, points)
-        return (depth(flat, found, _TRACED_ORDER),)
+        flat, contact = solution(shared, points)
+        return (depth(flat, contact, _TRACED_ORDER),)
 
     def like(shared: Any, points: Any) -> tuple[Any, ...]:
         return (points[0],) * len(_Found._fields)
@@ -386,8 +386,8 @@ def _half(by_depth: bool, dashpot: bool) -> Callable[..., Any]:
         wanted, velocity = points
         flat = _cylinders(shared, velocity)
         waves = layer_waves(flat, _TRACED_RATIO)
-        found = solve_at(flat, half, _TRACED_ORDER, waves, dashpot)
-        value = depth(flat, found, _TRACED_ORDER) if by_depth else found.load
+        contact = solve_at(flat, half, _TRACED_ORDER, waves, dashpot)
+        value = depth(flat, contact, _TRACED_ORDER) if by_depth else contact.load
         return value - wanted
 
     return implicit(search, equation, lambda _, points: (points[0], None))
@@ -407,7 +407,7 @@ def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
             c.of_kernel(layer_kernel, k, omega) if flat.on_layers else c.creep(omega)
             for c in flat.covers
         ]
-        softness = sum(part[0] for part in parts)
+        softness = sum(compliance[0] for compliance in parts)
         half = np.sqrt(half * np.sqrt(4 * wanted * flat.radius / math.pi * softness))
     return half
 
@@ -459,9 +459,9 @@ def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Found:
     before may be left in this one.
     """
     flat, (half, contact) = search.flat, level
-    there = np.isfinite(half)
+    reached = np.isfinite(half)
     pulled, deep = pull(contact, order, search.dashpot), half * np.nan
-    good = there & np.isfinite(contact.mu) & (pulled < _NEGATIVE)
+    good = reached & np.isfinite(contact.mu) & (pulled < _NEGATIVE)
     # a small part of the load that pulls, at an edge
     error = change + _ROUNDING * np.abs(contact.mu)
     error = error + (pulled + 1e-15) * half / flat.radius
@@ -494,9 +494,11 @@ def _refined(
         _block(replaced(flat, velocity=flat.velocity[i]), wanted[i], by_depth, rtol)
         for i in blocks
     ]
-    done = _Found(*(np.concatenate(x) for x in zip(*parts, strict=True)))
-    good = (done.good == 1) & _met(done, max(rtol, _FLOOR), flat.radius)
-    return done._replace(error=done.error + misfit * np.abs(done.mu), good=good)
+    contacts = _Found(*(np.concatenate(x) for x in zip(*parts, strict=True)))
+    good = (contacts.good == 1) & _met(contacts, max(rtol, _FLOOR), flat.radius)
+    return contacts._replace(
+        error=contacts.error + misfit * np.abs(contacts.mu), good=good
+    )
 
 
 def _block(flat: Cylinders, wanted: Any, by_depth: bool, rtol: float) -> _Found:
@@ -510,16 +512,16 @@ def _block(flat: Cylinders, wanted: Any, by_depth: bool, rtol: float) -> _Found:
     for wider in (1.0, 2.0):  # than guessed, perhaps
         if left.size == 0:
             break
-        part = replaced(flat, velocity=flat.velocity[left])
-        waves = layer_waves(part, wider * ratio)
+        unsolved = replaced(flat, velocity=flat.velocity[left])
+        waves = layer_waves(unsolved, wider * ratio)
         dashpot = _begins_with_dashpot(flat.covers)
-        search = _Search(part, wanted[left], by_depth, dashpot, waves, guess[left])
-        found = _by_orders(search, rtol)
-        for field, values in zip(result, found, strict=True):
+        search = _Search(unsolved, wanted[left], by_depth, dashpot, waves, guess[left])
+        contacts = _by_orders(search, rtol)
+        for field, values in zip(result, contacts, strict=True):
             field[left] = values
         if not flat.on_layers:
             break
-        left = left[found.good == 0]
+        left = left[contacts.good == 0]
     return result
 
 
@@ -531,16 +533,16 @@ def _by_orders(search: _Search, rtol: float) -> _Found:
     slope = _slope(search, level)
     orders = (_FIRST, *_ORDERS[0 if rtol >= _COARSE else 1 :])
     for lower, order in itertools.pairwise(orders):
-        there = np.isfinite(level.half)
-        before = np.where(there, level.contact.mu, np.nan)
-        guess = np.where(there, level.half, search.guess)
+        reached = np.isfinite(level.half)
+        before = np.where(reached, level.contact.mu, np.nan)
+        guess = np.where(reached, level.half, search.guess)
         search = search._replace(guess=guess, slope=slope)
         level = _level(search, order)
         change = np.abs(level.contact.mu - before) / ((order / lower) ** _POWER - 1)
-        found = _judged(search, order, level, change)
-        for field, values in zip(result, found, strict=True):
+        contacts = _judged(search, order, level, change)
+        for field, values in zip(result, contacts, strict=True):
             field[left] = values
-        more = ~((found.good == 1) & _met(found, rtol, search.flat.radius))
+        more = ~((contacts.good == 1) & _met(contacts, rtol, search.flat.radius))
         if not more.any():
             break
         left, search = left[more], search.at(more)
@@ -554,8 +556,8 @@ def _slope(search: _Search, level: _Level) -> Any:
     half = np.where(np.isfinite(level.half), level.half, search.guess)
     values = []
     for log in (-_SMALL, _SMALL):
-        there = np.exp(log) * half
-        contact = solve_at(search.flat, there, _FIRST, search.waves, search.dashpot)
+        nearby = np.exp(log) * half
+        contact = solve_at(search.flat, nearby, _FIRST, search.waves, search.dashpot)
         values.append(
             depth(search.flat, contact, _FIRST) if search.by_depth else contact.load
         )
@@ -564,14 +566,14 @@ def _slope(search: _Search, level: _Level) -> Any:
     return np.where((slope > 0.1) & (slope < 10), slope, USUAL)
 
 
-def _met(found: _Found, rtol: float, radius: Any) -> Any:
+def _met(contacts: _Found, rtol: float, radius: Any) -> Any:
     """Whether the error is below what was asked for, or mu is nothing but rounding, as
     of elastic bodies.
     """
     return (
-        found.error
-        <= rtol * np.abs(found.mu)
-        + _NOTHING * (found.leading - found.trailing) / radius
+        contacts.error
+        <= rtol * np.abs(contacts.mu)
+        + _NOTHING * (contacts.leading - contacts.trailing) / radius
     )
 
 
@@ -592,17 +594,17 @@ def _not_too_deep(layer: Layer, control: str, points: Scene) -> None:
         )
 
 
-def _say(found: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float) -> None:
+def _say(contacts: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float) -> None:
     """Warns of points that failed, and of a cylinder that is too short to be plane."""
-    if not found.good.all():
+    if not contacts.good.all():
         thick = sum(cover.thickness for cover in body.covers) if np.any(sunk) else 0.0
-        reasons = too_deep(sunk, thick), nearly(found.good, found)
+        reasons = too_deep(sunk, thick), nearly(contacts.good, contacts)
         why = " ".join(filter(None, reasons))
-        warn_unless(found.good, "points", f" to rtol={rtol:g}", why)
-    half = 0.5 * (found.leading - found.trailing)
-    if is_traced(shape) or not found.good.any():
+        warn_unless(contacts.good, "points", f" to rtol={rtol:g}", why)
+    half = 0.5 * (contacts.leading - contacts.trailing)
+    if is_traced(shape) or not contacts.good.any():
         return
-    widest, length = float(half[found.good].max()), float(shape.length)
+    widest, length = float(half[contacts.good].max()), float(shape.length)
     if length < _ENDS * widest:
         warn(
             f"The cylinder, {1e3 * length:.4g} mm long, is only "
@@ -668,7 +670,7 @@ def cylinder_losses(
     """
     body = material if isinstance(material, Layer) else surface_foundation(material)
     law = _separable(body, (shape, velocity, load, depth, temperature))
-    done, points, solution = cylinder_pressure(
+    rolled, points, solution = cylinder_pressure(
         body,
         shape,
         velocity=velocity,
@@ -679,12 +681,12 @@ def cylinder_losses(
         rtol=rtol,
     )
     (cover,), _ = _covers(body, np.asarray(points.reduced))
-    speed, there = (
+    speed, converged = (
         np.asarray(points.reduced).reshape(-1),
-        np.ravel(done.found.converged),
+        np.ravel(rolled.found.converged),
     )
     each = np.where(
-        there,
+        converged,
         losses(speed, law, cover, solution) * np.asarray(points.vertical).reshape(-1),
         np.nan,
     )
@@ -692,7 +694,7 @@ def cylinder_losses(
         points.full(points.velocity)
     ).reshape(np.shape(points.reduced))
     return (
-        done,
+        rolled,
         each.reshape(-1, *points.shape),
         law.times * factor.reshape(*points.shape, 1),
     )
@@ -712,7 +714,7 @@ def cylinder_pressure(
     """The rolling cylinder, its points, and the contact of each with the terms of its
     pressure; numbers.
     """
-    done = cylinder_on_layer(
+    rolled = cylinder_on_layer(
         "rolling",
         material,
         shape,
@@ -730,7 +732,7 @@ def cylinder_pressure(
         material, shape, velocity=velocity, temperature=temperature, **given
     )
     covers, _ = _covers(material, np.asarray(points.reduced))
-    contact = done.found.contact
+    contact = rolled.found.contact
     half = np.nan_to_num(0.5 * np.ravel(contact.leading + contact.trailing), nan=1e-3)
     flat = Cylinders(
         np.asarray(shape.radius), covers, np.asarray(points.reduced).reshape(-1)
@@ -744,7 +746,7 @@ def cylinder_pressure(
         )
     with one_thread():
         return (
-            done,
+            rolled,
             points,
             solve_at(flat, half, _LOSS_ORDER, layer_waves(flat, ratio), False),
         )

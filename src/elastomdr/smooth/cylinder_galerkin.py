@@ -71,8 +71,10 @@ class Cover(Tree):
     def creep(self, omega: Array) -> tuple[Array, Array]:
         """Real and imaginary part of 1/E*(-omega)."""
         x = omega[..., None] * self.chain.times
-        part = self.chain.compliances / (1 + x**2)
-        return self.chain.instantaneous + part.sum(axis=-1), (part * x).sum(axis=-1)
+        branches = self.chain.compliances / (1 + x**2)
+        return self.chain.instantaneous + branches.sum(axis=-1), (branches * x).sum(
+            axis=-1
+        )
 
     def of_kernel(
         self, kernel: Callable[..., Array], k: Array, omega: Array
@@ -150,18 +152,18 @@ def solve_at(
     columns = np.append(apart[apart < order], order) if dashpot else apart
     right = np.zeros((size, 1))
     right[0] = 0.25
-    found = xp.linalg.solve(
+    coefficients = xp.linalg.solve(
         matrix[:, apart][:, :, columns],
         xp.broadcast_to(xp.asarray(right), (matrix.shape[0], size, 1)),
     )
-    found = found[:, np.argsort(columns), 0]
+    coefficients = coefficients[:, np.argsort(columns), 0]
     n = np.arange(1.0, order + 1)
     mean = shares.first[1 : order + 1] * ((-1.0) ** n)[:, None]
-    xc = 2 * xp.sum(mean.T * found[:, :order], axis=1)
-    terms = found[:, :order] / n
+    xc = 2 * xp.sum(mean.T * coefficients[:, :order], axis=1)
+    terms = coefficients[:, :order] / n
     first, second = 0.5 * terms[:, 0], 0.25 * terms[:, 1]
     if dashpot:
-        infinite = found[:, -1]
+        infinite = coefficients[:, -1]
         xc = xc + 2 * shares.infinite[0] * infinite
         first, second = first + infinite, second + 0.5 * infinite
         terms = xp.concatenate([terms, infinite[:, None]], axis=1)
@@ -255,12 +257,12 @@ def half_of(
         miss = np.log(np.maximum(value, 1e-300)) - np.log(wanted)
         return miss
 
-    log, found = np.log(guess), False
+    log, met = np.log(guess), False
     for close in _SMALL_STEPS:
-        log, found = search(residual, log, close, slope, longest=0.5)
+        log, met = search(residual, log, close, slope, longest=0.5)
         if not (np.abs(miss) > _MISSED).any():
             break
-    return np.where(found, np.exp(log), np.nan), contact
+    return np.where(met, np.exp(log), np.nan), contact
 
 
 def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
@@ -284,7 +286,9 @@ def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
             cover.of_kernel(layer_deficit, k, k * problem.velocity[:, None])
             for cover in problem.covers
         ]
-        return sum(part[0] for part in parts), sum(part[1] for part in parts)
+        return sum(deficit[0] for deficit in parts), sum(
+            deficit[1] for deficit in parts
+        )
 
     near, far = lacking(fine), lacking(rest)
     real, imaginary = (
@@ -497,11 +501,11 @@ def losses(
     if cover.thickness is not None:
         size = size * layer_kernel(k * cover.thickness, cover.squeeze, cover.bonded)
     each = 2 / math.pi * solution.half[:, None] * spread * size * weight
-    found = []
+    by_branch = []
     for modulus, time in zip(law.moduli, law.times, strict=True):
         x = omega * time
-        found.append(np.sum(each * modulus * x / (1 + x**2), axis=1))
-    return np.array(found)
+        by_branch.append(np.sum(each * modulus * x / (1 + x**2), axis=1))
+    return np.array(by_branch)
 
 
 # kL of the last wave that is summed: where every term falls as it does for good

@@ -115,17 +115,17 @@ def _check_branches(plan: Plan) -> None:
 
 def _shares(scene: SmoothScene) -> Dissipation:
     """The solved scene, its friction shared out among the branches."""
-    found = solve(scene)
+    solved = solve(scene)
     dashpot, branches, work, good = _forces(
-        scene, xp.ravel(found.normal_force) / scene.vertical, xp
+        scene, xp.ravel(solved.normal_force) / scene.vertical, xp
     )
     with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
     total = xp.sum(forces, axis=0)
     missing = abs(total / work - 1)
-    good = found.converged & (good & (missing <= scene.plan.rtol)).reshape(scene.shape)
+    good = solved.converged & (good & (missing <= scene.plan.rtol)).reshape(scene.shape)
     asked = f" to rtol={scene.plan.rtol:g}"
-    warn_unless(good, "balances of losses", asked, known=~found.converged)
+    warn_unless(good, "balances of losses", asked, known=~solved.converged)
     share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
     share = nan_unless(good[..., None], share)
     times = xp.asarray(scene.law.times)
@@ -135,21 +135,23 @@ def _shares(scene: SmoothScene) -> Dissipation:
     def spread(field: Any) -> Any:
         return xp.broadcast_to(field[..., None], share.shape)
 
-    force = share * found.friction_force[..., None]
+    force = share * solved.friction_force[..., None]
     return Dissipation(
-        velocity=spread(found.velocity),
+        velocity=spread(solved.velocity),
         temperature=None if scene.temperature is None else spread(scene.temperature),
         time=times * factor,
         share=share,
         resistance=force,
-        power=force * found.velocity[..., None],
-        normal_force=spread(found.normal_force),
+        power=force * solved.velocity[..., None],
+        normal_force=spread(solved.normal_force),
         error=spread(nan_unless(good, missing.reshape(scene.shape))),
         converged=spread(good),
-        extrapolated=None if found.extrapolated is None else spread(found.extrapolated),
+        extrapolated=None
+        if solved.extrapolated is None
+        else spread(solved.extrapolated),
         model=scene.plan.model,
         plan=scene.plan,
-        inputs=found.inputs,
+        inputs=solved.inputs,
     )
 
 
@@ -172,7 +174,7 @@ def _on_layer(
         )
     if (load is None) == (depth is None):
         raise InputError("load or depth must be given, and only one of them.")
-    done, each, times = cylinder_losses(
+    rolled, each, times = cylinder_losses(
         material,
         shape,
         velocity=velocity,
@@ -182,32 +184,34 @@ def _on_layer(
         model=model,
         rtol=rtol,
     )
-    found = done.found
+    steady = rolled.found
     total = np.sum(each, axis=0)
-    missing = np.abs(total * np.asarray(shape.length) / found.friction_force - 1)
-    good = found.converged & (missing <= max(rtol, _LAYER_SHARE))
+    missing = np.abs(total * np.asarray(shape.length) / steady.friction_force - 1)
+    good = steady.converged & (missing <= max(rtol, _LAYER_SHARE))
     asked = f" to {max(rtol, _LAYER_SHARE):g}"
-    warn_unless(good, "balances of losses", asked, known=~found.converged)
+    warn_unless(good, "balances of losses", asked, known=~steady.converged)
     share = nan_unless(good[..., None], np.moveaxis(each / total, 0, -1))
 
     def spread(field: Any) -> Any:
         return np.broadcast_to(np.asarray(field)[..., None], share.shape)
 
-    force = share * found.friction_force[..., None]
+    force = share * steady.friction_force[..., None]
     return Dissipation(
-        velocity=spread(found.velocity),
-        temperature=None if done.temperature is None else spread(done.temperature),
+        velocity=spread(steady.velocity),
+        temperature=None if rolled.temperature is None else spread(rolled.temperature),
         time=np.broadcast_to(times, share.shape),
         share=share,
         resistance=force,
-        power=force * found.velocity[..., None],
-        normal_force=spread(found.normal_force),
+        power=force * steady.velocity[..., None],
+        normal_force=spread(steady.normal_force),
         error=spread(nan_unless(good, missing)),
         converged=spread(good),
-        extrapolated=None if found.extrapolated is None else spread(found.extrapolated),
-        model=done.model,
-        plan=done.plan,
-        inputs=found.inputs,
+        extrapolated=None
+        if steady.extrapolated is None
+        else spread(steady.extrapolated),
+        model=rolled.model,
+        plan=rolled.plan,
+        inputs=steady.inputs,
     )
 
 

@@ -115,8 +115,8 @@ def slide_on_layer(
         step = xp.where(xp.isfinite(step), step, 0.1)
         new = xp.clip(logs - step, start - _FURTHEST, start + _FURTHEST / 2)
         step = logs - new
-        there = equation(new)
-        return new, _broyden(jacobian, there - miss, step), there, count + 1
+        new_miss = equation(new)
+        return new, _broyden(jacobian, new_miss - miss, step), new_miss, count + 1
 
     def going(state: tuple) -> Any:
         return (
@@ -218,9 +218,9 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     )
     g = on.shape._profile(x)[:, keep]
     size = g[:, :1] + g[:, -1:]
-    found = xp.linalg.solve(matrix, -(g / size)[..., None])[..., 0]
-    q = xp.concatenate([found[:, :-1], xp.zeros((count, 1))], axis=1) * size / scale
-    depth = found[:, -1] * size[:, 0]
+    unknowns = xp.linalg.solve(matrix, -(g / size)[..., None])[..., 0]
+    q = xp.concatenate([unknowns[:, :-1], xp.zeros((count, 1))], axis=1) * size / scale
+    depth = unknowns[:, -1] * size[:, 0]
     return _forces(on.shape, rule, a, b, q, depth)
 
 
@@ -239,12 +239,12 @@ def _memories(
         weight, plain = _weights(
             length / half[:, None], chain.compliances, table.shape[0]
         )
-        own = (xp.sum(weight, axis=1) @ table.reshape(table.shape[0], -1)).reshape(
-            count, n + 1, n + 1
-        )
+        within_panel = (
+            xp.sum(weight, axis=1) @ table.reshape(table.shape[0], -1)
+        ).reshape(count, n + 1, n + 1)
         rows.append(
             (
-                own
+                within_panel
                 + (chain.instantaneous + xp.sum(plain, axis=1))[:, None, None] * eye,
                 weight,
                 plain,
@@ -351,8 +351,8 @@ def _remembered(t: np.ndarray, l: np.ndarray, top: int) -> np.ndarray:
     short = int(np.searchsorted(l[:, 0], 8 / last**2))
     low, high = slice(0, short), slice(short, None)
     for k in range(1, last):
-        own = polynomial[k] - ended[low] + k * l[low] * d[k, low]
-        d[k + 1, low] = d[k - 1, low] + 2 * own
+        half_increment = polynomial[k] - ended[low] + k * l[low] * d[k, low]
+        d[k + 1, low] = d[k - 1, low] + 2 * half_increment
     d[last, high] = _remembered_slope(t, l[high], last)
     # -d_{k-1} - 2 l k d_k + d_{k+1} = 2 (T_k - E), k = 2 ... last - 1, eliminated
     # upwards, solved downwards

@@ -177,7 +177,9 @@ def _solve(
         return _march(law, lines, velocity, _at_depth(lines, size, value), samples)
 
     def advance(state):
-        log_size, log_before, excess_before, slope, low, high, done, count, kept = state
+        log_size, log_before, excess_before, slope, low, high, settled, count, kept = (
+            state
+        )
         march = _march(law, lines, velocity, jnp.exp(log_size), samples)
         excess = jnp.log(march.normal / value)
         moved = log_size - log_before
@@ -192,7 +194,7 @@ def _solve(
         following = jnp.where((following > low) & (following < high), following, middle)
         met = jnp.abs(excess) <= tolerance
         kept = jax.tree.map(
-            lambda old, new: jnp.where(done, old, new),
+            lambda old, new: jnp.where(settled, old, new),
             kept,
             march._replace(good=march.good & met),
         )
@@ -203,7 +205,7 @@ def _solve(
             slope,
             low,
             high,
-            done | met,
+            settled | met,
             count + 1,
             kept,
         )
@@ -247,7 +249,10 @@ def _differentiable(
     slopes = [(side[:points] - side[points:]) / (2 * _TILT) for side in sides[:-1]]
     step = -(march.normal - value) / slopes[1]  # of log A
     return _March(
-        *(part + slope * step for part, slope in zip(march[:-1], slopes, strict=True)),
+        *(
+            quantity + slope * step
+            for quantity, slope in zip(march[:-1], slopes, strict=True)
+        ),
         good=march.good,
     )
 
@@ -309,7 +314,8 @@ def _march(
         state = jax.tree.map(lambda saved: saved[-1], solution.ys)
         succeeded = solution.result == diffrax.RESULTS.successful
     impulse, work, away = (
-        part.reshape(entry.shape) for part in (state.impulse, state.work, state.away)
+        integral.reshape(entry.shape)
+        for integral in (state.impulse, state.work, state.away)
     )
     weight = lines.weight(size)
     normal, drag = (

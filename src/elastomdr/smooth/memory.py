@@ -112,11 +112,11 @@ def tabulated(p: Passage, size: Float[Array, " points"], full: bool = False) -> 
 def selected(p: Passage, points: Array) -> Passage:
     """The same for some of its points."""
 
-    def some(x: Array) -> Array:
+    def chosen(x: Array) -> Array:
         return x[..., points] if x.shape[-1] > 1 or p.velocity.size == 1 else x
 
-    ends = None if p.ends is None else some(p.ends)
-    table = None if p.table is None else p.table.each(some)
+    ends = None if p.ends is None else chosen(p.ends)
+    table = None if p.table is None else p.table.each(chosen)
     return p._replace(velocity=p.velocity[points], ends=ends, table=table)
 
 
@@ -356,16 +356,16 @@ def _advanced(m: Memory, panel: _Panel, decay: Array) -> Memory:
 
 def _from_apex(p: Passage, size: Array, place: Array, full: bool) -> Memory:
     """The memory where one panel reaches from the apex to `place`."""
-    own = _within(_panel(p, size, xp.zeros_like(place), place, full), p.decay)
+    within = _within(_panel(p, size, xp.zeros_like(place), place, full), p.decay)
     return Memory(
-        own.ahead,
-        own.ahead_lost,
-        own.far,
-        own.far_lost,
-        own.moment,
-        own.work,
-        own.work_lost,
-        own.square,
+        within.ahead,
+        within.ahead_lost,
+        within.far,
+        within.far_lost,
+        within.moment,
+        within.work,
+        within.work_lost,
+        within.square,
     )
 
 
@@ -383,13 +383,15 @@ def one_panel(
 
 
 def _local(panel: _Panel, decay: Array) -> _Local:
-    own, before, z = (
+    within, before, z = (
         _within(panel, decay),
         xp.exp(-panel.start / decay),
         panel.width / decay,
     )
-    near_lost = -xp.expm1(-panel.start / decay) * own.mean + before * own.ahead_lost
-    return _Local(xp.exp(-z), before * own.ahead, near_lost, -xp.expm1(-z), *own)
+    near_lost = (
+        -xp.expm1(-panel.start / decay) * within.mean + before * within.ahead_lost
+    )
+    return _Local(xp.exp(-z), before * within.ahead, near_lost, -xp.expm1(-z), *within)
 
 
 def _within(panel: _Panel, decay: Array) -> Within:
@@ -401,7 +403,7 @@ def _within(panel: _Panel, decay: Array) -> Within:
     # nothing cancels for small z.
     zeroth, both, forth, back, rest = panel_sums(c, kappa, z)
     lost = 0.5 * z * both
-    own = Within(
+    within = Within(
         mean=width * mean,
         ahead=width * (mean * zeroth + forth),
         ahead_lost=width * (mean * lost - forth),
@@ -413,9 +415,9 @@ def _within(panel: _Panel, decay: Array) -> Within:
         square=None,
     )
     if kappa is None or rest is None:
-        return own
+        return within
     powers = 1 / (2 * np.arange(c.shape[0]) + 1.0)[None]
-    return own._replace(
+    return within._replace(
         work=width**2 * (kappa[0] * zeroth + rest),
         work_lost=width**2 * (kappa[0] * lost - rest),
         square=width * _applied(powers, c**2)[0],

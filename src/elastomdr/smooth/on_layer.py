@@ -92,7 +92,13 @@ def on_layer(
 
 
 def beside_layer(
-    found: Steady, material: Any, shape: Any, *, load: Any, depth: Any, temperature: Any
+    on_springs: Steady,
+    material: Any,
+    shape: Any,
+    *,
+    load: Any,
+    depth: Any,
+    temperature: Any,
 ) -> Steady:
     """The result on springs, with how far it is from that on the layer they stand for
     as its `model_error`.
@@ -101,13 +107,15 @@ def beside_layer(
     ten times as long and more.
     """
     if not isinstance(material, Foundation) or material.slab is None:
-        return found
-    apart = found.mu * np.nan
-    linear = found.strain is None
+        return on_springs
+    apart = on_springs.mu * np.nan
+    linear = on_springs.strain is None
     if (
         linear
         and isinstance(shape, Cylinder)
-        and not is_traced(material, shape, found.velocity, load, depth, temperature)
+        and not is_traced(
+            material, shape, on_springs.velocity, load, depth, temperature
+        )
     ):
         slab = material.slab
         from .cylinder import cylinder_on_layer
@@ -118,7 +126,7 @@ def beside_layer(
                 "rolling",
                 Layer(slab.material, slab.thickness, bonded=slab.bonded),
                 shape,
-                velocity=found.velocity,
+                velocity=on_springs.velocity,
                 load=load,
                 depth=None
                 if depth is None
@@ -128,5 +136,5 @@ def beside_layer(
                 rtol=_ENOUGH,
             )
         deep = False if depth is None else np.asarray(depth) >= slab.thickness
-        apart = np.where(deep, np.nan, np.abs(found.mu - exact.mu) + exact.error)
-    return found._replace(model_error=apart)
+        apart = np.where(deep, np.nan, np.abs(on_springs.mu - exact.mu) + exact.error)
+    return on_springs._replace(model_error=apart)

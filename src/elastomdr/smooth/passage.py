@@ -265,26 +265,26 @@ def _edges(
         elif not single:
             log_size = _first_guess(p, value, top)
         if single and (p.rule.parabola or not by_depth):
-            log_size, ratio, found = _of_parabola(
+            log_size, ratio, converged = _of_parabola(
                 p, log_size if by_depth else value, top, by_depth
             )
-            if p.rule.parabola and found.all():
-                return p, np.exp(log_size), ratio, found
+            if p.rule.parabola and converged.all():
+                return p, np.exp(log_size), ratio, converged
         if single and not p.rule.exact:
             coarse = tabulated(p._replace(rule=p.rule.coarser()), np.exp(log_size))
-            log_size, ratio, found = _sought(
+            log_size, ratio, converged = _sought(
                 coarse, value, log_size, ratio, top, by_depth
             )
-            ratio = np.where(found, ratio, 0.8)
-    found = np.zeros(value.shape, bool)
+            ratio = np.where(converged, ratio, 0.8)
+    converged = np.zeros(value.shape, bool)
     for _ in range(_TABLES):
         p, before = tabulated(p, np.exp(log_size), full=True), log_size
-        log_size, ratio, found = _sought(
+        log_size, ratio, converged = _sought(
             first_variant(p), value, log_size, ratio, top, by_depth
         )
         if p.table is None or np.all(np.abs(log_size - before) < _MOVED):
             break
-    return p, np.exp(log_size), ratio, found
+    return p, np.exp(log_size), ratio, converged
 
 
 def _sought(
@@ -295,21 +295,23 @@ def _sought(
     """
     start = log_size, ratio
     newton = _by_newton if isinstance(p.lines, SingleLine) else _by_newton_on_strips
-    log_size, ratio, found = newton(p, value, log_size, ratio, top, by_depth)
-    left = ~found
+    log_size, ratio, converged = newton(p, value, log_size, ratio, top, by_depth)
+    left = ~converged
     if left.any():
-        some, log_size, ratio = selected(p, left), log_size.copy(), ratio.copy()
+        remaining, log_size, ratio = selected(p, left), log_size.copy(), ratio.copy()
         log_size[left], ratio[:, left] = start[0][left], start[1][:, left]
         if by_depth:
             size = np.exp(log_size[left])
-            ratio[:, left], _, found[left] = _exits(some, size, ratio[:, left], 1.0)
+            ratio[:, left], _, converged[left] = _exits(
+                remaining, size, ratio[:, left], 1.0
+            )
         else:
-            size, ratio[:, left], found[left] = _size_of_load(
-                some, value[left], log_size[left], ratio[:, left], top[left]
+            size, ratio[:, left], converged[left] = _size_of_load(
+                remaining, value[left], log_size[left], ratio[:, left], top[left]
             )
             log_size[left] = np.log(size)
-        found[left] &= _settled(some, size, ratio[:, left])
-    return log_size, ratio, found
+        converged[left] &= _settled(remaining, size, ratio[:, left])
+    return log_size, ratio, converged
 
 
 def _by_newton(
@@ -318,13 +320,19 @@ def _by_newton(
     """Newton's method on load and trailing edge together, for the points on which it
     settles within few steps; the others are left to one search within another.
     """
-    log_size, ratio, found = log_size.copy(), ratio.copy(), np.zeros(value.shape, bool)
+    log_size, ratio, converged = (
+        log_size.copy(),
+        ratio.copy(),
+        np.zeros(value.shape, bool),
+    )
     left = np.arange(value.size)
     for _ in range(_STEPS):
         size, edge = np.exp(log_size[left]), ratio[0, left]
-        some = selected(p, left) if left.size < value.size else p
-        at = balance_and_slopes(some, size, edge[None])
-        density, force, density_entry, density_exit, force_entry = (x[0] for x in at)
+        remaining = selected(p, left) if left.size < value.size else p
+        passing = balance_and_slopes(remaining, size, edge[None])
+        density, force, density_entry, density_exit, force_entry = (
+            x[0] for x in passing
+        )
         if by_depth:
             excess, step, turn = 0.0, 0.0, -density / (size * density_exit)
         else:
@@ -352,7 +360,7 @@ def _by_newton(
         log_size[left] = np.minimum(
             log_size[left] + np.clip(step, -2.0, 2.0), top[left]
         )
-        ratio[0, left], found[left] = after, small
+        ratio[0, left], converged[left] = after, small
         # Near a kink at the apex the edge may lie anywhere, and a step that is no
         # number leads nowhere.
         left = left[
@@ -360,7 +368,7 @@ def _by_newton(
         ]
         if not left.size:
             break
-    return log_size, ratio, found
+    return log_size, ratio, converged
 
 
 def _by_newton_on_strips(
@@ -371,12 +379,16 @@ def _by_newton_on_strips(
     How an edge moves with the size is left out; the force does not change to first
     order with an edge, so that two steps together are still quadratic.
     """
-    log_size, ratio, found = log_size.copy(), ratio.copy(), np.zeros(value.shape, bool)
+    log_size, ratio, converged = (
+        log_size.copy(),
+        ratio.copy(),
+        np.zeros(value.shape, bool),
+    )
     left = np.arange(value.size)
     for _ in range(_STEPS):
         size, edge = np.exp(log_size[left]), ratio[:, left]
-        some = selected(p, left) if left.size < value.size else p
-        passing = balance_and_slopes(some, size, edge)
+        remaining = selected(p, left) if left.size < value.size else p
+        passing = balance_and_slopes(remaining, size, edge)
         entry, weight = p.lines.entry(size), p.lines.weight(size)
         turn = -passing.density / (entry * passing.density_exit)
         excess, step = np.zeros_like(size), np.zeros_like(size)
@@ -396,11 +408,11 @@ def _by_newton_on_strips(
         beyond = 1 - 0.2 * (1 - edge)
         after = np.where(after >= 1, beyond, np.where(after <= 0, 0.2 * edge, after))
         log_size[left] = np.minimum(log_size[left] + step, top[left])
-        ratio[:, left], found[left] = after, small
+        ratio[:, left], converged[left] = after, small
         left = left[~small & np.isfinite(np.sum(turn, axis=0) + step)]
         if not left.size:
             break
-    return log_size, ratio, found
+    return log_size, ratio, converged
 
 
 def _settled(p: Passage, size: Array, ratio: Array) -> Array:
@@ -483,7 +495,7 @@ def _of_parabola(
     a, b, length, before = 4 * (np.ones_like(given),)
     # of a parabola that is the curvature
     curvature, weight = lines.profile(a, a, line), lines.weight(a)[0]
-    found = np.zeros(given.shape, bool)
+    converged = np.zeros(given.shape, bool)
     for _ in range(_GUESSES):
         length = np.exp(log_length)
         kept, first, second, third = (
@@ -514,11 +526,15 @@ def _of_parabola(
         if miss.max() < _GUESSED_WELL and (not exact or left.max() <= _TO_ROUNDING):
             moved = left_over / mean * step  # da/dL = left_over/mean
             a, b = a + moved, b + step - moved
-            found = size <= widest
+            converged = size <= widest
             break
         before = miss
     ratio = np.minimum(np.maximum(b / a, _NEAREST_EXIT), 1 - 4e-16)
-    return given if by_size else np.minimum(np.log(length * a), top), ratio[None], found
+    return (
+        given if by_size else np.minimum(np.log(length * a), top),
+        ratio[None],
+        converged,
+    )
 
 
 def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:
@@ -566,13 +582,13 @@ def _exits(
     elastic = _elastic_slope(p, size)
     slope = factor * elastic
     low, high = np.full_like(ratio, _NEAREST_EXIT), np.full_like(ratio, 1 + 1e-14)
-    done = np.zeros(ratio.shape, bool)
+    settled = np.zeros(ratio.shape, bool)
     if p.rule.split:
-        done = exit_density(p, size, low) <= 0  # contact is lost at the apex
-        ratio = np.where(done, low, ratio)
+        settled = exit_density(p, size, low) <= 0  # contact is lost at the apex
+        ratio = np.where(settled, low, ratio)
     before, density_before = ratio, np.zeros_like(ratio)
     for _ in range(_ITERATIONS):
-        if done.all():
+        if settled.all():
             break
         density = exit_density(p, size, ratio)
         low = np.where(density > 0, ratio, low)
@@ -587,9 +603,9 @@ def _exits(
         close = _TIGHT * np.minimum(ratio, 1 - ratio) + 4e-15
         small = np.abs(following - ratio) <= close
         before, density_before = ratio, density
-        ratio = np.where(done, ratio, following)
-        done = done | small | (density == 0)
-    return ratio, slope / elastic, np.all(done, axis=0)
+        ratio = np.where(settled, ratio, following)
+        settled = settled | small | (density == 0)
+    return ratio, slope / elastic, np.all(settled, axis=0)
 
 
 def _secant(step: Array, change: Array, slope: Array, far: Array | float) -> Array:

@@ -187,19 +187,19 @@ def traced_level(rtol: float, bends: bool) -> int:
 
 def _described(plan: Plan) -> list[str]:
     lines = [f"  model        {plan.model}"]
-    what = (
+    request = (
         f"{plan.points} point{'s' * (plan.points != 1)} by {plan.control}, relative "
         f"error of mu {plan.rtol:g}"
     )
-    lines.append(f"  asked        {what}")
+    lines.append(f"  asked        {request}")
     lines.append(f"  contact      {_contact(plan)}")
-    lines += [f"  branches     {text}" for text in _branches(plan)]
+    lines += [f"  branches     {branches}" for branches in _branches(plan)]
     if plan.temperatures > 1:
-        text = (
+        sentence = (
             f"{plan.temperatures} temperatures enter as shifted velocities v a_T: one "
             "spectrum serves all"
         )
-        lines.append(f"  temperature  {text}")
+        lines.append(f"  temperature  {sentence}")
     if plan.passing is not None:
         lines.append(f"  frequencies  {_frequencies(plan, plan.passing)}")
     lines.append(f"  directions   {_directions(plan)}")
@@ -215,21 +215,23 @@ def _described(plan: Plan) -> list[str]:
 
 
 def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
-    text = (
+    sentence = (
         f"passages dissipate most about 2 v a_T/a, {passing[0]:.1g} to "
         f"{passing[1]:.1g} rad/s"
     )
     if plan.range is None or plan.range.omega is None:
-        return text
+        return sentence
     if not plan.range.omega:
         return (
-            f"{text}: the range of the material is empty, the data determine its loss "
+            f"{sentence}: the range of the material is empty, the data determine its loss "
             "modulus nowhere"
         )
     low, high = plan.range.omega
     where = "within" if low <= SLOWEST * passing[0] and passing[1] <= high else "beyond"
-    text += f", and last up to {1 / (SLOWEST * passing[0]):.1g} s"
-    return f"{text}: {where} the range of the material, {low:.3g} to {high:.3g} rad/s"
+    sentence += f", and last up to {1 / (SLOWEST * passing[0]):.1g} s"
+    return (
+        f"{sentence}: {where} the range of the material, {low:.3g} to {high:.3g} rad/s"
+    )
 
 
 def _contact(plan: Plan) -> str:
@@ -301,9 +303,9 @@ def _directions(plan: Plan) -> str:
                 f"{plan.solutions} line solutions, "
                 "more where it does"
             )
-        text = (
+        sentence = (
             f"{each}; velocities share one line curve per load: {plan.solutions} line "
             f"solutions instead of {alone}"
         )
-        return f"{text}, more where friction bends" if plan.bends else text
+        return f"{sentence}, more where friction bends" if plan.bends else sentence
     return f"{each}: {plan.solutions} line solutions"

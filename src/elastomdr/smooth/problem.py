@@ -105,30 +105,30 @@ class Solved(NamedTuple):
 
 
 def packed(
-    points: Scene, found: Solved, body: Any, name: str, covers: Any, rtol: float
+    points: Scene, solved: Solved, body: Any, name: str, covers: Any, rtol: float
 ) -> Steady:
     """Fields in the shape of the points, NaN where one failed; forces times b_T."""
 
     def shaped(field: Any) -> Any:
-        return nan_unless(found.good, field).reshape(points.shape)
+        return nan_unless(solved.good, field).reshape(points.shape)
 
-    force = found.force * xp.asarray(points.vertical).reshape(-1)
-    contact = Contact(shaped(found.leading), shaped(found.trailing))
+    force = solved.force * xp.asarray(points.vertical).reshape(-1)
+    contact = Contact(shaped(solved.leading), shaped(solved.trailing))
     size = 0.5 * (contact.leading + contact.trailing)
-    kelvin = points.full(points.kelvin)
-    beyond = steady_beyond(body.range, points.full(points.reduced), size, kelvin)
+    temperature = points.full(points.kelvin)
+    beyond = steady_beyond(body.range, points.full(points.reduced), size, temperature)
     inputs = points.inputs(("shape", name), *(("cover", cover) for cover in covers))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     return Steady(
         velocity=points.full(points.velocity),
-        mu=shaped(found.mu),
-        error=shaped(found.error),
-        model_error=shaped(found.model_error),
+        mu=shaped(solved.mu),
+        error=shaped(solved.error),
+        model_error=shaped(solved.model_error),
         normal_force=shaped(force),
-        friction_force=shaped(found.mu * force),
-        depth=shaped(found.depth),
+        friction_force=shaped(solved.mu * force),
+        depth=shaped(solved.depth),
         contact=contact,
-        converged=found.good.reshape(points.shape),
+        converged=solved.good.reshape(points.shape),
         extrapolated=beyond.points,
         inputs=tuple(inputs) + beyond.said,
     )
@@ -169,7 +169,11 @@ def set_up(
         temperature=temperature,
     )
     control: Control = "load" if points.name == "load" else "depth"
-    law, kelvin, vertical = foundation.law(), points.kelvin, points.vertical.reshape(-1)
+    law, temperatures, vertical = (
+        foundation.law(),
+        points.kelvin,
+        points.vertical.reshape(-1),
+    )
     value, reduced = points.at_reference(), points.reduced.reshape(-1)
     if not points.traced:
         _check_size(lines, control, value)
@@ -193,7 +197,7 @@ def set_up(
         spread,
         passing,
         int(np.prod(points.shape)),
-        1 if kelvin is None else int(np.size(kelvin)),
+        1 if temperatures is None else int(np.size(temperatures)),
         averaged,
         corrected,
         float(rtol),
@@ -211,7 +215,7 @@ def set_up(
         vertical,
         points.full(points.velocity).reshape(-1),
         reduced,
-        points.full(kelvin),
+        points.full(temperatures),
         points.shape,
         plan,
         tuple(inputs),
@@ -306,9 +310,9 @@ def solve(scene: SmoothScene) -> Steady:
     )
 
 
-def nearly(good: Any, found: Any) -> str:
+def nearly(good: Any, solved: Any) -> str:
     """What a larger rtol would help, if the points that failed have small errors."""
-    missed = (found.error / found.mu)[~good & (found.mu > 0)]
+    missed = (solved.error / solved.mu)[~good & (solved.mu > 0)]
     if not missed.size or not missed.max() < 0.1:
         return ""
     return (
@@ -329,7 +333,7 @@ def too_deep(sunk: Any, thick: Any) -> str:
 
 @compiled("bare", "shape")
 def _fields(
-    found: Sweep,
+    sweep: Sweep,
     vertical: Any,
     extra: tuple[Any, ...],
     *,
@@ -342,8 +346,8 @@ def _fields(
     One program where JAX traces.
     """
 
-    good = found.line.converged
-    if not is_traced(found) and np.all(good):
+    good = sweep.line.converged
+    if not is_traced(sweep) and np.all(good):
         good = None
 
     def shaped(field: Any) -> Any:
@@ -353,15 +357,15 @@ def _fields(
             else (field if good is None else nan_unless(good, field)).reshape(shape)
         )
 
-    force = found.line.normal_force * vertical
+    force = sweep.line.normal_force * vertical
     fields = {
-        "mu": shaped(found.mu),
-        "error": shaped(found.error),
-        "model_error": shaped(found.model_error + bare * found.mu),
+        "mu": shaped(sweep.mu),
+        "error": shaped(sweep.error),
+        "model_error": shaped(sweep.model_error + bare * sweep.mu),
         "normal_force": shaped(force),
-        "friction_force": shaped(found.mu * force),
-        "depth": shaped(found.line.depth),
-        "contact": Contact(shaped(found.line.leading), shaped(found.line.trailing)),
+        "friction_force": shaped(sweep.mu * force),
+        "depth": shaped(sweep.line.depth),
+        "contact": Contact(shaped(sweep.line.leading), shaped(sweep.line.trailing)),
     }
     strain, linear = (shaped(x) for x in extra) if extra else (None, None)
     return fields, strain, linear
@@ -370,17 +374,17 @@ def _fields(
 def _sunk(scene: SmoothScene) -> str:
     """Why a load was not carried, and what to do."""
     radius = float(np.asarray(scene.lines.shape.largest_contact))
-    text = (
+    sentence = (
         f"The load would need a contact wider than the {scene.lines.shape.label} has "
         f"({radius:.4g} m)"
     )
     if scene.plan.averaged and float(np.asarray(scene.law.equilibrium)) == 0:
-        text += (
+        sentence += (
             " in the slow directions of the average, since a liquid (equilibrium "
             "modulus 0) carries nothing at rest: give em.Paraboloid, or "
             "model=em.Line()"
         )
-    return f"{text}."
+    return f"{sentence}."
 
 
 def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:

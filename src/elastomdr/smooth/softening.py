@@ -83,24 +83,24 @@ def run_softened(
     else:
         factor = _factor(alone, shared, points)
         linear = run(plan, law, lines, value, velocity).mu
-    found = run(
+    sweep = run(
         plan, law, lines, value / factor if plan.control == "load" else value, velocity
     )
-    amplitude = _strain(found.line, lines, foundation.thickness)
+    amplitude = _strain(sweep.line, lines, foundation.thickness)
     storage, loss = softening.factors(amplitude)
     ratio = loss / storage
     untouched = (abs(storage - 1) < _ROUNDING) & (abs(loss - 1) < _ROUNDING)
-    line = found.line._replace(
-        normal_force=storage * found.line.normal_force,
-        friction_force=loss * found.line.friction_force,
+    line = sweep.line._replace(
+        normal_force=storage * sweep.line.normal_force,
+        friction_force=loss * sweep.line.friction_force,
     )
-    error = ratio * found.error + abs(ratio * found.mu * (storage / factor - 1))
-    softer = found._replace(
-        mu=ratio * found.mu,
+    error = ratio * sweep.error + abs(ratio * sweep.mu * (storage / factor - 1))
+    softer = sweep._replace(
+        mu=ratio * sweep.mu,
         error=error,
         line=line,
         # what one strain for all leaves is not known
-        model_error=xp.where(untouched, found.model_error, xp.nan),
+        model_error=xp.where(untouched, sweep.model_error, xp.nan),
     )
     return softer, Softened(amplitude, storage, loss, linear)
 
@@ -110,12 +110,12 @@ def _strain(line: Passages, lines: AbstractLines, thickness: Any) -> Any:
         return TABOR * lines.shape._steepness(0.5 * (line.leading + line.trailing))
     # of the profile at the edge: the indentation is d (1 - t^n), over a line or a disc
     n = line.exponent
-    part = (
+    mean_square = (
         1 - 2 / (n + 1) + 1 / (2 * n + 1)
         if isinstance(lines.shape, Cylinder)
         else 1 - 4 / (n + 2) + 1 / (n + 1)
     )
-    return xp.sqrt(part) * line.depth / thickness
+    return xp.sqrt(mean_square) * line.depth / thickness
 
 
 def _next_factor(alone: Plan, factor: Any, shared: Any, points: Any) -> Any:
@@ -164,13 +164,13 @@ def softened_words(
         f"{float(x[good].min()):.3g} to {float(x[good].max()):.3g}"
         for x in (soft.strain, soft.storage, soft.loss)
     ]
-    text = (
+    sentence = (
         f"effective strain {ends[0]}; storage modulus times {ends[1]}, loss modulus "
         f"times {ends[2]}"
     )
     if beyond.any():
-        text += (
+        sentence += (
             f"; {int(beyond.sum())} points beyond the strain sweep, where the factors "
             "are held"
         )
-    return (("softening", text),)
+    return (("softening", sentence),)

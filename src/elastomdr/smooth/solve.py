@@ -90,14 +90,14 @@ def run(
     whole, law = law, condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
-        own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
-        sunk = _sunk(lines, own)
+        ahead = _solve(plan, law, lines, plan.control, value, velocity, rtol)
+        sunk = _sunk(lines, ahead)
         lossy = 0.0 if plan.elastic else 1.0
         mu, error, good, model_error = (
-            lossy * own.mu,
-            lossy * own.error,
-            own.converged,
-            0.0 * own.mu,
+            lossy * ahead.mu,
+            lossy * ahead.error,
+            ahead.converged,
+            0.0 * ahead.mu,
         )
     else:
         deep = (
@@ -109,7 +109,7 @@ def run(
             value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         )
         averaged, solved = _shared if plan.shared else _direct, []
-        mu, skew, error, sampling, good, own, sunk = averaged(
+        mu, skew, error, sampling, good, ahead, sunk = averaged(
             plan, law, lines, load, velocity, rtol, 0, solved
         )
         # both are added below
@@ -122,14 +122,16 @@ def run(
                 plan, law, lines, load[left], velocity[left], rtol, level, solved
             )
             mu[left], skew[:, left], error[left], sampling[left], good[left] = again[:5]
-            _put(own, left, again[5])
+            _put(ahead, left, again[5])
             sunk |= again[6]
         if deep is not None:
-            own, good = deep, good & deep.converged
-        mu, error, model_error = _against_half_space(plan, whole, mu, skew, error, own)
+            ahead, good = deep, good & deep.converged
+        mu, error, model_error = _against_half_space(
+            plan, whole, mu, skew, error, ahead
+        )
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
-    return Sweep(mu, error, own._replace(converged=good), model_error, sunk)
+    return Sweep(mu, error, ahead._replace(converged=good), model_error, sunk)
 
 
 def _sunk(lines: AbstractLines, passages: Passages) -> bool:
@@ -139,7 +141,7 @@ def _sunk(lines: AbstractLines, passages: Passages) -> bool:
 
 
 def _against_half_space(
-    plan: Plan, law: Relaxation, mu: Array, skew: Array, error: Array, own: Passages
+    plan: Plan, law: Relaxation, mu: Array, skew: Array, error: Array, ahead: Passages
 ) -> tuple[Array, Array, Array]:
     """Friction, its numerical error and the model's: the average as it is, or corrected
     for an asymmetric contact.
@@ -147,14 +149,16 @@ def _against_half_space(
     `skew` has the averages of `_skew`.
     """
     mean, exponent = skew / xp.where(mu > 0, mu, 1.0)
-    exponent = xp.maximum(own.exponent, exponent)
-    found = asymmetry(mu, own.mu, own.leading, own.trailing, exponent, mean)
+    exponent = xp.maximum(ahead.exponent, exponent)
+    correction = asymmetry(mu, ahead.mu, ahead.leading, ahead.trailing, exponent, mean)
     mapped = within_maps(law, exponent)
     if not plan.corrected:
-        return mu, error, mu * mapped * found.bound
-    factor = xp.exp(-found.excess)
-    error = factor * (error + found.sensitivity * (error + mu * own.error / own.mu))
-    return mu * factor, error, mu * factor * mapped * found.corrected
+        return mu, error, mu * mapped * correction.bound
+    factor = xp.exp(-correction.excess)
+    error = factor * (
+        error + correction.sensitivity * (error + mu * ahead.error / ahead.mu)
+    )
+    return mu * factor, error, mu * factor * mapped * correction.corrected
 
 
 def _shared(plan, law, lines, load, velocity, rtol, level, known):
@@ -176,8 +180,8 @@ def _shared(plan, law, lines, load, velocity, rtol, level, known):
         [grid.velocity for grid in grids] + [velocity[alone]]
     )
     every = _solve_new(plan, law, lines, every_load, every_velocity, rtol, known)
-    own = Passages(*(np.zeros(load.shape, field.dtype) for field in every))
-    _put(own, alone, Passages(*(field[sum(sizes) :] for field in every)))
+    ahead = Passages(*(np.zeros(load.shape, field.dtype) for field in every))
+    _put(ahead, alone, Passages(*(field[sum(sizes) :] for field in every)))
     mu, error, sampling = (np.empty_like(velocity) for _ in range(3))
     skew = np.empty((2, velocity.size))
     good, left = np.zeros(load.shape, bool), np.zeros(load.shape, bool)
@@ -195,15 +199,15 @@ def _shared(plan, law, lines, load, velocity, rtol, level, known):
         ]
         if points.size > size:
             read, precise = _read_off(grid, line, rtol)
-            _put(own, points, read._replace(converged=good[points]))
+            _put(ahead, points, read._replace(converged=good[points]))
             left[points] = good[points] & ~precise
     if left.any():
         _put(
-            own,
+            ahead,
             left,
             _solve(plan, law, lines, "load", load[left], velocity[left], rtol),
         )
-    return mu, skew, error, sampling, good & own.converged, own, _sunk(lines, every)
+    return mu, skew, error, sampling, good & ahead.converged, ahead, _sunk(lines, every)
 
 
 def _skew(line: Passages) -> tuple[Array, Array]:
@@ -215,8 +219,8 @@ def _skew(line: Passages) -> tuple[Array, Array]:
     return line.mu * ahead, line.mu * line.exponent
 
 
-def _put(whole: Passages, points: np.ndarray, part: Passages) -> None:
-    for field, values in zip(whole, part, strict=True):
+def _put(whole: Passages, points: np.ndarray, passages: Passages) -> None:
+    for field, values in zip(whole, passages, strict=True):
         field[points] = values
 
 
@@ -273,7 +277,7 @@ def _direct(plan, law, lines, load, velocity, rtol, level, known):
     every = _solve_new(plan, law, lines, loads, slowed.ravel(), rtol, known)
     every = Passages(*(field.reshape(slowed.shape) for field in every))
     # the first direction is the motion itself
-    own = Passages(*(field[:, 0].copy() for field in every))
+    ahead = Passages(*(field[:, 0].copy() for field in every))
     mu = every.mu @ rule.weights
     sampling = every.error @ rule.weights
     unseen = rule.tail + _UNSEEN * rtol
@@ -288,7 +292,7 @@ def _direct(plan, law, lines, load, velocity, rtol, level, known):
         error,
         sampling,
         every.converged.all(axis=1),
-        own,
+        ahead,
         _sunk(lines, every),
     )
 
@@ -329,11 +333,11 @@ def _solve_new(
     return Passages(*(field[rows] for field in every))
 
 
-def _place(asked: Any, there: Any) -> np.ndarray:
+def _place(asked: Any, numbers: Any) -> np.ndarray:
     """Where each number asked for is among others, if it is there; any index if not."""
-    order = np.argsort(there)
+    order = np.argsort(numbers)
     return order[
-        np.minimum(np.searchsorted(there, asked, sorter=order), order.size - 1)
+        np.minimum(np.searchsorted(numbers, asked, sorter=order), order.size - 1)
     ]
 
 
@@ -358,12 +362,24 @@ def _between(
         np.zeros(load.shape, bool),
     )
     for each in np.unique(load):
-        there, here = np.flatnonzero((loads == each) & known.converged), load == each
-        if there.size:
-            there = there[np.argsort(velocities[there])]
-            at, place = np.log(velocity[here]), np.log(velocities[there])
-            leading[here] = np.exp(np.interp(at, place, np.log(known.leading[there])))
-            share = np.interp(at, place, np.log(ratio[there] / (1 - ratio[there])))
+        neighbours, here = (
+            np.flatnonzero((loads == each) & known.converged),
+            load == each,
+        )
+        if neighbours.size:
+            neighbours = neighbours[np.argsort(velocities[neighbours])]
+            log_velocity, log_known = (
+                np.log(velocity[here]),
+                np.log(velocities[neighbours]),
+            )
+            leading[here] = np.exp(
+                np.interp(log_velocity, log_known, np.log(known.leading[neighbours]))
+            )
+            share = np.interp(
+                log_velocity,
+                log_known,
+                np.log(ratio[neighbours] / (1 - ratio[neighbours])),
+            )
             trailing[here], good[here] = leading[here] / (1 + np.exp(-share)), True
     blank = np.full(load.shape, np.nan)
     return Passages(blank, load, blank, blank, leading, trailing, blank, blank, good)
@@ -391,18 +407,18 @@ def _solve(
         return march_passages(
             filled(law), lines, control, value, velocity, max(wanted, 1e-9)
         )
-    part = _in_batches(law, lines, plan.rules[0], control, value, velocity, start)
+    passages = _in_batches(law, lines, plan.rules[0], control, value, velocity, start)
     for finer in plan.rules[1:]:
-        left = part.converged & ~(part.error <= wanted * part.mu)
+        left = passages.converged & ~(passages.error <= wanted * passages.mu)
         if not np.any(left):
             break
-        start = Passages(*(field[left] for field in part))
+        start = Passages(*(field[left] for field in passages))
         _put(
-            part,
+            passages,
             np.asarray(left),
             _in_batches(law, lines, finer, control, value[left], velocity[left], start),
         )
-    return part
+    return passages
 
 
 def _in_batches(
@@ -421,11 +437,11 @@ def _in_batches(
     if velocity.size <= most:
         return solve_passages(law, lines, rule, control, value, velocity, start)
     parts = []
-    for some in np.array_split(np.arange(velocity.size), -(-velocity.size // most)):
-        begun = None if start is None else Passages(*(field[some] for field in start))
+    for batch in np.array_split(np.arange(velocity.size), -(-velocity.size // most)):
+        begun = None if start is None else Passages(*(field[batch] for field in start))
         parts.append(
             solve_passages(
-                law, lines, rule, control, value[some], velocity[some], begun
+                law, lines, rule, control, value[batch], velocity[batch], begun
             )
         )
     return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
@@ -559,25 +575,25 @@ def _marched(
         return march_passages(law, lines, control, value, velocity, rtol)
 
     if not plan.averaged:
-        own = solve(plan.control, value, velocity)
+        ahead = solve(plan.control, value, velocity)
         lossy = 0.0 if plan.elastic else 1.0
         mu, error, good, model_error = (
-            lossy * own.mu,
-            lossy * own.error,
-            own.converged,
-            0.0 * own.mu,
+            lossy * ahead.mu,
+            lossy * ahead.error,
+            ahead.converged,
+            0.0 * ahead.mu,
         )
     else:
         around = _all_directions(plan, solve, value, velocity)
-        rule, own, mu = around.rule, around.ahead, around.mu
+        rule, ahead, mu = around.rule, around.ahead, around.mu
         half, quarter = (around.passages.mu @ x for x in (rule.half, rule.quarter))
         unseen = rule.tail + _UNSEEN * TRACED * plan.rtol
         error = quadrature_error(mu, half, quarter, unseen)
         error = error + around.passages.error @ rule.weights
         good = around.passages.converged.all(axis=1)
         mu, error, model_error = _against_half_space(
-            plan, law, mu, around.skew, error, own
+            plan, law, mu, around.skew, error, ahead
         )
     error = fixed(error + mu * _ROUNDING)
     good = fixed(good & (error <= plan.rtol * mu))
-    return Sweep(mu, error, own._replace(converged=good), fixed(model_error))
+    return Sweep(mu, error, ahead._replace(converged=good), fixed(model_error))

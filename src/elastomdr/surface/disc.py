@@ -219,8 +219,8 @@ def _invert(
     """
     value = xp.asarray(value)
     known, goal = fixed((disc, value))
-    there = goal > 0
-    goal = xp.log(xp.where(there, goal, 1.0))
+    in_contact = goal > 0
+    goal = xp.log(xp.where(in_contact, goal, 1.0))
     top = xp.broadcast_to(xp.log(xp.minimum(known.largest, 1e60)), goal.shape)
 
     def height_and_rate(disc: Disc, x: Array) -> tuple[Array, Array]:
@@ -229,30 +229,30 @@ def _invert(
         return disc.area(x), disc.width(x) * disc.slope(x)
 
     def advance(state: tuple) -> tuple:
-        log_x, low, high, done, count = state
+        log_x, low, high, settled, count = state
         x = xp.exp(log_x)
         height, rate = height_and_rate(known, x)
         excess = xp.log(height) - goal
         step = excess * height / (x * rate)
-        done = done | (xp.abs(step) < 1e-8)  # the last step, below, squares this
+        settled = settled | (xp.abs(step) < 1e-8)  # the last step, below, squares this
         low, high = xp.where(excess < 0, log_x, low), xp.where(excess < 0, high, log_x)
         following = log_x - step
         middle = 0.5 * (xp.maximum(low, log_x - 8) + xp.minimum(high, log_x + 8))
         following = xp.where((following > low) & (following < high), following, middle)
-        return xp.where(done, log_x, following), low, high, done, count + 1
+        return xp.where(settled, log_x, following), low, high, settled, count + 1
 
-    start = xp.minimum(xp.log(xp.where(there, fixed(guess), 1.0)), top - 0.1)
-    state = (start, xp.full_like(goal, -300.0), top, ~there, 0)
+    start = xp.minimum(xp.log(xp.where(in_contact, fixed(guess), 1.0)), top - 0.1)
+    state = (start, xp.full_like(goal, -300.0), top, ~in_contact, 0)
     log_x = while_loop(lambda s: ~xp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)[
         0
     ]
-    x = xp.where(there, xp.exp(log_x), xp.exp(start))
+    x = xp.where(in_contact, xp.exp(log_x), xp.exp(start))
     height, rate = height_and_rate(disc, x)
     step = (value - height) / fixed(rate)
     # Where the step is not that of a root, the value is more than the largest contact
     # can have.
     root = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
-    return xp.where(there, root, 0.0)
+    return xp.where(in_contact, root, 0.0)
 
 
 def _sphere_area(c: Array, layer: bool) -> Array:

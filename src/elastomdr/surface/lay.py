@@ -128,8 +128,8 @@ def _moments(maps: list[Periodogram], q: np.ndarray) -> _Moments:
             turned = np.exp(2j * order * one.angle[inside])
             by_grid = _sum(band, copies * turned, q.size) / np.maximum(counted, 1)
             total = _sum(band, copies * one.ratio[inside], q.size)
-            found = _sum(band, copies * one.ratio[inside] * turned, q.size)
-            sums[order] += found - (total * by_grid if order else 0.0)
+            moment = _sum(band, copies * one.ratio[inside] * turned, q.size)
+            sums[order] += moment - (total * by_grid if order else 0.0)
         number += counted / 2 * one.independent
     whole = np.maximum(sums[0].real, 1e-300)
     return _Moments(sums[1] / whole, sums[2] / whole, number)
@@ -137,7 +137,8 @@ def _moments(maps: list[Periodogram], q: np.ndarray) -> _Moments:
 
 def _sum(band: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
     real, imaginary = (
-        np.bincount(band, part, size) for part in (np.real(values), np.imag(values))
+        np.bincount(band, component, size)
+        for component in (np.real(values), np.imag(values))
     )
     return real + 1j * imaginary
 
@@ -145,12 +146,14 @@ def _sum(band: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
 def _fitted(moments: _Moments, q: np.ndarray, held: np.ndarray, across: float) -> Lay:
     """ln g at the nodes: a smooth curve through the bands, each with its error."""
     along = (moments.second * np.exp(-2j * across)).real
-    found = np.arctanh(np.clip(along, -_LARGEST, _LARGEST))
+    measured_log_g = np.arctanh(np.clip(along, -_LARGEST, _LARGEST))
     # of waves about one direction fewer carry the moment, but they scatter less
-    weight = np.where(held, 2 * moments.number * np.exp(-np.abs(found)), 0.0)
+    weight = np.where(held, 2 * moments.number * np.exp(-np.abs(measured_log_g)), 0.0)
     bend = np.diff(np.eye(q.size), 2, axis=0) / _BEND
     curvature = bend.T @ bend + np.diag(weight)
-    log_g = np.maximum(np.linalg.solve(curvature, weight * found), _MOST_TURNED)
+    log_g = np.maximum(
+        np.linalg.solve(curvature, weight * measured_log_g), _MOST_TURNED
+    )
     error = np.sqrt(np.diag(np.linalg.inv(curvature)))
     return Lay(q, log_g, error, float((across + np.pi / 2) % np.pi))
 

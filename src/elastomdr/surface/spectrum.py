@@ -130,8 +130,8 @@ class AbstractSpectrum(Tree):
         """int q^power C dq from `low` to `high` (default: the cutoffs), arrays of
         limits allowed.
         """
-        until = self._until(power, self.q_high if high is None else high)
-        return until if low is None else until - self._until(power, low)
+        integral = self._until(power, self.q_high if high is None else high)
+        return integral if low is None else integral - self._until(power, low)
 
     @numpy_unless_traced
     def _until(self, power: float, q: Any) -> Any:
@@ -297,10 +297,10 @@ class SelfAffine(AbstractSpectrum):
         fill(self, hurst=hurst, q=q, c=c)
         fill(self, c=_scaled(c, value, getattr(self, name)))
         if not possible(lambda c: ((c > 0) & np.isfinite(c)).all(), self.c):
-            said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
+            given = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(
                 f"{name} must be of a surface whose power spectrum double "
-                f"precision holds, got {said}."
+                f"precision holds, got {given}."
             )
 
     def __repr__(self) -> str:

@@ -181,20 +181,22 @@ def surface(
         _asymmetry(scan, each, high)
         for scan, each, high in zip(ready, waves, highest, strict=True)
     ]
-    report += [name + found.words for name, found in zip(names, asymmetry, strict=True)]
+    report += [
+        name + of_scan.words for name, of_scan in zip(names, asymmetry, strict=True)
+    ]
     report += [
         name + _slopes(scan, each, one)
         for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
     ]
-    lay, said = _directions(waves, highest, fit)
-    report += said
+    lay, sentences = _directions(waves, highest, fit)
+    report += sentences
     report += [_asks_for_shortest(fit)] if shortest is None else []
     return MeasuredSurface(
         q=fit.q,
         c=fit.c,
         relative_error=fit.error,
         measured_height=height,
-        skewness=max((found.skewness for found in asymmetry), key=abs),
+        skewness=max((of_scan.skewness for of_scan in asymmetry), key=abs),
         report=tuple(report),
         lay=lay,
         map=_only_map(ready, highest, shortest is not None or limits[0].noisy),
@@ -661,11 +663,11 @@ def _directions(
     if not maps:
         return None, []
     lay, crossed = measured_lay(maps, fit.q)
-    said = [] if lay is None else [lay.words()]
-    said += [crossed] if crossed else []
-    if not said:
+    remarks = [] if lay is None else [lay.words()]
+    remarks += [crossed] if crossed else []
+    if not remarks:
         return lay, []
-    sentence = "; ".join(["the surface is not isotropic", *said])
+    sentence = "; ".join(["the surface is not isotropic", *remarks])
     sentence += (
         "; em.friction takes a `direction`, all else the mean over directions"
         if lay is not None
