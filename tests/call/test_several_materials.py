@@ -37,7 +37,7 @@ CALLS = {
         m, ROAD, pressure=[1e5, 3e5], boundary_shear=1e5
     ),
     "lubricated": lambda m: em.lubricated(
-        m, em.Cylinder(5e-3, 1.0), velocity=[0.1, 1.0], load=10.0, viscosity=1.0
+        m, em.Cylinder(5e-3, 1.0), velocity=[0.1, 1.0], load=1e3, viscosity=1.0
     ),
 }
 

@@ -183,7 +183,7 @@ VERBS = {
         m,
         em.Cylinder(5e-3, 1.0),
         velocity=1.0,
-        load=10.0,
+        load=1e3,
         viscosity=1.0,
         rubber="rolls",
         **t,

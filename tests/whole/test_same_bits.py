@@ -107,7 +107,7 @@ CALLS = {
         RUBBER, ROAD, pressure=[1e5, 3e5], pressure_drop=1e4, viscosity=1.0, length=1.0
     ),
     "lubricated": lambda: em.lubricated(
-        RUBBER, em.Cylinder(5e-3, 1.0), velocity=[0.1, 1.0], load=10.0, viscosity=1.0
+        RUBBER, em.Cylinder(5e-3, 1.0), velocity=[0.1, 1.0], load=1e3, viscosity=1.0
     ),
 }
 SLOW = {

@@ -65,7 +65,9 @@ _CHANGED = 3e-4  # relative change of what is extrapolated, above which another 
 _UNSURE = 0.25  # part of that change that counts as error
 _FLAGGED = 3e-3  # relative error of the finer grid above which a point is not solved
 _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
-_THICKEST = 0.5  # film over the radius, above which the gap is no parabola
+# film over the radius above which the gap is no parabola: it is off by x^2/4R^2, 2.5 %
+# where it has doubled, x^2 = 2 h R
+_THICKEST = 0.05
 _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
 _BAND = "shaded: liquid in closed channels may stay or leave"
 # velocities of rubber and counterface in the frame of the contact, over that asked for
@@ -268,7 +270,7 @@ def lubricated(
             springs, and arguments out of range.
 
     Exact in plane strain for smooth surfaces, small strains and a liquid of constant
-    viscosity, flooded, with a film thin against the radius (above a half of it
+    viscosity, flooded, with a film thin against the radius (above a twentieth of it
     points are NaN); conserves mass where the film ruptures. Roughness enters by its mean
     gap. Source: `docs/seal.md`; Giacopini et al., J. Tribol. 132 (2010) 041702; Patir &
     Cheng, J. Lubr. Technol. 100 (1978) 12.
