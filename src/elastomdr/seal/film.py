@@ -40,9 +40,8 @@ _EVEN = 1e-10  # relative difference of flow along a solved film
 _LEAST_STEP = 1e-4  # share of a Newton step below which the search gives up
 _FLOODED = 19.0  # half-widths ahead of the contact at which a film begins
 _OUTLET = 0.15  # zone of dense nodes at the outlet over that at the inlet
-_NARROWS = (
-    0.4  # of the way from the edge to the least film, where the outlet's nodes are
-)
+# of the way from the edge to the least film, where the outlet's nodes are
+_NARROWS = 0.4
 _NEAR = 0.01  # half-widths of this that are worth it
 _START = 0.3  # lam at which a search begins, from Hertz' pressure
 _RATIO = 1.8  # of lam between one solution and the next, at most
