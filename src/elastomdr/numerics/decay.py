@@ -4,8 +4,13 @@ full accuracy for z >= 0.
 
 from __future__ import annotations
 
+import math
+
 from ..arrays import xp
 from ..checks import Array
+
+# the first term left out is below 1e-17 of the sum
+_PHI2 = [(-1.0) ** k / math.factorial(k + 2) for k in range(17)]
 
 
 def phi1(y: Array) -> Array:
@@ -20,10 +25,16 @@ def phi2(y: Array) -> Array:
     """
     # not min and max: at y = 1 they halve slopes
     small, large = xp.where(y < 1, y, 1.0), xp.where(y < 1, 1.0, y)
-    series = xp.ones_like(y)
-    for k in range(19, 2, -1):
-        series = 1 - small / k * series
-    return xp.where(y < 1, 0.5 * series, (1 - phi1(large)) / large)
+    return xp.where(y < 1, _phi2_series(small), (1 - phi1(large)) / large)
+
+
+def _phi2_series(y: Array) -> Array:
+    """(1 - phi1(y))/y for 0 <= y <= 1: sum_k (-y)^k/(k + 2)!, by Horner's rule."""
+    total = xp.full_like(y, _PHI2[-1])
+    for coefficient in _PHI2[-2::-1]:
+        total *= y  # in place on NumPy
+        total += coefficient
+    return total
 
 
 def ramp_weights(z: Array) -> tuple[Array, Array, Array]:
@@ -34,10 +45,7 @@ def ramp_weights(z: Array) -> tuple[Array, Array, Array]:
     linear over the step adds, from its value at the start and at the end.
     """
     small, large = xp.minimum(z, 1.0), xp.maximum(z, 1.0)
-    series = xp.ones_like(z)
-    for k in range(18, 2, -1):
-        series = 1 - small / k * series
-    series = 0.5 * series
+    series = _phi2_series(small)
     mean = 1 - small * series
     left = xp.exp(-large)
     mean_large = (1 - left) / large

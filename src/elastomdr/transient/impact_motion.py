@@ -31,6 +31,7 @@ from __future__ import annotations
 
 import functools
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -72,7 +73,8 @@ _REST = 1e-3  # and largest share that it may have of the largest force
 
 class Grid(NamedTuple):
     """n steps of the approach, filled up with steps that are not taken; so that grids
-    of one size compile once.
+    of one size compile once. On NumPy several stand side by side, one for each impact,
+    with a second axis.
     """
 
     taken: Bool[Array, " size"]
@@ -147,7 +149,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
 
     def joined(before: Array, after: Array) -> Array:
         return xp.concatenate(
-            [before[grid.shown], after[size - 1 - grid.shown[-2::-1]]]
+            [_rows(before, grid.shown), _rows(after, size - 1 - grid.shown[-2::-1])]
         )
 
     return Motion(
@@ -163,6 +165,33 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
         force=joined(path.force, states.force),
         solved=good & left,
     )
+
+
+def _rows(values: Array, rows: Array) -> Array:
+    """These nodes of all impacts, or of each its own."""
+    if rows.ndim == 1:
+        return values[rows]
+    return np.take_along_axis(values, rows, axis=0)
+
+
+def _where_taken(
+    taken: Array, take: Callable[[Body, tuple, tuple], tuple], body: Body, *given: tuple
+) -> tuple:
+    """The carry after a step of the impacts that take it; the others keep theirs."""
+    if taken.ndim == 0:
+        return cond(taken, take, lambda body, carry, step: carry, body, *given)
+    if np.all(taken):
+        return take(body, *given)
+    here = np.flatnonzero(taken)
+    carry, step = mapped(lambda x: x[..., here] if np.ndim(x) else x, given)
+    after = take(_select(body, here), carry, step)
+
+    def placed(old: Array, new: Array) -> Array:
+        whole = old.copy()
+        whole[..., here] = new
+        return whole
+
+    return mapped(placed, given[0], after)
 
 
 @functools.cache
@@ -185,6 +214,19 @@ def grid(n: int, size: int) -> Grid:
     )
 
 
+@functools.cache
+def _side_by_side(multiples: tuple[int, ...], impacts: int) -> Grid:
+    """Grids of so many times the coarsest, each for so many impacts."""
+    size = multiples[-1] * COARSEST
+    grids = [grid(k * COARSEST, size) for k in multiples]
+    return Grid(
+        *(
+            np.repeat(np.stack(x, axis=-1), impacts, axis=-1)
+            for x in zip(*grids, strict=True)
+        )
+    )
+
+
 def _approach(
     body: Body, per_area: bool, start: _Node, grid: Grid
 ) -> tuple[_Node, _Node, Array, Array]:
@@ -192,7 +234,7 @@ def _approach(
     which impacts were solved.
     """
 
-    def after(node: _Node, log_h: Array, speed: Array) -> _Node:
+    def after(body: Body, node: _Node, log_h: Array, speed: Array) -> _Node:
         h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
         depth = node.depth + 0.5 * h * (node.speed + speed)
@@ -203,7 +245,7 @@ def _approach(
         force = xp.sum(forces, axis=0) + body.viscosity * rate
         return _Node(node.time + h, depth, speed, rate, forces, centre, force)
 
-    def take(carry: tuple, step: Grid) -> tuple:
+    def take(body: Body, carry: tuple, step: Grid) -> tuple:
         node, log_force, slope, good = carry
         momentum = xp.log(body.mass * body.velocity * step.lost)
         speed = body.velocity * step.kept
@@ -211,7 +253,7 @@ def _approach(
         def residual(log_h: Array) -> Array:
             return (
                 log_h
-                + xp.log(0.5 * (node.force + after(node, log_h, speed).force))
+                + xp.log(0.5 * (node.force + after(body, node, log_h, speed).force))
                 - momentum
             )
 
@@ -220,14 +262,11 @@ def _approach(
         log_h, met = root(residual, momentum - (log_force + slope * step.stride))
         mean = momentum - fixed(log_h)
         slope = xp.clip((mean - log_force) / step.stride, -20, 20)
-        return (after(node, log_h, speed), mean, slope, good & met), xp.exp(log_h)
-
-    def skip(carry: tuple, step: Grid) -> tuple:
-        return carry, xp.ones_like(body.velocity)
+        return after(body, node, log_h, speed), mean, slope, good & met
 
     def step(carry: tuple, step: Grid) -> tuple:
-        carry, h = cond(step.taken, take, skip, carry, step)
-        return carry, (carry[0], h)
+        ahead = _where_taken(step.taken, take, body, carry, step)
+        return ahead, (ahead[0], ahead[0].time - carry[0].time)
 
     log_force = fixed(xp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(
         body, per_area, grid
@@ -281,7 +320,9 @@ def _retreat(
     approach leave.
     """
 
-    def after(node: _Rebound, touched: _Node, log_h: Array) -> tuple[Array, _Rebound]:
+    def after(
+        body: Body, node: _Rebound, touched: _Node, log_h: Array
+    ) -> tuple[Array, _Rebound]:
         h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
         since = xp.exp(-body.rates * (node.time + h - touched.time))
@@ -301,7 +342,7 @@ def _retreat(
             force,
         )
 
-    def take(carry: tuple, step: tuple) -> tuple:
+    def take(body: Body, carry: tuple, step: tuple) -> tuple:
         node, log_ratio, trend, good = carry
         touched, log_length, _, _ = step
         since = xp.exp(-body.rates * (node.time - touched.time))
@@ -311,20 +352,20 @@ def _retreat(
         )
 
         def residual(log_h: Array) -> Array:  # rises as a power of the step does
-            return xp.log((held - after(node, touched, log_h)[0]) / held)
+            return xp.log((held - after(body, node, touched, log_h)[0]) / held)
 
         log_h, met = root(residual, log_length + log_ratio + trend)
         ratio = fixed(log_h) - log_length
         trend = xp.clip(xp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
-        return after(node, touched, log_h)[1], ratio, trend, good & met
+        return after(body, node, touched, log_h)[1], ratio, trend, good & met
 
     def step(carry: tuple, step: tuple) -> tuple:
-        carry = cond(step[2], take, lambda carry, _: carry, carry, step)
+        carry = _where_taken(step[2], take, body, carry, step)
         ended = carry[0]._replace(force=xp.where(step[3], 0.0, carry[0].force))
         return (ended, *carry[1:]), ended
 
     touched = mapped(lambda x: x[-2::-1], path)
-    log_lengths = xp.log(fixed(lengths))[::-1]
+    log_lengths = fixed(xp.log(xp.where(lengths > 0, lengths, 1.0)))[::-1]
     zero = xp.zeros_like(log_lengths[0])
     first = xp.arange(log_lengths.shape[0])[::-1] == 0
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
@@ -343,7 +384,10 @@ def _retreat_of_punch(
     """
     measure = contact_measure(body.shape, turn.depth, per_area)
 
-    def after(node: _Rebound, target: Array, log_h: Array) -> tuple[Array, _Rebound]:
+    def after(
+        body: Body, carry: tuple, target: Array, log_h: Array
+    ) -> tuple[Array, _Rebound]:
+        node, measure = carry[0], carry[-1]
         h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
         speed = node.speed - 0.5 * h * (node.force + target) / body.mass
@@ -354,29 +398,27 @@ def _retreat_of_punch(
         force = measure * (xp.sum(centre, axis=0) + body.viscosity * speed)
         return force, _Rebound(node.time + h, depth, speed, centre, target)
 
-    def take(carry: tuple, step: tuple) -> tuple:
-        node, log_h, good = carry
-        target = turn.force * step[0]
+    def take(body: Body, carry: tuple, step: tuple) -> tuple:
+        node, log_h, good, measure = carry
+        target, _ = step
 
         def residual(log_h: Array) -> Array:
-            return xp.log(
-                (node.force - after(node, target, log_h)[0]) / (node.force - target)
-            )
+            force = after(body, carry, target, log_h)[0]
+            return xp.log((node.force - force) / (node.force - target))
 
         log_h, met = root(residual, fixed(log_h))
-        return after(node, target, log_h)[1], log_h, good & met
+        return after(body, carry, target, log_h)[1], log_h, good & met, measure
 
     def step(carry: tuple, step: tuple) -> tuple:
-        carry = cond(step[1], take, lambda carry, _: carry, carry, step)
+        carry = _where_taken(step[1], take, body, carry, step)
         return carry, carry[0]
 
-    j = xp.arange(grid.kept.shape[0])[::-1]
+    j = xp.arange(grid.kept.shape[0])[::-1, None]
+    targets = turn.force * (1 - (1 - j / grid.last) ** 2)
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
     guess = xp.log(turn.time / grid.last)
-    carry = (node, guess, xp.ones(guess.shape, bool))
-    (end, _, good), states = in_steps(
-        step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1])
-    )
+    carry = (node, guess, xp.ones(guess.shape, bool), measure)
+    (end, _, good, _), states = in_steps(step, carry, (targets, grid.taken[::-1]))
     return end, states, good
 
 
@@ -462,11 +504,15 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     """
     sizes = _STAGES[stage]
     if on_numpy():
-        of_grids = [
-            march(body, grid(k * COARSEST, k * COARSEST), per_area=per_area)
-            for k in sizes
-        ]
-        motions = mapped(lambda *x: np.stack(x), *of_grids)
+        count = body.velocity.shape[-1]
+        of_grids = march(
+            _select(body, np.tile(np.arange(count), len(sizes))),
+            _side_by_side(sizes, count),
+            per_area=per_area,
+        )
+        motions = mapped(
+            lambda x: np.moveaxis(x.reshape(*x.shape[:-1], -1, count), -2, 0), of_grids
+        )
     else:  # one program, for the largest
         import jax
 
