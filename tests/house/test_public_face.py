@@ -4,8 +4,6 @@ import ast
 import importlib
 import inspect
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,8 +11,6 @@ from typing import Any
 import pytest
 
 import elastomdr as em
-
-HERE = Path(__file__).parents[1] / "typing"
 
 
 @pytest.mark.parametrize("package", [em, em.fit], ids=["elastomdr", "elastomdr.fit"])
@@ -32,40 +28,6 @@ def test_the_stub_names_what_the_package_has(package):
         if module:
             home = importlib.import_module(module, package.__name__)
             assert getattr(package, name) is getattr(home, name)
-
-
-@pytest.fixture(scope="module")
-def errors() -> dict[str, list[int]]:
-    """The lines at which pyright finds errors in both files."""
-    files = ("good.py", "bad.py")
-    ran = subprocess.run(
-        [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, *files],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=HERE,
-    )
-    assert re.search(r"\d+ errors?, ", ran.stdout), ran.stdout + ran.stderr
-    return {
-        file: sorted(
-            {
-                int(line)
-                for line in re.findall(rf"\b{file}:(\d+):\d+ - error", ran.stdout)
-            }
-        )
-        for file in files
-    }
-
-
-def test_a_type_checker_accepts_right_uses_and_knows_their_types(errors):
-    assert errors["good.py"] == []
-
-
-def test_a_type_checker_refuses_wrong_uses(errors):
-    lines = (HERE / "bad.py").read_text(encoding="utf-8").splitlines()
-    assert errors["bad.py"] == [
-        number for number, line in enumerate(lines, 1) if "# error" in line
-    ]
 
 
 DEFENDED = {
