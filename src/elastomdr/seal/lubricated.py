@@ -69,7 +69,6 @@ _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 # where it has doubled, x^2 = 2 h R
 _THICKEST = 0.05
 _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
-_BAND = "shaded: liquid in closed channels may stay or leave"
 # velocities of rubber and counterface in the frame of the contact, over that asked for
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
 _MODEL = "Reynolds' equation and half-plane in plane strain, steady"
