@@ -247,7 +247,10 @@ def test_narrow_channels_carry_a_thicker_film():
     ("change", "named"),
     [
         ({"shape": em.Sphere(1e-2)}, "shape"),
-        ({"surface": ROUGH, "flow_factor": "reynolds"}, "flow_factor must be .maps. or .patir-cheng."),
+        (
+            {"surface": ROUGH, "flow_factor": "reynolds"},
+            "flow_factor must be .maps. or .patir-cheng.",
+        ),
         ({"rubber": "slides"}, "rubber"),
         ({"boundary_shear": 1e5}, "surface"),
         ({"viscosity": -1.0}, "viscosity"),

@@ -312,7 +312,9 @@ def leak(
         }
     )
     shape = broadcast_shape(**given)
-    relative_pressure, factor = level_of(foundation, _of_rubber(foundation, given))
+    relative_pressure, factor = relative_pressure_of(
+        foundation, _of_rubber(foundation, given)
+    )
     gaps = _gaps(chosen, surface, relative_pressure)
     good = xp.broadcast_to(gaps.good, shape)
     traced = is_traced(relative_pressure, *given.values())
@@ -343,7 +345,7 @@ def _of_rubber(foundation: Foundation, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _gaps(model: Any, surface: Any, relative_pressure: Any) -> GapFlow:
-    """The model's answers, in the shape of the levels."""
+    """The model's answers, in the shape of the pressures."""
     gaps = model.leak(surface, relative_pressure.ravel())
     numbers = {
         name: xp.reshape(x, relative_pressure.shape)
@@ -406,7 +408,9 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
     return given
 
 
-def level_of(foundation: Foundation, given: dict[str, Any]) -> tuple[Any, Any]:
+def relative_pressure_of(
+    foundation: Foundation, given: dict[str, Any]
+) -> tuple[Any, Any]:
     """p/E*, in the shape of what it depends on, and a_T."""
     time, temperature = given["time"], given["temperature"]
     shape = broadcast_shape(
