@@ -28,7 +28,7 @@ from scipy.optimize import least_squares
 
 import elastomdr as em
 from elastomdr.rough.psd_integrals import PER_DECADE, nodes
-from elastomdr.seal.gap_flow import effective_medium
+from elastomdr.seal.gap_maps import effective_medium
 from elastomdr.seal.leak_form import FORM, Form, factor, gap_of, log_bound
 from elastomdr.seal.persson_gap import contact_of, mean_gap
 

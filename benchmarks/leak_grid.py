@@ -17,8 +17,7 @@ import numpy as np
 from common import RESULTS
 from leak_maps import SURFACES, carried, grid_of, levels, spectrum_of, surface
 
-from elastomdr.seal.gap_flow import flow
-from elastomdr.seal.gap_maps import pressed
+from elastomdr.seal.gap_maps import flow, pressed
 from elastomdr.surface.spectrum import rough_map
 
 FILE = RESULTS / "leak_grid.json"

@@ -25,8 +25,7 @@ from common import RESULTS
 import elastomdr as em
 from elastomdr.rough.multiscale import contact
 from elastomdr.rough.random_maps import Grid, summits
-from elastomdr.seal.gap_flow import flow
-from elastomdr.seal.gap_maps import pressed
+from elastomdr.seal.gap_maps import flow, pressed
 from elastomdr.surface.spectrum import rough_map
 
 FILE = RESULTS / "leak_maps.json"

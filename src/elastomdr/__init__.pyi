@@ -60,8 +60,8 @@ from .rough.results import LineContact as LineContact
 from .rough.results import RoughContact as RoughContact
 from .seal.break_out import BreakOut as BreakOut
 from .seal.break_out import break_out as break_out
+from .seal.leak import Leak as Leak
 from .seal.leak import leak as leak
-from .seal.leak_result import Leak as Leak
 from .seal.leak_theories import CriticalConstriction as CriticalConstriction
 from .seal.leak_theories import EffectiveMedium as EffectiveMedium
 from .seal.lubricated import FilmProfile as FilmProfile

@@ -320,15 +320,6 @@ def fori_loop(
     return state
 
 
-def checkpointed(function: Callable[P, R]) -> Callable[P, R]:
-    """`jax.checkpoint`."""
-    if _mode.numpy:
-        return function
-    import jax
-
-    return jax.checkpoint(function)
-
-
 def fixed(tree: R) -> R:
     """`jax.lax.stop_gradient`."""
     if _mode.numpy:

@@ -143,19 +143,6 @@ def known(tree: Any) -> Any:
     return jax.tree.map(as_numpy, tree)
 
 
-def is_array_like(value: Any) -> bool:
-    """Whether `value` is something that JAX's transformations hand around: an array, a
-    number or a tracer.
-    """
-    jax = sys.modules.get("jax")
-    kinds = (
-        (np.ndarray, np.generic, float, int)
-        if jax is None
-        else (np.ndarray, np.generic, float, int, jax.Array)
-    )
-    return isinstance(value, kinds) and not isinstance(value, bool)
-
-
 def as_float64(name: str, value: Any) -> Array:
     """Turns `value` into a float64 NumPy array, or a float64 JAX array where it is
     traced.

@@ -587,7 +587,7 @@ class HalfSpace(SurfaceModel):
     def smooth_friction(
         self, material: Materials, shape: Indenter, **scene: Any
     ) -> FrictionCurve:
-        from .reference.layer import friction_on_cells
+        from .reference.half_space import friction_on_cells
 
         return friction_on_cells(material, shape, self.cells or _CELLS, **scene)
 

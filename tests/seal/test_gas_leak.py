@@ -11,8 +11,7 @@ from scipy.integrate import quad
 
 import elastomdr as em
 from elastomdr.cli.kinds import read_scene
-from elastomdr.seal.gap_flow import flow
-from elastomdr.seal.gap_maps import pressed
+from elastomdr.seal.gap_maps import flow, pressed
 from elastomdr.surface.spectrum import rough_map
 
 RUBBER = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))  # in shear

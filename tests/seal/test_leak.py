@@ -12,8 +12,7 @@ from scipy.special import erf
 
 import elastomdr as em
 from elastomdr.rough.psd_integrals import nodes
-from elastomdr.seal.gap_flow import channels, effective_medium, flow
-from elastomdr.seal.gap_maps import narrowest
+from elastomdr.seal.gap_maps import channels, effective_medium, flow, narrowest
 from elastomdr.seal.leak_theories import _medium
 from elastomdr.seal.persson_gap import contact_of, mean_gap
 

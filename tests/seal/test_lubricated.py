@@ -86,7 +86,7 @@ def test_rigid_cylinder():
     case = film.Case(100.0, (-1.0, 1.0), rigid, inlet=-2000.0)
     levels = []
     for count in (257, 513):
-        contact = case.at(100.0, count)
+        contact = case.with_parameter(100.0, count)
         start = 0.13 * np.exp(-((contact.places[1:-1] + 3) ** 2) / 30)
         levels.append(film.solve(contact, start, 26.0))
     assert all(each.converged for each in levels)
@@ -247,7 +247,10 @@ def test_narrow_channels_carry_a_thicker_film():
     ("change", "named"),
     [
         ({"shape": em.Sphere(1e-2)}, "shape"),
-        ({"surface": ROUGH, "flow_factor": "reynolds"}, "flow_factor must be one of"),
+        (
+            {"surface": ROUGH, "flow_factor": "reynolds"},
+            "flow_factor must be .maps. or .patir-cheng.",
+        ),
         ({"rubber": "slides"}, "rubber"),
         ({"boundary_shear": 1e5}, "surface"),
         ({"viscosity": -1.0}, "viscosity"),

@@ -73,7 +73,6 @@ MEANINGS = {
     "offset": "a constant added to the computed coefficient, such as adhesion",
     "gain": "log10 of a factor on the computed coefficient",
 }
-OF_SURFACE = ("q_high", "heights", "length")
 
 Change = Callable[[Prony, Any, dict[str, Any]], tuple[Prony, Any]]
 

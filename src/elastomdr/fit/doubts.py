@@ -44,6 +44,18 @@ def doubts(checks: Sequence[Check], judged: Any) -> tuple[str, ...]:
     return tuple(sentence for each in sentences.values() for sentence in each)
 
 
+def _if(is_so: Callable[[Any], bool]) -> Callable[[Any, float], Iterator[Facts]]:
+    """A test of yes or no, whose sentence names nothing."""
+
+    def test(judged: Any, limit: float) -> Iterator[Facts]:
+        if is_so(judged):
+            yield {}
+
+    return test
+
+
+_not_converged = _if(lambda judged: not judged.converged)
+
 # --------------------------------------------------------------------------------------
 # Master curves.
 # --------------------------------------------------------------------------------------
@@ -70,14 +82,13 @@ class JudgedShifts:
         """Of each isotherm [K]."""
         return self.joint.shifts.temperature
 
+    @property
+    def converged(self) -> bool:
+        return self.joint.shifts.posterior.converged
+
     @cached_property
     def celsius(self) -> np.ndarray:
         return self.temperature - 273.15
-
-
-def _not_converged(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
-    if not judged.joint.shifts.posterior.converged:
-        yield {}
 
 
 def _relaxation_contradicts(judged: JudgedShifts, limit: float) -> Iterator[Facts]:
@@ -376,11 +387,6 @@ class JudgedSeries(NamedTuple):
     omega: np.ndarray  # of dynamic data [rad/s]
 
 
-def _times_not_converged(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
-    if not judged.converged:
-        yield {}
-
-
 _NAMES = {STORAGE: "storage", LOSS: "loss", RELAXATION: "relaxation"}
 
 
@@ -441,16 +447,11 @@ def _gap_in_range(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
         }
 
 
-def _empty_range(judged: JudgedSeries, limit: float) -> Iterator[Facts]:
-    if not judged.limits:
-        yield {}
-
-
 OF_SERIES = (
     Check(
         "convergence of the relaxation times",
         0.0,
-        _times_not_converged,
+        _not_converged,
         "The refinement of the times did not converge: look at the figure before using "
         "the series.",
     ),
@@ -479,7 +480,7 @@ OF_SERIES = (
     Check(
         "range of the material",
         0.0,
-        _empty_range,
+        _if(lambda judged: not judged.limits),
         "Relaxation with so little fall, or so much noise, determines the loss modulus "
         "at no frequency: the range of the material is empty, and all friction from it "
         "is flagged as extrapolated. Measure dynamic moduli.",
@@ -501,16 +502,6 @@ class JudgedFriction(NamedTuple):
     converged: bool
 
 
-def _curve_not_converged(judged: JudgedFriction, limit: float) -> Iterator[Facts]:
-    if not judged.converged:
-        yield {}
-
-
-def _flat_friction(judged: JudgedFriction, limit: float) -> Iterator[Facts]:
-    if judged.flat:
-        yield {}
-
-
 def _uncertain_steps(judged: JudgedFriction, limit: float) -> Iterator[Facts]:
     celsius = judged.celsius
     between = np.diff(np.eye(celsius.size), axis=0)
@@ -524,13 +515,13 @@ OF_FRICTION = (
     Check(
         "convergence of the curve",
         0.0,
-        _curve_not_converged,
+        _not_converged,
         "The fit did not converge: look at the figure before using it.",
     ),
     Check(
         "change of friction over its scatter",
         0.0,
-        _flat_friction,
+        _if(lambda judged: judged.flat),
         "The friction is too flat against its scatter to see any shift: log10 a_T is "
         "what is usual of rubber.",
     ),
@@ -572,11 +563,6 @@ def _softened_at_first(judged: JudgedSoftening, limit: float) -> Iterator[Facts]
         yield {"percent": 100 * judged.strain[0]}
 
 
-def _constant_at_limit(judged: JudgedSoftening, limit: float) -> Iterator[Facts]:
-    if judged.at_limit:
-        yield {}
-
-
 def _uncertain_drop(judged: JudgedSoftening, limit: float) -> Iterator[Facts]:
     if judged.drop_std > limit:
         yield {"half": 2 * judged.drop_std}
@@ -611,7 +597,7 @@ OF_SOFTENING = (
     Check(
         "constants at the end of what is looked at",
         0.0,
-        _constant_at_limit,
+        _if(lambda judged: judged.at_limit),
         "A constant of Kraus' form is at the end of what is looked at: take the table "
         "(form='table').",
     ),
@@ -645,11 +631,6 @@ class JudgedCalibration(NamedTuple):
     converged: bool
 
 
-def _search_not_converged(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
-    if not judged.converged:
-        yield {}
-
-
 def _not_computed(judged: JudgedCalibration, limit: float) -> Iterator[Facts]:
     if missing := int((~judged.used).sum()):
         yield {"count": missing, "all": judged.used.size}
@@ -673,7 +654,7 @@ OF_CALIBRATION = (
     Check(
         "convergence of the search",
         0.0,
-        _search_not_converged,
+        _not_converged,
         "The search did not converge.",
     ),
     Check(
@@ -694,6 +675,119 @@ OF_CALIBRATION = (
         0.98,
         _correlated,
         "{one} and {other} cannot be separated (correlation {correlation:.3f}).",
+    ),
+)
+
+# --------------------------------------------------------------------------------------
+# The shear law of adhesion.
+# --------------------------------------------------------------------------------------
+
+
+class JudgedAdhesion(NamedTuple):
+    """What is judged of a shear law fitted to measured friction."""
+
+    converged: bool
+    used: np.ndarray  # which points have a computed hysteresis and contact area
+    # by parameter, whether the search reached its lower, its upper limit
+    open_ends: dict[str, tuple[bool, bool]]
+    width: float  # lower end of its interval
+    decades: float  # of the velocities
+    cutoffs: tuple[float, float]  # lowest and highest that were computed [rad/m]
+    hysteresis: np.ndarray  # of the points used
+    measured: np.ndarray
+    misfit: float  # rms of the residuals over the error given; NaN where none was
+    warm: bool  # whether temperatures differ
+
+
+def _undecided(judged: JudgedAdhesion, limit: float) -> Iterator[Facts]:
+    names = ("stress", "velocity", "energy")
+    undecided = [name for name in names if any(judged.open_ends.get(name, ()))]
+    if undecided:
+        yield {"names": " and ".join(undecided), "decades": judged.decades}
+
+
+def _cutoff_at_limit(judged: JudgedAdhesion, limit: float) -> Iterator[Facts]:
+    if any(judged.open_ends.get("q_high", ())):
+        yield {"low": judged.cutoffs[0], "high": judged.cutoffs[1]}
+
+
+def _hysteresis_alone(judged: JudgedAdhesion, limit: float) -> Iterator[Facts]:
+    if above := int((judged.hysteresis > judged.measured).sum()):
+        yield {"above": above, "all": judged.measured.size}
+
+
+def _misfit(judged: JudgedAdhesion, limit: float) -> Iterator[Facts]:
+    if judged.misfit > limit:
+        yield {"misfit": judged.misfit}
+
+
+OF_ADHESION = (
+    Check(
+        "convergence of the search, where the summit of the stress is bounded",
+        0.0,
+        _if(
+            lambda judged: (
+                not judged.converged and not any(judged.open_ends["velocity"])
+            )
+        ),
+        "The search did not converge.",
+    ),
+    Check(
+        "points without a computed answer",
+        0.0,
+        _not_computed,
+        "{count} of {all} points have no computed hysteresis or contact area and are "
+        "left out.",
+    ),
+    Check(
+        "parameters at the end of what is looked at",
+        0.0,
+        _undecided,
+        "{names} cannot be determined: over {decades:.2g} decades of velocity the data "
+        "show no maximum of the stress. Measure at lower or higher velocities, or at "
+        "more temperatures.",
+    ),
+    Check(
+        "width against zero",
+        0.0,
+        _if(lambda judged: judged.width == 0.0),
+        "width cannot be distinguished from 0: over the measured velocities the stress "
+        "is constant, or rises or falls as a power, within the scatter.",
+    ),
+    Check(
+        "width at the upper end of what is looked at",
+        0.0,
+        _if(lambda judged: judged.open_ends["width"][1]),
+        "width is not bounded above: the stress falls off within the distance of two "
+        "velocities.",
+    ),
+    Check(
+        "cutoff at the end of those computed",
+        0.0,
+        _cutoff_at_limit,
+        "q_high reaches the end of the cutoffs that were computed, {low:.3g} to "
+        "{high:.3g} rad/m: compute more.",
+    ),
+    Check(
+        "hysteresis above the measured friction",
+        0.0,
+        _hysteresis_alone,
+        "At {above} of {all} points the computed hysteresis alone is above the measured "
+        "friction.",
+    ),
+    Check(
+        "rms of the residuals over the error given",
+        1.5,
+        _misfit,
+        "Residuals are {misfit:.2g} times the error given: hysteresis and this law do "
+        "not describe the data.",
+    ),
+    Check(
+        "temperatures",
+        0.0,
+        _if(lambda judged: not judged.warm),
+        "Measured at one temperature: how the adhesion shifts with temperature is not "
+        "known.",
     ),
 )
 

@@ -409,11 +409,11 @@ class MaterialFit(AbstractFindings):
         if self.misfit:
             parts.append(
                 "Residuals are of the data as measured, by this file with its laws "
-                f"of shifts; {self._own()}."
+                f"of shifts; {self._met_in_words()}."
             )
         return " ".join([*parts, *self.warnings])
 
-    def _own(self) -> str:
+    def _met_in_words(self) -> str:
         """How close the series is to the shifted data, in words."""
         fit = self.prony
         sizes = {

@@ -28,6 +28,7 @@ from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesion import AdhesiveShear
+from .doubts import OF_ADHESION, JudgedAdhesion, doubts
 from .report import AbstractFindings, table_csv, tell
 
 if TYPE_CHECKING:
@@ -58,9 +59,6 @@ _ENERGIES = (0.3, 0.6, 0.9, 1.3, 2.0)
 _PLACES = 9
 _CUTOFFS = 7
 _STARTS = 3  # of these, the best, from which the search sets out
-# rms of residuals over a given error from which the law is said not to describe the
-# data
-_MISFIT = 1.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -655,13 +653,20 @@ def _packed(
         converged=success,
         warnings=(),
     )
-    doubts = (
-        *_doubts_of_parameters(points, used, estimate, success),
-        *_doubts_of_friction(fit, size, known),
+    of_used = fit.residuals[used] / size
+    judged = JudgedAdhesion(
+        converged=success,
+        used=used,
+        open_ends=estimate.open_ends,
+        width=estimate.interval["width"][0],
+        decades=float(np.ptp(points.log_v[used])),
+        cutoffs=tuple(np.exp(points.cutoff or (0.0, 0.0))),
+        hysteresis=hysteresis[used],
+        measured=points.mu[used],
+        misfit=float(np.sqrt(np.mean(of_used**2))) if known else np.nan,
+        warm=data["temperature"] is not None and points.warm is not None,
     )
-    if data["temperature"] is None or points.warm is None:
-        doubts += (_ONE_TEMPERATURE,)
-    return replace(fit, warnings=doubts)
+    return replace(fit, warnings=doubts(OF_ADHESION, judged))
 
 
 def _level(
@@ -688,73 +693,6 @@ def _level(
         for side in (1, -1)
     )
     return float(np.exp(p[0]) * max(down, 0.0)), float(np.exp(p[0]) * up)
-
-
-_ONE_TEMPERATURE = (
-    "Measured at one temperature: how the adhesion shifts with temperature is not "
-    "known."
-)
-
-
-def _doubts_of_parameters(
-    points: _Points, used: np.ndarray, estimate: _Estimate, success: bool
-) -> Iterator[str]:
-    """What the data cannot decide."""
-    open_ends = estimate.open_ends
-    if not success and not any(open_ends["velocity"]):
-        yield "The search did not converge."
-    if not used.all():
-        yield (
-            f"{int((~used).sum())} of {used.size} points have no computed hysteresis "
-            "or contact area and are left out."
-        )
-    undecided = [
-        name
-        for name in ("stress", "velocity", "energy")
-        if any(open_ends.get(name, ()))
-    ]
-    if undecided:
-        decades = float(np.ptp(points.log_v[used]))
-        yield (
-            f"{' and '.join(undecided)} cannot be determined: over {decades:.2g} decades "
-            "of velocity the data show no maximum of the stress. Measure at lower or "
-            "higher velocities, or at more temperatures."
-        )
-    if estimate.interval["width"][0] == 0.0:
-        yield (
-            "width cannot be distinguished from 0: over the measured velocities the "
-            "stress is constant, or rises or falls as a power, within the scatter."
-        )
-    if open_ends["width"][1]:
-        yield (
-            "width is not bounded above: the stress falls off within the distance of "
-            "two velocities."
-        )
-    if any(open_ends.get("q_high", ())):
-        low, high = (float(np.exp(x)) for x in points.cutoff or (0.0, 0.0))
-        yield (
-            f"q_high reaches the end of the cutoffs that were computed, {low:.3g} to "
-            f"{high:.3g} rad/m: compute more."
-        )
-
-
-def _doubts_of_friction(
-    fit: AdhesionFit, size: np.ndarray, known: bool
-) -> Iterator[str]:
-    """Where hysteresis and the law do not describe what was measured."""
-    used = fit.used
-    above = int((fit.hysteresis > fit.measured)[used].sum())
-    if above:
-        yield (
-            f"At {above} of {int(used.sum())} points the computed hysteresis alone is "
-            "above the measured friction."
-        )
-    rms = float(np.sqrt(np.mean((fit.residuals[used] / size) ** 2)))
-    if known and rms > _MISFIT:
-        yield (
-            f"Residuals are {rms:.2g} times the error given: hysteresis and this law "
-            "do not describe the data."
-        )
 
 
 def adhesion_csv(fit: AdhesionFit) -> str:

@@ -26,7 +26,6 @@ from .columns import (
     with_sign,
 )
 from .data import KINDS, Dma, FitWarning, join
-from .formats import Format, format_of
 from .isotherms import (
     isotherms,
     with_given_temperatures,
@@ -35,7 +34,7 @@ from .isotherms import (
 )
 from .quantities import QUANTITIES, lacking, needed_roles
 from .sheets import is_frame, read_sheet, sheet_of_frame
-from .tables import Table
+from .tables import Format, Table, format_of
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Frame, Kind
@@ -77,7 +76,7 @@ def read_dma(
     """Dynamic moduli or relaxation from a file or a table in memory, or from several of
     one material.
 
-    The formats are those of `elastomdr.io.formats`: tables in text and spreadsheets,
+    The formats are those of `elastomdr.io.tables`: tables in text and spreadsheets,
     exports of TA Q800, TRIOS, Netzsch, RheoCompass and Eplexor, RepTate's files.
     Isotherms may stand in one table, one below the other, side by side, or in columns
     such as "E' (-40 degC) [MPa]".

@@ -330,12 +330,14 @@ def with_temperatures_of_names(parts: list[Dma]) -> list[Dma]:
             number, unit = temperatures[0]
             factor, offset = to_si(unit.replace(" ", ""), "temperature") or (1.0, 0.0)
             temperature = _decimal(number) * factor + offset
-            isotherm = _at(isotherm, temperature, "from the name of the file")
+            isotherm = _with_temperature(
+                isotherm, temperature, "from the name of the file"
+            )
         completed.append(isotherm)
     return completed
 
 
-def _at(measurement: Dma, temperature: float, source: str) -> Dma:
+def _with_temperature(measurement: Dma, temperature: float, source: str) -> Dma:
     """A measurement at a temperature, with a word on where that comes from."""
     words = f"temperature {temperature - 273.15:g} degC {source}"
     columns = tuple(f"{column}; {words}" for column in measurement.columns)
@@ -372,7 +374,7 @@ def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
         )
     left = iter(given * count if len(given) == 1 else given)
     return [
-        _at(isotherm, next(left), "as given") if lacks else isotherm
+        _with_temperature(isotherm, next(left), "as given") if lacks else isotherm
         for isotherm, lacks in zip(parts, without, strict=True)
     ]
 

@@ -3,11 +3,9 @@ reduction; closed forms.
 """
 
 from ..surface.spectrum import rough_map
-from .closed_forms import full_contact_sliding, small_damping
+from .closed_forms import full_contact_sliding, persson, small_damping
 from .half_plane import half_plane_sliding
-from .half_space import half_space_sliding
-from .layer import layer_sliding
-from .persson import persson
+from .half_space import half_space_sliding, layer_sliding
 
 __all__ = [
     "full_contact_sliding",

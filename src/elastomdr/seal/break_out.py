@@ -36,7 +36,7 @@ from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
 from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
 from ..rough.local_modulus import Local
-from .leak import BOTH, level_of, pressed_bodies
+from .leak import BOTH, pressed_bodies, relative_pressure_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -171,7 +171,7 @@ def break_out(
         if value is not None:
             positive(name, value)
     shape = broadcast_shape(**given)
-    relative_pressure, factor = level_of(foundation, given)
+    relative_pressure, factor = relative_pressure_of(foundation, given)
     contact = _contact(chosen, surface, relative_pressure)
     stress = _largest_stress(shear, given)
     mu = stress * contact.area / given["pressure"]

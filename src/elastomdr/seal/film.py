@@ -75,7 +75,9 @@ class Case(NamedTuple):
     factor: Factor | None = None
     inlet: float | None = None  # X where the lubricant begins; None: flooded
 
-    def at(self, parameter: float, count: int, outlet: float | None = None) -> Contact:
+    def with_parameter(
+        self, parameter: float, count: int, outlet: float | None = None
+    ) -> Contact:
         """The contact with another parameter, on `count` nodes that crowd at the inlet
         and, if not at its usual place, at the outlet.
         """
@@ -104,7 +106,7 @@ class Film(NamedTuple):
     film: Array  # H
     pressure: Array  # P_f of the fluid
     asperity_pressure: Array  # P_a
-    level: float  # H_0
+    approach: float  # H_0
     flow: float  # flux over lam, the film that leaves: H_m
     imbalance: float  # largest difference of flow between any two places, over the flow
     converged: bool
@@ -336,7 +338,7 @@ class _Known(NamedTuple):
     parameter: float
     film: Array
     pressure: Array  # of the inner nodes
-    level: float
+    approach: float  # H_0
 
 
 def follow(
@@ -389,7 +391,7 @@ def _walk(case: Case, known: list[_Known], count: int) -> Film | None:
         last = known[-1].parameter
         way = case.parameter / last
         parameter = last * float(np.clip(way, 1 / ratio, ratio))
-        contact = case.at(parameter, count)
+        contact = case.with_parameter(parameter, count)
         film = solve(contact, *_foretold(case, contact, known))
         if film.converged:
             known.append(_kept(parameter, film))
@@ -403,13 +405,13 @@ def _walk(case: Case, known: list[_Known], count: int) -> Film | None:
 
 
 def _kept(parameter: float, film: Film) -> _Known:
-    return _Known(parameter, film.film, film.total[1:-1], film.level)
+    return _Known(parameter, film.film, film.total[1:-1], film.approach)
 
 
 def _first(case: Case, count: int) -> _Known | None:
     """From Hertz' pressure between the edges."""
     parameter = _easy(case)
-    contact = case.at(parameter, count)
+    contact = case.with_parameter(parameter, count)
     x = contact.places[1:-1]
     middle, half = 0.5 * sum(case.edges), 0.5 * (case.edges[1] - case.edges[0])
     hertz = np.sqrt(np.maximum(1 - ((x - middle) / half) ** 2, 0.0))
@@ -429,7 +431,7 @@ def _foretold(case: Case, contact: Contact, known: list[_Known]) -> tuple[Array,
     share = way / apart if apart else 0.0
     pressure = new.pressure + share * (new.pressure - old.pressure)
     if contact.parameter > _THICK:
-        return pressure, new.level + share * (new.level - old.level)
+        return pressure, new.approach + share * (new.approach - old.approach)
     film = new.film * (new.film / old.film) ** share
     if share == 0.0:
         film = film * np.exp(0.6 * way)
@@ -470,7 +472,7 @@ def _narrowed(case: Case, film: Film) -> Film:
     outlet = edge - _NARROWS * (edge - least)
     if case.asperities is None or film.outlet is None or outlet > edge - _NEAR:
         return film
-    contact = case.at(case.parameter, film.places.size, outlet)
+    contact = case.with_parameter(case.parameter, film.places.size, outlet)
     total = CubicSpline(film.places, film.total)(contact.places[1:-1])
     thickness = np.exp(CubicSpline(film.places, np.log(film.film))(contact.places))
     guess = _from_film(case, contact, thickness, np.maximum(total, 0.0))
@@ -481,7 +483,7 @@ def _narrowed(case: Case, film: Film) -> Film:
 def coarsened(case: Case, fine: Film) -> Film | None:
     """On every other node."""
     count = (fine.places.size + 1) // 2
-    contact = case.at(case.parameter, count, fine.outlet)
+    contact = case.with_parameter(case.parameter, count, fine.outlet)
     guess = _from_film(case, contact, fine.film[::2], fine.total[2:-2:2])
     coarse = solve(contact, *guess)
     return coarse if coarse.converged else None
@@ -491,7 +493,7 @@ def _refined(case: Case, coarse: Film) -> Film | None:
     """On twice as many nodes, from the film and the pressure between them."""
     count = coarse.places.size
     number, between = np.arange(count), 0.5 * np.arange(2 * count - 1)
-    contact = case.at(case.parameter, 2 * count - 1, coarse.outlet)
+    contact = case.with_parameter(case.parameter, 2 * count - 1, coarse.outlet)
     total = np.maximum(CubicSpline(number, coarse.total)(between), 0.0)[1:-1]
     film = np.exp(CubicSpline(number, np.log(coarse.film))(between))
     fine = solve(contact, *_from_film(case, contact, film, total))

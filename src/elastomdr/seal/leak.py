@@ -10,7 +10,8 @@ the model's. What a gas changes stands in `gas.py`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -34,19 +35,171 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..models import GapFlow, HalfSpace, Model, Multiscale, as_model
-from ..results.words import brief
+from ..results.base import Array, Result, quantity, record, setting
+from ..results.words import brief, span
 from ..surface.spectrum import as_spectrum
 from . import gas
 from .gas import check_absolute, check_gas
-from .leak_result import Leak
 from .leak_theories import CriticalConstriction, EffectiveMedium
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from .._types import ArrayLike
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Style
     from ..call.types import Material
     from ..surface.spectrum import AbstractSpectrum
+
+_LOG_RATIO = 5.0  # of the largest to the smallest value from which on an axis is
+
+
+@record
+class Leak(Result):
+    """Leak of a liquid or a gas through a static seal.
+
+    Within a factor of 1 + `model_error` the rate is that of three dimensions, at 95 %
+    of the points. Where `percolates` is false no channel leads through, and the rate is
+    zero but for single flaws, permeation and what the model does not know.
+    """
+
+    pressure: Array = quantity("contact pressure", "Pa", shown="MPa")
+    pressure_drop: Array = quantity("pressure drop of the fluid", "Pa", shown="MPa")
+    viscosity: Array = quantity("viscosity", "Pa s")
+    time: Array | None = quantity(
+        "time since it was pressed", "s", "None: long after", default=None
+    )
+    temperature: Array | None = quantity(
+        "temperature", "K", "None where none was given", default=None, shown="°C"
+    )
+    outlet_pressure: Array | None = quantity(
+        "absolute pressure behind the seal",
+        "Pa",
+        "None of a liquid",
+        default=None,
+        shown="MPa",
+    )
+    rate: Array = quantity(
+        "leak rate", "m^3/s", "Q, volume, of a gas at the outlet", axis="leak rate"
+    )
+    mass_rate: Array | None = quantity(
+        "mass leak rate", "kg/s", "None where no density was given", default=None
+    )
+    conductance: Array = quantity(
+        "flow conductance",
+        "m^3/(Pa s)",
+        "s, flow per width and pressure gradient",
+    )
+    mean_gap: Array = quantity("mean gap", "m", "u", shown="µm")
+    critical_gap: Array = quantity(
+        "critical gap",
+        "m",
+        "of the narrowest place of the widest channel, NaN where there is none",
+        shown="µm",
+    )
+    area_ratio: Array = quantity("real contact area over nominal area", "-", "A")
+    knudsen: Array | None = quantity(
+        "Knudsen number",
+        "-",
+        "Kn, mean free path at the mean pressure over the gap of even planes",
+        default=None,
+    )
+    percolates: Array = quantity(
+        "percolates", "", "whether channels lead through the contact"
+    )
+    error: Array = quantity("estimated relative error of the rate", "-")
+    model_error: Array | None = quantity(
+        "bound of the model's relative error",
+        "-",
+        "the rate is within a factor of 1 + this of three dimensions; None for those",
+        default=None,
+    )
+    slip_estimated: bool = setting(default=False)  # of a gas, by one gap for all
+
+    title: ClassVar[str] = "Leak"
+    across: ClassVar[str] = "pressure"
+    shows: ClassVar[str] = "rate"
+    scale: ClassVar[str] = "auto"
+    error_of: ClassVar[str] = "the rate, relative"
+    from_zero: ClassVar[bool] = False
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "time",
+        "pressure",
+        "temperature",
+        "pressure_drop",
+        "viscosity",
+    )
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        style: Style | None = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        show: str = "rate",
+    ) -> Axes:
+        """Draws the rate, or another field, against time where there are several times,
+        else against the pressure; with the band of the model about a rate.
+
+        The rest as of every result, `Result.plot`. Raises `InputError`.
+        """
+        self._check_shown(show)
+        from ..results.plotting import LIGHT, Ask, Line, Sketch, draw, frame
+
+        def band(sketch: Sketch, line: Line) -> None:
+            if show not in ("rate", "mass_rate", "conductance"):
+                return
+            if self.model_error is None:
+                return
+            error = sketch.along_line(sketch.fields["model_error"], line)
+            factor = 1 + np.where(np.isfinite(error), error, np.nan)
+            if not np.isfinite(line.y * factor).any():
+                return  # a band of NaN would take its limits from the axes
+            ends = line.y / factor, line.y * factor
+            look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
+            sketch.ax.fill_between(line.x, *ends, **look)
+
+        x = "time" if any(axis.name == "time" for axis in self.axes()) else "pressure"
+        ask = Ask(ax, style, title, label)
+        drawn = self._draw(draw, ask, x=x, y=show, also=band)
+        values = np.asarray(getattr(self, show))
+        values = values[np.isfinite(values) & (values > 0)]
+        if values.size and values.max() > _LOG_RATIO * values.min():
+            drawn.set_yscale("log")
+            frame(drawn)
+        return drawn
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Ranges of rate, gaps and real contact, how far the rate may be off and at how
+        many points channels are closed.
+        """
+        good: Any = np.asarray(self.converged)
+        for name in ("rate", "mass_rate", "mean_gap", "critical_gap", "area_ratio"):
+            if (value := getattr(self, name)) is not None:
+                q = next(q for q in self.quantities() if q.path == name)
+                unit = "" if q.unit == "-" else q.unit
+                yield q.label, span(np.asarray(value)[good], unit)
+        if self.model_error is not None and np.isfinite(self.model_error).any():
+            factor = span(1 + np.asarray(self.model_error))
+            yield "model", f"rate within a factor of {factor}"
+        if self.knudsen is not None:
+            numbers = span(np.asarray(self.knudsen)[good])
+            by = "in each gap by itself (to a "
+            if self.slip_estimated:
+                by = "(an estimate, counted in full in the bound up to a "
+            yield (
+                "gas",
+                f"expands and slips {by}Knudsen number of 0.1), here {numbers}; volumes "
+                "are at the outlet",
+            )
+        closed = int((good & ~np.asarray(self.percolates)).sum())
+        if closed:
+            yield (
+                "closed",
+                f"no channel leads through at {closed} of {good.size} points",
+            )
+
 
 KINDS: dict[str, type[Model]] = {
     kind.label: kind
@@ -159,7 +312,9 @@ def leak(
         }
     )
     shape = broadcast_shape(**given)
-    relative_pressure, factor = level_of(foundation, _of_rubber(foundation, given))
+    relative_pressure, factor = relative_pressure_of(
+        foundation, _of_rubber(foundation, given)
+    )
     gaps = _gaps(chosen, surface, relative_pressure)
     good = xp.broadcast_to(gaps.good, shape)
     traced = is_traced(relative_pressure, *given.values())
@@ -190,7 +345,7 @@ def _of_rubber(foundation: Foundation, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _gaps(model: Any, surface: Any, relative_pressure: Any) -> GapFlow:
-    """The model's answers, in the shape of the levels."""
+    """The model's answers, in the shape of the pressures."""
     gaps = model.leak(surface, relative_pressure.ravel())
     numbers = {
         name: xp.reshape(x, relative_pressure.shape)
@@ -253,7 +408,9 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
     return given
 
 
-def level_of(foundation: Foundation, given: dict[str, Any]) -> tuple[Any, Any]:
+def relative_pressure_of(
+    foundation: Foundation, given: dict[str, Any]
+) -> tuple[Any, Any]:
     """p/E*, in the shape of what it depends on, and a_T."""
     time, temperature = given["time"], given["temperature"]
     shape = broadcast_shape(

@@ -33,7 +33,7 @@ SAID = "Multiscale (form in mean gap and real contact, fitted to maps of gaps)"
 class Form(NamedTuple):
     """The constants, by their letters above."""
 
-    level: float  # c
+    share: float  # c
     bend: float  # d
     power: float  # k
     grows: float  # m
@@ -42,7 +42,7 @@ class Form(NamedTuple):
 
 
 # Fitted to maps by benchmarks/leak_fit.py, which says how far the form is from them.
-FORM = Form(level=0.956, bend=0.0701, power=2.41, grows=0.499, leans=0.0962)
+FORM = Form(share=0.956, bend=0.0701, power=2.41, grows=0.499, leans=0.0962)
 UNSURE = 0.38  # real contact from which on a map may as well be closed
 # Of the bound: at light contact, its growth; and of the maps: cutoff ratios, least contact.
 _LIGHT, _GROWTH = 0.25, 0.35
@@ -53,7 +53,7 @@ _STEEP = 0.3, 1.4  # D of the maps
 def gap_of(ideal: Any, form: Form = FORM) -> Any:
     """The mean gap from that of Persson's theory, both over the rms height."""
     xp = namespace(ideal)
-    return form.level * xp.maximum(ideal, 1e-300) ** (1 - form.bend)
+    return form.share * xp.maximum(ideal, 1e-300) ** (1 - form.bend)
 
 
 def factor(gap: Any, area: Any, steep: Any, form: Form = FORM) -> Any:

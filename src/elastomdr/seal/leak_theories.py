@@ -23,7 +23,7 @@ from ..errors import InputError
 from ..models import GapFlow, Model
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..units.arguments import constructor_in_si
-from .gap_flow import effective_medium
+from .gap_maps import effective_medium
 from .persson_gap import (
     CLOSES,
     Contact,

@@ -32,6 +32,7 @@ from ..checks import (
     broadcast_shape,
     in_kelvin,
     is_traced,
+    one_of,
     positive,
     warn_unless,
 )
@@ -69,7 +70,6 @@ _UNITS = {"velocity": "m/s", "load": "N", "viscosity": "Pa s", "time": "s"}
 # where it has doubled, x^2 = 2 h R
 _THICKEST = 0.05
 _DOUBTED = 0.01  # part of mu from which on a doubt about trapped liquid is said
-_BAND = "shaded: liquid in closed channels may stay or leave"
 # velocities of rubber and counterface in the frame of the contact, over that asked for
 MOTIONS = {"rests": (0.0, 1.0), "passes": (1.0, 0.0), "rolls": (1.0, 1.0)}
 _MODEL = "Reynolds' equation and half-plane in plane strain, steady"
@@ -284,11 +284,7 @@ def lubricated(
     scene = _checked(
         material, shape, velocity, load, viscosity, temperature, time, rubber, surface
     )
-    if flow_factor not in _ROUGH:
-        raise InputError(
-            f"flow_factor must be one of {', '.join(map(repr, _ROUGH))}, got "
-            f"{flow_factor!r}."
-        )
+    one_of("flow_factor", flow_factor, *_ROUGH)
     shear = _checked_shear(boundary_shear, surface, temperature)
     solved = [_Solved() for _ in range(scene.velocity.size)]
     rough = None if surface is None else pressed(material, surface, flow_factor)
@@ -327,14 +323,16 @@ class _Scene(NamedTuple):
     velocity: Array
     load: Array
     viscosity: Array
-    kelvin: Array | None
+    temperature: Array | None
     time: Array | None
     factor: Array  # a_T
     vertical: Array  # b_T
 
     def groups(self) -> Iterator[Array]:
         """Numbers of points that differ in velocity and viscosity only."""
-        temperature = np.zeros(self.load.size) if self.kelvin is None else self.kelvin
+        temperature = (
+            np.zeros(self.load.size) if self.temperature is None else self.temperature
+        )
         time = np.zeros(self.load.size) if self.time is None else self.time
         key = np.column_stack([self.load, temperature, time])
         _, group = np.unique(key, axis=0, return_inverse=True)
@@ -361,10 +359,7 @@ def _checked(
         )
     if surface is not None:
         as_spectrum("surface", surface)
-    if rubber not in MOTIONS:
-        raise InputError(
-            f"rubber must be one of {', '.join(map(repr, MOTIONS))}, got {rubber!r}."
-        )
+    one_of("rubber", rubber, *MOTIONS)
     if time is not None and rubber != "rests":
         raise InputError(
             "time must be left out for rubber that moves through the contact, got "
@@ -564,7 +559,7 @@ def _dry_edges(scene: _Scene, points: Array, held: float | None) -> tuple[Array,
     from ..smooth.cylinder import cylinder_on_layer
 
     material, velocity = scene.material, scene.velocity[points]
-    temperature = None if scene.kelvin is None else scene.kelvin[points]
+    temperature = None if scene.temperature is None else scene.temperature[points]
     if MOTIONS[scene.rubber][0] == 0:
         material, velocity, temperature = _at_rest(material, held), 1.0, None
     with warnings.catch_warnings():
@@ -615,7 +610,9 @@ def _rubbing(
     u_rubber, u_counter = MOTIONS[scene.rubber]
     # a rolling contact presses its asperities for as long as it passes
     slide = abs(u_counter - u_rubber) or 1.0
-    temperature = None if scene.kelvin is None else float(scene.kelvin[points[0]])
+    temperature = (
+        None if scene.temperature is None else float(scene.temperature[points[0]])
+    )
     largest = float(np.nanmax([each.pressure for each in scales]))
     out, beyond = rubbing(
         scene.material,
@@ -677,8 +674,8 @@ def _touching(
         u_rubber, u_counter = MOTIONS[scene.rubber]
         speed = (abs(u_counter - u_rubber) or 1.0) * scene.velocity[point]
         temperature = None
-        if scene.kelvin is not None and shear.shift is not None:
-            temperature = scene.kelvin[point]
+        if scene.temperature is not None and shear.shift is not None:
+            temperature = scene.temperature[point]
         stress = float(shear.shear_stress(speed, temperature))
     modulus = _stiffened(scene, point, rough, rubbed)
     at_closing, _ = rough.pressure(np.asarray(rough.closes), modulus)
@@ -795,7 +792,7 @@ def _packed(
     )
     profile = [profiles[:, i].reshape(*dims, -1) for i in range(4)]
     beyond = _beyond(scene, solved)
-    temperature = scene.kelvin
+    temperature = scene.temperature
     inputs = [
         ("material", getattr(scene.material, "name", "") or "given directly"),
         ("shape", describe(scene.shape).replace(" on a layer", "")),
@@ -838,13 +835,13 @@ def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Array | None, Any]:
         warnings.simplefilter("ignore")
         if MOTIONS[scene.rubber][0] == 0:
             rubber = held_beyond(
-                known, scene.time, scene.kelvin,
+                known, scene.time, scene.temperature,
                 np.broadcast_to(scene.factor, shape),
             )  # fmt: skip
         else:
             half = np.array([each.half for each in solved])
             rubber = steady_beyond(
-                known, scene.velocity * scene.factor, half, scene.kelvin
+                known, scene.velocity * scene.factor, half, scene.temperature
             )
     if rubber.points is None:
         return None, ()

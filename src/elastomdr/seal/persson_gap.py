@@ -42,15 +42,15 @@ _ALL_ROUND = 2 * np.pi  # int |E*|^2 dphi over E*^2, of an elastic solid
 class Contact(NamedTuple):
     """Points of a surface under pressures over E*."""
 
-    at: Nodes
-    level: Any  # p/E* (points, 1, 1)
+    wave_nodes: Nodes
+    relative_pressure: Any  # p/E* (points, 1, 1)
     variance: Any  # R up to each node (points, cells, 2)
     area: Any  # A at q_high (points,)
     steep: Any  # dlog R/dlog q at q_high
 
 
 def contact_of(wave_nodes: Nodes, relative_pressure: Any) -> Contact:
-    """The contact at many levels p/E*, shape (points,)."""
+    """The contact at many pressures p/E*, shape (points,)."""
     relative_pressure = relative_pressure[:, None, None]
     rate = rate_of(wave_nodes, _ALL_ROUND, relative_pressure)
     total = (rate * wave_nodes.weight).sum((-2, -1))
@@ -68,8 +68,14 @@ def mean_gap(contacts: Contact) -> Any:
     """u(q_low) [m], shape (points,)."""
     xp = namespace(contacts.variance)
     x = 0.5 / xp.sqrt(contacts.variance)
-    each = contacts.at.power / contacts.at.q * x * gap_integral(x) * contacts.at.weight
-    return np.sqrt(np.pi) / contacts.level[:, 0, 0] * each.sum((-2, -1))
+    each = (
+        contacts.wave_nodes.power
+        / contacts.wave_nodes.q
+        * x
+        * gap_integral(x)
+        * contacts.wave_nodes.weight
+    )
+    return np.sqrt(np.pi) / contacts.relative_pressure[:, 0, 0] * each.sum((-2, -1))
 
 
 def gap_integral(x: Any) -> Any:
@@ -98,8 +104,8 @@ def scales(contacts: Contact) -> Scales:
     """Contact and the gap where it is lost, at all scales; on NumPy."""
     points = contacts.area.size
     variance = contacts.variance.reshape(points, -1)
-    q, weight = contacts.at.q.ravel(), contacts.at.weight.ravel()
-    weighted_power = (contacts.at.power.ravel() / q * weight)[None]
+    q, weight = contacts.wave_nodes.q.ravel(), contacts.wave_nodes.weight.ravel()
+    weighted_power = (contacts.wave_nodes.power.ravel() / q * weight)[None]
     shares = contact(variance, *_CONTACT)
     gaps = np.zeros_like(shares)
     for k in range(q.size - 1):
@@ -107,7 +113,7 @@ def scales(contacts: Contact) -> Scales:
         x = 0.5 / np.sqrt(np.maximum(beyond, 1e-300))
         each = weighted_power[:, k + 1 :] * x * _tabulated(x / shares[:, k : k + 1])
         gaps[:, k] = each.sum(-1)
-    gaps *= np.sqrt(np.pi) / contacts.level[:, :, 0]
+    gaps *= np.sqrt(np.pi) / contacts.relative_pressure[:, :, 0]
     log_q = np.log(q)
     falls = np.gradient(shares, log_q, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):

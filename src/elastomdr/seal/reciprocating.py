@@ -35,7 +35,7 @@ import numpy as np
 
 from ..checks import (
     as_float64,
-    broadcast_shape,
+    broadcast,
     in_si,
     is_traced,
     positive,
@@ -163,50 +163,80 @@ def reciprocating(
     the film in thinner, by a rule (`docs/seal.md`). Between strokes no fluid is lost
     from the rod. Source: Blok 1963; Mueller & Nau 1998.
     """
-    ring = (o_ring.width, o_ring.line_load) if isinstance(o_ring, ORing) else ()
-    motion = (velocity_out, velocity_in, stroke, viscosity, width)
-    if is_traced(material, profile, ring, motion):
-        raise InputError(
-            "em.reciprocating cannot be called under jax.jit, grad or vmap: it searches "
-            "with numbers."
-        )
+    given = (velocity_out, velocity_in, stroke, viscosity, width)
+    _refuse_traced(material, profile, o_ring, given)
     if not (material is None or isinstance(material, Prony)):
         raise InputError(
             "material must be one rubber (em.Prony, em.load_material(...)), that of the "
             f"O-ring, got {material!r}."
         )
     if (profile is None) == (o_ring is None):
-        given = "neither" if profile is None else "both"
-        raise InputError(f"profile or o_ring must be given, and only one, got {given}.")
+        got = "neither" if profile is None else "both"
+        raise InputError(f"profile or o_ring must be given, and only one, got {got}.")
+    motion = _motion(*given)
+    if profile is not None:
+        strokes = _of_profile(profile, motion)
+        model, plan = "inverse theory", "closed form"
+    else:
+        strokes = _of_ring(material, o_ring, motion)
+        model, plan = "inlet of Hertz' pressure", "em.lubricated"
+    return _packed(motion, strokes, model, plan)
+
+
+class _Motion(NamedTuple):
+    """What the rod does, broadcast."""
+
+    out: Array  # velocity [m/s]
+    back: Array  # [m/s]
+    viscosity: Array  # [Pa s]
+    stroke: Array  # [m]
+    width: Array  # of the seal [m]
+
+
+class _Strokes(NamedTuple):
+    """Both strokes, and from which pressure."""
+
+    source: str
+    leaving: _Carried
+    entering: _Carried
+
+
+def _refuse_traced(material: Any, profile: Any, ring: Any, motion: Any) -> None:
+    """Raises `InputError` for what JAX traces."""
+    of_ring = (ring.width, ring.line_load) if isinstance(ring, ORing) else ()
+    if is_traced(material, profile, of_ring, motion):
+        raise InputError(
+            "em.reciprocating cannot be called under jax.jit, grad or vmap: it searches "
+            "with numbers."
+        )
+
+
+def _motion(
+    velocity_out: Any, velocity_in: Any, stroke: Any, viscosity: Any, width: Any
+) -> _Motion:
+    """The motion, checked. Raises `InputError`."""
     arrays = {
         "velocity_out": as_float64("velocity_out", velocity_out),
         "velocity_in": as_float64("velocity_in", velocity_in),
         "viscosity": as_float64("viscosity", viscosity),
     }
-    for name, value in arrays.items():
+    numbers = {"stroke": scalar("stroke", stroke), "width": scalar("width", width)}
+    for name, value in (arrays | numbers).items():
         positive(name, value)
-    length, edge = scalar("stroke", stroke), scalar("width", width)
-    positive("stroke", length)
-    positive("width", edge)
-    dims = broadcast_shape(**arrays)
-    out, back, eta = (np.broadcast_to(each, dims) for each in arrays.values())
-    if profile is not None:
-        x, p = _profile(profile)
-        source = f"{x.size} points of a pressure profile"
-        leaving, entering = (
-            _inverse(x, p, eta * out),
-            _inverse(-x[::-1], p[::-1], eta * back),
-        )
-        _doubt(leaving, entering)
-    else:
-        source, leaving, entering = _of_ring(material, o_ring, out, back, eta)
+    return _Motion(*broadcast(**arrays).values(), *numbers.values())
+
+
+def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Reciprocating:
+    """The result of both strokes."""
+    source, leaving, entering = strokes
     more, off = leaving.film - entering.film, leaving.error + entering.error
     net = np.maximum(more, 0.0)
     net_error = np.where(more > 0, off, np.maximum(more + off, 0.0))
+    length, edge = motion.stroke, motion.width
     return Reciprocating(
-        velocity_out=out,
-        velocity_in=back,
-        viscosity=eta,
+        velocity_out=motion.out,
+        velocity_in=motion.back,
+        viscosity=motion.viscosity,
         film_out=leaving.film,
         film_in=entering.film,
         net_leak=net * length * edge,
@@ -216,16 +246,16 @@ def reciprocating(
         error=leaving.error,
         film_in_error=entering.error,
         net_leak_error=net_error * length * edge,
-        model_error=np.full(dims, np.nan),
+        model_error=np.full(motion.out.shape, np.nan),
         converged=np.isfinite(more),
         extrapolated=_either(leaving.extrapolated, entering.extrapolated),
-        model="inverse theory" if profile is not None else "inlet of Hertz' pressure",
-        plan="closed form" if profile is not None else "em.lubricated",
+        model=model,
+        plan=plan,
         inputs=(
             ("pressure", source),
-            ("velocity out", brief(out, "m/s")),
-            ("velocity in", brief(back, "m/s")),
-            ("viscosity", brief(eta, "Pa s")),
+            ("velocity out", brief(motion.out, "m/s")),
+            ("velocity in", brief(motion.back, "m/s")),
+            ("viscosity", brief(motion.viscosity, "Pa s")),
             ("stroke", brief(length, "m")),
             ("width", brief(edge, "m")),
             *(leaving.said or entering.said),
@@ -291,6 +321,18 @@ def _read(path: Path) -> tuple[Array, Array]:
     return numbers[:, 0] * _LENGTHS[units[0]], numbers[:, 1] * _PRESSURES[units[1]]
 
 
+def _of_profile(profile: Any, motion: _Motion) -> _Strokes:
+    """Both strokes under a given pressure: out along x, in against it."""
+    x, p = _profile(profile)
+    strokes = _Strokes(
+        f"{x.size} points of a pressure profile",
+        _inverse(x, p, motion.viscosity * motion.out),
+        _inverse(-x[::-1], p[::-1], motion.viscosity * motion.back),
+    )
+    _doubt(strokes.leaving, strokes.entering)
+    return strokes
+
+
 def _inverse(x: Array, pressure: Array, drag: Array) -> _Carried:
     """A stroke along x; `drag` is eta U [N/m].
 
@@ -337,9 +379,7 @@ def _thickness(slope: Array, steepest: int) -> Array:
     return np.where(s > 0, rising, falling)
 
 
-def _of_ring(
-    material: Any, ring: Any, out: Array, back: Array, viscosity: Array
-) -> tuple[str, _Carried, _Carried]:
+def _of_ring(material: Any, ring: Any, motion: _Motion) -> _Strokes:
     """Both strokes under an O-ring, and what it is."""
     if not isinstance(ring, ORing) or np.size(ring.width) != 1:
         raise InputError(
@@ -355,10 +395,10 @@ def _of_ring(
         fluid = float(np.ravel(ring.fluid_pressure)[0])
         air_side = float(np.ravel(ring.sealing_pressure)[0])
         source += f" under {brief(fluid, 'Pa')} of its fluid"
-    leaving = _under_ring(material, ring, pressure, out, viscosity)
-    entering = _under_ring(material, ring, air_side, back, viscosity)
+    leaving = _under_ring(material, ring, pressure, motion.out, motion.viscosity)
+    entering = _under_ring(material, ring, air_side, motion.back, motion.viscosity)
     # h_0 Delta p/2, h_0 twice the film
-    return (
+    return _Strokes(
         source,
         leaving._replace(friction=leaving.friction - leaving.film * fluid),
         entering._replace(friction=entering.friction + entering.film * fluid),

@@ -88,7 +88,7 @@ class Rubbing(NamedTuple):
     share: PchipInterpolator  # to the logarithm of real contact area over nominal
     stiffening: float  # modulus over that at rest
 
-    def at(self, pressure: Array) -> tuple[Array, Array]:
+    def friction_and_contact(self, pressure: Array) -> tuple[Array, Array]:
         """mu and real contact at pressures [Pa]."""
         place = np.log(np.maximum(pressure, self.least))
         faint = np.minimum(pressure / self.least, 1.0)
@@ -106,13 +106,13 @@ class Touching(NamedTuple):
 
     def share(self, pressure: Array) -> Array:
         """Real contact under pressures that asperities carry."""
-        return self.rubbing.at(pressure * self.unit)[1]
+        return self.rubbing.friction_and_contact(pressure * self.unit)[1]
 
     def friction(self, width: Array, pressure: Array) -> Array:
         """Hysteresis and shear of the real contact, both summed over the `width` of
         each place.
         """
-        mu, share = self.rubbing.at(pressure * self.unit)
+        mu, share = self.rubbing.friction_and_contact(pressure * self.unit)
         return np.array([width @ (mu * pressure), self.stress * (width @ share)])
 
     def trapped(

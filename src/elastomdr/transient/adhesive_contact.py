@@ -109,14 +109,14 @@ class Sticky(NamedTuple):
         if isinstance(self.disc.shape, FlatPunch):
             return least + 0 * value
 
-        def level(s: "Sticky", a: Array) -> Array:
+        def controlled(s: "Sticky", a: Array) -> Array:
             return s.depth(a) if control == "depth" else s.force(a, s.depth(a))
 
         # At the break itself the root is double, and rounding would move it by the
         # square root of what it is.
         above = value > lowest + _DOUBLE * jnp.abs(lowest)
         return jnp.where(
-            above, jnp.maximum(_rising(level, self, value, least), least), least
+            above, jnp.maximum(_rising(controlled, self, value, least), least), least
         )
 
     def _steepness(self, a: Array, control: str) -> Array:
@@ -264,7 +264,7 @@ class _Receding(NamedTuple):
 
     radius: Array
     depth: Array
-    level: Array  # D
+    sunk: Array  # D
     held: Array  # whether it has not broken
     f: Array  # branches of the half-space
     z: Array  # Kelvin modes under E_inf (D - d_0)
@@ -301,7 +301,7 @@ def _recede(
     edge = jnp.where(control, bond.radius("depth", moved), bond.radius("load", load))
     a_new = jnp.where(stays, a, jnp.minimum(a, edge))
     new = jnp.where(control, moved, _depth_under(bond, a_new, load))
-    before = law.equilibrium * (state.level - begin.depth)
+    before = law.equilibrium * (state.sunk - begin.depth)
     after = law.equilibrium * (new - begin.depth)
     z = jnp.exp(-x) * state.z + modes.gain * h * (
         before * phi1(x) + (after - before) * phi2(x)

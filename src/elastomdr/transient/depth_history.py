@@ -232,7 +232,7 @@ def _secant(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
     """Where the line through two places, (g, residual) each, is zero."""
     rise = near[1] - far[1]
     return near[0] - near[1] * (near[0] - far[0]) / xp.where(
-        _level(near, far), xp.inf, rise
+        _carry_the_same(near, far), xp.inf, rise
     )
 
 
@@ -295,7 +295,7 @@ def edges(
     # does not tell where; the gap does.
     other = xp.where(inner[1] > -outer[1], outside, inner[0])
     g = xp.where(
-        (g >= inner[0]) & (g <= outer[0]) & ~_level(inner, inner_far), g, other
+        (g >= inner[0]) & (g <= outer[0]) & ~_carry_the_same(inner, inner_far), g, other
     )
     return xp.where(count > 0, disc.radius_of_depth(g), 0.0)
 
@@ -309,7 +309,7 @@ def edges_of_growth(
     return disc.radius_of_depth(depth)
 
 
-def _level(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
+def _carry_the_same(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
     """Whether two elements carry the same but for rounding."""
     return xp.abs(near[1] - far[1]) <= _FLAT * xp.abs(near[1])
 

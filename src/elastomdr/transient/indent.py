@@ -143,7 +143,7 @@ class Indentation(AbstractHistory):
             )
         if self.surface is None:
             raise InputError(f"{field_name} is not computed with adhesion.")
-        return self.surface.at(np.asarray(self.depth), r, float(time), field_name)
+        return self.surface.field(np.asarray(self.depth), r, float(time), field_name)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Largest depth and force, and what is left at the end."""

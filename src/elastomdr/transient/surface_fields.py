@@ -40,7 +40,7 @@ class Elements(NamedTuple):
     disc: Disc
     course: Course
 
-    def at(
+    def field(
         self, depth: np.ndarray, r: np.ndarray, time: float, field_name: str
     ) -> np.ndarray:
         """The "pressure" or "displacement" at radii r [m] and one time [s], after the
