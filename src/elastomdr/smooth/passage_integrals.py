@@ -289,9 +289,7 @@ class _Contact(abc.ABC):
 
     def density(self) -> Float[Array, "variants lines points"]:
         law = self.p.law
-        density = (
-            _over_branches(law.moduli, self.kept()) + law.equilibrium * self.rise
-        )
+        density = _over_branches(law.moduli, self.kept()) + law.equilibrium * self.rise
         return density - self.p.velocity * law.viscosity * self.at_exit
 
     def force(self) -> Float[Array, "variants lines points"]:
