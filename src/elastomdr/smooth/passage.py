@@ -600,6 +600,8 @@ class Losses(NamedTuple):
     dashpot: Float[Array, " points"]  # of the parallel dashpot, per length of way [N]
     branches: Float[Array, "branches points"]  # of each branch [N]
     friction_force: Float[Array, " points"]  # the work, by its own integral [N]
+    # of the work, from sampling [N]; zero under a transformation of JAX
+    error: Float[Array, " points"]
     converged: Bool[Array, " points"]
 
 
@@ -618,8 +620,12 @@ def solve_losses(
     p = Passage(law, lines, rule, velocity)
     if on_numpy():
         p, size, ratio, good = _edges(p, control, value)
+        work = forces(p, size, ratio)
         return Losses(
-            *branch_losses(p, modes, size, ratio), forces(p, size, ratio).friction, good
+            *branch_losses(p, modes, size, ratio),
+            work.friction,
+            work.friction_error + work.friction * work.normal_error / work.normal,
+            good,
         )
     law, lines, value, velocity = as_doubles((law, lines, value, velocity))
     size = _size(rule, control)((law, lines), (value, velocity))
@@ -630,5 +636,6 @@ def solve_losses(
         dashpot,
         branches,
         _drag(rule)((law, lines), (size, velocity)),
+        xp.zeros_like(size),
         xp.isfinite(size),
     )
