@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 _APART = 1e-12  # relative distance of equal times that cannot be made one
 
+_BLOCK = 2048  # frequencies whose complex moduli are summed at once
 # halvings of the logarithm of a distance: from 280 decades down to rounding
 _BISECTIONS = 64
 _SMALLEST = 1e-140  # its square is still a float64
@@ -108,6 +109,10 @@ class AbstractRelaxation(Tree):
         """
         law, omega = self.law(), as_float64("omega", omega)
         not_negative("omega", omega)
+        if on_numpy() and omega.size > _BLOCK:  # arrays with all branches fill the cache
+            blocks = np.array_split(omega.ravel(), -(-omega.size // _BLOCK))
+            parts = [law.complex_modulus(block) for block in blocks]
+            return np.concatenate(parts).reshape(omega.shape)
         x = omega[..., None] * law.times
         with np.errstate(divide="ignore"):  # at rest nothing is stored or lost: x = 0
             both = x + 1 / x

@@ -496,16 +496,18 @@ def losses(
     y, weight = np.concatenate([y, far]), np.concatenate([weight, far_weight])
     spread = np.concatenate([spread, edge[:, None] / far**3], axis=1)
     k = y / solution.half[:, None]
-    omega = k * velocity[:, None]
-    size = np.abs(law.complex_modulus(omega)) ** -2
+    each = 2 / math.pi * solution.half[:, None] * spread * weight
     if cover.thickness is not None:
-        size = size * layer_kernel(k * cover.thickness, cover.squeeze, cover.bonded)
-    each = 2 / math.pi * solution.half[:, None] * spread * size * weight
-    by_branch = []
-    for modulus, time in zip(law.moduli, law.times, strict=True):
-        x = omega * time
-        by_branch.append(np.sum(each * modulus * x / (1 + x**2), axis=1))
-    return np.array(by_branch)
+        each = each * layer_kernel(k * cover.thickness, cover.squeeze, cover.bonded)
+    moduli, times = np.asarray(law.moduli), np.asarray(law.times)
+    by_branch = np.empty((moduli.size, velocity.size))
+    for point, waves in enumerate(k):  # one at a time, which the cache holds
+        x = times[:, None] * (waves * velocity[point])
+        loss = x / (1 + x * x)
+        lost = moduli @ loss
+        stored = law.equilibrium + moduli @ (x * loss)
+        by_branch[:, point] = loss @ (each[point] / (stored**2 + lost**2))
+    return moduli[:, None] * by_branch
 
 
 # kL of the last wave that is summed: where every term falls as it does for good

@@ -18,15 +18,17 @@ from ..surface.direction import directions
 from ..surface.shapes import Cylinder
 from .cylinder import cylinder_losses
 from .on_layer import is_on_layer
-from .passage import Losses, solve_losses
+from .passage import Control, Losses, solve_losses
 from .plan import Plan
 from .problem import SmoothScene, set_up, solve
+from .solve import batch_size
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
     from ..call.types import Indenter, Materials, ModelLike
 
-_BATCH = 4096  # passages at once
+_BATCH = 4096  # passages at once under a transformation of JAX
+_SAMPLED = 0.1  # of the tolerance, which sampling may take
 _LAYER_SHARE = 1e-3  # of the work that the branches may miss on a layer
 
 
@@ -117,7 +119,7 @@ def _shares(scene: SmoothScene) -> Dissipation:
     """The solved scene, its friction shared out among the branches."""
     solved = solve(scene)
     dashpot, branches, work, good = _forces(
-        scene, xp.ravel(solved.normal_force) / scene.vertical, xp
+        scene, xp.ravel(solved.normal_force) / scene.vertical
     )
     with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
@@ -215,9 +217,7 @@ def _on_layer(
     )
 
 
-def _forces(
-    scene: SmoothScene, load: Array, xp: Any
-) -> tuple[Array, Array, Array, Any]:
+def _forces(scene: SmoothScene, load: Array) -> tuple[Array, Array, Array, Any]:
     """Force of the dashpot, of each branch, and of friction by its own integral [N],
     averaged as the plan says.
     """
@@ -230,14 +230,10 @@ def _forces(
         control, value = "load", xp.where(xp.isfinite(load), load, 1.0)
     slowed = (velocity[:, None] * cosines).ravel()
     value = xp.broadcast_to(value[:, None], (velocity.size, cosines.size)).ravel()
-    parts = []
-    for start in range(0, slowed.size, _BATCH):
-        here = slice(start, start + _BATCH)
-        rule = plan.rules[0] if plan.traced else plan.rules[-1]
-        parts.append(_padded(scene, rule, control, value[here], slowed[here], xp))
-    every = Losses(
-        *(xp.concatenate(fields, axis=-1) for fields in zip(*parts, strict=True))
-    )
+    if plan.traced:
+        every = _padded(scene, control, value, slowed)
+    else:
+        every = _refined(scene, control, value, slowed)
     dashpot, branches, work = (
         xp.asarray(field).reshape(*field.shape[:-1], velocity.size, cosines.size)
         @ weights
@@ -251,25 +247,54 @@ def _forces(
     )
 
 
-def _padded(
-    scene: SmoothScene, rule: Any, control: Any, value: Array, velocity: Array, xp: Any
+def _refined(
+    scene: SmoothScene, control: Control, value: np.ndarray, velocity: np.ndarray
 ) -> Losses:
-    """Solves with the number of points rounded up to a power of 2, so that few sizes
-    are compiled.
+    """The losses of many passages, with the rules of the plan tried in turn where the
+    error of the work asks for it.
     """
-    count = velocity.size
-    fill = (0, max(64, 2 ** (count - 1).bit_length()) - count)
-    law = Relaxation(
-        *(
-            xp.asarray(x)
-            for x in (
-                scene.law.equilibrium,
-                scene.law.moduli,
-                scene.law.times,
-                scene.law.viscosity,
-            )
-        )
-    )
-    value, velocity = xp.pad(value, fill, "edge"), xp.pad(velocity, fill, "edge")
-    out = solve_losses(law, scene.lines, rule, control, value, velocity)
-    return Losses(*(xp.asarray(field)[..., :count] for field in out))
+    law, plan = scene.law, scene.plan
+    every, left = None, np.arange(velocity.size)
+    for rule in plan.rules:
+        count = -(-left.size // batch_size(law, scene.lines, rule))
+        parts = [
+            solve_losses(law, scene.lines, rule, control, value[here], velocity[here])
+            for here in np.array_split(left, count)
+        ]
+        solved = _joined(parts)
+        if every is None:
+            every = solved
+        else:
+            for whole, field in zip(every, solved, strict=True):
+                whole[..., left] = field
+        missed = ~(every.error <= _SAMPLED * plan.rtol * every.friction_force)
+        left = np.flatnonzero(every.converged & missed)
+        if not left.size:
+            break
+    assert every is not None
+    return every
+
+
+def _joined(parts: list[Losses]) -> Losses:
+    fields = zip(*parts, strict=True)
+    return Losses(*(xp.concatenate(field, axis=-1) for field in fields))
+
+
+def _padded(
+    scene: SmoothScene, control: Control, value: Array, velocity: Array
+) -> Losses:
+    """Under a transformation of JAX: the number of points rounded up to a power of 2,
+    so that few sizes are compiled.
+    """
+    parts, law = [], scene.law
+    fields = law.equilibrium, law.moduli, law.times, law.viscosity
+    law = Relaxation(*map(xp.asarray, fields))
+    rule = scene.plan.rules[0]
+    for start in range(0, velocity.size, _BATCH):
+        here = slice(start, start + _BATCH)
+        count = velocity[here].size
+        fill = (0, max(64, 2 ** (count - 1).bit_length()) - count)
+        padded = (xp.pad(each[here], fill, "edge") for each in (value, velocity))
+        solved = solve_losses(law, scene.lines, rule, control, *padded)
+        parts.append(Losses(*(xp.asarray(field)[..., :count] for field in solved)))
+    return _joined(parts)

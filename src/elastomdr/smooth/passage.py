@@ -12,7 +12,6 @@ again, and holding on would need tension.
 from __future__ import annotations
 
 import functools
-import math
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -26,6 +25,8 @@ from ..numerics.quadrature import gauss_unit
 from ..numerics.root import search
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.sampling import Rule
+from ..surface.shapes import Cone
+from .closed_edges import NEAREST_EXIT, USUAL, under_cone, under_parabola
 from .memory import Passage, first_variant, selected, tabulated
 from .passage_integrals import (
     balance,
@@ -42,30 +43,20 @@ if TYPE_CHECKING:
 
 Control = Literal["load", "depth"]
 
-# b/a below which contact is lost at the apex itself (a kink under a dashpot)
-_NEAREST_EXIT = 1e-15
 _ITERATIONS = 60  # after which a point is given up
 _MET = 1e-3  # relative miss of the load up to which a small step is believed
 _FAR = 1e-6  # relative distance of two values from which their difference gives a slope
 # relative to the slope of an elastic contact, below which a slope is rounding
 _ROUNDING = 1e-12
 _NEAR = 1e-3  # b/a below which the search halves its logarithm
-_USUAL = math.log(1e-3)  # log of a contact size [m] to begin with
-# how often a guess at log A is improved, and by how much at the last
-_GUESSES, _GUESSED = 8, 0.1
-# and that at log(a + b) under a parabola, whose error is the square of it
-_GUESSED_WELL = 1e-4
-_TO_ROUNDING = 2e-14  # the same after the last step where the body is a parabola
-# passage time over relaxation time from which closed forms keep their digits,
-_NEARLY_SPRING = 0.05
-# and of what is done below it
-_SERIES = [1 / (math.factorial(k) * (k + 3)) for k in range(8)]
 # of Newton's method on load and edge together, before a point is left to the search by
 # brackets
 _STEPS = 15
 _TABLES = 3  # how often panels are laid out anew,
 _MOVED = 0.05  # where the contact has grown or shrunk by as much
 _CLOSE = 1e-7  # the length of its last step, squared by it
+# how often a guess at log A is improved, and by how much at the last
+_GUESSES, _GUESSED = 8, 0.1
 _TIGHT = 1e-9  # step at which the searches stop
 
 
@@ -165,7 +156,7 @@ def _ratio(rule: Rule) -> Any:
         # edge stays where it was found.
         slope = size * balance_and_slopes(first_variant(p), size, ratio).density_exit
         nothing = _ROUNDING * _elastic_slope(p, size)
-        free = (ratio > 2 * _NEAREST_EXIT) & (slope < nothing)
+        free = (ratio > 2 * NEAREST_EXIT) & (slope < nothing)
         return np.where(converged, ratio, np.nan), free.astype(float)
 
     def equation(ratio: Array, free: Array, shared: Any, points: Any) -> Array:
@@ -255,7 +246,14 @@ def _edges(
     top = _largest(p.lines, value)
     by_depth = control == "depth"
     ratio = np.full((p.lines.count, *value.shape), 0.8)
-    if start is not None and isinstance(p.lines, SingleLine) and start.converged.all():
+    if start is not None and not start.converged.all():
+        start = None
+    if not by_depth and _is_cone_on_line(p):
+        log_size, ratio, converged = under_cone(p, value, _log_edges(start))
+        if converged.all():
+            return p, np.exp(log_size), ratio, converged
+        ratio = np.full((p.lines.count, *value.shape), 0.8)
+    if start is not None and isinstance(p.lines, SingleLine):
         log_size, ratio = np.log(start.leading), (start.trailing / start.leading)[None]
     else:
         single = isinstance(p.lines, SingleLine)
@@ -265,7 +263,7 @@ def _edges(
         elif not single:
             log_size = _first_guess(p, value, top)
         if single and (p.rule.parabola or not by_depth):
-            log_size, ratio, converged = _of_parabola(
+            log_size, ratio, converged = under_parabola(
                 p, log_size if by_depth else value, top, by_depth
             )
             if p.rule.parabola and converged.all():
@@ -285,6 +283,19 @@ def _edges(
         if p.table is None or np.all(np.abs(log_size - before) < _MOVED):
             break
     return p, np.exp(log_size), ratio, converged
+
+
+def _is_cone_on_line(p: Passage) -> bool:
+    """Whether the edges are those of `under_cone`: a single line, and no dashpot."""
+    single = isinstance(p.lines, SingleLine) and isinstance(p.lines.shape, Cone)
+    return single and not np.any(p.law.viscosity)
+
+
+def _log_edges(start: Passages | None) -> Array | None:
+    """log(a + b) and log b of passages nearby, if there are any."""
+    if start is None:
+        return None
+    return np.log(np.stack([start.leading + start.trailing, start.trailing]))
 
 
 def _sought(
@@ -428,14 +439,14 @@ def _settled(p: Passage, size: Array, ratio: Array) -> Array:
         exit_density(p, size, ratio + room),
     )
     return np.all(
-        (ratio <= 2 * _NEAREST_EXIT) | ((ahead >= -nothing) & (behind <= nothing)),
+        (ratio <= 2 * NEAREST_EXIT) | ((ahead >= -nothing) & (behind <= nothing)),
         axis=0,
     )
 
 
 def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
     """Contact size of a depth, sought in logarithms."""
-    guess = np.minimum(_USUAL, top - 0.5) + np.zeros_like(depth)
+    guess = np.minimum(USUAL, top - 0.5) + np.zeros_like(depth)
 
     def residual(log_size: Array) -> Array:
         return np.log(lines.depth(np.exp(log_size)) / depth)
@@ -447,6 +458,9 @@ def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
 def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     """log A of an elastic contact whose modulus is about the mean of E(t) over one
     passage.
+
+    Of most bodies log F_N against log A is so straight that two or three steps of the
+    secant method are enough; where they are not, a search in brackets takes over.
     """
     c, w, _ = gauss_unit(6)
     line = np.arange(p.lines.count)[:, None, None]
@@ -464,95 +478,20 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     def residual(log_size: Array) -> Array:
         return np.log(force(log_size) / load)
 
-    guess = np.minimum(np.full_like(load, _USUAL), top - 0.5)
+    guess = np.minimum(np.full_like(load, USUAL), top - 0.5)
     # Of a profile that is a power, log force against log size rises by between n and
     # n + 1.
-    slope = p.lines.exponent(np.exp(guess)) + 0.5
-    return search(residual, guess, _GUESSED, slope, top)[0]
-
-
-def _of_parabola(
-    p: Passage, given: Array, top: Array, by_size: bool
-) -> tuple[Array, Array, Array]:
-    """log A and b/a on a single line, by Newton's method, if its profile were a
-    parabola, and where; on NumPy.
-
-    Of a given load, or `by_size` of log A itself.
-
-    The parabola is the one with the same volume between profile and contact. For a
-    parabola with the length L = a + b of contact and M_j = int E(r/v) r^j dr from 0 to
-    L, q(-b) = 0 gives b = M_1/(M_0 + eta v), and the force follows.
-    """
-    law, lines, line, exact = p.law, p.lines, np.zeros((1, 1), int), p.rule.parabola
-    c, w, _ = gauss_unit(6)
-    rate, drag, widest = 1 / p.decay, p.velocity * law.viscosity, np.exp(top)
-    lossy = bool(np.any(drag))
-    log_length = (
-        (given if by_size else np.minimum(_USUAL, top - 0.5))
-        + math.log(2)
-        + np.zeros_like(given)
-    )
-    a, b, length, before = 4 * (np.ones_like(given),)
-    # of a parabola that is the curvature
-    curvature, weight = lines.profile(a, a, line), lines.weight(a)[0]
-    converged = np.zeros(given.shape, bool)
+    usual = p.lines.exponent(np.exp(guess)) + 0.5
+    log_size, value, slope = guess, residual(guess), usual
     for _ in range(_GUESSES):
-        length = np.exp(log_length)
-        kept, first, second, third = (
-            law.moduli @ x for x in _exponential_means(length * rate)
-        )
-        last, mean = law.equilibrium + kept, law.equilibrium + first
-        mean = mean + drag / length if lossy else mean
-        arm = law.equilibrium / 2 + second
-        b = arm / mean
-        a = 1 - b
-        size, left_over = length * a, mean - last * a
-        if by_size:
-            step = (given - np.log(size)) * a * mean / left_over
-        else:
-            force = mean - 2 * arm * a - (law.equilibrium / 3 + third)
-            rise = 2 * a * left_over / force
-            if not exact:
-                size = np.minimum(size, widest)
-                x = size * c[:, None]
-                curvature = 1.5 / size**2 * (w @ (x * lines.slope(x, size, line)))
-                rise = rise + (lines.exponent(size) - 2) * left_over / (a * mean)
-            step = np.log(given / (weight * curvature * length**3 * force)) / rise
-        log_length = np.minimum(log_length + step, top + math.log(2))
-        miss = np.abs(step)
-        # Each miss is the square of the one before times a number, taken as 1/4 at
-        # least.
-        left = miss**2 * np.maximum(miss / before**2, 0.25)
-        if miss.max() < _GUESSED_WELL and (not exact or left.max() <= _TO_ROUNDING):
-            moved = left_over / mean * step  # da/dL = left_over/mean
-            a, b = a + moved, b + step - moved
-            converged = size <= widest
-            break
-        before = miss
-    ratio = np.minimum(np.maximum(b / a, _NEAREST_EXIT), 1 - 4e-16)
-    return (
-        given if by_size else np.minimum(np.log(length * a), top),
-        ratio[None],
-        converged,
-    )
-
-
-def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:
-    """e^{-z} and int e^{-z c} c^j dc from 0 to 1 for j = 0, 1, 2.
-
-    The last by a series where z is small, and from it the others, whose sums cancel
-    nothing.
-    """
-    left, small = np.exp(-z), -np.minimum(z, _NEARLY_SPRING)
-    series = np.full_like(z, _SERIES[-1])
-    for coefficient in _SERIES[-2::-1]:
-        series *= small
-        series += coefficient
-    third = np.where(
-        z < _NEARLY_SPRING, series, (2 * (-np.expm1(-z) / z - left) / z - left) / z
-    )
-    second = 0.5 * (left + z * third)
-    return left, left + z * second, second, third
+        before, value_before = log_size, value
+        log_size = np.minimum(log_size - np.clip(value / slope, -3.0, 3.0), top)
+        change = log_size - before
+        if np.abs(change).max() < _GUESSED:
+            return log_size
+        value = residual(log_size)
+        slope = np.fmax((value - value_before) / change, 0.5 * usual)
+    return search(residual, guess, _GUESSED, usual, top)[0]
 
 
 def _mean_modulus(p: Passage, size: Array) -> Array:
@@ -581,7 +520,7 @@ def _exits(
     """
     elastic = _elastic_slope(p, size)
     slope = factor * elastic
-    low, high = np.full_like(ratio, _NEAREST_EXIT), np.full_like(ratio, 1 + 1e-14)
+    low, high = np.full_like(ratio, NEAREST_EXIT), np.full_like(ratio, 1 + 1e-14)
     settled = np.zeros(ratio.shape, bool)
     if p.rule.split:
         settled = exit_density(p, size, low) <= 0  # contact is lost at the apex
@@ -661,6 +600,8 @@ class Losses(NamedTuple):
     dashpot: Float[Array, " points"]  # of the parallel dashpot, per length of way [N]
     branches: Float[Array, "branches points"]  # of each branch [N]
     friction_force: Float[Array, " points"]  # the work, by its own integral [N]
+    # of the work, from sampling [N]; zero under a transformation of JAX
+    error: Float[Array, " points"]
     converged: Bool[Array, " points"]
 
 
@@ -679,8 +620,12 @@ def solve_losses(
     p = Passage(law, lines, rule, velocity)
     if on_numpy():
         p, size, ratio, good = _edges(p, control, value)
+        work = forces(p, size, ratio)
         return Losses(
-            *branch_losses(p, modes, size, ratio), forces(p, size, ratio).friction, good
+            *branch_losses(p, modes, size, ratio),
+            work.friction,
+            work.friction_error + work.friction * work.normal_error / work.normal,
+            good,
         )
     law, lines, value, velocity = as_doubles((law, lines, value, velocity))
     size = _size(rule, control)((law, lines), (value, velocity))
@@ -691,5 +636,6 @@ def solve_losses(
         dashpot,
         branches,
         _drag(rule)((law, lines), (size, velocity)),
+        xp.zeros_like(size),
         xp.isfinite(size),
     )

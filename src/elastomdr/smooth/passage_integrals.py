@@ -17,6 +17,7 @@ both edges; see there. Axes: (variants,) lines, branches, points.
 from __future__ import annotations
 
 import abc
+import functools
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -176,7 +177,7 @@ def branch_losses(
     sampling is; their sum is the friction force. Derived here.
     """
     contact = _contact(p, size, ratio, full=True)
-    slow, left = contact.slow(), contact.rise()[:, None]
+    slow, left = contact.slow, contact.rise[:, None]
     kept, gone = (x[0] for x in contact.worked())
     force, lag = contact.kept()[0], contact.lost()[0]
     inside = p.law.moduli[:, None] * xp.where(
@@ -241,7 +242,7 @@ class _Contact(abc.ABC):
 
     def __init__(self, p: Passage, size: Array, ratio: Array):
         self.p, self.size, self.line = p, size, xp.arange(p.lines.count)[:, None]
-        self.entry = p.lines.entry(size)
+        self.entry, self.decay = p.lines.entry(size), p.decay
         self.exit = ratio * self.entry
         self.places = xp.stack([self.entry, self.exit])
         self.high, self.low = p.lines.profile(self.places, size, self.line)
@@ -250,17 +251,19 @@ class _Contact(abc.ABC):
     def slope(self, x: Array) -> Array:
         return self.p.lines.slope(x, self.size, self.line)
 
+    @functools.cached_property
     def rise(self) -> Float[Array, "lines points"]:
         """Indentation left at the trailing edge, g(a) - g(b)."""
         return self.high - self.low
 
+    @functools.cached_property
     def slow(self) -> Array:
         """Which branches are slower than the passage."""
-        return self.p.decay > (self.entry + self.exit)[:, None]
+        return self.decay > (self.entry + self.exit)[:, None]
 
     def gone(self) -> Float[Array, "lines branches points"]:
         """1 - e^{-(a + b)/s}."""
-        return -xp.expm1(-(self.entry + self.exit)[:, None] / self.p.decay)
+        return -xp.expm1(-(self.entry + self.exit)[:, None] / self.decay)
 
     @abc.abstractmethod
     def kept(self) -> Float[Array, "variants lines branches points"]:
@@ -286,16 +289,14 @@ class _Contact(abc.ABC):
 
     def density(self) -> Float[Array, "variants lines points"]:
         law = self.p.law
-        density = (
-            _over_branches(law.moduli, self.kept()) + law.equilibrium * self.rise()
-        )
+        density = _over_branches(law.moduli, self.kept()) + law.equilibrium * self.rise
         return density - self.p.velocity * law.viscosity * self.at_exit
 
     def force(self) -> Float[Array, "variants lines points"]:
         """F_N without the weight of the lines: int v_k dx = s_k y_k, since s v_k' = v_k
         - s g'.
         """
-        law, rise = self.p.law, self.rise()
+        law, rise = self.p.law, self.rise
         elastic = self.exit * rise + self.moment()
         force = (
             self.p.velocity * _over_branches(law.moduli * law.times, self.lost())
@@ -310,11 +311,11 @@ class _Contact(abc.ABC):
         1 - exp(-r/s), beside the exact int C dr = [g(a) - g(b)]^2/2, so that a loss of
         1e-20 of the stored energy keeps its digits.
         """
-        law, slow = self.p.law, self.slow()
+        law, slow = self.p.law, self.slow
         kept, gone = self.worked()
         total = _over_branches(law.moduli, xp.where(slow, -gone, kept))
         return (
-            0.5 * self._springs() * self.rise() ** 2
+            0.5 * self._springs * self.rise**2
             + self.p.velocity * law.viscosity * self.square()
             + total
         )
@@ -324,13 +325,14 @@ class _Contact(abc.ABC):
         trailing edge was rounded.
         """
         blur = 4 * _ROUNDING * xp.abs(self.at_exit) * self.entry
-        return self._springs() * blur * (xp.abs(self.rise()) + blur)
+        return self._springs * blur * (xp.abs(self.rise) + blur)
 
+    @functools.cached_property
     def _springs(self) -> Array:
         """Modulus of the equilibrium spring and of the branches that are nearly
         springs.
         """
-        slow = xp.where(self.slow(), self.p.law.moduli[:, None], 0.0)
+        slow = xp.where(self.slow, self.p.law.moduli[:, None], 0.0)
         return self.p.law.equilibrium + xp.sum(slow, axis=-2)
 
 
@@ -373,7 +375,7 @@ class _TwoSides(_Contact):
         super().__init__(p, size, ratio)
         both = memory(p, size, self.places, full)
         self.ahead, self.behind = (both.each(lambda x, i=i: x[i]) for i in (0, 1))
-        self.fading = -self.exit[:, None] / p.decay
+        self.fading = -self.exit[:, None] / self.decay
         self.force_of_branch = xp.exp(self.fading) * self.ahead.near - self.behind.far
 
     def kept(self):

@@ -421,6 +421,13 @@ def _solve(
     return passages
 
 
+def batch_size(law: Relaxation, lines: AbstractLines, rule: Rule) -> int:
+    """How many points to solve at once, as the memory is meant to hold."""
+    panels = (len(rule.fractions) - 1) * (rule.strips if lines.count > 1 else 1)
+    panels *= lines.shape.r.size if isinstance(lines.shape, Profile) else 1
+    return int(np.clip(_NUMBERS // (panels * (1 + law.moduli.size)), 16, _BATCH))
+
+
 def _in_batches(
     law: Relaxation,
     lines: AbstractLines,
@@ -431,9 +438,7 @@ def _in_batches(
     start: Passages | None = None,
 ) -> Passages:
     """`solve_passages` for as many points at once as the memory is meant to hold."""
-    panels = (len(rule.fractions) - 1) * (rule.strips if lines.count > 1 else 1)
-    panels *= lines.shape.r.size if isinstance(lines.shape, Profile) else 1
-    most = int(np.clip(_NUMBERS // (panels * (1 + law.moduli.size)), 16, _BATCH))
+    most = batch_size(law, lines, rule)
     if velocity.size <= most:
         return solve_passages(law, lines, rule, control, value, velocity, start)
     parts = []

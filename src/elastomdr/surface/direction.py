@@ -41,6 +41,8 @@ _EXCESS = np.array(
         [0.09, 0.08, 0.04, 0.11, 0.17, 0.25],  # of the asymmetry, in the bound
     ]
 )
+# how they rise between the powers
+_RISE = np.diff(_EXCESS) / np.diff(_POWERS)
 # power of a profile up to which the validity maps say how far the average is off
 _STEEPEST = 6.05
 # power above which, and glassy over relaxed modulus beyond which, there is no bound
@@ -238,8 +240,7 @@ def _between_powers(exponent: Array) -> Array:
     """
     held = xp.clip(exponent, _POWERS[0], _POWERS[-1])
     left = xp.sum(held >= _POWERS[1:-1].reshape(-1, *[1] * held.ndim), axis=0)
-    slope = np.diff(_EXCESS) / np.diff(_POWERS)
-    start, below, rise = (xp.asarray(x)[..., left] for x in (_POWERS, _EXCESS, slope))
+    start, below, rise = (xp.asarray(x)[..., left] for x in (_POWERS, _EXCESS, _RISE))
     return rise * (held - start) + below
 
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 _APEX = 1e-9  # of the leading edge: what counts as the apex
 _FLAT = 60.0  # power that stands for a flat
+_ONE = np.ones((1, 1))  # weight of a line that stands for the whole contact
 # Strips crowd towards a pointed apex, where the sum over them goes as y^n log y.
 _CROWDED = 3
 
@@ -119,8 +120,9 @@ class SingleLine(AbstractLines):
         return size[None]
 
     def weight(self, size: Array) -> Array:
-        length = self.shape.length if isinstance(self.shape, Cylinder) else 1.0
-        return xp.full((1, 1), length)
+        if not isinstance(self.shape, Cylinder):
+            return _ONE
+        return xp.full((1, 1), self.shape.length)
 
     def profile(self, x: Array, size: Array, line: Array) -> Array:
         return self.shape._profile(x)

@@ -1,0 +1,166 @@
+"""Contact edges on a single line in closed form: under a parabola, and under a cone.
+
+All integrals of such a passage are means of exponentials over the contact, so that
+Newton's method on the edges needs no panels. On NumPy.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..numerics.quadrature import gauss_unit
+
+if TYPE_CHECKING:
+    from ..checks import Array
+    from .memory import Passage
+
+# b/a below which contact is lost at the apex itself (a kink under a dashpot)
+NEAREST_EXIT = 1e-15
+USUAL = math.log(1e-3)  # log of a contact size [m] to begin with
+_GUESSES = 8  # how often the length of a contact under a parabola is improved
+# last step of log(a + b) under a parabola, whose error is the square of it
+_GUESSED_WELL = 1e-4
+_TO_ROUNDING = 2e-14  # the same after the last step where the body is a parabola
+# passage time over relaxation time from which closed forms keep their digits,
+_NEARLY_SPRING = 0.05
+# and of what is done below it
+_SERIES = [1 / (math.factorial(k) * (k + 3)) for k in range(8)]
+_STEPS = 20  # of Newton's method under a cone
+_CLOSE = 1e-8  # the length of its last step, squared by it
+
+
+def under_parabola(
+    p: Passage, given: Array, top: Array, by_size: bool
+) -> tuple[Array, Array, Array]:
+    """log A and b/a on a single line, by Newton's method, if its profile were a
+    parabola, and where; on NumPy.
+
+    Of a given load, or `by_size` of log A itself.
+
+    The parabola is the one with the same volume between profile and contact. For a
+    parabola with the length L = a + b of contact and M_j = int E(r/v) r^j dr from 0 to
+    L, q(-b) = 0 gives b = M_1/(M_0 + eta v), and the force follows.
+    """
+    law, lines, line, exact = p.law, p.lines, np.zeros((1, 1), int), p.rule.parabola
+    c, w, _ = gauss_unit(6)
+    rate, drag, widest = 1 / p.decay, p.velocity * law.viscosity, np.exp(top)
+    lossy = bool(np.any(drag))
+    log_length = (
+        (given if by_size else np.minimum(USUAL, top - 0.5))
+        + math.log(2)
+        + np.zeros_like(given)
+    )
+    a, b, length, before = 4 * (np.ones_like(given),)
+    # of a parabola that is the curvature
+    curvature, weight = lines.profile(a, a, line), lines.weight(a)[0]
+    converged = np.zeros(given.shape, bool)
+    for _ in range(_GUESSES):
+        length = np.exp(log_length)
+        kept, first, second, third = (
+            law.moduli @ x for x in _exponential_means(length * rate)
+        )
+        last, mean = law.equilibrium + kept, law.equilibrium + first
+        mean = mean + drag / length if lossy else mean
+        arm = law.equilibrium / 2 + second
+        b = arm / mean
+        a = 1 - b
+        size, left_over = length * a, mean - last * a
+        if by_size:
+            step = (given - np.log(size)) * a * mean / left_over
+        else:
+            force = mean - 2 * arm * a - (law.equilibrium / 3 + third)
+            rise = 2 * a * left_over / force
+            if not exact:
+                size = np.minimum(size, widest)
+                x = size * c[:, None]
+                curvature = 1.5 / size**2 * (w @ (x * lines.slope(x, size, line)))
+                rise = rise + (lines.exponent(size) - 2) * left_over / (a * mean)
+            step = np.log(given / (weight * curvature * length**3 * force)) / rise
+        log_length = np.minimum(log_length + step, top + math.log(2))
+        miss = np.abs(step)
+        # Each miss is the square of the one before times a number, taken as 1/4 at
+        # least.
+        left = miss**2 * np.maximum(miss / before**2, 0.25)
+        if miss.max() < _GUESSED_WELL and (not exact or left.max() <= _TO_ROUNDING):
+            moved = left_over / mean * step  # da/dL = left_over/mean
+            a, b = a + moved, b + step - moved
+            converged = size <= widest
+            break
+        before = miss
+    ratio = np.minimum(np.maximum(b / a, NEAREST_EXIT), 1 - 4e-16)
+    return (
+        given if by_size else np.minimum(np.log(length * a), top),
+        ratio[None],
+        converged,
+    )
+
+
+def under_cone(
+    p: Passage, load: Array, log_edges: Array | None
+) -> tuple[Array, Array, Array]:
+    """log A and b/a under a cone with a given load, by Newton's method, and where they
+    were found; for a law without a dashpot.
+
+    `log_edges` are log(a + b) and log b to begin with, (2, points), if any are known.
+    With a slope g' of one size, I(y) = int E(r/v) dr and J = int I dr from 0 to y,
+
+        q(-b) = g' [I(a + b) - 2 I(b)],    F_N = g' [J(a + b) - 2 J(b)].
+
+    Derived here, from the integrals of `passage_integrals.py`.
+    """
+    law = p.law
+    steep = float(p.lines.shape._slope(np.ones(())))
+    if log_edges is None:
+        length = np.full_like(load, USUAL + math.log(2))
+        log_edges = np.stack([length, length + math.log(0.3)])
+    converged = np.zeros(load.shape, bool)
+    for _ in range(_STEPS):
+        y = np.exp(log_edges)
+        left, zeroth, first, _ = _exponential_means(y[:, None] / p.decay)
+        modulus = law.equilibrium + law.moduli @ left  # E(y/v)
+        integral = y * (law.equilibrium + law.moduli @ zeroth)
+        (length, behind), (far, near) = y * modulus / integral, integral
+        twice = y**2 * (0.5 * law.equilibrium + law.moduli @ (zeroth - first))
+        force = twice[0] - 2 * twice[1]
+        # Both equations in logarithms, and their slopes by log(a + b) and log b
+        density, excess = np.log(0.5 * far / near), np.log(steep * force / load)
+        by_length, by_exit = y[0] * far / force, -2 * y[1] * near / force
+        scale = length * by_exit + behind * by_length
+        step = np.stack(
+            [
+                -(density * by_exit + behind * excess) / scale,
+                (density * by_length - length * excess) / scale,
+            ]
+        )
+        log_edges = log_edges + np.clip(step, -2.0, 2.0)
+        # The trailing part of a contact is at most half of it.
+        log_edges[1] = np.minimum(log_edges[1], log_edges[0] - math.log(2))
+        converged = np.abs(step).max(axis=0) <= _CLOSE
+        if converged.all():
+            break
+    length, trailing = np.exp(log_edges)
+    leading = length - trailing
+    ratio = trailing / leading
+    converged &= ratio > 2 * NEAREST_EXIT
+    return np.log(leading), np.minimum(ratio, 1 - 4e-16)[None], converged
+
+
+def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:
+    """e^{-z} and int e^{-z c} c^j dc from 0 to 1 for j = 0, 1, 2.
+
+    The last by a series where z is small, and from it the others, whose sums cancel
+    nothing.
+    """
+    left, small = np.exp(-z), -np.minimum(z, _NEARLY_SPRING)
+    series = np.full_like(z, _SERIES[-1])
+    for coefficient in _SERIES[-2::-1]:
+        series *= small
+        series += coefficient
+    third = np.where(
+        z < _NEARLY_SPRING, series, (2 * (-np.expm1(-z) / z - left) / z - left) / z
+    )
+    second = 0.5 * (left + z * third)
+    return left, left + z * second, second, third
