@@ -4,12 +4,12 @@ event loop.
 
 import asyncio
 import ctypes
+import functools
 import math
 import threading
 import time
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -240,7 +240,13 @@ def material_names(session: Session) -> dict[str, str]:
         name: f"{name.removesuffix('.toml')} (this page)"
         for name in session.folder.names(".toml")
     }
-    return of_page | {name: name for name in em.materials()}
+    return of_page | {name: name for name in _library()}
+
+
+@functools.cache
+def _library() -> tuple[str, ...]:
+    """The materials of the library, looked for once by a server: that takes long."""
+    return tuple(em.materials())
 
 
 def drop(
@@ -327,7 +333,9 @@ class Picture:
         with ui.element("div").classes("buttons save") as self._save:
             ui.label("Save as").classes("about")
             for kind in ("png", "svg", "csv"):
-                button = ui.button(kind.upper(), on_click=partial(self._give, kind))
+                button = ui.button(
+                    kind.upper(), on_click=functools.partial(self._give, kind)
+                )
                 button.props(f'flat dense aria-label="Save as {kind.upper()}"')
         self._place.visible = self._save.visible = False
 
