@@ -179,9 +179,9 @@ def preset(key: str, rubber: Any) -> dict[str, Any]:
     taken where it was fitted or dropped on the page.
     """
     rubber = rubber[0] if isinstance(rubber, list) else rubber
-    scene, own = _PRESETS[key]
-    fitted = rubber.endswith(".toml") or key == "traction"
-    return {"material": rubber if fitted else own, **copy.deepcopy(scene)}
+    scene, suited = _PRESETS[key]
+    taken = rubber.endswith(".toml") or key == "traction"
+    return {"material": rubber if taken else suited, **copy.deepcopy(scene)}
 
 
 _ROLL = {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"}

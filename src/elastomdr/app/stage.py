@@ -321,11 +321,12 @@ def mark_of_age() -> ui.label:
 
 class Picture:
     """A figure that one can point at, with what saves it; `about` is read out in place
-    of it, `stem` begins the names of its files.
+    of it, `stem` begins the names of its files; isotherms of a master curve can be
+    dragged where `dragged` says so.
     """
 
-    def __init__(self, about: str, stem: str):
-        self._about, self._stem = about, stem
+    def __init__(self, about: str, stem: str, *, dragged: bool = False):
+        self._about, self._stem, self._dragged = about, stem, dragged
         self._drawn: Drawn | None = None
         self._panels: list[ui.echart] = []
         self._texts: list[tuple[ui.label, ui.label]] = []
@@ -365,6 +366,8 @@ class Picture:
                 panel.options.update(chart.options)
                 panel.update()
             panel.client.run_javascript(f"elastomdr.label({panel.id})")
+            if self._dragged:
+                panel.client.run_javascript(f"elastomdr.drag({panel.id})")
 
     def _panel(self, chart: Chart) -> tuple[ui.echart, tuple[ui.label, ui.label]]:
         with ui.element("figure").classes("panel"):
