@@ -56,9 +56,12 @@ def walked(table, path=()):
 
 def test_every_field_is_called_in_words():
     """None by its key; its unit is one of what it measures."""
-    from elastomdr.app import computed, road, rubber, words
+    from elastomdr.app import page, road, rubber, words
 
-    tables = (*computed._TABLES.values(), SurfaceFriction, road.Road, rubber.Fit)
+    kinds = [
+        kind for screen in page._COMPUTED.values() for kind in screen.kinds.values()
+    ]
+    tables = (*(kind.table for kind in kinds), road.Road, rubber.Fit)
     for table in tables:
         for path, accepts in walked(table):
             if f"[{path[0]}] {path[-1]}" in words.ELSEWHERE:
@@ -439,32 +442,38 @@ def test_every_screen(tmp_path, undrawn):
 
     async def act(user, page, opened):
         session = page._session
+        page.screen("Rubber")
         user.find("Use sample DMA").click()
         await until(lambda: session.fits)
-        await until(lambda: page.rubber._pictures["spectrum"].shown)
+        await until(lambda: page.screen("Rubber")._pictures["spectrum"].shown)
         await user.should_see("frequency from 2", retries=1)  # what was read as what
         assert session.scenes["friction"]["material"] == "dma.toml"
-        await an_isotherm_is_shifted(page.rubber)
+        await an_isotherm_is_shifted(page.screen("Rubber"))
 
+        page.screen("Road")
         user.find("Use sample road").click()
-        await until(lambda: "rms height   118.8 um" in page.road._words._label.text)
-        page.road.form.set("[surface] shortest", "0.1 mm")
-        await until(lambda: "5 mm to 100 um" in page.road._words._label.text)
+        await until(
+            lambda: "rms height   118.8 um" in page.screen("Road")._words._label.text
+        )
+        page.screen("Road").form.set("[surface] shortest", "0.1 mm")
+        await until(lambda: "5 mm to 100 um" in page.screen("Road")._words._label.text)
         spent = []
         for micrometres in (90, 94, 98):  # a cutoff that moves
-            before, start = page.road._words._label.text, time.process_time()
-            page.road.form.set("[surface] shortest", f"{micrometres} um")
-            await until(lambda before=before: page.road._words._label.text != before)
+            before, start = page.screen("Road")._words._label.text, time.process_time()
+            page.screen("Road").form.set("[surface] shortest", f"{micrometres} um")
+            await until(
+                lambda before=before: page.screen("Road")._words._label.text != before
+            )
             spent.append(time.process_time() - start)
         assert min(spent) < 1.0  # .2 on a quiet machine
-        page.road.form.set("[surface] shortest", "10 smoots")
-        field = page.road.form.widgets["[surface] shortest"]
+        page.screen("Road").form.set("[surface] shortest", "10 smoots")
+        field = page.screen("Road").form.widgets["[surface] shortest"]
         await until(lambda: field.error)
         assert "unit" in field.error
-        page.road.form.set("[surface] shortest", "50 um")
+        page.screen("Road").form.set("[surface] shortest", "50 um")
         await until(lambda: not field.error)
 
-        form = page.friction.form
+        form = page.screen("Friction").form
         form.set("[contact] velocity", SPAN | {"points": 3})
         form.set("[contact] pressure", "0.3 smoots")
         user.find("Compute friction").click()
@@ -485,14 +494,17 @@ def test_every_screen(tmp_path, undrawn):
         }.items():
             form.set(f"[adhesion] {key}", text)
         user.find("Use sample measurement").click()
-        await until(lambda: page.friction._picture.shown)
+        await until(lambda: page.screen("Friction")._picture.shown)
         result = session.done["friction"].result
         assert result.mu.shape == (3, 3)
         # as it was measured
-        assert page.friction.form.widgets["temperature"].value == "0 °C, 20 °C, 60 °C"
+        assert (
+            page.screen("Friction").form.widgets["temperature"].value
+            == "0 °C, 20 °C, 60 °C"
+        )
         assert (result.adhesion > 0).all()
-        await curves_follow_sliders(page.friction)
-        page.friction.form.set("[contact] pressure", "0.1 MPa, 0.3 MPa")
+        await curves_follow_sliders(page.screen("Friction"))
+        page.screen("Friction").form.set("[contact] pressure", "0.1 MPa, 0.3 MPa")
         # computes, as the button does
         user.find(kind=ui.input, content="Nominal pressure").trigger("keydown.enter")
         await until(
@@ -501,8 +513,9 @@ def test_every_screen(tmp_path, undrawn):
             )
         )
 
+        page.screen("Compare")
         user.find("Compare rubbers").click()
-        await until(lambda: page.compare._picture.shown)
+        await until(lambda: page.screen("Compare")._picture.shown)
         ranking = session.done["compare"].result
         assert ranking.curve.materials == (
             "dma",
@@ -520,12 +533,11 @@ def test_every_screen(tmp_path, undrawn):
             "n",
             "±",
         ]  # of an illustrative one it is not known
-        await page.rolling._other_kind(SimpleNamespace(value="traction"))
-        page.rolling.form.set(
+        page.screen("Tyre").form.set(
             "[contact] slip", "0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9"
         )
-        await page.rolling.compute()
-        slipped = session.done["rolling"]
+        await page.screen("Tyre").compute()
+        slipped = session.done["tyre"]
         assert slipped.content["friction"] == "tread-friction.csv"
         assert (
             slipped.content["material"]
@@ -552,16 +564,16 @@ def test_every_screen(tmp_path, undrawn):
         )
         assert law.mu[0, 1, 5] == pytest.approx(float(again.mu), rel=1e-4)
 
-        await page.seal.compute()
+        await page.screen("Seal").compute()
         leak = session.done["seal"].result
         assert leak.converged.all()
         assert (
             leak.rate[0, 0] > leak.rate[1, 0] > 0
         )  # what is pressed longer is tighter
-        assert page.seal._picture.shown
+        assert page.screen("Seal")._picture.shown
 
         user.find("Export").click()
-        await user.should_see("# elastomdr traction rolling.toml")
+        await user.should_see("# elastomdr traction tyre.toml")
         await user.should_see("# elastomdr compare compare.toml")
         user.find("Tyre (.tir)").click()
         assert b"PDX1" in (await user.download.next(timeout=60)).content
@@ -602,11 +614,12 @@ def test_every_screen(tmp_path, undrawn):
         assert again._session is session
         await until(
             lambda: (
-                again.friction._picture.shown and again.rubber._pictures["master"].shown
+                again.screen("Friction")._picture.shown
+                and again.screen("Rubber")._pictures["master"].shown
             )
         )
         assert (
-            again.friction.form.widgets["[contact] pressure"].value
+            again.screen("Friction").form.widgets["[contact] pressure"].value
             == "0.1 MPa, 0.3 MPa"
         )
 
@@ -665,10 +678,14 @@ async def results_belong_to_what_is_filled_in(page):
     """What has been computed goes with an error or another kind, and is marked after a
     change.
     """
-    for stage in (page.friction, page.rolling):
+    for stage in (page.screen("Friction"), page.screen("Rolling")):
         assert stage._picture.shown
         assert not stage._old.visible
-        pressed = "[contact] pressure" if stage is page.friction else "[contact] load"
+        pressed = (
+            "[contact] pressure"
+            if stage is page.screen("Friction")
+            else "[contact] load"
+        )
         kept = stage.form.widgets[pressed].value
         stage.form.set(pressed, "0.3 smoots")
         assert stage._old.visible
@@ -683,18 +700,17 @@ async def results_belong_to_what_is_filled_in(page):
         stage.form.set(pressed, kept)
         await stage.show_again()  # as when the page is loaded again
         assert stage._picture.shown
-    page.road.form.set("[surface] hurst", "0.7")
+    page.screen("Road").form.set("[surface] hurst", "0.7")
     await page._look()  # as a change of the screen does
-    assert page.friction._old.visible
-    assert not page.rolling._old.visible
-    await page.rolling._other_kind(SimpleNamespace(value="traction"))
-    assert not page.rolling._picture.shown
-    page.rolling.form.set("friction", "absent.csv")
-    await page.rolling.compute()
-    assert "dropped here" in page.rolling.form._alert.text
-    assert not page.rolling._picture.shown
-    await page.rolling._other_kind(SimpleNamespace(value="rolling"))
-    assert page.rolling._picture.shown
+    assert page.screen("Friction")._old.visible
+    assert not page.screen("Rolling")._old.visible
+    await page.screen("Rolling")._other_kind(SimpleNamespace(value="conveyor"))
+    assert not page.screen("Rolling")._picture.shown
+    page.screen("Tyre").form.set("friction", "absent.csv")
+    await page.screen("Tyre").compute()
+    assert "dropped here" in page.screen("Tyre").form._alert.text
+    await page.screen("Rolling")._other_kind(SimpleNamespace(value="rolling"))
+    assert page.screen("Rolling")._picture.shown
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -709,20 +725,22 @@ def test_two_sessions_at_once(tmp_path):
                 em.load_material(kind), one._session.folder.path / f"{kind}.toml"
             )
         # two materials are two materials, no data
-        await one.rubber._dropped(["epdm-70.toml", "nbr-linder.toml"])
+        await one.screen("Rubber")._dropped(["epdm-70.toml", "nbr-linder.toml"])
         assert one._session.scenes["compare"]["material"][:2] == [
             "nbr-linder.toml",
             "epdm-70.toml",
         ]
         assert not one._session.rubber["data"]
-        other.friction.form.set("[contact] velocity", "1 mm/s, 1 cm/s")
-        other.rolling.form.set("[contact] velocity", "1 m/s, 10 m/s")
+        other.screen("Friction").form.set("[contact] velocity", "1 mm/s, 1 cm/s")
+        other.screen("Rolling").form.set("[contact] velocity", "1 m/s, 10 m/s")
         await asyncio.gather(
-            other.friction.compute(), one.rubber._sample(), other.rolling.compute()
+            other.screen("Friction").compute(),
+            one.screen("Rubber")._sample(),
+            other.screen("Rolling").compute(),
         )
         assert set(other._session.done) == {"friction", "rolling"}, [
             getattr(widget, "error", None)
-            for widget in other.friction.form.widgets.values()
+            for widget in other.screen("Friction").form.widgets.values()
         ]
         assert not one._session.done
         assert list(one._session.fits) == ["dma.toml"]

@@ -59,27 +59,31 @@ def test_empty_files(tmp_path):
     """
 
     async def act(user, page, opened):
-        for screen in (page.rubber, page.road, page.friction):
+        for screen in (
+            page.screen("Rubber"),
+            page.screen("Road"),
+            page.screen("Friction"),
+        ):
             said = await dropped(user, screen, ("none.csv", b""))
             assert said == (
                 "'none.csv' is empty (0 bytes): export or copy it again. Nothing has "
                 "been changed."
             )
         assert "'none.csv' is empty" in await dropped(
-            user, page.rubber, ("a.csv", b"1"), ("none.csv", b"")
+            user, page.screen("Rubber"), ("a.csv", b"1"), ("none.csv", b"")
         )
         assert not page._session.rubber["data"]
         assert "broken.toml" in await dropped(
-            user, page.rubber, ("broken.toml", b"name = ")
+            user, page.screen("Rubber"), ("broken.toml", b"name = ")
         )
         assert not page._session.folder.names(".toml")  # is not offered as a rubber
         material = (
             Path(em.__file__).parents[2] / "materials" / "epdm-70.toml"
         ).read_bytes()
-        assert await dropped(user, page.rubber, ("own.toml", material)) == ""
+        assert await dropped(user, page.screen("Rubber"), ("own.toml", material)) == ""
         assert page._session.scenes["friction"]["material"] == "own.toml"
         page._session.folder.remove()
-        said = await dropped(user, page.rubber, ("a.csv", b"1"))
+        said = await dropped(user, page.screen("Rubber"), ("a.csv", b"1"))
         assert said.startswith("The file could not be kept: ")
 
     simulated(tmp_path, act)
@@ -98,10 +102,12 @@ def test_open_tabs_are_kept(tmp_path, monkeypatch):
         sessions = [page._session for page in (first, *others)]
         assert all(each.folder.path.is_dir() for each in sessions)
         assert (await opened(f"/?session={sessions[0].name}"))._session is sessions[0]
-        assert "is empty" in await dropped(user, first.rubber, ("none.csv", b""))
+        assert "is empty" in await dropped(
+            user, first.screen("Rubber"), ("none.csv", b"")
+        )
         for page in others:
             # as NiceGUI does a minute after a tab was closed
-            page.rubber.form._place.client.delete()
+            page.screen("Rubber").form._place.client.delete()
         await opened()
         assert [each.folder.path.is_dir() for each in sessions] == [
             True,
@@ -134,14 +140,14 @@ def test_presets_are_the_defaults_of_the_calls(tmp_path):
 
     async def act(user, page, opened):
         for kind in ("rolling", "heat_build_up", "conveyor"):
-            await page.rolling._other_kind(SimpleNamespace(value=kind))
-            bonded = page.rolling.form.widgets["[layer] bonded"]
+            await page.screen("Rolling")._other_kind(SimpleNamespace(value=kind))
+            bonded = page.screen("Rolling").form.widgets["[layer] bonded"]
             assert (
                 bonded.value
                 is em.layer(em.load_material("epdm-70"), 6e-3).bonded
                 is True
             )
-        await page.rolling._other_kind(SimpleNamespace(value="traction"))
+        page.screen("Tyre")
         wheel = page._session.scenes["traction"]
         assert wheel["material"] == page._session.scenes["friction"]["material"]
         assert wheel["friction"] == "computed"
@@ -155,19 +161,23 @@ async def the_road_of_a_slip_curve(page):
     beside the field.
     """
     page._session.scenes["friction"]["surface"]["longest"] = "5 smoots"
-    await page.rolling.compute()
+    await page.screen("Tyre").compute()
     assert page._tabs.value == "Road"
     longest = "[surface] longest"  # drawn anew with the value that was not typed there
-    await until(lambda: page.road.form.widgets[longest].error)
-    assert "smoots" in page.road.form.widgets[longest].error
+    await until(lambda: page.screen("Road").form.widgets[longest].error)
+    assert "smoots" in page.screen("Road").form.widgets[longest].error
     page._session.scenes["friction"]["surface"]["longest"] = "5 mm"
-    page.rolling.form.set("[contact] slip", "0, 0.1")
-    await page.rolling.compute()
-    assert "must not be zero" in page.rolling.form.widgets["[contact] slip"].error
-    page.rolling.form.set("[contact] slip", "0.1")
+    page.screen("Tyre").form.set("[contact] slip", "0, 0.1")
+    await page.screen("Tyre").compute()
+    assert (
+        "must not be zero" in page.screen("Tyre").form.widgets["[contact] slip"].error
+    )
+    page.screen("Tyre").form.set("[contact] slip", "0.1")
     page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
-    await page.rolling.compute()
-    assert "“Thermal conductivity λ”" in page.rolling.form.widgets["friction"].error
+    await page.screen("Tyre").compute()
+    assert (
+        "“Thermal conductivity λ”" in page.screen("Tyre").form.widgets["friction"].error
+    )
 
 
 def test_measured_points_get_curves_at_their_temperatures():
@@ -232,7 +242,7 @@ def test_stop(tmp_path):
             finally:
                 ended.append(content)
 
-        stage = page.friction
+        stage = page.screen("Friction")
         stage._computed_as_asked = endless
         task = asyncio.create_task(stage.compute())
         await until(lambda: begun)
@@ -274,3 +284,17 @@ def test_cards_of_a_result():
     assert sure.title == "How sure"
     assert 5 < float(sure.number.split()[1]) < 20
     assert surer.notes
+
+
+def test_docs():
+    """Each screen has a page of them, as the wheel and the site have it."""
+    from elastomdr.app.docs import PAGES, text
+    from elastomdr.app.page import _COMPUTED, _DOCS
+
+    named = {*_DOCS.values(), *(screen.docs for screen in _COMPUTED.values())}
+    assert named <= PAGES.keys()
+    wheel = (SAMPLE.parents[1] / "pyproject.toml").read_text(encoding="utf-8")
+    for name in PAGES:
+        assert f'"docs/{name}.md" = "elastomdr/app/data/{name}.md"' in wheel
+        assert "](" not in text(name)
+        assert "$" not in text(name)

@@ -1,4 +1,4 @@
-"""Screens that compute a scene: friction, comparison of compounds, rolling."""
+"""A screen that computes a scene: a form on the left, what has been computed on the right."""
 
 import copy
 import time
@@ -6,16 +6,13 @@ import warnings
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from nicegui import background_tasks, ui
 
 import elastomdr as em
 
-from ..cli.kinds import KINDS
-from ..cli.seals import LeakScene
-from ..cli.steady import SurfaceComparison, SurfaceFriction, WheelTraction
 from ..cli.units import Temperature
 from ..errors import InputError
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
@@ -29,6 +26,7 @@ from .scene import (
     compute_on_road,
     without_empty,
 )
+from .screens import Kind, Screen, preset
 from .session import COMPUTING, DRAWING, Session
 from .sliders import Sliders
 from .stage import (
@@ -46,105 +44,10 @@ from .stage import (
 )
 from .words import spoken
 
-_FRICTION = (
-    "temperature",
-    "[contact] pressure",
-    "[contact] velocity",
-    "measured",
-    "heat",
-    "adhesion",
-)
-_ROLLING = (
-    "temperature",
-    "layer",
-    "[contact] load",
-    "[contact] velocity",
-    "[contact] slip",
-    "[layer] thickness",
-    "[layer] bonded",
-    "[structure] stiffness",
-)
-_TABLES = {
-    **{
-        kind.mark if kind.mark != "indenter" else "rolling": kind
-        for kind in KINDS["rolling"]
-    },
-    "compare": SurfaceComparison,
-    "traction": WheelTraction,
-    "seal": LeakScene,
-}
-_LABELS = {
-    "rolling": "Rolling resistance",
-    "heat_build_up": "Temperature of a wheel",
-    "conveyor": "Power of a belt conveyor",
-    "traction": "Slip curve of a tyre (.tir)",
-}
-_ABOUT = {
-    "traction": (
-        f'Friction "{COMPUTED}" is that of this rubber on the road of the friction '
-        "screen, with its heat and adhesion, where the wheel needs it. A number or the "
-        "name of a table does as well."
-    ),
-}
 _FAST = 1.0  # processor seconds up to which curves follow a slider
 _MOST_CURVES = 8  # temperatures up to which those of dropped measurements are added
 
 
-class Screen(NamedTuple):
-    """How a screen differs from the others."""
-
-    key: str
-    verb: str
-    lead: str
-    button: str
-    only: tuple[str, ...] = ()
-    first: tuple[str, ...] = ()
-
-
-FRICTION = Screen(
-    "friction",
-    "friction",
-    "The rubber of the first screen on the road of the second.",
-    "Compute friction",
-    tuple(
-        key
-        for key in SurfaceFriction.__struct_fields__
-        if key not in ("surface", "title", "other", "layer", "roller")
-    ),
-    _FRICTION,
-)
-COMPARE = Screen(
-    "compare",
-    "compare",
-    "Several rubbers under the conditions of the friction screen.",
-    "Compare rubbers",
-    ("material", "temperature", "compare"),
-    (*_FRICTION, "[compare] velocity", "[compare] temperature"),
-)
-ROLLING = Screen(
-    "rolling",
-    "rolling",
-    "A cover under a roll, or a wheel with a tyre.",
-    "Compute",
-    (),
-    _ROLLING,
-)
-SEAL = Screen(
-    "seal",
-    "leak",
-    "What leaks through a static seal: a liquid, or a gas where an outlet pressure is "
-    "given.",
-    "Compute the leak",
-    ("material", "temperature", "surface", "leak", "uncertainty"),
-    (
-        "temperature",
-        "[surface] longest",
-        "[surface] shortest",
-        "[surface] rms_height",
-        "[leak] width",
-        "[leak] time",
-    ),
-)
 _SURE = {
     True: "significant",
     False: "not significant",
@@ -169,10 +72,8 @@ class ComputedStage:
             elsewhere,
         )
         self._follow = Latest(partial(self.compute, quiet=True))
-        self._key = screen.key
+        self._key = session.kinds.get(screen.key, next(iter(screen.kinds)))
         self._seconds = 0.0  # of processor time, of the last computation
-        if screen.key == "rolling":
-            self._key = session.rolling
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
                 ui.label(screen.lead).classes("lead")
@@ -184,9 +85,10 @@ class ComputedStage:
                         self._dropped,
                         sample,
                     )
-                if screen.key == "rolling":
+                if len(screen.kinds) > 1:
+                    labels = {key: kind.label for key, kind in screen.kinds.items()}
                     ui.select(
-                        _LABELS, value=self._key, label="What is computed"
+                        labels, value=self._key, label="What is computed"
                     ).classes("field").on_value_change(self._other_kind)
                 self._place = ui.element("div")
                 self._draw_form()
@@ -210,6 +112,11 @@ class ComputedStage:
                 self._table = ui.element("div")
                 self._words = Words()
         ui.timer(0.05, self.show_again, once=True)
+
+    @property
+    def _kind(self) -> Kind:
+        """The kind of scene that is filled in."""
+        return self._screen.kinds[self._key]
 
     def content(self) -> dict[str, Any]:
         """The scene as it is filled in."""
@@ -237,8 +144,7 @@ class ComputedStage:
         self._old.visible = self._picture.shown and self._done() is None
 
     def _draw_form(self) -> None:
-        table = _TABLES.get(self._key, SurfaceFriction)
-        screen, session = self._screen, self._session
+        kind, session = self._kind, self._session
 
         def rubbers() -> dict[str, str]:
             return material_names(session)
@@ -258,20 +164,19 @@ class ComputedStage:
         self._place.clear()
         with self._place:
             if self._key not in session.scenes:
-                session.scenes[self._key] = _example(
+                session.scenes[self._key] = preset(
                     self._key, session.scenes["friction"]["material"]
                 )
-            if self._key in _ABOUT:
-                ui.label(_ABOUT[self._key]).classes("about")
-            scene = session.scenes[self._key]
-            only = screen.only or tuple(
-                key for key in table.__struct_fields__ if key != "title"
+            if kind.about:
+                ui.label(kind.about).classes("about")
+            only = kind.only or tuple(
+                key for key in kind.table.__struct_fields__ if key != "title"
             )
             self.form = Form(
-                table,
-                scene,
+                kind.table,
+                session.scenes[self._key],
                 only=only,
-                first=screen.first,
+                first=kind.first,
                 choices=choices,
                 entered=self.compute,
                 changed=lambda name: self.look(),
@@ -281,7 +186,7 @@ class ComputedStage:
         self._busy.stop()
         self._clear()
         self._key = event.value
-        self._session.rolling = event.value
+        self._session.kinds[self._screen.key] = event.value
         self._draw_form()
         await self.show_again()
 
@@ -376,7 +281,7 @@ class ComputedStage:
     def _computed_as_asked(self, content: dict[str, Any]) -> Done:
         folder, progress = self._session.folder, self._busy.progress
         if self._key != "traction":
-            return compute(self._screen.verb, content, folder, progress)
+            return compute(self._kind.verb, content, folder, progress)
         if content.get("friction") != COMPUTED:
             return compute("traction", content, folder)
         return compute_on_road(
@@ -463,48 +368,3 @@ def _with_measured(content: dict[str, Any], path: Path) -> Any:
         **{each: f"{each - 273.15:.4g} degC" for each in missing},
     }
     return [every[each] for each in sorted(every)]
-
-
-def _example(key: str, rubber: Any) -> dict[str, Any]:
-    """What the forms of the seldom kinds of rolling show at first; `rubber` is that of
-    the friction screen.
-    """
-    rubber = rubber[0] if isinstance(rubber, list) else rubber
-    fitted = rubber.endswith(".toml")  # on this page
-    material = rubber if fitted or key == "traction" else "tread-passenger-synthetic"
-    velocity = {"from": "0.5 m/s", "to": "5 m/s", "points": 10}
-    if key == "traction":
-        return {
-            "material": material,
-            "temperature": "20 degC",
-            "friction": COMPUTED,
-            "indenter": {"shape": "cylinder", "radius": "300 mm", "length": "160 mm"},
-            "structure": {"stiffness": "80 MPa/m"},
-            "layer": {"thickness": "8 mm"},
-            "contact": {
-                "load": ["2 kN", "4 kN", "6 kN"],
-                "velocity": "10 m/s",
-                "slip": {"from": 0.001, "to": 0.9, "points": 40},
-            },
-        }
-    if key == "heat_build_up":
-        return {
-            "material": material,
-            "indenter": {"shape": "cylinder", "radius": "100 mm", "length": "50 mm"},
-            "layer": {"thickness": "15 mm"},
-            "contact": {"load": "800 N", "velocity": ["1 m/s", "2 m/s", "4 m/s"]},
-            "heat_build_up": {"ambient": "-10 degC", "conductance": "1.2 W/K"},
-        }
-    return {
-        "material": rubber if fitted else "epdm-70",
-        "temperature": "10 degC",
-        "indenter": {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"},
-        "layer": {"thickness": "6 mm"},
-        "contact": {"velocity": velocity},
-        "conveyor": {
-            "spacing": "1.2 m",
-            "belt": "28 kg/m",
-            "goods": "120 kg/m",
-            "return_spacing": "3 m",
-        },
-    }

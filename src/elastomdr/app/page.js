@@ -85,7 +85,58 @@ window.elastomdr = (() => {
     for (const event of ["datazoom", "restore"]) chart.on(event, set);
   }
 
-  return { tick, polygon, said, label };
+  // Lets an isotherm of a master curve be dragged along its axis; the server hears of it as it moves and at the end
+  function drag(id) {
+    const chart = getElement(id)?.chart;
+    if (!chart?.getOption()?.series) {
+      if (document.getElementById(`c${id}`)) setTimeout(() => drag(id), 50);
+      return;
+    }
+    if (chart.draggable) return;
+    chart.draggable = true;
+    const zr = chart.getZr();
+    const axes = { xAxisIndex: 0, yAxisIndex: 0 };
+    const isIsotherm = ({ type, name }) => type === "scatter" && / °C$/.test(name);
+    let held = null;
+    let told = 0;
+
+    // The isotherm with a point within a few pixels
+    function near({ offsetX, offsetY }) {
+      let [name, least] = [null, 12];
+      for (const series of chart.getOption().series.filter(isIsotherm))
+        for (const point of series.data) {
+          const [x, y] = chart.convertToPixel(axes, point);
+          const distance = Math.hypot(x - offsetX, y - offsetY);
+          if (distance < least) [name, least] = [series.name, distance];
+        }
+      return name;
+    }
+    const place = (event) => Math.log10(chart.convertFromPixel(axes, [event.offsetX, event.offsetY])[0]);
+    const tell = (end) => emitEvent("isotherm", { name: held.name, decades: held.decades, end });
+
+    zr.on("mousedown", (event) => {
+      const name = near(event);
+      if (name) held = { name, start: place(event), decades: 0, series: chart.getOption().series };
+    });
+    zr.on("mousemove", (event) => {
+      if (!held) return void zr.setCursorStyle(near(event) ? "ew-resize" : "default");
+      held.decades = place(event) - held.start;
+      const moved = ([x, ...rest]) => [x * 10 ** held.decades, ...rest];
+      const isHeld = (series) => isIsotherm(series) && series.name === held.name;
+      chart.setOption({ series: held.series.map((each) => (isHeld(each) ? { data: each.data.map(moved) } : {})) });
+      if (Date.now() - told < 100) return;
+      told = Date.now();
+      tell(false);
+    });
+    const release = () => {
+      if (held?.decades) tell(true);
+      held = null;
+    };
+    zr.on("mouseup", release);
+    zr.on("globalout", release);
+  }
+
+  return { tick, polygon, said, label, drag };
 })();
 
 // Quasar's loading bar has no name, and it has the field of an uploader within a button, which screen readers cannot tell; the field alone is one

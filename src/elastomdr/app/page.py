@@ -1,7 +1,7 @@
 """The page: one screen per stage; the last one hands out what has been computed."""
 
 import copy
-import re
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,12 +9,14 @@ from typing import Any
 from nicegui import ui
 
 from ..errors import InputError
-from .computed import COMPARE, FRICTION, ROLLING, SEAL, ComputedStage
+from .computed import ComputedStage
+from .docs import show_docs
 from .road import RoadStage
 from .rubber import RubberStage
 from .scene import Done, bundle, files_of, toml
+from .screens import COMPARE, FRICTION, ROLLING, SEAL, TYRE
 from .session import DRAWING, Session, Sessions
-from .stage import BUTTON, DOCS, worked
+from .stage import BUTTON, worked
 from .start import StartStage
 
 _KINDS = {"CSV": "csv", "Excel": "xlsx", "PNG": "png", "SVG": "svg", "All (zip)": "zip"}
@@ -49,8 +51,7 @@ class ExportStage:
                 "role=heading aria-level=2"
             )
             ui.label(
-                "The scene gives the same numbers on the command line and in Python; "
-                "its first line says how."
+                "The scene file gives the same numbers again, without this page."
             ).classes("about")
             if beside:
                 ui.label(
@@ -98,17 +99,13 @@ class ExportStage:
         }[ending]()
 
 
-_STAGES = (
-    "Start",
-    "Rubber",
-    "Road",
-    "Friction",
-    "Compare",
-    "Rolling",
-    "Seal",
-    "Export",
-)
 _HERE = Path(__file__).parent
+_COMPUTED = {
+    screen.key.capitalize(): screen
+    for screen in (FRICTION, COMPARE, ROLLING, TYRE, SEAL)
+}
+# of the other screens, the page of the docs
+_DOCS = {"Start": "app", "Rubber": "fitting", "Road": "rough", "Export": "app"}
 
 
 def page(sessions: Sessions) -> "Page":
@@ -126,24 +123,26 @@ def page(sessions: Sessions) -> "Page":
     return Page(session)
 
 
-def _help() -> None:
-    """Shows the page of the docs about this page."""
-    markdown = DOCS.joinpath("app.md").read_text(encoding="utf-8")
-    # what stands before is to open the page
-    markdown = markdown[markdown.index("| screen |") :]
-    markdown = re.sub(r"!\[.*?\]\(.*?\)\n+\*.*?\*\n", "", markdown, flags=re.DOTALL)
-    markdown = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", markdown)
-    with ui.dialog() as dialog, ui.element("div").classes("help"):
-        ui.button("Close", on_click=dialog.close).props(f"{BUTTON} outline")
-        ui.markdown(markdown)
-    dialog.open()
-
-
 class Page:
-    """The screens, and what a change on one of them means for the others."""
+    """The screens, each made when it is first shown, and what a change on one of them
+    means for the others.
+    """
 
     def __init__(self, session: Session):
         self._session = session
+        self._makers: dict[str, Callable[[], Any]] = {
+            "Start": lambda: StartStage(self._go, self._take),
+            "Rubber": lambda: RubberStage(session, self._new_rubber),
+            "Road": lambda: RoadStage(session),
+            **{
+                name: partial(
+                    ComputedStage, session, screen, self._computed, self._on_road
+                )
+                for name, screen in _COMPUTED.items()
+            },
+            "Export": lambda: ExportStage(session),
+        }
+        self._made: dict[str, Any] = {}
         with ui.element("header").classes("head"):
             ui.label("elastomdr").classes("brand").props("role=heading aria-level=1")
             with (
@@ -151,43 +150,32 @@ class Page:
                 .props("dense no-caps align=left outside-arrows mobile-arrows")
                 .classes("tabs") as self._tabs
             ):
-                for stage in _STAGES:
-                    ui.tab(stage)
-            ui.button("Help", on_click=_help).props("flat dense no-caps").classes(
+                for name in self._makers:
+                    ui.tab(name)
+            ui.button("Help", on_click=self._help).props("flat dense no-caps").classes(
                 "to-help"
             )
+        place = session.place or "Start"
         with ui.tab_panels(
-            self._tabs,
-            value=session.place or _STAGES[0],
-            animated=False,
-            keep_alive=True,
+            self._tabs, value=place, animated=False, keep_alive=True
         ).classes("panels"):
-            with ui.tab_panel("Start"):
-                self.start = StartStage(self._go, self._take)
-            with ui.tab_panel("Rubber"):
-                self.rubber = RubberStage(session, self._new_rubber)
-            with ui.tab_panel("Road"):
-                self.road = RoadStage(session)
-            with ui.tab_panel("Friction"):
-                self.friction = ComputedStage(
-                    session, FRICTION, self._computed, self._on_road
-                )
-            with ui.tab_panel("Compare"):
-                self.compare = ComputedStage(
-                    session, COMPARE, self._computed, self._on_road
-                )
-            with ui.tab_panel("Rolling"):
-                self.rolling = ComputedStage(
-                    session, ROLLING, self._computed, self._on_road
-                )
-            with ui.tab_panel("Seal"):
-                self.seal = ComputedStage(session, SEAL, self._computed, self._on_road)
-            with ui.tab_panel("Export"):
-                self.export = ExportStage(session)
+            self._panels = {name: ui.tab_panel(name) for name in self._makers}
+        self.screen(place)
         self._tabs.on_value_change(self._look)
 
-    def _go(self, screen: str) -> None:
-        self._tabs.value = screen
+    def screen(self, name: str) -> Any:
+        """A screen, made if it has not been shown yet."""
+        if name not in self._made:
+            with self._panels[name]:
+                self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def _go(self, name: str) -> None:
+        self._tabs.value = name
+
+    def _help(self) -> None:
+        name = str(self._tabs.value)
+        show_docs(_DOCS.get(name) or _COMPUTED[name].docs)
 
     async def _take(self, example: Done) -> None:
         """Shows the example on the friction screen, to be changed."""
@@ -196,18 +184,24 @@ class Page:
         scene.update(copy.deepcopy(example.asked))
         self._session.done["friction"] = example
         self._computed()
-        for stage in (self.friction, self.compare):
+        for stage in self._computing():
             stage.refresh()
-        await self.road.refresh()
-        await self.friction.show_again()
+        if "Road" in self._made:
+            await self.screen("Road").refresh()
+        await self.screen("Friction").show_again()
         self._go("Friction")
 
     async def _look(self) -> None:
-        self._session.place = str(self._tabs.value)
-        if self._tabs.value == "Road":
-            await self.road.look_again()
-        for stage in (self.friction, self.compare, self.rolling, self.seal):
+        name = self._session.place = str(self._tabs.value)
+        stage = self.screen(name)
+        if name == "Road":
+            await stage.look_again()
+        for stage in self._computing():
             stage.look()
+
+    def _computing(self) -> list[ComputedStage]:
+        """The screens with a form and a result that have been made."""
+        return [self._made[name] for name in _COMPUTED if name in self._made]
 
     def _new_rubber(self, name: str) -> None:
         """A fitted or dropped material is the one that the other screens take."""
@@ -219,15 +213,16 @@ class Page:
             name,
             *(other for other in compared if other != name),
         ]
-        for stage in (self.friction, self.compare, self.rolling, self.seal):
+        for stage in self._computing():
             stage.refresh()
 
     def _on_road(self, message: str) -> bool:
         """Shows what is wrong with the road where the road is filled in."""
-        marked_field = self.road.form.show_error(message)
+        marked_field = self.screen("Road").form.show_error(message)
         if marked_field:
             self._tabs.value = "Road"
         return bool(marked_field)
 
     def _computed(self) -> None:
-        self.export.refresh()
+        if "Export" in self._made:
+            self._made["Export"].refresh()

@@ -224,11 +224,10 @@ class RubberStage:
                 self._busy = Busy()
             with ui.element("div").classes("right"):
                 self._old, self._notes = mark_of_age(), Notes()
-                self._pictures = {key: Picture(about, key) for key, about in _ABOUT[:2]}
+                (key, about), *others = _ABOUT
+                self._pictures = {key: Picture(about, key, dragged=True)}
                 self._editor = ShiftEditor(self._edited, self._use)
-                self._pictures |= {
-                    key: Picture(about, key) for key, about in _ABOUT[2:]
-                }
+                self._pictures |= {key: Picture(about, key) for key, about in others}
                 self._words = Words()
         last = list(session.fits.values())[-1:]
         if last and last[0].asked == session.rubber:

@@ -34,7 +34,8 @@ class Session:
     # material's file to the command that makes it
     notes: dict[str, str] = field(default_factory=dict)
     place: str = ""  # the screen that is shown, "" for the first one
-    rolling: str = "rolling"  # which kind of rolling is filled in
+    # which kind of scene is filled in, by the screen's key
+    kinds: dict[str, str] = field(default_factory=dict)
     pages: set[str] = field(default_factory=set)  # clients of NiceGUI that show it
     used: float = 0.0
 
@@ -86,8 +87,8 @@ class Sessions:
 
 
 def _start() -> dict[str, dict[str, Any]]:
-    """What the forms show at first: materials of the library, a self-affine road, a
-    belt cover on a roll.
+    """What the forms of friction show at first: materials of the library on a
+    self-affine road.
     """
     contact = {
         "pressure": "0.3 MPa",
@@ -105,41 +106,11 @@ def _start() -> dict[str, dict[str, Any]]:
         "temperature": ["0 degC", "20 degC", "40 degC"],
         "surface": road,
     }
-    roll = {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"}
     return {
         "friction": {**friction, "contact": contact},
         "compare": {
             "material": ["epdm-70", "tread-passenger-synthetic"],
             "temperature": "20 degC",
             "compare": {"velocity": "1 m/s"},
-        },
-        "seal": {  # an O-ring on a turned face, oil at 2 bar
-            "material": "epdm-70",
-            "temperature": "20 degC",
-            "surface": {
-                "shape": "self_affine",
-                "hurst": 0.8,
-                "rms_height": "3 um",
-                "longest": "200 um",
-                "shortest": "4 um",
-            },
-            "leak": {
-                "pressure": {"from": "0.25 MPa", "to": "2.5 MPa", "points": 12},
-                "pressure_drop": "0.2 MPa",
-                "viscosity": "50 mPa*s",
-                "length": "1 mm",
-                "width": "160 mm",
-                "time": ["1 min", "30 day", "3650 day"],
-            },
-        },
-        "rolling": {
-            "material": "epdm-70",
-            "temperature": ["0 degC", "20 degC", "40 degC"],
-            "indenter": roll,
-            "layer": {"thickness": "6 mm"},
-            "contact": {
-                "load": ["0.3 kN", "1 kN"],
-                "velocity": {"from": "0.5 m/s", "to": "10 m/s", "points": 16},
-            },
         },
     }

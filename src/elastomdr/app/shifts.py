@@ -19,7 +19,7 @@ _REACH = 1.5  # how far an isotherm may be shifted from the fit [decades]
 
 
 class ShiftEditor:
-    """A slider for one isotherm at a time.
+    """A slider for one isotherm at a time, which can be dragged in the figure as well.
 
     `show` is called with the figures of master curve and shift factors, None for those
     of the fit; `use` with the table of shift factors, to fit with them.
@@ -33,8 +33,10 @@ class ShiftEditor:
         self._show, self._use = show, use
         self._master: Any = None
         self._offsets = np.zeros(0)  # from the fit [decades]
+        self._grabbed: float | None = None  # offset of an isotherm that is being dragged
         self._redraw = Latest(self._drawn)
-        with ui.expansion("Shift isotherms by hand").classes("more") as self._fold:
+        ui.on("isotherm", self._dragged)
+        with ui.expansion("Shift isotherms: drag one in the figure, or here").classes("more") as self._fold:
             self._isotherm = ui.select({}, label="Isotherm").classes("field")
             self._isotherm.on_value_change(self._chosen)
             self._slider = Slider(
@@ -82,11 +84,33 @@ class ShiftEditor:
         self._offsets[i] = decades - float(self._master.log10_a[i])
         background_tasks.create(self._redraw(), name="shift an isotherm")
 
+    def _dragged(self, event: Any) -> None:
+        """Follows an isotherm in the figure, which moves by itself until it is let go."""
+        names = {name: i for i, name in self._isotherm.options.items()}
+        i = names.get(event.args["name"])
+        if self._master is None or i is None:
+            return
+        if self._grabbed is None:
+            self._grabbed = float(self._offsets[i])
+            self._isotherm.value = i
+            self._fold.open()
+        # over time, longer times are a smaller shift factor
+        sign = 1.0 if self._master.omega.size else -1.0
+        offset = self._grabbed + sign * float(event.args["decades"])
+        fitted = float(self._master.log10_a[i])
+        decades = fitted + float(np.clip(offset, -_REACH, _REACH))
+        if event.args["end"]:
+            self._grabbed = None
+        self._slider.set(decades)
+        self._moved(decades)
+
     async def _drawn(self) -> None:
         if self._master is None:
             return
         offsets, i = self._offsets.copy(), self._isotherm.value
         figures, words = await worked(DRAWING, _figures, self._master, offsets, i)
+        if self._grabbed is not None:
+            figures.pop("master")
         self._show(figures)
         self._said.text = words
 

@@ -4,12 +4,12 @@ event loop.
 
 import asyncio
 import ctypes
+import functools
 import math
 import threading
 import time
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -240,7 +240,13 @@ def material_names(session: Session) -> dict[str, str]:
         name: f"{name.removesuffix('.toml')} (this page)"
         for name in session.folder.names(".toml")
     }
-    return of_page | {name: name for name in em.materials()}
+    return of_page | {name: name for name in _library()}
+
+
+@functools.cache
+def _library() -> tuple[str, ...]:
+    """The materials of the library, looked for once by a server: that takes long."""
+    return tuple(em.materials())
 
 
 def drop(
@@ -315,11 +321,12 @@ def mark_of_age() -> ui.label:
 
 class Picture:
     """A figure that one can point at, with what saves it; `about` is read out in place
-    of it, `stem` begins the names of its files.
+    of it, `stem` begins the names of its files; isotherms of a master curve can be
+    dragged where `dragged` says so.
     """
 
-    def __init__(self, about: str, stem: str):
-        self._about, self._stem = about, stem
+    def __init__(self, about: str, stem: str, *, dragged: bool = False):
+        self._about, self._stem, self._dragged = about, stem, dragged
         self._drawn: Drawn | None = None
         self._panels: list[ui.echart] = []
         self._texts: list[tuple[ui.label, ui.label]] = []
@@ -327,7 +334,9 @@ class Picture:
         with ui.element("div").classes("buttons save") as self._save:
             ui.label("Save as").classes("about")
             for kind in ("png", "svg", "csv"):
-                button = ui.button(kind.upper(), on_click=partial(self._give, kind))
+                button = ui.button(
+                    kind.upper(), on_click=functools.partial(self._give, kind)
+                )
                 button.props(f'flat dense aria-label="Save as {kind.upper()}"')
         self._place.visible = self._save.visible = False
 
@@ -357,6 +366,8 @@ class Picture:
                 panel.options.update(chart.options)
                 panel.update()
             panel.client.run_javascript(f"elastomdr.label({panel.id})")
+            if self._dragged:
+                panel.client.run_javascript(f"elastomdr.drag({panel.id})")
 
     def _panel(self, chart: Chart) -> tuple[ui.echart, tuple[ui.label, ui.label]]:
         with ui.element("figure").classes("panel"):

@@ -21,8 +21,11 @@ _TABLES = {
     "indenter": "Rigid body",
     "layer": "Rubber layer on a rigid base",
     "leak": "Seal and fluid",
+    "lubricated": "Load, motion and liquid",
     "numerics": "Accuracy",
+    "o_ring": "O-ring",
     "roller": "Roller on the same rubber",
+    "stroke": "Motion of the rod, and fluid",
     "structure": "Structure of the wheel",
     "surface": "Rough surface",
 }
@@ -161,6 +164,21 @@ _LABELS = _TABLES | {
     "leak.length": "Contact length along the flow [mm]",
     "leak.width": "Contact width across the flow [m]|1 m where nothing is given",
     "time": "Time under load t [s]|without it: long after pressing",
+    "diameter": "Diameter of the cord d [mm]",
+    "squeeze": "Squeeze C [-]|part of the diameter, up to 0.25",
+    "fluid_pressure": "Pressure of the sealed fluid [MPa]|above that behind the ring",
+    "groove_width": "Width of the groove [mm]|its height is the squeezed diameter",
+    "formula": "Load of the cord|Lindley's formula where nothing is chosen; held or free: "
+    "a ring that its groove keeps at its length, or that may lengthen",
+    "velocity_out": "Velocity of the rod out of the fluid [m/s]",
+    "velocity_in": "Velocity of the rod into the fluid [m/s]",
+    "stroke.length": "Length of the stroke [mm]",
+    "stroke.width": "Length of the seal along its edge [mm]|of a rod π times its diameter; "
+    "1 m where nothing is given",
+    "boundary_shear": "Shear stress of the real contact [MPa]|of a rough surface",
+    "rubber": "Rubber rests, passes or rolls|rests as a seal on a rod, passes under a "
+    "slider",
+    "flow_factor": "Flow through a rough contact|as in a leak, or of Patir and Cheng",
 }
 # keys that belong to other commands than those of the page
 ELSEWHERE = {

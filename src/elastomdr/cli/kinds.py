@@ -9,7 +9,7 @@ from ..files import read_text
 from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
 from .scene import Scene
 from .schema import decode, keys_of
-from .seals import LeakScene, LubricatedScene
+from .seals import LeakScene, LubricatedScene, RingScene, StrokeScene
 from .steady import (
     BodyComparison,
     BodyFriction,
@@ -34,6 +34,8 @@ KINDS: dict[str, tuple[type[Scene], ...]] = {
     "traction": (WheelTraction, Traction),
     "leak": (LeakScene,),
     "lubricated": (LubricatedScene,),
+    "o_ring": (RingScene,),
+    "reciprocating": (StrokeScene,),
     "compare": (SurfaceComparison, BodyComparison),
 }
 

@@ -29,6 +29,8 @@ _SCENES = {
     "traction": "traction of a wheel or ball against slip or creepage",
     "leak": "leak of a static seal against pressure and time",
     "lubricated": "film and friction of a lubricated cylinder against velocity",
+    "o_ring": "sealing force of a squeezed O-ring against time",
+    "reciprocating": "films, net leak and friction of an O-ring on a moving rod",
     "compare": "materials ranked by friction at one velocity and temperature",
 }
 

@@ -32,6 +32,7 @@ from .units import Length, Temperature, Velocity
 
 _AXES = (
     "velocity",
+    "velocity_out",
     "slip",
     "creepage",
     "mass",
@@ -41,6 +42,8 @@ _AXES = (
     "goods",
     "ambient",
     "temperature",
+    "squeeze",
+    "fluid_pressure",
     "time",
 )
 

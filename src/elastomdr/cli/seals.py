@@ -1,14 +1,16 @@
-"""Scenes of `elastomdr leak` and `elastomdr lubricated`: a liquid that leaks through a
-static seal, a film between a cylinder and rubber.
+"""Scenes of seals: a liquid that leaks through a static one, the force of an O-ring over
+years, a rod that moves out and in, a film between a cylinder and rubber.
 """
 
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
+import elastomdr as em
+
 from ..errors import InputError
 from .bodies import AnySurface, Cylinder
-from .scene import OfBodies, body, on_axes
-from .schema import Several, Sweep, Table, given, named
+from .scene import OfBodies, Scene, body, load, on_axes
+from .schema import Positive, Several, Sweep, Table, given, named
 from .steady import OfDraws
 from .units import (
     Density,
@@ -65,8 +67,7 @@ class LeakScene(OfDraws):
     leak: Annotated[Leak, "how it is pressed, and what flows"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
-        if self.numerics.rtol is not None:
-            raise InputError("[numerics] does not belong to a leak: it has no rtol.")
+        _without_rtol(self, "a leak")
         with named("[surface]"):
             surface = self.surface.drawn(folder, self.uncertainty)
         keys = Leak.__struct_fields__
@@ -110,11 +111,89 @@ class LubricatedScene(OfBodies):
     lubricated: Annotated[Lubricated, "how it is pressed and moved"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
-        if self.numerics.rtol is not None:
-            raise InputError("[numerics] does not belong to a film: it has no rtol.")
+        _without_rtol(self, "a film")
         arguments = {"shape": body(self.indenter, folder)}
         if self.surface is not None:
             with named("[surface]"):
                 arguments["surface"] = self.surface.drawn(folder, None)
         keys = Lubricated.__struct_fields__
         return on_axes(arguments | self.common(folder) | given(self.lubricated, *keys))
+
+
+class Ring(Table):
+    """The cord of an O-ring, how it is squeezed, and its groove."""
+
+    diameter: Annotated[Length, "diameter of the cord"]
+    squeeze: Annotated[
+        Several[Positive], "part of the diameter by which the cord is squeezed"
+    ]
+    time: Annotated[
+        Sweep[Duration] | None, "since it was squeezed; by default long after"
+    ] = None
+    fluid_pressure: Annotated[
+        Several[Pressure] | None, "of the sealed fluid, above that behind the ring"
+    ] = None
+    groove_width: Annotated[
+        Length | None, "width of the groove, whose height is the squeezed diameter"
+    ] = None
+    formula: Annotated[
+        Literal["lindley", "hertz", "held", "free"] | None,
+        "load of the cord: lindley by default; hertz for small squeeze; held or free, "
+        "of a ring that its groove keeps at its length, or that may lengthen",
+    ] = None
+
+    def arguments(self) -> dict[str, Any]:
+        """What `em.o_ring` takes beside material and temperature."""
+        return given(self, *Ring.__struct_fields__)
+
+
+class RingScene(Scene):
+    """Sealing force of a squeezed O-ring."""
+
+    mark: ClassVar[str] = "o_ring"
+    call: ClassVar[str] = "o_ring"
+    o_ring: Annotated[Ring, "the cord, its squeeze and its groove"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        _without_rtol(self, "an O-ring")
+        rubber = load(folder, "material", self.material[0])
+        common = {"material": rubber} | given(self, "temperature")
+        return on_axes(common | self.o_ring.arguments())
+
+
+class Stroke(Table):
+    """How the rod moves, and in what fluid."""
+
+    velocity_out: Annotated[Sweep[Velocity], "velocity of the rod, out of the fluid"]
+    velocity_in: Annotated[Velocity, "velocity of the rod, into the fluid"]
+    length: Annotated[Length, "length of the stroke"]
+    viscosity: Annotated[Viscosity, "dynamic viscosity of the fluid"]
+    width: Annotated[
+        Length | None, "length of the seal along its edge, by default 1 m"
+    ] = None
+
+
+class StrokeScene(RingScene):
+    """Films, net leak and friction of an O-ring on a rod that moves out and in."""
+
+    mark: ClassVar[str] = "stroke"
+    call: ClassVar[str] = "reciprocating"
+    stroke: Annotated[Stroke, "how the rod moves, and in what fluid"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        ring = super().arguments(folder)
+        with named("[o_ring]"):
+            o_ring = em.o_ring(**ring)
+        if o_ring.line_load.ndim:
+            raise InputError(
+                "[o_ring] must be one ring on a rod: a single squeeze, time, pressure "
+                "and temperature."
+            )
+        stroke = given(self.stroke, "velocity_out", "velocity_in", "viscosity", "width")
+        stroke |= {"stroke": self.stroke.length}
+        return on_axes({"material": ring["material"], "o_ring": o_ring} | stroke)
+
+
+def _without_rtol(scene: Scene, what: str) -> None:
+    if scene.numerics.rtol is not None:
+        raise InputError(f"[numerics] does not belong to {what}: it has no rtol.")
