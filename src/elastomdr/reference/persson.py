@@ -22,6 +22,7 @@ import numpy as np
 from ..checks import numpy_unless_traced, plain
 from ..element.law import surface_foundation
 from ..errors import InputError
+from ..material.validity import material_in_words
 from ..models import Persson
 from ..results.curve import PerssonCurve
 from ..results.words import brief
@@ -122,7 +123,7 @@ def persson(
         model=model.words(),
         plan=model.work(surface)[0],
         inputs=(
-            ("material", foundation.name or "given directly"),
+            *material_in_words(foundation),
             ("surface", f"{surface.label}, {surface.words()}"),
             *_conditions(pressure, velocity, temperature),
             NOT_COMPARED,
