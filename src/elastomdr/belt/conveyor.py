@@ -34,6 +34,7 @@ from ..checks import (
 from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError
+from ..material.validity import material_in_words
 from ..results.base import Result, quantity, record
 from ..results.words import brief, describe, in_words
 from ..surface.shapes import Cylinder
@@ -339,6 +340,8 @@ def _inputs_in_words(
         spacing = brief(side.spacing, "m")
         words = f"{cover}; {describe(side.roll)}; {rolls} every {spacing}"
         inputs.append((name, words))
+    covers = (carry.cover, back.cover)
+    inputs += dict.fromkeys(pair for x in covers for pair in material_in_words(x)[1:])
     inputs += [
         (name, brief(given[name], unit))
         for name, unit in _UNITS.items()

@@ -19,6 +19,7 @@ from ..checks import (
 )
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
+from ..material.validity import material_in_words
 from ..results.words import brief
 from ..surface.shapes import Paraboloid, Sphere
 
@@ -60,7 +61,7 @@ class Scene(NamedTuple):
 
     def inputs(self, *body: tuple[str, str], load: str = "N") -> list[tuple[str, str]]:
         """For results: the material, the `body`, and the points; `load` is its unit."""
-        rows = [("material", self.foundation.name or "given directly"), *body]
+        rows = [*material_in_words(self.foundation), *body]
         rows.append((self.name, brief(self.value, _UNITS.get(self.name, load))))
         rows.append(("velocity", brief(self.velocity, "m/s")))
         return (

@@ -4,6 +4,7 @@ every group of numbers.
 Listing the names reads no file and loads neither NumPy nor JAX.
 """
 
+import functools
 import importlib.metadata
 import importlib.util
 import math
@@ -156,9 +157,13 @@ def save_material(
         )
     info = info or {}
     known = material.range
-    cited = {"moduli": {"citation": material.citation}} if material.citation else {}
+    cited: dict[str, dict[str, str]] = {}
+    if material.citation:
+        cited["moduli"] = {"citation": material.citation}
     if known is not None and known.illustrative:
         cited["range"] = {"grade": "illustrative"}
+    if known is not None and known.illustrative_moduli:
+        cited.setdefault("moduli", {})["grade"] = "illustrative"
     document = {
         "name": material.name,
         "description": info.get("description"),
@@ -266,6 +271,16 @@ def _folders() -> list[Path]:
                 "none."
             )
         folders.append(Path(entry))
+    folders += _of_packages()
+    return list(dict.fromkeys(folder.resolve() for folder in folders))
+
+
+@functools.cache
+def _of_packages() -> tuple[Path, ...]:
+    """Folders with materials that installed packages declare; looked for once, since
+    all packages are read for that.
+    """
+    folders: list[Path] = []
     for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
         try:
             spec = importlib.util.find_spec(point.module)
@@ -277,7 +292,7 @@ def _folders() -> list[Path]:
                 f"with TOML files, got {point.value!r}."
             )
         folders += map(Path, spec.submodule_search_locations)
-    return list(dict.fromkeys(folder.resolve() for folder in folders))
+    return tuple(folders)
 
 
 def _files() -> dict[str, list[Path]]:
@@ -350,6 +365,9 @@ def _range(document: Mapping[str, Any]) -> Any:
         document.get("source", {}).get("range", {}).get("grade") == "illustrative"
     )
     known = as_range(pairs, illustrative) if pairs else None
+    of_moduli = document.get("source", {}).get("moduli", {}).get("grade")
+    if known is not None:
+        known = known._replace(illustrative_moduli=of_moduli == "illustrative")
     rows = document.get("misfit")
     misfit = tuple(zip(*(rows[key] for key in _MISFIT), strict=True)) if rows else ()
     if any(not omega > 0 or storage < 0 or loss < 0 for omega, storage, loss in misfit):

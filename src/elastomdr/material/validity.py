@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from jaxtyping import Bool
 
 
+ILLUSTRATIVE = "illustrative, of no particular rubber"
 _ROUNDING = 1e-6  # relative, by which a frequency may lie outside and count as inside
 _KELVIN = 0.5  # by how much a temperature may: no data are closer to their own
 # A passage lasts 2a/v, 4 over the frequency 2 v/a where it dissipates most, and all
@@ -55,6 +56,8 @@ class Range(NamedTuple):
     beyond: str = ""
     # omega [rad/s], rms deviation of storage and loss, per band
     misfit: tuple[tuple[float, float, float], ...] = ()
+    # of no particular rubber: the file grades the moduli themselves as illustrative
+    illustrative_moduli: bool = False
 
     def at(self, temperature: Any, factor: Any) -> "Range | None":
         """The range at one temperature [K], where relaxation times are `factor` times
@@ -76,7 +79,7 @@ class Range(NamedTuple):
             )
             if self.omega:
                 omega = (self.omega[0] / a, self.omega[1] / a)
-        return Range(omega, None, self.illustrative, beyond, rows)
+        return self._replace(omega=omega, temperature=None, beyond=beyond, misfit=rows)
 
     def outside(
         self, rate: np.ndarray, temperature: np.ndarray | None
@@ -205,7 +208,19 @@ def shared(one: Range | None, other: Range | None) -> Range | None:
         one.illustrative and other.illustrative,
         beyond,
         tuple(sorted(one.misfit + other.misfit)),
+        one.illustrative_moduli or other.illustrative_moduli,
     )
+
+
+def material_in_words(material: Any) -> list[tuple[str, str]]:
+    """The inputs of a result that say of which rubber it is; `material` has a name and
+    a range.
+    """
+    words = [("material", getattr(material, "name", "") or "given directly")]
+    known = material.range
+    if known is not None and known.illustrative_moduli:
+        words.append(("moduli", ILLUSTRATIVE))
+    return words
 
 
 def misfit_bands(

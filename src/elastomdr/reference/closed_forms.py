@@ -53,6 +53,7 @@ from ..checks import (
 )
 from ..element.law import Foundation, surface_foundation
 from ..errors import InputError
+from ..material.validity import material_in_words
 from ..models import Persson
 from ..results.curve import PerssonCurve
 from ..results.words import brief
@@ -282,7 +283,7 @@ def persson(
         model=model.words(),
         plan=model.work(surface)[0],
         inputs=(
-            ("material", foundation.name or "given directly"),
+            *material_in_words(foundation),
             ("surface", f"{surface.label}, {surface.words()}"),
             *_conditions(pressure, velocity, temperature),
             NOT_COMPARED,

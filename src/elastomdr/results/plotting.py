@@ -472,10 +472,20 @@ def _small_print(entries: list[Entry]) -> tuple[str, str, str]:
     """Models, notes and what failed."""
     models = dict.fromkeys(entry.model for entry in entries)
     notes = dict.fromkeys(note for entry in entries for note in entry.notes)
+    notes = {**dict.fromkeys(_illustrative(entries)), **notes}
     counts = zip(*(entry.counted for entry in entries), strict=True)
     failed, count = map(sum, counts)
     missing = f"{failed} of {count} {entries[0].each} did not converge and are left out"
     return "; ".join(models), "; ".join(notes), missing if failed else ""
+
+
+def _illustrative(entries: list[Entry]) -> list[str]:
+    """Which rubbers have moduli that are of no particular one, in a sentence."""
+    inputs = [entry.inputs for entry in entries if "moduli" in entry.inputs]
+    if len(inputs) in (0, len(entries)):
+        return [f"moduli: {each['moduli']}" for each in inputs]
+    names = dict.fromkeys(each.get("material", "") for each in inputs)
+    return [f"moduli of {', '.join(names)}: illustrative"]
 
 
 def _names(entries: list[Entry]) -> list[str]:

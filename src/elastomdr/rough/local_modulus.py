@@ -199,11 +199,25 @@ def log_stations(count: int, ends: Any) -> Any:
 def _splines(count: int) -> np.ndarray:
     """Coefficients of the splines of `basis`: (powers from 3 to 0, pieces,
     stations).
-    """
-    from scipy.interpolate import CubicSpline
 
-    knots = np.arange(count + 1) / count
-    return CubicSpline(knots, np.eye(count + 1)).c[..., 1:]
+    Those of `scipy.interpolate.CubicSpline`, whose import takes longer than to heat a
+    road. The unknowns are h^2 times the second derivatives at the knots (de Boor, A
+    Practical Guide to Splines, ch. IV).
+    """
+    values = np.eye(count + 1)
+    smooth, bend = np.zeros((2, count + 1, count + 1))
+    for knot in range(1, count):
+        smooth[knot, knot - 1 : knot + 2] = 1, 4, 1
+        bend[knot, knot - 1 : knot + 2] = 6, -12, 6
+    if count > 2:  # the third derivative is the same on both sides of the knot
+        smooth[0, :3] = smooth[-1, -3:] = 1, -2, 1
+    else:  # three knots have a parabola
+        smooth[0, :2] = smooth[-1, -2:] = 1, -1
+    second = np.linalg.solve(smooth, bend)
+    cubic = (second[1:] - second[:-1]) / 6
+    slope = values[1:] - values[:-1] - (2 * second[:-1] + second[1:]) / 6
+    scales = count ** np.arange(3.0, -1.0, -1.0)[:, None, None]  # 1/h to the powers
+    return (scales * np.stack([cubic, second[:-1] / 2, slope, values[:-1]]))[..., 1:]
 
 
 def basis(count: int, place: Any) -> Any:

@@ -48,6 +48,7 @@ from ..checks import (
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.shift import thermal_factors
+from ..material.validity import material_in_words
 from ..models import Line, seeds_of, whole_number
 from ..results.words import brief
 from ..surface.rough_line import RoughLine
@@ -137,7 +138,7 @@ def press(
     warn_unless(solved.good, "points")
     beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
     inputs = [
-        ("material", foundation.name or "given directly"),
+        *material_in_words(foundation),
         (
             "surface",
             surface.label

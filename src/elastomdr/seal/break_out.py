@@ -31,6 +31,7 @@ from ..checks import (
 )
 from ..element.law import Foundation
 from ..errors import InputError
+from ..material.validity import material_in_words
 from ..models import Model, Multiscale, Persson, as_model
 from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
@@ -259,7 +260,7 @@ def _in_words(
 ) -> list[tuple[str, str]]:
     words = "" if is_traced(surface) else f", {surface.words()}"
     inputs = [
-        ("material", foundation.name or "given directly"),
+        *material_in_words(foundation),
         ("surface", f"{surface.label}{words}"),
         ("roughness", BOTH),
         ("shear of the contact", shear.words()),

@@ -34,6 +34,7 @@ from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import thermal_factors
+from ..material.validity import material_in_words
 from ..models import GapFlow, HalfSpace, Model, Multiscale, as_model
 from ..results.base import Array, Result, quantity, record, setting
 from ..results.words import brief, span
@@ -478,7 +479,7 @@ def _inputs_in_words(
 ) -> list[tuple[str, str]]:
     words = "" if is_traced(surface) else f", {surface.words()}"
     inputs = [
-        ("material", foundation.name or "given directly"),
+        *material_in_words(foundation),
         ("surface", f"{surface.label}{words}"),
         ("roughness", BOTH),
     ]

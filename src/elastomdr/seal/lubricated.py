@@ -40,6 +40,7 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
+from ..material.validity import material_in_words
 from ..numerics.interpolation import halving_limit
 from ..results.base import Array, Result, part, quantity, record
 from ..results.words import brief, describe, in_unit, span
@@ -794,7 +795,7 @@ def _packed(
     beyond = _beyond(scene, solved)
     temperature = scene.temperature
     inputs = [
-        ("material", getattr(scene.material, "name", "") or "given directly"),
+        *material_in_words(scene.material),
         ("shape", describe(scene.shape).replace(" on a layer", "")),
         ("rubber", scene.rubber),
         *(

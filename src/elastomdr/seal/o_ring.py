@@ -52,6 +52,7 @@ from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.shift import thermal_factors
 from ..material.tabulated import needs_series
+from ..material.validity import material_in_words
 from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, in_unit, span
 
@@ -455,7 +456,7 @@ def _extrapolated(
 
 
 def _inputs_in_words(material: Prony, given: dict[str, Any]) -> list[tuple[str, str]]:
-    inputs = [("material", material.name or "given directly")]
+    inputs = material_in_words(material)
     inputs += [
         (name, brief(given[name], unit))
         for name, unit in _UNITS.items()

@@ -24,6 +24,7 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..material.shift import thermal_factors
+from ..material.validity import material_in_words
 from ..results.base import Array, Origin, Result, distinct, quantity, record
 from ..results.words import brief, describe, span
 from .impact_motion import Body, Impacts, impacts
@@ -254,10 +255,14 @@ def _origins(scene: "_Scene") -> tuple[Origin, ...]:
     names = distinct(
         [f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)]
     )
-    rest = tuple(pair for pair in scene.inputs if pair[0] != "material")
+    rest = [pair for pair in scene.inputs if pair[0] not in ("material", "moduli")]
+    words = [
+        (("material", name), *material_in_words(foundation)[1:], *rest)
+        for name, foundation in zip(names, scene.foundations, strict=True)
+    ]
     return tuple(
-        Origin(name, scene.model, (("material", name), *rest), frozenset(), None)
-        for name in names
+        Origin(name, scene.model, inputs, frozenset(), None)
+        for name, inputs in zip(names, words, strict=True)
     )
 
 
@@ -307,6 +312,7 @@ def _scene(
     names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
     inputs = [
         ("material", names),
+        *dict.fromkeys(pair for f in foundations for pair in material_in_words(f)[1:]),
         ("shape", describe(shape)),
         ("mass", brief(mass, "kg")),
         ("velocity", brief(velocity, "m/s")),

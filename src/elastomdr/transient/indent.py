@@ -31,6 +31,7 @@ from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
 from ..errors import InputError
 from ..material.relaxation import Relaxation
+from ..material.validity import material_in_words
 from ..results.base import Array, quantity, record
 from ..results.words import brief, describe, in_words
 from ..surface.disc import Disc
@@ -302,7 +303,7 @@ def _inputs(
         ("temperature", temperature, "K"),
     ]
     return [
-        ("material", foundation.name or "given directly"),
+        *material_in_words(foundation),
         ("shape", describe(shape)),
         *(
             (name, brief(value, unit))

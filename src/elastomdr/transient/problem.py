@@ -33,7 +33,7 @@ from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation, scaled
 from ..material.shift import thermal_factors
-from ..material.validity import Range
+from ..material.validity import Range, material_in_words
 from ..results.words import brief, describe
 from ..smooth.passage import Control
 from ..smooth.problem import BARE, LAYER, contact
@@ -88,18 +88,18 @@ class SlidingBody(NamedTuple):
 def sliding_body(material: Any, shape: Any) -> SlidingBody:
     """Raises `InputError` for a pair that does not go together."""
     foundation = as_foundation(material)
-    name = ("material", foundation.name or "given directly")
+    rubber = material_in_words(foundation)
     if isinstance(shape, RoughLine):
         if foundation.per_area:
             raise InputError(
                 "material must be a half-space under a RoughLine, got a layer: give "
                 "the material itself."
             )
-        words = (name, ("shape", describe_line(shape)))
+        words = (*rubber, ("shape", describe_line(shape)))
         return SlidingBody(foundation, shape, True, LINE, words)
     lines = contact(foundation, shape)[0]
     on_layer = foundation.per_area or isinstance(shape, Cylinder)
-    words = (name, ("shape", describe(shape)))
+    words = (*rubber, ("shape", describe(shape)))
     return SlidingBody(foundation, lines, False, LAYER if on_layer else BARE, words)
 
 

@@ -28,7 +28,7 @@ from ..checks import (
 from ..element.law import Foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation, to_kelvin
-from ..material.validity import shared
+from ..material.validity import material_in_words, shared
 from ..numerics.quadrature import gauss_unit
 from ..numerics.root import bisect
 from ..results.words import brief, describe
@@ -186,7 +186,7 @@ def _inputs(
     """What was given, in words."""
     size = f"{cut.elements} on a half line, {cut.steps} between two instants"
     return [
-        ("material", laws[0].name or "given directly"),
+        *material_in_words(laws[0]),
         ("shape", describe(shape)),
         (name, brief(given.value, "N" if name == "load" else "m")),
         ("displacement", brief(given.displacement, "m")),

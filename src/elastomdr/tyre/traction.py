@@ -31,7 +31,7 @@ from ..errors import InputError
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.shift import same_thermal, thermal_factors
-from ..material.validity import shared
+from ..material.validity import material_in_words, shared
 from ..results.friction_law import FrictionLaw
 from ..results.words import brief, describe
 from ..smooth.cylinder import cylinder_pressure
@@ -600,7 +600,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
         model=CARTER,
         plan="closed form",
         inputs=(
-            ("material", foundation.name or "given directly"),
+            *material_in_words(foundation),
             ("shape", describe(shape)),
             ("load", brief(load, "N")),
             ("velocity", brief(velocity, "m/s")),
