@@ -6,8 +6,9 @@ is committed.
 Every benchmark records `verdicts` (or `figures`): a name, a measured figure and its
 target, at least or at most. A ratio, of which more is better, has fallen if it lost
 more than a third against the revision (default: HEAD). A time has if it grew by half,
-within its target too, by more than 0.03 s; compare on one machine. An error, of which less is better too,
-has if it grew by half and is beyond its target: errors at rounding move by themselves.
+within its target too, by more than comes and goes; compare on one machine. An error, of
+which less is better too, has if it grew by half and is beyond its target: errors at
+rounding move by themselves.
 Exit status 1 if any has, or if a figure or a whole record is gone.
 """
 
@@ -21,7 +22,9 @@ from typing import Any
 from common import RESULTS, table
 
 THIRD = 1 / 3
-NOISE = 0.03  # seconds of processor time that come and go on a machine with others
+# seconds of processor time that come and go on a machine with others, by what a figure
+# of the budget is
+NOISE = {"first": 0.03, "curve": 0.03, "gradient": 0.03, "warm": 0.001}
 
 
 TIMES = (" s", " ms", " min", " s of processor")
@@ -96,7 +99,7 @@ def main() -> int:
                 rows.append((benchmark, name, old, float("nan"), "gone"))
                 continue
             new, _, may_grow = now[name]
-            noise = 0.0 if more or not name.endswith((", first", ", curve")) else NOISE
+            noise = 0.0 if more else NOISE.get(name.rpartition(", ")[2], 0.0)
             bad = (
                 new < old - THIRD * abs(old)
                 if more

@@ -3,20 +3,27 @@ line, a road, a fit. That of smooth friction is in `steady_sliding.py`.
 
     python benchmarks/time_error.py
 
-The first two are computed here, 64 velocities each at tolerances from coarse to fine,
-their errors from the finest. Those of roads and fits stand in the records of
-`roads.py`, `rough_fit.py` and `fit_peers.py`. Processor time of one core, warm.
+Rolling: tolerances from coarse to fine, errors from the finest. Rough lines and maps:
+samples from coarse to fine, beside plain sweeps that are given the depth. Errors of
+road models and fits stand in the records of `rough_fit.py` and `fit_peers.py`.
+Processor time of one core, warm; with the whole call on a rough line over one plain
+sweep of the samples that it takes.
 """
 
 import json
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
+import jax
 import numpy as np
-from common import RESULTS, heading, one_core, plt, save, table, timed
+import rough_sliding
+from common import RESULTS, heading, one_core, plt, save, table, timed, verdict
 
 import elastomdr as em
+from elastomdr.rough import half_space, period, periodic
+from elastomdr.rough.branch_reduction import lanes
 
 RUBBER = em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.49)
 VELOCITY = np.logspace(-5, 1, 64)
@@ -59,43 +66,109 @@ def layers() -> Rows:
 
 
 def lines() -> Rows:
-    question = "a rough line: 64 velocities, 16,384 samples, 20 branches"
-    rubber = em.Prony(1e6, np.geomspace(1e8, 1e6, 20), np.logspace(-8, 3, 20))
-    line = ROAD.line(seed=1, samples=16384)
+    """Samples as given, twice and four times as fine, against eight times; and plain
+    sweeps over the four times finer ones, with the depth of each velocity known.
+    """
+    question = "a rough line: 64 velocities, 16,384 points, 20 branches"
+    rubber = em.half_space(
+        em.Prony(1e6, np.geomspace(1e8, 1e6, 20), np.logspace(-8, 3, 20), poisson=0.49)
+    )
+    law, line = rubber.law(), ROAD.line(seed=1, samples=16384)
+    load = np.full(VELOCITY.size, 200.0)
 
-    def slide(rtol: float) -> Any:
-        scene = {"velocity": VELOCITY, "load": 200.0}
-        return em.friction(rubber, line, **scene, rtol=rtol).mu
+    def solved(fine: int) -> Any:
+        one = line.finer(fine) if fine > 1 else line
+        given = law, VELOCITY, load, "load", 1e-6
+        return periodic.solve_line(one.height, float(one.spacing), *given)
 
-    rows, _ = _converging(question, "em.friction", slide, (1e-2, 1e-3, 1e-4, 1e-6))
-    sweeps = [
-        row["C sweep, one core [s]"] for row in _recorded("rough_sliding")["loads"]
-    ]
-    plain = "ten plain sweeps in C, no search for loads"
-    return [*rows, (question, plain, np.nan, 10 * float(np.mean(sweeps)))]
+    truth = solved(8).mu
+    rows = []
+    for fine in (1, 2, 4):
+        solved(fine)
+        run = timed(partial(solved, fine), 5)
+        rows.append(
+            (
+                question,
+                "periodic state: 1, 2, 4 samples a point",
+                _error(run.value.mu, truth),
+                run.cpu,
+            )
+        )
+
+    def call() -> Any:
+        return em.friction(rubber, line, velocity=VELOCITY, load=200.0, model=em.Line())
+
+    call()
+    run = timed(call, 5)
+    rows.append((question, "em.friction", _error(run.value.mu, truth), run.cpu))
+    finer, state = line.finer(4), solved(4)
+    sweep = rough_sliding.c_sweep(finer, state.depth, rubber, VELOCITY)
+    for count, mu in _plain_sweeps(finer, law, state.depth):
+        off = _error(mu, state.mu)
+        rows.append(
+            (question, "plain sweeps in C, 1 to 100, depth known", off, count * sweep)
+        )
+    RATIOS["a rough line"] = run.cpu / sweep
+    return rows
+
+
+RATIOS: dict[str, float] = {}  # of a call of the package, over one plain sweep
+
+
+def _error(mu: Any, truth: Any) -> float:
+    return float(np.nanmax(np.abs(np.asarray(mu) / np.asarray(truth) - 1)))
+
+
+def _plain_sweeps(line: Any, law: Any, depth: Any) -> list[tuple[int, Any]]:
+    """Friction after some sweeps over a line from rest, period by period."""
+    rise, spacing = periodic.rises(line.height), float(line.spacing)
+    after = []
+    with jax.enable_x64(True):
+        by = period.coefficients(lanes(law, VELOCITY.size), spacing / VELOCITY)
+        branches = np.zeros((law.moduli.size, VELOCITY.size))
+        for count in range(1, 101):
+            end = period.sweep(
+                rise, rise.size, 1, np.asarray(depth), branches, by, None, 0, True
+            )
+            branches = np.asarray(end.branches)
+            if count in (1, 2, 5, 10, 20, 50, 100):
+                mu = np.asarray(end.work) / np.asarray(end.load) / spacing
+                after.append((count, mu))
+    return after
 
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 
 
 def roads() -> Rows:
-    """Errors of the models against maps in three dimensions, at 1 to 5 % contact."""
-    question = "a road: one velocity, error against three dimensions"
+    """Errors of the models against maps in three dimensions by real contact, and of
+    coarser maps against one of 512 by 512 cells.
+    """
+    question = "a road: one velocity of many, error against three dimensions"
     recorded, judged = _recorded("roads"), _recorded("rough_fit")
     rows = []
     for name in ("Multiscale", "Persson"):
-        error = next(
-            row["rms"]
-            for row in judged[name.lower()]
-            if row.get(name) == "contact 1% to 5%"
-        )
-        seconds = np.mean(
-            [x["a point of 64 [ms]"] for x in recorded["closed"] if x["model"] == name]
-        )
-        rows.append((question, f"em.{name}", float(error), float(seconds) / 1e3))
-    # what the errors are counted from: a line across
-    cells = [x["a velocity more [s]"] for x in recorded["cells"] if x["cells"] == 512]
-    rows.append((question, "em.HalfSpace, 512 x 512", np.nan, float(np.mean(cells))))
+        each = [x for x in recorded["closed"] if x["model"] == name]
+        seconds = float(np.mean([x["a point of 64 [ms]"] for x in each]))
+        for row in judged[name.lower()]:
+            if str(row[name]).startswith("contact"):
+                method = f"em.{name}, light to full contact"
+                rows.append((question, method, float(row["rms"]), seconds / 1e3))
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1.6e4)
+    heights, side = em.reference.rough_map(surface, 0, periods=1, points=512)
+    modulus = em.half_space(RUBBER).complex_modulus
+
+    def slide(cells: int) -> Any:
+        step = len(heights) // cells
+        scene = {"velocity": 0.1, "pressure": 1e6}
+        return half_space.solve(modulus, heights[::step, ::step], (side, side), **scene)
+
+    truth = slide(512).stress
+    for cells in (32, 64, 128, 256):
+        slide(cells)
+        run = timed(partial(slide, cells), 3)
+        off = abs(run.value.stress / truth - 1)
+        rows.append((question, "em.HalfSpace, 32 to 256 cells a side", off, run.cpu))
     return rows
 
 
@@ -127,11 +200,7 @@ def main() -> None:
         own = [row for row in rows if row[0] == question]
         for method in dict.fromkeys(row[1] for row in own):
             points = [row[2:] for row in own if row[1] == method]
-            errors, seconds = zip(*points, strict=True)
-            if np.isnan(errors).all():
-                ax.axhline(seconds[0], color="0.5", label=method)
-                continue
-            ax.loglog(errors, seconds, "o-", label=method, markersize=5)
+            ax.loglog(*zip(*points, strict=True), "o-", label=method, markersize=5)
         ax.set_title(question, fontsize=10)
         fit = question.startswith("a fit")
         ax.set_xlabel("rms error of log10 a_T" if fit else "error, relative")
@@ -140,8 +209,9 @@ def main() -> None:
         ax.set_ylabel("processor time, one core [s]")
         ax.invert_xaxis()
         ax.grid(alpha=0.3)
-        road = question.startswith("a road")
-        ax.legend(fontsize=7, loc="center" if road else "best")
+        ax.legend(fontsize=7)
+    name = "em.friction on a rough line over one plain sweep of its samples"
+    record["verdicts"] = [verdict(name, RATIOS["a rough line"], 10)]
     save("time_error", record, figure)
 
 
