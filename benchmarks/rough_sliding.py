@@ -23,7 +23,7 @@ from common import heading, save, table, timed, verdict
 
 import elastomdr as em
 from elastomdr.rough import periodic
-from elastomdr.rough.branch_reduction import lanes
+from elastomdr.rough.branch_reduction import point_laws
 from elastomdr.rough.period import coefficients
 from elastomdr.surface.spectrum import synthesise
 
@@ -70,7 +70,9 @@ def c_sweep(
             check=True,
         )
         run = ctypes.CDLL(str(library)).sweep
-    by = coefficients(lanes(law.law(), velocity.size), float(line.spacing) / velocity)
+    by = coefficients(
+        point_laws(law.law(), velocity.size), float(line.spacing) / velocity
+    )
     rise = np.ascontiguousarray(periodic.rises(line.height))
     f, u, total = (
         np.zeros((TIMES.size, velocity.size)),

@@ -24,7 +24,7 @@ from elastomdr.element.episode import (
 )
 from elastomdr.element.moments import panel_sums
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.rough.branch_reduction import lanes as every
+from elastomdr.rough.branch_reduction import point_laws as every
 from elastomdr.rough.period import coefficients as period_coefficients
 from elastomdr.rough.period import sweep
 

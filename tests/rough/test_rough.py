@@ -189,14 +189,14 @@ def test_plan_of_a_rough_line():
     )
     assert (plan.points, plan.branches, plan.solutions, plan.lines) == (5, 9, 5, 1)
     text = str(plan)
-    assert 1 <= plan.carried[0] <= plan.carried[1] < 9
+    assert 1 <= plan.kept_branches[0] <= plan.kept_branches[1] < 9
     assert plan.forgotten[1] >= 2
     assert plan.slow[1] >= 2
     assert plan.cost < 0.1 * plan.rtol
     assert "forgotten within a sample" in text
     assert "lumped into one" in text
     whole = em.plan(many, rough(1024), velocity=1.0, load=10.0, skip=False)
-    assert whole.carried == (9, 9)
+    assert whole.kept_branches == (9, 9)
     assert "switched off" in str(whole)
     with pytest.raises(em.InputError, match="quantity must be 'friction'"):
         em.plan(many, rough(1024), velocity=1.0, load=10.0, quantity="rolling")

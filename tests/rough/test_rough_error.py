@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.rough.branch_reduction import lanes
-from elastomdr.rough.free_recovery import recover, stretches
+from elastomdr.rough.branch_reduction import point_laws
+from elastomdr.rough.free_recovery import free_recovery, recover
 from elastomdr.rough.period import coefficients
 from elastomdr.rough.periodic import _limit, solve_line
 from elastomdr.surface.spectrum import synthesise
@@ -193,8 +193,8 @@ def test_no_stretch_passed_leaves_the_state_as_it_is():
     contact they must not be touched.
     """
     with jax.enable_x64(True):
-        by = coefficients(lanes(TREAD.law(), 1), np.array([1e-4]))
-        free = stretches(
+        by = coefficients(point_laws(TREAD.law(), 1), np.array([1e-4]))
+        free = free_recovery(
             np.zeros(64), 4, by.seen, by.lost, by.gain, by.give, by.relaxed
         )
         # forces of a motion at constant speed

@@ -1,4 +1,4 @@
-"""Which branches a velocity on a rough line need not carry one by one: each lane has a
+"""Which branches a velocity on a rough line need not carry one by one: each point has a
 window of its own.
 
 A branch that is all but forgotten within a step of length h is a dashpot of viscosity E
@@ -18,7 +18,7 @@ import numpy as np
 
 from ..material.relaxation import Relaxation
 from .free_recovery import rates_apart
-from .period import Lanes
+from .period import PointLaws
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -29,8 +29,8 @@ _SAFETY = 10.0  # the estimate is that of a wave as long as the line
 _SHARE = 0.05  # of rtol, to be spent on lumping
 
 
-def lanes(law: Relaxation, count: int) -> Lanes:
-    """The relaxation function as it is, for each of `count` lanes, the slowest branch
+def point_laws(law: Relaxation, count: int) -> PointLaws:
+    """The relaxation function as it is, for each of `count` points, the slowest branch
     first.
     """
     order = slowest_first(law)
@@ -38,7 +38,7 @@ def lanes(law: Relaxation, count: int) -> Lanes:
         np.asarray(x)[order][:, None] * np.ones(count) for x in (law.moduli, law.times)
     )
     apart = np.asarray(rates_apart(law))[:, :, None] * np.ones(count)
-    return Lanes(
+    return PointLaws(
         np.asarray(law.equilibrium),
         moduli,
         times,
@@ -49,18 +49,18 @@ def lanes(law: Relaxation, count: int) -> Lanes:
 
 
 def slowest_first(law: Relaxation) -> np.ndarray:
-    """The order in which lanes hold the branches; those without a modulus come last."""
+    """The order in which points hold the branches; those without a modulus come last."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     return np.argsort(np.where(moduli > 0, 1 / times, np.inf), kind="stable")
 
 
 def lumped(
     law: Relaxation,
-    step: Float[np.ndarray, " lanes"],
-    period: Float[np.ndarray, " lanes"],
+    step: Float[np.ndarray, " points"],
+    period: Float[np.ndarray, " points"],
     rtol: float,
-) -> tuple[Lanes, Float[np.ndarray, " lanes"]]:
-    """What each lane carries, padded with empty branches to a common and even number;
+) -> tuple[PointLaws, Float[np.ndarray, " points"]]:
+    """What each point carries, padded with empty branches to a common and even number;
     and mu's relative change.
     """
     live = np.asarray(law.moduli) > 0
@@ -70,7 +70,7 @@ def lumped(
         np.asarray(law.times)[live],
         law.viscosity,
     )
-    whole = lanes(law, step.size)
+    whole = point_laws(law, step.size)
     moduli, times = whole.moduli, whole.times
     fast = step / times > FORGOTTEN
     angle = period / (2 * np.pi * times)
@@ -99,11 +99,13 @@ def lumped(
     lumps = slow.sum(axis=0)
     laws = {size: _with_lump(law, size) for size in np.unique(lumps)}
     apart = np.full((count + 1, count + 1, step.size), np.inf)
-    for lane, size in enumerate(kept.sum(axis=0)):
-        apart[: size + 1, : size + 1, lane] = laws[lumps[lane]][: size + 1, : size + 1]
+    for point, size in enumerate(kept.sum(axis=0)):
+        apart[: size + 1, : size + 1, point] = laws[lumps[point]][
+            : size + 1, : size + 1
+        ]
     spent = np.where(slow, np.where(fast, 0.0, cost), 0.0).sum(axis=0)
     moduli, times = (np.take_along_axis(x, first, axis=0) for x in (moduli, times))
-    return Lanes(whole.relaxed, moduli, times, viscosity, second, apart), spent
+    return PointLaws(whole.relaxed, moduli, times, viscosity, second, apart), spent
 
 
 def _with_lump(law: Relaxation, size: int) -> np.ndarray:

@@ -54,7 +54,7 @@ class Ask(NamedTuple):
 
 
 Solver = Callable[[list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[Line]]
-# Lanes of several lines at once, each a line with its velocities, its line loads or
+# Points of several lines at once, each a line with its velocities, its line loads or
 # depths, and which they are.
 
 

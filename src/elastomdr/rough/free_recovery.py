@@ -68,12 +68,12 @@ def rates_apart(law: Relaxation) -> Float[Array, "m m"]:
 
 @numpy_unless_traced
 def weights(
-    apart: Float[Array, "m m lanes"],  # see `rates_apart`
-    times: Float[Array, "branches lanes"],  # in the order of `apart` [s]
-    gain: Float[Array, "branches lanes"],  # g_k [Pa]; without a modulus last
+    apart: Float[Array, "m m points"],  # see `rates_apart`
+    times: Float[Array, "branches points"],  # in the order of `apart` [s]
+    gain: Float[Array, "branches points"],  # g_k [Pa]; without a modulus last
     relaxed: Any,  # E_inf [Pa]
-    step: Float[Array, " lanes"],  # h [s]
-) -> tuple[Float[Array, " lanes"], Float[Array, "branches lanes"]]:
+    step: Float[Array, " points"],  # h [s]
+) -> tuple[Float[Array, " points"], Float[Array, "branches points"]]:
     """r_0 [1/Pa], by which a force that lasts moves u in a step, and r_k/r_0."""
     m = apart.shape[0]
     ever = xp.isfinite(apart)
@@ -98,20 +98,20 @@ def weights(
     ) / first
 
 
-class Stretches(NamedTuple):
+class FreeRecovery(NamedTuple):
     """Free motion over the equal stretches that a line is cut into; m = 1 + number of
     branches.
     """
 
     # the highest point of the line in each [m]
     highest: Float[np.ndarray, " stretches"]
-    to_modes: Float[np.ndarray, "m m lanes"]  # y to the strengths of the modes
-    from_modes: Float[np.ndarray, "m m lanes"]
-    rate: Float[np.ndarray, "m lanes"]  # -log(lambda), per sample
+    to_modes: Float[np.ndarray, "m m points"]  # y to the strengths of the modes
+    from_modes: Float[np.ndarray, "m m points"]
+    rate: Float[np.ndarray, "m points"]  # -log(lambda), per sample
     relaxed: Float[np.ndarray, ""]  # E_inf [Pa]
 
-    def of(self, chosen: np.ndarray) -> "Stretches":
-        """Those of some lanes."""
+    def of(self, chosen: np.ndarray) -> "FreeRecovery":
+        """Those of some points."""
         return self._replace(
             to_modes=self.to_modes[..., chosen],
             from_modes=self.from_modes[..., chosen],
@@ -119,26 +119,26 @@ class Stretches(NamedTuple):
         )
 
 
-def stretches(
+def free_recovery(
     rise: Float[np.ndarray, " n"], pieces: int, seen, lost, gain, give, relaxed
-) -> Stretches:
-    """The maps of each lane, from the coefficients of its steps (see
+) -> FreeRecovery:
+    """The maps of each point, from the coefficients of its steps (see
     `rough.period`).
     """
-    lane_count = give.size
-    seen = np.maximum(np.concatenate([np.ones((1, lane_count)), seen]), _FORGOTTEN)
-    lost = np.concatenate([np.zeros((1, lane_count)), lost])
-    gain = np.concatenate([np.full((1, lane_count), float(relaxed)), gain])
+    point_count = give.size
+    seen = np.maximum(np.concatenate([np.ones((1, point_count)), seen]), _FORGOTTEN)
+    lost = np.concatenate([np.zeros((1, point_count)), lost])
+    gain = np.concatenate([np.full((1, point_count), float(relaxed)), gain])
     s, live = np.sqrt(seen * gain), gain > 0
     scale = np.where(live, np.sqrt(seen / np.where(live, gain, 1.0)), 1.0)
     matrix = s.T[:, :, None] * (s * give).T[:, None]  # 1 less the step's matrix
     index = np.arange(s.shape[0])
     matrix[:, index, index] += lost.T
-    vector = np.linalg.eigh(matrix)[1]  # lane, component, mode
+    vector = np.linalg.eigh(matrix)[1]  # point, component, mode
     # `eigh` leaves rounding of the fast modes in the slow ones. The matrix between its
     # vectors, summed from parts that are small where the modes are slow, tells how
     # much, and two steps of perturbation theory take it out.
-    fall = np.zeros((lane_count, s.shape[0]))
+    fall = np.zeros((point_count, s.shape[0]))
     for _ in range(2):
         stiff = (s.T[:, None] @ vector)[:, 0]
         rest = np.swapaxes(vector, 1, 2) @ (lost.T[:, :, None] * vector)
@@ -155,7 +155,7 @@ def stretches(
     with np.errstate(divide="ignore", invalid="ignore"):
         rate = np.nan_to_num(-np.log1p(-fall), nan=700.0, posinf=700.0)
     highest = np.append(rise, rise[0])[1:].reshape(pieces, -1).max(axis=1)
-    return Stretches(
+    return FreeRecovery(
         highest,
         np.swapaxes(vector * scale[:, None], 0, 1),
         vector / scale[:, None],
@@ -165,15 +165,15 @@ def stretches(
 
 
 def recover(
-    free: Stretches,
+    free: FreeRecovery,
     first: Int[Array, ""],
-    y: Float[Array, "m lanes"],
-    depth: Float[Array, " lanes"],
+    y: Float[Array, "m points"],
+    depth: Float[Array, " points"],
     samples: int,
     slow: int,
-) -> tuple[Int[Array, ""], Float[Array, "m lanes"], Float[Array, "slow lanes"]]:
+) -> tuple[Int[Array, ""], Float[Array, "m points"], Float[Array, "slow points"]]:
     """Recovers from `first` on for as many stretches, of `samples`, as nothing touches
-    in any lane.
+    in any point.
 
     Returns the number of the next stretch, y before it, and the sum over the samples
     passed of the first `slow` branches.
@@ -210,9 +210,9 @@ def recover(
 
 
 def _times(
-    matrix: Float[Array, "n m lanes"], vector: Float[Array, "m lanes"]
-) -> Float[Array, "n lanes"]:
-    """Matrix times vector in each lane, as one sum: a reduction would pass through
+    matrix: Float[Array, "n m points"], vector: Float[Array, "m points"]
+) -> Float[Array, "n points"]:
+    """Matrix times vector in each point, as one sum: a reduction would pass through
     memory once more.
     """
     return sum(

@@ -33,7 +33,7 @@ from ..results.spectrum import FrictionSpectrum
 from ..smooth.problem import AVERAGED, BARE
 from ..surface.direction import directions
 from ..surface.rough_line import RoughLine
-from .branch_reduction import lanes as unreduced
+from .branch_reduction import point_laws as unreduced
 from .ensemble import coarse_at
 from .line import ensemble_words, surface_words
 from .line_problem import RoughScene, set_up
@@ -54,7 +54,7 @@ _MARGIN = 10.0
 # relative distance of the sum of the bands from friction, to which they are scaled;
 # part of `error`
 _CLOSED = 3e-2
-_AT_ONCE = 64  # lanes, whose motions are held in memory
+_AT_ONCE = 64  # points, whose motions are held in memory
 # multiples of the sampling wave number up to which waves of the straight pieces are
 # summed
 _TURNS = 6
@@ -270,26 +270,26 @@ def _edges(surface: Any, line: RoughLine, per_decade: int) -> np.ndarray:
 
 
 class Excitation(NamedTuple):
-    """Friction by wave number for each lane; NaN where it did not converge."""
+    """Friction by wave number for each point; NaN where it did not converge."""
 
-    mu: Float[np.ndarray, "lanes bins"]
-    total: Float[np.ndarray, " lanes"]  # mu from the work of the contact step
-    error: Float[np.ndarray, " lanes"]  # of the total, from the sampling
-    good: Bool[np.ndarray, " lanes"]
+    mu: Float[np.ndarray, "points bins"]
+    total: Float[np.ndarray, " points"]  # mu from the work of the contact step
+    error: Float[np.ndarray, " points"]  # of the total, from the sampling
+    good: Bool[np.ndarray, " points"]
 
 
 def excitation(
     height: Float[np.ndarray, " n"],
     spacing: float,
     law: Relaxation,
-    velocity: Float[np.ndarray, " lanes"],
-    value: Float[np.ndarray, " lanes"],
+    velocity: Float[np.ndarray, " points"],
+    value: Float[np.ndarray, " points"],
     control: str,
     rtol: float,
     edges: Float[np.ndarray, " edges"],
-    stretch: Float[np.ndarray, " lanes"],
+    stretch: Float[np.ndarray, " points"],
 ) -> Excitation:
-    """mu of each lane by bins of `stretch` times the wave number, what lies outside the
+    """mu of each point by bins of `stretch` times the wave number, what lies outside the
     edges in the bins at the ends.
 
     `velocity` is times a_T, and all of the branches are carried.
@@ -339,10 +339,10 @@ def _of_lanes(
             * (np.sinc(j / n) ** 4)[:, None]
             * _loss(law, k[:, None] * velocity)
         )
-        for lane in range(velocity.size):
-            place = np.searchsorted(edges, stretch[lane] * k, side="right") - 1
-            by_bins[lane] += np.bincount(
-                np.clip(place, 0, edges.size - 2), power[:, lane], edges.size - 1
+        for point in range(velocity.size):
+            place = np.searchsorted(edges, stretch[point] * k, side="right") - 1
+            by_bins[point] += np.bincount(
+                np.clip(place, 0, edges.size - 2), power[:, point], edges.size - 1
             )
     good = line.converged
     mu = np.where(
@@ -353,7 +353,7 @@ def _of_lanes(
 
 def _loss(law: Relaxation, omega: np.ndarray) -> np.ndarray:
     """E''(omega), a branch at a time: there are as many frequencies as samples and
-    lanes.
+    points.
     """
     loss = float(law.viscosity) * omega
     for modulus, time in zip(

@@ -16,7 +16,7 @@ from ..material.relaxation import Relaxation
 from ..models import seeds_of
 from ..smooth.problem import BARE
 from ..surface.rough_line import RoughLine
-from .branch_reduction import lanes
+from .branch_reduction import point_laws
 from .line import surface_words
 from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
@@ -171,7 +171,7 @@ class _Field(NamedTuple):
     the line shows in space, read against the motion.
     """
 
-    line: SolvedLine  # of one lane
+    line: SolvedLine  # of one point
     surface: Float[np.ndarray, " n"]  # u, how far the rubber is pushed back [m]
     # q, force per length of line [N/m]; 0 out of contact
     force: Float[np.ndarray, " n"]
@@ -199,7 +199,7 @@ def _field(
         rises(height),
         line.depth,
         state.branches,
-        coefficients(lanes(law, 1), spacing / speed),
+        coefficients(point_laws(law, 1), spacing / speed),
     )
     # where along +x each sample of the period lies
     back = np.roll(np.arange(n)[::-1], -int(np.argmax(height[::-1])))

@@ -43,14 +43,14 @@ _CHUNK = 64
 
 
 class Differentiable(NamedTuple):
-    """Solved lanes under a transformation of JAX; NaN where one did not converge."""
+    """Solved points under a transformation of JAX; NaN where one did not converge."""
 
-    mu: Float[Array, " lanes"]
-    load: Float[Array, " lanes"]  # [N/m]
-    depth: Float[Array, " lanes"]  # [m]
-    share: Float[Array, " lanes"]  # without a derivative, as are those below
-    error: Float[Array, " lanes"]
-    good: Float[Array, " lanes"]  # 1 where converged
+    mu: Float[Array, " points"]
+    load: Float[Array, " points"]  # [N/m]
+    depth: Float[Array, " points"]  # [m]
+    share: Float[Array, " points"]  # without a derivative, as are those below
+    error: Float[Array, " points"]
+    good: Float[Array, " points"]  # 1 where converged
 
 
 def traced_mean_of_lines(
@@ -128,8 +128,8 @@ def solve_traced(
     height: Float[Array, " n"],
     spacing: float,
     law: Relaxation,
-    velocity: Float[Array, " lanes"],
-    value: Float[Array, " lanes"],
+    velocity: Float[Array, " points"],
+    value: Float[Array, " points"],
     control: Literal["load", "depth"],
     rtol: float,
 ) -> Differentiable:
@@ -202,7 +202,7 @@ def _followed(height, law, velocity, value, state, depth, spacing, control):
             :size
         ]
 
-    # lane, row, column
+    # point, row, column
     jacobian = jnp.moveaxis(jax.vmap(column)(jnp.arange(size)), (0, 1, 2), (2, 1, 0))
     if control == "depth":
         state_and_depth = jnp.concatenate([state, value[None]])
@@ -247,7 +247,7 @@ def _yield_of_branches(step: Any, law: Relaxation, gain: Any) -> tuple[Any, Any]
 
 
 def _period(
-    y: Float[Array, "m lanes"],
+    y: Float[Array, "m points"],
     rise,
     spacing,
     law: Relaxation,

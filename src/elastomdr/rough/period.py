@@ -35,7 +35,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..checks import Array, one_kernel
-from .free_recovery import Stretches, recover, weights
+from .free_recovery import FreeRecovery, recover, weights
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -46,55 +46,57 @@ PUSHED = 1e-300
 _UNROLL = 4  # steps in one turn of the compiled loop
 
 
-class Lanes(NamedTuple):
-    """The relaxation function of each lane; a lane is a velocity with its load or
+class PointLaws(NamedTuple):
+    """The relaxation function of each point; a point is a velocity with its load or
     depth.
     """
 
     relaxed: Float[np.ndarray, ""]  # E_inf [Pa]
-    moduli: Float[np.ndarray, "branches lanes"]  # E_k [Pa]
-    times: Float[np.ndarray, "branches lanes"]  # tau_k [s], the longest first
-    viscosity: Float[np.ndarray, " lanes"]  # eta [Pa s]
+    moduli: Float[np.ndarray, "branches points"]  # E_k [Pa]
+    times: Float[np.ndarray, "branches points"]  # tau_k [s], the longest first
+    viscosity: Float[np.ndarray, " points"]  # eta [Pa s]
     # theta, the sum of E tau^2 of branches that are part of eta [Pa s^2]
-    second: Float[np.ndarray, " lanes"]
+    second: Float[np.ndarray, " points"]
     # of the rates, see `rough.free_recovery` [1/s]
-    apart: Float[np.ndarray, "1+branches 1+branches lanes"]
+    apart: Float[np.ndarray, "1+branches 1+branches points"]
 
 
 class Coefficients(NamedTuple):
-    """What a step of each lane needs."""
+    """What a step of each point needs."""
 
-    keep: Float[np.ndarray, "branches lanes"]  # e_k
-    seen: Float[np.ndarray, "branches lanes"]  # s_k
-    lost: Float[np.ndarray, "branches lanes"]  # 1 - e_k
-    gain: Float[np.ndarray, "branches lanes"]  # g_k [Pa]
-    give: Float[np.ndarray, " lanes"]  # 1/S [1/Pa]
+    keep: Float[np.ndarray, "branches points"]  # e_k
+    seen: Float[np.ndarray, "branches points"]  # s_k
+    lost: Float[np.ndarray, "branches points"]  # 1 - e_k
+    gain: Float[np.ndarray, "branches points"]  # g_k [Pa]
+    give: Float[np.ndarray, " points"]  # 1/S [1/Pa]
     relaxed: Float[np.ndarray, ""]  # E_inf [Pa]
-    held: Float[np.ndarray, "branches lanes"]  # a_k
-    drag: Float[np.ndarray, " lanes"]  # eta/h + sum E_k (1 - a_k)/z_k [Pa]
-    late: Float[np.ndarray, " lanes"]  # theta/h^2 [Pa]
-    each: Float[np.ndarray, "branches lanes"]  # E_k (1 - a_k)/z_k [Pa]
+    held: Float[np.ndarray, "branches points"]  # a_k
+    drag: Float[np.ndarray, " points"]  # eta/h + sum E_k (1 - a_k)/z_k [Pa]
+    late: Float[np.ndarray, " points"]  # theta/h^2 [Pa]
+    each: Float[np.ndarray, "branches points"]  # E_k (1 - a_k)/z_k [Pa]
 
     def of(self, chosen: np.ndarray) -> "Coefficients":
-        """Those of some lanes."""
+        """Those of some points."""
         return Coefficients(*(x if np.ndim(x) == 0 else x[..., chosen] for x in self))
 
 
 class Swept(NamedTuple):
     """The end of a period, and sums over it."""
 
-    branches: Float[Array, "branches lanes"]  # f_k at the end [Pa m, force per length]
-    u: Float[Array, " lanes"]  # u at the end [m]
-    work: Float[Array, " lanes"]  # int q du [Pa m^2]: exact, or by the rectangular rule
-    load: Float[Array, " lanes"]  # sum of q
-    sums: Float[Array, "slow lanes"]  # sum of f_k, of the slow branches
-    touching: Float[Array, " lanes"]  # number of samples in contact
+    branches: Float[Array, "branches points"]  # f_k at the end [Pa m, force per length]
+    u: Float[Array, " points"]  # u at the end [m]
+    work: Float[
+        Array, " points"
+    ]  # int q du [Pa m^2]: exact, or by the rectangular rule
+    load: Float[Array, " points"]  # sum of q
+    sums: Float[Array, "slow points"]  # sum of f_k, of the slow branches
+    touching: Float[Array, " points"]  # number of samples in contact
     # of (height of u over the line)(depth below u_free), before and after [m^2]
-    struck: Float[Array, " lanes"]
-    begun: Float[Array, " lanes"]  # number of contacts; these two if exact
+    struck: Float[Array, " points"]
+    begun: Float[Array, " points"]  # number of contacts; these two if exact
 
 
-def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
+def coefficients(law: PointLaws, step: Float[Array, " points"]) -> Coefficients:
     """Coefficients of steps of `step` seconds."""
     z = step / law.times
     lost = -np.expm1(-z)
@@ -126,10 +128,10 @@ def sweep(
     rise: Float[np.ndarray, " n"],
     count: int,  # samples of the period
     stride: int,  # points of the line per sample
-    depth: Float[np.ndarray, " lanes"],
-    branches: Float[np.ndarray, "branches lanes"],  # f_k at the start
+    depth: Float[np.ndarray, " points"],
+    branches: Float[np.ndarray, "branches points"],  # f_k at the start
     by: Coefficients,
-    free: Stretches | None,  # passes stretches that nothing can touch in one go
+    free: FreeRecovery | None,  # passes stretches that nothing can touch in one go
     slow: int,  # number of branches whose sums are needed, from the first on
     exact: bool,
 ) -> Swept:
@@ -152,7 +154,7 @@ def _sweep(
     depth,
     branches,
     by: Coefficients,
-    free: Stretches | None,
+    free: FreeRecovery | None,
     slow: int,
     exact: bool,
 ):
@@ -261,15 +263,15 @@ def _sweep(
 class Motion(NamedTuple):
     """One period of an element, from the highest point of the line on."""
 
-    surface: Float[Array, "n lanes"]  # u [m]
-    force: Float[Array, "n lanes"]  # q [N/m]
+    surface: Float[Array, "n points"]  # u [m]
+    force: Float[Array, "n points"]  # q [N/m]
 
 
 @jax.jit
 def motion(
     rise: Float[Array, " n"],
-    depth: Float[Array, " lanes"],
-    branches: Float[Array, "branches lanes"],
+    depth: Float[Array, " points"],
+    branches: Float[Array, "branches points"],
     by: Coefficients,
 ) -> Motion:
     """u and q at each sample of a period that begins with the branch forces f_k at the

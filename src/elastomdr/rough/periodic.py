@@ -1,10 +1,10 @@
-"""Steady sliding on a periodic rough line: lines and lanes, levels of sampling, and
+"""Steady sliding on a periodic rough line: lines and points, levels of sampling, and
 what skipping leaves out.
 
-Every lane, a velocity with its load or depth, is solved on every 16th sample of the
+Every point, a velocity with its load or depth, is solved on every 16th sample of the
 line first (and every 64th of long lines), then on every 4th, then on all: the state at
 the period's start, the depth and what is known of the Jacobian pass from one to the
-next (`rough.periodic_state`). Lanes are solved in batches, on every core.
+next (`rough.periodic_state`). Points are solved in batches, on every core.
 
 Every periodic motion has mean q = E_inf mean u (Popov & Hess 2015, ch. 7: the mean sees
 only the relaxed modulus). So the load gives mean u, and with the branches split into
@@ -25,9 +25,9 @@ import numpy as np
 
 from .. import __version__
 from ..material.relaxation import Relaxation
-from .branch_reduction import lanes, lumped
-from .period import Lanes
-from .periodic_state import State, finish, iterate, jacobian, level_of
+from .branch_reduction import lumped, point_laws
+from .period import PointLaws
+from .periodic_state import State, finish, iterate, jacobian, sampling_of
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _FEWEST_LANES = 8  # in a batch, where there are as many
-_MANY = 32  # lanes of a load from which they make batches of their own
+_MANY = 32  # points of a load from which they make batches of their own
 # at most, in a batch: wider sums over branches XLA would hand to a library that no
 # kernel can call
 _LANES = 64
@@ -50,18 +50,18 @@ _CYCLES = 8
 
 
 class Line(NamedTuple):
-    """Solved lanes; NaN where one did not converge."""
+    """Solved points; NaN where one did not converge."""
 
-    mu: Float[np.ndarray, " lanes"]
-    load: Float[np.ndarray, " lanes"]  # mean force per length [N/m]
-    depth: Float[np.ndarray, " lanes"]  # [m]
-    share: Float[np.ndarray, " lanes"]  # share of the line in contact
-    error: Float[np.ndarray, " lanes"]  # of mu, from the sampling
+    mu: Float[np.ndarray, " points"]
+    load: Float[np.ndarray, " points"]  # mean force per length [N/m]
+    depth: Float[np.ndarray, " points"]  # [m]
+    share: Float[np.ndarray, " points"]  # share of the line in contact
+    error: Float[np.ndarray, " points"]  # of mu, from the sampling
     # bound of mu's relative change by lumped branches
-    cost: Float[np.ndarray, " lanes"]
-    residual: Float[np.ndarray, " lanes"]
-    sweeps: Float[np.ndarray, " lanes"]  # full sweeps' worth
-    converged: Bool[np.ndarray, " lanes"]
+    cost: Float[np.ndarray, " points"]
+    residual: Float[np.ndarray, " points"]
+    sweeps: Float[np.ndarray, " points"]  # full sweeps' worth
+    converged: Bool[np.ndarray, " points"]
 
 
 def rises(height: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
@@ -73,12 +73,12 @@ def rises(height: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
 
 
 class Job(NamedTuple):
-    """Lanes to be solved on one line."""
+    """Points to be solved on one line."""
 
     height: Float[np.ndarray, " n"]
     spacing: float
-    velocity: Float[np.ndarray, " lanes"]
-    value: Float[np.ndarray, " lanes"]
+    velocity: Float[np.ndarray, " points"]
+    value: Float[np.ndarray, " points"]
     control: Literal["load", "depth"]
 
 
@@ -86,13 +86,13 @@ def solve_line(
     height: Float[np.ndarray, " n"],
     spacing: float,
     law: Relaxation,
-    velocity: Float[np.ndarray, " lanes"],
-    value: Float[np.ndarray, " lanes"],
+    velocity: Float[np.ndarray, " points"],
+    value: Float[np.ndarray, " points"],
     control: Literal["load", "depth"],
     rtol: float,
     skip: bool = True,
 ) -> Line:
-    """Solves all lanes on one line, in batches on every core."""
+    """Solves all points on one line, in batches on every core."""
     return solve_lines(
         [Job(height, spacing, velocity, value, control)], law, rtol, skip
     )[0]
@@ -103,11 +103,11 @@ def solve_lines(
     law: Relaxation,
     rtol: float,
     skip: bool = True,
-    finished: Any = None,  # called with the number of lanes whenever some are finished
+    finished: Any = None,  # called with the number of points whenever some are finished
     # keeps what is finished: get(key) gives None or what was put(key, arrays)
     store: Any = None,
 ) -> list[Line]:
-    """Solves all lanes of all jobs; the batches of every line share the cores."""
+    """Solves all points of all jobs; the batches of every line share the cores."""
     threads = (
         len(os.sched_getaffinity(0))
         if hasattr(os, "sched_getaffinity")
@@ -143,7 +143,7 @@ def solve_lines(
 
 
 def _batches_of(job: Job, size: int) -> list[np.ndarray]:
-    """The lanes of a job in batches of about `size`, each of lanes that are alike."""
+    """The points of a job in batches of about `size`, each of points that are alike."""
     # Speeds near each other need the same branches, and light loads leave the same
     # stretches free.
     apart = job.value.size >= _MANY * np.unique(job.value).size
@@ -165,7 +165,7 @@ def _stored_batch(
     skip: bool,
     store: Any,
 ) -> Line:
-    """A batch of lanes, from the store where it is kept."""
+    """A batch of points, from the store where it is kept."""
     velocity, value = job.velocity[batch], job.value[batch]
     spacing = float(job.spacing)
     # the settings belong to the thread
@@ -186,12 +186,12 @@ def solve_states(
     height: Float[np.ndarray, " n"],
     spacing: float,
     law: Relaxation,
-    velocity: Float[np.ndarray, " lanes"],
-    value: Float[np.ndarray, " lanes"],
+    velocity: Float[np.ndarray, " points"],
+    value: Float[np.ndarray, " points"],
     control: Literal["load", "depth"],
     rtol: float,
 ) -> tuple[Line, State]:
-    """All lanes with every branch carried, and the state at the highest point, the
+    """All points with every branch carried, and the state at the highest point, the
     slowest branch first.
     """
     rise, lines, states = rises(height), [], []
@@ -239,7 +239,7 @@ def _batch(
     if skip:
         reduced_law, cost = lumped(law, step, n * step, rtol)
     else:
-        reduced_law, cost = lanes(law, velocity.size), np.zeros(velocity.size)
+        reduced_law, cost = point_laws(law, velocity.size), np.zeros(velocity.size)
     state, load, stiffness, share = first_guess(
         rise, reduced_law, n * step, value, control
     )
@@ -247,7 +247,7 @@ def _batch(
     sweeps, mus, full = np.zeros(velocity.size), [], np.ones(velocity.size, bool)
     fine = settled = good = None
     for stride in strides:
-        level = level_of(
+        sampling = sampling_of(
             rise,
             spacing,
             stride,
@@ -260,10 +260,10 @@ def _batch(
         )
         if stride == strides[0]:
             state = state._replace(
-                inverse=jacobian(level, state, np.ones(velocity.size, bool))
+                inverse=jacobian(sampling, state, np.ones(velocity.size, bool))
             )
-        settled, turns, good = iterate(level, state)
-        fine = finish(level, settled)
+        settled, turns, good = iterate(sampling, state)
+        fine = finish(sampling, settled)
         sweeps += (turns + 1) / stride
         mus.append(np.where(good, fine.mu, np.nan))
         full &= fine.share == 1
@@ -334,7 +334,7 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def first_guess(
-    rise, law: Lanes, period, value, control
+    rise, law: PointLaws, period, value, control
 ) -> tuple[State, np.ndarray, np.ndarray, np.ndarray]:
     """State, load, stiffness and share for branches that are either elastic or relaxed;
     in closed form.
@@ -359,9 +359,9 @@ def first_guess(
     else:
         depth = value
         mean_u = np.empty_like(value)
-        for lane, share in enumerate(in_contact):
+        for point, share in enumerate(in_contact):
             depths = below + mean * (1 - share) / share
-            mean_u[lane] = np.interp(depth[lane], depths, mean / share)
+            mean_u[point] = np.interp(depth[point], depths, mean / share)
         # of a line wholly in contact, d = mean u - mean w
         mean_u = np.maximum(mean_u, depth - below[-1] + mean[-1])
     free = mean_u * (1 - in_contact)

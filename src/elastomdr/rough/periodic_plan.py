@@ -1,4 +1,4 @@
-"""The plan of a scene on a rough line or surface: what each lane carries, what is left
+"""The plan of a scene on a rough line or surface: what each point carries, what is left
 out, before it is solved.
 """
 
@@ -30,12 +30,14 @@ class RoughPlan:
     samples: int  # of a line
     strides: tuple[int, ...]  # every how manieth sample is taken, level by level
     branches: int  # of the material
-    carried: tuple[int, int] | None  # one by one, the lump among them
+    kept_branches: tuple[int, int] | None  # one by one, the lump among them
     forgotten: tuple[int, int] | None  # within a step, part of the dashpot
     slow: tuple[int, int] | None  # lumped into one
     cost: float  # bound of mu's relative change by lumping
     share: tuple[float, float] | None
-    stretches: int  # velocities of a line whose free stretches are passed in one go
+    passed_stretches: (
+        int  # velocities of a line whose free stretches are passed in one go
+    )
     solutions: int | None  # line solutions of all lines
     temperatures: int
     heated: bool
@@ -78,12 +80,12 @@ def plan_lines(
         samples=samples,
         strides=tuple(strides_of(samples)),
         branches=count,
-        carried=None,
+        kept_branches=None,
         forgotten=None,
         slow=None,
         cost=0.0,
         share=None,
-        stretches=0,
+        passed_stretches=0,
         solutions=None if solutions is None else lines * solutions,
         temperatures=temperatures,
         heated=heated,
@@ -103,12 +105,12 @@ def plan_lines(
         kept, fast, slow, cost = np.full_like(kept, real), 0 * fast, 0 * slow, 0 * cost
     return dataclasses.replace(
         plan,
-        carried=_ends(kept),
+        kept_branches=_ends(kept),
         forgotten=_ends(fast),
         slow=_ends(slow),
         cost=float(cost.max()),
         share=(float(share.min()), float(share.max())),
-        stretches=int(np.sum(share < LIGHT)) if skip else 0,
+        passed_stretches=int(np.sum(share < LIGHT)) if skip else 0,
     )
 
 
@@ -169,7 +171,7 @@ def _described(plan: RoughPlan) -> list[str]:
 
 
 def _branches(plan: RoughPlan) -> list[str]:
-    if plan.carried is None or plan.forgotten is None or plan.slow is None:
+    if plan.kept_branches is None or plan.forgotten is None or plan.slow is None:
         return [
             (
                 f"all {plan.branches} carried: under a JAX transformation their values "
@@ -178,7 +180,7 @@ def _branches(plan: RoughPlan) -> list[str]:
         ]
     texts = [
         (
-            f"{_between(plan.carried)} of {plan.branches} carried, each velocity its "
+            f"{_between(plan.kept_branches)} of {plan.branches} carried, each velocity its "
             "own "
             "window"
         )
@@ -203,7 +205,7 @@ def _stretches(plan: RoughPlan) -> str:
         return "skipping switched off"
     if plan.share is None:
         return "none passed in one go: under a JAX transformation values are not known"
-    if plan.stretches == 0:
+    if plan.passed_stretches == 0:
         return f"none passed in one go: more than {LIGHT:.0%} of the line is in contact"
     return (
         f"where nothing can touch passed in one go, where less than {LIGHT:.0%} of "

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import jax
 import numpy as np
 
-from .free_recovery import Stretches, stretches
-from .period import Coefficients, Lanes, Swept, coefficients, sweep
+from .free_recovery import FreeRecovery, free_recovery
+from .period import Coefficients, PointLaws, Swept, coefficients, sweep
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -34,7 +34,7 @@ RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 _SMALL = 1.0
 SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
 _INSTANT = 100.0  # T/tau from which a branch forgets at once what it was at the start
-# numbers of lanes that are compiled: each takes a second, and more of them save little
+# numbers of points that are compiled: each takes a second, and more of them save little
 _FEW, _MANY = 8, (32, 64)
 _SHORT = 8192  # samples
 _ROOM = 8  # lines are kept with room for the next power of it, in samples
@@ -52,51 +52,59 @@ _NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
 
 
 class State(NamedTuple):
-    """The unknowns of each lane, f_k(0) and d, and the inverse of minus the Jacobian,
+    """The unknowns of each point, f_k(0) and d, and the inverse of minus the Jacobian,
     all in units of the load.
     """
 
-    branches: Float[np.ndarray, "branches lanes"]
-    depth: Float[np.ndarray, " lanes"]
-    inverse: Float[np.ndarray, "lanes unknowns unknowns"]
+    branches: Float[np.ndarray, "branches points"]
+    depth: Float[np.ndarray, " points"]
+    inverse: Float[np.ndarray, "points unknowns unknowns"]
 
 
-class Level(NamedTuple):
-    """One sampling of the line, for all lanes."""
+class Sampling(NamedTuple):
+    """One sampling of the line, for all points."""
 
     rise: Float[np.ndarray, " n"]
     stride: int
     by: Coefficients
-    free: Stretches | None
+    free: FreeRecovery | None
     slow: int  # number of branches that may be slow
-    is_slow: np.ndarray  # of those, which are, in which lane
-    sums: Float[np.ndarray, "slow lanes"]  # sum_n exp(-n h/tau_k)
-    whole: Float[np.ndarray, "branches lanes"]  # 1 - exp(-T/tau_k)
-    # branches whose state at the start is felt for more than an instant, in which lane
+    is_slow: np.ndarray  # of those, which are, in which point
+    sums: Float[np.ndarray, "slow points"]  # sum_n exp(-n h/tau_k)
+    whole: Float[np.ndarray, "branches points"]  # 1 - exp(-T/tau_k)
+    # branches whose state at the start is felt for more than an instant, in which point
     lasting: np.ndarray
-    load: Float[np.ndarray, " lanes"]
-    stiffness: Float[np.ndarray, " lanes"]  # of the load against depth, about
+    load: Float[np.ndarray, " points"]
+    stiffness: Float[np.ndarray, " points"]  # of the load against depth, about
     by_load: bool
     spacing: float  # h v, between samples [m]
-    step: Float[np.ndarray, " lanes"]  # h [s]
-    times: Float[np.ndarray, "branches lanes"]  # tau_k [s]
+    step: Float[np.ndarray, " points"]  # h [s]
+    times: Float[np.ndarray, "branches points"]  # tau_k [s]
     ready: Any  # rise, by and free, where the computation is done
 
 
-class Found(NamedTuple):
+class PeriodicSolution(NamedTuple):
     """What a periodic motion is."""
 
-    mu: Float[np.ndarray, " lanes"]
-    load: Float[np.ndarray, " lanes"]
-    share: Float[np.ndarray, " lanes"]
-    contacts: Float[np.ndarray, " lanes"]  # in a period
-    residual: Float[np.ndarray, " lanes"]
-    unsure: Float[np.ndarray, " lanes"]  # of mu, from bends within a step
+    mu: Float[np.ndarray, " points"]
+    load: Float[np.ndarray, " points"]
+    share: Float[np.ndarray, " points"]
+    contacts: Float[np.ndarray, " points"]  # in a period
+    residual: Float[np.ndarray, " points"]
+    unsure: Float[np.ndarray, " points"]  # of mu, from bends within a step
 
 
-def level_of(
-    rise, spacing, stride: int, step, law: Lanes, load, stiffness, control, skip: bool
-) -> Level:
+def sampling_of(
+    rise,
+    spacing,
+    stride: int,
+    step,
+    law: PointLaws,
+    load,
+    stiffness,
+    control,
+    skip: bool,
+) -> Sampling:
     """The line on every `stride`-th of its points, which are `spacing` [m] and `step`
     [s] apart.
     """
@@ -109,7 +117,7 @@ def level_of(
     most = min(most, slow.shape[0])
     pieces = math.gcd(count // _WORTH, _STRETCHES) if count % _WORTH == 0 else 1
     free = (
-        stretches(
+        free_recovery(
             rise[::stride], pieces, by.seen, by.lost, by.gain, by.give, by.relaxed
         )
         if skip and pieces > 1 and count > _COARSE
@@ -118,7 +126,7 @@ def level_of(
     whole = -np.expm1(-period / law.times)
     sums = by.keep * whole / -np.expm1(-step / law.times)
     lasting = (period / law.times < _INSTANT) & (law.moduli > 0)
-    return Level(
+    return Sampling(
         rise,
         stride,
         by,
@@ -145,26 +153,26 @@ def _closed(rise: Float[np.ndarray, " n"]) -> Float[np.ndarray, " m"]:
 
 
 def iterate(
-    level: Level, state: State
-) -> tuple[State, Float[np.ndarray, " lanes"], np.ndarray]:
-    """The periodic state, the number of sweeps of each lane, and which lanes have
+    sampling: Sampling, state: State
+) -> tuple[State, Float[np.ndarray, " points"], np.ndarray]:
+    """The periodic state, the number of sweeps of each point, and which points have
     converged.
     """
     branches, depth, inverse = (np.array(a) for a in state)
-    lane_count = depth.size
-    load, count = level.load, level.rise.size // level.stride
+    point_count = depth.size
+    load, count = sampling.load, sampling.rise.size // sampling.stride
     # what rounding of u leaves
-    floor = 2e-16 * np.sqrt(count) * depth / (level.by.give * load)
-    best, kept = np.full(lane_count, np.inf), None
-    stalled, restarts = np.zeros(lane_count, int), np.zeros(lane_count, int)
+    floor = 2e-16 * np.sqrt(count) * depth / (sampling.by.give * load)
+    best, kept = np.full(point_count, np.inf), None
+    stalled, restarts = np.zeros(point_count, int), np.zeros(point_count, int)
     moved = before = None
-    active, turns = np.ones(lane_count, bool), np.zeros(lane_count)
-    for _ in range(_SWEEPS[level.stride > 1]):
-        r, end = _residual(level, branches, depth, active)
+    active, turns = np.ones(point_count, bool), np.zeros(point_count)
+    for _ in range(_SWEEPS[sampling.stride > 1]):
+        r, end = _residual(sampling, branches, depth, active)
         turns += active
         size = np.where(np.isfinite(r).all(axis=1), np.abs(r).max(axis=1), np.inf)
         goal = np.maximum(
-            RESIDUAL * np.clip(_mu(level, end) / _SMALL, 1e-4, 1.0), floor
+            RESIDUAL * np.clip(_mu(sampling, end) / _SMALL, 1e-4, 1.0), floor
         )
         active = active & ~(size <= goal)
         if not active.any():
@@ -184,7 +192,7 @@ def iterate(
         retry = stalled > _STALLED
         if retry.any():
             fresh = (
-                jacobian(level, State(branches, depth, inverse), retry)
+                jacobian(sampling, State(branches, depth, inverse), retry)
                 * 0.5 ** restarts[:, None, None]
             )
             inverse = np.where(retry[:, None, None], fresh, inverse)
@@ -197,19 +205,19 @@ def iterate(
         )
         best = np.where(better, size, best)
         moved = (inverse @ r[:, :, None])[:, :, 0]
-        down = moved[:, -1] * load / level.stiffness
+        down = moved[:, -1] * load / sampling.stiffness
         moved *= (
             np.minimum(1.0, 0.5 * depth / np.maximum(np.abs(down), 1e-300)) * active
         )[:, None]
-        if not level.by_load:
+        if not sampling.by_load:
             moved[:, -1] = 0.0
         branches = branches + moved[:, :-1].T * load
-        depth = depth + moved[:, -1] * load / level.stiffness
+        depth = depth + moved[:, -1] * load / sampling.stiffness
         before = r
     return State(branches, depth, inverse), turns, ~active
 
 
-def finish(level: Level, state: State) -> Found:
+def finish(sampling: Sampling, state: State) -> PeriodicSolution:
     """The periodic motion's friction, its work summed exactly.
 
     An element that is met within a step was free in the step's first part, theta h,
@@ -223,13 +231,17 @@ def finish(level: Level, state: State) -> Found:
     spring.
     """
     r, end = _residual(
-        level, state.branches, state.depth, np.ones(state.depth.size, bool), exact=True
+        sampling,
+        state.branches,
+        state.depth,
+        np.ones(state.depth.size, bool),
+        exact=True,
     )
-    count = level.rise.size // level.stride
+    count = sampling.rise.size // sampling.stride
     load, touching = np.asarray(end.load), np.asarray(end.touching)
     contacts = np.maximum(end.begun, 1)
-    duration = touching / contacts * level.step
-    by, outlasts = level.by, 1 / (1 + (duration / (LASTING * level.times)) ** 2)
+    duration = touching / contacts * sampling.step
+    by, outlasts = sampling.by, 1 / (1 + (duration / (LASTING * sampling.times)) ** 2)
     stiff = by.drag - by.late - (by.each * outlasts).sum(axis=0)
     bent = stiff * np.asarray(end.struck)
     # Where rubber gives way within a step contact ends the earlier by that time, where
@@ -237,10 +249,10 @@ def finish(level: Level, state: State) -> Found:
     # covers what the closed form of a dashpot shows.
     quick = by.relaxed / np.where(stiff > 0, stiff, np.inf)
     share = np.minimum(quick, 1 / np.maximum(quick, 1e-300))
-    unsure = np.abs(_mu(level, end._replace(work=2 * share * bent)))
+    unsure = np.abs(_mu(sampling, end._replace(work=2 * share * bent)))
     end = end._replace(work=end.work + bent)
-    return Found(
-        _mu(level, end),
+    return PeriodicSolution(
+        _mu(sampling, end),
         load / count,
         touching / count,
         contacts,
@@ -250,24 +262,24 @@ def finish(level: Level, state: State) -> Found:
 
 
 def jacobian(
-    level: Level, state: State, every: np.ndarray
-) -> Float[np.ndarray, "lanes unknowns unknowns"]:
-    """The inverse of minus the Jacobian of the residuals of some lanes, by differences;
+    sampling: Sampling, state: State, every: np.ndarray
+) -> Float[np.ndarray, "points unknowns unknowns"]:
+    """The inverse of minus the Jacobian of the residuals of some points, by differences;
     the identity elsewhere.
     """
-    lane_count, unknowns = state.depth.size, state.inverse.shape[1]
-    start = _residual(level, state.branches, state.depth, every)[0]
-    matrix = np.tile(np.eye(unknowns), (lane_count, 1, 1))  # of minus the Jacobian
-    for j in range(unknowns if level.by_load else unknowns - 1):
-        felt = every if j == unknowns - 1 else every & level.lasting[j]
+    point_count, unknowns = state.depth.size, state.inverse.shape[1]
+    start = _residual(sampling, state.branches, state.depth, every)[0]
+    matrix = np.tile(np.eye(unknowns), (point_count, 1, 1))  # of minus the Jacobian
+    for j in range(unknowns if sampling.by_load else unknowns - 1):
+        felt = every if j == unknowns - 1 else every & sampling.lasting[j]
         if not felt.any():
             continue
         branches, depth = state.branches.copy(), state.depth
         if j < unknowns - 1:
-            branches[j] += _NUDGE * level.load
+            branches[j] += _NUDGE * sampling.load
         else:
-            depth = depth + _NUDGE * level.load / level.stiffness
-        column = (start - _residual(level, branches, depth, felt)[0]) / _NUDGE
+            depth = depth + _NUDGE * sampling.load / sampling.stiffness
+        column = (start - _residual(sampling, branches, depth, felt)[0]) / _NUDGE
         matrix[:, :, j] = np.where(felt[:, None], column, matrix[:, :, j])
     matrix[~every | ~np.isfinite(matrix).all(axis=(1, 2))] = np.eye(unknowns)
     matrix[np.linalg.slogdet(matrix)[0] == 0] = np.eye(unknowns)
@@ -277,20 +289,22 @@ def jacobian(
 
 
 def _residual(
-    level: Level, branches, depth, active, exact: bool = False
+    sampling: Sampling, branches, depth, active, exact: bool = False
 ) -> tuple[np.ndarray, Swept]:
     """What a sweep leaves of periodicity and of the load, in units of the load."""
-    end = _sweep(level, branches, depth, active, exact)
-    r = (end.branches - branches + level.by.gain * (depth - end.u)) / level.whole
-    r[: level.slow] = np.where(level.is_slow, -end.sums / level.sums, r[: level.slow])
-    mean = end.load / (level.rise.size // level.stride)
-    last = level.load - mean if level.by_load else np.zeros_like(mean)
-    return (np.concatenate([r, last[None]]) / level.load).T, end
+    end = _sweep(sampling, branches, depth, active, exact)
+    r = (end.branches - branches + sampling.by.gain * (depth - end.u)) / sampling.whole
+    r[: sampling.slow] = np.where(
+        sampling.is_slow, -end.sums / sampling.sums, r[: sampling.slow]
+    )
+    mean = end.load / (sampling.rise.size // sampling.stride)
+    last = sampling.load - mean if sampling.by_load else np.zeros_like(mean)
+    return (np.concatenate([r, last[None]]) / sampling.load).T, end
 
 
-def _mu(level: Level, end: Swept) -> Float[np.ndarray, " lanes"]:
+def _mu(sampling: Sampling, end: Swept) -> Float[np.ndarray, " points"]:
     work, load = np.asarray(end.work), np.asarray(end.load)
-    return work / level.spacing / np.where(load > 0, load, np.nan)
+    return work / sampling.spacing / np.where(load > 0, load, np.nan)
 
 
 def _learn(inverse, moved, change, active):
@@ -310,32 +324,32 @@ def _learn(inverse, moved, change, active):
     )
 
 
-def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
-    """A sweep of the lanes that are still active, padded to a size that is compiled;
+def _sweep(sampling: Sampling, branches, depth, active, exact: bool) -> Swept:
+    """A sweep of the points that are still active, padded to a size that is compiled;
     zeros for the others.
     """
     chosen = np.flatnonzero(active)
-    # On a short line a few sweeps of fewer lanes do not make up for compiling them.
-    few = chosen.size <= _FEW and (depth.size <= _FEW or level.rise.size > _SHORT)
+    # On a short line a few sweeps of fewer points do not make up for compiling them.
+    few = chosen.size <= _FEW and (depth.size <= _FEW or sampling.rise.size > _SHORT)
     size = _FEW if few else next((s for s in _MANY if s >= depth.size), depth.size)
     pick = np.concatenate([chosen, np.full(size - chosen.size, chosen[0])])
 
-    rise, by, free = level.ready
+    rise, by, free = sampling.ready
     if size > chosen.size or size < depth.size:
         by, free = (
-            level.by.of(pick),
-            None if level.free is None else level.free.of(pick),
+            sampling.by.of(pick),
+            None if sampling.free is None else sampling.free.of(pick),
         )
-    count = level.rise.size // level.stride
+    count = sampling.rise.size // sampling.stride
     swept = sweep(
         rise,
         count,
-        level.stride,
+        sampling.stride,
         depth[pick],
         branches[:, pick],
         by,
         free,
-        level.slow,
+        sampling.slow,
         exact,
     )
     if size == depth.size == chosen.size:
