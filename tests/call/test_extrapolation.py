@@ -2,6 +2,7 @@
 point and in words.
 """
 
+import dataclasses
 import warnings
 
 import numpy as np
@@ -127,6 +128,16 @@ def test_a_material_brought_to_a_temperature_keeps_its_range():
         match="2 of 2 points .* temperature 350 K, range 273.15 to 313.15 K",
     ):
         em.friction(RUBBER.at(350.0), BALL, velocity=[0.1, 0.2], **SCENE)
+
+
+def test_rubber_that_friction_heats_beyond_its_data():
+    rubber = dataclasses.replace(RUBBER, range={"temperature": (273.15, 313.15)})
+    surface = em.SelfAffine(0.8, rms_slope=1.0, q_low=1e3, q_high=1e4)
+    scene = {"velocity": [1e-4, 20.0], "pressure": 1e6, "temperature": 313.0}
+    with pytest.warns(em.ExtrapolationWarning, match="1 of 2 .* temperature from 313"):
+        hot = em.friction(rubber, surface, heat=em.Heat(0.2, 1.8e6), **scene)
+    assert hot.temperature_rise[1] > 1.0
+    np.testing.assert_array_equal(hot.extrapolated, [False, True])
 
 
 def test_an_assumed_range_is_noted_without_a_warning():

@@ -287,15 +287,32 @@ def test_inverse_theory_and_the_steeper_flank():
     assert float(loose.net_leak) == pytest.approx((films[1] - films[0]) * 0.1, rel=1e-3)
 
 
-def test_profile_from_a_file(tmp_path):
+@pytest.mark.parametrize(("separator", "point"), [(", ", "."), (";", ","), ("\t", ".")])
+def test_profile_from_a_file(tmp_path, separator, point):
     path = tmp_path / "profile.csv"
-    rows = "\n".join(f"{x * 1e3},{p / 1e6}" for x, p in zip(X, STEEP, strict=True))
-    path.write_text(f"position [mm], pressure [MPa]\n{rows}\n", encoding="utf-8")
+    rows = [("position [mm]", "pressure [MPa]")]
+    rows += [
+        (str(x * 1e3).replace(".", point), str(p / 1e6).replace(".", point))
+        for x, p in zip(X, STEEP, strict=True)
+    ]
+    path.write_text("\n".join(map(separator.join, rows)) + "\n", encoding="utf-8")
     scene = {"velocity_out": 0.1, "velocity_in": 0.1, "stroke": 0.1, "viscosity": 0.03}
     given, read = (
         em.reciprocating(profile=each, **scene) for each in ((X, STEEP), path)
     )
     assert float(read.film_out) == pytest.approx(float(given.film_out), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("x", "pressure", "said"),
+    [
+        (1e3 * X, STEEP, "the contact is 2 m wide. If 2 mm are meant"),
+        (X, 1e-6 * STEEP, "of 3 Pa at most. If 3 MPa are meant"),
+    ],
+)
+def test_a_profile_in_mm_or_mpa_is_doubted(x, pressure, said):
+    with pytest.warns(em.ModelWarning, match=said):
+        em.reciprocating(profile=(x, pressure), **STROKES)
 
 
 @pytest.mark.parametrize(("noise", "said"), [(1e-4, False), (1e-3, True), (1e-2, True)])

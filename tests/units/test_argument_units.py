@@ -146,7 +146,9 @@ CALLS = {
     "break_out": lambda **k: em.break_out(SOLID, ROAD, **k).mu,
     "lubricated": lambda **k: em.lubricated(SOLID, em.Cylinder(5e-3, 1.0), **k).flow,
     "reciprocating": lambda **k: (
-        em.reciprocating(profile=(PLACES, PLACES * (1.0 - PLACES)), **k).net_leak
+        em.reciprocating(
+            profile=(1e-3 * PLACES, 1e6 * PLACES * (1.0 - PLACES)), **k
+        ).net_leak
     ),
     "stability": lambda **k: (
         em.stability(em.Mount(1.0, 1e3), force=np.array([1.0, 2.0, 1.5]), **k).slope
@@ -399,3 +401,27 @@ def test_calls_without_units_do_not_load_pint():
         "in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_methods_of_results_convert_as_well(tmp_path):
+    friction = em.friction([SOLID, SOLID], BALL, velocity=[0.01, 0.1], load=0.01)
+    assert str(friction.ranking(Q(50.0, "mm/s"))) == str(friction.ranking(0.05))
+    measured = {"velocity": Q(np.array([20.0, 50.0]), "mm/s"), "mu": [0.01, 0.01]}
+    lines = friction.select("material 1").plot(measured=measured).lines
+    drawn = next(line for line in lines if line.get_label() == "measured")
+    np.testing.assert_allclose(drawn.get_xdata(), [0.02, 0.05])
+    braked = em.traction(
+        SOLID,
+        BALL,
+        velocity=1.0,
+        creepage=np.linspace(1e-3, 0.1, 9),
+        friction=0.8,
+        load=5.0,
+    )
+    files = tmp_path / "plain.tir", tmp_path / "units.tir"
+    braked.to_tir(files[0], radius=0.3, width=0.2)
+    braked.to_tir(files[1], radius=Q(300, "mm"), width=Q(0.2, "m"))
+    assert files[0].read_text() == files[1].read_text()
+    columns = [1.0, 10.0], [1e6, 2e6], [1e5, 2e5], [293.15, 293.15]
+    swept = em.fit.dma(*columns, kind="shear")
+    assert (swept.at(Q(40, "degC")).temperature == 313.15).all()

@@ -114,15 +114,18 @@ def rough_beyond(
     outside: np.ndarray | None,
     temperature: Any,
     shape: tuple[int, ...],
+    rise: Any = 0.0,
 ) -> Beyond:
     """Points where more than a tenth of the slope is excited `outside`, or at a
-    temperature that was not measured.
+    temperature that was not measured, with the `rise` [K] by friction or without it.
     """
     if known is None:
         return NOT_KNOWN
-    only, rate = known._replace(omega=None), np.zeros(shape)
-    temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
-    points = only.outside(rate, temperatures)
+    only, rate, temperatures = known._replace(omega=None), np.zeros((2, *shape)), None
+    if temperature is not None:
+        body = np.broadcast_to(temperature, shape)
+        temperatures = np.stack([body, body + np.nan_to_num(rise)])
+    points = only.outside(rate, temperatures).any(axis=0)
     findings = list(only.findings(rate, temperatures))
     if outside is not None and (outside > _OUTSIDE).any():
         points = points | (outside > _OUTSIDE)

@@ -178,6 +178,7 @@ class Dma:
             )
         return self.where(near)
 
+    @in_si
     def at(self, temperature: float) -> "Dma":
         """The same data, all of them taken at one temperature [K]."""
         return replace(

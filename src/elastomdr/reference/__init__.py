@@ -2,6 +2,9 @@
 reduction; closed forms.
 """
 
+from typing import Any
+
+from ..errors import closest
 from ..surface.spectrum import rough_map
 from .closed_forms import full_contact_sliding, persson, small_damping
 from .half_plane import half_plane_sliding
@@ -16,3 +19,11 @@ __all__ = [
     "rough_map",
     "small_damping",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    raise AttributeError(
+        f"module 'elastomdr.reference' has no attribute {name!r}."
+        f"{closest(name, __all__)}",
+        name=name,
+    )

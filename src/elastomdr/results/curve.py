@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..checks import significant
+from ..checks import in_si, significant
 from ..errors import InputError
 from ..files import csv_text, write_files
 from .axes import peak
@@ -104,6 +104,7 @@ class AbstractCurve(Result):
     symbol: ClassVar[str] = "mu"  # of the coefficient in a sentence
     error_of: ClassVar[str] = "mu"
 
+    @in_si
     def plot(
         self,
         ax: "Axes | None" = None,
@@ -349,6 +350,7 @@ class FrictionCurve(AbstractCurve):
         }
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})
 
+    @in_si
     def ranking(
         self,
         velocity: float | None = None,

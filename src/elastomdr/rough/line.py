@@ -179,6 +179,10 @@ class _Answer(NamedTuple):
     error: Array  # numerical error of mu
     good: Array
 
+    def rise(self) -> Any:
+        """The flash temperature [K], in the shape of the call; zero without heat."""
+        return 0.0 if self.warm is None else self.warm.rise.reshape(self.reduced.shape)
+
 
 @in_float64
 def rough_friction(
@@ -218,7 +222,9 @@ def rough_friction(
     beyond = (
         NOT_KNOWN
         if points.traced
-        else rough_beyond(foundation.range, outside, points.kelvin, points.shape)
+        else rough_beyond(
+            foundation.range, outside, points.kelvin, points.shape, answer.rise()
+        )
     )
     curve = _packed(scene, surface, answer, spread, far)
     return dataclasses.replace(

@@ -90,6 +90,14 @@ class _Answer(NamedTuple):
         """`values` in the shape of the call, NaN where there is no answer."""
         return nan_unless(self.found.good, values).reshape(shape)
 
+    def rise(self) -> Any:
+        """The rise of temperature where the heat arises [K], in the shape of the
+        call; zero without heat.
+        """
+        if self.by_scale is not None:
+            return self.by_scale.mean.reshape(self.reduced.shape)
+        return 0.0 if self.warm is None else self.warm.rise.reshape(self.reduced.shape)
+
 
 class _Strained(NamedTuple):
     """What softening changes."""
@@ -160,7 +168,9 @@ def surface_friction(
     beyond = (
         NOT_KNOWN
         if scene.traced
-        else rough_beyond(foundation.range, outside, scene.kelvin, scene.shape)
+        else rough_beyond(
+            foundation.range, outside, scene.kelvin, scene.shape, answer.rise()
+        )
     )
     rows = beyond.said
     if softened is not None and not scene.traced:

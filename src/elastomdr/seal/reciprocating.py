@@ -58,6 +58,8 @@ if TYPE_CHECKING:
 
 _FEWEST = 8  # rows of a pressure profile
 _APART = 4  # positions over which a steepness is compared with that between neighbours
+# what no seal has: a wider contact [m], and a lower pressure at its highest [Pa]
+_WIDEST, _LOWEST = 0.1, 1e3
 _DOUBTED = 0.1  # relative error of the film from which a profile is doubted
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "um": 1e-6}
 _PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5}
@@ -296,7 +298,25 @@ def _profile(profile: Any) -> tuple[Array, Array]:
             "profile must rise on the side of the fluid and fall on that of the air: "
             "it has one flank only."
         )
+    _doubt_units(x, p)
     return x, p
+
+
+def _doubt_units(x: Array, pressure: Array) -> None:
+    """Warns of positions that are likely to be meant in mm, and of pressures in MPa."""
+    width, highest = float(x[-1] - x[0]), float(pressure.max())
+    if width > _WIDEST:
+        warn(
+            f"profile: positions are taken in m, and the contact is {width:g} m wide. "
+            f"If {width:g} mm are meant, write positions times 1e-3.",
+            ModelWarning,
+        )
+    if highest < _LOWEST:
+        warn(
+            f"profile: pressures are taken in Pa, of {highest:g} Pa at most. If "
+            f"{highest:g} MPa are meant, write pressures times 1e6.",
+            ModelWarning,
+        )
 
 
 def _read(path: Path) -> tuple[Array, Array]:
@@ -305,15 +325,20 @@ def _read(path: Path) -> tuple[Array, Array]:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"profile must be a text file, got {path}: {error}.") from None
-    rows = [re.split(r"[,;\t]", line) for line in lines if line.strip()]
-    units = re.findall(r"\[([^\]]*)\]", ",".join(rows[0])) if rows else []
+    title, *lines = [line for line in lines if line.strip()] or [""]
+    units = re.findall(r"\[([^\]]*)\]", title)
     if len(units) != 2 or units[0] not in _LENGTHS or units[1] not in _PRESSURES:
         raise InputError(
             f"profile {path} must begin with a title line such as 'position [mm], "
-            f"pressure [MPa]', got {lines[0] if lines else 'an empty file'!r}."
+            f"pressure [MPa]', got {title or 'an empty file'!r}."
         )
+    separator = next((mark for mark in ";\t" if mark in title), ",")
+    if separator != ",":  # a comma is then one of decimals
+        lines = [line.replace(",", ".") for line in lines]
     try:
-        numbers = np.array([[float(cell) for cell in row[:2]] for row in rows[1:]])
+        numbers = np.array(
+            [[float(cell) for cell in line.split(separator)] for line in lines]
+        )
     except ValueError as error:
         raise InputError(f"profile {path} must hold numbers: {error}.") from None
     if numbers.ndim != 2 or numbers.shape[1] != 2:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from ..checks import is_traced, plain, positive, significant
+from ..checks import in_si, is_traced, plain, positive, significant
 from ..errors import InputError
 from ..results.base import Array, Quantity, Result, quantity, record, setting
 from ..results.words import span
@@ -401,6 +401,7 @@ class Drive(_OverSurface):
             )
         return xp.stack(swings)
 
+    @in_si
     def stick_slip(self, normal_force: float | None = None) -> str:
         """Whether the body sticks and slips in the last fifth of the time, in a
         sentence that begins with yes or no.

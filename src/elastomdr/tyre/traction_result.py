@@ -22,7 +22,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..checks import positive
+from ..checks import in_si, positive
 from ..errors import InputError
 from ..files import write_files
 from ..results.base import Array, Quantity, Result, quantity, record
@@ -166,6 +166,7 @@ class Traction(Result):
         )
         return TractionPeak(creepage[index], coefficient[index], inside, index)
 
+    @in_si
     def magic_formula(self, *, temperature: float | None = None) -> MagicFormula:
         """The Magic Formula fitted to this slip curve, of one speed and temperature,
         over its loads.
@@ -175,6 +176,7 @@ class Traction(Result):
         """
         return _fitted(self, temperature)
 
+    @in_si
     def to_tir(
         self,
         path: str | os.PathLike[str],

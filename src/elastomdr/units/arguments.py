@@ -117,11 +117,13 @@ _ELSEWHERE: dict[str, Any] = {
     "Foundation.kelvin stiffness": _MODULUS,
     "Foundation.kelvin viscosity": ("Pa*s", "Pa*s/m"),
     "Foundation.maxwell stiffness": _MODULUS,
+    "Drive.stick_slip normal_force": "N",
     "Layer.kernel z": "",
     "Layer.deficit z": "",
     "Mount.__init__ mass": ("kg", "kg/m"),  # per metre of a rough line
     "Mount.__init__ stiffness": ("N/m", "N/m^2"),
     "Mount.__init__ damping": ("N*s/m", "N*s/m^2"),
+    "Traction.to_tir width": "m",
     "TabulatedModulus.interpolation_error low": "rad/s",
     "TabulatedModulus.interpolation_error high": "rad/s",
     "Softening.__init__ storage": "",
