@@ -54,8 +54,8 @@ class Record:
         self.unreadable: dict[int, str] = {}  # the record of each chunk that has such
         names = [name for name in files.names() if name.startswith(f"{_RECORDS}/")]
         for start in range(0, len(names), _READ):
-            some = names[start : start + _READ]
-            for name, content in zip(some, files.read(some), strict=True):
+            batch = names[start : start + _READ]
+            for name, content in zip(batch, files.read(batch), strict=True):
                 self._take(name, content or b"")
 
     def _take(self, name: str, content: bytes) -> None:
@@ -118,11 +118,11 @@ class Record:
         changed = dict(self.unreadable)
         numbers = [n for n, record in self.chunks.items() if record["state"] != OPEN]
         for start in range(0, len(numbers), _CHECKED):
-            some = {n: self.chunks[n]["files"] for n in numbers[start:][:_CHECKED]}
+            batch = {n: self.chunks[n]["files"] for n in numbers[start:][:_CHECKED]}
             present = self._files.checksums(
-                [file for files in some.values() for file in files]
+                [file for files in batch.values() for file in files]
             )
-            for number, files in some.items():
+            for number, files in batch.items():
                 for file, checksum in files.items():
                     array = file.partition("/")[0]
                     if array not in arrays or present[file] != checksum:
