@@ -315,6 +315,8 @@ SPOILT = {
     "a chunk is cut": ("mu/1.0.0", lambda file: os.truncate(file, 5), 1),
     "a chunk is empty": ("converged/2.0.0", lambda file: os.truncate(file, 0), 1),
     "a bit of a chunk": ("error/0.0.0", spoil_chunk, 1),
+    "a record is cut": ("state/.record/chunk.2", lambda file: os.truncate(file, 9), 1),
+    "a record of an array is gone": ("state/.record/array.mu", Path.unlink, 3),
     "a state is cut": ("state/0.0.0", lambda file: os.truncate(file, 1), 1),
     "an array is gone": ("mu", shutil.rmtree, 3),
     "what says what an array is is gone": ("mu/.zarray", Path.unlink, 3),
@@ -333,9 +335,10 @@ def test_what_is_damaged_is_computed_again_and_said(spoilt, tmp_path, monkeypatc
     monkeypatch.setattr(
         run, "compute", lambda *work: done.append(work[1]) or compute(*work)
     )
+    array = place.removesuffix(".zarray").replace("state/.record/array.", "")
     said = (
         f"{count} of 3 chunks of store .* are damaged and computed again; the "
-        f"first: '{place.removesuffix('.zarray')}"
+        f"first: '{array}"
     )
     with pytest.warns(UserWarning, match=said):
         found = em.sweep(**scene(store=tmp_path / "runs.zarr"))
@@ -351,7 +354,7 @@ def test_what_is_damaged_is_computed_again_and_said(spoilt, tmp_path, monkeypatc
 )
 @pytest.mark.parametrize(
     "place",
-    [".zgroup", ".zattrs", "mu/.zarray", "mu/.zattrs", "load/.zarray", "state/.record"],
+    [".zgroup", ".zattrs", "mu/.zarray", "mu/.zattrs", "load/.zarray"],
 )
 def test_a_store_whose_metadata_are_spoilt_is_refused_in_a_line(
     place, change, tmp_path
@@ -361,15 +364,12 @@ def test_a_store_whose_metadata_are_spoilt_is_refused_in_a_line(
         axes=axes, material=rubber(1), velocity=0.1, store=tmp_path / "runs.zarr"
     )
     em.sweep(**given)
-    if (place, change) in ((".zgroup", b'{"zarr_format": 2}'), ("state/.record", b"")):
-        # this is what it was, or a record of nothing, by which all is computed again
-        return
-    (tmp_path / "runs.zarr" / place).write_bytes(
-        change + b"\n" if place.endswith("d") else change
-    )
+    if (place, change) == (".zgroup", b'{"zarr_format": 2}'):
+        return  # this is what it was
+    (tmp_path / "runs.zarr" / place).write_bytes(change)
     with pytest.raises(
         em.InputError,
-        match=r"is damaged|must be a new folder or one that em.sweep has made",
+        match=r"is damaged|must be a new folder or URL, or one that em.sweep has made",
     ) as said:
         em.sweep(**given)
     assert "\n" not in str(said.value)
@@ -604,12 +604,10 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
             {"client": "tcp://127.0.0.1:8786"},
             "client must be a dask.distributed.Client or None, got 'tcp",
         ),
-        (
-            {"store": "s3://bucket/runs.zarr"},
-            "store must be a folder of this machine, got 's3:",
-        ),
-        ({"store": "/"}, "store must be a folder of this machine, got '/'"),
-        ({"store": None}, "store must be a folder of this machine, got None"),
+        ({"store": "nonsense://b/runs.zarr"}, "got 'nonsense:.*: Protocol not known"),
+        ({"store": "memory://"}, "URL with a bucket and a name, such as .*, got 'memo"),
+        ({"store": "/"}, "store must be a folder or a URL .*, got '/'"),
+        ({"store": None}, "store must be a folder or a URL .*, got None"),
     ],
 )
 def test_bad_input(change, said, tmp_path):

@@ -13,9 +13,9 @@ import time
 import uuid
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from importlib.util import find_spec
 from itertools import islice
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -24,6 +24,8 @@ from .. import __version__
 from ..checks import in_si, warn_of_failed
 from ..errors import ConvergenceWarning, InputError, warn
 from .grid import Grid, grid, positional
+from .lock import Alone
+from .storage import Files
 from .store import DONE, OPEN, RAISED, Store
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 
     from ..results.base import Quantity, Result
 
-_NEEDED = ("dask", "distributed", "filelock", "tqdm", "xarray", "zarr")
+_NEEDED = ("dask", "distributed", "filelock", "fsspec", "tqdm", "xarray", "zarr")
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
 # by default the processes of Dask look after themselves 50 times a second, for 5 % of a
 # core
@@ -88,7 +90,8 @@ def sweep(
             answer: numbers (`velocity`, `load`, `pressure`, `temperature`, ...),
             materials, shapes and surfaces, models, or whatever else the call accepts.
         store: folder of the zarr store, new or of an earlier call with the same
-            arguments.
+            arguments; or a URL of object storage that fsspec knows, such as
+            `"s3://bucket/runs.zarr"` where s3fs is installed.
         client: a `dask.distributed.Client` of any cluster; None starts one process per
             core of this machine.
         progress: whether a bar shows the share that is done and the time that is left.
@@ -108,41 +111,38 @@ def sweep(
             packages of `elastomdr[sweep]` that are not installed.
         ConnectionError: the cluster was lost. What was done is kept.
     """
-    path = _checked_store(store)
+    files = _checked_store(store)
     if client is not None and not hasattr(client, "submit"):
         raise InputError(
             f"client must be a dask.distributed.Client or None, got {client!r}."
         )
     asked = grid(call, axes, fixed)
-    with _alone(path):
-        with _written(path):
-            kept = Store(path, asked)
+    with Alone(files).held() as alone:
+        with files.told():
+            kept = Store(files, asked)
         if kept.damaged:
             warn(
                 f"{len(kept.damaged)} of {kept.state.size} chunks of store "
-                f"{str(path)!r} are damaged and computed again; the first: "
+                f"{files.place!r} are damaged and computed again; the first: "
                 f"{next(iter(kept.damaged.values()))!r} is missing or not as it was "
                 "written.",
                 UserWarning,
             )
-        _compute(asked, kept, client, progress)
-        with _written(path):
+        _compute(asked, kept, alone, client, progress)
+        with files.told():
             kept.finish()
     _warn_of_failures(asked, kept)
     return kept.opened()
 
 
-def _checked_store(store: Any) -> Path:
-    """The folder of a store, once all packages are there. Raises `InputError`."""
+def _checked_store(store: Any) -> Files:
+    """The files of a store, once all packages are there. Raises `InputError`."""
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
             f"em.sweep needs {', '.join(missing)}: pip install elastomdr[sweep]"
         )
-    is_local = isinstance(store, (str, os.PathLike)) and "://" not in str(store)
-    if not is_local or not Path(store).resolve().name:
-        raise InputError(f"store must be a folder of this machine, got {store!r}.")
-    return Path(store).resolve()
+    return Files(store)
 
 
 def _warn_of_failures(asked: Grid, kept: Store) -> None:
@@ -158,7 +158,9 @@ def _warn_of_failures(asked: Grid, kept: Store) -> None:
         warn_of_failed(kept.not_converged(), int(np.prod(asked.shape)), "points")
 
 
-def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) -> None:
+def _compute(
+    asked: Grid, kept: Store, alone: Alone, client: Client | None, progress: bool
+) -> None:
     """Computes the chunks that are open, and keeps each."""
     from tqdm import tqdm
 
@@ -182,8 +184,13 @@ def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) ->
     )
     # it may kill this process
     apart = len(todo) > 1 or not kept.raised().keys().isdisjoint(todo)
-    with bar, _workers(client, len(todo) if apart else 0) as work:
+    with (
+        bar,
+        _workers(client, len(todo) if apart else 0) as work,
+        _writers(kept) as keep,
+    ):
         for number, computed in work(asked, chunks, todo):
+            alone.check()
             if isinstance(computed, str):
                 # it killed its workers, and is open for the next call
                 message = f"{_place(asked, chunks[number])}: {computed}"
@@ -191,9 +198,33 @@ def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) ->
             else:
                 parts, message, models = computed
                 state = RAISED if message else DONE
-            with _written(kept.path):
-                kept.keep(number, parts, message, models, state)
+            keep(number, parts, message, models, state)
             bar.update(sizes[number])
+
+
+@contextlib.contextmanager
+def _writers(kept: Store) -> Iterator[Callable[..., None]]:
+    """What hands chunks to threads that write them, and waits where they are behind.
+    Raises `InputError` for a store that cannot be written.
+    """
+    writing: set[Future[None]] = set()
+
+    def finish(most: int) -> None:
+        nonlocal writing
+        while len(writing) > most:
+            done, writing = wait(writing, return_when=FIRST_COMPLETED)
+            for each in done:
+                each.result()
+
+    def keep(*chunk: Any) -> None:
+        with kept.files.told():
+            writing.add(threads.submit(kept.keep, *chunk))
+            finish(2 * kept.files.writers)
+
+    with ThreadPoolExecutor(kept.files.writers) as threads:
+        yield keep
+        with kept.files.told():
+            finish(0)
 
 
 @contextlib.contextmanager
@@ -461,46 +492,6 @@ def _place(asked: Grid, chunk: tuple[slice, ...], where: tuple[Any, ...] = ()) -
                 + (f" to {labels[-1]}" if len(labels) > 1 else "")
             )
     return ", ".join(named) or "all"
-
-
-@contextlib.contextmanager
-def _written(path: Path) -> Iterator[None]:
-    """Says in one line what keeps the store from being written. Raises `InputError`."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            f"store {str(path)!r} cannot be written: {error.strerror or error}. What "
-            "was finished is in it, and "
-            "the same call goes on from there."
-        ) from error
-
-
-@contextlib.contextmanager
-def _alone(path: Path) -> Iterator[None]:
-    """Keeps other processes from the store; a lock that ends with the process that
-    holds it.
-    """
-    from filelock import FileLock, Timeout
-
-    lock = path.with_name(f".{path.name}.lock")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        held = FileLock(lock, blocking=False)
-        held.acquire()
-    except Timeout as error:
-        raise InputError(
-            f"store {str(path)!r} is in use by another process."
-        ) from error
-    except (OSError, NotImplementedError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError(
-            f"store must be a folder that can be written, got {str(path)!r}: {why}."
-        ) from error
-    try:
-        yield
-    finally:
-        held.release()
 
 
 def _cores() -> int:

@@ -5,9 +5,8 @@ points are done.
 from __future__ import annotations
 
 import json
-import zlib
+import threading
 from collections.abc import Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,18 +14,20 @@ import numpy as np
 from .. import __version__
 from ..errors import InputError
 from .grid import Grid, difference
+from .storage import Files
 
 if TYPE_CHECKING:
     import xarray
 
 OPEN, DONE, RAISED = 0, 1, 2  # the state of a chunk
-_RECORD = (
-    ".record"  # in the folder of an array, where zarr looks for nothing but chunks
-)
+# in the folder of an array, where zarr looks for nothing but chunks
+_RECORDS = "state/.record"
 _METADATA = (".zarray", ".zattrs")  # what zarr says of an array
 _STATE, _RAISED, _MADE_OF, _MODEL = "state", "raised", "sweep", "model"
 # the attribute by which xarray knows the dimensions of an array
 _DIMENSIONS = "_ARRAY_DIMENSIONS"
+_CHECKED = 50  # chunks whose files are read at the same time
+_READ = 1000  # records that are
 _ABOUT_STATE = {
     "long_name": "state",
     "flag_values": [OPEN, DONE, RAISED],
@@ -38,121 +39,115 @@ _ABOUT_STATE = {
 class Record:
     """Which files of a store were written, and a checksum of each.
 
-    One line of JSON for each array that was made and for each chunk that was kept,
-    written after their files. So a chunk that has a line was written whole, and whatever
-    differs from its line was changed afterwards. Of each the last line counts.
+    One file of JSON for each array that was made and for each chunk that was kept,
+    written after their files. So a chunk that has a record was written whole, and
+    whatever differs from its record was changed afterwards. A record that cannot be read
+    is none.
     """
 
-    def __init__(self, store: Path, array: str):
-        self._store, self._file = store, store / array / _RECORD
+    def __init__(self, files: Files, checksums: dict[str, list[int] | None]):
+        """`checksums` are those of what zarr has written."""
+        self._files, self._checksums = files, checksums
         self.arrays: dict[str, dict[str, Any]] = {}  # checksums by file, of each array
         # state, message, models and checksums, of each chunk
         self.chunks: dict[int, dict[str, Any]] = {}
-        for line in self._lines():
-            try:
-                self._take(json.loads(line))
-            except (ValueError, KeyError, TypeError) as error:
-                raise damaged(store, self._file) from error
+        self.unreadable: dict[int, str] = {}  # the record of each chunk that has such
+        names = [name for name in files.names() if name.startswith(f"{_RECORDS}/")]
+        for start in range(0, len(names), _READ):
+            batch = names[start : start + _READ]
+            for name, content in zip(batch, files.read(batch), strict=True):
+                self._take(name, content or b"")
 
-    def _lines(self) -> list[str]:
-        """The lines that are whole; the beginning of one, which a killed process
-        leaves, is cut off.
-        """
-        if not self._file.is_file():
-            return []
-        data = self._file.read_bytes()
-        whole = data[: data.rfind(b"\n") + 1]
-        if whole != data:
-            with self._file.open("r+b") as file:
-                file.truncate(len(whole))
-        return whole.decode("utf-8", errors="replace").splitlines()
+    def _take(self, name: str, content: bytes) -> None:
+        kind, _, what = name.removeprefix(f"{_RECORDS}/").partition(".")
+        try:
+            record = json.loads(content)
+            if kind == "array":
+                self.arrays[what] = dict(record["files"])
+            else:
+                self.chunks[int(what)] = {
+                    "state": int(record["state"]),
+                    "message": str(record["message"]),
+                    "models": list(record["models"]),
+                    "files": dict(record["files"]),
+                }
+        except (ValueError, KeyError, TypeError):
+            if kind == "chunk" and what.isdecimal():
+                self.unreadable[int(what)] = name
 
-    def _take(self, line: dict[str, Any]) -> None:
-        if "array" in line:
-            self.arrays[line["array"]] = dict(line["files"])
-        else:
-            self.chunks[int(line["chunk"])] = {
-                "state": int(line["state"]),
-                "message": str(line["message"]),
-                "models": list(line["models"]),
-                "files": dict(line["files"]),
-            }
-
-    def _add(self, line: dict[str, Any]) -> None:
-        with self._file.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
-        self._take(line)
+    def _add(self, name: str, record: dict[str, Any]) -> None:
+        name, content = f"{_RECORDS}/{name}", json.dumps(record).encode()
+        self._files.write(name, content)
+        self._take(name, content)
 
     def add_array(self, name: str) -> None:
         """Says that an array was made."""
-        self._add(
-            {
-                "array": name,
-                "files": self._checksums(f"{name}/{file}" for file in _METADATA),
-            }
-        )
+        files = [f"{name}/{file}" for file in _METADATA]
+        self._add(f"array.{name}", {"files": self._written(files)})
 
     def add_chunk(
         self, number: int, state: int, message: str, models: list[str], files: list[str]
     ) -> None:
         """Says that a chunk was kept, in these files."""
-        line = {"chunk": number, "state": state, "message": message, "models": models}
-        self._add({**line, "files": self._checksums(files)})
+        record = {"state": state, "message": message, "models": models}
+        self._add(f"chunk.{number}", {**record, "files": self._written(files)})
+
+    def _written(self, files: list[str]) -> dict[str, list[int] | None]:
+        """Checksums of files that were just written, by zarr or else by what is there."""
+        known = self._checksums
+        others = self._files.checksums([file for file in files if file not in known])
+        return {file: known.pop(file, others.get(file)) for file in files}
 
     def array_is_there(self, name: str) -> bool:
         """Whether an array was made and is there. Raises `InputError` where what zarr
         says of it was changed.
         """
         files = self.arrays.get(name, {})
-        if not files or not all((self._store / file).is_file() for file in files):
+        present = self._files.checksums(list(files))
+        if not files or None in present.values():
             return False
-        if changed := self._changed(files):
-            raise damaged(self._store, self._store / changed)
+        for file, checksum in files.items():
+            if present[file] != checksum:
+                raise damaged(self._files.place, file)
         return True
 
-    def changed(self, number: int, arrays: Iterable[str]) -> str:
-        """The first file of a chunk that is not as it was written, or whose array is
-        none of those that are there.
+    def changed(self, arrays: Iterable[str]) -> dict[int, str]:
+        """Of each chunk that is not as it was written the first such file: one that
+        differs, or whose array is none of those that are there.
         """
-        files = self.chunks[number]["files"]
-        lost = (name for name in files if name.partition("/")[0] not in arrays)
-        return next(lost, "") or self._changed(files)
+        changed = dict(self.unreadable)
+        numbers = [n for n, record in self.chunks.items() if record["state"] != OPEN]
+        for start in range(0, len(numbers), _CHECKED):
+            batch = {n: self.chunks[n]["files"] for n in numbers[start:][:_CHECKED]}
+            present = self._files.checksums(
+                [file for files in batch.values() for file in files]
+            )
+            for number, files in batch.items():
+                for file, checksum in files.items():
+                    array = file.partition("/")[0]
+                    if array not in arrays or present[file] != checksum:
+                        changed.setdefault(number, file)
+        return changed
 
-    def clear(self) -> None:
-        """Forgets everything."""
-        self._file.unlink(missing_ok=True)
+    def forget(self) -> None:
+        """Nothing was written, or it is written anew."""
         self.arrays, self.chunks = {}, {}
-
-    def _changed(self, files: dict[str, Any]) -> str:
-        return next(
-            (
-                name
-                for name, kept in files.items()
-                if _checksum(self._store / name) != kept
-            ),
-            "",
-        )
-
-    def _checksums(self, files: Iterable[str]) -> dict[str, list[int] | None]:
-        return {name: _checksum(self._store / name) for name in files}
 
 
 class Store:
-    """A folder in zarr's second format. Each chunk is one file per quantity, put in
-    place whole; its record comes last.
+    """Files in zarr's second format. Each chunk is one file per quantity, put in place
+    whole; its record comes last.
 
     What a process that was killed, or a full disk, leaves behind is never wrong: the
-    store says first what it is made of, an array or a chunk without a line in the
-    record is made anew, and so is a chunk whose files are not those of its line.
+    store says first what it is made of, an array or a chunk without a record is made
+    anew, and so is a chunk whose files are not those of its record.
     """
 
-    def __init__(self, path: Path, grid: Grid):
-        self.path, self._grid, self._chunks = path, grid, grid.chunks()
+    def __init__(self, files: Files, grid: Grid):
+        self.files, self._grid, self._chunks = files, grid, grid.chunks()
+        self._making = threading.Lock()  # held while an array is made
         self._group: Any = self._open_group(grid.identity(__version__))
-        # of a process that was killed while it wrote
-        for left in path.rglob("*.partial"):
-            left.unlink(missing_ok=True)
-        self._record = Record(path, _STATE)
+        self._record = Record(files, self._group.store.checksums)
         present = [
             name for name in self._record.arrays if self._record.array_is_there(name)
         ]
@@ -177,58 +172,54 @@ class Store:
         """
         import zarr
 
-        path, root = self.path, self.path / ".zgroup"
-        if (
-            path.exists()
-            and not root.is_file()
-            and (not path.is_dir() or any(path.iterdir()))
-        ):
-            raise _not_ours(path)
-        if root.is_file() and not _is_group(root):
-            raise damaged(path, root)
+        from .written import Written
+
+        place = self.files.place
+        root, attributes = self.files.read([".zgroup", ".zattrs"])
+        if root is None and not self.files.is_empty():
+            raise _not_ours(place)
+        # another format would be taken for an empty group
+        if root is not None and _json(root).get("zarr_format") != 2:
+            raise damaged(place, ".zgroup")
         try:
-            # Metadata collected by an earlier run may be older than what has been
-            # written since.
-            group: Any = zarr.open_group(
-                path, mode="a", zarr_format=2, use_consolidated=False
-            )
-            made_of = group.attrs.get(_MADE_OF)
-            told = None if made_of is None else json.loads(str(made_of))
-        except OSError:
-            raise
-        # zarr raises whatever its reader of JSON stumbles over
-        except Exception as error:
-            raise damaged(path, path / ".zattrs" if _is_json(root) else root) from error
-        if told is None:
-            if _named(path, ".zarray"):
-                raise _not_ours(path)
-            group.attrs[_MADE_OF] = json.dumps(identity)
-        elif mismatch := difference(told, identity):
+            made_of = _json(attributes or b"{}")[_MADE_OF]
+            told = json.loads(made_of)
+        except KeyError:
+            told = None
+        except (ValueError, TypeError) as error:
+            raise damaged(place, ".zattrs") from error
+        if told is not None and (mismatch := difference(told, identity)):
             raise InputError(
-                f"store {str(path)!r} was made with other inputs: {mismatch}. Give "
+                f"store {place!r} was made with other inputs: {mismatch}. Give "
                 "another store, or remove this one."
             )
+        if told is None and any(
+            name.endswith("/.zarray") for name in self.files.names()
+        ):
+            raise _not_ours(place)
+        # Metadata collected by an earlier run may be older than what has been written
+        # since.
+        group: Any = zarr.open_group(
+            Written(self.files.zarr_store()),
+            mode="a",
+            zarr_format=2,
+            use_consolidated=False,
+        )
+        if told is None:
+            group.attrs[_MADE_OF] = json.dumps(identity)
         return group
 
     def _set_aside(self) -> dict[int, str]:
         """The first damaged file of each chunk that has one; these chunks are open
         again, their files removed.
         """
-        lines = {
-            number: line
-            for number, line in self._record.chunks.items()
-            if line["state"] != OPEN
-        }
-        changed = {
-            number: self._record.changed(number, self._arrays) for number in lines
-        }
-        changed = {number: file for number, file in changed.items() if file}
+        changed = self._record.changed(self._arrays)
         for number in changed:
-            for file in self._record.chunks.pop(number)["files"]:
-                (self.path / file).unlink(missing_ok=True)
-        # the record is in its folder, and is made anew with it
+            record = self._record.chunks.pop(number, {"files": {}})
+            self.files.remove(record["files"])
+        # the records are in its folder, and are removed when it is made anew
         if _STATE not in self._arrays:
-            self._record.clear()
+            self._record.forget()
             self._arrays = {}
         return changed
 
@@ -278,15 +269,15 @@ class Store:
         models: list[str],
         state: int,
     ) -> None:
-        """Writes the arrays of a chunk, its state, and last its line; `parts` are
-        arrays and attributes.
+        """Writes the arrays of a chunk, its state, and last its record; `parts` are
+        arrays and attributes. Threads may keep several chunks at a time.
         """
         chunk = self._chunks[number]
         for name, (values, about) in parts.items():
-            if name not in self._arrays:
-                self._arrays[name] = self._new_array(
-                    name, *self._points(values.dtype), about
-                )
+            with self._making:
+                if name not in self._arrays:
+                    points = self._points(values.dtype)
+                    self._arrays[name] = self._new_array(name, *points, about)
             self._arrays[name][chunk] = values
         self._arrays[_STATE][chunk] = state
         place = [
@@ -294,22 +285,17 @@ class Store:
             for span, size in zip(chunk, self._grid.sizes(), strict=True)
         ]
         key = ".".join(map(str, place))
-        self._record.add_chunk(
-            number,
-            state,
-            message,
-            models,
-            [f"{name}/{key}" for name in (*parts, _STATE)],
-        )
+        files = [f"{name}/{key}" for name in (*parts, _STATE)]
+        self._record.add_chunk(number, state, message, models, files)
         self.state[number] = state
 
     def raised(self) -> dict[int, str]:
         """The messages of what did not compute, by the number of their chunk."""
-        lines = sorted(self._record.chunks.items())
+        records = sorted(self._record.chunks.items())
         return {
-            number: line["message"]
-            for number, line in lines
-            if line["message"] and line["state"] != DONE
+            number: record["message"]
+            for number, record in records
+            if record["message"] and record["state"] != DONE
         }
 
     def not_converged(self) -> int:
@@ -323,7 +309,11 @@ class Store:
         import zarr
 
         models = sorted(
-            {model for line in self._record.chunks.values() for model in line["models"]}
+            {
+                model
+                for record in self._record.chunks.values()
+                for model in record["models"]
+            }
         )
         if models:
             self._group.attrs[_MODEL] = " | ".join(models)
@@ -337,54 +327,32 @@ class Store:
         """The store as a Dataset whose arrays are read when they are used."""
         import xarray
 
-        return xarray.open_zarr(self.path, chunks=None, consolidated=True)
+        return xarray.open_zarr(self.files.zarr_store(), chunks=None, consolidated=True)
 
 
-def _named(path: Path, file: str) -> list[str]:
-    """The folders that hold such a file; zarr would warn of what a killed process has
-    left.
-    """
-    return sorted(marker.parent.name for marker in path.glob(f"*/{file}"))
-
-
-def _is_group(path: Path) -> bool:
-    """Whether a `.zgroup` says what zarr writes there: another format would be taken for
-    an empty group.
-    """
-    return _is_json(path) and json.loads(path.read_bytes()).get("zarr_format") == 2
-
-
-def _is_json(path: Path) -> bool:
+def _json(content: bytes) -> dict[str, Any]:
+    """What a file of metadata says; nothing where that cannot be read."""
     try:
-        return isinstance(json.loads(path.read_bytes()), dict)
+        entries = json.loads(content)
     except ValueError:
-        return False
+        return {}
+    return entries if isinstance(entries, dict) else {}
 
 
-def _not_ours(path: Path) -> InputError:
+def _not_ours(place: str) -> InputError:
     return InputError(
-        f"store must be a new folder or one that em.sweep has made, got {str(path)!r}."
+        "store must be a new folder or URL, or one that em.sweep has made, got "
+        f"{place!r}."
     )
 
 
-def _checksum(path: Path) -> list[int] | None:
-    """Size and CRC-32 of a file; None where there is none, as zarr writes none for a
-    chunk that is NaN all over.
-    """
-    try:
-        data = path.read_bytes()
-    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
-        return None
-    return [len(data), zlib.crc32(data)]
-
-
-def damaged(store: Path, file: Path) -> InputError:
+def damaged(place: str, file: str) -> InputError:
     """What is raised for a file from which nothing can be made anew unless it is
     removed.
     """
-    whole = file.parent == store
-    remove = "this store" if whole else f"its folder {file.parent.name!r}"
+    folder = file.rpartition("/")[0]
+    remove = f"its folder {folder!r}" if folder else "this store"
     return InputError(
-        f"store {str(store)!r} is damaged: {str(file.relative_to(store))!r} is not as "
-        f"em.sweep wrote it. Remove {remove}, and the same call computes it again."
+        f"store {place!r} is damaged: {file!r} is not as em.sweep wrote it. Remove "
+        f"{remove}, and the same call computes it again."
     )

@@ -1,0 +1,159 @@
+"""The files of a store: in a folder, or on object storage."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import posixpath
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+
+_PARTIAL = ".partial"  # ends the name of a file that is being written to a folder
+# an object takes some 30 ms to write, nearly all of it waiting; a file takes none
+_WRITERS_TO_FOLDER, _WRITERS_TO_OBJECTS = 1, 16
+
+
+class Files:
+    """Files by their names below the store, such as `mu/0.3`.
+
+    Each is written whole or not at all: in a folder it is renamed when it is complete,
+    and an object is only there when it is complete.
+    """
+
+    def __init__(self, store: Any):
+        """Raises `InputError` where `store` is no folder and no URL of a file system
+        that fsspec knows.
+        """
+        given = os.fspath(store) if isinstance(store, (str, os.PathLike)) else ""
+        self.folder: Path | None = None  # None of object storage
+        if "://" in str(given):
+            self._filesystem, self._root = _opened(str(given))
+            if getattr(self._filesystem, "local_file", False):
+                self.folder = Path(self._root)
+        else:
+            self.folder = Path(str(given)).resolve()
+        if self.folder is None:
+            self.place, has_name = str(given).rstrip("/"), "/" in self._root.rstrip("/")
+        else:
+            from fsspec.implementations.local import LocalFileSystem
+
+            self.place, has_name = str(self.folder), bool(self.folder.name)
+            self._filesystem = LocalFileSystem(auto_mkdir=True)
+            self._root = self.folder.as_posix()
+        if not given or not has_name:
+            raise InputError(
+                "store must be a folder or a URL with a bucket and a name, such as "
+                f"'s3://bucket/runs.zarr', got {store!r}."
+            )
+
+    @property
+    def writers(self) -> int:
+        """How many threads write chunks at a time."""
+        return _WRITERS_TO_OBJECTS if self.folder is None else _WRITERS_TO_FOLDER
+
+    def zarr_store(self) -> Any:
+        """The same files as zarr takes them."""
+        from zarr.storage import FsspecStore, LocalStore
+
+        if self.folder is not None:
+            return LocalStore(self.folder)
+        return FsspecStore.from_url(self.place, {"use_listings_cache": False})
+
+    @contextlib.contextmanager
+    def told(self) -> Iterator[None]:
+        """Says in one line what keeps the store from being read or written. Raises
+        `InputError`.
+        """
+        # clients of object storage have exceptions of their own
+        errors = Exception if self.folder is None else OSError
+        try:
+            yield
+        except InputError:
+            raise
+        except errors as error:
+            raise InputError(
+                f"store {self.place!r} cannot be written: "
+                f"{getattr(error, 'strerror', None) or error}. What was finished is in "
+                "it, and the same call goes on from there."
+            ) from error
+
+    def is_empty(self) -> bool:
+        """Whether there is nothing, or a folder with nothing in it."""
+        try:
+            return not self._filesystem.ls(self._root, detail=False)
+        except FileNotFoundError:
+            return True
+
+    def names(self) -> list[str]:
+        """All files that are complete; what a killed process has left of others is
+        removed.
+        """
+        root = f"{self._root}/"
+        every = [path.removeprefix(root) for path in self._filesystem.find(self._root)]
+        self.remove(name for name in every if name.endswith(_PARTIAL))
+        return [name for name in every if not name.endswith(_PARTIAL)]
+
+    def read(self, names: Sequence[str]) -> list[bytes | None]:
+        """Contents, all asked for at the same time; None where there is no file."""
+        # from the first byte on: s3fs would ask for the size of a whole file first
+        count = len(names)
+        contents: list[Any] = self._filesystem.cat_ranges(
+            [self._path(name) for name in names], [0] * count, [None] * count
+        )
+        return [
+            content if isinstance(content, bytes) else self._read_whole(name)
+            for name, content in zip(names, contents, strict=True)
+        ]
+
+    def _read_whole(self, name: str) -> bytes | None:
+        """A file that is not there, or empty: that has no first byte."""
+        try:
+            return self._filesystem.cat_file(self._path(name))
+        except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+            return None
+
+    def write(self, name: str, content: bytes) -> None:
+        path = self._path(name)
+        if self.folder is None:
+            self._filesystem.pipe_file(path, content)
+        else:
+            self._filesystem.pipe_file(path + _PARTIAL, content)
+            os.replace(path + _PARTIAL, path)
+
+    def remove(self, names: Iterable[str]) -> None:
+        for name in names:
+            try:
+                self._filesystem.rm_file(self._path(name))
+            except FileNotFoundError:
+                continue
+
+    def checksums(self, names: Sequence[str]) -> dict[str, list[int] | None]:
+        """Size and CRC-32 of files; None where there is none, as zarr writes none for a
+        chunk that is NaN all over.
+        """
+        from .written import checksum
+
+        return {
+            name: None if content is None else checksum(content)
+            for name, content in zip(names, self.read(names), strict=True)
+        }
+
+    def _path(self, name: str) -> str:
+        return posixpath.normpath(f"{self._root}/{name}")
+
+
+def _opened(url: str) -> tuple[Any, str]:
+    """The file system of a URL and the path in it. Raises `InputError`."""
+    from fsspec.core import url_to_fs
+
+    try:
+        # another process may write between two looks
+        return url_to_fs(url, use_listings_cache=False)
+    except (ImportError, ValueError) as error:
+        raise InputError(
+            "store must be a folder or a URL of a file system that fsspec knows and "
+            f"whose package is installed, got {url!r}: {error}"
+        ) from error
