@@ -33,10 +33,14 @@ class ShiftEditor:
         self._show, self._use = show, use
         self._master: Any = None
         self._offsets = np.zeros(0)  # from the fit [decades]
-        self._grabbed: float | None = None  # offset of an isotherm that is being dragged
+        self._grabbed: float | None = (
+            None  # offset of an isotherm that is being dragged
+        )
         self._redraw = Latest(self._drawn)
         ui.on("isotherm", self._dragged)
-        with ui.expansion("Shift isotherms: drag one in the figure, or here").classes("more") as self._fold:
+        with ui.expansion("Shift isotherms: drag one in the figure, or here").classes(
+            "more"
+        ) as self._fold:
             self._isotherm = ui.select({}, label="Isotherm").classes("field")
             self._isotherm.on_value_change(self._chosen)
             self._slider = Slider(
