@@ -294,7 +294,7 @@ class ComputedStage:
         try:
             content = copy.deepcopy(self.content())
             computation = await self._busy.during(
-                COMPUTING, self._computed, content, quiet=quiet
+                COMPUTING, self._computed, content, kind=self._key, quiet=quiet
             )
             self._session.done[self._screen.key] = computation
             self._changed()
