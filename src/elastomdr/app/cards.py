@@ -8,9 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from nicegui import ui
 
+import elastomdr as em
+
 from ..checks import significant
-from ..results.axes import Curve, peak
+from ..results.axes import Axis, Curve, peak
+from ..results.base import Result
 from ..results.curve import AbstractCurve
+from ..results.words import in_words
 
 _MOST = 4  # curves that get a card
 _FINE = 0.02  # relative uncertainty from which on a number needs nothing surer
@@ -25,13 +29,13 @@ class Card(NamedTuple):
 
 
 class _Top(NamedTuple):
-    """The largest value of a curve, and how sure it is."""
+    """The value of a curve that counts, the largest or the last, and how sure it is."""
 
     name: str
-    x: float
+    place: str  # where it is, and what that is worth
     y: float
     inside: bool
-    slow: bool  # whether it is at the lowest velocity
+    slow: bool  # whether it is at the low end of the axis
     error: float  # numerical, and what the rubber's fit misses of its data
     model_error: float  # NaN where it is not known
     extrapolated: bool
@@ -39,48 +43,60 @@ class _Top(NamedTuple):
     @property
     def spread(self) -> float:
         """The uncertainty that is known."""
-        return self.error + float(np.nan_to_num(self.model_error))
+        bound = self.model_error
+        return self.error + (bound if np.isfinite(bound) else 0.0)
 
     def share(self, uncertainty: float) -> float:
         """Relative to the value; 0 where that is 0, as of elastic bodies."""
-        return float(np.nan_to_num(uncertainty)) / abs(self.y) if self.y else 0.0
-
-    @property
-    def place(self) -> str:
-        """Where it is, and what that is worth."""
-        where = f"at {significant(self.x, 3)} m/s"
-        if self.inside:
-            return where
-        return f"{where}, the {'lowest' if self.slow else 'highest'} velocity computed"
+        known = uncertainty if np.isfinite(uncertainty) else 0.0
+        return known / abs(self.y) if self.y else 0.0
 
 
 def cards(result: Any) -> list[Card]:
-    """The cards of a result; none of a kind that has no curve over velocity."""
+    """The cards of a result; none of several materials at once."""
     if hasattr(result, "places"):  # a ranking
         return [_first(result)]
-    if not isinstance(result, AbstractCurve) or result.materials:
+    if not isinstance(result, Result) or result.materials:
         return []
-    axis, curves = result.curves()
-    if axis.name != "velocity":
-        return []
-    tops = [top for curve in curves if (top := _top(result, curve)) is not None]
+    along = "time" if getattr(result, "time", None) is not None else "velocity"
+    axis, curves = result.curves(along)
+    tops = [top for curve in curves if (top := _top(result, axis, curve)) is not None]
     if not tops:
         return []
-    symbol = "µ" if result.symbol == "mu" else result.symbol
     shown = [
         Card(
-            " ".join(
-                filter(
-                    None,
-                    (f"{'Peak' if top.inside else 'Largest'} {symbol}", top.name),
-                )
-            ),
-            f"{significant(top.y, 3)}{_in_brackets(top)}",
-            (top.place,),
+            " ".join(filter(None, (_title(result, top), top.name))),
+            f"{_number(result, top.y)}{_in_brackets(result, top)}",
+            (top.place,) if top.place else (),
         )
         for top in tops[:_MOST]
     ]
-    return [*shown, _how_sure(tops), _surer(tops)]
+    return [*shown, _how_sure(result, tops), _surer(result, axis, tops)]
+
+
+def _title(result: Any, top: _Top) -> str:
+    """What is shown of a curve."""
+    if isinstance(result, AbstractCurve | em.Lubricated):
+        symbol = "µ" if result.shows == "mu" else result.shows
+        return f"{'Peak' if top.inside else 'Largest'} {symbol}"
+    label = _shown(result).label
+    return label.capitalize() if isinstance(result, em.ORing) else f"Largest {label}"
+
+
+def _shown(result: Any) -> Any:
+    """The quantity that the figure shows."""
+    return next(each for each in result.fields() if each.key == result.shows)
+
+
+def _number(result: Any, value: float) -> str:
+    """A value with its unit."""
+    unit = _shown(result).unit
+    if unit == "Pa":
+        return f"{significant(value / 1e6, 3)} MPa"
+    if unit == "K":
+        return f"{value - 273.15:.1f} °C"
+    unit = "" if unit == "-" else unit.replace("^3", "³")
+    return f"{significant(value, 3)} {unit}".rstrip()
 
 
 def show(place: Any, new_cards: list[Card]) -> None:
@@ -112,67 +128,141 @@ def _first(ranking: Any) -> Card:
     return Card("Most friction", number, (f"at {where}", lead))
 
 
-def _top(result: AbstractCurve, curve: Curve) -> _Top | None:
-    """The largest value of a curve; None where no point converged."""
+def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
+    """The largest value of a curve, of an O-ring the last; None where no point
+    converged.
+    """
     fields = {quantity.key: values for quantity, values in result.fields().items()}
 
-    def along(key: str, default: float) -> np.ndarray:
-        values = fields.get(key, np.full(fields["error"].shape, default))
-        return np.atleast_1d(values[curve.place])
+    def along(values: Any) -> np.ndarray:
+        return np.atleast_1d(np.broadcast_to(values, result.error.shape)[curve.place])
 
-    x, y = along("velocity", np.nan), along(result.shows, np.nan)
+    y = along(getattr(result, result.shows))
+    key = axis.quantity.key if axis.quantity is not None else ""
+    x = along(fields[key]) if key else np.arange(float(y.size))
     order = np.argsort(x, kind="stable")
+    if isinstance(result, em.ORing):
+        order = order[-1:]
     top = peak(x[order], y[order])
     if top is None:
         return None
     i = int(np.flatnonzero((x == top.x) & (y == top.y))[0])
+    error, bound = _errors(result)
+    beyond = result.extrapolated
     return _Top(
         f"at {curve.label}".replace("degC", "°C") if curve.label else "",
-        top.x,
+        _place(axis, top, x),
         top.y,
         top.inside,
         top.x == np.nanmin(x),
-        float(along("error", 0.0)[i]),
-        float(along("model_error", np.nan)[i]),
-        bool(along("extrapolated", 0.0)[i]),
+        float(along(error)[i]),
+        float(along(bound)[i]),
+        beyond is not None and bool(along(beyond)[i]),
     )
 
 
-def _in_brackets(top: _Top) -> str:
-    return f" ± {significant(top.spread, 2)}" if top.spread > 0 else ""
+def _errors(result: Any) -> tuple[Any, Any]:
+    """Numerical error and bound of the model, of what the figure shows."""
+    bound = getattr(result, "model_error", None)
+    bound = np.nan if bound is None else bound
+    if isinstance(result, em.Leak):  # relative
+        with np.errstate(invalid="ignore"):  # of a leak that is zero
+            factor = np.where(np.isinf(bound), np.inf, bound * result.rate)
+        return result.error * result.rate, factor
+    if isinstance(result, em.ORing):  # of the load
+        scale = result.pressure / result.line_load
+        return result.error * scale, bound * scale
+    if isinstance(result, em.Reciprocating):
+        return result.net_leak_error, np.nan
+    if isinstance(result, em.Conveyor):  # of the coefficient
+        scale = result.power / result.coefficient
+        return result.error * scale, np.nan
+    return result.error, bound
 
 
-def _how_sure(tops: list[_Top]) -> Card:
-    """The largest relative uncertainty of the peaks, with its parts."""
+def _place(axis: Axis, top: Any, x: np.ndarray) -> str:
+    """Where a value is, and what that is worth."""
+    if axis.quantity is None or x.size < 2:
+        return ""
+    if axis.name == "time":
+        return f"after {_duration(top.x)}"
+    slow = top.x == np.nanmin(x)
+    velocity = axis.quantity.unit == "m/s"
+    value = float(significant(top.x, 3))
+    where = f"at {in_words('velocity' if velocity else axis.name, value)}"
+    if top.inside:
+        return where
+    kind = "velocity" if velocity else "value"
+    return f"{where}, the {'lowest' if slow else 'highest'} {kind} computed"
+
+
+def _duration(seconds: float) -> str:
+    """A time in the largest unit of which it is one or more."""
+    units = (("years", 31_557_600), ("days", 86_400), ("h", 3600), ("min", 60))
+    name, size = next((each for each in units if seconds >= 0.99 * each[1]), ("s", 1))
+    return f"{significant(seconds / size, 3)} {name}"
+
+
+def _in_brackets(result: Any, top: _Top) -> str:
+    """The uncertainty behind a number, where it can be seen in its digits."""
+    if top.share(top.spread) < 0.1 * _FINE:
+        return ""
+    if isinstance(result, em.Leak):
+        factor = 1 + top.share(top.spread)
+        return f" within a factor of {significant(factor, 2)}"
+    megapascal = 1e-6 if _shown(result).unit == "Pa" else 1.0
+    return f" ± {significant(megapascal * top.spread, 2)}"
+
+
+def _how_sure(result: Any, tops: list[_Top]) -> Card:
+    """The largest relative uncertainty of the values, with its parts."""
     worst = max(tops, key=lambda top: top.share(top.spread))
-    share = worst.share(worst.spread)
-    notes = [
-        f"computation and fit of the rubber {significant(worst.error, 2)}",
-        "model: no bound is known here"
-        if np.isnan(worst.model_error)
-        else f"model at most {significant(worst.model_error, 2)}",
-    ]
+    notes = [f"computation and fit of the rubber {_percent(worst, worst.error)}"]
+    if np.isnan(worst.model_error):
+        notes.append("model: no bound is known here")
+    elif np.isinf(worst.model_error):
+        notes.append("model: the channels may as well be closed")
+    elif not isinstance(result, em.Leak):
+        notes.append(f"model at most {_percent(worst, worst.model_error)}")
     if any(top.extrapolated for top in tops):
         notes.append("in part outside the measured range of the rubber")
-    return Card("How sure", f"± {significant(100 * share, 2)} %", tuple(notes))
+    known = any(np.isfinite(top.model_error) for top in tops)
+    number = f"± {_percent(worst, worst.spread)}"
+    if isinstance(result, em.Leak):
+        number = f"a factor of {significant(1 + worst.share(worst.spread), 2)}"
+    return Card("How sure", number if known else "not known", tuple(notes))
 
 
-def _surer(tops: list[_Top]) -> Card:
-    """What would make the peaks surer, what matters most first."""
-    ways = list(_ways(tops)) or ["Nothing: the uncertainty is small."]
+def _percent(top: _Top, uncertainty: float) -> str:
+    share = 100 * top.share(uncertainty)
+    return f"{significant(share, 2)} %" if share >= 0.1 or not share else "below 0.1 %"
+
+
+def _surer(result: Any, axis: Axis, tops: list[_Top]) -> Card:
+    """What would make the values surer, what matters most first."""
+    ways = list(_ways(result, axis, tops)) or ["Nothing: the uncertainty is small."]
     return Card("What would make it surer", "", tuple(ways))
 
 
-def _ways(tops: list[_Top]) -> Iterator[str]:
+def _ways(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
     if any(top.extrapolated for top in tops):
         yield "Moduli measured at more temperatures and frequencies."
-    if any(not top.inside and not top.slow for top in tops):
-        yield "Higher velocities: a peak may lie beyond the highest."
-    if any(not top.inside and top.slow for top in tops):
-        yield "Lower velocities: a peak may lie below the lowest."
+    if axis.name == "velocity" and isinstance(result, AbstractCurve):
+        if any(not top.inside and not top.slow for top in tops):
+            yield "Higher velocities: a peak may lie beyond the highest."
+        if any(not top.inside and top.slow for top in tops):
+            yield "Lower velocities: a peak may lie below the lowest."
+    if isinstance(result, em.ORing):
+        yield "Whether the groove keeps the ring at its length: choose held or free."
+        return
     bound = max(top.share(top.model_error) for top in tops)
     error = max(top.share(top.error) for top in tops)
-    if any(np.isnan(top.model_error) for top in tops) or bound > max(_FINE, error):
-        yield "Measured friction, to compare with: drop it on the friction screen."
+    unknown = any(not np.isfinite(top.model_error) for top in tops)
+    if unknown or bound > max(_FINE, error):
+        yield (
+            "Measured friction, to compare with: drop it on the friction screen."
+            if result.shows == "mu" and isinstance(result, AbstractCurve)
+            else "A measured value, to compare with."
+        )
     if error > _FINE:
         yield "A fit closer to the moduli, or a smaller relative tolerance."

@@ -1,10 +1,10 @@
 """A screen that computes a scene: a form on the left, what has been computed on the right."""
 
+import asyncio
 import copy
 import time
 import warnings
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +44,11 @@ from .stage import (
 )
 from .words import spoken
 
-_FAST = 1.0  # processor seconds up to which curves follow a slider
+# processor seconds up to which curves follow a slider, and from which they do so with
+# fewer points and without draws until it rests
+_FAST, _COARSE = 2.0, 0.15
+_FEW = 8  # velocities of a curve that follows
+_REST = 0.3  # seconds after which a slider rests
 _MOST_CURVES = 8  # temperatures up to which those of dropped measurements are added
 
 
@@ -71,7 +75,9 @@ class ComputedStage:
             changed,
             elsewhere,
         )
-        self._follow = Latest(partial(self.compute, quiet=True))
+        self._follow = Latest(self._computed_roughly)
+        self._moves = 0  # of sliders
+        self._refining = False  # whether what follows a slider that rests is computed
         self._key = session.kinds.get(screen.key, next(iter(screen.kinds)))
         self._seconds = 0.0  # of processor time, of the last computation
         with ui.element("div").classes("stage"):
@@ -238,7 +244,41 @@ class ComputedStage:
         else:
             self.form.set(name, typed)
         if self._picture.shown and self._seconds < _FAST:
-            background_tasks.create(self._follow(), name="follow a slider")
+            background_tasks.create(self._followed(), name="follow a slider")
+
+    async def _followed(self) -> None:
+        """Computes few points at once, and all of them when the slider rests."""
+        self._moves += 1
+        move = self._moves
+        while self._refining:
+            self._busy.stop()
+            await asyncio.sleep(0.01)
+        await self._follow()
+        if self._seconds > _COARSE:
+            await asyncio.sleep(_REST)
+            if move == self._moves:
+                self._refining = True
+                await self.compute(quiet=True)
+                self._refining = False
+
+    async def _computed_roughly(self) -> None:
+        """Curves of few points, shown but not kept; all of them where that is fast."""
+        if self._seconds <= _COARSE:
+            return await self.compute(quiet=True)
+        if self._busy.on:
+            return
+        try:
+            computation = await self._busy.during(
+                COMPUTING, self._computed_as_asked, roughly(self.content()), quiet=True
+            )
+            figure = await worked(DRAWING, computation.figure)
+        except (InputError, CancelledError):
+            return  # what is computed when the slider rests says what is wrong
+        self._old.visible = False
+        cards.show(self._cards, cards.cards(computation.result))
+        self._picture.show(figure)
+        if self._sliders is not None:
+            self._sliders.read(computation)
 
     async def compute(self, quiet: bool = False) -> None:
         """Computes the scene, or says beside a field what is wrong with it; `quiet`
@@ -254,7 +294,7 @@ class ComputedStage:
         try:
             content = copy.deepcopy(self.content())
             computation = await self._busy.during(
-                COMPUTING, self._computed, content, quiet=quiet
+                COMPUTING, self._computed, content, kind=self._key, quiet=quiet
             )
             self._session.done[self._screen.key] = computation
             self._changed()
@@ -339,6 +379,16 @@ class ComputedStage:
                 for name in rows[0]
             ]
             ui.table(rows=rows, columns=columns)
+
+
+def roughly(content: dict[str, Any]) -> dict[str, Any]:
+    """A scene with few velocities and without draws."""
+    content = copy.deepcopy(content)
+    content.pop("uncertainty", None)
+    velocity = content["contact"].get("velocity")
+    if isinstance(velocity, dict):
+        velocity["points"] = min(velocity["points"], _FEW)
+    return content
 
 
 def _with_measured(content: dict[str, Any], path: Path) -> Any:

@@ -13,11 +13,12 @@ from .computed import ComputedStage
 from .docs import show_docs
 from .road import RoadStage
 from .rubber import RubberStage
-from .scene import Done, bundle, files_of, toml
+from .scene import CancelledError, Done, bundle, files_of, toml
 from .screens import COMPARE, FRICTION, ROLLING, SEAL, TYRE
 from .session import DRAWING, Session, Sessions
-from .stage import BUTTON, worked
+from .stage import BUTTON, Busy
 from .start import StartStage
+from .words import spoken
 
 _KINDS = {"CSV": "csv", "Excel": "xlsx", "PNG": "png", "SVG": "svg", "All (zip)": "zip"}
 
@@ -27,6 +28,7 @@ class ExportStage:
 
     def __init__(self, session: Session):
         self._session = session
+        self._busy = Busy()
         self._place = ui.element("div").classes("export")
         self.refresh()
 
@@ -75,10 +77,16 @@ class ExportStage:
         return tuple(f"material: {command}" for command in made if command)
 
     async def _give(self, stem: str, computation: Done, ending: str) -> None:
+        if self._busy.on:
+            return
         try:
-            content = await worked(DRAWING, self._made, stem, computation, ending)
+            content = await self._busy.during(
+                DRAWING, self._made, stem, computation, ending, kind=ending
+            )
         except InputError as error:
-            ui.notify(str(error), type="negative")
+            ui.notify(spoken(str(error)), type="negative")
+            return
+        except CancelledError:
             return
         name = (
             f"{stem}.zip" if ending == "zip" else f"{stem}-{computation.verb}.{ending}"

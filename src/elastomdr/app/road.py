@@ -18,11 +18,13 @@ from ..errors import InputError
 from ..results.plot_contacts import draw_cutoffs
 from .chart import drawn
 from .form import Form
+from .scene import CancelledError
 from .security import Folder
 from .session import DRAWING, Session
 from .stage import (
     BUTTON,
     SAMPLE,
+    Busy,
     Latest,
     Notes,
     Picture,
@@ -30,7 +32,6 @@ from .stage import (
     Words,
     drop,
     length,
-    worked,
 )
 from .words import path_of, title
 
@@ -73,6 +74,7 @@ class RoadStage:
                     self._dropped,
                     ("Use sample road", self._sample),
                 )
+                self._reading, self._busy = Busy(), Busy()
                 self.form = Form(
                     Road,
                     self._content,
@@ -119,9 +121,14 @@ class RoadStage:
         )
 
     async def _dropped(self, names: list[str]) -> None:
-        await self._take(
-            await worked(DRAWING, recognised, self._session.folder, names[0])
-        )
+        self._reading.stop()  # another file, which is not wanted any more
+        try:
+            surface = await self._reading.during(
+                DRAWING, recognised, self._session.folder, names[0], kind="read"
+            )
+        except CancelledError:
+            return
+        await self._take(surface)
 
     async def _take(self, surface: dict[str, Any]) -> None:
         self._content["surface"] = surface
@@ -150,13 +157,17 @@ class RoadStage:
     async def _redrawn(self) -> None:
         try:
             surface = copy.deepcopy(self._content["surface"])
-            seen = await worked(DRAWING, look, surface, self._session)
+            seen = await self._busy.during(
+                DRAWING, look, surface, self._session, kind="road"
+            )
             self.form.clear_errors()
             self._seen = surface
             self._show(seen)
         except InputError as error:
             self._clear()
             self.form.show_error(str(error))
+        except CancelledError:
+            self._clear()
 
     def _clear(self) -> None:
         """Takes away what there was to see of another surface."""

@@ -6,6 +6,7 @@ import copy
 import re
 import shlex
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
@@ -279,7 +280,14 @@ class RubberStage:
         self._button.disable()
         try:
             asked = copy.deepcopy(self._session.rubber)
-            fitted = await self._busy.during(COMPUTING, calculate, asked, self._session)
+            fitted = await self._busy.during(
+                COMPUTING,
+                calculate,
+                asked,
+                self._session,
+                self._busy.progress,
+                kind="fit",
+            )
             fitted.figures = await worked(DRAWING, figures, fitted.fit)
         except InputError as error:
             self.form.show_error(_for_form(str(error)))
@@ -332,7 +340,11 @@ class RubberStage:
         await self.fit()
 
 
-def calculate(content: dict[str, Any], session: Session) -> Fitted:
+def calculate(
+    content: dict[str, Any],
+    session: Session,
+    progress: Callable[[int, int], None] | None = None,
+) -> Fitted:
     """Fits a material and keeps its file. Raises `InputError`."""
     asked: Fit = decode(
         Fit, {key: value for key, value in content.items() if value is not None}
@@ -354,6 +366,7 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
             asked.reference,
             name=asked.name or "",
             shift=_law(asked.shift, session),
+            progress=progress,
             **options,
         )
         name = f"{fit.material.name}.toml"

@@ -2,6 +2,7 @@
 tables and its figure; a slip curve with the friction of its own rubber on the road.
 """
 
+import inspect
 import io
 import json
 import math
@@ -160,13 +161,11 @@ def compute(
             warnings.simplefilter("always", kind)
         arguments = scene.arguments(folder.path)
         plot_options = how_drawn(scene, arguments, folder.path)
-        more = (
-            {"progress": progress}
-            if scene.called() == "friction" and scene.mark == "surface"
-            else {}
-        )
+        call = getattr(em, scene.called())
+        tells = "progress" in inspect.signature(call).parameters
+        more = {"progress": progress} if tells else {}
         try:
-            result = getattr(em, scene.called())(**arguments, **more)
+            result = call(**arguments, **more)
         except InputError as error:
             if "within the friction law" in str(error):
                 raise InputError(

@@ -31,7 +31,10 @@ SAMPLE = _OWN if _OWN.is_dir() else Path(__file__).parents[3] / "examples" / "da
 
 T = TypeVar("T")
 BUTTON = "no-caps unelevated"
-_PATIENCE = 2.0  # seconds before it is said how long something takes
+# seconds before it is shown that something takes time, and before it is said how long
+_PATIENCE, _LONG = 0.4, 2.0
+# seconds that each kind of work took the last time, for the time left of the next
+_TOOK: dict[str, float] = {}
 
 
 async def worked(pool: Executor, call: Callable[..., T], *arguments: Any) -> T:
@@ -74,14 +77,14 @@ class Busy:
     def __init__(self) -> None:
         self._work: _Work | None = None
         self._stopping: asyncio.Future[None] | None = None
-        self._began = self._share = self._last = 0.0
+        self._began = self._share = self._took = 0.0
         with ui.element("div").classes("busy") as self._place:
             self._bar = ui.linear_progress(0.0, show_value=False)
             self._bar.props('aria-label="Progress"')
             self._text = ui.label().classes("about")
             ui.button("Stop", on_click=self.stop).props(f"{BUTTON} outline")
         self._place.visible = False
-        self._timer = ui.timer(0.5, self._tick, active=False)
+        self._timer = ui.timer(0.25, self._tick, active=False)
 
     @property
     def on(self) -> bool:
@@ -104,16 +107,17 @@ class Busy:
         pool: Executor,
         call: Callable[..., T],
         *arguments: Any,
+        kind: str = "",
         quiet: bool = False,
     ) -> T:
-        """The result of a call that is made in a thread of its own; `quiet` shows
-        nothing.
+        """The result of a call that is made in a thread of its own; of the same `kind`
+        are those that take about the same time; `quiet` shows nothing.
         """
         loop = asyncio.get_running_loop()
         self._work, self._stopping = _Work(), loop.create_future()
         self._began, self._share = time.monotonic(), 0.0
-        self._tick()
-        self._place.visible = self._timer.active = not quiet
+        self._took = _TOOK.get(kind, 0.0)
+        self._timer.active = not quiet
         try:
             result = loop.run_in_executor(pool, self._work, call, *arguments)
             await asyncio.wait(
@@ -123,7 +127,8 @@ class Busy:
                 result.add_done_callback(lambda stopped: stopped.exception())
                 raise CancelledError
             answer = await result
-            self._last = time.monotonic() - self._began
+            if kind:
+                _TOOK[kind] = time.monotonic() - self._began
             return answer
         finally:
             self._work = self._stopping = None
@@ -132,14 +137,15 @@ class Busy:
     def _tick(self) -> None:
         """Says how long it takes, from what is done or from the time before."""
         spent = time.monotonic() - self._began
-        whole = spent / self._share if 0 < self._share < 1 else self._last
+        self._place.visible = self.on and spent > _PATIENCE
+        whole = spent / self._share if 0 < self._share < 1 else self._took
         known = whole > spent
         self._bar.props(
             "" if known else "indeterminate", remove="indeterminate" if known else ""
         )
         self._bar.value = spent / whole if known else 0.0
         left = f", about {whole - spent:.0f} s left" if known else ""
-        self._text.text = f"{spent:.0f} s{left}" if spent > _PATIENCE else ""
+        self._text.text = f"{spent:.0f} s{left}" if spent > _LONG else ""
 
 
 class Latest:

@@ -10,10 +10,10 @@ from nicegui import ui
 
 from . import cards
 from .chart import Drawn
-from .scene import Done, compute
+from .scene import CancelledError, Done, compute
 from .security import Folder
 from .session import COMPUTING, DRAWING
-from .stage import BUTTON, Picture, worked
+from .stage import BUTTON, Busy, Picture, worked
 
 # A tread block on stone; its adhesive shear is illustrative, of the size that is found
 # for dry treads.
@@ -58,7 +58,7 @@ _WAYS = (
     (
         "My roller",
         "Rolling",
-        "A roller, a wheel, a belt, a tyre: rolling resistance, heat, slip.",
+        "A roller, a wheel, a belt: rolling resistance, heat, power.",
     ),
 )
 
@@ -90,6 +90,7 @@ class StartStage:
         ui.label("An example: dry friction of a tread block on a rough road").classes(
             "lead"
         ).props("role=heading aria-level=2")
+        self._busy = Busy()
         self._cards = ui.element("div").classes("results")
         self._picture = Picture("the friction of the example", "example")
         self._change = ui.button("Change the example", on_click=self._taken).props(
@@ -101,7 +102,10 @@ class StartStage:
         ).classes("about")
 
     async def _show(self) -> None:
-        computation = await worked(COMPUTING, example)
+        try:
+            computation = await self._busy.during(COMPUTING, example)
+        except CancelledError:
+            return
         cards.show(self._cards, cards.cards(computation.result))
         self._picture.show(await worked(DRAWING, _figure))
 
