@@ -31,7 +31,7 @@ GROUPS = {
         "Heat",
         "cite",
     ),
-    "Many scenes": ("sweep",),
+    "Many scenes, long computations": ("sweep", "progress"),
     "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "Motion in time": (
         "indent",

@@ -272,4 +272,6 @@ if __name__ == "__main__":
         default=Path(),
         help="folder for the figure (default: this one)",
     )
-    main(parser.parse_args().out)
+    # a minute in all: a bar on a terminal
+    with em.progress("moving five drives"):
+        main(parser.parse_args().out)

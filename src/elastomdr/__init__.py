@@ -17,6 +17,7 @@ _HOMES = {
         "ExtrapolationWarning",
         "ModelWarning",
     ),
+    "progress_bar": ("progress",),
     "models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
     "material.tabulated": ("TabulatedModulus",),

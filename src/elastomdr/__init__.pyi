@@ -45,6 +45,7 @@ from .models import HalfSpace as HalfSpace
 from .models import Line as Line
 from .models import Multiscale as Multiscale
 from .models import Persson as Persson
+from .progress_bar import progress as progress
 from .results.curve import FrictionCurve as FrictionCurve
 from .results.curve import RollingCurve as RollingCurve
 from .results.friction_law import FrictionLaw as FrictionLaw

@@ -21,6 +21,7 @@ FLOORS = (
     "arrays",
     "checks",
     "files",
+    "progress_bar",
     "models",
     "numerics",
     "results",

@@ -41,6 +41,7 @@ from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError, warn
 from ..material.shift import thermal_factors
 from ..numerics.interpolation import halving_limit, lagrange
+from ..progress_bar import counted
 from ..results.axes import place_in_words
 from ..results.base import Result, quantity, record
 from ..results.words import brief, in_words
@@ -55,6 +56,9 @@ if TYPE_CHECKING:
 _SCAN = 257
 _SCAN_RTOL = 1e-3  # relative error of the power there
 _REFINED_SCAN = 5  # temperatures between the two on either side of it
+# sets of temperatures, one call of `rolling` each; the last one of a history counts for
+# those of its instants
+_SETS, _SETS_WITH_HISTORY, _INSTANTS = 6, 12, 5
 _HISTORY_NODES = 49  # temperatures between start and steady state, and
 _FINER = 4  # by how many more between them, where the power is interpolated
 # Change of ln a_T from one computed temperature to the next. Over ln v a spectrum is
@@ -150,12 +154,13 @@ class _Body(NamedTuple):
     conductance: Any  # H [W/K]
     model: Any
     rtol: float
+    count: Any  # called with the number of sets of temperatures that are computed
 
     def roll(self, temperature: Any, ignored: type[Warning] = Warning) -> Any:
         """The rolling resistance at temperatures, without warnings of a class."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ignored)
-            return rolling(
+            rolled = rolling(
                 self.foundation,
                 self.shape,
                 velocity=self.velocity,
@@ -164,6 +169,8 @@ class _Body(NamedTuple):
                 model=self.model,
                 rtol=self.rtol,
             )
+        self.count(1)
+        return rolled
 
 
 class _SteadyState(NamedTuple):
@@ -233,15 +240,17 @@ def heat_build_up(
     highest = _highest_temperature(foundation, hottest, given["ambient"])
     points = broadcast(**given)
     heat = points.pop("capacity", None)
-    body = _Body(foundation, shape, **points, model=model, rtol=rtol)
     # With a history it is said there what is not known of the material.
     ignored = ConvergenceWarning if heat is None else Warning
-    state = _steady_state(body, highest, ignored)
-    if not is_traced(foundation, shape, *given.values()):
-        _warn_of_failures(state.converged, highest)
-    if heat is None:
-        return _without_history(body, state, given)
-    return _with_history(body, state, given, heat, time)
+    sets = _SETS if heat is None else _SETS_WITH_HISTORY
+    with counted("rolling resistance while it warms up", sets) as count:
+        body = _Body(foundation, shape, **points, model=model, rtol=rtol, count=count)
+        state = _steady_state(body, highest, ignored)
+        if not is_traced(foundation, shape, *given.values()):
+            _warn_of_failures(state.converged, highest)
+        if heat is None:
+            return _without_history(body, state, given)
+        return _with_history(body, state, given, heat, time)
 
 
 def _checked(
@@ -512,6 +521,7 @@ def _history(
     fine = halving_limit(coarse, fine)
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
     way = body.roll(xp.moveaxis(fine, -1, 0), ConvergenceWarning)
+    body.count(_INSTANTS - 1)
     power = xp.asarray(xp.moveaxis(way.power, 0, -1))
     # The temperature follows the power: its rise by no larger a part.
     rise = fine - xp.asarray(ambient)[..., None]

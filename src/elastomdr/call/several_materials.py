@@ -16,6 +16,7 @@ from typing import Any, ParamSpec, TypeVar
 from ..arrays import one_thread
 from ..errors import InputError, warn
 from ..material.validity import Draws
+from ..progress_bar import counted
 from ..results.base import Result, distinct
 
 P = ParamSpec("P")
@@ -106,12 +107,14 @@ def _computed(
 ) -> list[Any]:
     """The results of all calls; their warnings are given out together."""
     results: list[Any] = []
-    with one_thread(), warnings.catch_warnings(record=True) as caught:
+    each = counted("each draw" if drawn else "each material", len(calls))
+    with one_thread(), warnings.catch_warnings(record=True) as caught, each as add:
         warnings.simplefilter("always")
         of_whom: list[str] = []  # whose call gave each warning
         for i, ((args, kwargs), name) in enumerate(zip(calls, names, strict=True)):
             try:
                 results.append(verb(*args, **kwargs))
+                add(1)
             except InputError as error:
                 if i == 0 and not str(error).startswith("material"):
                     raise  # of the other arguments

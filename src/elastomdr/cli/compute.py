@@ -9,7 +9,6 @@ import dataclasses
 import os
 import sys
 import tempfile
-import time
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -25,8 +24,6 @@ from .schema import named, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
-_PATIENCE = 2.0  # seconds before a bar appears
-_WIDTH = 30  # of a bar
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
     "elastomdr's cache folder."
@@ -45,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
             beside = scene.beside(path.parent)
             shown = how_drawn(scene, arguments, path.parent)
             stem = f"{path.stem}-{scene.called()}"
-            with models_by_name():
+            with models_by_name(), em.progress(f"{scene.called()} of {path.name}"):
                 result = _computed(scene, arguments, folder / f".{stem}.parts")
                 results = [result] + ([] if beside is None else [em.rolling(**beside)])
         notes = f"# scene: {path.name}\n" + (
@@ -164,13 +161,11 @@ def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
     call = getattr(em, scene.called())
     if scene.mark != "surface" or scene.called() != "friction":
         return call(**arguments)
-    parts, bar = Parts(folder), Bar()
+    parts = Parts(folder)
     try:
-        return call(**arguments, progress=bar, store=parts)
+        return call(**arguments, store=parts)
     except KeyboardInterrupt as error:
         raise KeyboardInterrupt(parts.said()) from error
-    finally:
-        bar.end()
 
 
 def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -288,34 +283,6 @@ class Parts:
             self._folder.rmdir()
 
 
-class Bar:
-    """A progress bar on the standard error, where that is a terminal and the work takes
-    more than two seconds.
-    """
-
-    def __init__(self) -> None:
-        self._start, self._shown = time.monotonic(), False
-
-    def __call__(self, done: int, total: int) -> None:
-        if not sys.stderr.isatty() or time.monotonic() - self._start < _PATIENCE:
-            return
-        self._shown = True
-        filled = _WIDTH * done // total
-        print(
-            f"\r[{'#' * filled}{'.' * (_WIDTH - filled)}] {done} of {total}",
-            end="",
-            file=sys.stderr,
-            flush=True,
-        )
-
-    def end(self) -> None:
-        """Clears the line."""
-        if self._shown:
-            print(
-                "\r" + " " * (_WIDTH + 30) + "\r", end="", file=sys.stderr, flush=True
-            )
-
-
 def run_compare(options: argparse.Namespace) -> int:
     """Computes, writes and prints; returns the exit status."""
     path, folder = Path(options.scene), output_folder(options.out)
@@ -329,7 +296,7 @@ def run_compare(options: argparse.Namespace) -> int:
                     "material must be a list of two or more to be compared."
                 )
             arguments = scene.arguments(path.parent)
-            with models_by_name():
+            with models_by_name(), em.progress(f"comparing {path.name}"):
                 curve = _computed(scene, arguments, parts)
             with named("[compare]"):
                 ranking = curve.ranking(**scene.compare.place())

@@ -189,15 +189,12 @@ def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
     """Reads the files and fits the material; all warnings are in its summary."""
     import elastomdr as em
 
-    from .compute import Bar
-
     temperature = _kelvin("--temperature", options.temperature)
     columns = dict(map(_column, options.column))
     sizes: dict[str, Any] = {
         key: size_of(key, getattr(options, key), unit) for key, unit in SIZES.items()
     }
-    bar = Bar()
-    with warnings.catch_warnings():
+    with em.progress("reading and fitting"), warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)
         dma = em.read_dma(
             options.data,
@@ -209,17 +206,13 @@ def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
         )
         if options.strain is not None:
             dma = dma.at_strain(strain_of(options.strain))
-        try:
-            return em.fit.material(
-                dma,
-                reference,
-                name=options.name or "",
-                progress=bar,
-                shift=law_of(options.shift),
-                **{key: getattr(options, key) for key in _FITTED},
-            )
-        finally:
-            bar.end()
+        return em.fit.material(
+            dma,
+            reference,
+            name=options.name or "",
+            shift=law_of(options.shift),
+            **{key: getattr(options, key) for key in _FITTED},
+        )
 
 
 def _from_hardness(options: argparse.Namespace, folder: Path) -> int:

@@ -32,6 +32,7 @@ from ..material.validity import (
     misfit_bands,
     root_of,
 )
+from ..progress_bar import reporter
 from ..trees import replaced
 from .laws import derivatives, fit_form, forms
 from .master import (
@@ -562,7 +563,7 @@ def material(
         "name": name or _default_name(dma),
         "citation": citation or f"Measured data: {dma.source or 'arrays'}",
     }
-    report_step = progress or (lambda _done, _total: None)
+    report_step = reporter("fitting the material", progress)
     with warnings.catch_warnings():
         # what is doubted in the end is told below
         warnings.simplefilter("ignore", FitWarning)

@@ -14,6 +14,7 @@ from ..call.model_choice import (
 )
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced
+from ..progress_bar import reporter
 from ..results.curve import FrictionCurve
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
 from ..rough.heat import Heat
@@ -145,7 +146,7 @@ def friction(
             adhesion=adhesion,
             strain_share=strain_share,
             direction=direction,
-            progress=progress,
+            progress=reporter("friction on a rough surface", progress),
             store=store,
         )
     only_rough(heat=heat, direction=direction)
