@@ -213,6 +213,20 @@ def positive(name: str, value: Any) -> None:
     representable(name, value)
 
 
+def positive_arrays(**arguments: Any) -> dict[str, Array]:
+    """Those arguments that are not None, as float64 arrays; raises `InputError` unless
+    all their entries are positive.
+    """
+    arrays = {
+        name: as_float64(name, value)
+        for name, value in arguments.items()
+        if value is not None
+    }
+    for name, value in arrays.items():
+        positive(name, value)
+    return arrays
+
+
 def not_negative(name: str, value: Any) -> None:
     require(
         name, value, "zero or positive and finite", lambda x: (x >= 0) & np.isfinite(x)

@@ -398,7 +398,7 @@ def test_what_is_not_resolved_is_flagged(monkeypatch):
     # than three pivots.
     monkeypatch.setattr(half_space, "LEADS", (0.0,))
     monkeypatch.setattr(solver, "_PIVOTS", 3)
-    with pytest.warns(em.ConvergenceWarning, match="1 of 1 contacts did not settle"):
+    with pytest.warns(em.ConvergenceWarning, match="1 of 1 contacts did not converge"):
         got = half_space_sliding(one_time(4e9), BALL, velocity=1e-2, load=LOAD)
     assert np.isnan(got.mu)
     assert not got.converged

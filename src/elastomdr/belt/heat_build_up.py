@@ -33,7 +33,7 @@ from ..checks import (
     not_negative,
     numpy_unless_traced,
     plain,
-    positive,
+    positive_arrays,
     significant,
 )
 from ..element.law import as_foundation
@@ -261,21 +261,13 @@ def _checked(
         raise InputError(
             "time and capacity belong together: give both for the history, or neither."
         )
-    arguments = {
-        "velocity": velocity,
-        "load": load,
-        "ambient": ambient,
-        "conductance": conductance,
-        "capacity": capacity,
-    }
-    given = {
-        name: as_float64(name, value)
-        for name, value in arguments.items()
-        if value is not None
-    }
-    for name, value in given.items():
-        positive(name, value)
-    return given
+    return positive_arrays(
+        velocity=velocity,
+        load=load,
+        ambient=ambient,
+        conductance=conductance,
+        capacity=capacity,
+    )
 
 
 def _highest_temperature(foundation: Any, hottest: Any, ambient: Any) -> float:

@@ -266,20 +266,10 @@ def draw_prony(fit: FittedSeries, ax: Any = None, style: str | None = None) -> A
             inside = np.geomspace(1 / high, 1 / low, 300)
             _relaxation_band(ax, fit.relaxation_band(inside), label)
     _label_moduli(ax, fit.kind, dynamic)
-    sizes = {
-        "storage": fit.storage_residual,
-        "loss": fit.loss_residual,
-        "relaxation": fit.relaxation_residual,
-    }
-    residuals = ", ".join(
-        f"{name} {100 * size:.2g} %"
-        for name, size in sizes.items()
-        if np.isfinite(size)
-    )
     title = fit.material.name or "Prony series"
     if fit.master is not None:
         title += f" at {fit.master.reference - 273.15:.4g} °C"
-    _title(ax, title, f"rms relative residuals: {residuals}")
+    _title(ax, title, f"rms relative residuals: {fit.residuals_in_words()}")
     return ax
 
 

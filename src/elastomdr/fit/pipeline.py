@@ -410,24 +410,10 @@ class MaterialFit(AbstractFindings):
         if self.misfit:
             parts.append(
                 "Residuals are of the data as measured, by this file with its laws "
-                f"of shifts; {self._met_in_words()}."
+                "of shifts; the master curve is met to: "
+                f"{self.prony.residuals_in_words()} rms."
             )
         return " ".join([*parts, *self.warnings])
-
-    def _met_in_words(self) -> str:
-        """How close the series is to the shifted data, in words."""
-        fit = self.prony
-        sizes = {
-            "storage": fit.storage_residual,
-            "loss": fit.loss_residual,
-            "relaxation": fit.relaxation_residual,
-        }
-        met = ", ".join(
-            f"{name} {100 * size:.2g} %"
-            for name, size in sizes.items()
-            if np.isfinite(size)
-        )
-        return f"the master curve is met to: {met} rms"
 
     def _given(self) -> dict[str, str]:
         estimated = "estimated" in self.master.given

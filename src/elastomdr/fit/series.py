@@ -404,6 +404,19 @@ class PronyFit(AbstractFindings):
 
         return draw_prony(self, ax, style)
 
+    def residuals_in_words(self) -> str:
+        """The rms residual of each modulus that was fitted."""
+        sizes = {
+            "storage": self.storage_residual,
+            "loss": self.loss_residual,
+            "relaxation": self.relaxation_residual,
+        }
+        return ", ".join(
+            f"{name} {100 * size:.2g} %"
+            for name, size in sizes.items()
+            if np.isfinite(size)
+        )
+
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the series, as pairs of a name and a text."""
         decades = np.log10(self.window[1] / self.window[0])
@@ -412,17 +425,7 @@ class PronyFit(AbstractFindings):
             f"{self.terms} over {decades:.1f} decades ({self.kind} moduli)"
             f"{self._left_out}",
         )
-        sizes = {
-            "storage": self.storage_residual,
-            "loss": self.loss_residual,
-            "relaxation": self.relaxation_residual,
-        }
-        known = [
-            f"{name} {100 * size:.2g} %"
-            for name, size in sizes.items()
-            if np.isfinite(size)
-        ]
-        yield "residuals", f"{', '.join(known)} rms"
+        yield "residuals", f"{self.residuals_in_words()} rms"
         if self.trade_off:
             rows = (
                 f"{100 * m.storage:.2g}, {100 * m.loss:.2g} % (balance {m.balance:g})"

@@ -42,20 +42,11 @@ GAS_CONSTANT = 8.31446261815324  # R [J/(mol K)], CODATA 2018 (exact)
 _LN10 = float(np.log(10.0))
 
 
-class AbstractShift(Tree):
-    """A shift law; `a(T)` is tau(T)/tau(reference), so that it is 1 at the reference
-    temperature.
-    """
-
-    if TYPE_CHECKING:  # declared by each law, in an order of its own
-        reference: Float[Array, ""]  # [K]
+class _TemperatureLaw(Tree):
+    """What laws over temperature share: the range in which they hold."""
 
     def __repr__(self) -> str:
         return written(self)
-
-    @abc.abstractmethod
-    def _log10_a(self, temperature: Array) -> Array:
-        """log10 a_T, at temperatures [K] that `_check` has let pass."""
 
     @abc.abstractmethod
     def _check(self, temperature: Any) -> None:
@@ -66,15 +57,32 @@ class AbstractShift(Tree):
         """The temperature up to which `_check` lets a law pass [K]."""
         return math.inf
 
+    def _checked(self, temperature: ArrayLike) -> Array:
+        """Temperatures [K] at which the law holds. Raises `InputError` for others."""
+        temperature = as_float64("temperature", temperature)
+        in_kelvin("temperature", temperature)
+        self._check(temperature)
+        return temperature
+
+
+class AbstractShift(_TemperatureLaw):
+    """A shift law; `a(T)` is tau(T)/tau(reference), so that it is 1 at the reference
+    temperature.
+    """
+
+    if TYPE_CHECKING:  # declared by each law, in an order of its own
+        reference: Float[Array, ""]  # [K]
+
+    @abc.abstractmethod
+    def _log10_a(self, temperature: Array) -> Array:
+        """log10 a_T, at temperatures [K] that `_check` has let pass."""
+
     @numpy_unless_traced
     def log10_a(self, temperature: ArrayLike) -> Array:
         """log10 a_T at temperatures [K], any shape. Raises `InputError` outside the
         law's range.
         """
-        temperature = as_float64("temperature", temperature)
-        in_kelvin("temperature", temperature)
-        self._check(temperature)
-        return self._log10_a(temperature)
+        return self._log10_a(self._checked(temperature))
 
     @numpy_unless_traced
     def a(self, temperature: ArrayLike) -> Array:
@@ -256,36 +264,21 @@ def _above_pole(law: str, temperature: Any, pole: Any) -> None:
         require("temperature", temperature, accepted, lambda t: t > limit)
 
 
-class AbstractVertical(Tree):
+class AbstractVertical(_TemperatureLaw):
     """A law of vertical shifts: M(omega; T) = b_T M(omega a_T; T_ref), M any modulus of
     the material.
     """
 
-    def __repr__(self) -> str:
-        return written(self)
-
     @abc.abstractmethod
     def _b(self, temperature: Array) -> Array:
         """b_T, at temperatures [K] that `_check` has let pass."""
-
-    @abc.abstractmethod
-    def _check(self, temperature: Any) -> None:
-        """Raises `InputError` where the law does not hold."""
-
-    @property
-    def _hottest(self) -> float:
-        """The temperature up to which `_check` lets a law pass [K]."""
-        return math.inf
 
     @numpy_unless_traced
     def b(self, temperature: ArrayLike) -> Array:
         """Vertical shift factor b_T at temperatures [K], any shape. Raises `InputError`
         outside the law's range.
         """
-        temperature = as_float64("temperature", temperature)
-        in_kelvin("temperature", temperature)
-        self._check(temperature)
-        return self._b(temperature)
+        return self._b(self._checked(temperature))
 
 
 class EntropicVertical(AbstractVertical):

@@ -105,7 +105,7 @@ class Softening(Tree):
         """
         strain = as_float64("strain", strain)
         not_negative("strain", strain)
-        return self._at(strain, self.storage), self._at(strain, self.loss)
+        return self._factor_at(strain, self.storage), self._factor_at(strain, self.loss)
 
     @numpy_unless_traced
     def of(self, modulus: ArrayLike | complex, strain: ArrayLike) -> ComplexArray:
@@ -123,7 +123,7 @@ class Softening(Tree):
         """
         return xp.asarray(strain) > self.strain[-1]
 
-    def _at(self, strain: Any, factor: Any) -> Any:
+    def _factor_at(self, strain: Any, factor: Any) -> Any:
         nodes, values = xp.log(xp.asarray(self.strain)), xp.asarray(factor)
         slopes = monotone_slopes(nodes, values)
         # At the first point the slope of the line to the origin, as far as it keeps the

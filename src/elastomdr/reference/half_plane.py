@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..checks import numpy_unless_traced, positive, scalar
+from ..checks import numpy_unless_traced, positive, scalar, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact, HalfPlaneCurve
 from ..rough.half_space import EXACT, settle
 from .kernel import LEADS, convolution, sliding_kernel, strip_cell, work_against
-from .points import NOT_COMPARED, points_of, warn_unless
+from .points import NOT_COMPARED, points_of
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -74,7 +74,7 @@ def half_plane_sliding(
         A curve of the broadcast shape, without depth: displacements of a half-plane
         hold to a constant only. `error` is an estimate, twice the largest change of mu
         from three eighths, half and three quarters as many cells to all of them. Points
-        that did not settle are NaN and counted in one `ConvergenceWarning`.
+        that did not converge are NaN and counted in one `ConvergenceWarning`.
 
     Raises:
         InputError: for values that are not positive, and for a liquid.
@@ -101,7 +101,7 @@ def half_plane_sliding(
         strict=True,
     )
     good = np.array([contact.settled for contact in contacts])
-    warn_unless(good)
+    warn_unless(good, "contacts")
 
     def field(values: Any) -> Any:
         return scene.field(good, values)

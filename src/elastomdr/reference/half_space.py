@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..checks import as_float64, numpy_unless_traced, positive
+from ..checks import as_float64, numpy_unless_traced, positive, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer, layer_deficit
 from ..errors import InputError
@@ -47,7 +47,7 @@ from .kernel import (
     sliding_kernel,
     work_against,
 )
-from .points import NOT_COMPARED, Points, points_of, warn_unless
+from .points import NOT_COMPARED, Points, points_of
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -234,7 +234,8 @@ def slide(
     good = np.array([contact.settled for contact in contacts])
     warn_unless(
         good,
-        " More points resolve a thinner glassy zone; a contact that reaches the end of "
+        "contacts",
+        reason="More points resolve a thinner glassy zone; a contact that reaches the end of "
         "the body has no answer.",
     )
 
@@ -480,7 +481,7 @@ def slide_periodic(
     good = np.array(
         [f.settled and c.settled for f, c in zip(fine, coarse, strict=True)]
     )
-    warn_unless(good)
+    warn_unless(good, "contacts")
 
     def field(values: Any) -> Any:
         return scene.field(good, values)

@@ -9,7 +9,7 @@ import numpy as np
 from ..call.problem import Scene, steady_scene
 from ..checks import as_float64, broadcast_shape, in_kelvin, positive
 from ..element.law import Foundation
-from ..errors import ConvergenceWarning, InputError, warn
+from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..smooth.passage import Control
 
@@ -43,16 +43,6 @@ class Points(NamedTuple):
         """One number per point in the shape of the call, NaN where not `good`."""
         numbers = np.array([float(value) for value in values])
         return np.where(good, numbers, np.nan).reshape(self.steady.shape)
-
-
-def warn_unless(good: np.ndarray, advice: str = "") -> None:
-    """Counts the contacts that did not settle in one warning at the user's call."""
-    if not good.all():
-        warn(
-            f"{int((~good).sum())} of {good.size} contacts did not settle; they are "
-            f"NaN.{advice}",
-            ConvergenceWarning,
-        )
 
 
 def points_of(

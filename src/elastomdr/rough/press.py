@@ -41,6 +41,7 @@ from ..checks import (
     nan_unless,
     numpy_unless_traced,
     positive,
+    positive_arrays,
     require,
     scalar,
     warn_unless,
@@ -273,19 +274,9 @@ class _Found(NamedTuple):
 def _points(
     foundation: Foundation, pressure: Any, time: Any, velocity: Any, temperature: Any
 ) -> _Points:
-    given = {
-        "pressure": pressure,
-        "time": time,
-        "velocity": velocity,
-        "temperature": temperature,
-    }
-    arrays = {
-        name: as_float64(name, value)
-        for name, value in given.items()
-        if value is not None
-    }
-    for name, value in arrays.items():
-        positive(name, value)
+    arrays = positive_arrays(
+        pressure=pressure, time=time, velocity=velocity, temperature=temperature
+    )
     shape = broadcast_shape(**arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
     temperatures, time = full.get("temperature"), full.get("time")

@@ -27,6 +27,7 @@ from ..checks import (
     is_traced,
     nan_unless,
     positive,
+    positive_arrays,
     warn_unless,
 )
 from ..element.law import Foundation
@@ -164,13 +165,7 @@ def break_out(
     shear = _checked_shear(boundary_shear, temperature)
     arguments = {"pressure": pressure, "time": time}
     arguments |= {"velocity": velocity, "temperature": temperature}
-    given: dict[str, Any] = {
-        name: None if value is None else as_float64(name, value)
-        for name, value in arguments.items()
-    }
-    for name, value in given.items():
-        if value is not None:
-            positive(name, value)
+    given: dict[str, Any] = dict.fromkeys(arguments) | positive_arrays(**arguments)
     shape = broadcast_shape(**given)
     relative_pressure, factor = relative_pressure_of(foundation, given)
     contact = _contact(chosen, surface, relative_pressure)

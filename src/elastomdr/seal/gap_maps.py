@@ -24,6 +24,8 @@ winds, which is to say that a way through it comes back to where it began in ano
 copy of the map.
 """
 
+import bisect
+import functools
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -267,18 +269,18 @@ def narrowest(gap: Any) -> float:
     NaN where none leads through along either.
     """
     sorted_gaps = np.unique(gap[gap > 0])
+
+    def closed(least: float, axis: int) -> bool:
+        """Whether no channel of gaps from `least` on leads through along an axis."""
+        wide = channels(gap >= least)[1].values()
+        return not any(winding[axis] for winding in wide)
+
     critical = []
     for axis in (0, 1):
-        low, high = -1, sorted_gaps.size  # channels of gaps above it: yes, no
-        while high - low > 1:
-            middle = (low + high) // 2
-            wide = channels(gap >= sorted_gaps[middle])[1].values()
-            if any(winding[axis] for winding in wide):
-                low = middle
-            else:
-                high = middle
-        if low >= 0:
-            critical.append(sorted_gaps[low])
+        is_closed = functools.partial(closed, axis=axis)
+        number = bisect.bisect_left(sorted_gaps, True, key=is_closed)
+        if number > 0:
+            critical.append(sorted_gaps[number - 1])
     return float(np.mean(critical)) if critical else np.nan
 
 

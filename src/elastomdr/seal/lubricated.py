@@ -34,6 +34,7 @@ from ..checks import (
     is_traced,
     one_of,
     positive,
+    positive_arrays,
     warn_unless,
 )
 from ..element.layer import Layer
@@ -366,15 +367,13 @@ def _checked(
             "time must be left out for rubber that moves through the contact, got "
             f"{time}."
         )
-    given = {"velocity": velocity, "load": load, "viscosity": viscosity}
-    given |= {"temperature": temperature, "time": time}
-    arrays = {
-        name: as_float64(name, value)
-        for name, value in given.items()
-        if value is not None
-    }
-    for name, value in arrays.items():
-        positive(name, value)
+    arrays = positive_arrays(
+        velocity=velocity,
+        load=load,
+        viscosity=viscosity,
+        temperature=temperature,
+        time=time,
+    )
     dims = broadcast_shape(**arrays)
     flat = {
         name: np.broadcast_to(value, dims).ravel() for name, value in arrays.items()

@@ -38,7 +38,7 @@ from ..checks import (
     broadcast,
     in_si,
     is_traced,
-    positive,
+    positive_arrays,
     require,
     scalar,
 )
@@ -217,14 +217,12 @@ def _motion(
     velocity_out: Any, velocity_in: Any, stroke: Any, viscosity: Any, width: Any
 ) -> _Motion:
     """The motion, checked. Raises `InputError`."""
-    arrays = {
-        "velocity_out": as_float64("velocity_out", velocity_out),
-        "velocity_in": as_float64("velocity_in", velocity_in),
-        "viscosity": as_float64("viscosity", viscosity),
-    }
-    numbers = {"stroke": scalar("stroke", stroke), "width": scalar("width", width)}
-    for name, value in (arrays | numbers).items():
-        positive(name, value)
+    arrays = positive_arrays(
+        velocity_out=velocity_out, velocity_in=velocity_in, viscosity=viscosity
+    )
+    numbers = positive_arrays(
+        stroke=scalar("stroke", stroke), width=scalar("width", width)
+    )
     return _Motion(*broadcast(**arrays).values(), *numbers.values())
 
 

@@ -89,7 +89,7 @@ class Disc(Tree):
         n, c = self._power()
         if n is not None:
             p = 1 if self.kind == "layer" else 0
-            return self.weight(a) * c * a * _power(a, n) * n / ((p + 1) * (n + p + 1))
+            return self.weight(a) * c * a * raised(a, n) * n / ((p + 1) * (n + p + 1))
         if isinstance(self.shape, Sphere):
             layer = self.kind == "layer"
             return self.shape.radius ** (3 if layer else 2) * _sphere_area(
@@ -107,7 +107,7 @@ class Disc(Tree):
         if n is not None:
             p = 1 if self.kind == "layer" else 0
             share = 1 / (p + 1) - 2 / (n + p + 1) + 1 / (2 * n + p + 1)
-            return 0.5 * self.weight(a) * a * (c * _power(a, n)) ** 2 * share
+            return 0.5 * self.weight(a) * a * (c * raised(a, n)) ** 2 * share
         x, dx = self._quadrature(a)
         return 0.5 * xp.sum(
             dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)) ** 2,
@@ -295,7 +295,7 @@ def _root(value: Array, n: float) -> Array:
     return xp.where(value > 0, xp.where(value > 0, value, 1.0) ** (1 / n), 0.0)
 
 
-def _power(x: Array, n: float) -> Array:
+def raised(x: Array, n: float) -> Array:
     """x^n with finite derivatives at x = 0 for the whole exponents of the common
     shapes.
     """

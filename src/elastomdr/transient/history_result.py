@@ -401,6 +401,19 @@ class Drive(_OverSurface):
             )
         return xp.stack(swings)
 
+    def _late(self) -> tuple[np.ndarray, float]:
+        """The instants of the last fifth of the time, and the mean velocity of the drive
+        in it; 0 where there are too few.
+        """
+        start, end = self.time[0], self.time[-1]
+        late = np.flatnonzero(
+            self.converged & (self.time >= start + _LATE * (end - start))
+        )
+        if late.size < 2:
+            return late, 0.0
+        ends = late[[0, -1]]
+        return late, np.ptp(self.drive[ends]) / np.ptp(self.time[ends])
+
     @in_si
     def stick_slip(self, normal_force: float | None = None) -> str:
         """Whether the body sticks and slips in the last fifth of the time, in a
@@ -411,15 +424,7 @@ class Drive(_OverSurface):
         Friction is in newtons, of a rough line per metre or, given the `normal_force`
         [N] of the whole body, of that body. Raises `InputError`.
         """
-        late = np.flatnonzero(
-            self.converged
-            & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0]))
-        )
-        mean = (
-            np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]])
-            if late.size > 1
-            else 0.0
-        )
+        late, mean = self._late()
         if not mean:
             return (
                 "not decided: the drive stands in the last fifth of the time, or "
@@ -468,14 +473,8 @@ class Drive(_OverSurface):
                     for k in names
                 ),
             )
-        late = np.flatnonzero(
-            self.converged
-            & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0]))
-        )
-        if late.size > 1 and (
-            speed := np.ptp(self.drive[late[[0, -1]]])
-            / np.ptp(self.time[late[[0, -1]]])
-        ):
+        late, speed = self._late()
+        if speed:
             low, high = (
                 significant(float(x(self.velocity[late])) / speed, 3)
                 for x in (np.min, np.max)

@@ -34,7 +34,7 @@ from ..element.layer import Layer, layer_deficit
 from ..errors import InputError
 from ..material.prony import Prony
 from ..numerics.quadrature import gauss, gauss_on_panels
-from ..surface.disc import Disc
+from ..surface.disc import Disc, raised
 from ..surface.profile import Profile
 from ..surface.shapes import AbstractShape, Cone, Cylinder, FlatPunch, PowerLaw
 from ..trees import replaced, static
@@ -146,7 +146,7 @@ class LayerDisc(Disc):
         """A(a): an elastic contact carries E* A."""
         inside = self._inside(a)
         held = (
-            self._read(self.held, inside)[0] * inside * _raised(inside, self._tip_power)
+            self._read(self.held, inside)[0] * inside * raised(inside, self._tip_power)
         )
         return self.width(inside) * self.profile(inside) - 2 * held
 
@@ -227,9 +227,7 @@ class LayerDisc(Disc):
         """int R g ds and its derivative by the radius."""
         value, rise = self._read(self.pull, x)
         p = self._tip_power
-        return value * _raised(x, p), rise * _raised(x, p) + value * p * _raised(
-            x, p - 1
-        )
+        return value * raised(x, p), rise * raised(x, p) + value * p * raised(x, p - 1)
 
     def _read(self, table: Array, a: Array) -> tuple[Array, Array]:
         """A function at radii a, and its derivative: Clenshaw's sum on the panel of
@@ -403,15 +401,6 @@ def _series(numpy: Any, values: Array) -> Array:
     order = np.polynomial.chebyshev.chebvander(_places(), _DEGREE).T * 2 / (_DEGREE + 1)
     order[0] *= 0.5
     return numpy.asarray(order) @ values
-
-
-def _raised(x: Array, n: float) -> Array:
-    """x^n for x >= 0 with finite derivatives at zero."""
-    return (
-        x ** int(n)
-        if n == int(n)
-        else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)
-    )
 
 
 def of_layer(material: Layer, shape: AbstractShape) -> tuple[LayerDisc, Foundation]:

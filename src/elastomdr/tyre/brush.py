@@ -141,7 +141,14 @@ def _sticking_length(
     low, high = fixed(
         tuple(length * ends[xp.clip(first_slip + i, 0, steps)] for i in (-2, 1))
     )
-    low, high = bisect(sticks, low, high, _HALVINGS)
+    return _where_slip_begins(r, length, bisect(sticks, low, high, _HALVINGS))
+
+
+def _where_slip_begins(r: Any, length: Array, bracket: tuple[Array, Array]) -> Array:
+    """The middle of the bracket; all of the contact sticks without an end of friction,
+    or without creepage, and none of it without friction.
+    """
+    low, high = bracket
     return xp.where(
         xp.isinf(r.friction) | (r.creepage == 0),
         length,
@@ -460,12 +467,8 @@ def _sticking_length_on_layer(contact: LayerContact, first_slip: Array) -> np.nd
     def sticks(distance: np.ndarray) -> np.ndarray:
         return contact.ramp(distance)[0] < contact.slip_limit(distance)
 
-    low, high = bisect(sticks, low, high, _LAYER_HALVINGS)
-    return np.where(
-        np.isinf(contact.friction) | (contact.creepage == 0),
-        length,
-        np.where(contact.friction == 0, 0.0, 0.5 * (low + high)),
-    )
+    bracket = bisect(sticks, low, high, _LAYER_HALVINGS)
+    return _where_slip_begins(contact, length, bracket)
 
 
 def _march_on_layer(contact: LayerContact, steps: int) -> _Marched:
