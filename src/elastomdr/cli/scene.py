@@ -38,6 +38,7 @@ _AXES = (
     "pressure",
     "load",
     "depth",
+    "direction",
     "goods",
     "ambient",
     "temperature",
