@@ -418,12 +418,7 @@ class Line(Model):
     ) -> FrictionCurve:
         from .rough.line import rough_friction
 
-        if direction is not None:
-            raise InputError(
-                "direction needs em.Multiscale(), em.Persson() or em.HalfSpace() and a "
-                f"surface under a pressure, got {self!r}."
-            )
-
+        self._refuse_direction(direction)
         return rough_friction(material, surface, model=self, **scene)
 
     def rough_plan(
@@ -432,11 +427,20 @@ class Line(Model):
         surface: Surface,
         *,
         adhesion: AdhesiveShear | None,
+        direction: ArrayLike | None,
         **scene: Any,
     ) -> RoughPlan | SurfacePlan:
         from .rough.line import rough_plan
 
+        self._refuse_direction(direction)
         return rough_plan(material, surface, model=self, **scene)
+
+    def _refuse_direction(self, direction: ArrayLike | None) -> None:
+        if direction is not None:
+            raise InputError(
+                "direction needs em.Multiscale(), em.Persson() or em.HalfSpace() and a "
+                f"surface under a pressure, got {self!r}."
+            )
 
     def for_changes(self, surface: Surface, finer: float) -> Line:
         from .surface.spectrum import PER_WAVE, line_count

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.cli.kinds import read_scene
 from elastomdr.errors import InputError
 from elastomdr.rough import against_lay, half_space
 from elastomdr.surface.lay import Lay
@@ -64,6 +65,36 @@ def test_without_a_direction_the_bound_holds_all():
     assert "mean over directions" in mean.summary()
 
 
+def test_a_plan_and_a_scene_have_the_direction(tmp_path):
+    at = {"velocity": 1e-2, "pressure": 1e5, "direction": [0.0, 1.0]}
+    plan = em.plan(SOLID, ground(4.0), **at)
+    assert plan.points == 2
+    assert "averaged over the angle to the lay" in str(plan)
+
+    heights, side = em.reference.rough_map(ground(4.0), periods=2, points=64)
+    np.savetxt(tmp_path / "ground.txt", heights)
+    (tmp_path / "ground.toml").write_text(
+        f"""
+        material = "sbr-gum-like"
+        [surface]
+        shape = "file"
+        file = "ground.txt"
+        unit = "m"
+        pixel_size = "{side / 64:.9g} m"
+        [contact]
+        pressure = "0.1 MPa"
+        velocity = "0.1 m/s"
+        direction = ["0 deg", "90 deg"]
+        """
+    )
+    scene = read_scene("friction", tmp_path / "ground.toml")
+    with pytest.warns(UserWarning, match="not isotropic"):
+        curve = em.friction(**scene.arguments(tmp_path))
+    assert [axis.name for axis in curve.axes()] == ["direction"]
+    np.testing.assert_allclose(curve.direction, [0.0, np.pi / 2])
+    assert (curve.mu[0] < curve.mu[1]).all()
+
+
 def test_a_derivative_by_the_direction():
     """Of the average that both models take; a whole call has the same rule as by other
     arguments.
@@ -78,7 +109,7 @@ def test_a_derivative_by_the_direction():
 
     at = np.array([0.7])
     with jax.enable_x64(True):
-        slope = jax.jvp(drag, (at,), (np.ones(1),))[1]
+        slope = jax.jit(lambda t: jax.jvp(drag, (t,), (np.ones(1),))[1])(at)
     np.testing.assert_allclose(
         slope, (drag(at + 1e-4) - drag(at - 1e-4)) / 2e-4, rtol=1e-5
     )
@@ -88,6 +119,8 @@ def test_directions_that_are_refused():
     at = {"velocity": 0.1, "direction": 0.2}
     with pytest.raises(InputError, match=r"^direction needs em\.Multiscale"):
         em.friction(SOLID, ROAD, pressure=1e5, model=em.Line(), **at)
+    with pytest.raises(InputError, match=r"^direction needs em\.Multiscale"):
+        em.plan(SOLID, ROAD, pressure=1e5, model=em.Line(), **at)
     with pytest.raises(InputError, match=r"^direction is an angle to the lay"):
         em.friction(SOLID, em.Sphere(1e-2), load=1.0, **at)
 

@@ -70,6 +70,7 @@ _LABELS = _TABLES | {
     "creepage": "Creepage [-]|velocity of slip over the rolling velocity, in place of "
     "the slip",
     "strain_share": "Strain over rms slope [-]|of a rubber that softens with strain",
+    "direction": "Direction of sliding [°]|to the lay of a ground or turned surface: 0 along it",
     "model": "Model of the contact",
     "corrected": "Corrected for asymmetric contacts|averaged model",
     "average": "Averaged over directions|line model",

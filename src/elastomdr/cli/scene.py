@@ -39,6 +39,7 @@ _AXES = (
     "pressure",
     "load",
     "depth",
+    "direction",
     "goods",
     "ambient",
     "temperature",

@@ -26,6 +26,7 @@ from .schema import (
     path_from,
 )
 from .units import (
+    Angle,
     AreaStiffness,
     Conductance,
     Duration,
@@ -73,10 +74,14 @@ class SurfaceContact(Contact):
         float | None,
         "strain at a scale over the rms slope up to it, of a rubber that softens",
     ] = None
+    direction: Annotated[
+        Several[Angle] | None,
+        "of sliding, to the lay of a measured surface: 0 along its grooves",
+    ] = None
 
     def arguments(self) -> dict[str, Any]:
-        """As of every contact, and what goes with a softening."""
-        return super().arguments() | given(self, "strain_share")
+        """As of every contact, with what goes with a softening and with a lay."""
+        return super().arguments() | given(self, "strain_share", "direction")
 
 
 class OfDraws(OfBodies):

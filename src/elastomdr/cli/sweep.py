@@ -20,7 +20,15 @@ from .schema import Table, decode, named
 
 _TABLE_ROWS = 1_000_000
 # slowest first
-_ARRAYS = ("mass", "pressure", "load", "depth", "temperature", "velocity")
+_ARRAYS = (
+    "mass",
+    "direction",
+    "pressure",
+    "load",
+    "depth",
+    "temperature",
+    "velocity",
+)
 
 
 class Sweep(Table):

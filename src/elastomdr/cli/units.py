@@ -15,6 +15,8 @@ _NUMBER = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL
 )
 
+_DEGREE = "0.017453292519943295769"  # [rad]
+
 # The usual units of each SI unit, converted exactly and without loading pint, which
 # knows all others.
 USUAL = {
@@ -67,6 +69,7 @@ USUAL = {
     "Pa/m": {"Pa/m": "1", "MPa/m": "1e6", "N/m^3": "1", "N/mm^3": "1e9"},
     "J/mol": {"J/mol": "1", "kJ/mol": "1e3"},
     "kg/mol": {"kg/mol": "1", "g/mol": "1e-3"},
+    "rad": {"rad": "1", "deg": _DEGREE, "°": _DEGREE},
     "1/m": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6", "rad/m": "1"},
 }
 _ZERO = {"degC": Decimal("273.15")}  # where a unit's scale begins
@@ -221,6 +224,9 @@ class Frequency(Quantity, what="a frequency", unit="Hz", example="10 Hz"): ...
 
 
 class WaveNumber(Quantity, what="a wave number", unit="1/m", example="1e3 1/m"): ...
+
+
+class Angle(Quantity, what="an angle", unit="rad", example="90 deg", sign=""): ...
 
 
 class Viscosity(

@@ -191,6 +191,7 @@ class Result:
         "velocity",
         "temperature",
         "pressure",
+        "direction",
         "normal_force",
         "force",
         "depth",

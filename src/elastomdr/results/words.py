@@ -8,7 +8,7 @@ from ..checks import is_traced, significant
 
 _SHAPE_UNITS = {"radius": " m", "length": " m"}
 # what one SI unit is in them
-_SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6}
+_SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6, "°": 180 / np.pi}
 
 
 def describe(shape: Any) -> str:
@@ -61,6 +61,8 @@ def in_words(name: str, value: float, unit: str = "N") -> str:
         return f"{significant(round(value - 273.15, 3), 5)} degC"
     if name == "pressure":
         return f"{significant(1e-6 * value)} MPa"
+    if name == "direction":
+        return f"{significant(round(np.degrees(value), 6))} degrees to the lay"
     if name in ("depth", "radius", "length", "diameter"):
         return f"{significant(1e3 * value)} mm"
     if name in ("creepage", "slip", "squeeze"):

@@ -697,10 +697,11 @@ def surface_plan(
     temperature: Any,
     rtol: Any,
     heat: Heat | None,
+    direction: Any,
 ) -> SurfacePlan:
     """`em.plan` of a surface under a pressure; see there."""
     scene = _set_up(
-        material, surface, model, velocity, pressure, temperature, rtol, heat
+        material, surface, model, velocity, pressure, temperature, rtol, heat, direction
     )
     return _plan(*scene, surface, model, heat, _label(surface))
 
@@ -722,6 +723,8 @@ def _plan(
 ) -> SurfacePlan:
     name = foundation.name or "a foundation given directly"
     work, skipped = model.work(surface)
+    if _directed(scene, surface, model) is not None and not model.samples_directions:
+        work += ", each averaged over the angle to the lay"
     points = int(np.prod(scene.shape))
     return SurfacePlan(
         f"{label} on {name}", model.words() + _hot(model, heat), points, work, skipped
@@ -743,7 +746,7 @@ def _set_up(
     temperature: Any,
     rtol: Any,
     heat: Any,
-    direction: Any = None,
+    direction: Any,
 ) -> tuple[Any, Scene]:
     """The foundation and its points, checked. Raises `InputError`."""
     foundation = surface_foundation(material)

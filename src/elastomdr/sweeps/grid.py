@@ -22,7 +22,7 @@ from ..results.base import distinct
 from ..trees import Tree
 
 _BODIES = ("shape", "surface")
-_STEADY = ("velocity", "load", "depth", "pressure", "temperature")
+_STEADY = ("velocity", "load", "depth", "pressure", "temperature", "direction")
 _IMPACT = (
     "mass",
     "velocity",
@@ -36,6 +36,7 @@ _UNITS = {
     "load": "N",
     "depth": "m",
     "pressure": "Pa",
+    "direction": "rad",
     "temperature": "K",
     "mass": "kg",
     "inertia": "kg m^2",

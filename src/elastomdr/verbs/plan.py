@@ -45,6 +45,7 @@ def plan(
     quantity: Motion = "friction",
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
+    direction: ArrayLike | None = None,
 ) -> "Plan | RoughPlan | SurfacePlan | Plans | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it
     says what is skipped and why.
@@ -79,8 +80,9 @@ def plan(
             skip=skip,
             heat=heat,
             adhesion=adhesion,
+            direction=direction,
         )
-    only_rough(heat=heat)
+    only_rough(heat=heat, direction=direction)
     if isinstance(shape, AbstractShape):
         model = of_smooth(model, quantity, shape.label)
         if not model.on_line:
