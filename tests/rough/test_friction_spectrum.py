@@ -56,20 +56,6 @@ def test_full_contact_is_a_sum_over_the_waves(rubber):
     )
 
 
-def test_straight_lines_between_the_samples_have_waves_beyond_nyquist():
-    """On eight samples a wave the work of all waves is mu, to what lies beyond the last
-    of them; a power of sinc other than 4 would be 10 % off.
-    """
-    from elastomdr.rough.friction_spectrum import _of_lanes
-
-    height = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 8)
-    every = np.array([1e-3, 1e30])  # one band
-    law = RUBBER.law()
-    velocity, load, stretch = np.array([0.01]), np.array([1e5]), np.ones(1)
-    found = _of_lanes(height, 1e-6, law, velocity, load, "load", 1e-6, every, stretch)
-    np.testing.assert_allclose(found[0].sum(), found[1], rtol=2e-3)
-
-
 def test_averaged_over_directions():
     """sum (1/2) A^2 k <cos(phi) E''(k v cos(phi))>/F: those of each wave lie at and
     below its own frequency.
