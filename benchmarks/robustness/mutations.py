@@ -232,7 +232,10 @@ def outcome(mutation: Mutation, tests: list[str], limit: float) -> tuple[str, st
     )
     if failed is None:
         return "caught", "the tests cannot start"
-    anyway = pytest(SOURCE, [failed[1]], limit).returncode != 0
+    try:
+        anyway = pytest(SOURCE, [failed[1]], limit).returncode != 0
+    except subprocess.TimeoutExpired:
+        return "not judged", f"{failed[1]}: no end within {limit:g} s without it"
     return (
         ("not judged", f"{failed[1]} fails without it")
         if anyway

@@ -50,6 +50,32 @@ def test_derivatives():
     )
 
 
+def test_points_beyond_the_range_of_the_rubber_stay_marked(tmp_path):
+    rubber = em.Prony(1e6, [4e6], [1e-3], range={"omega": (1.0, 1e4)})
+    scene = {"velocity": [1e-3, 1e-2, 0.1, 10.0], "load": 1.0, "model": em.Line()}
+    with pytest.warns(em.ExtrapolationWarning):
+        curve = em.friction(rubber, em.Sphere(5e-3), **scene)
+    curve.to_csv(tmp_path / "curve.csv")
+    curve.law().to_csv(tmp_path / "law.csv")
+    files = (em.load_friction(tmp_path / f"{name}.csv") for name in ("curve", "law"))
+    for law in (curve.law(), *files):
+        np.testing.assert_array_equal(law.extrapolated, [True, False, False, True])
+    braked = em.traction(
+        em.Foundation(4e6, [], []),
+        em.Sphere(5e-3),
+        velocity=1.0,
+        creepage=[2e-3, 0.05, 0.1, 0.2],
+        friction=curve.law(),
+        load=1.0,
+        tangential=em.Foundation(3e6, [], []),
+    )
+    np.testing.assert_array_equal(braked.extrapolated, [True, False, False, True])
+    assert "2 of 4 points beyond the range of its material" in braked.summary()
+    assert LAW.extrapolated is None
+    with pytest.raises(em.InputError, match="extrapolated must have the shape of mu"):
+        em.FrictionLaw([1.0, 2.0], [0.1, 0.2], extrapolated=[True])
+
+
 def test_outside_is_refused_and_nan_where_it_cannot_be_seen():
     with pytest.raises(
         em.InputError,

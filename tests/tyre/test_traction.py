@@ -230,6 +230,31 @@ def test_kelvin_tread_slips_at_both_edges():
     assert abs(found.coefficient - expected / LOAD) <= found.error
 
 
+def test_dashpot_under_the_load():
+    """An elastic tread under q = E (a^2 - x^2)/R + 2 eta v x/R: tau = G xi r from the
+    leading edge on, held at mu q wherever it would pass that.
+    """
+    xi, velocity, viscosity = 0.05, 2.0, 800.0
+    found = em.traction(
+        em.Foundation.kelvin(E, viscosity),
+        BALL,
+        velocity=velocity,
+        creepage=xi,
+        friction=MU,
+        load=LOAD,
+        tangential=TANGENTIAL,
+        model=em.Line(),
+    )
+    leading, trailing = found.contact.leading, found.contact.trailing
+    assert trailing < 0.9 * leading
+    r = np.linspace(0.0, leading + trailing, 40001)
+    x = leading - r
+    pressure = (E * (leading**2 - x**2) + 2 * viscosity * velocity * x) / R
+    excess = np.minimum.accumulate(MU * pressure - G * xi * r)
+    traction = G * xi * r + np.minimum(excess, 0.0)
+    np.testing.assert_allclose(found.force, np.trapezoid(traction, r), rtol=1e-5)
+
+
 def test_kelvin_tread_that_never_slips():
     """F_x = xi (G l^2/2 + eta v l), whichever way it is integrated."""
     from elastomdr.surface.lines import SingleLine

@@ -345,7 +345,7 @@ class FrictionCurve(AbstractCurve):
             )
         points = {
             name: fields[name]
-            for name in ("velocity", "temperature", "pressure")
+            for name in ("velocity", "temperature", "pressure", "extrapolated")
             if name in fields
         }
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})

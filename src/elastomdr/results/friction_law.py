@@ -35,10 +35,10 @@ from ..checks import (
 )
 from ..errors import InputError
 from ..files import csv_text, read_text, write_files
-from ..trees import Tree, fill
+from ..trees import Tree, fill, static
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    from jaxtyping import Bool, Float
 
     from .._types import ArrayLike
 
@@ -48,6 +48,7 @@ _TITLES = {
     "temperature": ("temperature [K]",),
     "pressure": ("pressure [Pa]", "nominal pressure [Pa]"),
     "mu": ("friction coefficient [-]",),
+    "extrapolated": ("beyond the range of the material",),
 }
 _UNITS = {"velocity": "m/s", "temperature": "K", "pressure": "Pa"}
 # factor on velocity and pressure, names
@@ -64,13 +65,15 @@ class FrictionLaw(Tree):
     `mu` has the shape (temperature, pressure, velocity), without the axes that are not
     given. From a computed curve: `curve.law()`; from a file: `em.load_friction(path)`.
     Calling it interpolates, with derivatives (`jax.grad`) with respect to mu and to
-    where it is asked. Raises `InputError`.
+    where it is asked. `extrapolated` marks the points of `mu` that lie beyond the range
+    of the rubber; None where that is not known. Raises `InputError`.
     """
 
     velocity: Float[Array, " velocities"]  # sliding velocity, ascending [m/s]
     mu: Float[Array, "..."]
     temperature: Float[Array, " temperatures"] | None  # ascending [K]
     pressure: Float[Array, " pressures"] | None  # nominal, ascending [Pa]
+    flags: tuple[bool, ...] | None = static()  # `extrapolated`, flat
 
     def __init__(
         self,
@@ -78,6 +81,7 @@ class FrictionLaw(Tree):
         mu: ArrayLike,
         temperature: ArrayLike | None = None,
         pressure: ArrayLike | None = None,
+        extrapolated: ArrayLike | None = None,
     ):
         given = {"temperature": temperature, "pressure": pressure, "velocity": velocity}
         axes = {
@@ -109,6 +113,26 @@ class FrictionLaw(Tree):
                 "zero or positive and finite, or NaN",
                 lambda x: (x >= 0) & np.isfinite(x),
             )
+        flags = None if extrapolated is None else np.asarray(extrapolated) != 0
+        if flags is not None and flags.shape != shape:
+            raise InputError(
+                f"extrapolated must have the shape of mu, {shape}, got {flags.shape}."
+            )
+        fill(self, flags=None if flags is None else tuple(flags.ravel().tolist()))
+
+    @property
+    def extrapolated(self) -> Bool[np.ndarray, "..."] | None:
+        """Which points of `mu` lie beyond the range of the rubber."""
+        return None if self.flags is None else np.reshape(self.flags, self.mu.shape)
+
+    def extrapolated_at(self, **place: Any) -> Bool[np.ndarray, "..."] | None:
+        """Where mu at such velocities, temperatures and pressures is interpolated from a
+        point that is extrapolated; None where that is not known.
+        """
+        if self.extrapolated is None or is_traced(self, place):
+            return None
+        share = FrictionLaw(mu=1.0 * self.extrapolated, **self.axes())
+        return np.asarray(share(**place) > 0)
 
     @numpy_unless_traced
     def __call__(
@@ -205,13 +229,10 @@ class FrictionLaw(Tree):
             _TITLES[name][0]: values.ravel()
             for name, values in zip(axes, points, strict=True)
         }
-        write_files(
-            {
-                Path(path): csv_text(
-                    header, columns | {_TITLES["mu"][0]: self.mu.ravel()}
-                ).encode()
-            }
-        )
+        columns[_TITLES["mu"][0]] = self.mu.ravel()
+        if self.extrapolated is not None:
+            columns[_TITLES["extrapolated"][0]] = self.extrapolated.ravel()
+        write_files({Path(path): csv_text(header, columns).encode()})
 
     def to_abaqus(
         self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m"
@@ -269,9 +290,10 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     writes it.
 
     Columns "velocity [m/s]", "friction coefficient [-]" and, if there are any,
-    "temperature [K]" and "pressure [Pa]" or "nominal pressure [Pa]", in any order;
-    others are passed over, and so are lines that start with #. Every combination of the
-    values must be there once. Raises `InputError`.
+    "temperature [K]", "pressure [Pa]" or "nominal pressure [Pa]" and "beyond the range
+    of the material" (True, False), in any order; others are passed over, and so are
+    lines that start with #. Every combination of the values must be there once. Raises
+    `InputError`.
     """
     name = Path(path).name
     try:
@@ -299,7 +321,7 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
             places[key] = columns[0]
     try:
         points = {
-            key: np.array([float(row[i] or "nan") for row in rows[1:]])
+            key: np.array([_number(row[i]) for row in rows[1:]])
             for key, i in places.items()
         }
     except (ValueError, IndexError) as error:
@@ -312,9 +334,14 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
         raise InputError(f"path: {name!r}: {error}") from error
 
 
+def _number(cell: str) -> float:
+    """A number, NaN for an empty cell; True is 1 and False 0."""
+    return float({"": "nan", "True": "1", "False": "0"}.get(cell, cell))
+
+
 def gridded(points: Mapping[str, np.ndarray]) -> FrictionLaw:
     """The law of points that fill a grid: "velocity", "mu" and, where known,
-    "temperature" and "pressure", flat.
+    "temperature", "pressure" and "extrapolated", flat.
     """
     names = [name for name in ("temperature", "pressure", "velocity") if name in points]
     if not points["mu"].size or not all(
@@ -335,9 +362,12 @@ def gridded(points: Mapping[str, np.ndarray]) -> FrictionLaw:
             f"{' x '.join(map(str, shape))} values, {points['mu'].size} points, "
             f"{int((count == 0).sum())} missing and {int((count > 1).sum())} repeated."
         )
-    mu = np.empty(shape)
-    mu[tuple(places)] = points["mu"]
-    return FrictionLaw(mu=mu, **dict(zip(names, axes, strict=True)))
+    values = {}
+    for name in ("mu", "extrapolated"):
+        if name in points:
+            values[name] = np.empty(shape)
+            values[name][tuple(places)] = points[name]
+    return FrictionLaw(**values, **dict(zip(names, axes, strict=True)))
 
 
 def _between(

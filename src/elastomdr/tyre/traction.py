@@ -100,13 +100,14 @@ class _Scene(NamedTuple):
         force: Any,
         contact: Contact,
         converged: Any,
-    ) -> Any:
-        """Coulomb's coefficient of each contact, from the law where there is one;
-        without creepage at the law's lowest velocity, which decides nothing there.
+    ) -> tuple[Any, Any]:
+        """Coulomb's coefficient of each contact, from the law where there is one, and
+        where it is extrapolated there (None: not known); without creepage at the law's
+        lowest velocity, which decides nothing there.
         """
         law, shape = self.law, self.shape
         if law is None:
-            return self.friction
+            return self.friction, None
         given = {}
         if "temperature" in law.axes():
             if temperature is None:
@@ -125,7 +126,8 @@ class _Scene(NamedTuple):
         sliding = xp.prod(
             xp.stack(xp.broadcast_arrays(xp.abs(self.creepage), velocity)), axis=0
         )
-        return law(xp.where(sliding > 0, sliding, law.velocity[0]), **given)
+        given["velocity"] = xp.where(sliding > 0, sliding, law.velocity[0])
+        return law(**given), law.extrapolated_at(**given)
 
     def words(self, friction: Any) -> list[tuple[str, str]]:
         """Creepage and friction as inputs of the result."""
@@ -304,7 +306,7 @@ def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
         softens=False,
     )
     solution = solve(steady)
-    friction = scene.friction_in(
+    friction, beyond = scene.friction_in(
         solution.velocity,
         steady.temperature,
         solution.normal_force,
@@ -319,6 +321,7 @@ def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
         solution,
         creepage=xp.broadcast_to(scene.creepage, steady.shape),
         friction=xp.broadcast_to(friction, steady.shape),
+        beyond=beyond,
         pulled=pulled,
         converged=converged,
         temperature=steady.temperature,
@@ -401,15 +404,18 @@ def _packed(
     *,
     creepage: Any,
     friction: Any,
+    beyond: Any,
     pulled: Any,
     converged: Any,
     **settings: Any,
 ) -> Traction:
-    """The result of a brush: `pulled` has force, stick and error without signs."""
+    """The result of a brush: `pulled` has force, stick and error without signs,
+    `beyond` says where the friction law is extrapolated.
+    """
     force = nan_unless(converged, xp.sign(creepage) * pulled.force)
     inputs = list(solution.inputs)
     place = [name for name, _ in inputs].index("relative tolerance")
-    inputs[place:place] = scene.words(friction)
+    inputs[place:place] = [*scene.words(friction), *_beyond_in_words(beyond)]
     return Traction(
         velocity=solution.velocity,
         creepage=creepage,
@@ -424,10 +430,26 @@ def _packed(
         contact=solution.contact,
         error=nan_unless(converged, pulled.error / solution.normal_force),
         converged=converged,
-        extrapolated=solution.extrapolated,
+        extrapolated=_either(solution.extrapolated, beyond, force.shape),
         inputs=tuple(inputs),
         **settings,
     )
+
+
+def _either(rubber: Any, beyond: Any, shape: tuple[int, ...]) -> Any:
+    """Where the rubber or the friction law is extrapolated; None where neither knows."""
+    if beyond is None:
+        return rubber
+    beyond = np.broadcast_to(beyond, shape)
+    return beyond if rubber is None else rubber | beyond
+
+
+def _beyond_in_words(beyond: Any) -> list[tuple[str, str]]:
+    """What is said of a friction law that is extrapolated."""
+    if beyond is None or not beyond.any():
+        return []
+    words = f"at {int(beyond.sum())} of {beyond.size} points beyond the range of its material"
+    return [("friction law", words)]
 
 
 def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
@@ -477,7 +499,7 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         rtol=scene.rtol,
     )
     solution = steady.found
-    friction: Any = scene.friction_in(
+    friction, beyond = scene.friction_in(
         solution.velocity,
         steady.temperature,
         solution.normal_force,
@@ -506,6 +528,7 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         solution,
         creepage=creepage,
         friction=friction,
+        beyond=beyond,
         pulled=_pulled(sheared, float(scene.shape.length), points),
         converged=solution.converged,
         temperature=steady.temperature,
@@ -566,7 +589,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
     load, modulus = _checked_half_plane(foundation, scene)
     shape: Any = scene.shape
     half = carter(modulus, shape.radius, load / shape.length, 1.0, 0.0)[2]
-    friction = scene.friction_in(
+    friction, beyond = scene.friction_in(
         scene.velocity, scene.temperature, load, Contact(half, half), True
     )
     if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
@@ -596,6 +619,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
         contact=Contact(half, half),
         error=zero,
         converged=xp.ones(ratio.shape, bool),
+        extrapolated=_either(None, beyond, ratio.shape),
         temperature=None,
         model=CARTER,
         plan="closed form",
@@ -605,6 +629,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
             ("load", brief(load, "N")),
             ("velocity", brief(velocity, "m/s")),
             *scene._replace(creepage=creepage).words(friction),
+            *_beyond_in_words(beyond),
         ),
     )
 
