@@ -321,8 +321,14 @@ def _on_cluster(
     from distributed.scheduler import KilledWorker
     from distributed.utils import CancelledError, TimeoutError  # type: ignore[attr-defined]
 
-    # unlike scattered data made again if lost
-    shared = client.submit(_given, asked, pure=False) if todo else None
+    try:
+        # unlike scattered data made again if lost
+        shared = client.submit(_given, asked, pure=False) if todo else None
+    except TypeError as error:
+        raise InputError(
+            "call, axes and fixed arguments must be such that they can be pickled, for "
+            f"other processes: {error.__cause__ or error}"
+        ) from error
     suspects: list[int] = []
     try:
         for number, outcome in _as_completed(client, shared, chunks, todo, alone=False):

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from .written import checksum
 
 _PARTIAL = ".partial"  # ends the name of a file that is being written to a folder
 # an object takes some 30 ms to write, nearly all of it waiting; a file takes none
@@ -134,8 +135,6 @@ class Files:
         """Size and CRC-32 of files; None where there is none, as zarr writes none for a
         chunk that is NaN all over.
         """
-        from .written import checksum
-
         return {
             name: None if content is None else checksum(content)
             for name, content in zip(names, self.read(names), strict=True)

@@ -172,7 +172,7 @@ class Store:
         """
         import zarr
 
-        from .written import Written
+        from .written import remembered
 
         place = self.files.place
         root, attributes = self.files.read([".zgroup", ".zattrs"])
@@ -200,7 +200,7 @@ class Store:
         # Metadata collected by an earlier run may be older than what has been written
         # since.
         group: Any = zarr.open_group(
-            Written(self.files.zarr_store()),
+            remembered(self.files.zarr_store()),
             mode="a",
             zarr_format=2,
             use_consolidated=False,

@@ -1,41 +1,45 @@
-"""What zarr has written to a store. It imports zarr, so it is imported when needed."""
+"""What zarr has written to a store."""
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
-from zarr.abc.store import Store
-from zarr.core.buffer import Buffer
-from zarr.storage import WrapperStore
+if TYPE_CHECKING:
+    from zarr.abc.store import Store
+    from zarr.core.buffer import Buffer
 
 
-class Written(WrapperStore[Store]):
-    """A store that knows the checksums of what is written through it, so that nothing
-    has to be read again for them.
+def remembered(store: Store) -> Any:
+    """The same store, which keeps `checksums` of what is written through it, so that
+    nothing has to be read again for them.
     """
+    from zarr.storage import WrapperStore
 
-    def __init__(self, store: Store):
-        super().__init__(store)
+    class Written(WrapperStore[Any]):
         # by file: size and CRC-32, or None of one that was deleted
-        self.checksums: dict[str, list[int] | None] = {}
+        checksums: dict[str, list[int] | None]
 
-    async def set(self, key: str, value: Buffer) -> None:
-        content = value.to_bytes()
-        await super().set(key, value)
-        self.checksums[key] = checksum(content)
+        async def set(self, key: str, value: Buffer) -> None:
+            await super().set(key, value)
+            self.checksums[key] = checksum(value.to_bytes())
 
-    async def set_if_not_exists(self, key: str, value: Buffer) -> None:
-        await super().set_if_not_exists(key, value)
-        self.checksums.pop(key, None)
+        async def set_if_not_exists(self, key: str, value: Buffer) -> None:
+            await super().set_if_not_exists(key, value)
+            self.checksums.pop(key, None)  # not known
 
-    async def _set_many(self, values: Iterable[tuple[str, Buffer]]) -> None:
-        for key, value in values:
-            await self.set(key, value)
+        async def _set_many(self, values: Iterable[tuple[str, Buffer]]) -> None:
+            for key, value in values:
+                await self.set(key, value)
 
-    async def delete(self, key: str) -> None:
-        await super().delete(key)
-        self.checksums[key] = None
+        async def delete(self, key: str) -> None:
+            await super().delete(key)
+            self.checksums[key] = None
+
+    written = Written(store)
+    written.checksums = {}
+    return written
 
 
 def checksum(content: bytes) -> list[int]:
