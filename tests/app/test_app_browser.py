@@ -3,6 +3,7 @@ machine.
 """
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -23,6 +24,7 @@ SCREENS = (
     "Friction",
     "Compare",
     "Rolling",
+    "Tyre",
     "Seal",
     "Export",
 )
@@ -36,10 +38,21 @@ POINTED = """() => {
     chart.dispatchAction({ type: 'showTip', x: left, y: top });
     return /Sliding velocity.*\\n.*\\n.*0 °C.* [(].* to .*[)]/.test(element.innerText);
 }"""
+# where the first point of an isotherm is in the window
+ISOTHERM = """name => {
+    const element = [...document.querySelectorAll('.chart')].find(e => e.offsetParent);
+    const chart = getElement(Number(element.id.slice(1))).chart;
+    const [point] = chart.getOption().series.find(each => each.type === 'scatter' && each.name === name).data;
+    const [left, top] = chart.convertToPixel({ xAxisIndex: 0, yAxisIndex: 0 }, point);
+    const { x, y } = element.getBoundingClientRect();
+    return [x + left, y + top];
+}"""
 # nothing reaches beyond the window, and no message covers the field below
 WHOLE = """() => document.documentElement.scrollWidth <= document.documentElement.clientWidth
     && [...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].every(e => !e.offsetParent
         || e.getBoundingClientRect().right <= innerWidth + 1 || e.closest('.words, .frame, .scroll'))
+    && [...document.querySelectorAll('.chart canvas')].every(e => !e.offsetParent
+        || e.getBoundingClientRect().right <= e.closest('.chart').getBoundingClientRect().right + 1)
     && [...document.querySelectorAll('.q-field--error .q-field__messages')].every(e => !e.offsetParent
         || e.getBoundingClientRect().bottom <=
            e.closest('.field').parentElement.nextElementSibling.getBoundingClientRect().top)"""
@@ -99,7 +112,7 @@ def page(opened):
 
 def tab(page, screen):
     page.locator(f"[role=tab]:has(:text-is('{screen}'))").click()
-    page.locator(".q-tab-panel:visible").wait_for()
+    page.locator(f".of-{screen.lower()}:visible > *").first.wait_for()
 
 
 def button(page, name):
@@ -152,6 +165,7 @@ def test_from_files_to_friction(page):
     button(page, "My rubber").click()
     drop(page, SAMPLE / "dma.csv")
     says(page, ".words:visible", "frequency from 2")
+    an_isotherm_is_dragged(page)
     tab(page, "Road")
     shows(page, 1)
     drop(page, SAMPLE / "road.csv")
@@ -181,6 +195,18 @@ def test_from_files_to_friction(page):
             page.wait_for_function(WHOLE, polling=50, timeout=60e3)
         found = findings.run(page, options=AXE).response["violations"]
         assert not [each for each in found if each["impact"] in SERIOUS], screen
+
+
+def an_isotherm_is_dragged(page):
+    """Shift factor and overlap follow; back at the fit all is as it was."""
+    x, y = page.evaluate(ISOTHERM, "60 °C")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y, steps=2)
+    page.mouse.up()
+    says(page, ".words:visible", re.compile(r"log10 a_T  -(1|2\.[012]).* at 60 °C"))
+    button(page, "Back to the fit").click()
+    says(page, ".words:visible", "-2.506 at 60 °C")
 
 
 AXE = {
@@ -251,7 +277,7 @@ def test_by_keyboard_alone(page):
         arg=before[0],
     )
     reach(page, "Friction", back=True)
-    for _ in range(4):
+    for _ in range(5):
         page.keyboard.press("ArrowRight")
     page.keyboard.press("Enter")
     reach(page, "CSV")

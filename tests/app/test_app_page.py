@@ -269,7 +269,7 @@ def test_cards_of_friction_that_is_zero():
     )
     top, sure, _ = cards(result)
     assert top.number == "0"
-    assert sure.number == "± 0 %"
+    assert sure.number == "below 0.1 %"
 
 
 def test_cards_of_a_result():

@@ -227,7 +227,8 @@ def _how_sure(result: Any, tops: list[_Top]) -> Card:
     if any(top.extrapolated for top in tops):
         notes.append("in part outside the measured range of the rubber")
     known = any(np.isfinite(top.model_error) for top in tops)
-    number = f"± {_percent(worst, worst.spread)}"
+    number = _percent(worst, worst.spread)
+    number = number if number.startswith("below") else f"± {number}"
     if isinstance(result, em.Leak):
         number = f"a factor of {significant(1 + worst.share(worst.spread), 2)}"
     return Card("How sure", number if known else "not known", tuple(notes))
@@ -235,7 +236,7 @@ def _how_sure(result: Any, tops: list[_Top]) -> Card:
 
 def _percent(top: _Top, uncertainty: float) -> str:
     share = 100 * top.share(uncertainty)
-    return f"{significant(share, 2)} %" if share >= 0.1 or not share else "below 0.1 %"
+    return f"{significant(share, 2)} %" if share >= 0.1 else "below 0.1 %"
 
 
 def _surer(result: Any, axis: Axis, tops: list[_Top]) -> Card:

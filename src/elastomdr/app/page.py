@@ -174,7 +174,10 @@ class Page:
     def screen(self, name: str) -> Any:
         """A screen, made if it has not been shown yet."""
         if name not in self._made:
-            with self._panels[name]:
+            with (
+                self._panels[name],
+                ui.element("div").classes(f"screen of-{name.lower()}"),
+            ):
                 self._made[name] = self._makers[name]()
         return self._made[name]
 

@@ -268,7 +268,7 @@ def compute_on_road(
     )
     pressures, span = scene["contact"]["pressure"], scene["contact"]["velocity"]
     computation.more = (
-        "friction of the tread computed on the road of the friction screen, at "
+        "friction of the tread computed on the road of the road screen, at "
         f"{pressures[0]} to {pressures[-1]}, {span['from']} to {span['to']}"
     )
     return computation

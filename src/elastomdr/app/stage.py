@@ -22,6 +22,7 @@ from .chart import Chart, Drawn
 from .scene import CancelledError
 from .security import MOST_BYTES
 from .session import DRAWING, Session
+from .words import spoken
 
 # where the wheel has them; a checkout has them among its examples
 _OWN = Path(__file__).parent / "data"
@@ -367,7 +368,8 @@ class Picture:
         for chart, panel, texts in zip(
             drawn.charts, self._panels, self._texts, strict=True
         ):
-            texts[0].text, texts[1].text = chart.title, "\n".join(chart.notes)
+            texts[0].text = spoken(chart.title)
+            texts[1].text = spoken("\n".join(chart.notes))
             if same:
                 panel.options.update(chart.options)
                 panel.update()

@@ -171,8 +171,8 @@ _LABELS = _TABLES | {
     "groove_width": "Width of the groove [mm]|its height is the squeezed diameter",
     "formula": "Load of the cord|Lindley's formula where nothing is chosen; held or free: "
     "a ring that its groove keeps at its length, or that may lengthen",
-    "velocity_out": "Velocity of the rod out of the fluid [m/s]",
-    "velocity_in": "Velocity of the rod into the fluid [m/s]",
+    "velocity_out": "Velocity of the rod out of the fluid [m/s]|one, or from one to another",
+    "velocity_in": "Velocity of the rod into the fluid [m/s]|",
     "stroke.length": "Length of the stroke [mm]",
     "stroke.width": "Length of the seal along its edge [mm]|of a rod π times its diameter; "
     "1 m where nothing is given",
