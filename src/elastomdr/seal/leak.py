@@ -248,8 +248,9 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
         raise InputError(
             "pressure_drop must be below pressure, got "
             f"{high:g} Pa at {low:g} Pa: a fluid that presses harder than the rubber "
-            "lifts it, and the seal opens. Of a seal on which its fluid presses, such "
-            "as an O-ring, the pressure is that of the squeeze and of the fluid."
+            "lifts it, and the seal opens. For a seal on which the fluid "
+            "presses, such as an O-ring, give the sum of both pressures, that of "
+            "the squeeze and that of the fluid."
         )
     return given
 

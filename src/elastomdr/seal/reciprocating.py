@@ -167,8 +167,8 @@ def reciprocating(
     motion = (velocity_out, velocity_in, stroke, viscosity, width)
     if is_traced(material, profile, ring, motion):
         raise InputError(
-            "em.reciprocating cannot be called under jax.jit, grad or vmap: it searches "
-            "with numbers."
+            "em.reciprocating cannot be called under jax.jit, grad or vmap: it "
+            "searches with concrete numbers."
         )
     if not (material is None or isinstance(material, Prony)):
         raise InputError(
