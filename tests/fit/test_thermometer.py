@@ -98,7 +98,7 @@ def test_it_may_be_given_and_is_said():
         np.hypot(expected, expected[at])[~at],
         rtol=0.1,
     )
-    assert "isotherms to +- 2 K (95 %), in all intervals" in other.summary()
+    assert "known to +- 2 K (95 %), which all intervals contain" in other.summary()
     assert other.laws["WLF"].std["c2"] > one.laws["WLF"].std["c2"]
     with pytest.raises(InputError, match="temperature_error must be"):
         em.fit.master_curve(dma, 293.15, temperature_error=-1.0)

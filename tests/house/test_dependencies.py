@@ -46,7 +46,7 @@ def imported() -> dict[str, list[tuple[str, bool]]]:
 
 def test_imports_are_declared():
     required = names(PROJECT["dependencies"])
-    users = ("tables", "excel", "instruments", "sweep", "app")
+    users = ("tables", "excel", "interactive", "instruments", "sweep", "app")
     optional = {
         name
         for extra in users

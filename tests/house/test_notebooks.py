@@ -39,5 +39,6 @@ def test_runs_and_prints_what_it_holds(path):
     assert path.stat().st_size < 200_000
 
 
-def test_there_are_three():
-    assert len(NOTEBOOKS) == 3
+def test_there_is_one_for_each_kind_of_user():
+    persons = [path.stem.partition("_")[2] for path in NOTEBOOKS]
+    assert persons == ["tyre", "seal", "belt", "laboratory", "code"]

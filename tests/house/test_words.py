@@ -23,12 +23,21 @@ INSTEAD = {  # pattern: what to write
     "is told": "says, or is given",
     "does not speak of": "does not cover",
     "dented": "indented",
+    "(the )?farther of (both|the two)": "whichever is farther away",
+    "(is|are|was|were) held against": "compared with",
+    "has it computed": "computes it",
+    "brakes more": "causes more friction",
+    "granted to": "allowed for",
+    "knows? nothing of each other": "are independent",
+    "searches with numbers": "needs concrete numbers",
+    "takes the heights for": "assumes heights to be",
+    "warned of": "raises a warning, or say what the warning is",
 }
 TEXTS = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "materials/README.md")),
     ROOT / "examples" / "data" / "README.md",
     *sorted((ROOT / "docs").glob("*.md")),
-    *sorted((ROOT / "src" / "elastomdr" / "app").glob("*.py")),
+    *sorted((ROOT / "src" / "elastomdr").rglob("*.py")),
 ]
 
 

@@ -367,3 +367,32 @@ def test_forces_on_the_same_axes_have_one_unit():
     np.testing.assert_allclose(
         np.nanmax(given.get_lines()[-1].get_ydata()), 1e6 * large.force[-1], rtol=1e-9
     )
+
+
+def test_a_figure_to_point_at_has_the_same_curves():
+    pytest.importorskip("plotly")
+    curve = em.friction(
+        em.load_material("silicone-like"),
+        em.Sphere(1e-2),
+        velocity=[1e-3, 1e-2, 0.1],
+        load=1.0,
+        temperature=np.array([[283.15], [303.15]]),
+    )
+    figure = curve.interactive(title="Balls")
+    curves = [trace for trace in figure.data if trace.mode == "lines"]
+    np.testing.assert_array_equal([trace.y for trace in curves], curve.mu)
+    assert [trace.name[:5] for trace in curves] == ["10 °C", "30 °C"]
+    assert figure.layout.xaxis.type == "log"
+    assert figure.layout.xaxis.title.text == "Sliding velocity [m/s]"
+    assert figure.layout.title.text == "Balls"
+
+
+def test_figures_name_rubbers_whose_moduli_are_illustrative():
+    def subtitle(name):
+        curve = em.friction(
+            em.load_material(name), em.Sphere(1e-2), velocity=[0.1, 1.0], load=1.0
+        )
+        return " ".join(words.get_text() for words in curve.plot().texts)
+
+    assert "moduli: illustrative" in subtitle("silicone-like")
+    assert "illustrative" not in subtitle("epdm-70")

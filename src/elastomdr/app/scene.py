@@ -169,7 +169,7 @@ def compute(
         except InputError as error:
             if "within the friction law" in str(error):
                 raise InputError(
-                    f'friction: {error} "computed" has it computed where the wheel '
+                    f'friction: {error} With "computed" it is computed where the wheel '
                     "needs it."
                 ) from error
             raise

@@ -13,7 +13,7 @@ from .scene import Done
 from .security import Folder
 
 _MOST = 20  # sessions that are kept although no page shows them
-# One thread computes, so that what is warned of belongs to what is computed; another
+# One thread computes, so that warnings belong to what is computed; another
 # one draws meanwhile.
 COMPUTING = ThreadPoolExecutor(1, "compute")
 DRAWING = ThreadPoolExecutor(1, "draw")

@@ -17,7 +17,7 @@ from ..surface.spectrum import AbstractSpectrum
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
-# share of a rough surface's mean square slope that may be excited beyond the range
+# share of a rough surface's mean square slope that may lie outside the range
 _OUTSIDE = 0.1
 
 

@@ -144,7 +144,7 @@ def check_carries(foundation: Any) -> None:
     if not possible(lambda modulus: modulus.real > 0, at_rest):
         raise InputError(
             "material must have an equilibrium modulus under a rough surface, got 0: "
-            "a liquid carries no steady load on a surface without end, since every "
+            "a liquid carries no steady load on an unbounded surface, since every "
             "element sinks until the mean force is gone."
         )
 

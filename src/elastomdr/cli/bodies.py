@@ -348,7 +348,7 @@ class Measured(Surface, tag="file"):
         Length | None, "resolution of the instrument: shorter waves are left out"
     ] = None
     unit: Annotated[Text | None, "unit of the heights, where the file has none"] = None
-    detrend: Annotated[bool, "whether the mean plane is taken off"] = True
+    detrend: Annotated[bool, "whether the mean plane is subtracted"] = True
 
     def make(self, folder: Path) -> Any:
         options = given(self, "shortest", "unit")

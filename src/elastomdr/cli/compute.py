@@ -135,7 +135,7 @@ def write_all(folder: Path, files: dict[str, Callable[[Path], object]]) -> None:
 
 @contextlib.contextmanager
 def warned_of_at_the_end() -> Iterator[None]:
-    """Prints what was warned of, one line each; a damaged cache, of which JAX complains
+    """Prints the warnings, one line each; a damaged cache, of which JAX complains
     by the file, once.
     """
     with warnings.catch_warnings(record=True) as caught:
@@ -169,8 +169,8 @@ def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
 
 
 def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """How the result is drawn: its title, measured points on top; what was left out of
-    these is warned of.
+    """How the result is drawn: its title, measured points on top, with a warning for
+    those that were left out.
     """
     shown: dict[str, Any] = {"title": scene.title}
     if scene.called() == "slide" and len(set(arguments["position"])) > 1:

@@ -252,7 +252,7 @@ class HeatBuildUp(Table):
     duration: Annotated[Duration | None, "how long the body rolls"] = None
     points: Annotated[Instants, "instants of that time"] = 121
     hottest: Annotated[
-        Temperature | None, "highest temperature looked at, by default the material's"
+        Temperature | None, "highest temperature considered, by default the material's"
     ] = None
 
     def __post_init__(self) -> None:
@@ -471,15 +471,15 @@ class WheelTraction(_Traction):
         """
         import numpy as np
 
-        kelvins = (
+        distinct = (
             [] if result.temperature is None else np.unique(result.temperature).tolist()
         )
         several = {
             f"-{temperature - 273.15:.6g}degC.tir": temperature
-            for temperature in kelvins
+            for temperature in distinct
         }
         temperatures: dict[str, float | None] = (
-            {".tir": None} if len(kelvins) < 2 else {**several}
+            {".tir": None} if len(distinct) < 2 else {**several}
         )
         for temperature in temperatures.values():
             result.magic_formula(temperature=temperature)

@@ -1,5 +1,5 @@
 """Shift laws: WLF, Arrhenius and VFT through shift factors, the place of a reference
-temperature, the error of the thermometer, and laws that the user gives.
+temperature, the error of the measured temperatures, and laws that the user gives.
 """
 
 from __future__ import annotations
@@ -592,7 +592,8 @@ def _glass_temperature(dma: Dma) -> float:
     """
     if not dma.omega.size:
         raise InputError(
-            "shift must be a law for data in time, which tell no T_g: "
+            "shift must be a law for data in time, from which T_g cannot be "
+            "found: "
             "em.WLF(17.44, 51.6, T_g)."
         )
     order = np.argsort(dma.temperature, kind="stable")

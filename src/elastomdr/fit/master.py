@@ -564,11 +564,10 @@ class MasterCurve(AbstractFindings):
         )
         if self.temperature.size > 1:
             yield (
-                "thermometer",
+                "temperatures",
                 (
-                    f"isotherms to +- {TWO_SIGMA * self.state.temperature_error:.2g} K (95 "
-                    "%), "
-                    "in all intervals"
+                    f"known to +- {TWO_SIGMA * self.state.temperature_error:.2g} K (95 %), "
+                    "which all intervals contain"
                 ),
             )
         vertical = [

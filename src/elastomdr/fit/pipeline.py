@@ -140,7 +140,7 @@ def _factor(law: Any, temperature: np.ndarray) -> np.ndarray:
 # Materials drawn from a fit: spectrum and laws of shifts together, as the intervals of
 # the fit report them.
 #
-# The unknowns of the joint fit, the errors of the thermometers and the doubts
+# The unknowns of the joint fit, the errors of the temperatures and the doubts
 # (`fit/shifting.py`) are drawn together. They move the common curve, to which the moduli of
 # the series follow in least squares, and the shift factors, to which the constants of the
 # law follow as they did in their fit. The distance between series and curve is one more
@@ -551,7 +551,7 @@ def material(
     }
     report_step = reporter("fitting the material", progress)
     with warnings.catch_warnings():
-        # what is doubted in the end is told below
+        # the doubts that remain are listed below
         warnings.simplefilter("ignore", FitWarning)
         free = master_curve(
             dma,

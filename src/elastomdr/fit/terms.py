@@ -58,7 +58,7 @@ _ROUGHLY = 0.1
 
 
 class Data(NamedTuple):
-    """What a series is held against."""
+    """What a series is compared with."""
 
     points: Points
     noise: np.ndarray  # standard deviation of ln(value) per channel

@@ -9,7 +9,7 @@ A_k the amplitude of the wave k, E* = E/(1 - nu^2) the modulus of the half-space
 per length of line. The rubber follows the line, so that the force under it is known:
 where it would have to pull, contact is not full and there is no answer.
 
-**Small damping.** A cover of springs side by side, K* = K' + i K'' per area, is dented
+**Small damping.** A cover of springs side by side, K* = K' + i K'' per area, is indented
 elastically over a half-width a,
 
     W/L = (4/3) K' a^3/D,

@@ -42,6 +42,7 @@ from .axes import Axis, Curve, curves, dimensions
 if TYPE_CHECKING:
     import jax
     import pandas
+    import plotly.graph_objects  # pyright: ignore[reportMissingImports]
     import xarray
     from matplotlib.axes import Axes
 
@@ -77,7 +78,8 @@ class Quantity(NamedTuple):
     @property
     def axis_label(self) -> str:
         words = self.axis or self.label
-        return f"{words[0].upper()}{words[1:]} [{self.shown or self.unit}]"
+        unit = (self.shown or self.unit).replace("^2", "²").replace("^3", "³")
+        return f"{words[0].upper()}{words[1:]} [{unit}]"
 
 
 def quantity(
@@ -394,7 +396,9 @@ class Result:
     def heading(self) -> str:
         """A title: what was computed, and the material where it is known."""
         material = dict(self.inputs).get("material")
-        return f"{self.title}, {material}" if material else self.title
+        if material in (None, "", "given directly"):
+            return self.title
+        return f"{self.title}, {material}"
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What went in and what came out, as pairs of a name and a text."""
@@ -688,6 +692,27 @@ class Result:
             )
         return ask.ax
 
+    def interactive(
+        self, title: str | None = None, **options: Any
+    ) -> "plotly.graph_objects.Figure":
+        """The figure of `plot` as one of plotly, to read values off, zoom and switch
+        curves off in a notebook; `write_html` makes a page of it.
+
+        Args:
+            title: instead of the quantity and the material.
+            options: those of `plot`.
+
+        Returns:
+            A plotly figure of the same curves, bands and points.
+
+        Raises:
+            InputError: without plotly, and as `plot`.
+        """
+        from .plot_interactive import as_plotly
+
+        plotly = _package("plotly.subplots", "interactive")
+        return as_plotly(plotly, self.plot(title=title, **options))
+
     def png(
         self, title: str | None = None, style: "Style | None" = None, **options: Any
     ) -> bytes:
@@ -707,7 +732,7 @@ def _package(name: str, extra: str) -> Any:
         return __import__(name)
     except ImportError as error:
         raise InputError(
-            f"{name} is not installed, and this needs it: pip install "
+            f"{name.partition('.')[0]} is not installed, and this needs it: pip install "
             f"elastomdr[{extra}]"
         ) from error
 

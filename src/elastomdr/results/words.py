@@ -10,6 +10,9 @@ _SHAPE_UNITS = {"radius": " m", "length": " m"}
 # what one SI unit is in them
 _SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6, "°": 180 / np.pi}
 
+_LONG = 7200.0  # from here on a time is no longer in seconds
+_TIMES = ((86400.0, "days"), (3600.0, "h"))
+
 
 def describe(shape: Any) -> str:
     """A body by its name and its numbers with their units."""
@@ -63,6 +66,9 @@ def in_words(name: str, value: float, unit: str = "N") -> str:
         return f"{significant(1e-6 * value)} MPa"
     if name == "direction":
         return f"{significant(round(np.degrees(value), 6))} degrees to the lay"
+    if name == "time" and value >= _LONG:
+        seconds, called = next(x for x in _TIMES if value >= x[0])
+        return f"{significant(value / seconds)} {called}"
     if name in ("depth", "radius", "length", "diameter"):
         return f"{significant(1e3 * value)} mm"
     if name in ("creepage", "slip", "squeeze"):

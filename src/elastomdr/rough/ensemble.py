@@ -320,7 +320,7 @@ def ensemble(
         if seeds != (0,) or periods != PERIODS:
             raise InputError(
                 "seeds and periods belong to a surface given by its spectrum; a "
-                "RoughLine is what it is."
+                "RoughLine is a line already."
             )
         factor = 4
         while surface.count * factor < (_SAMPLES if samples is None else samples):

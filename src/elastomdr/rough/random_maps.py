@@ -56,7 +56,7 @@ def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> Grid:
             raise InputError(
                 "cells must be given for a surface whose cutoffs are a factor of "
                 f"{ratio:.3g} apart: {cells} to a side "
-                "would be needed. em.Multiscale() costs nothing; or lower the upper "
+                "would be needed. em.Multiscale() needs no map; or lower the upper "
                 "cutoff."
             )
     if periods is None:

@@ -803,7 +803,7 @@ def _misfit(
     """Relative change of mu for what a material misses of the data that it was fitted
     to; 0 where that is not known.
 
-    Friction goes with the loss modulus, and in light contact with the reciprocal of the
+    Friction scales with the loss modulus, and in light contact with the reciprocal of the
     storage modulus: both root mean squares, over the frequencies from q_low v a_T to
     q_high v a_T, or over all of the data where those lie beyond them.
     """

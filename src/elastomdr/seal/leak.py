@@ -140,8 +140,8 @@ class Leak(Result):
         label: str | None = None,
         show: str = "rate",
     ) -> Axes:
-        """Draws the rate, or another field, against time where there are several times,
-        else against the pressure; with the band of the model about a rate.
+        """Draws the rate, or another field, against time or pressure, whichever has more
+        values; with the band of the model about a rate.
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
@@ -161,7 +161,8 @@ class Leak(Result):
             look = {"color": line.colour, "alpha": LIGHT, "linewidth": 0}
             sketch.ax.fill_between(line.x, *ends, **look)
 
-        x = "time" if any(axis.name == "time" for axis in self.axes()) else "pressure"
+        counts = {axis.name: axis.values.size for axis in self.axes()}
+        x = "time" if counts.get("time", 0) >= counts.get("pressure", 1) else "pressure"
         ask = Ask(ax, style, title, label)
         drawn = self._draw(draw, ask, x=x, y=show, also=band)
         values = np.asarray(getattr(self, show))
@@ -403,8 +404,9 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
         raise InputError(
             "pressure_drop must be below pressure, got "
             f"{high:g} Pa at {low:g} Pa: a fluid that presses harder than the rubber "
-            "lifts it, and the seal opens. Of a seal on which its fluid presses, such "
-            "as an O-ring, the pressure is that of the squeeze and of the fluid."
+            "lifts it, and the seal opens. For a seal on which the fluid "
+            "presses, such as an O-ring, give the sum of both pressures, that of "
+            "the squeeze and that of the fluid."
         )
     return given
 

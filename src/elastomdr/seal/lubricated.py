@@ -280,8 +280,8 @@ def lubricated(
     given = (material, shape, velocity, load, viscosity, temperature, time, surface)
     if is_traced(*given, boundary_shear):
         raise InputError(
-            "em.lubricated cannot be called under jax.jit, grad or vmap: it searches "
-            "with numbers."
+            "em.lubricated cannot be called under jax.jit, grad or vmap: it "
+            "searches with concrete numbers."
         )
     scene = _checked(
         material, shape, velocity, load, viscosity, temperature, time, rubber, surface

@@ -208,8 +208,8 @@ def _refuse_traced(material: Any, profile: Any, ring: Any, motion: Any) -> None:
     of_ring = (ring.width, ring.line_load) if isinstance(ring, ORing) else ()
     if is_traced(material, profile, of_ring, motion):
         raise InputError(
-            "em.reciprocating cannot be called under jax.jit, grad or vmap: it searches "
-            "with numbers."
+            "em.reciprocating cannot be called under jax.jit, grad or vmap: it "
+            "searches with concrete numbers."
         )
 
 

@@ -246,7 +246,8 @@ def _compliances(material: Layer) -> tuple[KelvinChain, float]:
                 raise InputError(
                     "material must have no parallel dashpot on a layer under a ball "
                     "or a cone, got viscosity "
-                    f"{float(law.viscosity):.4g} Pa s: the pressure has another edge. "
+                    f"{float(law.viscosity):.4g} Pa s: its pressure at the edge "
+                    "is of another kind. "
                     "Give a branch with a short time."
                 )
             if not is_traced(law) and not float(law.equilibrium) > 0:

@@ -29,7 +29,7 @@ class PeriodicMap(NamedTuple):
 
     height: np.ndarray  # (n_x, n_y) [m]
     sides: tuple[float, float]  # [m]
-    changed: float  # rms of what was taken off, over that of the heights
+    changed: float  # rms of what was subtracted, over that of the heights
 
 
 class HeightMap:

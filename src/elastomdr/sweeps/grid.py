@@ -276,7 +276,8 @@ def _draws(axes: list[Axis], fixed: dict[str, Any]) -> list[int]:
         name == _DRAW for name in (*fixed, *(axis.name for axis in axes))
     ):
         raise InputError(
-            f"axes must not have one called {_DRAW!r} beside draws, which make it."
+            f"axes must not have one called {_DRAW!r} beside draws, which make "
+            "that axis."
         )
     return [i for count in counts for i in range(1, count + 1)]
 

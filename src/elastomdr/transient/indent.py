@@ -469,8 +469,8 @@ def _where_depth_rules(depth: Any, load: Any) -> np.ndarray:
     """Raises `InputError` unless at each instant one of both is given."""
     if is_traced(depth, load):
         raise InputError(
-            "depth and load together must be plain numbers: where each rules "
-            "is read from their NaNs."
+            "depth and load together must be plain numbers: which of them holds "
+            "at an instant is read from the NaN entries."
         )
     by_depth = ~np.isnan(depth)
     if not (by_depth ^ ~np.isnan(load)).all():

@@ -33,7 +33,7 @@ by u(k) = (2/k) W_t(kh) tau(k)/E*,
     W_t = (2 kap sinh 2z + 4z)/(2 kap cosh 2z + 1 + kap^2 + 4z^2),      kap = 3 - 4 nu, z = kh,
 
 the normal kernel of `element.layer` with the other sign, which is G/h for long waves.
-Elements that know nothing of each other have one stiffness, taken at k = pi/(2L), L the
+Independent elements have one stiffness, taken at k = pi/(2L), L the
 half-length of the contact: G/h of a thin layer, exact where the contact is wide, and on
 a half-space pi E*/(4L), with which the traction at small creepage is that of Carter.
 """
