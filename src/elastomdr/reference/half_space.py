@@ -61,6 +61,10 @@ _PERIODIC = (
     "periodic half-space in three dimensions, one pressure per point of the map (no "
     "reduction)"
 )
+_ADVICE = (
+    "More points resolve a thinner glassy zone; a contact that reaches the end of the "
+    "body has no answer."
+)
 _WINDOWS = 8  # windows tried until the contact lies well inside
 _FEWEST = 8  # cells that touch in the first window, below which it is far too wide
 # the smooth part of a layer: its end and panels in thicknesses, and its degree on them
@@ -232,12 +236,7 @@ def slide(
         strict=True,
     )
     good = np.array([contact.settled for contact in contacts])
-    warn_unless(
-        good,
-        "contacts",
-        reason="More points resolve a thinner glassy zone; a contact that reaches the end of "
-        "the body has no answer.",
-    )
+    warn_unless(good, "contacts", reason=_ADVICE)
 
     def field(values: Any) -> Any:
         return scene.field(good, values)

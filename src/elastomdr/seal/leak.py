@@ -319,11 +319,9 @@ def leak(
     )
     gaps = _gaps(chosen, surface, relative_pressure)
     good = xp.broadcast_to(gaps.good, shape)
-    traced = is_traced(relative_pressure, *given.values())
-    if not traced:
-        warn_unless(good, "points")
     beyond = NOT_KNOWN
-    if not traced:
+    if not is_traced(relative_pressure, *given.values()):
+        warn_unless(good, "points")
         factor = np.broadcast_to(factor, shape)
         temperatures = given["temperature"]
         beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
