@@ -228,6 +228,27 @@ def test_cutoffs_are_asked_for(tmp_path):
         assert slope == pytest.approx(said, rel=5e-3)
 
 
+def test_cutoffs_are_asked_for_heights(tmp_path):
+    """Of a topography the shortest wave, with the rms slope down to it."""
+    from elastomdr.app.road import look
+    from elastomdr.app.security import Folder
+    from elastomdr.app.session import Session
+
+    session = Session("one", Folder(tmp_path))
+    road = em.SelfAffine(0.8, 0.3, q_low=2e3, q_high=1e6, q_rolloff=6e3)
+    heights = road.line(periods=4, samples=2**14)
+    table = np.transpose([heights.x, heights.height])
+    rows = "".join(f"{x:.9e},{height:.9e}\n" for x, height in table)
+    name = session.folder.keep("profile.csv", f"x [m],height [m]\n{rows}".encode())
+    asked = {"shape": "file", "file": name}
+    offers = look(asked, session)["offers"]
+    assert [shortest for _, shortest, _ in offers[:2]] == ["100 um", "10 um"]
+    seen = look(asked | {"shortest": "10 um"}, session)
+    assert not seen["offers"]
+    said = float(seen["words"].split("rms slope")[1].split(",")[0])
+    assert offers[1][2] == pytest.approx(said, rel=0.05)
+
+
 def test_stop(tmp_path):
     """What is computed ends at once, and the next computation goes on."""
 

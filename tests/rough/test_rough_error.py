@@ -226,8 +226,8 @@ def test_a_coarse_level_that_was_not_solved_costs_no_point():
 
 
 def test_a_surface_with_worn_summits_has_a_wider_bound():
-    """Skewness of measured heights is reported by scale, widens the bound on friction,
-    and stands in the result; Gaussian heights keep theirs.
+    """Skewness of measured heights is reported by scale, widens the bound on friction
+    by its error too, and stands in the result.
     """
     n = 256
     k = np.fft.fftfreq(n, 1 / n)
@@ -240,7 +240,7 @@ def test_a_surface_with_worn_summits_has_a_wider_bound():
     plain, skewed = (
         em.read_surface(heights, pixel_size=10e-6) for heights in (gaussian, worn)
     )
-    assert plain.skewness == 0.0
+    assert abs(plain.skewness) < plain.skewness_error
     assert -2.0 < skewed.skewness < -1.0
     assert any("skewness -1." in row for row in skewed.report)
     same = em.Spectrum(skewed.q, skewed.c, convention="2d")
@@ -250,7 +250,44 @@ def test_a_surface_with_worn_summits_has_a_wider_bound():
     )
     assert found.mu == reference.mu
     wider = np.log(1 + found.model_error / found.mu)
-    expected = 0.6 * abs(skewed.skewness) * np.sqrt(-np.log(found.area_ratio))
+    skewness = np.hypot(skewed.skewness, 1.5 * skewed.skewness_error)
+    expected = 0.6 * skewness * np.sqrt(-np.log(found.area_ratio))
     assert wider > expected
     assert "not Gaussian, skewness -1." in found.summary()
     assert "not Gaussian" not in reference.summary()
+    rubber, at = em.StandardSolid(1e6, 3e7, 1e-3), {"velocity": 0.1, "pressure": 1e5}
+    assert "may be chance" in em.friction(rubber, plain, **at).summary()
+
+
+def test_other_heights_and_cutoffs_keep_what_was_measured():
+    """Lay, skewness and the map itself; beyond the map it is left out, and said."""
+    rng = np.random.default_rng(2)
+    white = np.fft.fft2(rng.standard_normal((64, 64)))
+    x, y = np.meshgrid(*[np.fft.fftfreq(64, 1 / 64)] * 2, indexing="ij")
+    stretched = np.hypot(3 * x, y)
+    heights = np.fft.ifft2(white / (9 + stretched**2)).real
+    heights *= 2e-5 / heights.std()
+    with pytest.warns(UserWarning, match="not isotropic"):
+        whole = em.read_surface(heights, pixel_size=1e-5)
+    higher, short = whole.raised(2.0), whole.ended(0.5 * whole.q_high)
+    assert higher.rms_height == pytest.approx(2 * whole.rms_height, rel=1e-12)
+    np.testing.assert_allclose(higher.map.height, 2 * whole.map.height)
+    assert (higher.lay, higher.skewness) == (whole.lay, whole.skewness)
+
+    assert short.map.cut == short.q_high == short.lay.q[-1]
+    np.testing.assert_array_equal(short.lay.q, short.q)
+    assert short.skewness_error == pytest.approx(whole.skewness_error, rel=0.2)
+    np.testing.assert_allclose(
+        short.lay.weight(short.q, 1.0, 0.0), whole.lay.weight(short.q, 1.0, 0.0)
+    )
+
+    with pytest.warns(em.ModelWarning, match="takes random maps"):
+        longer = whole.ended(2 * whole.q_high)
+    assert longer.map is None
+    assert longer.lay.peklenik[-1] == whole.lay.peklenik[-1]
+    for drawn, has_map in (
+        (whole.draws(2, level=0.1), True),
+        (whole.draws(2, cutoff=0.3), False),
+    ):
+        assert all((one.map is not None) == has_map for one in drawn)
+        assert all(one.lay is not None for one in drawn)

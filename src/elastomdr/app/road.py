@@ -199,7 +199,8 @@ class RoadStage:
 
     def _cut(self, longest: str, shortest: str) -> None:
         for name, wavelength in zip(_NAMES, (longest, shortest), strict=True):
-            self.form.set(name, wavelength)
+            if name in self.form.widgets:  # a topography has no longest wave to choose
+                self.form.set(name, wavelength)
 
     def _show(self, seen: dict[str, Any]) -> None:
         self._picture.show(seen["drawn"])
@@ -219,7 +220,8 @@ def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
     asked = decode(Road, {"surface": content}).surface
     try:
         road = asked.make(session.folder.path)
-        whole = _whole(asked, session.folder)
+        uncut = isinstance(asked, kinds.Measured) and asked.shortest is None
+        whole = road if uncut else _whole(asked, session.folder)
     except InputError as error:
         raise InputError(f"[surface] {error}") from error
     waves = [2 * math.pi / float(q) for q in (road.q_low, road.q_high)]
@@ -241,13 +243,15 @@ def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
 
 
 def _offers(asked: Any, whole: Any) -> list[tuple[str, str, float]]:
-    """Cutoffs to choose from, with the rms slope between them, for a spectrum that is
-    given without any.
+    """Cutoffs to choose from, with the rms slope between them, for a spectrum or a
+    topography that is given without any.
     """
-    if whole is None or asked.longest is not None or asked.shortest is not None:
+    of_heights = isinstance(asked, kinds.Measured)  # whose longest wave is the scan's
+    longest_asked = None if of_heights else asked.longest
+    if whole is None or longest_asked is not None or asked.shortest is not None:
         return []
     measured = _measured(whole)
-    longest = min(measured[0], 5e-3)
+    longest = measured[0] * _ROUNDED if of_heights else min(measured[0], 5e-3)
     by_shortest = {}
     for wave in (*_USUAL, measured[1]):
         shortest = max(wave, measured[1])
@@ -268,7 +272,11 @@ def _measured(whole: Any) -> list[float]:
 
 
 def _whole(asked: Any, folder: Folder) -> Any:
-    """The table that a spectrum is cut from; None where there is none."""
+    """The table or the heights that a surface is cut from; None where there are
+    none.
+    """
+    if isinstance(asked, kinds.Measured):
+        return msgspec.structs.replace(asked, shortest=None).make(folder.path)
     if not isinstance(asked, kinds.Spectrum) or asked.file is None:
         return None
     return msgspec.structs.replace(asked, longest=None, shortest=None).make(folder.path)

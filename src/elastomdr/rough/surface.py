@@ -23,6 +23,7 @@ from ..results.words import brief
 from ..smooth.softening import LINEAR
 from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
+from ..surface.topography import skewness_bound
 from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
 from .heat import HIGHEST, Heat, check_heat, highest_rise
@@ -44,6 +45,7 @@ _SOFTENED = "; moduli softened by the strain of each length scale"
 # ln(mu/mu_Gaussian) over the skewness of the heights and sqrt(-ln A): the median of maps,
 # and what 97 % of them stay below
 _SKEWED, _PER_SKEWNESS = 0.4, 0.6
+_CHANCE = 2.5  # standard errors below which a skewness is said to be chance
 # |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
 _PER_LAY = 0.12
 # real contact, and the factor within which the strain at a scale is known there, of a
@@ -326,12 +328,11 @@ def _inputs(
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
     hysteresis = answer.found
-    skewness = getattr(surface, "skewness", 0.0)
     rows = scene.inputs(
         ("surface", label),
         *(("as read", remark) for remark in getattr(surface, "report", ())),
     )
-    if skewness:
+    if any(_skewness(surface)):
         rows += [("heights", _skewed_words(surface, hysteresis.area))]
     if heat is not None:
         longest = None if scene.traced else float(2 * np.pi / surface.q_low)
@@ -816,14 +817,31 @@ def _misfit(
 
 def _skewed_words(surface: Any, area: Any) -> str:
     """What a skewness of the heights does."""
-    change = _of_skewness(*known(fixed((surface, area)))) * _SKEWED / _PER_SKEWNESS
-    factors = np.exp(np.sign(surface.skewness) * change)
-    kind = "peaks" if surface.skewness > 0 else "pits, or worn summits"
+    skewness, error = _skewness(surface)
+    (area,) = known(fixed((area,)))
+    change = _SKEWED * np.sqrt(-np.log(np.clip(area, 1e-300, 1.0)))
+
+    def times(skewness: float) -> str:
+        factors = np.exp(skewness * change)
+        return f"{np.nanmin(factors):.2g} to {np.nanmax(factors):.2g} times"
+
+    if abs(skewness) < _CHANCE * error:
+        likely = skewness_bound(skewness, error)
+        return (
+            f"their skewness, {skewness:.2f} +- {error:.2f}, may be chance; one of "
+            f"{-likely:.2f} would make friction {times(-likely)} what is computed, which "
+            "the model error holds: a larger map, or several, know it better"
+        )
+    kind = "peaks" if skewness > 0 else "pits, or worn summits"
     return (
-        f"not Gaussian, skewness {surface.skewness:.2f} ({kind}): friction is some "
-        f"{np.nanmin(factors):.2g} to {np.nanmax(factors):.2g} times what is computed, "
-        "which the model error holds"
+        f"not Gaussian, skewness {skewness:.2f} ({kind}): friction is some "
+        f"{times(skewness)} what is computed, which the model error holds"
     )
+
+
+def _skewness(surface: Any) -> tuple[float, float]:
+    """Skewness of the heights and its standard error, zero where nothing is known."""
+    return getattr(surface, "skewness", 0.0), getattr(surface, "skewness_error", 0.0)
 
 
 def _of_skewness(surface: AbstractSpectrum, area: Any) -> Any:
@@ -832,7 +850,7 @@ def _of_skewness(surface: AbstractSpectrum, area: Any) -> Any:
 
     Source: benchmarks/non_gaussian.py, maps in three dimensions.
     """
-    skewness = abs(getattr(surface, "skewness", 0.0))
+    skewness = skewness_bound(*_skewness(surface))
     xp = namespace(area)
     area = xp.clip(area, 1e-300, 1.0)
     return _PER_SKEWNESS * skewness * xp.sqrt(-xp.log(area))

@@ -49,6 +49,15 @@ class HeightMap:
         x, y = (n * step for n, step in zip(self.height.shape, self.steps, strict=True))
         return x, y
 
+    def raised(self, factor: float) -> HeightMap:
+        """The same map with all heights times `factor`."""
+        return HeightMap(self.height * factor, self.steps, self.cut)
+
+    def ended(self, q_high: float) -> HeightMap:
+        """The same map without its waves beyond `q_high` [rad/m]."""
+        cut = q_high if self.cut is None else min(self.cut, q_high)
+        return HeightMap(self.height, self.steps, cut)
+
     def least_cells(self) -> tuple[int, int]:
         """Cells along each side that hold the map: its own points, or fewer where its
         shortest waves are cut.

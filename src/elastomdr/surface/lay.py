@@ -61,6 +61,12 @@ class Lay(Tree):
         g, least = xp.exp(log_g), xp.exp(-log_g)
         return 2 / (g + least) / (g * cos_square + least * sin_square) ** 2
 
+    def at(self, q: Any) -> Lay:
+        """The same lay by a table at other wave numbers."""
+        log_q, old = np.log(q), np.log(self.q)
+        log_peklenik = np.interp(log_q, old, self.log_peklenik)
+        return Lay(q, log_peklenik, np.interp(log_q, old, self.error), self.angle)
+
     def words(self) -> str:
         """Direction of the lay and Peklenik numbers, in a few words."""
         places = [0, self.q.size // 2, self.q.size - 1]

@@ -158,7 +158,7 @@ class AbstractSpectrum(Tree):
         """
         return synthesise(self, seed, periods, samples)
 
-    def ended(self, q_high: Number) -> "Spectrum":
+    def ended(self, q_high: Number) -> "AbstractSpectrum":
         """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as
         its last power law.
         """
@@ -178,7 +178,7 @@ class AbstractSpectrum(Tree):
             np.append(self.q[kept], end), np.append(self.c[kept], last), convention="2d"
         )
 
-    def raised(self, factor: Number) -> "Spectrum":
+    def raised(self, factor: Number) -> "AbstractSpectrum":
         """The same surface with all heights times `factor`."""
         times: Any = _plain(scalar("factor", factor))
         positive("factor", times)
@@ -186,7 +186,7 @@ class AbstractSpectrum(Tree):
 
     def draws(
         self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0
-    ) -> "list[Spectrum]":
+    ) -> "list[AbstractSpectrum]":
         """The same surface with another C and another upper cutoff, log-normal, for
         `em.friction` and `em.sweep`.
 
