@@ -109,7 +109,9 @@ class AbstractRelaxation(Tree):
         """
         law, omega = self.law(), as_float64("omega", omega)
         not_negative("omega", omega)
-        if on_numpy() and omega.size > _BLOCK:  # arrays with all branches fill the cache
+        if (
+            on_numpy() and omega.size > _BLOCK
+        ):  # arrays with all branches fill the cache
             blocks = np.array_split(omega.ravel(), -(-omega.size // _BLOCK))
             parts = [law.complex_modulus(block) for block in blocks]
             return np.concatenate(parts).reshape(omega.shape)
