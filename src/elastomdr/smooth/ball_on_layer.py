@@ -5,12 +5,13 @@ directions, result.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, one_thread, xp
+from ..arrays import one_thread, xp
 from ..call.model_choice import of_smooth
 from ..call.problem import Scene, check_rtol, steady_scene
 from ..checks import Array, is_traced, require, warn_unless
@@ -19,12 +20,20 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.relaxation import KelvinChain, to_kelvin
 from ..material.tabulated import TabulatedModulus, to_chain
+from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.interpolation import lagrange
 from ..numerics.root import search
 from ..results.words import covers_in_words, describe
-from ..surface.direction import directions, layer_asymmetry, shared_grid
+from ..surface.direction import Directions, directions, layer_asymmetry, shared_grid
 from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
-from .layer_line import Slid, Sliding, elastic_curve, slide_on_layer
+from .layer_line import (
+    Slid,
+    Sliding,
+    elastic_curve,
+    equations,
+    line_between,
+    slide_on_layer,
+)
 from .problem import OnLayer, Solved, packed, too_deep
 from .softening import LINEAR
 
@@ -52,6 +61,7 @@ _AT_ONCE = 256
 _WIDEST = 16.0  # a/h of the elastic curve
 # contact width over thickness that is served under a transformation of JAX
 _TRACED_REACH = 16.0
+_CLOSE = 1e-10  # residual at which its search ends
 _NEAREST = 8  # nodes around a velocity
 _AGAIN = 4  # times that lines whose edges are not found are tried
 _RISE = 0.6  # of log depth with log load, about
@@ -147,7 +157,7 @@ def ball_on_layer(
     corrected = averaged and chosen.corrected
     label = CORRECTED if corrected else AVERAGED if averaged else BARE
     label += "" if material.softening is None else LINEAR
-    lines = _lines(material, shape, points, control, rtol)
+    _check_covers(material)
     value = xp.asarray(points.at_reference())
     reduced = xp.asarray(points.reduced).reshape(-1)
     plan = LayerPlan(
@@ -164,10 +174,14 @@ def ball_on_layer(
     if not solved:
         return OnLayer(None, temperatures, label, plan)
     force = value
-    if control == "depth":
-        force = _load_of_depth(lines, reduced, value, averaged)
-    mean = _mean(lines, reduced, force, averaged, points.traced)
-    mu, error = mean.mu, mean.error + lines.misfit * xp.abs(mean.mu)
+    if points.traced:
+        mean, misfit = _mean_of_traced(material, shape, reduced, value, averaged, rtol)
+    else:
+        lines = _lines(material, shape, value, control, rtol)
+        if control == "depth":
+            force = _load_of_depth(lines, reduced, value, averaged)
+        mean, misfit = _mean(lines, reduced, force, averaged), lines.misfit
+    mu, error = mean.mu, mean.error + misfit * xp.abs(mean.mu)
     bound = BARE_LINE * mu
     if averaged:
         mu, error, bound = _asymmetric(mean, error, shape, thick, corrected)
@@ -229,10 +243,29 @@ def _check_shape(shape: AbstractShape) -> None:
         )
 
 
+def _check_covers(material: Layer) -> None:
+    """Raises `InputError` for liquids and parallel dashpots."""
+    for cover in material.covers:
+        if _is_table(cover):
+            continue
+        law: Any = cover.normal()
+        if is_traced(law):
+            continue
+        if float(law.viscosity) > 0:
+            raise InputError(
+                "material must have no parallel dashpot on a layer under a ball or a "
+                f"cone, got viscosity {float(law.viscosity):.4g} Pa s: its pressure at "
+                "the edge is of another kind. Give a branch with a short time."
+            )
+        if not float(law.equilibrium) > 0:
+            raise InputError(
+                "material must be a solid on a layer in sliding, got equilibrium "
+                "modulus 0."
+            )
+
+
 def _compliances(material: Layer) -> tuple[KelvinChain, float]:
-    """All covers' added, and how far a series is from a table of moduli, relatively.
-    Raises `InputError` for liquids and parallel dashpots.
-    """
+    """All covers' added, and how far a series is from a table of moduli, relatively."""
     chains, misfit = [], 0.0
     for cover in material.covers:
         solid: Any = cover.material
@@ -241,21 +274,7 @@ def _compliances(material: Layer) -> tuple[KelvinChain, float]:
             chain, off = to_chain(table)
             misfit = max(misfit, off)
         else:
-            law = cover.normal()
-            if not is_traced(law) and float(law.viscosity) > 0:
-                raise InputError(
-                    "material must have no parallel dashpot on a layer under a ball "
-                    "or a cone, got viscosity "
-                    f"{float(law.viscosity):.4g} Pa s: its pressure at the edge "
-                    "is of another kind. "
-                    "Give a branch with a short time."
-                )
-            if not is_traced(law) and not float(law.equilibrium) > 0:
-                raise InputError(
-                    "material must be a solid on a layer in sliding, got "
-                    "equilibrium modulus 0."
-                )
-            chain = to_kelvin(law)
+            chain = to_kelvin(cover.normal())
         chains.append(chain)
     chain = chains[0]
     if len(chains) > 1:
@@ -276,23 +295,21 @@ def _relaxed_curve(on: Sliding, rest: Any, places: Array) -> tuple[Array, Array]
     """Load and depth of the relaxed layer at contact radii; beyond what the polynomials
     resolve, a steep power: a guess only.
     """
-    loads, depths = fixed(elastic_curve(on, rest, places))
-    rising = xp.concatenate(
-        [xp.ones(1, bool), (xp.diff(loads) > 0) & (xp.diff(depths) > 0)]
-    )
-    resolved = xp.cumprod(rising) > 0
-    top = xp.sum(resolved) - 1
-    beyond = xp.where(resolved, 1.0, (places / places[top]) ** 6)
+    loads, depths = elastic_curve(on, rest, places)
+    rising = (np.diff(loads) > 0) & (np.diff(depths) > 0)
+    resolved = np.cumprod(np.concatenate([[True], rising])) > 0
+    top = np.sum(resolved) - 1
+    beyond = np.where(resolved, 1.0, (places / places[top]) ** 6)
     loads, depths = (
-        xp.where(resolved, field, field[top] * beyond) for field in (loads, depths)
+        np.where(resolved, field, field[top] * beyond) for field in (loads, depths)
     )
     return loads, depths
 
 
-def _lines(
-    material: Layer, shape: AbstractShape, points: Scene, control: str, rtol: float
-) -> _Lines:
-    """What every line shares: the covers' compliances, the relaxed layer, its reach."""
+def _sliding(
+    material: Layer, shape: AbstractShape, reach: float, order: int
+) -> tuple[Sliding, float]:
+    """What a line is given, and how far a series is from a table of moduli."""
     chain, misfit = _compliances(material)
     h = material.covers[0].thickness
 
@@ -302,30 +319,33 @@ def _lines(
         ]
         return sum(parts[1:], parts[0])
 
+    return Sliding(shape, chain, deficit, h, reach, order), misfit
+
+
+def _lines(
+    material: Layer, shape: AbstractShape, value: Array, control: str, rtol: float
+) -> _Lines:
+    """What every line shares: the covers' compliances, the relaxed layer, its reach."""
+    on, misfit = _sliding(material, shape, 2 * _WIDEST, 40)
+    chain, h = on.chain, on.thickness
+
     def modulus(omega: Array) -> Array:
         x = omega[..., None] * chain.times
-        return 1 / xp.abs(
-            chain.instantaneous + xp.sum(chain.compliances / (1 + 1j * x), axis=-1)
-        )
+        relaxing = np.sum(chain.compliances / (1 + 1j * x), axis=-1)
+        return 1 / np.abs(chain.instantaneous + relaxing)
 
-    rest = 1 / (chain.instantaneous + xp.sum(chain.compliances))
-    top = xp.minimum(xp.asarray(shape.largest_contact) * (1 - 1e-9), _WIDEST * h)
-    places = fixed(top * np.geomspace(1e-5, 1.0, 48))
-    on = Sliding(shape, chain, deficit, h, 2 * _WIDEST, 40)
+    rest = 1 / (chain.instantaneous + np.sum(chain.compliances))
+    top = np.minimum(np.asarray(shape.largest_contact) * (1 - 1e-9), _WIDEST * h)
+    places = top * np.geomspace(1e-5, 1.0, 48)
     curve = _relaxed_curve(on, rest, places)
-    if points.traced:
-        reach = _TRACED_REACH
-    else:
-        largest = np.max(points.value)
-        widest = np.interp(
-            largest, curve[0 if control == "load" else 1], np.asarray(places)
-        )
-        reach = 2.6 * float(widest) / float(h)
-    order = _TRACED if points.traced else _ORDERS[0]
-    on = on._replace(
-        reach=1.3 ** math.ceil(math.log(max(reach, 1.0)) / math.log(1.3)), order=order
-    )
-    return _Lines(on, fixed(rest), modulus, (places, *curve), float(rtol), misfit)
+    widest = np.interp(np.max(value), curve[0 if control == "load" else 1], places)
+    on = on._replace(reach=_stepped(2.6 * float(widest / h)), order=_ORDERS[0])
+    return _Lines(on, rest, modulus, (places, *curve), float(rtol), misfit)
+
+
+def _stepped(reach: float) -> float:
+    """One of few reaches, for each of which waves are chosen once."""
+    return 1.3 ** math.ceil(math.log(max(reach, 1.0)) / math.log(1.3))
 
 
 def _solve(
@@ -335,12 +355,6 @@ def _solve(
     sum them up to averages.
     """
     radius = _radius(lines, velocity, load)
-    if is_traced(velocity, load, lines.on.shape, lines.on.chain, lines.on.thickness):
-        solved, _ = slide_on_layer(lines.on, velocity, "load", load, (radius, radius))
-        wide = solved.leading + solved.trailing < _TRACED_REACH * lines.on.thickness
-        return solved._replace(converged=solved.converged & wide), xp.zeros_like(
-            velocity
-        )
     result: Any = None
     error = np.full(velocity.shape, np.inf)
     close = 1e-2 * min(max(lines.rtol, 1e-9), 1e-4)
@@ -389,15 +403,11 @@ def _radius(lines: _Lines, velocity: Array, load: Array) -> Array:
     the passage.
     """
     places, loads, _ = lines.curve
-    radius = xp.interp(load, loads, places)
+    radius = np.interp(load, loads, places)
     for _ in range(8):
-        stiffer = fixed(lines.modulus(velocity / radius)) / lines.rest
-        radius = fixed(
-            xp.exp(
-                0.5 * xp.log(radius)
-                + 0.5 * xp.log(xp.interp(load / stiffer, loads, places))
-            )
-        )
+        stiffer = lines.modulus(velocity / radius) / lines.rest
+        elastic = np.interp(load / stiffer, loads, places)
+        radius = np.exp(0.5 * np.log(radius) + 0.5 * np.log(elastic))
     return radius
 
 
@@ -445,9 +455,7 @@ def _with_neighbours(
     return solved, slopes
 
 
-def _mean(
-    lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: bool
-) -> _Mean:
+def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool) -> _Mean:
     """mu and depth averaged over directions at equal load, and the line at the velocity
     itself.
     """
@@ -455,12 +463,7 @@ def _mean(
         solved, off = _solve(lines, velocity, load)
         good = solved.converged & (off <= max(lines.rtol, _FLOOR))
         return _Mean(solved.mu, solved.depth, solved, off * xp.abs(solved.mu), good)
-    rule = directions(lines.rtol)
-    # of the depth, which every direction counts alike
-    flat = rule.weights / rule.cosines
-    flat = flat / flat.sum()
-    if traced:
-        return _mean_of_traced(lines, velocity, load, rule, flat)
+    rule, flat = _rule(lines.rtol)
     velocity, load = np.asarray(velocity), np.asarray(load)
     out = [np.full(velocity.shape, np.nan) for _ in range(3)]
     lines_own = Slid(*(np.full(velocity.shape, np.nan) for _ in Slid._fields))
@@ -482,21 +485,115 @@ def _mean(
     return _Mean(mu, depth, lines_own, missed, good)
 
 
+def _rule(rtol: float) -> tuple[Directions, np.ndarray]:
+    """Directions of an average, and the weights of the depth, which every direction
+    counts alike.
+    """
+    rule = directions(rtol)
+    flat = rule.weights / rule.cosines
+    return rule, flat / flat.sum()
+
+
 def _mean_of_traced(
-    lines: _Lines, velocity: Array, load: Array, rule: Any, flat: Array
-) -> _Mean:
-    """Every direction of every point a line of its own."""
+    material: Layer,
+    shape: AbstractShape,
+    velocity: Array,
+    load: Array,
+    averaged: bool,
+    rtol: float,
+) -> tuple[_Mean, float]:
+    """`_mean` under a transformation of JAX, every direction of every point a line of
+    its own; and how far a series is from a table of moduli.
+    """
     count = velocity.shape[0]
-    slowed = (velocity[:, None] * rule.cosines).reshape(-1)
-    solved, _ = _solve(lines, slowed, xp.repeat(load, rule.cosines.size))
+    rule, flat = _rule(rtol)
+    cosines, weights = rule.cosines, rule.weights
+    if not averaged:
+        cosines = weights = flat = np.ones(1)
+    slowed = (velocity[:, None] * cosines).reshape(-1)
+    solved, misfit = _of_traced(material, shape, slowed, xp.repeat(load, cosines.size))
     table = Slid(*(field.reshape(count, -1) for field in solved))
-    return _Mean(
-        table.mu @ rule.weights,
+    mean = _Mean(
+        table.mu @ weights,
         table.depth @ flat,
         Slid(*(field[:, 0] for field in table)),
         xp.zeros(count),
         xp.all(table.converged, axis=1),
     )
+    return mean, misfit
+
+
+def _of_traced(
+    material: Layer, shape: AbstractShape, velocity: Array, load: Array
+) -> tuple[Slid, float]:
+    """Lines at velocities and loads under a transformation of JAX, and how far a series
+    is from a table of moduli.
+    """
+    tables = [c.material for c in material.covers if _is_table(c)]
+    misfit = max((to_chain(surface_foundation(x))[1] for x in tables), default=0.0)
+    # series for tables are fitted outside of JAX
+    kept = material if tables else None
+    shared = as_doubles((None if tables else material, shape))
+    fields = _with_slopes(kept)(shared, as_doubles((velocity, load)))
+    solved = Slid(*fields[:5], xp.isfinite(fields[0]), fields[5])
+    wide = (
+        solved.leading + solved.trailing < _TRACED_REACH * material.covers[0].thickness
+    )
+    return solved._replace(converged=solved.converged & wide), misfit
+
+
+def _is_table(cover: Layer) -> bool:
+    return isinstance(cover.material, TabulatedModulus)
+
+
+@functools.lru_cache(8)
+def _with_slopes(kept: Layer | None) -> Any:
+    """The fields of `Slid` but `converged`, as a function of (material, shape) and of
+    (velocity, load): numbers from NumPy, derivatives from the two equations of a line.
+    The material is `kept` where that is given.
+    """
+
+    def search(shared: Any, points: Any) -> Slid:
+        material, (velocity, load) = kept or shared[0], points
+        on, _ = _traced_line(material, shared[1])
+        lines = _lines(material, on.shape, load, "load", _FLOOR)
+        begun, slopes = _begun(on, velocity, load, _radius(lines, velocity, load))
+        return _with_neighbours(on, velocity, load, begun, _CLOSE, slopes)[0]
+
+    def numbers(shared: Any, points: Any) -> tuple[Array, ...]:
+        solved = search(shared, points)
+        return tuple(
+            np.where(solved.converged, field, np.nan)
+            for field in (*solved[:5], solved.lowest)
+        )
+
+    def edges(shared: Any, points: Any) -> tuple[Array, None]:
+        _, _, _, leading, trailing, _ = numbers(shared, points)
+        return np.log(np.stack([leading, trailing])), None
+
+    def equation(logs: Array, _: None, shared: Any, points: Any) -> Array:
+        on, _ = _traced_line(kept or shared[0], shared[1])
+        return equations(on, logs, *points)[0]
+
+    def two(_: Any, points: Any) -> tuple[Array, None]:
+        return xp.zeros((2, *points[0].shape)), None
+
+    logs_of = implicit(edges, equation, two, coupled=True)
+
+    def line(shared: Any, points: Any) -> tuple[Array, ...]:
+        leading, trailing = xp.exp(logs_of(shared, points))
+        on, _ = _traced_line(kept or shared[0], shared[1])
+        solved = line_between(on, points[0], leading, trailing)
+        mu = solved.force / solved.load
+        return mu, solved.load, solved.depth, leading, trailing
+
+    return numbers_with_slopes(
+        numbers, ((line, 5),), lambda _, points: (points[0],) * 6
+    )
+
+
+def _traced_line(material: Layer, shape: AbstractShape) -> tuple[Sliding, float]:
+    return _sliding(material, shape, _stepped(_TRACED_REACH), _TRACED)
 
 
 def _on_shared_grid(
@@ -554,9 +651,7 @@ def _load_of_depth(
     rough = lines._replace(rtol=max(lines.rtol, 1e-4))
 
     def miss(log: Array) -> Array:
-        return np.log(
-            _mean(rough, velocity, np.exp(log), averaged, False).depth / depth
-        )
+        return np.log(_mean(rough, velocity, np.exp(log), averaged).depth / depth)
 
     stiffer = lines.modulus(velocity / np.interp(depth, depths, places)) / lines.rest
     guess = np.log(np.interp(depth, depths, loads) * np.maximum(stiffer, 1.01))

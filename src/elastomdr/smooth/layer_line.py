@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, while_loop, xp
+from ..arrays import fixed, on_numpy, xp
 from ..checks import Array
 from ..material.relaxation import KelvinChain
 from ..numerics.quadrature import gauss, gauss_unit
@@ -86,85 +86,64 @@ def slide_on_layer(
     that it ended with: another order of polynomials may begin with them.
     """
 
-    def residual(parts: tuple, logs: Array) -> tuple[Array, _Line]:
-        on, velocity, value = parts
-        line = _line(on, velocity, xp.exp(logs[0]), xp.exp(logs[1]))
-        reached = line.load if control == "load" else line.depth
-        miss = xp.log(xp.maximum(reached, 1e-6 * value) / value)
-        return xp.stack([miss, line.last / line.mean]), line
-
-    parts = (on, velocity, value)
-    still = fixed((on.shape, on.chain, on.thickness, velocity, value))
-    frozen = (
-        on._replace(
-            shape=still[0],
-            chain=still[1],
-            thickness=still[2],
-            deficit=_fixed(on.deficit),
-        ),
-        *still[3:],
-    )
-    start = fixed(xp.log(xp.stack(list(guess))))
-
     def equation(logs: Array) -> Array:
-        return residual(frozen, logs)[0]
+        return equations(on, logs, velocity, value, control)[0]
 
-    def advance(state: tuple) -> tuple:
-        logs, jacobian, miss, count = state
-        step = xp.clip(_solve2(jacobian, miss), -_LONGEST, _LONGEST)
-        step = xp.where(xp.isfinite(step), step, 0.1)
-        new = xp.clip(logs - step, start - _FURTHEST, start + _FURTHEST / 2)
-        step = logs - new
+    start = np.log(np.stack(list(guess)))
+    miss = equation(start)
+    slopes = _slopes(equation, start, miss) if slopes is None else slopes
+    logs = start
+    for _ in range(_MOST):
+        if not np.max(np.abs(np.where(np.isfinite(miss), miss, 1.0))) > close:
+            break
+        step = np.clip(_solve2(slopes, miss), -_LONGEST, _LONGEST)
+        step = np.where(np.isfinite(step), step, 0.1)
+        new = np.clip(logs - step, start - _FURTHEST, start + _FURTHEST / 2)
         new_miss = equation(new)
-        return new, _broyden(jacobian, new_miss - miss, step), new_miss, count + 1
-
-    def going(state: tuple) -> Any:
-        return (
-            xp.max(xp.abs(xp.where(xp.isfinite(state[2]), state[2], 1.0))) > close
-        ) & (state[3] < _MOST)
-
-    begin = equation(start)
-    slopes = _slopes(equation, start, begin) if slopes is None else slopes
-    state = (start, slopes, begin, 0)
-    logs, jacobian, miss, _ = while_loop(going, advance, state)
-    good = xp.max(xp.abs(miss), axis=0) < 1e-6
-    if not on_numpy():  # derivatives take exact slopes
-        jacobian, logs = fixed(_slopes(equation, logs)), fixed(logs)
-        miss = residual(parts, logs)[0]
-    logs = logs - _solve2(jacobian, miss)
-    _, line = residual(parts, logs)
+        slopes = _broyden(slopes, new_miss - miss, logs - new)
+        logs, miss = new, new_miss
+    good = np.max(np.abs(miss), axis=0) < 1e-6
+    logs = logs - _solve2(slopes, miss)
+    _, line = equations(on, logs, velocity, value, control)
     solved = Slid(
         line.force / line.load,
         line.load,
         line.depth,
-        xp.exp(logs[0]),
-        xp.exp(logs[1]),
-        good & xp.isfinite(line.load),
+        *np.exp(logs),
+        good & np.isfinite(line.load),
         line.lowest,
     )
-    return solved, jacobian
+    return solved, slopes
+
+
+def equations(
+    on: Sliding, logs: Array, velocity: Array, value: Array, control: str = "load"
+) -> tuple[Array, _Line]:
+    """What is left of both equations at the logarithms of the edges: load or depth, and
+    no pressure at the trailing edge, (2, points); and the line.
+    """
+    line = line_between(on, velocity, xp.exp(logs[0]), xp.exp(logs[1]))
+    reached = line.load if control == "load" else line.depth
+    miss = xp.log(xp.maximum(reached, 1e-6 * value) / value)
+    return xp.stack([miss, line.last / line.mean]), line
 
 
 def _slopes(
-    equation: Callable[[Array], Array], logs: Array, here: Array | None = None
-) -> Array:
-    """(equation, edge, point); to one side of values that are known, for a search."""
-    columns = []
-    for i in range(2):
-        move = _SLOPES * np.eye(2)[i][:, None]
-        up = equation(logs + move)
-        if here is None:
-            columns.append((up - equation(logs - move)) / (2 * _SLOPES))
-        else:
-            columns.append((up - here) / _SLOPES)
-    return xp.stack(columns, axis=1)
+    equation: Callable[[Array], Array], logs: Array, here: Array
+) -> Float[Array, "equations edges points"]:
+    """By differences to one side of the values that are known."""
+    columns = [
+        (equation(logs + _SLOPES * edge[:, None]) - here) / _SLOPES
+        for edge in np.eye(2)
+    ]
+    return np.stack(columns, axis=1)
 
 
 def _broyden(jacobian: Array, change: Array, step: Array) -> Array:
     """Broyden's update of the slopes, after a step back by `step`."""
-    size = xp.sum(step**2, axis=0)
-    more = change + xp.sum(jacobian * step[None], axis=1)
-    return jacobian - more[:, None] * step[None] / xp.where(size > 1e-30, size, xp.inf)
+    size = np.sum(step**2, axis=0)
+    more = change + np.sum(jacobian * step[None], axis=1)
+    return jacobian - more[:, None] * step[None] / np.where(size > 1e-30, size, np.inf)
 
 
 class _Line(NamedTuple):
@@ -176,7 +155,7 @@ class _Line(NamedTuple):
     lowest: Array
 
 
-def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
+def line_between(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     """The line between given edges, for each point."""
     n = on.order
     rule = _rule(n)
@@ -291,7 +270,8 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
     left = xp.floor(fixed(place)).astype(int) - (_STENCIL // 2 - 1)
     near = xp.clip(left, 0, size - _STENCIL)[..., None] + np.arange(_STENCIL)
     gaps = place[..., None] - near
-    factor = _barycentric() / xp.where(gaps == 0, 1e-300, gaps)
+    # at a node, where the squares in derivatives must not overflow
+    factor = _barycentric() / xp.where(gaps == 0, 1e-140, gaps)
     # below the table what is missing to q is linear in l
     short = xp.minimum(l / math.exp(_LOW), 1.0)
     amount = compliance * short / (1 + xp.maximum(l, math.exp(_LOW)))
@@ -420,17 +400,13 @@ def _waves(reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _solve2(matrix: Array, right: Array) -> Array:
     """Solves (2, 2, points) for (2, points)."""
     det = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
-    det = xp.where(det == 0, xp.inf, det)
-    return xp.stack(
+    det = np.where(det == 0, np.inf, det)
+    return np.stack(
         [
             (right[0] * matrix[1, 1] - right[1] * matrix[0, 1]) / det,
             (right[1] * matrix[0, 0] - right[0] * matrix[1, 0]) / det,
         ]
     )
-
-
-def _fixed(deficit: Callable[[Array, Array], Array]) -> Callable[[Array, Array], Array]:
-    return lambda z, omega: fixed(deficit(z, omega))
 
 
 def elastic_curve(on: Sliding, modulus: Array, places: Array) -> tuple[Array, Array]:
@@ -439,5 +415,5 @@ def elastic_curve(on: Sliding, modulus: Array, places: Array) -> tuple[Array, Ar
     """
     none = np.zeros(0)
     rest = KelvinChain(1 / modulus, none, none, np.zeros(()))
-    line = _line(on._replace(chain=rest), xp.zeros_like(places), places, places)
+    line = line_between(on._replace(chain=rest), xp.zeros_like(places), places, places)
     return line.load, line.depth
