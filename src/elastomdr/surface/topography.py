@@ -580,9 +580,9 @@ class _Asymmetry(NamedTuple):
 def skewness_bound(skewness: float, error: float) -> float:
     """What |skewness| is taken for in a bound, of a map as a sample of its surface.
 
-    With 1.5 errors, of surfaces whose friction goes with .4 +- .15 (95 %) times their
-    skewness 93 % of the maps or more have a bound that holds, whatever the skewness is;
-    without any 68 %.
+    Where ln(mu) changes by .4 +- .15 (95 % of surfaces) times the skewness, the bound
+    with 1.5 errors covers at least 93 % of the maps at any skewness; without errors it
+    covers 68 %.
     """
     return float(np.hypot(skewness, _ERRORS * error))
 
