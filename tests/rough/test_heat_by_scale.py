@@ -15,7 +15,7 @@ from elastomdr.arrays import numpy_unless_traced
 from elastomdr.element.law import surface_foundation
 from elastomdr.rough import multiscale
 from elastomdr.rough import temperature_by_scale as warm
-from elastomdr.rough.psd_integrals import nodes, until
+from elastomdr.rough.psd_integrals import integral_to, nodes
 
 WLF = em.WLF(c1=8.86, c2=101.6, reference=293.15)
 RUBBER = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=WLF)
@@ -111,7 +111,7 @@ def test_conduction_is_what_plain_sums_make_of_it(heat, adhesion):
         None,
         multiscale.Local(),
     )
-    shares = em.Multiscale().contact(until(found.rate, at.weight), found.stiffer)
+    shares = em.Multiscale().contact(integral_to(found.rate, at.weight), found.stiffer)
     shares = np.append(shares[0].ravel(), shares[0, -1, -1])
     shear = 0.0 if law is None else float(law.shear_stress(0.3)) * found.area[0] / 2e5
     rises, _, road = rise_of(

@@ -38,7 +38,7 @@ class Scene(NamedTuple):
     shape: tuple[int, ...]  # of all of them, broadcast
     velocity: Any  # as given [m/s]
     value: Any  # load, depth or pressure as given
-    kelvin: Any  # as given [K], or None
+    temperature: Any  # as given [K], or None
     reduced: Any  # v a_T [m/s], of the broadcast shape
     # b_T, of the broadcast shape: forces over b_T are those of the material at its
     # reference
@@ -66,8 +66,8 @@ class Scene(NamedTuple):
         rows.append(("velocity", brief(self.velocity, "m/s")))
         return (
             rows
-            if self.kelvin is None
-            else [*rows, ("temperature", brief(self.kelvin, "K"))]
+            if self.temperature is None
+            else [*rows, ("temperature", brief(self.temperature, "K"))]
         )
 
 

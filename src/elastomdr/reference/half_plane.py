@@ -122,7 +122,7 @@ def half_plane_sliding(
         ),
         error=field(errors),
         converged=good.reshape(steady.shape),
-        temperature=steady.full(steady.kelvin),
+        temperature=steady.full(steady.temperature),
         model=MODEL,
         plan=(
             f"{points} cells; three eighths, half and three quarters as many for the "

@@ -151,15 +151,15 @@ class _Group(NamedTuple):
     foundation: Foundation
     surface: AbstractSpectrum
     velocity: np.ndarray
-    kelvin: np.ndarray
+    temperature: np.ndarray
     pressure: float
     friction: Callable[[np.ndarray, np.ndarray, bool], Any]
 
     def settle(self, cold: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
         """Points that have settled, their rise and their friction."""
         every, still = np.arange(cold.size), np.zeros_like(cold)
-        made = self.made(self.reduced(still), self.carried(still), cold, every)
-        highest = highest_rise(self.foundation, self.kelvin)
+        made = self.made(self.reduced(still), self.reduced_pressure(still), cold, every)
+        highest = highest_rise(self.foundation, self.temperature)
         top = min(2 * float(np.max(made)) + 1, highest)
         curve = self.curve(top)
         correction, first = np.ones(cold.size), np.maximum(1e-6 * made, _NOTHING)
@@ -173,7 +173,8 @@ class _Group(NamedTuple):
             if not left.size:
                 return
             reduced, reduced_pressure = (
-                of(np.nan_to_num(root))[left] for of in (self.reduced, self.carried)
+                of(np.nan_to_num(root))[left]
+                for of in (self.reduced, self.reduced_pressure)
             )
             mean = self.friction(reduced, reduced_pressure, False)
             made = self.made(reduced, reduced_pressure, np.asarray(mean.mu), left)
@@ -201,16 +202,16 @@ class _Group(NamedTuple):
         """
         more = warmer.ndim - 1
         temperature, velocity = (
-            a.reshape(-1, *[1] * more) for a in (self.kelvin, self.velocity)
+            a.reshape(-1, *[1] * more) for a in (self.temperature, self.velocity)
         )
         return velocity * np.asarray(
             thermal_factors(self.foundation, temperature + warmer)[0]
         )
 
-    def carried(self, warmer: np.ndarray) -> np.ndarray:
+    def reduced_pressure(self, warmer: np.ndarray) -> np.ndarray:
         """p/b_T at each point's temperature and `warmer` [K], (points,)."""
         return self.pressure / (
-            thermal_factors(self.foundation, self.kelvin + warmer)[1]
+            thermal_factors(self.foundation, self.temperature + warmer)[1]
             * np.ones_like(warmer)
         )
 
@@ -253,7 +254,7 @@ class _Group(NamedTuple):
         nodes = np.geomspace(
             low, high, max(5, int(np.ceil(_PER_DECADE * np.log10(high / low))) + 1)
         )
-        pressure = float(self.carried(np.zeros_like(self.kelvin)).mean())
+        pressure = float(self.reduced_pressure(np.zeros_like(self.temperature)).mean())
         mu = self.friction(nodes, np.full(nodes.size, pressure), True).mu
         known = np.isfinite(mu) & (mu > 0)
         if known.sum() < 2:

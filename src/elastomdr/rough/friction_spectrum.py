@@ -129,7 +129,7 @@ def friction_spectrum(
         foundation.range, surface, points.reduced.reshape(points.shape)
     )
     beyond = rough_beyond(
-        foundation.range, outside, points.full(points.kelvin), points.shape
+        foundation.range, outside, points.full(points.temperature), points.shape
     )
     spectrum = _packed(scene, edges, mu, error, good, beyond.points)
     inputs = [
@@ -246,8 +246,8 @@ def _packed(
         converged=banded(good),
         extrapolated=None if extrapolated is None else banded(extrapolated.ravel()),
         temperature=None
-        if points.kelvin is None
-        else banded(points.full(points.kelvin)),
+        if points.temperature is None
+        else banded(points.full(points.temperature)),
         pressure=pressure,
         width=float(edges[1] / edges[0]),
         model="",

@@ -101,7 +101,7 @@ class _Solver:
             points.foundation,
             self.surface,
             points.full(points.velocity).ravel(),
-            points.full(points.kelvin).ravel(),
+            points.full(points.temperature).ravel(),
             self.scene.given * points.vertical.ravel() / length,
             cold,
             at_pressure,
@@ -223,7 +223,7 @@ def rough_friction(
         NOT_KNOWN
         if points.traced
         else rough_beyond(
-            foundation.range, outside, points.kelvin, points.shape, answer.rise()
+            foundation.range, outside, points.temperature, points.shape, answer.rise()
         )
     )
     curve = _packed(scene, surface, answer, spread, far)
@@ -300,7 +300,7 @@ def _packed(
         contact=None,
         error=field(answer.error + spread),
         converged=answer.good.reshape(points.shape),
-        temperature=points.full(points.kelvin),
+        temperature=points.full(points.temperature),
         model="",
         plan="",
         inputs=(),
@@ -402,7 +402,7 @@ def _plan(
         solutions=None if points.traced else solutions(ask, average),
         skip=bool(skip),
         heated=heat is not None,
-        temperatures=0 if points.kelvin is None else np.size(points.kelvin),
+        temperatures=0 if points.temperature is None else np.size(points.temperature),
     )
 
 

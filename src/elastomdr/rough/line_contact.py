@@ -105,7 +105,7 @@ def line_contact(
     warn_unless(field.line.converged, "points")
     known = points.foundation.range
     outside = excited_outside(known, surface, points.reduced.reshape(()))
-    beyond = rough_beyond(known, outside, points.kelvin, ())
+    beyond = rough_beyond(known, outside, points.temperature, ())
     return _packed(scene, surface, field, beyond)
 
 

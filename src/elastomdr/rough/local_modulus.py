@@ -72,7 +72,7 @@ class Warmed(NamedTuple):
     ends: Any  # log q_low and log q_high (2,)
     rise: Any  # at the stations, `log_stations` (points, stations) [K]
     highest: Any  # the largest rise between stations [K]
-    kelvin: Any  # of the body (points,)
+    temperature: Any  # of the body (points,)
     body: Any  # the foundation, with its shift laws
 
     def log_q(self) -> Any:
@@ -92,7 +92,7 @@ class Warmed(NamedTuple):
 
     def factors(self, rise: Any) -> tuple[Any, Any]:
         """a_T and b_T at rises (points, ...), over those at the body's temperature."""
-        temperature = self.kelvin.reshape(-1, *[1] * (rise.ndim - 1))
+        temperature = self.temperature.reshape(-1, *[1] * (rise.ndim - 1))
         (a, b), (a_0, b_0) = (
             thermal_factors(self.body, temperature + rise),
             thermal_factors(self.body, temperature),
@@ -120,8 +120,10 @@ class Local(NamedTuple):
         """The same for some of the points."""
         local, warm = self, self.warmed
         if warm is not None:
-            rise, temperature = warm.rise[points], warm.kelvin[points]
-            local = local._replace(warmed=warm._replace(rise=rise, kelvin=temperature))
+            rise, temperature = warm.rise[points], warm.temperature[points]
+            local = local._replace(
+                warmed=warm._replace(rise=rise, temperature=temperature)
+            )
         if self.directed is not None:
             local = local._replace(directed=self.directed.of(points))
         return local
@@ -167,7 +169,7 @@ class Local(NamedTuple):
         return (
             of_strain
             if self.warmed is None
-            else (*of_strain, self.warmed.rise, self.warmed.kelvin)
+            else (*of_strain, self.warmed.rise, self.warmed.temperature)
         )
 
 

@@ -58,13 +58,13 @@ from .psd_integrals import (
     cell_counts,
     direct,
     factor,
+    integral_to,
     nodes,
     read,
     read_stiffer,
     share,
     spread_of,
     tables,
-    until,
 )
 
 _BATCH = 64  # points that are held in memory at once
@@ -89,7 +89,7 @@ FORM = Form(gamma=0.52, finer=0.42, ahead=1.29, power=1.38)
 _EXCESS = 0.06  # e, from the variance of the pressure on the same maps
 
 
-class Found(NamedTuple):
+class ContactAndFriction(NamedTuple):
     """Answers at each point."""
 
     mu: Any
@@ -106,7 +106,7 @@ def solve(
     model: Any,
     rtol: float,
     local: Local = _LINEAR,
-) -> Found:
+) -> ContactAndFriction:
     """Points (velocity [m/s], pressure [Pa]), flat; `modulus(omega)` is E* [Pa] at
     omega [rad/s].
 
@@ -142,7 +142,7 @@ def solve(
         left = left[again]
         coarsest, coarse = ([x[again] for x in level] for level in (coarse, fine))
         per_decade *= 2
-    return Found(mu, area, error, area_error)
+    return ContactAndFriction(mu, area, error, area_error)
 
 
 def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
@@ -320,7 +320,7 @@ def waves_of_persson(
     p = pressure[:, None, None]
     drag, stiffness, *_ = averages_of(modulus, velocity, wave_nodes.q, table, local)
     rate = rate_of(wave_nodes, stiffness, p)
-    shares = contact(until(rate, wave_nodes.weight), *energy_factor)
+    shares = contact(integral_to(rate, wave_nodes.weight), *energy_factor)
     full = wave_nodes.weight * wave_nodes.power * drag / (2 * p)
     area = contact((rate * wave_nodes.weight).sum((-2, -1)), *energy_factor)
     gamma, _ = energy_factor
@@ -356,7 +356,7 @@ def waves_of_multiscale(
     spread = _spread(spread_of(total, form.gamma, True), after.stiffer[:, 0, 0])
     share_end = share(spread)
 
-    variance = until(rate, wave_nodes.weight)
+    variance = integral_to(rate, wave_nodes.weight)
     shares = contact(variance, form.gamma, True, on.stiffer)
     log_later = xp.minimum(wave_nodes.log + form.ahead, wave_nodes.log_end)
     later = wave_nodes.end * xp.exp(log_later - wave_nodes.log_end)
@@ -374,8 +374,8 @@ def waves_of_multiscale(
     # ln(q/q') (q'/q) is q'/q twice, one after the other
     source = full * shares**1.5
     grown = wave_nodes.q / wave_nodes.end
-    once = until(source * grown, wave_nodes.weight)
-    of_edges = until(once, wave_nodes.weight) / grown
+    once = integral_to(source * grown, wave_nodes.weight)
+    of_edges = integral_to(once, wave_nodes.weight) / grown
     # beyond q_high nothing is added: what is there goes on to fade
     once_end, twice_end = summed(source * grown)[:, None], summed(once)[:, None]
     fading = np.exp(-_PAST) * (twice_end + once_end * _PAST)
@@ -478,7 +478,13 @@ def _taken_apart(
         return as_doubles(((foundation, surface, share, None), points))
     warmed = local.warmed
     shared = foundation, surface, share, (warmed.ends, warmed.highest)
-    points = velocity, pressure, direction, warmed.kelvin, xp.transpose(warmed.rise)
+    points = (
+        velocity,
+        pressure,
+        direction,
+        warmed.temperature,
+        xp.transpose(warmed.rise),
+    )
     return as_doubles((shared, points))
 
 

@@ -199,7 +199,7 @@ def _packed(
     surface: Any,
     model: Line,
     lines: list[RoughLine],
-    solved: _Found,
+    solved: _PressedContact,
     traced: bool,
 ) -> RoughContact:
     """The numbers of the result."""
@@ -218,7 +218,7 @@ def _packed(
         pressure=points.pressure,
         time=points.time,
         velocity=points.velocity,
-        temperature=points.kelvin,
+        temperature=points.temperature,
         approach=field(solved.approach),
         separation=field(solved.gap),
         stiffness=field(solved.stiffness),
@@ -252,14 +252,14 @@ class _Points(NamedTuple):
     pressure: Any
     time: Any
     velocity: Any
-    kelvin: Any
-    carried: Any  # pressure over b_T [Pa]
+    temperature: Any
+    reduced_pressure: Any  # pressure over b_T [Pa]
     factor: Any  # a_T
     compliance: Any  # J at the reduced time, 1/E*(0) without one [1/Pa]
     vertical: Any  # b_T
 
 
-class _Found(NamedTuple):
+class _PressedContact(NamedTuple):
     """Means over the lines."""
 
     approach: Any
@@ -341,8 +341,8 @@ def _lines(surface: Any, model: Line) -> list[RoughLine]:
     return [synthesise(surface, seed, model.periods, samples) for seed in seeds]
 
 
-def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _Found:
-    load = points.carried * points.compliance * length
+def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _PressedContact:
+    load = points.reduced_pressure * points.compliance * length
     approaches, gaps, conductances, touching = [], [], [], []
     for line in lines:
         if not is_traced(line):
@@ -385,7 +385,7 @@ def _sliding(
     length: float,
     foundation: Foundation,
     rtol: float,
-) -> _Found:
+) -> _PressedContact:
     from ..arrays import on_jax
 
     return on_jax(_steady, points, lines, length, foundation, rtol)
@@ -397,11 +397,11 @@ def _steady(
     length: float,
     foundation: Foundation,
     rtol: float,
-) -> _Found:
+) -> _PressedContact:
     from .periodic import Job, solve_lines
 
     reduced = (points.velocity * points.factor).ravel()
-    load = (points.carried * length).ravel()
+    load = (points.reduced_pressure * length).ravel()
     loads = np.concatenate([load, load * (1 - _STEP), load * (1 + _STEP)])
     jobs = [
         Job(
@@ -451,7 +451,7 @@ def _mean(
     modulus: Any,
     points: _Points,
     touching: list[Any],
-) -> _Found:
+) -> _PressedContact:
     """`touching` says where each line touches in enough samples."""
     approach, gap, conductance = (
         xp.stack(each) for each in (approaches, gaps, conductances)
@@ -473,7 +473,7 @@ def _mean(
     else:
         error, far = xp.full(points.shape, np.nan), xp.full(points.shape, np.nan)
     good = xp.isfinite(xp.mean(approach, axis=0)) & xp.all(xp.stack(touching), axis=0)
-    return _Found(
+    return _PressedContact(
         xp.mean(approach, axis=0),
         xp.mean(gap, axis=0),
         stiffness,
@@ -488,7 +488,7 @@ def _least(points: _Points, surface: Any, line: RoughLine) -> Any:
     """Bound of the conductance over the conductivity; of a surface, a square as wide as
     a line is long.
     """
-    load = points.carried * points.compliance
+    load = points.reduced_pressure * points.compliance
     if isinstance(surface, RoughLine):
         return least_conductance(load, xp.max(line.height) - xp.mean(line.height))
     spread, slope = (
@@ -524,9 +524,9 @@ def _beyond(foundation: Foundation, surface: Any, points: _Points) -> Beyond:
         outside = excited_outside(
             foundation.range, surface, points.velocity * points.factor
         )
-        return rough_beyond(foundation.range, outside, points.kelvin, points.shape)
+        return rough_beyond(foundation.range, outside, points.temperature, points.shape)
     factor = np.broadcast_to(points.factor, points.shape)
-    return held_beyond(foundation.range, points.time, points.kelvin, factor)
+    return held_beyond(foundation.range, points.time, points.temperature, factor)
 
 
 def _model_error(surface: Any, points: _Points) -> Any:
@@ -534,7 +534,7 @@ def _model_error(surface: Any, points: _Points) -> Any:
     0.28 at most, NaN elsewhere.
     """
     relative_pressure = np.asarray(
-        points.carried * points.compliance / surface.rms_slope
+        points.reduced_pressure * points.compliance / surface.rms_slope
     )
     inside = (relative_pressure >= _LEVELS[0] * (1 - 1e-9)) & (
         relative_pressure <= _LEVELS[1] * (1 + 1e-9)

@@ -165,7 +165,7 @@ def _graded(count: int, per_decade: int) -> np.ndarray:
     )
 
 
-def until(rate: Any, weight: Any) -> Any:
+def integral_to(rate: Any, weight: Any) -> Any:
     """int dlog q of `rate` from q_low to each node, (..., cells, 2): within a cell as
     Gauss' method of order four.
     """

@@ -24,7 +24,7 @@ from .against_lay import Directed
 from .half_space import solve, waves
 from .local_modulus import Local
 from .multiscale import averages_of
-from .psd_integrals import nodes, until
+from .psd_integrals import integral_to, nodes
 
 SAMPLES = 4  # cells per shortest wave
 # cells to a side that are aimed at, and the most, where none are given
@@ -217,7 +217,9 @@ def summits(
     model = Persson()
     local = Local(directed=directed)
     by_wave = model.waves(modulus, wave_nodes, velocity, pressure, None, local)
-    shares = model.contact(until(by_wave.rate, wave_nodes.weight), by_wave.stiffer)
+    shares = model.contact(
+        integral_to(by_wave.rate, wave_nodes.weight), by_wave.stiffer
+    )
     shares = shares.reshape(velocity.size, -1)
     longest = spectrum.q[
         int(np.argmax(np.diff(np.log(spectrum.c)) / np.diff(np.log(spectrum.q)) < -1))

@@ -171,7 +171,7 @@ def surface_friction(
         NOT_KNOWN
         if scene.traced
         else rough_beyond(
-            foundation.range, outside, scene.kelvin, scene.shape, answer.rise()
+            foundation.range, outside, scene.temperature, scene.shape, answer.rise()
         )
     )
     rows = beyond.said
@@ -247,7 +247,7 @@ def _heated(
         return solved(reduced, pressure, local=answer.local)
 
     velocity, temperature, pressure = (
-        scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
+        scene.full(a).ravel() for a in (scene.velocity, scene.temperature, scene.value)
     )
     cold = answer.cold
     warm = warmed(
@@ -276,7 +276,7 @@ def _heated_by_scale(
     from .temperature_by_scale import Problem, warmed
 
     velocity, temperature, pressure = (
-        scene.full(a).ravel() for a in (scene.velocity, scene.kelvin, scene.value)
+        scene.full(a).ravel() for a in (scene.velocity, scene.temperature, scene.value)
     )
     reduced, reduced_pressure = scene.reduced.ravel(), pressure / scene.vertical.ravel()
     foundation = scene.foundation
@@ -409,7 +409,7 @@ def _packed(
         contact=None,
         error=field(hysteresis.error + of_data * abs(hysteresis.mu)),
         converged=hysteresis.good.reshape(shape),
-        temperature=scene.full(scene.kelvin),
+        temperature=scene.full(scene.temperature),
         model=model.words() + softening,
         plan="",
         inputs=(),
@@ -462,7 +462,7 @@ def _with_adhesion(
     stress, fields = None, {}
     if heat is not None:
         stress = adhesion.shear_stress(
-            scene.full(scene.velocity), scene.full(scene.kelvin)
+            scene.full(scene.velocity), scene.full(scene.temperature)
         )
         fields = {"cold": curve.cold + stress * cold_area / pressure}
     both = sheared(

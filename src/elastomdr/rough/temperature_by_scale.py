@@ -44,7 +44,7 @@ from .against_lay import of_points, to_points
 from .heat import HIGHEST, Heat, highest_rise
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, bends, table_of
-from .psd_integrals import Nodes, cell_counts, nodes, until
+from .psd_integrals import Nodes, cell_counts, integral_to, nodes
 
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
 _BATCH = 512  # points whose first temperatures are looked for at once
@@ -81,13 +81,13 @@ class Problem(NamedTuple):
     adhesion: Any  # em.AdhesiveShear, or None
     velocity: Any  # [m/s]
     reduced: Any  # v a_T at the body's temperature
-    kelvin: Any  # of the body
+    temperature: Any  # of the body
     pressure: Any  # [Pa]
-    carried: Any  # p/b_T at the body's temperature
+    reduced_pressure: Any  # p/b_T at the body's temperature
 
     def of(self, points: Any) -> Problem:
         """The same for some of the points."""
-        names = ("velocity", "reduced", "kelvin", "pressure", "carried")
+        names = ("velocity", "reduced", "temperature", "pressure", "reduced_pressure")
         return self._replace(
             local=self.local.of(points),
             **{name: getattr(self, name)[points] for name in names},
@@ -110,7 +110,7 @@ class Warm(NamedTuple):
 class Conduction(NamedTuple):
     """Kernels of conduction at the nodes of a surface."""
 
-    at: Nodes
+    wave_nodes: Nodes
     per_decade: int  # cells
     ends: Any  # log q_low and log q_high (2,)
     log_q: Any  # of the stations
@@ -160,7 +160,7 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
                 break
     good = good & (error <= _MOST * abs(mus[-1]))
     profile = Warmed(
-        _ends(problem.spectrum), rise, highest, problem.kelvin, problem.body
+        _ends(problem.spectrum), rise, highest, problem.temperature, problem.body
     )
     return Warm(profile, error, mean, rise[:, -1], flux, to_road, good, several)
 
@@ -202,15 +202,17 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
     softened = problem.local.softened
     share = None if softened is None else softened.share
     shared = problem.body, problem.spectrum, share, problem.heat, problem.adhesion
-    points = (problem.velocity, problem.reduced, problem.kelvin)
-    points += (problem.pressure, problem.carried)
+    points = (problem.velocity, problem.reduced, problem.temperature)
+    points += (problem.pressure, problem.reduced_pressure)
     points += (to_points(problem.local.directed),)
     solve = _with_slopes(model, stations, counts)
     rise, mean, flux, to_road, error, good, several = solve(
         *as_doubles((shared, points))
     )
     ends = _ends(problem.spectrum)
-    profile = Warmed(ends, xp.transpose(rise), highest, problem.kelvin, problem.body)
+    profile = Warmed(
+        ends, xp.transpose(rise), highest, problem.temperature, problem.body
+    )
     return Warm(profile, error, mean, rise[-1], flux, to_road, good > 0, several > 0)
 
 
@@ -232,7 +234,7 @@ def _with_slopes(
 
     def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
         problem = _problem(shared, points)
-        highest = highest_rise(problem.body, problem.kelvin)
+        highest = highest_rise(problem.body, problem.temperature)
         warm = warmed(problem, model, highest)
         rise = _at_stations(warm.warmed.rise, stations, highest).T
         made = warm.mean, warm.flux, warm.to_road
@@ -260,7 +262,7 @@ def _rises(model: Any, stations: int, counts: tuple[int, ...]) -> Callable[..., 
 
     def search(shared: Any, points: Any) -> tuple[Any, None]:
         problem = _problem(shared, points)
-        highest = highest_rise(problem.body, problem.kelvin)
+        highest = highest_rise(problem.body, problem.temperature)
         conduct = _conduction(problem, model, _TRACED_CELLS, stations)
         start, seen, _ = _first(problem, model, stations, highest)
         state = _state(problem, model, conduct, highest)
@@ -295,17 +297,19 @@ def _state(
     problem: Problem, model: Any, conduct: Conduction, highest: float
 ) -> Callable[[Any], State]:
     """The temperatures that friction makes at temperatures (points, stations)."""
-    table = _tables(problem, conduct.at, conduct.per_decade, highest)
+    table = _tables(problem, conduct.wave_nodes, conduct.per_decade, highest)
 
     def of(rise: Any) -> State:
         local = problem.local._replace(
-            warmed=Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body)
+            warmed=Warmed(
+                conduct.ends, rise, highest, problem.temperature, problem.body
+            )
         )
         by_wave = model.waves(
             problem.body.complex_modulus,
-            conduct.at,
+            conduct.wave_nodes,
             problem.reduced,
-            problem.carried,
+            problem.reduced_pressure,
             table,
             local,
         )
@@ -321,11 +325,11 @@ def _tables(
     if is_traced(problem):
         return None
     hottest = np.full(
-        (problem.kelvin.size, 1),
-        min(highest, highest_rise(problem.body, problem.kelvin)),
+        (problem.temperature.size, 1),
+        min(highest, highest_rise(problem.body, problem.temperature)),
     )
     local = problem.local._replace(
-        warmed=Warmed(None, hottest, highest, problem.kelvin, problem.body)
+        warmed=Warmed(None, hottest, highest, problem.temperature, problem.body)
     )
     return table_of(
         problem.body.complex_modulus, wave_nodes, problem.reduced, per_decade, local
@@ -339,7 +343,7 @@ def _heated(
     shear = 0.0 * by_wave.area
     if problem.adhesion is not None:
         stress = problem.adhesion.shear_stress(
-            problem.velocity, problem.kelvin + rise[:, -1]
+            problem.velocity, problem.temperature + rise[:, -1]
         )
         shear = stress * by_wave.area / problem.pressure
     whole = by_wave.each.sum((-2, -1)) + by_wave.edges + shear
@@ -350,15 +354,19 @@ def _heated(
     )
     depth = depth / whole[:, None]  # S(k)
     on_surface = shear / whole  # of it
-    excess = 1 / model.contact(until(by_wave.rate, c.at.weight), by_wave.stiffer) - 1
-    variance = _until_stations(by_wave.rate, c.at, c.cell, c.place)
+    excess = (
+        1
+        / model.contact(integral_to(by_wave.rate, c.wave_nodes.weight), by_wave.stiffer)
+        - 1
+    )
+    variance = _integral_to_stations(by_wave.rate, c.wave_nodes, c.cell, c.place)
     ends = (
         1 / model.contact(variance, _of_stations(by_wave.stiffer, c.cell, c.place)) - 1
     )
     # int r dr c_q(r) I0 K0 of each station: beyond its half wave by the nodes, below it
     # by the share of its own
     inner = (
-        _until_stations(c.kernel * excess[:, None], c.at, c.cell, c.place)
+        _integral_to_stations(c.kernel * excess[:, None], c.wave_nodes, c.cell, c.place)
         + ends[:, None, :] * c.near
     )
     factor = 2 / (np.pi * problem.heat.conductivity)
@@ -367,22 +375,24 @@ def _heated(
     flux = whole * problem.pressure * problem.velocity
     road = 0.0 * flux
     if problem.heat.road is not None:
-        line = (c.line * excess * c.at.weight).sum((-2, -1)) + ends[:, -1] * c.line_near
+        line = (c.line * excess * c.wave_nodes.weight).sum((-2, -1)) + ends[
+            :, -1
+        ] * c.line_near
         # <1>_Q, since int K0 dk = (pi/2) exp(-w r)/r
         line = line / problem.heat.conductivity
         below = factor * (
             inner[..., -1] * (depth - on_surface[:, None]) * c.weight
         ).sum(-1)
         top = below + on_surface * line  # <S>_Q
-        still = (np.pi / c.at.q * excess * c.at.weight).sum((-2, -1)) + ends[
-            :, -1
-        ] * np.pi / c.at.end
+        still = (np.pi / c.wave_nodes.q * excess * c.wave_nodes.weight).sum(
+            (-2, -1)
+        ) + ends[:, -1] * np.pi / c.wave_nodes.end
         resistance = line + still / problem.heat.road[0]
         road = xp.where(top > 0, top / xp.where(top > 0, resistance, 1.0), 0.0)
     made = flux[:, None] * (of_volume - road[:, None] * of_surface)
     # the mean by where heat arises, at nodes from the stations
     share = by_wave.each / whole[:, None, None]
-    log_q = namespace(c.at.q).log(c.at.q).reshape(-1)
+    log_q = namespace(c.wave_nodes.q).log(c.wave_nodes.q).reshape(-1)
     spline = basis(rise.shape[1], place_of(log_q, c.ends))
     weight = share.reshape(share.shape[0], -1) @ spline
     mean = (rise * weight).sum(-1) + (by_wave.edges + shear) / whole * rise[:, -1]
@@ -487,7 +497,7 @@ def _kernels(
     far, close = np.pi / wave_nodes.q, np.pi / wave_nodes.end * y**4
     at_nodes, below = kernel(far), kernel(close) @ weights
     beyond = (at_nodes * wave_nodes.weight).sum((-2, -1))[..., None]
-    beyond = beyond - _until_stations(at_nodes, wave_nodes, cell, place)
+    beyond = beyond - _integral_to_stations(at_nodes, wave_nodes, cell, place)
     speed = w.reshape(-1, 1, 1)
     line = far * _i0e(speed * far)
     line_near = (close * _i0e(speed[..., 0] * close)) @ weights
@@ -499,7 +509,7 @@ def _profile(q: Any, k: Any) -> Any:
     return 4 * q**2 / (k**2 + 4 * q**2)
 
 
-def _until_stations(rate: Any, wave_nodes: Nodes, cell: Any, s: Any) -> Any:
+def _integral_to_stations(rate: Any, wave_nodes: Nodes, cell: Any, s: Any) -> Any:
     """int dlog q of `rate` (..., cells, 2) from q_low to each station: (...,
     stations).
     """
@@ -558,7 +568,7 @@ def _first(
     state = of(np.where(steady[:, None], rise, cold))
     top = np.maximum(state.rise.max(-1), _NOTHING)
     shape = state.rise / top[:, None]
-    table = _tables(problem, conduct.at, _SCAN, highest)
+    table = _tables(problem, conduct.wave_nodes, _SCAN, highest)
     tried = _heights(top, highest)  # (steps, points)
     many = problem.of(np.tile(np.arange(count), len(tried)))
     rise = (tried[..., None] * shape).reshape(-1, stations)
@@ -603,7 +613,7 @@ def _powers(
 ) -> Any:
     """Power of friction per nominal area at rises (points, stations)."""
     local = problem.local._replace(
-        warmed=Warmed(conduct.ends, rise, highest, problem.kelvin, problem.body)
+        warmed=Warmed(conduct.ends, rise, highest, problem.temperature, problem.body)
     )
     power = []
     for i in range(0, rise.shape[0], _BATCH):
@@ -611,16 +621,16 @@ def _powers(
         points = problem.of(batch)
         waves = model.waves(
             problem.body.complex_modulus,
-            conduct.at,
+            conduct.wave_nodes,
             points.reduced,
-            points.carried,
+            points.reduced_pressure,
             table,
             local.of(batch),
         )
         mu = waves.each.sum((-2, -1)) + waves.edges
         if problem.adhesion is not None:
             stress = problem.adhesion.shear_stress(
-                points.velocity, points.kelvin + rise[batch, -1]
+                points.velocity, points.temperature + rise[batch, -1]
             )
             mu = mu + stress * waves.area / points.pressure
         power.append(mu * points.pressure * points.velocity)

@@ -28,7 +28,7 @@ import numpy as np
 from ..arrays import namespace
 from ..numerics.quadrature import gauss
 from ..rough.multiscale import contact, rate_of
-from ..rough.psd_integrals import Nodes, share, until
+from ..rough.psd_integrals import Nodes, integral_to, share
 
 CLOSES = 0.42  # share of contact at which channels close
 _ENERGY = 0.45  # g
@@ -58,7 +58,7 @@ def contact_of(wave_nodes: Nodes, relative_pressure: Any) -> Contact:
     return Contact(
         wave_nodes,
         relative_pressure,
-        until(rate, wave_nodes.weight),
+        integral_to(rate, wave_nodes.weight),
         contact(total, *_CONTACT),
         end + 0 * total,
     )

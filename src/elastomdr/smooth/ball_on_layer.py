@@ -170,7 +170,7 @@ def ball_on_layer(
         covers_in_words(material),
         _count(reduced, value, averaged, rtol, points.traced),
     )
-    temperatures = points.full(points.kelvin)
+    temperatures = points.full(points.temperature)
     if not solved:
         return OnLayer(None, temperatures, label, plan)
     force = value

@@ -175,7 +175,7 @@ def cylinder_on_layer(
         _branches(carriers),
     )
     if not solved:
-        return OnLayer(None, points.full(points.kelvin), label, plan)
+        return OnLayer(None, points.full(points.temperature), label, plan)
     contacts, sunk = _solved(points, body, shape, control, carriers, misfit, rtol)
     if not points.traced:
         _say(contacts, sunk, body, shape, rtol)
@@ -190,7 +190,7 @@ def cylinder_on_layer(
         contacts.good,
     )
     steady = packed(points, solution, body, name, plan.covers, rtol)
-    return OnLayer(steady, points.full(points.kelvin), label, plan)
+    return OnLayer(steady, points.full(points.temperature), label, plan)
 
 
 def _solved(

@@ -115,7 +115,7 @@ def packed(
     force = solved.force * xp.asarray(points.vertical).reshape(-1)
     contact = Contact(shaped(solved.leading), shaped(solved.trailing))
     size = 0.5 * (contact.leading + contact.trailing)
-    temperature = points.full(points.kelvin)
+    temperature = points.full(points.temperature)
     beyond = steady_beyond(body.range, points.full(points.reduced), size, temperature)
     inputs = points.inputs(("shape", name), *(("cover", cover) for cover in covers))
     inputs.append(("relative tolerance", f"{rtol:g}"))
@@ -171,7 +171,7 @@ def set_up(
     control: Control = "load" if points.name == "load" else "depth"
     law, temperatures, vertical = (
         foundation.law(),
-        points.kelvin,
+        points.temperature,
         points.vertical.reshape(-1),
     )
     value, reduced = points.at_reference(), points.reduced.reshape(-1)
