@@ -125,7 +125,7 @@ def rough_beyond(
     if temperature is not None:
         body = np.broadcast_to(temperature, shape)
         temperatures = np.stack([body, body + np.nan_to_num(rise)])
-    points = only.outside(rate, temperatures).any(axis=0)
+    points: Any = only.outside(rate, temperatures).any(axis=0)
     findings = list(only.findings(rate, temperatures))
     if outside is not None and (outside > _OUTSIDE).any():
         points = points | (outside > _OUTSIDE)

@@ -225,7 +225,7 @@ class FrictionLaw(Tree):
                 "ln(pressure); not to be used outside"
             ),
         ]
-        columns = {
+        columns: dict[str, Any] = {
             _TITLES[name][0]: values.ravel()
             for name, values in zip(axes, points, strict=True)
         }
