@@ -468,7 +468,7 @@ def _sticking_length_on_layer(contact: LayerContact, first_slip: Array) -> np.nd
         return contact.ramp(distance)[0] < contact.slip_limit(distance)
 
     bracket = bisect(sticks, low, high, _LAYER_HALVINGS)
-    return _where_slip_begins(contact, length, bracket)
+    return np.asarray(_where_slip_begins(contact, length, bracket))
 
 
 def _march_on_layer(contact: LayerContact, steps: int) -> _Marched:
