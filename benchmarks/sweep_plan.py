@@ -88,11 +88,7 @@ def planned(name: str, call: Callable, axes: dict, fixed: dict) -> list:
         "material": [fixed["material"]] * (POINTS // 1000),
         "velocity": np.ones(1000),
     }
-    others = {
-        key: value
-        for key, value in (axes | fixed).items()
-        if key in ("shape", "surface", "model")
-    }
+    others = {key: value for key, value in fixed.items() if key != "material"}
     chunks = len(grid.grid(call, many, others).chunks())
     hours = POINTS / rate / 3600
     files = chunks * (len(dataset.data_vars) + 1)
