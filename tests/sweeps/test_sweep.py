@@ -420,6 +420,9 @@ def test_chunks_hold_whole_calls_and_are_many():
     assert sizes(3) == (1, 2, 4, 5, 50)
     for model in ("half-space", em.Line(seeds=2)):
         assert sizes(3, model=model) == (1, 1, 1, 1, 50)
+    hits = {"velocity": np.ones(50), "mass": np.ones(60)}
+    thrown = {"material": rubber(1), "shape": em.Sphere(0.01)}
+    assert grids.grid(em.impact, hits, thrown).sizes() == (13, 60)
     ball = {"model": "line", "material": rubber(1), "shape": em.Sphere(0.01)}
     assert grids.grid(em.friction, {"velocity": [1.0] * 900}, ball).sizes() == (900,)
 

@@ -46,6 +46,7 @@ _POINTS = 10_000  # of a chunk: a second of work by Multiscale, 10 MB
 _FEWEST = 2_000  # of a chunk of several calls: to write one costs a few milliseconds
 _CHUNKS = 128  # if the points suffice, so that no worker waits long for the last one
 _SLOW = 50  # of a chunk where every point is solved on cells or marched
+_IMPACTS = 1_000  # of a chunk: a second
 _DRAW = "draw"  # the axis of draws
 _LONG = 100  # entries from which on a list is described by its digest
 
@@ -90,7 +91,11 @@ class Grid(NamedTuple):
         """How long a chunk is along each axis: arrays first, so that one call does as
         much as possible.
         """
-        most = _SLOW if self._slow() else _POINTS
+        most = _POINTS
+        if self.call.__name__ == "impact":
+            most = _IMPACTS
+        elif self._slow():
+            most = _SLOW
         several = min(most, max(_FEWEST, math.prod(self.shape) // _CHUNKS))
         sizes = [1] * len(self.axes)
         order = sorted(
@@ -103,18 +108,15 @@ class Grid(NamedTuple):
         return tuple(sizes)
 
     def _slow(self) -> bool:
-        """Whether points are solved on cells, or marched one by one."""
+        """Whether points are solved on cells, or on lines of several seeds."""
         models, bodies = (
             [value for axis in self.axes if axis.name in names for value in axis.values]
             + [self.fixed[name] for name in names if name in self.fixed]
             for names in (("model",), _BODIES)
         )
         names = {_name(model).lower().replace("-", "") for model in models}
-        return (
-            self.call.__name__ == "impact"
-            or "halfspace" in names
-            or ("line" in names and any(map(is_rough, bodies)))
-        )
+        is_line = "line" in names and any(map(is_rough, bodies))
+        return is_line or "halfspace" in names
 
     def chunks(self) -> list[tuple[slice, ...]]:
         """The places of all chunks."""

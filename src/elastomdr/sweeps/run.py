@@ -47,7 +47,9 @@ _CALM = {
 }
 _LOGGED = 30  # seconds between two lines of progress in the log of a job
 _AHEAD = 4  # chunks under way or waiting for each thread of a worker
-_LEAST = 32  # under way or waiting: clusters that adapt themselves grow by what waits
+# under way or waiting: clusters that adapt themselves grow to a worker for each five
+# seconds of work that they see
+_LEAST = 1000
 _LOOK = 5  # seconds between two looks at how large the cluster is
 _CLOSING = 5  # seconds for what is closed
 # Scheduler and workers of this machine end with the process that started them, even if
