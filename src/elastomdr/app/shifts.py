@@ -64,6 +64,7 @@ class ShiftEditor:
             master = None
         self._fold.visible = master is not None
         self._master = master
+        self._restarts += 1
         if master is None:
             return
         self._offsets = np.zeros(master.temperature.size)
@@ -111,14 +112,21 @@ class ShiftEditor:
     async def _drawn(self) -> None:
         if self._master is None:
             return
-        offsets, i = self._offsets.copy(), self._isotherm.value
+        offsets, i, restarts = (
+            self._offsets.copy(),
+            self._isotherm.value,
+            self._restarts,
+        )
         figures, words = await worked(DRAWING, _figures, self._master, offsets, i)
+        if restarts != self._restarts:
+            return
         if self._grabbed is not None:
             figures.pop("master")
         self._show(figures)
         self._said.text = words
 
     def _back(self) -> None:
+        self._restarts += 1
         self._offsets[:] = 0.0
         self._chosen()
         self._show(None)
