@@ -36,6 +36,7 @@ class ShiftEditor:
         self._grabbed: float | None = (
             None  # offset of an isotherm that is being dragged
         )
+        self._restarts = 0  # how often all went back to a fit
         self._redraw = Latest(self._drawn)
         ui.on("isotherm", self._dragged)
         with ui.expansion("Shift isotherms: drag one in the figure, or here").classes(
