@@ -112,7 +112,7 @@ def page(opened):
 
 def tab(page, screen):
     page.locator(f"[role=tab]:has(:text-is('{screen}'))").click()
-    page.locator(f".of-{screen.lower()}:visible > *").first.wait_for()
+    page.locator(f".of-{screen.lower()}:visible > *:visible").first.wait_for()
 
 
 def button(page, name):

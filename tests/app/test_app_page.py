@@ -307,6 +307,44 @@ def test_cards_of_a_result():
     assert surer.notes
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
+def test_seals(tmp_path):
+    """An O-ring over years and on a rod, as the calls compute them, with their cards."""
+    from elastomdr.app.cards import cards
+    from elastomdr.app.scene import compute
+    from elastomdr.app.screens import SEAL, preset
+    from elastomdr.app.security import Folder
+
+    rubber, year = em.load_material("epdm-70"), 365.25 * 86400.0
+    ring, stroke = (
+        compute(SEAL.kinds[kind].verb, preset(kind, "epdm-70"), Folder(tmp_path)).result
+        for kind in ("o_ring", "stroke")
+    )
+    squeezed = {"diameter": 5e-3, "squeeze": 0.2, "fluid_pressure": 2e6}
+    alone = em.o_ring(
+        rubber, **squeezed, groove_width=7e-3, time=10 * year, temperature=293.15
+    )
+    assert ring.pressure[-1, 1] == pytest.approx(float(alone.pressure), rel=1e-6)
+    _, cold, *_ = cards(ring)
+    assert cold.title == "Mean pressure at 20 °C"
+    assert cold.number.startswith(f"{alone.pressure / 1e6:.3g} MPa ± ")
+    assert cold.notes == ("after 10 years",)
+    held = em.o_ring(rubber, **squeezed, time=300.0, temperature=293.15)
+    out = em.reciprocating(
+        rubber,
+        o_ring=held,
+        velocity_out=1.0,
+        velocity_in=0.1,
+        stroke=0.1,
+        viscosity=0.05,
+        width=0.16,
+    )
+    assert stroke.net_leak[-1] == pytest.approx(float(out.net_leak), rel=1e-9)
+    largest, sure, _ = cards(stroke)
+    assert largest.number == f"{out.net_leak:.3g} m³"
+    assert sure.number == "not known"
+
+
 def test_docs():
     """Each screen has a page of them, as the wheel and the site have it."""
     from elastomdr.app.docs import PAGES, text

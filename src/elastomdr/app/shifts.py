@@ -35,6 +35,7 @@ class ShiftEditor:
         self._offsets = np.zeros(0)  # from the fit [decades]
         # offset of an isotherm that is being dragged
         self._grabbed: float | None = None
+        self._restarts = 0  # how often all went back to a fit
         self._redraw = Latest(self._drawn)
         ui.on("isotherm", self._dragged)
         title = "Shift isotherms: drag one in the figure, or here"
@@ -62,6 +63,7 @@ class ShiftEditor:
             master = None
         self._fold.visible = master is not None
         self._master = master
+        self._restarts += 1
         if master is None:
             return
         self._offsets = np.zeros(master.temperature.size)
@@ -109,14 +111,21 @@ class ShiftEditor:
     async def _drawn(self) -> None:
         if self._master is None:
             return
-        offsets, i = self._offsets.copy(), self._isotherm.value
+        offsets, i, restarts = (
+            self._offsets.copy(),
+            self._isotherm.value,
+            self._restarts,
+        )
         figures, words = await worked(DRAWING, _figures, self._master, offsets, i)
+        if restarts != self._restarts:
+            return
         if self._grabbed is not None:
             figures.pop("master")
         self._show(figures)
         self._said.text = words
 
     def _back(self) -> None:
+        self._restarts += 1
         self._offsets[:] = 0.0
         self._chosen()
         self._show(None)
