@@ -46,6 +46,7 @@ DEFENDED = {
     "Result.plan",
     "Result.to_dict()",  # arrays and texts by name
     # those of `plot`, which each class of results has of its own
+    "Result.interactive(options)",
     "Result.png(options)",
     "Slide.png(options)",
     "MaterialFit.info()",  # texts, numbers and tables, as in a material file

@@ -6,8 +6,16 @@ from typing import Any
 import numpy as np
 
 _DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
-_SYMBOLS = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond"}
-_SYMBOLS |= {"v": "triangle-down", ".": "circle", "x": "x", "+": "cross"}
+_SYMBOLS = {
+    "o": "circle",
+    ".": "circle",
+    "s": "square",
+    "D": "diamond",
+    "^": "triangle-up",
+    "v": "triangle-down",
+    "x": "x",
+    "+": "cross",
+}
 _POINTS = 0.75  # pixels of a screen per point of print, inverted
 _PANEL = 520  # pixels across a panel
 _HEIGHT = 460
