@@ -233,6 +233,8 @@ def is_traced(*trees: Any) -> bool:
     """Whether any leaf is under a JAX transformation, so that its value cannot be
     looked at.
     """
+    if all(type(tree) in _PLAIN for tree in trees):  # most calls
+        return False
     tracer = getattr(getattr(sys.modules.get("jax"), "core", None), "Tracer", None)
     return tracer is not None and any(_holds(tree, tracer) for tree in trees)
 

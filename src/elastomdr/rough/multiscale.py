@@ -165,7 +165,9 @@ def _in_batches(
     table = table_of(modulus, wave_nodes, velocity, per_decade, local)
     if worth_compiling(velocity.size, local):
         return friction_and_area(model, wave_nodes, table, velocity, pressure)
-    batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]
+    # those of one velocity side by side: much of their work is the same
+    order = np.argsort(velocity, kind="stable")
+    batches = [order[i : i + _BATCH] for i in range(0, velocity.size, _BATCH)]
     out = [
         _evaluate(
             modulus,
@@ -178,7 +180,8 @@ def _in_batches(
         )
         for batch in batches
     ]
-    return tuple(np.concatenate(columns) for columns in zip(*out, strict=True))
+    back = np.argsort(order, kind="stable")
+    return tuple(np.concatenate(columns)[back] for columns in zip(*out, strict=True))
 
 
 def bends(spectrum: Any, local: Local) -> tuple[float, ...]:
@@ -339,33 +342,40 @@ def waves_of_multiscale(
 ) -> Waves:
     """Friction wave by wave, at points (velocity [m/s], pressure [Pa]), flat."""
     p = pressure[:, None, None]
+    speeds, each_point = _distinct(velocity, local)
 
     def averages(q: Any) -> Averages:
-        return averages_of(modulus, velocity, q, table, local, form.finer)
+        return averages_of(modulus, speeds, q, table, local, form.finer)
 
     def summed(values: Any) -> Any:
         return (values * wave_nodes.weight).sum((-2, -1))
 
+    # at each velocity, R times 8 p^2
     on = averages(wave_nodes.q)
-    rate = rate_of(wave_nodes, on.stiffness, p)
-    xp = namespace(rate, wave_nodes.q)
+    rate_p = wave_nodes.power * on.stiffness
+    xp = namespace(rate_p, wave_nodes.q)
     # log(q/q_high), at q_high and beyond
     past = np.concatenate([[0.0], _PAST])
     after = averages(wave_nodes.end * np.exp(past)[:, None])
-    total = summed(rate)
-    spread = _spread(spread_of(total, form.gamma, True), after.stiffer[:, 0, 0])
-    share_end = share(spread)
-
-    variance = integral_to(rate, wave_nodes.weight)
-    shares = contact(variance, form.gamma, True, on.stiffer)
+    total_p = summed(rate_p)
+    variance_p = integral_to(rate_p, wave_nodes.weight)
     log_later = xp.minimum(wave_nodes.log + form.ahead, wave_nodes.log_end)
     later = wave_nodes.end * xp.exp(log_later - wave_nodes.log_end)
-    end = total, wave_nodes.end_power * after.stiffness[:, 0, 0] / (8 * pressure**2)
+    end = total_p, wave_nodes.end_power * after.stiffness[:, 0, 0]
+    later_p = _later(wave_nodes, rate_p, variance_p, end, log_later)
+    stiffer_later = _stiffer(modulus, speeds, later, table, local, form.finer)
+    stiffer_end = after.stiffer[:, 0, 0]
+
+    # at each point
+    scale = 8 * p**2
+    rate = each_point(rate_p) / scale
+    total = each_point(total_p) / (8 * pressure**2)
+    spread = _spread(spread_of(total, form.gamma, True), each_point(stiffer_end))
+    share_end = share(spread)
+    stiffer = each_point(on.stiffer)
+    shares = contact(each_point(variance_p) / scale, form.gamma, True, stiffer)
     later_shares = contact(
-        _later(wave_nodes, rate, variance, end, log_later),
-        form.gamma,
-        True,
-        _stiffer(modulus, velocity, later, table, local, form.finer),
+        each_point(later_p) / scale, form.gamma, True, each_point(stiffer_later)
     )
 
     full = 2 * rate  # F
@@ -386,10 +396,23 @@ def waves_of_multiscale(
     # what F P^(3/2) makes at all higher waves is as much together
     edge_strength = xp.maximum(whole - of_own, 0.0) / summed(source)  # N
     spectrum = of_wave + edge_strength[:, None, None] * of_edges  # D
-    each = 2 * p * wave_nodes.weight * spectrum * on.drag / on.stiffness
-    faded = (after.drag / after.stiffness)[:, 1:, 0] * fading
+    lossy = each_point(wave_nodes.weight * on.drag / on.stiffness)
+    faded = each_point((after.drag / after.stiffness)[:, 1:, 0]) * fading
     edges = 2 * pressure * edge_strength * (faded * _PAST_WEIGHT).sum(-1)
-    return Waves(each, edges, rate, on.stiffer, real_area(share_end))
+    return Waves(2 * p * spectrum * lossy, edges, rate, stiffer, real_area(share_end))
+
+
+def _distinct(velocity: Any, local: Local) -> tuple[Any, Callable[[Any], Any]]:
+    """The velocities that differ, and what turns values at these into values at each
+    point: all velocities, and nothing, where points differ in more.
+    """
+    of_its_own = local.warmed is not None or local.directed is not None
+    if of_its_own or namespace(velocity) is not np or velocity.size == 1:
+        return velocity, lambda values: values
+    speeds, which = np.unique(velocity, return_inverse=True)
+    if speeds.size == velocity.size:
+        return velocity, lambda values: values
+    return speeds, lambda values: values[which]
 
 
 def real_area(shares: Any) -> Any:
