@@ -132,7 +132,8 @@ FLOORS = {
 _STRIPS = "24 strips and more across the contact"
 _POINTS = "a profile of 30 points: panels between all of them"
 _LINES = "160 lines of the layer to 1e-6, of degree 14 to 56"
-_BRANCHES = "losses by branch, with the finest rule"
+_BESSEL = "Bessel functions of 8,200 waves, once"
+_COMPILED = "compiled once on a machine"
 ALLOWED: dict[str, tuple[float, float, str]] = {
     "friction: power on half-space": (1.0, 0.5, "no polynomial: panels to the apex"),
     "friction: profile on half-space": (1.5, 0.5, _POINTS),
@@ -144,12 +145,28 @@ ALLOWED: dict[str, tuple[float, float, str]] = {
         for verb, shapes in (("friction", SLIDERS[:-1]), ("rolling", ROLLERS[:-1]))
         for shape in shapes
     },
-    "dissipation: ball on half-space": (1.0, 2.0, _BRANCHES),
-    "dissipation: roller on half-space": (2.0, 2.0, _BRANCHES),
-    "dissipation: roller on layer": (2.0, 2.0, _BRANCHES),
-    "dissipation: ball on springs": (5.0, 5.0, f"{_BRANCHES}, 64 strips"),
-    "dissipation: cone on springs": (5.0, 5.0, f"{_BRANCHES}, 64 strips"),
+    "dissipation: roller on half-space": (1.5, CURVE, _BESSEL),
+    "dissipation: roller on layer": (1.5, 0.5, _BESSEL),
+    "dissipation: cone on springs": (1.0, 2.0, f"losses by branch, {_STRIPS}"),
     "conveyor": (1.0, 0.5, "two sides, three rolls"),
+    "heat_build_up: ball on layer": (5.0, 5.0, f"{TEMPERATURES}; {_LINES}"),
+    "friction: a road, adhesion and heat": (2.0, 2.0, "temperatures by scale"),
+    "friction: a road as lines": (3.0, 5.0, f"lines of 65536 samples, {_COMPILED}"),
+    "press: a road": (2.0, 2.0, "gaps by contact share, integrals over waves"),
+    "lubricated": (1.0, 2.0, "films of 64 velocities by Newton's method"),
+    "impact": (3.0, 3.0, "each impact on up to 16 times finer steps"),
+    "drive": (3.0, 3.0, "steps halved until mu settles"),
+    "slide": (2.0, 2.0, "steps halved until mu settles"),
+    "shear": (8.0, 2.0, _COMPILED),
+    "read_surface: a profile": (1.5, CURVE, "loads SciPy's interpolation and ndimage"),
+    "scene bouncing_ball": (25.0, 25.0, f"63 impacts, {_COMPILED}: then 5 s"),
+    "scene press_twice": (25.0, 25.0, f"a history of presses, {_COMPILED}: then 10 s"),
+    "scene lubricated": (10.0, 10.0, "mixed films at 48 velocities, two loads"),
+    "scene seal_drive": (30.0, 30.0, "a drive on a rough line, marched in 1000 points"),
+    "scene seal_start": (8.0, 8.0, "a start on a rough line, marched"),
+    "scene start_and_jump": (12.0, 12.0, "starts and jumps of speed, marched"),
+    "scene tread_on_road": (6.0, 6.0, "temperatures by scale at 48 points"),
+    "scene braking": (6.0, 6.0, "150 points: three loads, 50 slips"),
 }
 
 
@@ -160,8 +177,8 @@ def _steady(verb: str, field: str, shapes: tuple[str, ...]) -> list[Case]:
         for shape in shapes:
             name = f"{verb}: {shape} on {place}"
             call = f"em.{verb}({material}, {shape}, velocity=x, load=1.0)"
-            # Derivatives of the others go the same ways. Balls on a layer are traced as
-            # a whole, which compiles for minutes.
+            # Derivatives of the others go the same ways; those of balls on a layer
+            # compile for 15 s.
             traced = shape == "roller" or (
                 place != "layer" and shape in ("ball", "cone")
             )
