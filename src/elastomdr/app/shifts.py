@@ -35,6 +35,7 @@ class ShiftEditor:
         self._offsets = np.zeros(0)  # from the fit [decades]
         # offset of an isotherm that is being dragged
         self._grabbed: float | None = None
+        self._numbers: dict[str, int] = {}  # of isotherms, by what they are called
         self._restarts = 0  # how often all went back to a fit
         self._redraw = Latest(self._drawn)
         ui.on("isotherm", self._dragged)
@@ -71,6 +72,7 @@ class ShiftEditor:
             i: _celsius(temperature) for i, temperature in enumerate(master.temperature)
         }
         farthest = int(np.abs(master.temperature - master.reference).argmax())
+        self._numbers = {name: i for i, name in names.items()}
         self._isotherm.set_options(names, value=farthest)
         self._chosen()
 
@@ -90,8 +92,7 @@ class ShiftEditor:
 
     def _dragged(self, event: Any) -> None:
         """Follows an isotherm in the figure, which moves by itself until it is let go."""
-        names = {name: i for i, name in self._isotherm.options.items()}
-        i = names.get(event.args["name"])
+        i = self._numbers.get(event.args["name"])
         if self._master is None or i is None:
             return
         if self._grabbed is None:

@@ -125,7 +125,7 @@ class FrictionLaw(Tree):
         """Which points of `mu` lie beyond the range of the rubber."""
         return None if self.flags is None else np.reshape(self.flags, self.mu.shape)
 
-    def extrapolated_at(self, **place: Any) -> Bool[np.ndarray, "..."] | None:
+    def extrapolated_at(self, **place: ArrayLike) -> Bool[np.ndarray, "..."] | None:
         """Where mu at such velocities, temperatures and pressures is interpolated from a
         point that is extrapolated; None where that is not known.
         """
