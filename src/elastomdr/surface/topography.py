@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -806,12 +806,15 @@ class MeasuredSurface(AbstractSpectrum):
     def raised(self, factor: Number) -> MeasuredSurface:
         """The same surface with all heights times `factor`, its lay and skewness."""
         higher = super().raised(factor)
-        plain = self.map is not None and not is_traced(factor)
+        times: Any = scalar("factor", factor)
+        heights = None
+        if self.map is not None and not is_traced(times):
+            heights = self.map.raised(float(times))
         return dataclasses.replace(
             self,
             c=higher.c,
-            measured_height=self.measured_height * scalar("factor", factor),
-            map=self.map.raised(float(factor)) if plain else None,
+            measured_height=self.measured_height * times,
+            map=heights,
         )
 
     def draws(
