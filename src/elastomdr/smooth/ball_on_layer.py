@@ -174,6 +174,7 @@ def ball_on_layer(
     if not solved:
         return OnLayer(None, temperatures, label, plan)
     force = value
+    lines: Any = None
     if points.traced:
         mean, misfit = _mean_of_traced(material, shape, reduced, value, averaged, rtol)
     else:
@@ -403,7 +404,7 @@ def _radius(lines: _Lines, velocity: Array, load: Array) -> Array:
     the passage.
     """
     places, loads, _ = lines.curve
-    radius = np.interp(load, loads, places)
+    radius: Any = np.interp(load, loads, places)
     for _ in range(8):
         stiffer = lines.modulus(velocity / radius) / lines.rest
         elastic = np.interp(load / stiffer, loads, places)
@@ -529,13 +530,15 @@ def _of_traced(
     """Lines at velocities and loads under a transformation of JAX, and how far a series
     is from a table of moduli.
     """
-    tables = [c.material for c in material.covers if _is_table(c)]
-    misfit = max((to_chain(surface_foundation(x))[1] for x in tables), default=0.0)
+    tables: list[Any] = [c.material for c in material.covers if _is_table(c)]
+    foundations: list[Any] = [surface_foundation(x) for x in tables]
+    misfit = max((to_chain(x)[1] for x in foundations), default=0.0)
     # series for tables are fitted outside of JAX
     kept = material if tables else None
     shared = as_doubles((None if tables else material, shape))
     fields = _with_slopes(kept)(shared, as_doubles((velocity, load)))
-    solved = Slid(*fields[:5], xp.isfinite(fields[0]), fields[5])
+    mu, load, depth, leading, trailing, lowest = fields
+    solved = Slid(mu, load, depth, leading, trailing, xp.isfinite(mu), lowest)
     wide = (
         solved.leading + solved.trailing < _TRACED_REACH * material.covers[0].thickness
     )
@@ -572,7 +575,7 @@ def _with_slopes(kept: Layer | None) -> Any:
         return np.log(np.stack([leading, trailing])), None
 
     def equation(logs: Array, _: None, shared: Any, points: Any) -> Array:
-        on, _ = _traced_line(kept or shared[0], shared[1])
+        on = _traced_line(kept or shared[0], shared[1])[0]
         return equations(on, logs, *points)[0]
 
     def two(_: Any, points: Any) -> tuple[Array, None]:

@@ -223,7 +223,8 @@ def _forces(scene: SmoothScene, load: Array) -> tuple[Array, Array, Array, Any]:
     """
     plan = scene.plan
     velocity, control, value = scene.reduced, scene.control, scene.value
-    cosines, weights = np.ones(1), np.ones(1)
+    cosines: Any = np.ones(1)
+    weights: Any = np.ones(1)
     if plan.averaged:
         rule = directions(plan.rtol)
         cosines, weights = rule.cosines, rule.weights

@@ -105,11 +105,13 @@ def slide_on_layer(
     good = np.max(np.abs(miss), axis=0) < 1e-6
     logs = logs - _solve2(slopes, miss)
     _, line = equations(on, logs, velocity, value, control)
+    leading, trailing = np.exp(logs)
     solved = Slid(
         line.force / line.load,
         line.load,
         line.depth,
-        *np.exp(logs),
+        leading,
+        trailing,
         good & np.isfinite(line.load),
         line.lowest,
     )

@@ -112,7 +112,8 @@ class Files:
     def _read_whole(self, name: str) -> bytes | None:
         """A file that is not there, or empty: that has no first byte."""
         try:
-            return self._filesystem.cat_file(self._path(name))
+            content: Any = self._filesystem.cat_file(self._path(name))
+            return content
         except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
             return None
 

@@ -167,7 +167,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     )
 
 
-def _rows(values: Array, rows: Array) -> Array:
+def _rows(values: Array, rows: Any) -> Array:
     """These nodes of all impacts, or of each its own."""
     if rows.ndim == 1:
         return values[rows]
@@ -175,7 +175,7 @@ def _rows(values: Array, rows: Array) -> Array:
 
 
 def _where_taken(
-    taken: Array, take: Callable[[Body, tuple, tuple], tuple], body: Body, *given: tuple
+    taken: Array, take: Callable[..., tuple], body: Body, *given: tuple
 ) -> tuple:
     """The carry after a step of the impacts that take it; the others keep theirs."""
     if taken.ndim == 0:
