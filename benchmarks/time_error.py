@@ -23,7 +23,7 @@ from common import RESULTS, heading, one_core, plt, save, table, timed, verdict
 
 import elastomdr as em
 from elastomdr.rough import half_space, period, periodic
-from elastomdr.rough.branch_reduction import lanes
+from elastomdr.rough.branch_reduction import point_laws
 
 RUBBER = em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.49)
 VELOCITY = np.logspace(-5, 1, 64)
@@ -124,7 +124,7 @@ def _plain_sweeps(line: Any, law: Any, depth: Any) -> list[tuple[int, Any]]:
     rise, spacing = periodic.rises(line.height), float(line.spacing)
     after = []
     with jax.enable_x64(True):
-        by = period.coefficients(lanes(law, VELOCITY.size), spacing / VELOCITY)
+        by = period.coefficients(point_laws(law, VELOCITY.size), spacing / VELOCITY)
         branches = np.zeros((law.moduli.size, VELOCITY.size))
         for count in range(1, 101):
             end = period.sweep(

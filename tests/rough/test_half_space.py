@@ -89,6 +89,19 @@ def test_elimination_and_iteration_agree(monkeypatch, by):
         )
 
 
+def test_products_compiled_by_jax_change_nothing(heights, monkeypatch):
+    """What an accelerator computes, here on the processor."""
+    given = {"velocity": 0.1, "pressure": 1e5}
+    plain = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given)
+    monkeypatch.setattr(
+        half_space, "on_accelerator", lambda cells, count: half_space.compiled(cells)
+    )
+    compiled = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given)
+    assert compiled.products == plain.products
+    assert compiled.stress == pytest.approx(plain.stress, rel=1e-9)
+    assert compiled.area == pytest.approx(plain.area, rel=1e-9)
+
+
 def test_a_neighbour_saves_work_and_changes_nothing(heights):
     given = {"velocity": 0.1, "pressure": 1e5}
     cold = half_space.solve(SOLID.complex_modulus, heights, (SIDE, SIDE), **given)

@@ -111,7 +111,9 @@ def test_pressure_drop_above_the_contact_pressure():
     """An O-ring is pressed by its squeeze and by its fluid."""
     drop = 4e6
     ring = em.o_ring(RUBBER, 3e-3, 0.15)
-    with pytest.raises(em.InputError, match="that of the squeeze and of the fluid"):
+    with pytest.raises(
+        em.InputError, match="that of the squeeze and that of the fluid"
+    ):
         leak(pressure=ring.pressure, pressure_drop=drop)
     advised = leak(pressure=ring.pressure + drop, pressure_drop=drop)
     whole = em.o_ring(RUBBER, 3e-3, 0.15, fluid_pressure=drop).sealing_pressure

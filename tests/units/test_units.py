@@ -96,6 +96,7 @@ PREFIX = {
     "n": 1e-9,
 }
 OTHERS = {
+    "deg": np.pi / 180,
     "min": 60,
     "h": 3600,
     "day": 86400,

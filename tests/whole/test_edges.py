@@ -151,7 +151,7 @@ def sweep_that_ends_with(monkeypatch, error, seen):
 
     computed = em.friction
 
-    def friction(material, shape, *, store, progress, **arguments):
+    def friction(material, shape, *, store, **arguments):
         seen.append(store.get("part"))
         store.put("part", np.arange(3.0))
         if error is not None:

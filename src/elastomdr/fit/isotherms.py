@@ -361,7 +361,8 @@ def refuse_exchanged(dma: Dma, law: AbstractShift | None = None) -> None:
         raise InputError(
             f"storage and loss modulus of {dma.source!r} look exchanged: no passive "
             "material has them as they are named, but one does with the two "
-            "exchanged{columns_read}. Exchange them: columns={{'storage': {new}, 'loss': {old}}} "
+            f"exchanged{columns_read}. Exchange them: "
+            f"columns={{'storage': {new}, 'loss': {old}}} "
             f"(--column storage={new} --column loss={old}){explanation}."
         )
 

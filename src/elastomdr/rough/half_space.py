@@ -29,6 +29,7 @@ K, and d counts from the mean height. The contact to begin with is that of a gri
 as fine, or of a neighbouring velocity or load.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -49,6 +50,7 @@ _LIGHT = 0.3  # share of cells in contact below which GMRES is used
 # pivots in which fewer cells change than ever before, or those that pull are let go
 # only
 _PATIENCE = 2
+_LARGE = 256**2  # cells from which an accelerator is asked for
 _COARSEST = 32  # cells along a side below which no coarser grid is solved
 
 
@@ -75,6 +77,51 @@ class Convolution(NamedTuple):
         waves: Any = fft.rfft2(field, self.shape)
         whole: Any = fft.irfft2(factor * waves, self.shape, overwrite_x=True)
         return whole[: field.shape[0], : field.shape[1]]
+
+
+class CompiledConvolution(Convolution):
+    """The same, with products compiled by JAX; the factors stay on its device."""
+
+    def influence(self) -> Any:
+        return fft.irfft2(np.asarray(self.kernel), self.shape)
+
+    def _times(self, factor: Any, field: Any) -> Any:
+        import jax
+
+        with jax.enable_x64(field.dtype == np.float64):
+            return np.asarray(_product(self.shape)(factor, field))
+
+
+@functools.cache
+def _product(shape: tuple[int, int]) -> Any:
+    import jax
+
+    def product(factor: Any, field: Any) -> Any:
+        waves = jax.numpy.fft.rfft2(field, shape)
+        whole = jax.numpy.fft.irfft2(factor * waves, shape)
+        return whole[: field.shape[0], : field.shape[1]]
+
+    return jax.jit(product)
+
+
+def on_accelerator(cells: Convolution, count: int) -> Convolution:
+    """The convolution on an accelerator, where JAX finds one and so many cells are worth
+    the way there.
+    """
+    if count < _LARGE:
+        return cells
+    import jax
+
+    return cells if jax.default_backend() == "cpu" else compiled(cells)
+
+
+def compiled(cells: Convolution) -> CompiledConvolution:
+    """The convolution with its factors on the device of JAX."""
+    import jax
+
+    with jax.enable_x64(cells.kernel.dtype == np.complex128):
+        factors = jax.device_put((cells.kernel, cells.inverse))
+    return CompiledConvolution(*factors, cells.shape)
 
 
 class Accuracy(NamedTuple):
@@ -118,6 +165,7 @@ def settle(
     Either `load`, the sum of the pressures over the cells [Pa], or `depth` is given.
     The arrays may be of 32 or of 64 bits.
     """
+    cells = on_accelerator(cells, height.size)
     pressure = start
     touching = pressure > 0
     fewest, waited, products, deep = height.size + 1, 0, 0, np.nan
