@@ -369,7 +369,8 @@ def _members(package: str) -> dict[str, str]:
     path = ROOT / "src" / "elastomdr" / package / "__init__.py"
     found = {}
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.ImportFrom) and node.module != "typing":
+        helpers = ("typing", "errors")  # used by the package, not part of it
+        if isinstance(node, ast.ImportFrom) and node.module not in helpers:
             home = f"{package}.{node.module}" if node.level == 1 else node.module
             found |= {alias.asname or alias.name: home for alias in node.names}
     if not found:

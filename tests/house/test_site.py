@@ -84,6 +84,7 @@ def test_what_the_pages_show(site):
     for name in (
         "friction.friction",
         "prony.Prony",
+        "master.master_curve",
         "surface.read_surface",
         "half_space_sliding",
     ):

@@ -97,6 +97,7 @@ PREFIX = {
 }
 OTHERS = {
     "deg": np.pi / 180,
+    "°": np.pi / 180,
     "min": 60,
     "h": 3600,
     "day": 86400,

@@ -5,7 +5,7 @@ calibration.
 import importlib
 from typing import Any
 
-from ..errors import closest as _closest
+from ..errors import closest
 
 _HOMES = {
     ".io.data": ("Dma", "FitWarning", "dma", "relaxation", "join"),
@@ -28,7 +28,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(
             (
                 "module 'elastomdr.fit' has no attribute "
-                f"{name!r}.{_closest(name, __all__)}"
+                f"{name!r}.{closest(name, __all__)}"
             ),
             name=name,
         )

@@ -4,7 +4,7 @@ reduction; closed forms.
 
 from typing import Any
 
-from ..errors import closest as _closest
+from ..errors import closest
 from ..surface.spectrum import rough_map
 from .closed_forms import full_contact_sliding, persson, small_damping
 from .half_plane import half_plane_sliding
@@ -24,6 +24,6 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     raise AttributeError(
         f"module 'elastomdr.reference' has no attribute {name!r}."
-        f"{_closest(name, __all__)}",
+        f"{closest(name, __all__)}",
         name=name,
     )
