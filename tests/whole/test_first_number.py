@@ -188,7 +188,7 @@ def large(monkeypatch):
         "indentation_route._MANY",
         "indentation_route._MUCH",
         "refinement._PATIENCE",
-        "impact_motion._SMALL",
+        "impact_motion._FEW",
     ):
         monkeypatch.setattr(f"elastomdr.transient.{limit}", 0)
     monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)
