@@ -120,8 +120,8 @@ def compiled(cells: Convolution) -> CompiledConvolution:
     import jax
 
     with jax.enable_x64(cells.kernel.dtype == np.complex128):
-        factors = jax.device_put((cells.kernel, cells.inverse))
-    return CompiledConvolution(*factors, cells.shape)
+        kernel, inverse = jax.device_put((cells.kernel, cells.inverse))
+    return CompiledConvolution(kernel, inverse, cells.shape)
 
 
 class Accuracy(NamedTuple):

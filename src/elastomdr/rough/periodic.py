@@ -34,11 +34,11 @@ if TYPE_CHECKING:
 
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
-_FEWEST_LANES = 8  # in a batch, where there are as many
+_FEWEST_AT_ONCE = 8  # in a batch, where there are as many
 _MANY = 32  # points of a load from which they make batches of their own
 # at most, in a batch: wider sums over branches XLA would hand to a library that no
 # kernel can call
-_LANES = 64
+_AT_ONCE = 64
 # over the square of a contact's samples: relative error of 99 % of light contacts on
 # drawn lines
 _FEW = 2.5
@@ -114,7 +114,7 @@ def solve_lines(
         else os.cpu_count() or 1
     )
     lane_count = sum(job.velocity.size for job in jobs)
-    size = min(_LANES, max(_FEWEST_LANES, -(-lane_count // threads)))
+    size = min(_AT_ONCE, max(_FEWEST_AT_ONCE, -(-lane_count // threads)))
     batches = [_batches_of(job, size) for job in jobs]
     tasks = []
     for job, parts in zip(jobs, batches, strict=True):
@@ -196,8 +196,8 @@ def solve_states(
     """
     rise, lines, states = rises(height), [], []
     with jax.enable_x64(True):
-        for start in range(0, velocity.size, _LANES):
-            batch = slice(start, start + _LANES)
+        for start in range(0, velocity.size, _AT_ONCE):
+            batch = slice(start, start + _AT_ONCE)
             line, state = _batch(
                 rise,
                 float(spacing),
@@ -267,13 +267,7 @@ def _batch(
         sweeps += (turns + 1) / stride
         mus.append(np.where(good, fine.mu, np.nan))
         full &= fine.share == 1
-        state = State(
-            np.where(good, settled.branches, state.branches),
-            np.where(good, settled.depth, state.depth),
-            np.where(
-                good[:, None, None], settled.inverse, np.eye(settled.inverse.shape[1])
-            ),
-        )
+        state = _where(good, settled, state)
     assert fine is not None  # the last stride is always 1
     assert settled is not None
     mu, error = _limit(mus, full)
@@ -292,6 +286,16 @@ def _batch(
     return Line._make(
         (*(np.where(good, x, np.nan) for x in answer), sweeps, good)
     ), settled
+
+
+def _where(good: np.ndarray, settled: State, before: State) -> State:
+    """The settled states; where they are not, those before, with nothing learnt."""
+    unknown = np.eye(settled.inverse.shape[1])
+    return State(
+        np.where(good, settled.branches, before.branches),
+        np.where(good, settled.depth, before.depth),
+        np.where(good[:, None, None], settled.inverse, unknown),
+    )
 
 
 def strides_of(n: int) -> list[int]:

@@ -336,16 +336,19 @@ def _tables(
     )
 
 
+def _adhesive(problem: Problem, area: Any, temperature: Any) -> Any:
+    """Part of mu from the shear of the real contact."""
+    if problem.adhesion is None:
+        return 0.0 * area
+    stress = problem.adhesion.shear_stress(problem.velocity, temperature)
+    return stress * area / problem.pressure
+
+
 def _heated(
     problem: Problem, model: Any, c: Conduction, by_wave: Waves, rise: Any
 ) -> State:
     xp = namespace(by_wave.each, rise, problem.velocity)
-    shear = 0.0 * by_wave.area
-    if problem.adhesion is not None:
-        stress = problem.adhesion.shear_stress(
-            problem.velocity, problem.temperature + rise[:, -1]
-        )
-        shear = stress * by_wave.area / problem.pressure
+    shear = _adhesive(problem, by_wave.area, problem.temperature + rise[:, -1])
     whole = by_wave.each.sum((-2, -1)) + by_wave.edges + shear
     depth = (
         xp.tensordot(by_wave.each, c.of_nodes, 2)

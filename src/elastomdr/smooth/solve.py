@@ -108,22 +108,9 @@ def run(
         load = (
             value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         )
-        averaged, solved = _shared if plan.shared else _direct, []
-        mu, skew, error, sampling, good, ahead, sunk = averaged(
-            plan, law, lines, load, velocity, rtol, 0, solved
+        mu, skew, error, good, ahead, sunk = _over_directions(
+            plan, law, lines, load, velocity, rtol
         )
-        # both are added below
-        room = max(rtol - plan.condensation.cost - _ROUNDING, 0.5 * rtol)
-        for level in range(1, _LEVELS + 1):
-            left = good & ~(error <= room * mu) & (sampling <= rtol * mu)
-            if not left.any():
-                break
-            again = averaged(
-                plan, law, lines, load[left], velocity[left], rtol, level, solved
-            )
-            mu[left], skew[:, left], error[left], sampling[left], good[left] = again[:5]
-            _put(ahead, left, again[5])
-            sunk |= again[6]
         if deep is not None:
             ahead, good = deep, good & deep.converged
         mu, error, model_error = _against_half_space(
@@ -132,6 +119,37 @@ def run(
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
     return Sweep(mu, error, ahead._replace(converged=good), model_error, sunk)
+
+
+def _over_directions(
+    plan: Plan,
+    law: Relaxation,
+    lines: AbstractLines,
+    load: Float[Array, " points"],
+    velocity: Float[Array, " points"],
+    rtol: float,
+) -> tuple[Any, ...]:
+    """Averages over directions, with more of them at points that miss the tolerance:
+    mu, skew, error, whether it was solved, passages ahead, whether some load sinks in.
+    """
+    average: Any = _shared if plan.shared else _direct
+    solved: list[Any] = []
+    mu, skew, error, sampling, good, ahead, sunk = average(
+        plan, law, lines, load, velocity, rtol, 0, solved
+    )
+    # both are added by `run`
+    room = max(rtol - plan.condensation.cost - _ROUNDING, 0.5 * rtol)
+    for level in range(1, _LEVELS + 1):
+        left = good & ~(error <= room * mu) & (sampling <= rtol * mu)
+        if not left.any():
+            break
+        again = average(
+            plan, law, lines, load[left], velocity[left], rtol, level, solved
+        )
+        mu[left], skew[:, left], error[left], sampling[left], good[left] = again[:5]
+        _put(ahead, left, again[5])
+        sunk |= again[6]
+    return mu, skew, error, good, ahead, sunk
 
 
 def _sunk(lines: AbstractLines, passages: Passages) -> bool:
