@@ -23,17 +23,19 @@ from common import RESULTS, table
 
 THIRD = 1 / 3
 # seconds of processor time that come and go on a machine with others, by what a figure
-# of the budget is
+# of the budget is: below these a time may double
 NOISE = {"first": 0.03, "curve": 0.03, "gradient": 0.03, "warm": 0.001}
 
 
 TIMES = (" s", " ms", " min", " s of processor")
 
 
-def figures(record: dict[str, Any]) -> dict[str, tuple[float, bool, bool]]:
+def figures(record: Any) -> dict[str, tuple[float, bool, bool]]:
     """Name to (measured, whether more is better, whether it may grow: its target is
-    met, and it is no time).
+    met, and it is no time). A list of points has none.
     """
+    if isinstance(record, list):
+        return {}
     entries = [
         e
         for key in ("verdicts", "figures")
@@ -103,7 +105,7 @@ def main() -> int:
             bad = (
                 new < old - THIRD * abs(old)
                 if more
-                else new > 1.5 * old and new > old + noise and not may_grow
+                else new > 1.5 * old and new > old + min(noise, old) and not may_grow
             )
             if bad or (math.isnan(new) and not math.isnan(old)):
                 rows.append((benchmark, name, old, new, "fallen"))

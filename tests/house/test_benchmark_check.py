@@ -123,7 +123,9 @@ def test_check_reports_a_fall(
 
 
 @pytest.mark.parametrize(
-    "record", [RECORD, {"title": "No figures"}], ids=["with figures", "without"]
+    "record",
+    [RECORD, {"title": "No figures"}, [{"mu": 0.1}]],
+    ids=["with figures", "without", "points"],
 )
 def test_check_reports_a_record_that_is_gone(
     check, tmp_path: Path, capsys, record: dict

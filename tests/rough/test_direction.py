@@ -117,6 +117,9 @@ def test_a_derivative_by_the_direction():
 
 def test_directions_that_are_refused():
     at = {"velocity": 0.1, "direction": 0.2}
+    for angle in (90.0, np.nan):
+        with pytest.raises(InputError, match="direction must be an angle in rad"):
+            em.friction(SOLID, ROAD, velocity=0.1, pressure=3e5, direction=angle)
     with pytest.raises(InputError, match=r"^direction needs em\.Multiscale"):
         em.friction(SOLID, ROAD, pressure=1e5, model=em.Line(), **at)
     with pytest.raises(InputError, match=r"^direction needs em\.Multiscale"):

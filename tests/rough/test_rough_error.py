@@ -277,6 +277,8 @@ def test_other_heights_and_cutoffs_keep_what_was_measured():
     assert short.map.cut == short.q_high == short.lay.q[-1]
     np.testing.assert_array_equal(short.lay.q, short.q)
     assert short.skewness_error == pytest.approx(whole.skewness_error, rel=0.2)
+    # too few waves: nothing is known of their skewness
+    assert whole.ended(1.5 * whole.q_low).skewness_error == 1.0
     np.testing.assert_allclose(
         short.lay.weight(short.q, 1.0, 0.0), whole.lay.weight(short.q, 1.0, 0.0)
     )

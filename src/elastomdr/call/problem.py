@@ -16,6 +16,7 @@ from ..checks import (
     only_one,
     positive,
     possible,
+    require,
 )
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
@@ -25,6 +26,7 @@ from ..surface.shapes import Paraboloid, Sphere
 
 # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _FASTEST = 1e60
+_TURN = 2 * np.pi * (1 + 1e-9)
 _UNITS = {"depth": "m", "pressure": "Pa"}
 
 _LARGEST = 2.0  # radius of a ball above which a hint is given [m]
@@ -92,7 +94,10 @@ def steady_scene(
     temperature = (
         None if temperature is None else as_float64("temperature", temperature)
     )
-    direction = None if direction is None else as_float64("direction", direction)
+    if direction is not None:
+        direction = as_float64("direction", direction)
+        accepted = "an angle in rad, of 2 pi at most to either side"
+        require("direction", direction, accepted, lambda x: np.abs(x) < _TURN)
     points = {"velocity": velocity, name: value, "temperature": temperature}
     shape = broadcast_shape(**points, direction=direction)
     factor, vertical = (

@@ -607,7 +607,7 @@ def _turned(
     if lay_of(surface) is None:
         if scene.direction is None or model.on_map(surface):
             return _Turned(0.0, 0.0, [])
-        words = "friction is the same in all directions: the surface has no lay"
+        words = "friction is taken as the same in all directions: no lay is known"
         return _Turned(0.0, 0.0, [("direction", words)])
     if scene.direction is not None:
         words = brief(scene.direction, "rad")

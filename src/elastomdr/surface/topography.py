@@ -796,8 +796,8 @@ class MeasuredSurface(AbstractSpectrum):
         shortened = dataclasses.replace(shortened, map=self.map.ended(end))
         scan = Scan(self.map.height, self.map.steps)
         waves = _waves(scan)
-        if end < 2 * waves.first:  # too few waves to know better
-            return shortened
+        if end < 2 * waves.first:  # too few waves to know any skewness
+            return dataclasses.replace(shortened, skewness_error=1.0)
         of_heights = _asymmetry(scan, waves, end)
         return dataclasses.replace(
             shortened, skewness=of_heights.skewness, skewness_error=of_heights.error
