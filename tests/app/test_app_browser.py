@@ -131,8 +131,9 @@ def says(page, where, words):
 
 
 def shows(page, pictures):
-    page.locator(PICTURE).nth(pictures - 1).wait_for()
-    assert page.locator(PICTURE).count() == pictures
+    """That many, once the screen before has gone."""
+    driver = pytest.importorskip("playwright.sync_api")
+    driver.expect(page.locator(PICTURE)).to_have_count(pictures, timeout=30e3)
 
 
 def status(address, **options):
