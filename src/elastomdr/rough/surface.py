@@ -81,7 +81,7 @@ class SurfacePlan:
 class _Answer(NamedTuple):
     """Friction at each point, flat, and at which temperatures."""
 
-    found: SurfaceFriction
+    hot: SurfaceFriction  # at the temperatures that friction makes
     cold: SurfaceFriction  # at the temperatures that are given
     local: Local  # how moduli differ from scale to scale
     warm: Any  # one flash temperature (`rough.flash.Warm`), or None
@@ -90,7 +90,7 @@ class _Answer(NamedTuple):
 
     def field(self, shape: tuple[int, ...], values: Any) -> Any:
         """`values` in the shape of the call, NaN where there is no answer."""
-        return nan_unless(self.found.good, values).reshape(shape)
+        return nan_unless(self.hot.good, values).reshape(shape)
 
     def rise(self) -> Any:
         """The rise of temperature where the heat arises [K], in the shape of the
@@ -154,7 +154,7 @@ def surface_friction(
     local = Local(softened, directed=_directed(scene, surface, model))
     answer = _solved(scene, surface, model, heat, adhesion, local, solved)
     if not scene.traced:
-        _warn_of_failed(answer.found, rtol)
+        _warn_of_failed(answer.hot, rtol)
     outside = (
         None
         if scene.traced
@@ -260,7 +260,7 @@ def _heated(
         error=warm.mean.error + SETTLED * np.abs(warm.mean.mu - cold.mu),
     )
     reduced = warm.reduced.reshape(scene.shape)
-    return answer._replace(found=heated, warm=warm, reduced=reduced)
+    return answer._replace(hot=heated, warm=warm, reduced=reduced)
 
 
 def _heated_by_scale(
@@ -298,7 +298,7 @@ def _heated_by_scale(
     heated = solved(reduced, reduced_pressure, local=local)
     good = heated.good & answer.cold.good & by_scale.good
     heated = heated._replace(error=heated.error + by_scale.error, good=good)
-    answer = answer._replace(found=heated, local=local, by_scale=by_scale)
+    answer = answer._replace(hot=heated, local=local, by_scale=by_scale)
     if scene.traced:
         return answer
     factor, _ = thermal_factors(foundation, temperature + by_scale.mean)
@@ -327,7 +327,7 @@ def _inputs(
     outside: Any,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
-    hysteresis = answer.found
+    hysteresis = answer.hot
     rows = scene.inputs(
         ("surface", label),
         *(("as read", remark) for remark in getattr(surface, "report", ())),
@@ -365,7 +365,7 @@ def _wide_bound(
         return []
     of_strain = np.broadcast_to(strained.of_mu, wide.shape)[wide]
     reasons = model.why_wide(
-        foundation, surface, answer.reduced.ravel()[wide], answer.found.area[wide]
+        foundation, surface, answer.reduced.ravel()[wide], answer.hot.area[wide]
     )
     if (of_strain > 0.5 * bound[wide]).any():
         reasons.append(
@@ -393,7 +393,7 @@ def _packed(
     of_data: Any,
 ) -> FrictionCurve:
     """The numbers of the result, of hysteresis alone."""
-    hysteresis, shape = answer.found, scene.shape
+    hysteresis, shape = answer.hot, scene.shape
     field = partial(answer.field, shape)
     pressure = scene.full(scene.value)
     softening = ""
@@ -457,7 +457,7 @@ def _with_adhesion(
 ) -> FrictionCurve:
     """The shear of the real contact added."""
     field = partial(answer.field, scene.shape)
-    hysteresis, pressure = answer.found, scene.full(scene.value)
+    hysteresis, pressure = answer.hot, scene.full(scene.value)
     area, cold_area = field(hysteresis.area), field(answer.cold.area)
     stress, fields = None, {}
     if heat is not None:
@@ -581,7 +581,7 @@ def _strained(
             more * far + (1 - more) * near
             for far, near in zip((of_mu, of_area), changes(within), strict=True)
         )
-    words = _softening_words(softened, surface, here, linear, answer.found.good)
+    words = _softening_words(softened, surface, here, linear, answer.hot.good)
     return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
 
 
@@ -626,7 +626,7 @@ def _turned(
             scene.reduced.ravel(), pressure, local=local, rtol=_ROUGHLY, progress=None
         )
 
-    hysteresis, along, across = answer.found, towards(0.0), towards(np.pi / 2)
+    hysteresis, along, across = answer.hot, towards(0.0), towards(np.pi / 2)
     of_mu = np.maximum(abs(along.mu - hysteresis.mu), abs(across.mu - hysteresis.mu))
     of_area = np.maximum(
         abs(along.area / hysteresis.area - 1.0),
@@ -883,7 +883,7 @@ def _model_error(
     bound itself holds with softening as without: each scale is linear, and moduli that
     change with the wave number are what it was established for.
     """
-    hysteresis, foundation = answer.found, scene.foundation
+    hysteresis, foundation = answer.hot, scene.foundation
     if foundation.softening is not None and not model.softens:
         return answer.field(scene.shape, np.full(np.shape(hysteresis.mu), np.nan))
     # a bound has no derivatives: of plain numbers nothing is traced
