@@ -344,26 +344,25 @@ def waves_of_multiscale(
     p = pressure[:, None, None]
     speeds, each_point = _distinct(velocity, local)
 
-    def averages(q: Any) -> Averages:
-        return averages_of(modulus, speeds, q, table, local, form.finer)
-
     def summed(values: Any) -> Any:
         return (values * wave_nodes.weight).sum((-2, -1))
 
-    # at each velocity, R times 8 p^2
-    on = averages(wave_nodes.q)
-    rate_p = wave_nodes.power * on.stiffness
-    xp = namespace(rate_p, wave_nodes.q)
+    xp = namespace(speeds, wave_nodes.q)
     # log(q/q_high), at q_high and beyond
     past = np.concatenate([[0.0], _PAST])
-    after = averages(wave_nodes.end * np.exp(past)[:, None])
+    after_q = wave_nodes.end * np.exp(past)[:, None]
+    log_later = xp.minimum(wave_nodes.log + form.ahead, wave_nodes.log_end)
+    later_q = wave_nodes.end * xp.exp(log_later - wave_nodes.log_end)
+    on, after, stiffer_later = _averages_at(
+        (wave_nodes.q, after_q, later_q), modulus, speeds, table, local, form.finer
+    )
+
+    # at each velocity, R times 8 p^2
+    rate_p = wave_nodes.power * on.stiffness
     total_p = summed(rate_p)
     variance_p = integral_to(rate_p, wave_nodes.weight)
-    log_later = xp.minimum(wave_nodes.log + form.ahead, wave_nodes.log_end)
-    later = wave_nodes.end * xp.exp(log_later - wave_nodes.log_end)
     end = total_p, wave_nodes.end_power * after.stiffness[:, 0, 0]
     later_p = _later(wave_nodes, rate_p, variance_p, end, log_later)
-    stiffer_later = _stiffer(modulus, speeds, later, table, local, form.finer)
     stiffer_end = after.stiffer[:, 0, 0]
 
     # at each point
@@ -400,6 +399,38 @@ def waves_of_multiscale(
     faded = each_point((after.drag / after.stiffness)[:, 1:, 0]) * fading
     edges = 2 * pressure * edge_strength * (faded * _PAST_WEIGHT).sum(-1)
     return Waves(2 * p * spectrum * lossy, edges, rate, stiffer, real_area(share_end))
+
+
+def _averages_at(
+    q: tuple[Any, Any, Any],
+    modulus: Any,
+    speeds: Any,
+    table: Tables | None,
+    local: Local,
+    finer: float,
+) -> tuple[Averages, Averages, Any]:
+    """The averages at the first two q, and how much stiffer contacts are at the third.
+
+    Where JAX traces the moduli, those of all three are taken at once, since they are
+    most of a program that takes seconds to compile.
+    """
+    if table is not None or not is_traced(modulus, speeds, q, local):
+        on, after = (
+            averages_of(modulus, speeds, x, table, local, finer) for x in q[:2]
+        )
+        return on, after, _stiffer(modulus, speeds, q[2], table, local, finer)
+    whole = namespace(*q).concatenate([x.reshape(-1) for x in q])[:, None]
+    averages = averages_of(modulus, speeds, whole, table, local, finer)
+    ends = np.cumsum([x.size for x in q])
+
+    def part(i: int, values: Any) -> Any:
+        values = values[:, ends[i] - q[i].size : ends[i]]
+        return values.reshape(-1, *q[i].shape)
+
+    on, after = (
+        Averages(*(None if x is None else part(i, x) for x in averages)) for i in (0, 1)
+    )
+    return on, after, part(2, averages.stiffer)
 
 
 def _distinct(velocity: Any, local: Local) -> tuple[Any, Callable[[Any], Any]]:
