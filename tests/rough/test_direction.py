@@ -1,5 +1,8 @@
 """Sliding in a direction to the lay of a surface, and over a measured map itself."""
 
+import dataclasses
+import warnings
+
 import jax
 import numpy as np
 import pytest
@@ -65,6 +68,52 @@ def test_without_a_direction_the_bound_holds_all():
     assert "mean over directions" in mean.summary()
 
 
+@pytest.mark.parametrize("peklenik", [2.0, 4.0])
+def test_the_bound_holds_the_sampling_error_of_a_lay(peklenik):
+    """Lays that are read from six small maps of one surface: friction by the true lay
+    is within what the error of each adds to the bound.
+    """
+    true, lays = ground(peklenik), []
+    for seed in range(6):
+        heights, side = em.reference.rough_map(true, seed, periods=3, points=96)
+        with warnings.catch_warnings():  # that the surface is not isotropic
+            warnings.simplefilter("ignore")
+            lays.append(em.read_surface(heights, pixel_size=side / 96).lay)
+    at = {"velocity": 1e-2, "pressure": 1e5, "rtol": 1e-4}
+    at["direction"] = np.array([0.0, 0.8, np.pi / 2])
+    exact = em.friction(SOLID, true, **at)
+    for lay in lays:
+        sampled = em.friction(SOLID, dataclasses.replace(true, lay=lay), **at)
+        known = dataclasses.replace(lay, error=0 * lay.error)
+        without = em.friction(SOLID, dataclasses.replace(true, lay=known), **at)
+        assert (sampled.mu == without.mu).all()
+        added = sampled.model_error - without.model_error
+        assert (added > 0).all()
+        assert (np.abs(sampled.mu - exact.mu) <= added).all()
+        assert "within the sampling error of the lay" in sampled.summary()
+        assert "sampling error" not in without.summary()
+
+
+def test_draws_vary_lay_and_skewness():
+    lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.1]))
+    surface = dataclasses.replace(
+        ground(4.0), lay=lay, skewness=-0.2, skewness_error=0.3
+    )
+    draws = surface.draws(400, level=0.1, seed=3)
+    assert "skewness and Peklenik number within" in draws.words
+    off = [draw.lay.log_peklenik - lay.log_peklenik for draw in draws]
+    skewness = [draw.skewness for draw in draws]
+    # standard deviations of 400 draws are within 4 / sqrt(800) of themselves
+    np.testing.assert_allclose(np.std(off, axis=0), lay.error, rtol=0.15)
+    assert np.std(skewness) == pytest.approx(0.3, rel=0.15)
+    assert np.mean(skewness) == pytest.approx(-0.2, abs=4 * 0.3 / 20)
+    # C is what it was drawn as without a lay, and what is known is not varied
+    plain = dataclasses.replace(ground(4.0), lay=None).draws(3, level=0.1, seed=3)
+    for drawn, other in zip(draws, plain, strict=False):
+        np.testing.assert_array_equal(drawn.c, other.c)
+        assert (other.lay, other.skewness) == (None, 0.0)
+
+
 def test_a_plan_and_a_scene_have_the_direction(tmp_path):
     at = {"velocity": 1e-2, "pressure": 1e5, "direction": [0.0, 1.0]}
     plan = em.plan(SOLID, ground(4.0), **at)
@@ -102,7 +151,7 @@ def test_a_derivative_by_the_direction():
     w, q = np.full((1, 1, 1), 30.0), np.full((1, 1), 3e3)
 
     def drag(direction):
-        directed = against_lay.Directed(ground(3.0), direction)
+        directed = against_lay.Directed(ground(3.0).lay, direction)
         return against_lay.averages(
             lambda w: 1.0 + 1j * w, None, w, q, directed, 0.0, False
         )[0]

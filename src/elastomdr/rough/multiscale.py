@@ -47,6 +47,7 @@ from ..models import SurfaceFriction
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
+from ..surface.lay import lay_of
 from . import against_lay
 from .local_modulus import Local, Softened, Warmed
 from .many_points import friction_and_area, worth_compiling
@@ -514,7 +515,7 @@ def _taken_apart(
 def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
     foundation, surface, share, range_of_scales = shared
     softened = warmed = None
-    directed = against_lay.of_points(surface, points[2])
+    directed = against_lay.of_points(lay_of(surface), points[2])
     if share is not None:
         softened = Softened(foundation.softening, surface, share)
     if range_of_scales is not None:

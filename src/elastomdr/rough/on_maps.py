@@ -151,7 +151,7 @@ def _on_measured(
     periods = max(1, round(side * surface.q_low / (2 * np.pi)))
     directed = None
     if lay is not None:
-        directed = Directed(surface, np.full(velocity.shape, direction))
+        directed = Directed(lay, np.full(velocity.shape, direction))
     grid = Grid(whole.height.shape[0], periods, side)
     enough = summits(modulus, surface, velocity, pressure, grid, directed)
     solved = on_map(

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..models import Persson, SurfaceFriction
+from ..surface.lay import lay_of
 from ..surface.spectrum import rough_map
 from .against_lay import Directed
 from .half_space import solve, waves
@@ -95,7 +96,7 @@ def friction(
     """
     directed = None
     if direction is not None:
-        directed = Directed(spectrum, np.full(velocity.shape, direction))
+        directed = Directed(lay_of(spectrum), np.full(velocity.shape, direction))
     full = full_contact(modulus, spectrum, velocity, pressure, directed)
     enough = summits(modulus, spectrum, velocity, pressure, grid, directed)
 
@@ -227,7 +228,7 @@ def summits(
     # longest waves that still grow, or the roll-off's
     number = (grid.side * longest / (2 * np.pi)) ** 2
     if directed is not None:  # of ridges, which are longer than wide
-        number = number / np.exp(abs(directed.spectrum.lay.log_peklenik[0]))
+        number = number / np.exp(abs(directed.lay.log_peklenik[0]))
     where = np.searchsorted(
         wave_nodes.q.ravel(), min(2 * longest, 0.999 * spectrum.q_high)
     )

@@ -21,7 +21,7 @@ from ..models import SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
 from ..results.words import brief
 from ..smooth.softening import LINEAR
-from ..surface.lay import lay_of
+from ..surface.lay import Lay, lay_of
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_bound
 from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
@@ -48,6 +48,7 @@ _SKEWED, _PER_SKEWNESS = 0.4, 0.6
 _CHANCE = 2.5  # standard errors below which a skewness is said to be chance
 # |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
 _PER_LAY = 0.12
+_LAY_ERRORS = 2.0  # standard errors of a Peklenik number that a bound holds
 # real contact, and the factor within which the strain at a scale is known there, of a
 # sweep in shear: benchmarks/strain_share.py
 _STRAIN_SHARE = (0.12, 1.35), (0.3, 2.0)
@@ -114,7 +115,8 @@ class _Strained(NamedTuple):
 class _Turned(NamedTuple):
     """What the direction of sliding does on a surface with a lay."""
 
-    of_mu: Any  # how far mu and, relatively, the area may be from those computed
+    # how far mu and, relatively, the area may be from those computed
+    of_mu: Any
     of_area: Any
     rows: list[tuple[str, str]]
 
@@ -591,7 +593,7 @@ def _directed(
     """The direction of sliding at each point, where one is given and matters."""
     if scene.direction is None or not (lay_of(surface) or model.on_map(surface)):
         return None
-    return Directed(surface, scene.full(scene.direction).ravel())
+    return Directed(lay_of(surface), scene.full(scene.direction).ravel())
 
 
 def _turned(
@@ -601,47 +603,57 @@ def _turned(
     answer: _Answer,
     solved: Callable[..., SurfaceFriction],
 ) -> _Turned:
-    """What the direction of sliding does; how far mu may be from its mean over
-    directions where none is given.
+    """What the direction of sliding does, and the sampling error of the lay; how far mu
+    may be from its mean over directions where none is given.
     """
-    if lay_of(surface) is None:
+    lay = lay_of(surface)
+    if lay is None:
         if scene.direction is None or model.on_map(surface):
             return _Turned(0.0, 0.0, [])
         words = "friction is taken as the same in all directions: no lay is known"
         return _Turned(0.0, 0.0, [("direction", words)])
-    if scene.direction is not None:
-        words = brief(scene.direction, "rad")
-        return _Turned(0.0, 0.0, [("direction", f"{words} to the lay (0: along it)")])
     words = "none is given: the mean over directions"
-    if not model.takes_direction or model.samples_directions:
+    if scene.direction is not None:
+        words = f"{brief(scene.direction, 'rad')} to the lay (0: along it)"
+    exact = scene.direction is not None and not known(lay.error).any()
+    if exact or model.samples_directions or not model.takes_direction:
         return _Turned(0.0, 0.0, [("direction", words)])
     if scene.traced:
         return _Turned(np.nan, np.nan, [("direction", words)])
+    ends = _at_other_lays(scene, lay, answer, solved)
+    hysteresis, good = answer.found, answer.found.good
+    of_mu = np.max([abs(end.mu - hysteresis.mu) for end in ends], axis=0)
+    of_area = np.max([abs(end.area / hysteresis.area - 1.0) for end in ends], axis=0)
+    if good.any():
+        times = np.array([(end.mu / hysteresis.mu)[good] for end in ends])
+        apart = "from {:.2g} times along the lay to {:.2g} times across it".format(
+            *np.median(times, axis=1)
+        )
+        if scene.direction is not None:
+            apart = f"{_between(times)} within the sampling error of the lay"
+        words += f"; {apart}, which the model error holds"
+    return _Turned(of_mu, of_area, [("direction", words)])
+
+
+def _at_other_lays(
+    scene: Scene, lay: Lay, answer: _Answer, solved: Callable[..., SurfaceFriction]
+) -> list[SurfaceFriction]:
+    """Friction where ln g is two standard errors less and more in the direction that is
+    given; without one where it is more, along the lay and across it.
+    """
     pressure = (scene.full(scene.value) / scene.vertical).ravel()
 
-    def towards(angle: float) -> SurfaceFriction:
-        directed = Directed(surface, np.full(pressure.shape, angle))
+    def towards(direction: Any, errors: float) -> SurfaceFriction:
+        directed = Directed(lay.off(errors), np.broadcast_to(direction, pressure.shape))
         local = answer.local._replace(directed=directed)
         return solved(
             scene.reduced.ravel(), pressure, local=local, rtol=_ROUGHLY, progress=None
         )
 
-    hysteresis, along, across = answer.found, towards(0.0), towards(np.pi / 2)
-    of_mu = np.maximum(abs(along.mu - hysteresis.mu), abs(across.mu - hysteresis.mu))
-    of_area = np.maximum(
-        abs(along.area / hysteresis.area - 1.0),
-        abs(across.area / hysteresis.area - 1.0),
-    )
-    if hysteresis.good.any():
-        least, most = (
-            np.median((end.mu / hysteresis.mu)[hysteresis.good])
-            for end in (along, across)
-        )
-        words += (
-            f", from {least:.2g} times along the lay to {most:.2g} times across it, "
-            "which the model error holds"
-        )
-    return _Turned(of_mu, of_area, [("direction", words)])
+    if scene.direction is None:
+        return [towards(angle, _LAY_ERRORS) for angle in (0.0, np.pi / 2)]
+    direction = scene.full(scene.direction).ravel()
+    return [towards(direction, errors) for errors in (-_LAY_ERRORS, _LAY_ERRORS)]
 
 
 def _softening_words(
@@ -837,6 +849,12 @@ def _skewed_words(surface: Any, area: Any) -> str:
         f"not Gaussian, skewness {skewness:.2f} ({kind}): friction is some "
         f"{times(skewness)} what is computed, which the model error holds"
     )
+
+
+def _between(factors: Any) -> str:
+    """The range of some factors, one number where its ends are the same to two digits."""
+    low, high = f"{np.nanmin(factors):.2g}", f"{np.nanmax(factors):.2g}"
+    return f"{low} times" if low == high else f"{low} to {high} times"
 
 
 def _skewness(surface: Any) -> tuple[float, float]:

@@ -26,6 +26,7 @@ import numpy as np
 
 from ..checks import is_traced, scalar
 from ..errors import InputError, ModelWarning, warn
+from ..material.validity import Draws
 from ..trees import static
 from .height_map import HeightMap
 from .lay import Lay, Periodogram, measured_lay
@@ -819,12 +820,29 @@ class MeasuredSurface(AbstractSpectrum):
 
     def draws(
         self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0
-    ) -> list[AbstractSpectrum]:
-        """As of every spectrum, with lay and skewness. The map itself has no other
-        cutoff: with `cutoff` em.HalfSpace() takes random maps of all draws.
+    ) -> Draws[AbstractSpectrum]:
+        """As of every spectrum. The Peklenik number, by one factor for all scales, and
+        the skewness of each differ within their sampling errors; that of the skewness
+        stays, since the map is as small as it was. The map itself has no other cutoff:
+        with `cutoff` em.HalfSpace() takes random maps of all draws.
         """
         drawn = self if cutoff == 0 else dataclasses.replace(self, map=None)
-        return AbstractSpectrum.draws(drawn, n, level=level, cutoff=cutoff, seed=seed)
+        surfaces: Draws[Any] = AbstractSpectrum.draws(
+            drawn, n, level=level, cutoff=cutoff, seed=seed
+        )
+        # random numbers of their own: C and cutoff are those of a surface without a lay
+        off = np.random.default_rng([seed, 1]).standard_normal((n, 2))
+        each: list[AbstractSpectrum] = [
+            dataclasses.replace(
+                surface,
+                lay=None if surface.lay is None else surface.lay.off(errors),
+                skewness=surface.skewness + skewed * surface.skewness_error,
+            )
+            for surface, (errors, skewed) in zip(surfaces, off, strict=True)
+        ]
+        varied = "skewness" if self.lay is None else "skewness and Peklenik number"
+        words = f"{surfaces.words}, {varied} within their sampling errors"
+        return Draws(each, surfaces.name, words)
 
     def __repr__(self) -> str:
         return f"MeasuredSurface({self.words()}; {'; '.join(self.report)})"
