@@ -2,6 +2,8 @@
 contacts, against a closed form.
 """
 
+import re
+
 import jax
 import numpy as np
 import pytest
@@ -254,6 +256,12 @@ def test_a_surface_with_worn_summits_has_a_wider_bound():
     expected = 0.6 * skewness * np.sqrt(-np.log(found.area_ratio))
     assert wider > expected
     assert "not Gaussian, skewness -1." in found.summary()
+    # one number of one point, both ends of several
+    assert re.search(r"friction is some [\d.]+ times what", found.summary())
+    several = em.friction(
+        em.StandardSolid(1e6, 3e7, 1e-3), skewed, velocity=0.1, pressure=[1e5, 1e6]
+    )
+    assert re.search(r"friction is some [\d.]+ to [\d.]+ times", several.summary())
     assert "not Gaussian" not in reference.summary()
     rubber, at = em.StandardSolid(1e6, 3e7, 1e-3), {"velocity": 0.1, "pressure": 1e5}
     assert "may be chance" in em.friction(rubber, plain, **at).summary()

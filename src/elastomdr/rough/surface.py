@@ -834,8 +834,7 @@ def _skewed_words(surface: Any, area: Any) -> str:
     change = _SKEWED * np.sqrt(-np.log(np.clip(area, 1e-300, 1.0)))
 
     def times(skewness: float) -> str:
-        factors = np.exp(skewness * change)
-        return f"{np.nanmin(factors):.2g} to {np.nanmax(factors):.2g} times"
+        return _between(np.exp(skewness * change))
 
     if abs(skewness) < _CHANCE * error:
         likely = skewness_bound(skewness, error)
