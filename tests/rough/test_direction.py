@@ -94,6 +94,35 @@ def test_the_bound_holds_the_sampling_error_of_a_lay(peklenik):
         assert "sampling error" not in without.summary()
 
 
+def test_a_wide_bound_names_lay_and_skewness_and_the_advice_helps():
+    lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.3]))
+    rough = dataclasses.replace(ground(4.0), lay=lay)
+    small = dataclasses.replace(ground(1.0), lay=None, skewness_error=0.6)
+    known = dataclasses.replace(small, skewness_error=0.1)
+    at = {"velocity": 1e-2, "pressure": 2e4}
+    along, across = {"direction": 0.0}, {"direction": np.pi / 2}
+    heavy = {"pressure": 2e6}
+    steep = ground(40.0)
+    cases = (
+        # surface and call with a wide bound, what is said, and what has a smaller one
+        (rough, {}, "a `direction` has less", rough, across),
+        (rough, along, "Peklenik numbers have a sampling error", ground(4.0), along),
+        (steep, along, "directions of their own", steep, along | heavy),
+        (small, {}, "known within +- 0.6, and Gaussian", known, {}),
+        (dataclasses.replace(known, skewness=-1.0), {}, "-1.00 are not", known, heavy),
+    )
+    for surface, call, reason, other, advice in cases:
+        wide = em.friction(SOLID, surface, **at | call)
+        row = dict(wide.inputs)["bound of the model"]
+        assert reason in row
+        better = em.friction(SOLID, other, **at | advice)
+        assert better.model_error / better.mu < wide.model_error / wide.mu
+    assert (
+        "Gaussian"
+        not in dict(em.friction(SOLID, rough, **at).inputs)["bound of the model"]
+    )
+
+
 def test_draws_vary_lay_and_skewness():
     lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.1]))
     surface = dataclasses.replace(

@@ -53,6 +53,21 @@ _LAY_ERRORS = 2.0  # standard errors of a Peklenik number that a bound holds
 # sweep in shear: benchmarks/strain_share.py
 _STRAIN_SHARE = (0.12, 1.35), (0.3, 2.0)
 _MOST_SHARE = 2.0
+# parts of a bound that are named where it is wide: their least share of it, and why
+_NAMED = 0.25
+_WIDE_BY_STRAIN = (
+    "the strain at a length scale is known within a factor of 1.35 below 12 % contact, "
+    "of 2 above 30 %: friction without softening, `linear`, is the other limit"
+)
+_WIDE_BY_LAY = (
+    "edges of contacts have directions of their own, which the lay of the waves does not "
+    "tell: more real contact has less"
+)
+_WIDE_BY_MEAN = "it holds friction along and across the lay: a `direction` has less"
+_WIDE_BY_ERROR = (
+    "the Peklenik numbers have a sampling error: a map of more of its longest waves has "
+    "less"
+)
 _ROUGHLY = 1e-3  # relative error of what only goes into a bound
 
 
@@ -187,7 +202,9 @@ def surface_friction(
     inputs += turned.rows
     curve = _packed(scene, surface, model, answer, strained, turned, of_data)
     if not scene.traced and curve.model_error is not None:
-        inputs += _wide_bound(curve, model, foundation, surface, answer, strained)
+        inputs += _wide_bound(
+            curve, model, foundation, surface, answer, strained, turned
+        )
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
@@ -359,24 +376,49 @@ def _wide_bound(
     surface: AbstractSpectrum,
     answer: _Answer,
     strained: _Strained,
+    turned: _Turned,
 ) -> list[tuple[str, str]]:
     """Where the bound of the model exceeds half of mu: why, and what would lower it."""
-    bound = np.asarray(curve.model_error).ravel()
-    wide = bound > 0.5 * abs(np.asarray(curve.mu).ravel())
+    bound, mu = (abs(np.asarray(x).ravel()) for x in (curve.model_error, curve.mu))
+    wide = bound > 0.5 * mu
     if not wide.any():
         return []
-    of_strain = np.broadcast_to(strained.of_mu, wide.shape)[wide]
+    area = answer.found.area
     reasons = model.why_wide(
-        foundation, surface, answer.reduced.ravel()[wide], answer.found.area[wide]
+        foundation, surface, answer.reduced.ravel()[wide], area[wide]
     )
-    if (of_strain > 0.5 * bound[wide]).any():
-        reasons.append(
-            "the strain at a length scale is known within a factor of 1.35 below 12 % "
-            "contact, of 2 above 30 %: friction without softening, `linear`, is the "
-            "other limit"
-        )
+    parts = (
+        (strained.of_mu, _WIDE_BY_STRAIN),
+        (mu * np.expm1(_of_skewness(surface, area)), _wide_by_skewness(surface)),
+        (mu * np.expm1(_of_lay(surface, area)), _WIDE_BY_LAY),
+        (
+            turned.of_mu,
+            _WIDE_BY_ERROR if curve.direction is not None else _WIDE_BY_MEAN,
+        ),
+    )
+    for part, reason in parts:
+        share = np.broadcast_to(part, wide.shape)[wide] / bound[wide]
+        if (share > _NAMED).any():
+            reasons.append(reason)
     many = f"more than half of mu at {int(wide.sum())} of {wide.size} points"
     return [("bound of the model", "; ".join([many, *reasons]))]
+
+
+def _wide_by_skewness(surface: AbstractSpectrum) -> str:
+    """Why the skewness of the heights widens a bound, and what would lower that."""
+    skewness, error = _skewness(surface)
+    itself = "em.HalfSpace() slides over the map itself"
+    if getattr(surface, "map", None) is None:
+        itself = "em.HalfSpace() slides over heights that are read from one map"
+    if abs(skewness) < _CHANCE * error:
+        return (
+            f"the skewness of the heights is known within +- {error:.2g}, and Gaussian "
+            f"heights are assumed: a map of more of its longest waves has less; {itself}"
+        )
+    return (
+        f"heights of skewness {skewness:.2f} are not Gaussian, as is assumed: more real "
+        f"contact has less; {itself}"
+    )
 
 
 def excited_beyond(outside: Any) -> tuple[str, str]:
