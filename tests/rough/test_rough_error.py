@@ -282,6 +282,20 @@ def test_other_heights_and_cutoffs_keep_what_was_measured():
     np.testing.assert_allclose(higher.map.height, 2 * whole.map.height)
     assert (higher.lay, higher.skewness) == (whole.lay, whole.skewness)
 
+    # what is read off them is what they are now
+    assert higher.measured_height == pytest.approx(2 * whole.measured_height)
+    longer_waves = whole.measured_height**2 - whole.rms_height**2
+    assert short.measured_height == pytest.approx(
+        (longer_waves + short.rms_height**2) ** 0.5
+    )
+    both = higher.ended(0.5 * whole.q_high)
+    drawn = whole.draws(2, level=0.1)[0]
+    for surface in (higher, short, both, drawn):
+        now, *as_read = surface.report
+        assert surface.words() in now
+        assert f"skewness {surface.skewness:.2f} +-" in now
+        assert tuple(as_read) == whole.report
+
     assert short.map.cut == short.q_high == short.lay.q[-1]
     np.testing.assert_array_equal(short.lay.q, short.q)
     assert short.skewness_error == pytest.approx(whole.skewness_error, rel=0.2)

@@ -72,6 +72,7 @@ _ERRORS = 1.5
 _LEAST = {1: 64, 2: 16}  # points along each direction
 
 _SAME = 1e-9  # relative distance of two wave numbers that count as one
+_CHANGED = "changed after it was read"  # how the report of such a surface begins
 _APART = 10  # times more or less than the neighbours say: reported
 # rms slopes beyond which a table is doubted: of polished surfaces and of the roughest
 # roads
@@ -775,14 +776,20 @@ class MeasuredSurface(AbstractSpectrum):
         """The same surface up to `q_high` [rad/m], with its lay and skewness; beyond its
         last point spectrum and lay go on, and the map itself is left out.
         """
-        spectrum = super().ended(q_high)
+        return self._up_to(super().ended(q_high))._described()
+
+    def _up_to(self, spectrum: AbstractSpectrum) -> MeasuredSurface:
+        """`ended`, with its spectrum and the report of this surface."""
         end = float(spectrum.q[-1])
         log_q, old = np.log(spectrum.q), np.log(self.q)
+        longer = max(self.measured_height**2 - self.rms_height**2, 0.0)
+        height = (longer + spectrum.rms_height**2) ** 0.5
         shortened = dataclasses.replace(
             self,
             q=spectrum.q,
             c=spectrum.c,
             relative_error=np.interp(log_q, old, self.relative_error),
+            measured_height=height,
             lay=None if self.lay is None else self.lay.at(spectrum.q),
         )
         if self.map is None or abs(end / self.q_high - 1) < _SAME:
@@ -811,12 +818,25 @@ class MeasuredSurface(AbstractSpectrum):
         heights = None
         if self.map is not None and not is_traced(times):
             heights = self.map.raised(float(times))
-        return dataclasses.replace(
+        changed = dataclasses.replace(
             self,
             c=higher.c,
             measured_height=self.measured_height * times,
             map=heights,
         )
+        return changed._described()
+
+    def _described(self) -> MeasuredSurface:
+        """The same surface, whose report begins with what it is now."""
+        if is_traced(self):
+            return self
+        read = [said for said in self.report if not said.startswith(_CHANGED)]
+        now = (
+            f"{_CHANGED}, {self.words()}; rms height with longer waves "
+            f"{self.measured_height:.4g} m; skewness {self.skewness:.2f} +- "
+            f"{self.skewness_error:.2f}. What follows is of the surface as read"
+        )
+        return dataclasses.replace(self, report=(now, *read))
 
     def draws(
         self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0
@@ -837,7 +857,7 @@ class MeasuredSurface(AbstractSpectrum):
                 surface,
                 lay=None if surface.lay is None else surface.lay.off(errors),
                 skewness=surface.skewness + skewed * surface.skewness_error,
-            )
+            )._described()
             for surface, (errors, skewed) in zip(surfaces, off, strict=True)
         ]
         varied = "skewness" if self.lay is None else "skewness and Peklenik number"
