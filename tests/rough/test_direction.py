@@ -123,6 +123,34 @@ def test_a_wide_bound_names_lay_and_skewness_and_the_advice_helps():
     )
 
 
+def test_random_maps_of_a_measured_surface_have_a_bound():
+    """Of its skewness, its lay and their sampling errors; random maps of a spectrum and
+    the measured map itself have none.
+    """
+    at = {"velocity": 1e-2, "pressure": 4e5, "rtol": 1e-2}
+    maps = em.HalfSpace(seeds=2, cells=64)
+    lay = dataclasses.replace(ground(2.0).lay, error=np.array([0.3, 0.2]))
+    skewed = dataclasses.replace(
+        ground(1.0), lay=None, skewness=-0.5, skewness_error=0.2
+    )
+    curve = em.friction(SOLID, skewed, **at, model=maps)
+    skewness = np.hypot(0.5, 1.5 * 0.2)
+    expected = np.expm1(0.6 * skewness * np.sqrt(-np.log(curve.area_ratio)))
+    assert curve.model_error == pytest.approx(expected * curve.mu, rel=1e-12)
+    assert em.friction(SOLID, ROAD, **at, model=maps).model_error is None
+    for given in ({}, {"direction": 0.3}):
+        directed, exact = (
+            em.friction(SOLID, surface, **at, **given, model=maps)
+            for surface in (
+                dataclasses.replace(ground(2.0), lay=lay),
+                ground(2.0),
+            )
+        )
+        assert directed.mu == exact.mu
+        assert directed.model_error > exact.model_error > 0
+        assert "which the model error holds" in directed.summary()
+
+
 def test_draws_vary_lay_and_skewness():
     lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.1]))
     surface = dataclasses.replace(
@@ -230,6 +258,35 @@ def test_a_worn_map_itself():
     assert abs(curve.mu - truth) < curve.error
     assert em.friction(SOLID, worn, **at).mu > 1.3 * truth
     assert "the measured map on 64 by 64 cells" in curve.summary()
+
+
+@pytest.mark.filterwarnings("ignore:the surface is not isotropic")
+def test_a_piece_of_a_ground_surface():
+    """Pieces of four times as large a map, two of the longest waves a side: `error`
+    holds what few summits and the edges change, along the lay above all. Where hardly a
+    summit carries the load there is no answer, and the summary says what has one.
+    """
+    periods, cells = 8, 256
+    whole, side = em.reference.rough_map(ground(8.0), 1, periods=periods, points=cells)
+    pressures = np.array([2e4, 1e5])
+    truth = [
+        half_space.solve(
+            SOLID.complex_modulus, whole, (side, side), velocity=1e-2, pressure=p,
+            double=False,
+        ).stress / p
+        for p in pressures
+    ]  # fmt: skip
+    for piece in (whole[:64, :64], whole[64:128, 64:128]):
+        surface = em.read_surface(piece, pixel_size=side / cells)
+        at = {"velocity": 1e-2, "model": em.HalfSpace(), "rtol": 1e-2, "direction": 0.0}
+        curve = em.friction(SOLID, surface, **at, pressure=pressures)
+        assert curve.converged.all()
+        assert (np.abs(curve.mu - truth) < curve.error).all()
+        assert "more mean square slope along the motion" in curve.summary()
+    with pytest.warns(em.ConvergenceWarning, match="a larger map, more pressure"):
+        light = em.friction(SOLID, surface, **at, pressure=[5e2, 1e5])
+    np.testing.assert_array_equal(light.converged, [False, True])
+    assert "em.Multiscale() needs no map" in light.summary()
 
 
 def test_a_map_that_moves_along_its_diagonal():

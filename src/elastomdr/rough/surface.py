@@ -17,11 +17,11 @@ from ..element.law import surface_foundation
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import misfit
-from ..models import SurfaceFriction, SurfaceModel
+from ..models import Multiscale, SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
 from ..results.words import brief
 from ..smooth.softening import LINEAR
-from ..surface.lay import Lay, lay_of
+from ..surface.lay import lay_of
 from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_bound
 from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
@@ -183,7 +183,7 @@ def surface_friction(
         else _misfit(foundation, surface, answer.reduced.ravel())
     )
     strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
-    turned = _turned(scene, surface, model, answer, solved)
+    turned = _turned(foundation, scene, surface, model, answer)
     beyond = (
         NOT_KNOWN
         if scene.traced
@@ -327,11 +327,7 @@ def _heated_by_scale(
 
 def _warn_of_failed(hysteresis: SurfaceFriction, rtol: Any) -> None:
     """Counts the points without an answer in one warning."""
-    maps = (
-        f"Maps: {hysteresis.said}; more cells hold more of them."
-        if hysteresis.said
-        else ""
-    )
+    maps = f"Maps: {hysteresis.said}." if hysteresis.said else ""
     warn_unless(hysteresis.good, "points", f" to rtol={rtol:g}", maps)
 
 
@@ -639,11 +635,11 @@ def _directed(
 
 
 def _turned(
+    foundation: Any,
     scene: Scene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
-    solved: Callable[..., SurfaceFriction],
 ) -> _Turned:
     """What the direction of sliding does, and the sampling error of the lay; how far mu
     may be from its mean over directions where none is given.
@@ -658,16 +654,16 @@ def _turned(
     if scene.direction is not None:
         words = f"{brief(scene.direction, 'rad')} to the lay (0: along it)"
     exact = scene.direction is not None and not known(lay.error).any()
-    if exact or model.samples_directions or not model.takes_direction:
+    if exact or model.on_map(surface) or not model.takes_direction:
         return _Turned(0.0, 0.0, [("direction", words)])
     if scene.traced:
         return _Turned(np.nan, np.nan, [("direction", words)])
-    ends = _at_other_lays(scene, lay, answer, solved)
-    hysteresis, good = answer.found, answer.found.good
-    of_mu = np.max([abs(end.mu - hysteresis.mu) for end in ends], axis=0)
-    of_area = np.max([abs(end.area / hysteresis.area - 1.0) for end in ends], axis=0)
+    here, ends = _at_other_lays(foundation, scene, surface, model, answer)
+    of_mu = np.max([abs(end.mu - here.mu) for end in ends], axis=0)
+    of_area = np.max([abs(end.area / here.area - 1.0) for end in ends], axis=0)
+    good = answer.found.good
     if good.any():
-        times = np.array([(end.mu / hysteresis.mu)[good] for end in ends])
+        times = np.array([(end.mu / here.mu)[good] for end in ends])
         apart = "from {:.2g} times along the lay to {:.2g} times across it".format(
             *np.median(times, axis=1)
         )
@@ -678,24 +674,37 @@ def _turned(
 
 
 def _at_other_lays(
-    scene: Scene, lay: Lay, answer: _Answer, solved: Callable[..., SurfaceFriction]
-) -> list[SurfaceFriction]:
-    """Friction where ln g is two standard errors less and more in the direction that is
-    given; without one where it is more, along the lay and across it.
+    foundation: Any,
+    scene: Scene,
+    surface: AbstractSpectrum,
+    model: SurfaceModel,
+    answer: _Answer,
+) -> tuple[SurfaceFriction, list[SurfaceFriction]]:
+    """Friction, and that where ln g is two standard errors less and more, in the
+    direction that is given; without one where it is more, along the lay and across it.
+
+    Random maps of another lay would be other maps: of these Multiscale says how much
+    friction changes.
     """
     pressure = (scene.full(scene.value) / scene.vertical).ravel()
+    on_maps: bool = model.samples_directions
+    lay: Any = lay_of(surface)
+    solve = (Multiscale() if on_maps else model).solve
 
     def towards(direction: Any, errors: float) -> SurfaceFriction:
-        directed = Directed(lay.off(errors), np.broadcast_to(direction, pressure.shape))
+        directed = None
+        if direction is not None:
+            direction = np.broadcast_to(direction, pressure.shape)
+            directed = Directed(lay.off(errors), direction)
         local = answer.local._replace(directed=directed)
-        return solved(
-            scene.reduced.ravel(), pressure, local=local, rtol=_ROUGHLY, progress=None
-        )
+        velocity = scene.reduced.ravel()
+        return solve(foundation, surface, velocity, pressure, local, _ROUGHLY, None)
 
-    if scene.direction is None:
-        return [towards(angle, _LAY_ERRORS) for angle in (0.0, np.pi / 2)]
-    direction = scene.full(scene.direction).ravel()
-    return [towards(direction, errors) for errors in (-_LAY_ERRORS, _LAY_ERRORS)]
+    direction = None if scene.direction is None else scene.full(scene.direction).ravel()
+    here = towards(direction, 0.0) if on_maps else answer.found
+    if direction is None:
+        return here, [towards(angle, _LAY_ERRORS) for angle in (0.0, np.pi / 2)]
+    return here, [towards(direction, errors) for errors in (-_LAY_ERRORS, _LAY_ERRORS)]
 
 
 def _softening_words(
