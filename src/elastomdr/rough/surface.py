@@ -383,7 +383,7 @@ def _wide_bound(
     reasons = model.why_wide(
         foundation, surface, answer.reduced.ravel()[wide], area[wide]
     )
-    parts = (
+    widths = (
         (strained.of_mu, _WIDE_BY_STRAIN),
         (mu * np.expm1(_of_skewness(surface, area)), _wide_by_skewness(surface)),
         (mu * np.expm1(_of_lay(surface, area)), _WIDE_BY_LAY),
@@ -392,8 +392,8 @@ def _wide_bound(
             _WIDE_BY_ERROR if curve.direction is not None else _WIDE_BY_MEAN,
         ),
     )
-    for part, reason in parts:
-        share = np.broadcast_to(part, wide.shape)[wide] / bound[wide]
+    for width, reason in widths:
+        share = np.broadcast_to(width, wide.shape)[wide] / bound[wide]
         if (share > _NAMED).any():
             reasons.append(reason)
     many = f"more than half of mu at {int(wide.sum())} of {wide.size} points"
