@@ -47,6 +47,7 @@ from ..models import SurfaceFriction
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
+from ..surface.lay import lay_of
 from . import against_lay
 from .local_modulus import Local, Softened, Warmed
 from .many_points import friction_and_area, worth_compiling
@@ -84,7 +85,7 @@ class Form(NamedTuple):
 
 
 # Fitted to three-dimensional maps by benchmarks/rough_fit.py, which says how far the
-# form is from them.
+# form is from them, and how far a new fit is from these.
 FORM = Form(gamma=0.52, finer=0.42, ahead=1.29, power=1.38)
 _EXCESS = 0.06  # e, from the variance of the pressure on the same maps
 
@@ -545,7 +546,7 @@ def _taken_apart(
 def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
     foundation, surface, share, range_of_scales = shared
     softened = warmed = None
-    directed = against_lay.of_points(surface, points[2])
+    directed = against_lay.of_points(lay_of(surface), points[2])
     if share is not None:
         softened = Softened(foundation.softening, surface, share)
     if range_of_scales is not None:
@@ -616,7 +617,7 @@ _AREA_BOUND = (0.0324, 0.0243, 0.0)  # of the real contact area, alike
 # of these points: cutoff ratios, largest contrast, least contact
 _RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.003
 # of ln(mu/mu_3D), by which it may grow with each decade of the cutoff ratio beyond: the
-# slope found at the same contact, -0.02, and twice its standard error
+# slope found at the same contact, -0.023 +- 0.010, and 1.5 of its standard errors
 _DRIFT = 0.0375
 _SMOOTH = 0.6  # m, up to which losses are those of rubber, not of one relaxation
 _NEAR_END = np.geomspace(0.1, 2.0, 7)  # wave numbers over q_high whose losses count
