@@ -15,7 +15,6 @@ from ..checks import (
     as_float64,
     ascending,
     finite,
-    in_float64,
     numpy_unless_traced,
     untraced,
 )
