@@ -15,7 +15,6 @@ from ..checks import (
     as_float64,
     ascending,
     finite,
-    in_float64,
     numpy_unless_traced,
     untraced,
 )
@@ -86,7 +85,7 @@ class RoughLine(Tree):
         return np.arange(self.count) * self.spacing
 
     @property
-    @in_float64
+    @numpy_unless_traced
     def highest(self) -> Array:
         """The highest place of the spline [m], from which a depth counts; seldom one of
         the points.

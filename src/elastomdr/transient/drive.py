@@ -55,7 +55,7 @@ _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest, unless they are short
 _LONG = 1e9  # elements times steps times branches of what is not short: half a minute
 # elements times steps times branches marched sooner than another program is compiled
-_ROOM = 3e7
+_ROOM = 3e8
 _EARLY = 4.0  # ratio of the instants that divide the first interval
 _MOST_EARLY, _TRACED_EARLY = 40, 12
 # steps per period of a mass on its spring and the contact, on the coarsest level
