@@ -384,6 +384,7 @@ def main() -> None:
             )
     for target, argv in (
         (1.5, ("friction", str(EXAMPLES / "scenes" / "slider.toml"))),
+        (2.0, ("friction", str(EXAMPLES / "scenes" / "tread.toml"))),  # the README's
         (2.5, ("fit", str(EXAMPLES / "data" / "dma.csv"))),
     ):
         row, found = command(*argv)
