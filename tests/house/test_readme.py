@@ -2,7 +2,6 @@
 links lead somewhere.
 """
 
-import json
 import re
 import shlex
 from pathlib import Path
@@ -313,10 +312,3 @@ def test_theory_has_the_constants_of_multiscale():
         rf"e^{{{surface._PER_LAY:g}\,\overline",
     ):
         assert number in text, number
-
-
-def test_the_record_of_the_fit_is_of_the_constants_of_multiscale():
-    path = ROOT / "benchmarks" / "results" / "rough_fit.json"
-    record = json.loads(path.read_text(encoding="utf-8"))
-    assert record["constants"] == FORM._asdict()
-    assert all(row["met"] for row in record["verdicts"])

@@ -61,8 +61,10 @@ _STEEP = -6.0  # exponent of C below which an instrument did not resolve the wav
 # change of the exponent from band to band at which a spectrum ends at once
 _CLIFF = 2.5
 _STEEPEST = 3.0  # rms slope above which units are doubted
-# Peklenik number from which there is a Python warning
+# Peklenik number from which there is a Python warning; skewness likewise, and how many
+# of its standard errors it must be
 _UNEQUAL = 1.2
+_SKEWED, _CERTAIN = 0.3, 2.5
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
@@ -194,6 +196,7 @@ def surface(
         name + _slopes(scan, each, one)
         for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
     ]
+    _warn_of_skewness(most_skewed)
     lay, sentences = _directions(waves, highest, fit)
     report += sentences
     report += [_asks_for_shortest(fit)] if shortest is None else []
@@ -620,6 +623,19 @@ def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
         f"{longer[2]:.2f}; shorter {shorter[0]:.2f}, {shorter[2]:.2f}"
     )
     return _Asymmetry(skewness, chance, words)
+
+
+def _warn_of_skewness(heights: _Asymmetry) -> None:
+    """One warning where chance does not explain the skewness of the heights."""
+    if abs(heights.skewness) < max(_SKEWED, _CERTAIN * heights.error):
+        return
+    worn = "less" if heights.skewness < 0 else "more"
+    warn(
+        f"heights of skewness {heights.skewness:.2f} are not Gaussian, as friction by "
+        f"their spectrum assumes: it is likely to be {worn}, which model_error holds. "
+        "em.HalfSpace() slides over the heights of one map themselves.",
+        ModelWarning,
+    )
 
 
 def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
