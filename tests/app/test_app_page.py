@@ -343,7 +343,7 @@ def test_seals(tmp_path):
     )
     assert stroke.net_leak[-1] == pytest.approx(float(out.net_leak), rel=1e-9)
     largest, sure, _ = cards(stroke)
-    assert largest.number == f"{out.net_leak:.3g} m³"
+    assert largest.number == f"{1e9 * out.net_leak:.3g} mm³"
     assert sure.number == "not known"
     start = compute(
         "break_out", preset("break_out", "epdm-70"), Folder(tmp_path)

@@ -366,6 +366,15 @@ def test_the_pressure_of_the_fluid_thins_the_film_that_an_o_ring_lets_in():
     assert "2 MPa of its fluid" in under.summary()
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
+def test_both_strokes_are_warned_of_at_once():
+    rubber = em.load_material("epdm-70")
+    ring = em.o_ring(rubber, 5e-3, 0.15, time=1e8, temperature=293.15)
+    with pytest.warns(em.ExtrapolationWarning) as caught:
+        em.reciprocating(rubber, o_ring=ring, **STROKES)
+    assert len(caught) == 1
+
+
 @pytest.mark.parametrize(
     ("change", "named"),
     [

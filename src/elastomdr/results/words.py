@@ -8,7 +8,15 @@ from ..checks import is_traced, significant
 
 _SHAPE_UNITS = {"radius": " m", "length": " m"}
 # what one SI unit is in them
-_SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6, "°": 180 / np.pi}
+_SCALES = {
+    "mm": 1e3,
+    "µm": 1e6,
+    "mm³": 1e9,
+    "ms": 1e3,
+    "%": 100.0,
+    "MPa": 1e-6,
+    "°": 180 / np.pi,
+}
 
 _MEGAPASCAL = 1e3  # from here on a pressure is in MPa [Pa]
 _LONG = 7200.0  # from here on a time is no longer in seconds
