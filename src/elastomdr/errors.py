@@ -2,11 +2,12 @@
 what is accepted.
 """
 
+import contextlib
 import difflib
 import os
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 _PACKAGE = os.path.dirname(__file__) + os.sep
 
@@ -56,3 +57,18 @@ def warn(message: str, category: type[Warning]) -> None:
             caller = frames
         frame = frame.f_back
     warnings.warn(message, category, stacklevel=caller)
+
+
+@contextlib.contextmanager
+def warned_once() -> Iterator[None]:
+    """Issues the warnings of several calls together, one of each category; what they
+    say alike is said once.
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    texts: dict[type[Warning], dict[str, None]] = {}
+    for each in caught:
+        texts.setdefault(each.category, {})[str(each.message)] = None
+    for category, distinct in texts.items():
+        warn(" ".join(distinct), category)

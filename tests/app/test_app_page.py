@@ -309,7 +309,9 @@ def test_cards_of_a_result():
 
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
 def test_seals(tmp_path):
-    """An O-ring over years and on a rod, as the calls compute them, with their cards."""
+    """An O-ring over years and on a rod, and a start after a rest, as the calls compute
+    them, with their cards.
+    """
     from elastomdr.app.cards import cards
     from elastomdr.app.scene import compute
     from elastomdr.app.screens import SEAL, preset
@@ -341,8 +343,24 @@ def test_seals(tmp_path):
     )
     assert stroke.net_leak[-1] == pytest.approx(float(out.net_leak), rel=1e-9)
     largest, sure, _ = cards(stroke)
-    assert largest.number == f"{out.net_leak:.3g} m³"
+    assert largest.number == f"{1e9 * out.net_leak:.3g} mm³"
     assert sure.number == "not known"
+    start = compute(
+        "break_out", preset("break_out", "epdm-70"), Folder(tmp_path)
+    ).result
+    rod = em.SelfAffine(
+        0.8, rms_slope=0.3, q_low=2 * np.pi / 100e-6, q_high=2 * np.pi / 4e-6
+    )
+    rest = em.break_out(
+        rubber,
+        rod,
+        pressure=0.35e6,
+        boundary_shear=0.2e6,
+        time=10 * 86400.0,
+        temperature=293.15,
+    )
+    assert start.mu[-1, 1] == pytest.approx(float(rest.mu), rel=1e-9)
+    assert cards(start)[0].title == "Largest break-out coefficient at 0 °C"
 
 
 def test_docs():

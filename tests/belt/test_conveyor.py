@@ -170,6 +170,16 @@ def test_table_summary_and_figure(tmp_path):
     assert found.png().startswith(b"\x89PNG")
 
 
+def test_both_sides_are_warned_of_at_once():
+    cover = em.layer(em.load_material("epdm-70"), 6e-3)
+    with pytest.warns(em.ExtrapolationWarning) as caught:
+        em.conveyor(
+            *sides(cover), velocity=100.0, belt=28.0, goods=120.0, temperature=264.15
+        )
+    assert len(caught) == 1
+    assert str(caught[0].message).count("1 of 1 points lie beyond") >= 1
+
+
 def test_axes_in_any_order():
     """Velocity need not be the last axis: figure, legend and Dataset go by what changes
     along which.

@@ -54,6 +54,9 @@ def test_a_sweep_of_strain(title, write):
     np.testing.assert_allclose(dma.strain, AMPLITUDES / 100)
     assert dma.strain_sweeps().size == AMPLITUDES.size
     assert "strain amplitude 0.01 to 20 %" in dma.summary()
+    shown = dma._repr_html_()
+    for each in dma.summary().split(", "):
+        assert each in shown
     with pytest.raises(
         em.InputError, match=r"got a sweep of strain, 0.01 to 20 %.*em\.fit\.softening"
     ):

@@ -363,7 +363,16 @@ def test_the_pressure_of_the_fluid_thins_the_film_that_an_o_ring_lets_in():
     assert float(without.net_leak) == 0 < float(under.net_leak)
     pushed = float(without.friction_out - under.friction_out)
     assert pushed == pytest.approx(2e6 * float(under.film_out), rel=1e-9)
-    assert "2e+06 Pa of its fluid" in under.summary()
+    assert "2 MPa of its fluid" in under.summary()
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
+def test_both_strokes_are_warned_of_at_once():
+    rubber = em.load_material("epdm-70")
+    ring = em.o_ring(rubber, 5e-3, 0.15, time=1e8, temperature=293.15)
+    with pytest.warns(em.ExtrapolationWarning) as caught:
+        em.reciprocating(rubber, o_ring=ring, **STROKES)
+    assert len(caught) == 1
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from ..results.curve import AbstractCurve
 from ..results.words import in_words
 
 _MOST = 4  # curves that get a card
+_AS_SHOWN = {"Pa": ("MPa", 1e-6), "m^3": ("mm³", 1e9)}  # units, and SI ones in them
 _FINE = 0.02  # relative uncertainty from which on a number needs nothing surer
 
 
@@ -91,12 +92,10 @@ def _shown(result: Any) -> Any:
 def _number(result: Any, value: float) -> str:
     """A value with its unit."""
     unit = _shown(result).unit
-    if unit == "Pa":
-        return f"{significant(value / 1e6, 3)} MPa"
     if unit == "K":
         return f"{value - 273.15:.1f} °C"
-    unit = "" if unit == "-" else unit.replace("^3", "³")
-    return f"{significant(value, 3)} {unit}".rstrip()
+    unit, scale = _AS_SHOWN.get(unit, (unit.replace("^3", "³"), 1.0))
+    return f"{significant(scale * value, 3)} {unit}".rstrip(" -")
 
 
 def show(place: Any, new_cards: list[Card]) -> None:
@@ -210,8 +209,8 @@ def _in_brackets(result: Any, top: _Top) -> str:
     if isinstance(result, em.Leak):
         factor = 1 + top.share(top.spread)
         return f" within a factor of {significant(factor, 2)}"
-    megapascal = 1e-6 if _shown(result).unit == "Pa" else 1.0
-    return f" ± {significant(megapascal * top.spread, 2)}"
+    _, scale = _AS_SHOWN.get(_shown(result).unit, ("", 1.0))
+    return f" ± {significant(scale * top.spread, 2)}"
 
 
 def _how_sure(result: Any, tops: list[_Top]) -> Card:

@@ -3,7 +3,13 @@
 import copy
 from typing import Any, NamedTuple
 
-from ..cli.seals import LeakScene, LubricatedScene, RingScene, StrokeScene
+from ..cli.seals import (
+    BreakOutScene,
+    LeakScene,
+    LubricatedScene,
+    RingScene,
+    StrokeScene,
+)
 from ..cli.steady import (
     ConveyorScene,
     Rolling,
@@ -169,6 +175,20 @@ SEAL = Screen(
             first=("temperature", "[lubricated] boundary_shear", "[lubricated] time"),
             about="Over velocity this is the Stribeck curve.",
         ),
+        "break_out": Kind(
+            "break_out",
+            BreakOutScene,
+            "Start of a dry seal after a rest",
+            only=("material", "temperature", "surface", "break_out"),
+            first=(
+                "temperature",
+                "[surface] longest",
+                "[surface] shortest",
+                "[surface] rms_slope",
+                "[break_out] time",
+            ),
+            about="A bound from above: all of the real contact lets go at once.",
+        ),
     },
     "seal",
 )
@@ -294,6 +314,19 @@ _PRESETS: dict[str, tuple[dict[str, Any], str]] = {
                 "viscosity": "50 mPa*s",
                 "boundary_shear": "0.2 MPa",
                 "time": "5 min",
+            },
+        },
+        "epdm-70",
+    ),
+    "break_out": (  # the rod of example 35
+        {
+            "temperature": ["0 degC", "20 degC"],
+            "surface": _GROUND
+            | {"rms_slope": 0.3, "longest": "100 um", "shortest": "4 um"},
+            "break_out": {
+                "pressure": "0.35 MPa",
+                "boundary_shear": "0.2 MPa",
+                "time": {"from": "1 s", "to": "10 day", "points": 24},
             },
         },
         "epdm-70",

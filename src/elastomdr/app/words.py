@@ -12,6 +12,7 @@ from ..errors import InputError
 # stands below the field, where it is not what the scene's own key says.
 _TABLES = {
     "adhesion": "Adhesive shear of the real contact",
+    "break_out": "Load, rest and shear",
     "compare": "Conditions of the ranking",
     "contact": "Load and motion",
     "conveyor": "Belt conveyor",

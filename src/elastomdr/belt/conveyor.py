@@ -33,7 +33,7 @@ from ..checks import (
 )
 from ..element.law import Foundation
 from ..element.layer import Layer
-from ..errors import InputError
+from ..errors import InputError, warned_once
 from ..material.validity import material_in_words
 from ..results.base import Result, quantity, record
 from ..results.words import brief, describe, in_words
@@ -244,8 +244,9 @@ def conveyor(
     speed, temperatures = points["velocity"], points.get("temperature")
     carry_weight = (points["belt"] + points["goods"]) * points["gravity"]
     return_weight = points["belt"] * points["gravity"]
-    loaded = _solve_side(carry, carry_weight, speed, temperatures, model, rtol)
-    empty = _solve_side(back, return_weight, speed, temperatures, model, rtol)
+    with warned_once():
+        loaded = _solve_side(carry, carry_weight, speed, temperatures, model, rtol)
+        empty = _solve_side(back, return_weight, speed, temperatures, model, rtol)
     converged = loaded.converged & empty.converged
     weight = (2 * points["belt"] + points["goods"]) * points["gravity"]
     on_carry = nan_unless(converged, loaded.resistance)

@@ -1,6 +1,6 @@
 """What the commands do that compute a scene: `elastomdr friction`, `rolling`, `indent`,
-`impact`, `slide`, `traction`, `leak`, `lubricated`, `o_ring`, `reciprocating` write a table,
-a figure and more; `compare` a ranking, `plan` what would be computed.
+`impact`, `slide`, `traction`, `leak`, `lubricated`, `o_ring`, `reciprocating`, `break_out`
+write a table, a figure and more; `compare` a ranking, `plan` what would be computed.
 """
 
 import argparse

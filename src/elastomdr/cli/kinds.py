@@ -9,7 +9,7 @@ from ..files import read_text
 from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
 from .scene import Scene
 from .schema import decode, keys_of
-from .seals import LeakScene, LubricatedScene, RingScene, StrokeScene
+from .seals import BreakOutScene, LeakScene, LubricatedScene, RingScene, StrokeScene
 from .steady import (
     BodyComparison,
     BodyFriction,
@@ -36,6 +36,7 @@ KINDS: dict[str, tuple[type[Scene], ...]] = {
     "lubricated": (LubricatedScene,),
     "o_ring": (RingScene,),
     "reciprocating": (StrokeScene,),
+    "break_out": (BreakOutScene,),
     "compare": (SurfaceComparison, BodyComparison),
 }
 

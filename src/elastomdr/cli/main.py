@@ -32,6 +32,7 @@ _SCENES = {
     "lubricated": "film and friction of a lubricated cylinder against velocity",
     "o_ring": "sealing force of a squeezed O-ring against time",
     "reciprocating": "films, net leak and friction of an O-ring on a moving rod",
+    "break_out": "friction at which a dry seal breaks out, against its dwell",
     "compare": "materials ranked by friction at one velocity and temperature",
 }
 

@@ -1,5 +1,6 @@
 """Scenes of seals: a liquid that leaks through a static one, the force of an O-ring over
-years, a rod that moves out and in, a film between a cylinder and rubber.
+years, a rod that moves out and in, a film between a cylinder and rubber, the start of a
+dry seal after a rest.
 """
 
 from pathlib import Path
@@ -192,6 +193,36 @@ class StrokeScene(RingScene):
         stroke = given(self.stroke, "velocity_out", "velocity_in", "viscosity", "width")
         stroke |= {"stroke": self.stroke.length}
         return on_axes({"material": ring["material"], "o_ring": o_ring} | stroke)
+
+
+class BreakOut(Table):
+    """How the seal is pressed and for how long it rests, and what holds it."""
+
+    pressure: Annotated[Several[Pressure], "nominal pressure of rubber and surface"]
+    boundary_shear: Annotated[Pressure, "shear stress of the real contact"]
+    time: Annotated[
+        Sweep[Duration] | None, "dwell under the pressure; by default long after"
+    ] = None
+
+
+class BreakOutScene(Scene):
+    """Break-out of a dry seal after a dwell."""
+
+    mark: ClassVar[str] = "break_out"
+    call: ClassVar[str] = "break_out"
+    surface: Annotated[AnySurface, "the roughness"]
+    break_out: Annotated[BreakOut, "how it is pressed and rests, and what holds it"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        _without_rtol(self, "a break-out")
+        rubber = load(folder, "material", self.material[0])
+        with named("[surface]"):
+            surface = self.surface.drawn(folder, None)
+        return on_axes(
+            {"material": rubber, "surface": surface}
+            | given(self, "temperature")
+            | given(self.break_out, *BreakOut.__struct_fields__)
+        )
 
 
 def _without_rtol(scene: Scene, what: str) -> None:

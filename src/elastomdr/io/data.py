@@ -4,7 +4,7 @@ come from.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from ..checks import as_float64, in_kelvin, in_si, positive, scalar
 from ..errors import InputError
+from ..notebook_tables import html_table
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -108,30 +109,40 @@ class Dma:
         """How many points of what, over which frequencies, times and temperatures, in
         one line.
         """
-        parts = []
+        return f"{self.kind}, " + ", ".join(words for _, words in self._findings())
+
+    def _repr_html_(self) -> str:
+        rows = [("kind", self.kind), *self._findings()]
+        rows += [("warning", sentence) for sentence in self.warnings]
+        return html_table(f"Dma {self.source}".rstrip(), rows)
+
+    def _findings(self) -> Iterator[tuple[str, str]]:
+        """What was measured, a name and a few words each."""
         if self.omega.size:
             low, high = self.omega.min(), self.omega.max()
-            parts.append(
+            yield (
+                "over frequency",
                 f"{self.omega.size} points of storage and loss modulus, {low:.3g} "
-                f"to {high:.3g} rad/s"
+                f"to {high:.3g} rad/s",
             )
         if self.time.size:
             low, high, unit = self.time.min(), self.time.max(), "s"
             if self.response == "storage":
                 low, high, unit = 1 / high, 1 / low, "rad/s"
-            parts.append(
+            yield (
+                "over time",
                 f"{self.time.size} points of {self.described}, {low:.3g} to "
-                f"{high:.3g} {unit}"
+                f"{high:.3g} {unit}",
             )
         known = self.temperatures[np.isfinite(self.temperatures)] - 273.15
-        parts.append(
+        yield (
+            "temperature",
             f"{known.min():.1f} to {known.max():.1f} degC"
             if known.size
-            else "temperature not known"
+            else "temperature not known",
         )
         if words := strains(self.strain):
-            parts.append(f"strain amplitude {words}")
-        return f"{self.kind}, " + ", ".join(parts)
+            yield "strain", f"strain amplitude {words}"
 
     @property
     def described(self) -> str:

@@ -8,8 +8,17 @@ from ..checks import is_traced, significant
 
 _SHAPE_UNITS = {"radius": " m", "length": " m"}
 # what one SI unit is in them
-_SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6, "°": 180 / np.pi}
+_SCALES = {
+    "mm": 1e3,
+    "µm": 1e6,
+    "mm³": 1e9,
+    "ms": 1e3,
+    "%": 100.0,
+    "MPa": 1e-6,
+    "°": 180 / np.pi,
+}
 
+_MEGAPASCAL = 1e3  # from here on a pressure is in MPa [Pa]
 _LONG = 7200.0  # from here on a time is no longer in seconds
 _TIMES = ((86400.0, "days"), (3600.0, "h"))
 
@@ -42,9 +51,20 @@ def brief(array: Any, unit: str) -> str:
     if is_traced(array):
         return "traced"
     array = np.asarray(array)
+    if unit == "Pa" and array.size and array.max() >= _MEGAPASCAL:
+        array, unit = in_unit(array, "MPa"), "MPa"
     if array.size and array.min() == array.max():
         return f"{float(array.flat[0]):.6g} {unit}"
     return f"{array.min():.4g} to {array.max():.4g} {unit} ({array.size} values)"
+
+
+def length_in_words(metres: float) -> str:
+    """A length in the largest unit of which it is one or more, m to nm."""
+    units = (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6))
+    unit, size = next(
+        (each for each in units if metres >= 0.9995 * each[1]), ("nm", 1e-9)
+    )
+    return f"{metres / size:.4g} {unit}"
 
 
 def in_unit(values: Any, unit: str) -> np.ndarray:

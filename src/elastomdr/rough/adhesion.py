@@ -128,6 +128,8 @@ class AdhesiveShear(Tree):
         """The law in one line."""
         if is_traced(self):
             return "adhesive shear"
+        if self.shift is None and self.width == 0:
+            return f"{float(self.stress) / 1e6:.4g} MPa at every velocity"
         numbers = (
             f"{float(self.stress) / 1e6:.4g} MPa at {float(self.velocity):.4g} m/s, "
             f"width {float(self.width):.4g}"

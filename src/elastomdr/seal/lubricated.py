@@ -299,7 +299,7 @@ def lubricated(
     good = np.array([each.good for each in solved])
     warn_unless(good, "points")
     model = _MODEL + ("" if surface is None else _ROUGH[flow_factor])
-    return _packed(scene, solved, good, model)
+    return _packed(scene, solved, good, model, shear)
 
 
 class _Solved(NamedTuple):
@@ -777,7 +777,11 @@ def _profile(film: films.Film, scales: _Scales) -> Array:
 
 
 def _packed(
-    scene: _Scene, solved: list[_Solved], good: Array, model: str
+    scene: _Scene,
+    solved: list[_Solved],
+    good: Array,
+    model: str,
+    shear: AdhesiveShear | None,
 ) -> Lubricated:
     """The result, with what lies beyond the data of the material."""
     dims = scene.dims
@@ -808,6 +812,8 @@ def _packed(
     if scene.surface is not None:
         inputs.append(("surface", f"{scene.surface.label}, {scene.surface.words()}"))
         inputs.append(("roughness", BOTH))
+    if shear is not None:
+        inputs.append(("boundary shear", shear.words()))
     named = dict(zip(_NUMBERS, map(shaped, numbers.T), strict=True))
     return Lubricated(
         velocity=shaped(scene.velocity),

@@ -458,7 +458,7 @@ def _extrapolated(
 def _inputs_in_words(material: Prony, given: dict[str, Any]) -> list[tuple[str, str]]:
     inputs = material_in_words(material)
     inputs += [
-        (name, brief(given[name], unit))
+        (name.replace("_", " "), brief(given[name], unit))
         for name, unit in _UNITS.items()
         if given.get(name) is not None
     ]

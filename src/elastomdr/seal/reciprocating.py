@@ -43,7 +43,7 @@ from ..checks import (
     scalar,
 )
 from ..element.law import normal_operator
-from ..errors import InputError, ModelWarning, warn
+from ..errors import InputError, ModelWarning, warn, warned_once
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
 from ..results.base import Array, Result, quantity, record
@@ -84,7 +84,9 @@ class Reciprocating(Result):
     film_in: Array = quantity(
         "film that can be carried in", "m", "h_0/2, of the stroke in", shown="µm"
     )
-    net_leak: Array = quantity("net leak per stroke", "m^3", "on the width of the seal")
+    net_leak: Array = quantity(
+        "net leak per stroke", "m^3", "on the width of the seal", shown="mm³"
+    )
     friction_out: Array = quantity("friction of the stroke out", "N", "of the film")
     friction_in: Array = quantity("friction of the stroke in", "N", "of the film")
     work: Array = quantity("work of friction", "J", "of one stroke out and in")
@@ -108,7 +110,7 @@ class Reciprocating(Result):
         """The films, the leak and the friction."""
         yield "film carried out", span(in_unit(self.film_out, "µm"), "µm")
         yield "film that can be carried in", span(in_unit(self.film_in, "µm"), "µm")
-        yield "net leak per stroke", span(self.net_leak, "m^3")
+        yield "net leak per stroke", span(in_unit(self.net_leak, "mm³"), "mm³")
         yield "friction of the stroke out", span(self.friction_out, "N")
 
 
@@ -418,8 +420,9 @@ def _of_ring(material: Any, ring: Any, motion: _Motion) -> _Strokes:
         fluid = float(np.ravel(ring.fluid_pressure)[0])
         air_side = float(np.ravel(ring.sealing_pressure)[0])
         source += f" under {brief(fluid, 'Pa')} of its fluid"
-    leaving = _under_ring(material, ring, pressure, motion.out, motion.viscosity)
-    entering = _under_ring(material, ring, air_side, motion.back, motion.viscosity)
+    with warned_once():
+        leaving = _under_ring(material, ring, pressure, motion.out, motion.viscosity)
+        entering = _under_ring(material, ring, air_side, motion.back, motion.viscosity)
     # h_0 Delta p/2, h_0 twice the film
     return _Strokes(
         source,

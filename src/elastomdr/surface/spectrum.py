@@ -50,6 +50,7 @@ from ..checks import (
 from ..errors import InputError, closest
 from ..material.validity import Draws, check_draws
 from ..models import whole_number
+from ..results.words import length_in_words
 from ..trees import Tree, fill, static
 from .lay import Lay, lay_of
 from .rough_line import RoughLine, line_of_heights
@@ -235,11 +236,14 @@ class AbstractSpectrum(Tree):
 
     def words(self) -> str:
         """rms values and both cutoffs, in a few words."""
+        longest, shortest = (
+            length_in_words(2 * np.pi / float(q)) for q in (self.q_low, self.q_high)
+        )
         return (
-            f"rms height {self.rms_height:.4g} m, rms slope {self.rms_slope:.4g} (of "
-            f"the surface; of a cut {self.rms_slope / np.sqrt(2):.4g}), cutoffs "
-            f"{self.q_low:.4g} and {self.q_high:.4g} rad/m (wavelengths "
-            f"{2 * np.pi / self.q_low:.4g} and {2 * np.pi / self.q_high:.4g} m)"
+            f"rms height {length_in_words(float(self.rms_height))}, rms slope "
+            f"{self.rms_slope:.4g} (of the surface; of a cut "
+            f"{self.rms_slope / np.sqrt(2):.4g}), wavelengths {longest} to {shortest} "
+            f"(cutoffs {self.q_low:.4g} and {self.q_high:.4g} rad/m)"
         )
 
 
