@@ -29,7 +29,10 @@ collect_ignore = ["typing"]  # read by pyright, not run
 LONG = ("test_notebooks.py", "test_site.py", "test_examples.py", "test_same_bits.py")
 # pieces of memory that a process has mapped; Linux ends one with more than 65,530
 MANY = 25_000
-PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+PLAIN = (
+    "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+    " --xla_cpu_parallel_codegen_split_count=1"
+)
 # of the browser: names outside of this machine do not resolve
 ALONE = "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
 # read when NumPy is loaded: by workers and the commands that tests start
