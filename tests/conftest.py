@@ -10,6 +10,10 @@ core, and count that as work.
 
 Python looks for garbage seldom: tracing makes so many objects that looking took a fifth
 of its time.
+
+Where the environment keeps Python from writing what it compiled, each of the commands
+that tests start would compile every module that it imports, a second or two. Here it is
+written, into pytest's own cache.
 """
 
 import gc
@@ -40,6 +44,10 @@ def pytest_configure(config):
         or not hasattr(config, "cache")
     ):
         return  # workers inherit what is set here
+    if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
+        sys.pycache_prefix = str(config.cache.mkdir("bytecode"))
+        sys.dont_write_bytecode = False
+        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(config.cache.mkdir("compiled"))
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.3"
     flags = f"{os.environ.get('XLA_FLAGS', '')} {PLAIN}".strip()
