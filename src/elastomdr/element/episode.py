@@ -152,9 +152,9 @@ def _of_those(where: Array, function: Callable[..., Any], *given: Any) -> Any:
         return function(*given)
     here, count = np.flatnonzero(where), where.size
 
-    def placed(part: Array) -> Array:
-        whole = np.zeros((*part.shape[:-1], count), part.dtype)
-        whole[..., here] = part
+    def placed(values: Array) -> Array:
+        whole = np.zeros((*values.shape[:-1], count), values.dtype)
+        whole[..., here] = values
         return whole
 
     chosen = (
