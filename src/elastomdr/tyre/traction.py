@@ -61,6 +61,8 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-14
 # of the march, where elements stick again after they have slipped
 _STEPS = (1024, 8192, 65536)
+# what each point of a `Rolling` has of its own
+_OWN = ("velocity", "leading", "trailing", "friction", "creepage")
 # Below the first what sticks is lost in rounding; above the second the error of the
 # force no longer counts what slips.
 _FRICTION = 1e-12, 1e12
@@ -380,17 +382,29 @@ def _pull(
     def missed_in(pulled: Tractions) -> Any:
         return ~(pulled.error <= scene.rtol * pulled.force + rounding)
 
+    def finer(pulled: Tractions, again: Any, steps: int) -> Tractions:
+        """The tractions with those of some points found anew."""
+        points = rolling._replace(
+            **{name: getattr(rolling, name)[again] for name in _OWN}
+        )
+        refined = known(tractions(points, rule, steps))
+        merged = [np.array(each) for each in pulled]
+        for whole, new in zip(merged, refined, strict=True):
+            whole[again] = new
+        return Tractions(*merged)
+
     # Where errors cannot be looked at, the number of steps that is nearly always
     # enough.
     first = _STEPS[1] if is_traced(rolling) else _STEPS[0]
     pulled = known(tractions(rolling, rule, first))
     for steps in _STEPS[1:]:
         missed = missed_in(pulled)
-        if is_traced(missed, pulled.force) or not np.any(
-            missed & np.isfinite(pulled.force)
-        ):
+        if is_traced(missed, pulled.force):
             break
-        pulled = known(tractions(rolling, rule, steps))
+        again = missed & np.isfinite(pulled.force)
+        if not again.any():
+            break
+        pulled = finer(pulled, again, steps)
     missed = missed_in(pulled)
     pulled = pulled._replace(
         force=pulled.force * steady.vertical, error=pulled.error * steady.vertical
