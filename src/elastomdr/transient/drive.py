@@ -315,7 +315,7 @@ def _surface(
 
 def _heights(track: RoughLine, x: Any) -> Any:
     """Heights of the track at the places x, counted from its highest point."""
-    coefficients = spline_coefficients(xp.asarray(track.height))
+    coefficients = xp.asarray(spline_coefficients(track.height))
     whole = xp.floor(x / track.spacing)
     t = x / track.spacing - whole
     i = whole.astype(xp.int64)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..arrays import on_jax, xp
+from ..arrays import xp
 from ..call.extrapolation import NOT_KNOWN, Beyond, told
 from ..call.problem import check_rtol, hint_at_metres
 from ..checks import (
@@ -213,7 +213,7 @@ def _pack(
     )
     oblique = None
     if slips is not None:
-        oblique = on_jax(solve_oblique, slips, scene, shape, history, solution)
+        oblique = solve_oblique(slips, scene, shape, history, solution)
     energy = 0.5 * scene.body.mass * scene.body.velocity**2
     return Impact(
         mass=scene.mass,
