@@ -13,10 +13,6 @@ core, and count that as work.
 
 Python looks for garbage seldom: tracing makes so many objects that looking took a fifth
 of its time.
-
-Where the environment keeps Python from writing what it compiled, each of the commands
-that tests start would compile every module that it imports, a second or two. Here it is
-written, into pytest's own cache.
 """
 
 import gc
