@@ -56,9 +56,9 @@ def test_full_contact_is_a_sum_over_the_waves(rubber):
     )
 
 
-def test_few_samples_a_wave_sum_to_friction():
-    """The power of straight pieces between samples: each wave's by sinc^4, and what is
-    beyond the Nyquist frequency.
+def test_what_the_waves_of_straight_pieces_lack_is_an_error():
+    """128 samples a wave, straight between them: the wave keeps sinc^4(1/128), and the
+    bands are scaled to friction.
     """
     x = np.arange(512) * 2 * np.pi / WAVES[1] / 16
     line = em.RoughLine(x, HEIGHTS[1] * np.cos(WAVES[1] * x))
@@ -66,6 +66,8 @@ def test_few_samples_a_wave_sum_to_friction():
     found = em.friction_spectrum(RUBBER, line, **scene)
     friction = em.friction(RUBBER, line, **scene)
     np.testing.assert_allclose(found.mu.sum(axis=1), friction.mu, rtol=1e-5)
+    gap = (found.error[:, 0] - friction.error) / friction.mu
+    np.testing.assert_allclose(gap, 1 - np.sinc(1 / 128) ** 4, rtol=0.1)
 
 
 def test_averaged_over_directions():
