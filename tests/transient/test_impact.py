@@ -353,3 +353,20 @@ def test_tables_and_figures(tmp_path):
     single = impact(RUBBER, rtol=1e-2).plot()
     assert single.get_xlabel() == "Time since touch [ms]"
     assert len(single.get_lines()[0].get_xdata()) > 100
+
+
+def test_many_impacts_are_those_of_each_alone():
+    """More than a block of them, on NumPy: 300, with the ends of both blocks."""
+    velocity = np.geomspace(0.1, 10.0, 300)
+    rubber = em.Foundation(E, [E], [1e-3])
+    together = impact(rubber, velocity=velocity, rtol=1e-4)
+    assert together.converged.all()
+    for i in (0, 255, 256, 299):
+        alone = impact(rubber, velocity=velocity[i], rtol=1e-4)
+        for field in ("restitution", "duration", "max_depth", "max_force", "error"):
+            np.testing.assert_allclose(
+                getattr(together, field)[i],
+                getattr(alone, field),
+                rtol=1e-9,
+                atol=1e-14,
+            )
