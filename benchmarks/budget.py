@@ -33,7 +33,7 @@ SCENE_FILES = sorted((ROOT / "examples" / "scenes").glob("*.toml"))
 FIRST, CURVE, HISTORY, ITERATES = 1.0, 0.3, 2.0, 5.0
 
 SETUP = """
-import sys, time
+import sys, tempfile, time
 from operator import attrgetter
 from pathlib import Path
 import numpy as np
@@ -56,6 +56,8 @@ MADE = {
     "roller": "em.Cylinder(0.05, 0.5)",
     "layer": "em.layer(rubber, 5e-3)",
     "springs": "em.springs(rubber, 5e-3, bonded=False)",
+    "bonded": "em.springs(rubber, 5e-3)",
+    "sheared": "em.springs(rubber, 5e-3, tangential=True)",
     "idlers": "em.Idlers(layer, roller, spacing=1.0, shares=[0.2, 0.6, 0.2])",
     "place": "np.linspace(0.0, 1e-3, 101)",
     "shear": "em.AdhesiveShear(5e6, 5e-3, 0.1)",
@@ -183,6 +185,65 @@ def _steady(verb: str, field: str, shapes: tuple[str, ...]) -> list[Case]:
                 place != "layer" and shape in ("ball", "cone")
             )
             cases.append(Case(name, call, field, traced=traced))
+    return cases
+
+
+# Histories and traction: call, field, one x, many of it, and the other foundations that
+# the verb takes, with what stands in place of the ball and besides.
+MOTIONS = {
+    "indent": (
+        "em.indent({rubber}, {ball}, time=t, load=x * t{more})",
+        ("depth.sum()", "100.0", "100.0"),
+        {"springs": ("ball", ""), "layer": ("ball", "")},
+    ),
+    "impact": (
+        "em.impact({rubber}, {ball}, mass=1e-3, velocity=x{more})",
+        ("restitution", "1.0", "np.geomspace(0.1, 3.0, 8)"),
+        {"springs": ("ball", ""), "layer": ("ball", "")},
+    ),
+    "slide": (
+        "em.slide({rubber}, {ball}, time=t, position=x * t, load=1.0{more})",
+        ("mu", "0.01", "0.01"),
+        {"springs": ("ball", "")},
+    ),
+    "drive": (
+        "em.drive({rubber}, {ball}, time=t, position=x * t, load=1.0, "
+        "tangential=em.Mount(mass=0.1, stiffness=1e4, damping=1.0){more})",
+        ("mu", "0.01", "0.01"),
+        {"springs": ("roller", "")},
+    ),
+    "shear": (
+        "em.shear({rubber}, {ball}, time=t, load=1.0, friction=0.5, "
+        "displacement=x * np.sin(60 * t){more})",
+        ("mu", "2e-5", "2e-5"),
+        {"springs": ("ball", ", tangential=sheared")},
+    ),
+    "traction": (
+        "em.traction({rubber}, {ball}, velocity=1.0, creepage=x, friction=0.8, "
+        "load=5.0{more})",
+        ("mu", "0.02", "np.geomspace(1e-3, 0.1, 16)"),
+        {"springs": ("roller", ", tangential=sheared"), "layer": ("roller", "")},
+    ),
+}
+
+
+def _motions() -> list[Case]:
+    """Each verb of `MOTIONS` with a ball on a half-space, and on what else it takes."""
+    cases = []
+    for verb, (call, (field, one, many), others) in MOTIONS.items():
+        for place, (body, more) in {"": ("ball", ""), **others}.items():
+            material = {"": "rubber", "springs": "bonded"}.get(place, place)
+            cases.append(
+                Case(
+                    f"{verb}: {body} on {place}" if place else verb,
+                    call.format(rubber=material, ball=body, more=more),
+                    field,
+                    curve=HISTORY,
+                    one=one,
+                    many=many,
+                    traced=verb == "indent" and not place,
+                )
+            )
     return cases
 
 
@@ -323,55 +384,15 @@ CASES = (
         curve=HISTORY,
         traced=False,
     ),
+    *_motions(),
     Case(
-        "indent",
-        "em.indent(rubber, ball, time=t, load=x * t)",
-        "depth.sum()",
+        "sweep",
+        "em.sweep(em.friction, {'velocity': np.geomspace(1e-3, 1.0, x)}, "
+        "store=tempfile.mkdtemp() + '/runs', progress=False, material=rubber, "
+        "shape=ball, load=1.0)",
+        one="1",
+        many="64",
         curve=HISTORY,
-        one="100.0",
-        many="100.0",
-    ),
-    Case(
-        "impact",
-        "em.impact(rubber, ball, mass=1e-3, velocity=x)",
-        "restitution",
-        curve=HISTORY,
-        one="1.0",
-        many="np.geomspace(0.1, 10, 8)",
-        traced=False,
-    ),
-    Case(
-        "slide",
-        "em.slide(rubber, ball, time=t, position=x * t, load=1.0)",
-        curve=HISTORY,
-        one="0.01",
-        many="0.01",
-        traced=False,
-    ),
-    Case(
-        "drive",
-        "em.drive(rubber, ball, time=t, position=x * t, load=1.0, "
-        "tangential=em.Mount(mass=0.1, stiffness=1e4, damping=1.0))",
-        curve=HISTORY,
-        one="0.01",
-        many="0.01",
-        traced=False,
-    ),
-    Case(
-        "shear",
-        "em.shear(rubber, ball, time=t, load=1.0, friction=0.5, "
-        "displacement=x * np.sin(60 * t))",
-        curve=HISTORY,
-        one="2e-5",
-        many="2e-5",
-        traced=False,
-    ),
-    Case(
-        "traction",
-        "em.traction(rubber, ball, velocity=1.0, creepage=x, friction=0.8, load=5.0)",
-        curve=HISTORY,
-        one="0.02",
-        many="np.geomspace(1e-3, 0.1, 16)",
         traced=False,
     ),
 )

@@ -181,15 +181,19 @@ def pressure_for(
     return float(np.exp(middle))
 
 
-def solve(scene: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+def solve(
+    scene: dict[str, Any], rng: np.random.Generator, surface: Any = None
+) -> dict[str, Any]:
     """The scene with friction over that in full contact, and real contact, of each map
-    on both grids; None where a contact did not settle.
+    on both grids; None where a contact did not settle. Of the `surface` in the scene,
+    or of that given.
     """
-    kind, *numbers = scene["surface"]
-    surface = surface_of(kind, tuple(numbers), scene["ratio"])
+    if surface is None:
+        kind, *numbers = scene["surface"]
+        surface = surface_of(kind, tuple(numbers), scene["ratio"])
     modulus = rubber(scene["material"]).complex_modulus
     periods, fine = scene["periods"], scene["per_wave"]
-    points = 4 * -(-fine * periods * scene["ratio"] // 4)
+    points = 4 * int(-(-fine * periods * scene["ratio"] // 4))
     seeds = 2 if points > 1024 else 3
     mu, area, variance = [], [], []
     signal.signal(signal.SIGPROF, _over)

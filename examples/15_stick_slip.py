@@ -2,7 +2,7 @@
 it.
 
 Teaches: `em.drive` couples a body on a mount to its contact, and takes a whole map of
-driving speeds in one `jax.vmap`. Rubber friction rises with speed up to a peak and
+driving speeds in one compiled `jax.vmap`. Rubber friction rises with speed up to a peak and
 falls beyond. Pulled through a spring slower than the peak the slider settles; pulled
 faster, on the falling side, it swings ever further, until it stops, or runs back, once
 a cycle.
@@ -58,7 +58,7 @@ def main(out: Path) -> None:
         return drive.position, drive.velocity
 
     with jax.enable_x64(True):
-        position, velocity = (np.asarray(x) for x in jax.vmap(pulled)(SPEEDS))
+        position, velocity = (np.asarray(x) for x in jax.jit(jax.vmap(pulled))(SPEEDS))
     exact = [reduced(speed) for speed in SPEEDS]
 
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.4))

@@ -5,6 +5,9 @@ The tests compile far longer than they compute, so the compiler is asked for pla
 machine code: the programs are the same, they run three times slower, and the suite
 takes half the time. `pytest -p no:cacheprovider` tests the machine code that users get.
 
+Python's bytecode is kept beside it, even where the environment asks for none: each
+worker and each command would translate JAX and the package again, 2 to 3 s each time.
+
 Linear algebra runs on one thread: beside the other worker's, threads mostly wait for a
 core, and count that as work.
 
@@ -26,20 +29,30 @@ collect_ignore = ["typing"]  # read by pyright, not run
 LONG = ("test_notebooks.py", "test_site.py", "test_examples.py", "test_same_bits.py")
 # pieces of memory that a process has mapped; Linux ends one with more than 65,530
 MANY = 25_000
-PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+PLAIN = (
+    "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+    " --xla_cpu_parallel_codegen_split_count=1"
+)
 # of the browser: names outside of this machine do not resolve
 ALONE = "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
 # read when NumPy is loaded: by workers and the commands that tests start
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
+def keep_bytecode(folder: Path) -> None:
+    """In a folder of its own, so that none lies among the sources."""
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = str(folder)
+    sys.dont_write_bytecode = False
+
+
 def pytest_configure(config):
-    if (
-        hasattr(config, "workerinput")
-        or "JAX_COMPILATION_CACHE_DIR" in os.environ
-        or not hasattr(config, "cache")
-    ):
+    if hasattr(config, "workerinput") or not hasattr(config, "cache"):
         return  # workers inherit what is set here
+    if sys.dont_write_bytecode:
+        keep_bytecode(config.cache.mkdir("bytecode"))
+    if "JAX_COMPILATION_CACHE_DIR" in os.environ:
+        return
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(config.cache.mkdir("compiled"))
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.3"
     flags = f"{os.environ.get('XLA_FLAGS', '')} {PLAIN}".strip()

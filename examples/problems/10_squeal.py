@@ -61,7 +61,7 @@ def main(out: Path) -> None:
         return driven.velocity, driven.swing(period)
 
     with jax.enable_x64(True):
-        velocity, swing = (np.asarray(x) for x in jax.vmap(drawn)(damping))
+        velocity, swing = (np.asarray(x) for x in jax.jit(jax.vmap(drawn))(damping))
     rate = np.polyfit(period * np.arange(4), np.log(swing[-1, -4:]), 1)[0]
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")

@@ -571,7 +571,9 @@ class HalfSpace(SurfaceModel):
             fit on the grid.
 
     A surface that `em.read_surface` read from one map is that map itself, its edges
-    made to meet, unless `seeds` or `periods` ask for random maps of its spectrum.
+    made to meet, unless `seeds` or `periods` ask for random maps of its spectrum. Of
+    these `model_error` is what skewness and lay of the surface may change, and their
+    sampling errors; of all others there is none.
     """
 
     cells: int | None = None
@@ -654,7 +656,11 @@ class HalfSpace(SurfaceModel):
         area: Array,
         of_area: bool = False,
     ) -> Array | None:
-        return None
+        # random maps have the spectrum of a measured surface and not its skewness; what
+        # that and a lay change is added for all models alike
+        others = ("skewness", "skewness_error", "lay")
+        differs = any(getattr(surface, name, None) for name in others)
+        return 0.0 * area if differs and not self.on_map(surface) else None
 
     def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
         from .seal.gap_maps import leak

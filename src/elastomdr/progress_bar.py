@@ -126,7 +126,12 @@ def progress(doing: str = "computing") -> Iterator[None]:
 
 
 def _in_notebook() -> bool:
-    return "ipykernel" in sys.modules
+    """Whether this process runs a notebook's cells: that ipykernel was imported, which
+    other tools do, is not enough.
+    """
+    ipython = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return hasattr(shell, "kernel")
 
 
 @contextlib.contextmanager

@@ -11,6 +11,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.cli.main import _parser, main
+from elastomdr.rough import multiscale, surface
 from elastomdr.rough.multiscale import FORM
 
 ROOT = Path(__file__).parents[2]
@@ -293,4 +294,21 @@ def test_citation_has_the_version_of_the_package():
 
 def test_theory_has_the_constants_of_multiscale():
     text = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
-    assert "| " + " | ".join(f"{value:.4f}" for value in FORM) + " |" in text
+
+    def row(numbers, digits=""):
+        return " | ".join(format(value, digits) for value in numbers) + " |"
+
+    assert "| " + row([*FORM, multiscale._EXCESS], ".4f") in text
+    assert "$\\mu$ by Multiscale | " + row(multiscale._BOUND["multiscale"], "g") in text
+    assert "stored | " + row(multiscale._BOUND["persson"], "g") in text
+    assert "relative | " + row(multiscale._AREA_BOUND, "g") in text
+    low, high = multiscale._RATIOS
+    for number in (
+        rf"{multiscale._DRIFT:g}\,\log_{{10}}^+\frac{{q_\mathrm{{high}}/q_\mathrm{{low}}}}{{{high:g}}}",
+        rf"\frac{{{low:g}}}{{q_\mathrm{{high}}/q_\mathrm{{low}}}}",
+        rf"{{{multiscale._CONTRAST:g}\,|E^*(",
+        rf"\frac{{{multiscale._AREA:g}}}{{A}}",
+        rf"e^{{{surface._PER_SKEWNESS:g}\,\hat s",
+        rf"e^{{{surface._PER_LAY:g}\,\overline",
+    ):
+        assert number in text, number

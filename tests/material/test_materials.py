@@ -357,3 +357,14 @@ def test_gradients_of_the_functional_equations():
         (float(by_time) * 1e-3, lambda s: relaxation(2e6, 1e-3 * (1 + s))),
     ):
         np.testing.assert_allclose(got, (move(h) - move(-h)) / (2 * h), rtol=1e-7)
+
+
+def test_moduli_do_not_depend_on_the_frequencies_beside_them():
+    """Many frequencies are summed in blocks: the bits are those of each alone."""
+    tread = em.load_material("tread-passenger-synthetic")
+    omega = np.geomspace(1e-8, 1e12, 3000).reshape(50, 60)
+    whole = tread.complex_modulus(omega)
+    for row in (0, 7, 49):
+        for column in (0, 13, 59):
+            alone = tread.complex_modulus(omega[row, column])
+            assert alone == whole[row, column]

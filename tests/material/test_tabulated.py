@@ -220,9 +220,10 @@ def test_derivatives_against_finite_differences():
 
     with jax.enable_x64(True):
         gradients = [
-            np.asarray(x) for x in jax.grad(value, argnums=(0, 1, 2, 3))(*start, at)
+            np.asarray(x)
+            for x in jax.jit(jax.grad(value, argnums=(0, 1, 2, 3)))(*start, at)
         ]
-        mapped = jax.vmap(lambda s: value(start[0], s, start[2]))(
+        mapped = jax.jit(jax.vmap(lambda s: value(start[0], s, start[2])))(
             np.stack([start[1], 2 * start[1]])
         )
         compiled = jax.jit(lambda m: m.loss(at))(exact)

@@ -1,5 +1,8 @@
 """Sliding in a direction to the lay of a surface, and over a measured map itself."""
 
+import dataclasses
+import warnings
+
 import jax
 import numpy as np
 import pytest
@@ -65,6 +68,109 @@ def test_without_a_direction_the_bound_holds_all():
     assert "mean over directions" in mean.summary()
 
 
+@pytest.mark.parametrize("peklenik", [2.0, 4.0])
+def test_the_bound_holds_the_sampling_error_of_a_lay(peklenik):
+    """Lays that are read from six small maps of one surface: friction by the true lay
+    is within what the error of each adds to the bound.
+    """
+    true, lays = ground(peklenik), []
+    for seed in range(6):
+        heights, side = em.reference.rough_map(true, seed, periods=3, points=96)
+        with warnings.catch_warnings():  # that the surface is not isotropic
+            warnings.simplefilter("ignore")
+            lays.append(em.read_surface(heights, pixel_size=side / 96).lay)
+    at = {"velocity": 1e-2, "pressure": 1e5, "rtol": 1e-4}
+    at["direction"] = np.array([0.0, 0.8, np.pi / 2])
+    exact = em.friction(SOLID, true, **at)
+    for lay in lays:
+        sampled = em.friction(SOLID, dataclasses.replace(true, lay=lay), **at)
+        known = dataclasses.replace(lay, error=0 * lay.error)
+        without = em.friction(SOLID, dataclasses.replace(true, lay=known), **at)
+        assert (sampled.mu == without.mu).all()
+        added = sampled.model_error - without.model_error
+        assert (added > 0).all()
+        assert (np.abs(sampled.mu - exact.mu) <= added).all()
+        assert "within the sampling error of the lay" in sampled.summary()
+        assert "sampling error" not in without.summary()
+
+
+def test_a_wide_bound_names_lay_and_skewness_and_the_advice_helps():
+    lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.3]))
+    rough = dataclasses.replace(ground(4.0), lay=lay)
+    small = dataclasses.replace(ground(1.0), lay=None, skewness_error=0.6)
+    known = dataclasses.replace(small, skewness_error=0.1)
+    at = {"velocity": 1e-2, "pressure": 2e4}
+    along, across = {"direction": 0.0}, {"direction": np.pi / 2}
+    heavy = {"pressure": 2e6}
+    steep = ground(40.0)
+    cases = (
+        # surface and call with a wide bound, what is said, and what has a smaller one
+        (rough, {}, "a `direction` has less", rough, across),
+        (rough, along, "Peklenik numbers have a sampling error", ground(4.0), along),
+        (steep, along, "directions of their own", steep, along | heavy),
+        (small, {}, "known within +- 0.6, and Gaussian", known, {}),
+        (dataclasses.replace(known, skewness=-1.0), {}, "-1.00 are not", known, heavy),
+    )
+    for surface, call, reason, other, advice in cases:
+        wide = em.friction(SOLID, surface, **at | call)
+        row = dict(wide.inputs)["bound of the model"]
+        assert reason in row
+        better = em.friction(SOLID, other, **at | advice)
+        assert better.model_error / better.mu < wide.model_error / wide.mu
+    assert (
+        "Gaussian"
+        not in dict(em.friction(SOLID, rough, **at).inputs)["bound of the model"]
+    )
+
+
+def test_random_maps_of_a_measured_surface_have_a_bound():
+    """Of its skewness, its lay and their sampling errors; random maps of a spectrum and
+    the measured map itself have none.
+    """
+    at = {"velocity": 1e-2, "pressure": 4e5, "rtol": 1e-2}
+    maps = em.HalfSpace(seeds=2, cells=64)
+    lay = dataclasses.replace(ground(2.0).lay, error=np.array([0.3, 0.2]))
+    skewed = dataclasses.replace(
+        ground(1.0), lay=None, skewness=-0.5, skewness_error=0.2
+    )
+    curve = em.friction(SOLID, skewed, **at, model=maps)
+    skewness = np.hypot(0.5, 1.5 * 0.2)
+    expected = np.expm1(0.6 * skewness * np.sqrt(-np.log(curve.area_ratio)))
+    assert curve.model_error == pytest.approx(expected * curve.mu, rel=1e-12)
+    assert em.friction(SOLID, ROAD, **at, model=maps).model_error is None
+    for given in ({}, {"direction": 0.3}):
+        directed, exact = (
+            em.friction(SOLID, surface, **at, **given, model=maps)
+            for surface in (
+                dataclasses.replace(ground(2.0), lay=lay),
+                ground(2.0),
+            )
+        )
+        assert directed.mu == exact.mu
+        assert directed.model_error > exact.model_error > 0
+        assert "which the model error holds" in directed.summary()
+
+
+def test_draws_vary_lay_and_skewness():
+    lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.1]))
+    surface = dataclasses.replace(
+        ground(4.0), lay=lay, skewness=-0.2, skewness_error=0.3
+    )
+    draws = surface.draws(400, level=0.1, seed=3)
+    assert "skewness and Peklenik number within" in draws.words
+    off = [draw.lay.log_peklenik - lay.log_peklenik for draw in draws]
+    skewness = [draw.skewness for draw in draws]
+    # standard deviations of 400 draws are within 4 / sqrt(800) of themselves
+    np.testing.assert_allclose(np.std(off, axis=0), lay.error, rtol=0.15)
+    assert np.std(skewness) == pytest.approx(0.3, rel=0.15)
+    assert np.mean(skewness) == pytest.approx(-0.2, abs=4 * 0.3 / 20)
+    # C is what it was drawn as without a lay, and what is known is not varied
+    plain = dataclasses.replace(ground(4.0), lay=None).draws(3, level=0.1, seed=3)
+    for drawn, other in zip(draws, plain, strict=False):
+        np.testing.assert_array_equal(drawn.c, other.c)
+        assert (other.lay, other.skewness) == (None, 0.0)
+
+
 def test_a_plan_and_a_scene_have_the_direction(tmp_path):
     at = {"velocity": 1e-2, "pressure": 1e5, "direction": [0.0, 1.0]}
     plan = em.plan(SOLID, ground(4.0), **at)
@@ -102,7 +208,7 @@ def test_a_derivative_by_the_direction():
     w, q = np.full((1, 1, 1), 30.0), np.full((1, 1), 3e3)
 
     def drag(direction):
-        directed = against_lay.Directed(ground(3.0), direction)
+        directed = against_lay.Directed(ground(3.0).lay, direction)
         return against_lay.averages(
             lambda w: 1.0 + 1j * w, None, w, q, directed, 0.0, False
         )[0]
@@ -152,6 +258,35 @@ def test_a_worn_map_itself():
     assert abs(curve.mu - truth) < curve.error
     assert em.friction(SOLID, worn, **at).mu > 1.3 * truth
     assert "the measured map on 64 by 64 cells" in curve.summary()
+
+
+@pytest.mark.filterwarnings("ignore:the surface is not isotropic")
+def test_a_piece_of_a_ground_surface():
+    """Pieces of four times as large a map, two of the longest waves a side: `error`
+    holds what few summits and the edges change, along the lay above all. Where hardly a
+    summit carries the load there is no answer, and the summary says what has one.
+    """
+    periods, cells = 8, 256
+    whole, side = em.reference.rough_map(ground(8.0), 1, periods=periods, points=cells)
+    pressures = np.array([2e4, 1e5])
+    truth = [
+        half_space.solve(
+            SOLID.complex_modulus, whole, (side, side), velocity=1e-2, pressure=p,
+            double=False,
+        ).stress / p
+        for p in pressures
+    ]  # fmt: skip
+    for piece in (whole[:64, :64], whole[64:128, 64:128]):
+        surface = em.read_surface(piece, pixel_size=side / cells)
+        at = {"velocity": 1e-2, "model": em.HalfSpace(), "rtol": 1e-2, "direction": 0.0}
+        curve = em.friction(SOLID, surface, **at, pressure=pressures)
+        assert curve.converged.all()
+        assert (np.abs(curve.mu - truth) < curve.error).all()
+        assert "more mean square slope along the motion" in curve.summary()
+    with pytest.warns(em.ConvergenceWarning, match="a larger map, more pressure"):
+        light = em.friction(SOLID, surface, **at, pressure=[5e2, 1e5])
+    np.testing.assert_array_equal(light.converged, [False, True])
+    assert "em.Multiscale() needs no map" in light.summary()
 
 
 def test_a_map_that_moves_along_its_diagonal():

@@ -56,6 +56,20 @@ def test_full_contact_is_a_sum_over_the_waves(rubber):
     )
 
 
+def test_what_the_waves_of_straight_pieces_lack_is_an_error():
+    """128 samples a wave, straight between them: the wave keeps sinc^4(1/128) of its
+    power, and the bands are scaled to friction.
+    """
+    x = np.arange(512) * 2 * np.pi / WAVES[1] / 16
+    line = em.RoughLine(x, HEIGHTS[1] * np.cos(WAVES[1] * x))
+    scene = {"velocity": VELOCITY, "load": 1000.0, "model": em.Line(), "rtol": 1e-6}
+    found = em.friction_spectrum(RUBBER, line, **scene)
+    friction = em.friction(RUBBER, line, **scene)
+    np.testing.assert_allclose(found.mu.sum(axis=1), friction.mu, rtol=1e-5)
+    gap = (found.error[:, 0] - friction.error) / friction.mu
+    assert np.all(gap < 1.1 * (1 - np.sinc(1 / 128) ** 4))
+
+
 def test_averaged_over_directions():
     """sum (1/2) A^2 k <cos(phi) E''(k v cos(phi))>/F: those of each wave lie at and
     below its own frequency.

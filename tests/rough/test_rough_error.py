@@ -2,6 +2,8 @@
 contacts, against a closed form.
 """
 
+import re
+
 import jax
 import numpy as np
 import pytest
@@ -237,9 +239,9 @@ def test_a_surface_with_worn_summits_has_a_wider_bound():
     gaussian = np.fft.ifft2(np.fft.fft2(white) * amplitude).real
     gaussian *= 20e-6 / gaussian.std()
     worn = -np.exp(-gaussian / 40e-6) * 40e-6
-    plain, skewed = (
-        em.read_surface(heights, pixel_size=10e-6) for heights in (gaussian, worn)
-    )
+    plain = em.read_surface(gaussian, pixel_size=10e-6)
+    with pytest.warns(em.ModelWarning, match="likely to be less, which model_error"):
+        skewed = em.read_surface(worn, pixel_size=10e-6)
     assert abs(plain.skewness) < plain.skewness_error
     assert -2.0 < skewed.skewness < -1.0
     assert any("skewness -1." in row for row in skewed.report)
@@ -254,6 +256,12 @@ def test_a_surface_with_worn_summits_has_a_wider_bound():
     expected = 0.6 * skewness * np.sqrt(-np.log(found.area_ratio))
     assert wider > expected
     assert "not Gaussian, skewness -1." in found.summary()
+    # one number of one point, both ends of several
+    assert re.search(r"friction is some [\d.]+ times what", found.summary())
+    several = em.friction(
+        em.StandardSolid(1e6, 3e7, 1e-3), skewed, velocity=0.1, pressure=[1e5, 1e6]
+    )
+    assert re.search(r"friction is some [\d.]+ to [\d.]+ times", several.summary())
     assert "not Gaussian" not in reference.summary()
     rubber, at = em.StandardSolid(1e6, 3e7, 1e-3), {"velocity": 0.1, "pressure": 1e5}
     assert "may be chance" in em.friction(rubber, plain, **at).summary()
@@ -273,6 +281,20 @@ def test_other_heights_and_cutoffs_keep_what_was_measured():
     assert higher.rms_height == pytest.approx(2 * whole.rms_height, rel=1e-12)
     np.testing.assert_allclose(higher.map.height, 2 * whole.map.height)
     assert (higher.lay, higher.skewness) == (whole.lay, whole.skewness)
+
+    # what is read off them is what they are now
+    assert higher.measured_height == pytest.approx(2 * whole.measured_height)
+    longer_waves = whole.measured_height**2 - whole.rms_height**2
+    assert short.measured_height == pytest.approx(
+        (longer_waves + short.rms_height**2) ** 0.5
+    )
+    both = higher.ended(0.5 * whole.q_high)
+    drawn = whole.draws(2, level=0.1)[0]
+    for surface in (higher, short, both, drawn):
+        now, *as_read = surface.report
+        assert surface.words() in now
+        assert f"skewness {surface.skewness:.2f} +-" in now
+        assert tuple(as_read) == whole.report
 
     assert short.map.cut == short.q_high == short.lay.q[-1]
     np.testing.assert_array_equal(short.lay.q, short.q)

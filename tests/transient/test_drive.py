@@ -265,7 +265,8 @@ def test_swing_of_a_body_without_friction():
         with pytest.raises(em.InputError, match="period must"):
             still.swing(wrong)
     # zeta = 0.1
-    swing = jax.vmap(lambda c: pulled(c).swing(period))(jnp.array([0.0, 4.0]))
+    whole = jax.jit(jax.vmap(lambda c: pulled(c).swing(period)))
+    swing = whole(jnp.array([0.0, 4.0]))
     np.testing.assert_allclose(swing[0], 2.0, rtol=1e-2)
     fade = np.exp(-2 * np.pi * 0.1 / np.sqrt(1 - 0.1**2))
     np.testing.assert_allclose(swing[1, 2:] / swing[1, 1:-1], fade, rtol=3e-2)

@@ -3,6 +3,7 @@ deep.
 """
 
 import math
+import re
 import warnings
 
 import numpy as np
@@ -199,3 +200,15 @@ def test_rubbers_of_many_branches():
         velocity=[1e-3, 0.03],
     )
     assert found.converged.all()
+
+
+def test_a_branch_that_steps_can_neither_follow_nor_skip_is_named():
+    """A thousandth as long as the contact and much stiffer: the warning says what rtol
+    is reached, and there the impact is solved.
+    """
+    rubber = em.Foundation(E, [100 * E], [1e-6])
+    with pytest.warns(em.ConvergenceWarning, match=r"such as 1e-06 s") as caught:
+        assert not impact(rubber, rtol=1e-9).converged
+    reached = float(re.search(r"reach (\S+),", str(caught[0].message))[1])
+    assert 1e-9 < reached < 1e-5
+    assert impact(rubber, rtol=reached).converged

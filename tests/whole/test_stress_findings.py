@@ -9,13 +9,8 @@ import pytest
 from scipy.special import dawsn
 
 import elastomdr as em
-from elastomdr.element.episode import (
-    follow,
-    pressed,
-    recovery_modes,
-    to_branches,
-    to_modes,
-)
+from elastomdr.element import episode
+from elastomdr.element.episode import recovery_modes, to_branches, to_modes
 from elastomdr.surface.disc import Disc
 from elastomdr.transient.depth_history import LAYERS, edges, indent_all, over_histories
 
@@ -63,6 +58,7 @@ def test_element_pulled_by_a_dashpot_is_let_go_at_once() -> None:
     law, depth = given.law(), 1.0
     with jax.enable_x64(True):
         law, modes = jax.tree.map(jnp.asarray, (law, recovery_modes(law)))
+        follow, pressed = jax.jit(episode.follow), jax.jit(episode.pressed)
         g = jnp.linspace(0.0, 0.9, 7)
         state = follow(
             law, modes, pressed(law, modes, -1.0 - g), -g, depth / 1e-3, 1e-3

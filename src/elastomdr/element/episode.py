@@ -33,9 +33,12 @@ three may be empty.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..arrays import fixed, while_loop, xp
+import numpy as np
+
+from ..arrays import fixed, mapped, on_numpy, while_loop, xp
 from ..checks import Array, numpy_unless_traced, possible
 from ..material.relaxation import Relaxation, kelvin_and_gaps
 from ..numerics.decay import phi1, phi2
@@ -110,24 +113,26 @@ def follow(
     differentiable in both modes.
     """
     # Free, until it meets the surface.
+    was_free = ~state.contact
     wait, touched = _until_met(modes, state, w, v, h)
-    decayed = xp.exp(-modes.rate[:, None] * wait) * state.m
+    decayed = _of_those(was_free, _decayed, modes, state.m, wait)
     u = xp.where(touched, w + v * wait, xp.sum(decayed, axis=0))
-    f = xp.where(state.contact, state.f, to_branches(law, modes, decayed))
+    f = _of_those(touched & was_free, to_branches, law, modes, decayed)
+    f = xp.where(state.contact, state.f, f)
 
     # In contact, until it would be pulled.
     rest = xp.where(touched, h - wait, 0.0)
-    stay, lost = _until_pulled(law, u, f, v, rest, touched)
-    u_end, f_end, spent, warmed = _in_contact(law, u, f, v, stay)
+    stay, lost = _of_those(touched, _until_pulled, law, u, f, v, rest, touched)
+    u_end, f_end, spent, warmed = _of_those(touched, _in_contact, law, u, f, v, stay)
     u_end = xp.where(touched, u_end, u)
 
     # Free again.
-    let_go = to_modes(law, modes, u_end, f_end)
+    let_go = _of_those(lost, to_modes, law, modes, u_end, f_end)
     m = xp.where(touched, let_go, decayed)
-    m = xp.where(lost, xp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
-    recovered = xp.where(state.contact, 0.0, _recovery_loss(modes, state.m, wait))
-    again = xp.where(lost, _recovery_loss(modes, let_go, rest - stay), 0.0)
-    recovered = recovered + again
+    m = xp.where(lost, _of_those(lost, _decayed, modes, m, rest - stay), m)
+    recovered = _of_those(was_free, _recovery_loss, modes, state.m, wait)
+    again = _of_those(lost, _recovery_loss, modes, let_go, rest - stay)
+    recovered = xp.where(was_free, recovered, 0.0) + xp.where(lost, again, 0.0)
     contact = touched & ~lost
     return Touching(
         contact=contact,
@@ -139,28 +144,63 @@ def follow(
     )
 
 
+def _of_those(where: Array, function: Callable[..., Any], *given: Any) -> Any:
+    """A function of elements, which run over the last axis of the arrays given: on
+    NumPy of those `where` it is asked for alone, and zeros for the others.
+    """
+    if not on_numpy() or where.all():
+        return function(*given)
+    here, count = np.flatnonzero(where), where.size
+
+    def placed(values: Array) -> Array:
+        whole = np.zeros((*values.shape[:-1], count), values.dtype)
+        whole[..., here] = values
+        return whole
+
+    chosen = (
+        x[..., here] if isinstance(x, np.ndarray) and x.shape[-1:] == (count,) else x
+        for x in given
+    )
+    return mapped(placed, function(*chosen))
+
+
+def _decayed(modes: Modes, m: Array, t: Array) -> Array:
+    """Modes after a time of free recovery."""
+    return xp.exp(-modes.rate[:, None] * t) * m
+
+
 def _until_met(
     modes: Modes, state: Touching, w: Array, v: Any, h: Any
 ) -> tuple[Array, Array]:
     """The time for which an element is free, and whether it is touched then."""
-    # The search is on numbers; a Newton step from its end carries the derivatives.
-    met, wait = _meeting(*fixed((modes, state, w, v, h)))
-    gap, closing = _gap(modes, state, w, v, wait)
-    closing = fixed(xp.where(closing < 0, closing, -xp.inf))
-    free = xp.where(state.contact, 0.0, h)
-    wait = xp.where(met & ~state.contact, wait - gap / closing, free)
-    return wait, state.contact | met
+
+    def meeting(m: Array, w: Array) -> tuple[Array, Array]:
+        # The search is on numbers; a Newton step from its end carries the derivatives.
+        met, wait = _meeting(*fixed((modes, m, w, v, h)))
+        gap, closing = _gap(modes, m, w, v, wait)
+        closing = fixed(xp.where(closing < 0, closing, -xp.inf))
+        return met, xp.where(met, wait - gap / closing, h)
+
+    met, wait = _of_those(~state.contact, meeting, state.m, w)
+    return xp.where(state.contact, 0.0, wait), state.contact | met
 
 
 def _until_pulled(
     law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
 ) -> tuple[Array, Array]:
     """The time for which an element stays in contact, and whether it is let go then."""
-    lost, stay = _parting(*fixed((law, u, f, v, rest)), touched)
-    pull, falling = _pull(law, u, f, v, stay)
-    falling = fixed(xp.where(falling < 0, falling, -xp.inf))
-    polished = xp.clip(stay - pull / falling, 0.0, rest)
-    return xp.where(lost & (stay > 0), polished, xp.where(lost, 0.0, rest)), lost
+    lost, at_once = _is_lost(*fixed((law, u, f, v, rest)), touched)
+
+    def parting(u: Array, f: Array, rest: Array, sought: Array) -> Array:
+        stay = _parting(*fixed((law, u, f, v, rest)), sought)
+        pull, falling = _pull(law, u, f, v, stay)
+        falling = fixed(xp.where(falling < 0, falling, -xp.inf))
+        polished = xp.clip(stay - pull / falling, 0.0, rest)
+        return xp.where(stay > 0, polished, 0.0)
+
+    sought = lost & ~at_once
+    stay = _of_those(sought, parting, u, f, rest, sought)
+    return xp.where(sought, stay, xp.where(lost, 0.0, rest)), lost
 
 
 def _in_contact(
@@ -201,11 +241,9 @@ def _recovery_loss(modes: Modes, m: Array, t: Array) -> Array:
     return (0.5 * modes.norm * modes.rate) @ (m**2 * -xp.expm1(-2 * rate * t))
 
 
-def _gap(
-    modes: Modes, state: Touching, w: Array, v: Any, t: Array
-) -> tuple[Array, Array]:
+def _gap(modes: Modes, m: Array, w: Array, v: Any, t: Array) -> tuple[Array, Array]:
     """Gap between a free element and the surface at time t, and its rate."""
-    now = xp.exp(-modes.rate[:, None] * t) * state.m
+    now = _decayed(modes, m, t)
     return xp.sum(now, axis=0) - (w + v * t), -xp.sum(
         modes.rate[:, None] * now, axis=0
     ) - v
@@ -222,17 +260,15 @@ def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array,
     )
 
 
-def _meeting(
-    modes: Modes, state: Touching, w: Array, v: Any, h: Any
-) -> tuple[Array, Array]:
+def _meeting(modes: Modes, m: Array, w: Array, v: Any, h: Any) -> tuple[Array, Array]:
     """Whether and when a free element meets the surface: Newton's method from the left
     on a convex gap, which needs no bracket and ends at the first root.
     """
-    size = _ROUNDING * (xp.abs(w) + xp.abs(v) * h + xp.sum(xp.abs(state.m), axis=0))
+    size = _ROUNDING * (xp.abs(w) + xp.abs(v) * h + xp.sum(xp.abs(m), axis=0))
 
     def advance(carry: tuple) -> tuple:
         t, met, ended, count = carry
-        gap, rate = _gap(modes, state, w, v, t)
+        gap, rate = _gap(modes, m, w, v, t)
         following = t - gap / xp.where(rate < 0, rate, -1.0)
         touches = (gap <= size) | ((rate < 0) & (following <= t))
         never = ~touches & ((rate >= 0) | (following > h * (1 + _ROUNDING)))
@@ -240,30 +276,45 @@ def _meeting(
         ends = ended | touches | never
         return xp.where(ends, t, xp.minimum(following, h)), met, ends, count + 1
 
-    start = (xp.zeros_like(w), xp.zeros(w.shape, bool), state.contact, 0)
+    nowhere = xp.zeros(w.shape, bool)
+    start = (xp.zeros_like(w), nowhere, nowhere, 0)
     t, met, _, _ = while_loop(lambda c: ~xp.all(c[2]) & (c[3] < _MOST), advance, start)
     return met, t
 
 
-def _parting(
+def _is_lost(
     law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
 ) -> tuple[Array, Array]:
-    """Whether and when an element in contact would be pulled: Newton's method within a
-    bracket, from where a straight line between its ends is zero. Of q, a sum of
-    exponentials, the slope is at hand, and it may rise before it falls: a secant could
-    leave for the wrong side.
+    """Whether an element in contact would be pulled, and whether at once: where a
+    dashpot is, q does not pass zero, and there is no root to search for.
     """
     end, _ = _pull(law, u, f, v, rest)
     lost = touched & (end < 0)
-    # At once where a dashpot is pulled: then q does not pass zero, and there is no root
-    # to search for.
     begin, change = _pull(law, u, f, v, xp.zeros_like(rest))
-    size = (
+    blur = _BLUR * _size_of_force(law, u, f, v)
+    return lost, lost & (begin <= 0) & ((change <= 0) | (begin < -blur))
+
+
+def _size_of_force(law: Relaxation, u: Array, f: Array, v: Any) -> Array:
+    """The sum of what adds up to q, without signs."""
+    return (
         law.equilibrium * xp.abs(u)
         + law.viscosity * xp.abs(v)
         + xp.sum(xp.abs(f), axis=0)
     )
-    at_once = lost & (begin <= 0) & ((change <= 0) | (begin < -_BLUR * size))
+
+
+def _parting(
+    law: Relaxation, u: Array, f: Array, v: Any, rest: Array, sought: Array
+) -> Array:
+    """When an element in contact would be pulled, zero where that is not `sought`:
+    Newton's method within a bracket, from where a straight line between its ends is
+    zero. Of q, a sum of exponentials, the slope is at hand, and it may rise before it
+    falls: a secant could leave for the wrong side.
+    """
+    begin, _ = _pull(law, u, f, v, xp.zeros_like(rest))
+    end, _ = _pull(law, u, f, v, rest)
+    size = _size_of_force(law, u, f, v)
 
     def advance(carry: tuple) -> tuple:
         t, low, high, ended, count = carry
@@ -286,10 +337,10 @@ def _parting(
         done = ended | close | ((xp.abs(q) <= 2 * _ROUNDING * size) & ~rising)
         return xp.where(done, t, following), low, high, done, count + 1
 
-    straight = rest * xp.clip(begin / xp.where(lost, begin - end, 1.0), 0.0, 1.0)
-    start = (straight, xp.zeros_like(rest), rest, ~lost | at_once, 0)
+    straight = rest * xp.clip(begin / xp.where(sought, begin - end, 1.0), 0.0, 1.0)
+    start = (straight, xp.zeros_like(rest), rest, ~sought, 0)
     t, *_ = while_loop(lambda c: ~xp.all(c[3]) & (c[4] < _MOST), advance, start)
-    return lost, xp.where(at_once | (t <= 4 * _ROUNDING * rest), 0.0, t)
+    return xp.where(~sought | (t <= 4 * _ROUNDING * rest), 0.0, t)
 
 
 class Modes(NamedTuple):

@@ -47,7 +47,9 @@ if TYPE_CHECKING:
 
 _APART = 1e-12  # relative distance of equal times that cannot be made one
 
-_BLOCK = 2048  # frequencies whose complex moduli are summed at once
+# frequencies times branches whose moduli are summed at once: an array of 2^14 is one that
+# the system keeps at hand, larger ones are new memory in each step, six times slower
+_BLOCK = 2**14
 # halvings of the logarithm of a distance: from 280 decades down to rounding
 _BISECTIONS = 64
 _SMALLEST = 1e-140  # its square is still a float64
@@ -109,9 +111,9 @@ class AbstractRelaxation(Tree):
         """
         law, omega = self.law(), as_float64("omega", omega)
         not_negative("omega", omega)
-        # arrays with all branches would fill the cache
-        if on_numpy() and omega.size > _BLOCK:
-            blocks = np.array_split(omega.ravel(), -(-omega.size // _BLOCK))
+        block = max(1, _BLOCK // max(1, law.times.shape[0]))
+        if on_numpy() and omega.size > block:
+            blocks = np.array_split(omega.ravel(), -(-omega.size // block))
             parts = [law.complex_modulus(block) for block in blocks]
             return np.concatenate(parts).reshape(omega.shape)
         x = omega[..., None] * law.times

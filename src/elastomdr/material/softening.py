@@ -105,7 +105,8 @@ class Softening(Tree):
         """
         strain = as_float64("strain", strain)
         not_negative("strain", strain)
-        return self._factor_at(strain, self.storage), self._factor_at(strain, self.loss)
+        storage, loss = self._factors_at(strain)
+        return storage, loss
 
     @numpy_unless_traced
     def of(self, modulus: ArrayLike | complex, strain: ArrayLike) -> ComplexArray:
@@ -123,20 +124,26 @@ class Softening(Tree):
         """
         return xp.asarray(strain) > self.strain[-1]
 
-    def _factor_at(self, strain: Any, factor: Any) -> Any:
-        nodes, values = xp.log(xp.asarray(self.strain)), xp.asarray(factor)
+    def _factors_at(self, strain: Any) -> Any:
+        """Both factors, (2, ...)."""
+        nodes = xp.log(xp.asarray(self.strain))
+        values = xp.stack([xp.asarray(self.storage), xp.asarray(self.loss)])
         slopes = monotone_slopes(nodes, values)
         # At the first point the slope of the line to the origin, as far as it keeps the
         # cubics monotone; none at the last one, where the factor is held.
-        first, most = values[0] - 1, 3 * (values[1] - values[0]) / (nodes[1] - nodes[0])
+        first = values[:, 0] - 1
+        most = 3 * (values[:, 1] - values[:, 0]) / (nodes[1] - nodes[0])
         least = xp.sign(most) * xp.minimum(abs(first), abs(most))
         first = xp.where(first * most > 0, least, 0.0)
-        slopes = xp.concatenate([first[None], slopes[1:-1], xp.zeros(1)])
+        slopes = xp.concatenate(
+            [first[:, None], slopes[:, 1:-1], xp.zeros((2, 1))], axis=1
+        )
         log_strain = xp.log(xp.maximum(strain, 1e-300))
         inside = hermite(
             nodes, values, slopes, xp.clip(log_strain, nodes[0], nodes[-1])
         )
-        below = 1 - (1 - values[0]) * strain / self.strain[0]
+        missing = (1 - values[:, 0]).reshape(2, *[1] * strain.ndim)
+        below = 1 - missing * strain / self.strain[0]
         return xp.where(strain < self.strain[0], below, inside)
 
     def __repr__(self) -> str:

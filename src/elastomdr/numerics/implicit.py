@@ -148,10 +148,17 @@ def implicit(
     def derivative(given: Any, tangents: Any) -> Any:
         with jax.enable_x64(True):
             x, other = solution(*given)
-            # by x and by what is given apart: neither carries zeros for the other
-            by_given = jax.linearize(lambda *given: equation(x, other, *given), *given)
-            by_x = jax.linearize(lambda x: equation(x, other, *given), x)[1]
-            residual = by_given[1](*tangents)
+            # by both at once: what the derivatives are taken at is traced once, and is
+            # half of the program
+            slopes = jax.linearize(
+                lambda x, given: equation(x, other, *given), x, given
+            )[1]
+            residual = slopes(jnp.zeros_like(x), tangents)
+            held = jax.tree.map(jnp.zeros_like, given)
+
+            def by_x(tangent: Any) -> Any:
+                return slopes(tangent, held)
+
             if coupled:
                 units = jnp.eye(x.shape[0])[..., None] + jnp.zeros_like(x)
                 slope = jax.vmap(by_x)(units).T  # (points, equations, unknowns)

@@ -70,8 +70,8 @@ def monotone_slopes(x: Array, y: Array) -> Array:
     width = xp.diff(x)
     secant = xp.diff(y) / width
     if x.shape[0] == 2:
-        return xp.concatenate([secant, secant])
-    before, after = secant[:-1], secant[1:]
+        return xp.concatenate([secant, secant], axis=-1)
+    before, after = secant[..., :-1], secant[..., 1:]
     one_sign = before * after > 0
     weight_before = 2 * width[1:] + width[:-1]
     weight_after = width[1:] + 2 * width[:-1]
@@ -92,9 +92,9 @@ def monotone_slopes(x: Array, y: Array) -> Array:
         turns = secant * next_secant < 0
         return xp.where(turns & (abs(slope) > 3 * abs(secant)), 3 * secant, slope)
 
-    first = end(width[0], width[1], secant[0], secant[1])
-    last = end(width[-1], width[-2], secant[-1], secant[-2])
-    return xp.concatenate([first[None], inner, last[None]])
+    first = end(width[0], width[1], secant[..., 0], secant[..., 1])
+    last = end(width[-1], width[-2], secant[..., -1], secant[..., -2])
+    return xp.concatenate([first[..., None], inner, last[..., None]], axis=-1)
 
 
 def parabola_slopes(x: Array, y: Array) -> Array:

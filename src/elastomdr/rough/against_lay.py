@@ -30,7 +30,7 @@ _MOST = 4000  # frequencies that are averaged at once, each at all angles
 class Directed(NamedTuple):
     """A surface with a lay, and the direction of sliding at each point."""
 
-    spectrum: Any  # with its `lay`
+    lay: Any  # None where only a map knows directions
     direction: Any  # angle to the lay [rad], (points,)
 
     def of(self, points: Any) -> Directed:
@@ -43,9 +43,9 @@ def to_points(directed: Directed | None) -> Any:
     return None if directed is None else directed.direction[None]
 
 
-def of_points(spectrum: Any, direction: Any) -> Directed | None:
+def of_points(lay: Any, direction: Any) -> Directed | None:
     """`Directed` of what `to_points` gave."""
-    return None if direction is None else Directed(spectrum, direction[0])
+    return None if direction is None else Directed(lay, direction[0])
 
 
 class Angles(NamedTuple):
@@ -118,8 +118,7 @@ def _averages(
 ) -> Averages:
     xp = namespace(w, q, directed)
     over = Angles(*(x[:, None, None] for x in angles(directed.direction)))
-    lay = directed.spectrum.lay
-    weight = over.width * lay.weight(
+    weight = over.width * directed.lay.weight(
         xp.asarray(q)[..., None], over.cos_square, over.sin_square
     )
 

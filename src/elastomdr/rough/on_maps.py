@@ -24,6 +24,11 @@ from .random_maps import friction as on_random_maps
 
 _SAMPLED = {True: (0.0, 0.25, 0.5, 0.75), False: (0.0, 0.5)}  # with a lay, without [pi]
 
+_MARGIN = 4  # cells from the edges of a map that count as near them
+# of a measured map that carry the load, below which there is no answer: there the error
+# of mu by their number is all of mu
+LEAST_SUMMITS = OF_SUMMITS
+
 # (which points, direction or None) -> friction
 Run = Callable[[Any, float | None], SurfaceFriction]
 
@@ -151,9 +156,11 @@ def _on_measured(
     periods = max(1, round(side * surface.q_low / (2 * np.pi)))
     directed = None
     if lay is not None:
-        directed = Directed(surface, np.full(velocity.shape, direction))
+        directed = Directed(lay, np.full(velocity.shape, direction))
     grid = Grid(whole.height.shape[0], periods, side)
     enough = summits(modulus, surface, velocity, pressure, grid, directed)
+    angle = direction + (0.0 if lay is None else lay.angle)
+    seams = _at_seams(whole, angle)
     solved = on_map(
         modulus,
         whole.height,
@@ -163,25 +170,45 @@ def _on_measured(
         enough,
         rtol,
         tick,
-        angle=direction + (0.0 if lay is None else lay.angle),
+        angle=angle,
+        least=LEAST_SUMMITS,
     )
-    good = np.isfinite(solved.mu) & (enough >= 1)
+    good = np.isfinite(solved.mu) & (enough >= LEAST_SUMMITS)
     cells, cut = " by ".join(map(str, whole.height.shape)), surface.map.cut
     shortest = "" if cut is None else f" with waves down to {2 * np.pi / cut:.3g} m"
     remark = (
         f"the measured map on {cells} cells{shortest}, its edges made to meet by taking "
-        f"off a smooth part of {whole.changed:.0%} of its rms height; at least "
-        f"{enough.min():.2g} summits carry the load"
+        f"off a smooth part of {whole.changed:.0%} of its rms height, with {seams:.0%} "
+        f"more mean square slope along the motion; at least {enough.min():.2g} summits "
+        "carry the load"
     )
+    if (enough < LEAST_SUMMITS).any():
+        remark += (
+            f", fewer than {LEAST_SUMMITS:g} at points without an answer: a larger map, "
+            "more pressure or softer rubber has more, and em.Multiscale() needs no map"
+        )
     # two points may be all that a wave has: the error is the whole change of the grid
     return SurfaceFriction(
         solved.mu,
         solved.area,
-        2 * solved.mu_error + OF_SUMMITS * np.abs(solved.mu) / enough,
+        2 * solved.mu_error + (OF_SUMMITS / enough + seams) * np.abs(solved.mu),
         good,
         2 * solved.area_error + OF_SUMMITS * solved.area / enough,
         remark,
     )
+
+
+def _at_seams(whole: PeriodicMap, angle: float) -> float:
+    """Relative excess of the mean square slope along the motion over that of the cells
+    some way from the edges: along a lay, where edges meet, slopes are of another kind.
+    """
+    slope = np.zeros(whole.height.shape)
+    for axis, along in enumerate((np.cos(angle), np.sin(angle))):
+        step = whole.sides[axis] / whole.height.shape[axis]
+        rise = np.roll(whole.height, -1, axis) - whole.height
+        slope += along * rise / step
+    inside = slope[_MARGIN:-_MARGIN, _MARGIN:-_MARGIN]
+    return max(float(np.mean(slope**2) / np.mean(inside**2)) - 1.0, 0.0)
 
 
 def work(surface: Any, cells: int | None) -> tuple[str, str]:

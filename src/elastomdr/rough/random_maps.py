@@ -19,6 +19,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..models import Persson, SurfaceFriction
+from ..surface.lay import lay_of
 from ..surface.spectrum import rough_map
 from .against_lay import Directed
 from .half_space import solve, waves
@@ -95,7 +96,7 @@ def friction(
     """
     directed = None
     if direction is not None:
-        directed = Directed(spectrum, np.full(velocity.shape, direction))
+        directed = Directed(lay_of(spectrum), np.full(velocity.shape, direction))
     full = full_contact(modulus, spectrum, velocity, pressure, directed)
     enough = summits(modulus, spectrum, velocity, pressure, grid, directed)
 
@@ -136,6 +137,8 @@ def friction(
         f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest "
         f"waves to a side; at least {enough.min():.2g} summits carry the load"
     )
+    if (enough < 1).any():
+        remark += ", fewer than 1 at points without an answer: more cells hold more"
     if len(seeds) == 1:
         remark += "; how far maps scatter is not known, and so no error of mu"
     return SurfaceFriction(
@@ -168,9 +171,10 @@ def on_map(
     in_full: Callable[[np.ndarray, int, dict[str, float]], tuple[float, float]]
     | None = None,
     angle: float = 0.0,
+    least: float = 1.0,
 ) -> MapFriction:
     """All points on one map that moves at `angle` to x; neighbours begin with each
-    other's contact.
+    other's contact. Fewer summits than `least` give no answer.
 
     `in_full`, of the map and the point: friction of full contact by which mu is
     multiplied, and that by which it is divided.
@@ -181,7 +185,7 @@ def on_map(
         if last is not None and pressure[last] != pressure[i]:
             start = None
         tick()
-        if not enough[i] >= 1:
+        if not enough[i] >= least:
             # no answer, whatever the solution; far below that there may be no contact
             # in 32 bits
             continue
@@ -227,7 +231,9 @@ def summits(
     # longest waves that still grow, or the roll-off's
     number = (grid.side * longest / (2 * np.pi)) ** 2
     if directed is not None:  # of ridges, which are longer than wide
-        number = number / np.exp(abs(directed.spectrum.lay.log_peklenik[0]))
+        longer = np.exp(abs(directed.lay.log_peklenik[0]))
+        # those that run through the whole map count once
+        number = max(number / longer, number**0.5)
     where = np.searchsorted(
         wave_nodes.q.ravel(), min(2 * longest, 0.999 * spectrum.q_high)
     )

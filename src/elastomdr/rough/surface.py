@@ -17,7 +17,7 @@ from ..element.law import surface_foundation
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import misfit
-from ..models import SurfaceFriction, SurfaceModel
+from ..models import Multiscale, SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
 from ..results.words import brief
 from ..smooth.softening import LINEAR
@@ -48,10 +48,26 @@ _SKEWED, _PER_SKEWNESS = 0.4, 0.6
 _CHANCE = 2.5  # standard errors below which a skewness is said to be chance
 # |ln(mu/mu_3D)| that a lay adds, over ln g and sqrt(-ln A): benchmarks/anisotropic.py
 _PER_LAY = 0.12
+_LAY_ERRORS = 2.0  # standard errors of a Peklenik number that a bound holds
 # real contact, and the factor within which the strain at a scale is known there, of a
 # sweep in shear: benchmarks/strain_share.py
 _STRAIN_SHARE = (0.12, 1.35), (0.3, 2.0)
 _MOST_SHARE = 2.0
+# parts of a bound that are named where it is wide: their least share of it, and why
+_NAMED = 0.25
+_WIDE_BY_STRAIN = (
+    "the strain at a length scale is known within a factor of 1.35 below 12 % contact, "
+    "of 2 above 30 %: friction without softening, `linear`, is the other limit"
+)
+_WIDE_BY_LAY = (
+    "edges of contacts have directions of their own, which the lay of the waves does not "
+    "tell: more real contact has less"
+)
+_WIDE_BY_MEAN = "it holds friction along and across the lay: a `direction` has less"
+_WIDE_BY_ERROR = (
+    "the Peklenik numbers have a sampling error: a map of more of its longest waves has "
+    "less"
+)
 _ROUGHLY = 1e-3  # relative error of what only goes into a bound
 
 
@@ -81,7 +97,7 @@ class SurfacePlan:
 class _Answer(NamedTuple):
     """Friction at each point, flat, and at which temperatures."""
 
-    found: SurfaceFriction
+    hot: SurfaceFriction  # at the temperatures that friction makes
     cold: SurfaceFriction  # at the temperatures that are given
     local: Local  # how moduli differ from scale to scale
     warm: Any  # one flash temperature (`rough.flash.Warm`), or None
@@ -90,7 +106,7 @@ class _Answer(NamedTuple):
 
     def field(self, shape: tuple[int, ...], values: Any) -> Any:
         """`values` in the shape of the call, NaN where there is no answer."""
-        return nan_unless(self.found.good, values).reshape(shape)
+        return nan_unless(self.hot.good, values).reshape(shape)
 
     def rise(self) -> Any:
         """The rise of temperature where the heat arises [K], in the shape of the
@@ -114,7 +130,8 @@ class _Strained(NamedTuple):
 class _Turned(NamedTuple):
     """What the direction of sliding does on a surface with a lay."""
 
-    of_mu: Any  # how far mu and, relatively, the area may be from those computed
+    # how far mu and, relatively, the area may be from those computed
+    of_mu: Any
     of_area: Any
     rows: list[tuple[str, str]]
 
@@ -154,7 +171,7 @@ def surface_friction(
     local = Local(softened, directed=_directed(scene, surface, model))
     answer = _solved(scene, surface, model, heat, adhesion, local, solved)
     if not scene.traced:
-        _warn_of_failed(answer.found, rtol)
+        _warn_of_failed(answer.hot, rtol)
     outside = (
         None
         if scene.traced
@@ -166,7 +183,7 @@ def surface_friction(
         else _misfit(foundation, surface, answer.reduced.ravel())
     )
     strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
-    turned = _turned(scene, surface, model, answer, solved)
+    turned = _turned(foundation, scene, surface, model, answer)
     beyond = (
         NOT_KNOWN
         if scene.traced
@@ -185,7 +202,9 @@ def surface_friction(
     inputs += turned.rows
     curve = _packed(scene, surface, model, answer, strained, turned, of_data)
     if not scene.traced and curve.model_error is not None:
-        inputs += _wide_bound(curve, model, foundation, surface, answer, strained)
+        inputs += _wide_bound(
+            curve, model, foundation, surface, answer, strained, turned
+        )
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
@@ -260,7 +279,7 @@ def _heated(
         error=warm.mean.error + SETTLED * np.abs(warm.mean.mu - cold.mu),
     )
     reduced = warm.reduced.reshape(scene.shape)
-    return answer._replace(found=heated, warm=warm, reduced=reduced)
+    return answer._replace(hot=heated, warm=warm, reduced=reduced)
 
 
 def _heated_by_scale(
@@ -298,7 +317,7 @@ def _heated_by_scale(
     heated = solved(reduced, reduced_pressure, local=local)
     good = heated.good & answer.cold.good & by_scale.good
     heated = heated._replace(error=heated.error + by_scale.error, good=good)
-    answer = answer._replace(found=heated, local=local, by_scale=by_scale)
+    answer = answer._replace(hot=heated, local=local, by_scale=by_scale)
     if scene.traced:
         return answer
     factor, _ = thermal_factors(foundation, temperature + by_scale.mean)
@@ -308,11 +327,7 @@ def _heated_by_scale(
 
 def _warn_of_failed(hysteresis: SurfaceFriction, rtol: Any) -> None:
     """Counts the points without an answer in one warning."""
-    maps = (
-        f"Maps: {hysteresis.said}; more cells hold more of them."
-        if hysteresis.said
-        else ""
-    )
+    maps = f"Maps: {hysteresis.said}." if hysteresis.said else ""
     warn_unless(hysteresis.good, "points", f" to rtol={rtol:g}", maps)
 
 
@@ -327,7 +342,7 @@ def _inputs(
     outside: Any,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
-    hysteresis = answer.found
+    hysteresis = answer.hot
     rows = scene.inputs(
         ("surface", label),
         *(("as read", remark) for remark in getattr(surface, "report", ())),
@@ -357,24 +372,49 @@ def _wide_bound(
     surface: AbstractSpectrum,
     answer: _Answer,
     strained: _Strained,
+    turned: _Turned,
 ) -> list[tuple[str, str]]:
     """Where the bound of the model exceeds half of mu: why, and what would lower it."""
-    bound = np.asarray(curve.model_error).ravel()
-    wide = bound > 0.5 * abs(np.asarray(curve.mu).ravel())
+    bound, mu = (abs(np.asarray(x).ravel()) for x in (curve.model_error, curve.mu))
+    wide = bound > 0.5 * mu
     if not wide.any():
         return []
-    of_strain = np.broadcast_to(strained.of_mu, wide.shape)[wide]
+    area = answer.hot.area
     reasons = model.why_wide(
-        foundation, surface, answer.reduced.ravel()[wide], answer.found.area[wide]
+        foundation, surface, answer.reduced.ravel()[wide], area[wide]
     )
-    if (of_strain > 0.5 * bound[wide]).any():
-        reasons.append(
-            "the strain at a length scale is known within a factor of 1.35 below 12 % "
-            "contact, of 2 above 30 %: friction without softening, `linear`, is the "
-            "other limit"
-        )
+    widths = (
+        (strained.of_mu, _WIDE_BY_STRAIN),
+        (mu * np.expm1(_of_skewness(surface, area)), _wide_by_skewness(surface)),
+        (mu * np.expm1(_of_lay(surface, area)), _WIDE_BY_LAY),
+        (
+            turned.of_mu,
+            _WIDE_BY_ERROR if curve.direction is not None else _WIDE_BY_MEAN,
+        ),
+    )
+    for width, reason in widths:
+        share = np.broadcast_to(width, wide.shape)[wide] / bound[wide]
+        if (share > _NAMED).any():
+            reasons.append(reason)
     many = f"more than half of mu at {int(wide.sum())} of {wide.size} points"
     return [("bound of the model", "; ".join([many, *reasons]))]
+
+
+def _wide_by_skewness(surface: AbstractSpectrum) -> str:
+    """Why the skewness of the heights widens a bound, and what would lower that."""
+    skewness, error = _skewness(surface)
+    itself = "em.HalfSpace() slides over the map itself"
+    if getattr(surface, "map", None) is None:
+        itself = "em.HalfSpace() slides over heights that are read from one map"
+    if abs(skewness) < _CHANCE * error:
+        return (
+            f"the skewness of the heights is known within +- {error:.2g}, and Gaussian "
+            f"heights are assumed: a map of more of its longest waves has less; {itself}"
+        )
+    return (
+        f"heights of skewness {skewness:.2f} are not Gaussian, as is assumed: more real "
+        f"contact has less; {itself}"
+    )
 
 
 def excited_beyond(outside: Any) -> tuple[str, str]:
@@ -393,7 +433,7 @@ def _packed(
     of_data: Any,
 ) -> FrictionCurve:
     """The numbers of the result, of hysteresis alone."""
-    hysteresis, shape = answer.found, scene.shape
+    hysteresis, shape = answer.hot, scene.shape
     field = partial(answer.field, shape)
     pressure = scene.full(scene.value)
     softening = ""
@@ -457,7 +497,7 @@ def _with_adhesion(
 ) -> FrictionCurve:
     """The shear of the real contact added."""
     field = partial(answer.field, scene.shape)
-    hysteresis, pressure = answer.found, scene.full(scene.value)
+    hysteresis, pressure = answer.hot, scene.full(scene.value)
     area, cold_area = field(hysteresis.area), field(answer.cold.area)
     stress, fields = None, {}
     if heat is not None:
@@ -581,7 +621,7 @@ def _strained(
             more * far + (1 - more) * near
             for far, near in zip((of_mu, of_area), changes(within), strict=True)
         )
-    words = _softening_words(softened, surface, here, linear, answer.found.good)
+    words = _softening_words(softened, surface, here, linear, answer.hot.good)
     return _Strained(linear.mu, of_mu, of_area, [("softening", words)])
 
 
@@ -591,57 +631,80 @@ def _directed(
     """The direction of sliding at each point, where one is given and matters."""
     if scene.direction is None or not (lay_of(surface) or model.on_map(surface)):
         return None
-    return Directed(surface, scene.full(scene.direction).ravel())
+    return Directed(lay_of(surface), scene.full(scene.direction).ravel())
 
 
 def _turned(
+    foundation: Any,
     scene: Scene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
-    solved: Callable[..., SurfaceFriction],
 ) -> _Turned:
-    """What the direction of sliding does; how far mu may be from its mean over
-    directions where none is given.
+    """What the direction of sliding does, and the sampling error of the lay; how far mu
+    may be from its mean over directions where none is given.
     """
-    if lay_of(surface) is None:
+    lay = lay_of(surface)
+    if lay is None:
         if scene.direction is None or model.on_map(surface):
             return _Turned(0.0, 0.0, [])
         words = "friction is taken as the same in all directions: no lay is known"
         return _Turned(0.0, 0.0, [("direction", words)])
-    if scene.direction is not None:
-        words = brief(scene.direction, "rad")
-        return _Turned(0.0, 0.0, [("direction", f"{words} to the lay (0: along it)")])
     words = "none is given: the mean over directions"
-    if not model.takes_direction or model.samples_directions:
+    if scene.direction is not None:
+        words = f"{brief(scene.direction, 'rad')} to the lay (0: along it)"
+    exact = scene.direction is not None and not known(lay.error).any()
+    if exact or model.on_map(surface) or not model.takes_direction:
         return _Turned(0.0, 0.0, [("direction", words)])
     if scene.traced:
         return _Turned(np.nan, np.nan, [("direction", words)])
-    pressure = (scene.full(scene.value) / scene.vertical).ravel()
-
-    def towards(angle: float) -> SurfaceFriction:
-        directed = Directed(surface, np.full(pressure.shape, angle))
-        local = answer.local._replace(directed=directed)
-        return solved(
-            scene.reduced.ravel(), pressure, local=local, rtol=_ROUGHLY, progress=None
+    here, ends = _at_other_lays(foundation, scene, surface, model, answer)
+    of_mu = np.max([abs(end.mu - here.mu) for end in ends], axis=0)
+    of_area = np.max([abs(end.area / here.area - 1.0) for end in ends], axis=0)
+    good = answer.hot.good
+    if good.any():
+        times = np.array([(end.mu / here.mu)[good] for end in ends])
+        apart = "from {:.2g} times along the lay to {:.2g} times across it".format(
+            *np.median(times, axis=1)
         )
-
-    hysteresis, along, across = answer.found, towards(0.0), towards(np.pi / 2)
-    of_mu = np.maximum(abs(along.mu - hysteresis.mu), abs(across.mu - hysteresis.mu))
-    of_area = np.maximum(
-        abs(along.area / hysteresis.area - 1.0),
-        abs(across.area / hysteresis.area - 1.0),
-    )
-    if hysteresis.good.any():
-        least, most = (
-            np.median((end.mu / hysteresis.mu)[hysteresis.good])
-            for end in (along, across)
-        )
-        words += (
-            f", from {least:.2g} times along the lay to {most:.2g} times across it, "
-            "which the model error holds"
-        )
+        if scene.direction is not None:
+            apart = f"{_between(times)} within the sampling error of the lay"
+        words += f"; {apart}, which the model error holds"
     return _Turned(of_mu, of_area, [("direction", words)])
+
+
+def _at_other_lays(
+    foundation: Any,
+    scene: Scene,
+    surface: AbstractSpectrum,
+    model: SurfaceModel,
+    answer: _Answer,
+) -> tuple[SurfaceFriction, list[SurfaceFriction]]:
+    """Friction, and that where ln g is two standard errors less and more, in the
+    direction that is given; without one where it is more, along the lay and across it.
+
+    Random maps of another lay would be other maps: of these Multiscale says how much
+    friction changes.
+    """
+    pressure = (scene.full(scene.value) / scene.vertical).ravel()
+    on_maps: bool = model.samples_directions
+    lay: Any = lay_of(surface)
+    solve = (Multiscale() if on_maps else model).solve
+
+    def towards(direction: Any, errors: float) -> SurfaceFriction:
+        directed = None
+        if direction is not None:
+            direction = np.broadcast_to(direction, pressure.shape)
+            directed = Directed(lay.off(errors), direction)
+        local = answer.local._replace(directed=directed)
+        velocity = scene.reduced.ravel()
+        return solve(foundation, surface, velocity, pressure, local, _ROUGHLY, None)
+
+    direction = None if scene.direction is None else scene.full(scene.direction).ravel()
+    here = towards(direction, 0.0) if on_maps else answer.hot
+    if direction is None:
+        return here, [towards(angle, _LAY_ERRORS) for angle in (0.0, np.pi / 2)]
+    return here, [towards(direction, errors) for errors in (-_LAY_ERRORS, _LAY_ERRORS)]
 
 
 def _softening_words(
@@ -822,8 +885,7 @@ def _skewed_words(surface: Any, area: Any) -> str:
     change = _SKEWED * np.sqrt(-np.log(np.clip(area, 1e-300, 1.0)))
 
     def times(skewness: float) -> str:
-        factors = np.exp(skewness * change)
-        return f"{np.nanmin(factors):.2g} to {np.nanmax(factors):.2g} times"
+        return _between(np.exp(skewness * change))
 
     if abs(skewness) < _CHANCE * error:
         likely = skewness_bound(skewness, error)
@@ -837,6 +899,12 @@ def _skewed_words(surface: Any, area: Any) -> str:
         f"not Gaussian, skewness {skewness:.2f} ({kind}): friction is some "
         f"{times(skewness)} what is computed, which the model error holds"
     )
+
+
+def _between(factors: Any) -> str:
+    """The range of some factors, one number where its ends are the same to two digits."""
+    low, high = f"{np.nanmin(factors):.2g}", f"{np.nanmax(factors):.2g}"
+    return f"{low} times" if low == high else f"{low} to {high} times"
 
 
 def _skewness(surface: Any) -> tuple[float, float]:
@@ -883,7 +951,7 @@ def _model_error(
     bound itself holds with softening as without: each scale is linear, and moduli that
     change with the wave number are what it was established for.
     """
-    hysteresis, foundation = answer.found, scene.foundation
+    hysteresis, foundation = answer.hot, scene.foundation
     if foundation.softening is not None and not model.softens:
         return answer.field(scene.shape, np.full(np.shape(hysteresis.mu), np.nan))
     # a bound has no derivatives: of plain numbers nothing is traced

@@ -575,7 +575,7 @@ def _dry_edges(scene: _Scene, points: Array, held: float | None) -> tuple[Array,
             temperature=temperature,
             model=None,
             rtol=1e-4,
-        ).found
+        ).steady
     return np.asarray(dry_contact.contact.leading), np.asarray(
         dry_contact.contact.trailing
     )

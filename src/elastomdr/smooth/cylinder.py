@@ -119,8 +119,8 @@ class CylinderPlan:
         )
 
 
-class _Found(NamedTuple):
-    """What is found at each point."""
+class _Contacts(NamedTuple):
+    """Friction, load, depth and edges at each point."""
 
     mu: Any
     load: Any  # [N/m]
@@ -201,7 +201,7 @@ def _solved(
     carriers: Any,
     misfit: float,
     rtol: float,
-) -> tuple[_Found, Any]:
+) -> tuple[_Contacts, Any]:
     """The contacts, and which would sink into the ground under the layer."""
     layers, reduced = isinstance(body, Layer), xp.asarray(points.reduced).reshape(-1)
     wanted = xp.asarray(points.at_reference())
@@ -331,12 +331,12 @@ def _cylinders(shared: Any, velocity: Any) -> Cylinders:
 @functools.lru_cache(64)
 def _with_slopes(
     layers: bool, by_depth: bool, dashpot: bool, rtol: float, misfit: float
-) -> Callable[..., _Found]:
+) -> Callable[..., _Contacts]:
     """Contacts from (load per length or depth, velocity): numbers from NumPy,
     derivatives from the equations of `_TRACED_ORDER` terms.
     """
 
-    def numbers(shared: Any, points: Any) -> _Found:
+    def numbers(shared: Any, points: Any) -> _Contacts:
         wanted, velocity = points
         flat = _cylinders(shared, velocity)
         return _refined(flat, wanted, by_depth, rtol, misfit)
@@ -357,11 +357,11 @@ def _with_slopes(
         return (depth(flat, contact, _TRACED_ORDER),)
 
     def like(shared: Any, points: Any) -> tuple[Any, ...]:
-        return (points[0],) * len(_Found._fields)
+        return (points[0],) * len(_Contacts._fields)
 
     formulas = ((forces, 4), (sunk, 1)) if layers else ((forces, 4),)
     solve = numbers_with_slopes(numbers, formulas, like)
-    return lambda shared, points: _Found(*solve(shared, points))
+    return lambda shared, points: _Contacts(*solve(shared, points))
 
 
 @functools.lru_cache(64)
@@ -454,7 +454,7 @@ def _level(search: _Search, order: int) -> _Level:
     return _Level(half, contact)
 
 
-def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Found:
+def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Contacts:
     """A level as a result; `change` is how much of the change of mu from the order
     before may be left in this one.
     """
@@ -470,7 +470,7 @@ def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Found:
         overlap = np.maximum(-gap, 0.0)
         good = good & (overlap < _NEGATIVE)
         error = error + overlap * np.abs(contact.mu)
-    return _Found(
+    return _Contacts(
         mu=contact.mu,
         load=contact.load,
         leading=contact.shift + half,
@@ -484,7 +484,7 @@ def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Found:
 @one_thread()
 def _refined(
     flat: Cylinders, wanted: Any, by_depth: bool, rtol: float, misfit: float
-) -> _Found:
+) -> _Contacts:
     """Points by more and more terms until their error is below `rtol`; numbers only.
 
     `misfit` is how far a Prony series is from a table of moduli, relatively.
@@ -494,16 +494,16 @@ def _refined(
         _block(replaced(flat, velocity=flat.velocity[i]), wanted[i], by_depth, rtol)
         for i in blocks
     ]
-    contacts = _Found(*(np.concatenate(x) for x in zip(*parts, strict=True)))
+    contacts = _Contacts(*(np.concatenate(x) for x in zip(*parts, strict=True)))
     good = (contacts.good == 1) & _met(contacts, max(rtol, _FLOOR), flat.radius)
     return contacts._replace(
         error=contacts.error + misfit * np.abs(contacts.mu), good=good
     )
 
 
-def _block(flat: Cylinders, wanted: Any, by_depth: bool, rtol: float) -> _Found:
+def _block(flat: Cylinders, wanted: Any, by_depth: bool, rtol: float) -> _Contacts:
     guess = _guess(flat, wanted, by_depth)
-    result = _Found(*(np.full(wanted.shape, np.nan) for _ in _Found._fields))
+    result = _Contacts(*(np.full(wanted.shape, np.nan) for _ in _Contacts._fields))
     left, ratio, thick = np.arange(wanted.size), 0.0, 1.0
     if flat.on_layers:
         thick = min(float(cover.thickness) for cover in flat.covers)
@@ -525,9 +525,11 @@ def _block(flat: Cylinders, wanted: Any, by_depth: bool, rtol: float) -> _Found:
     return result
 
 
-def _by_orders(search: _Search, rtol: float) -> _Found:
+def _by_orders(search: _Search, rtol: float) -> _Contacts:
     """The points at once, by orders of which each begins where the one before ended."""
-    result = _Found(*(np.full(search.wanted.shape, np.nan) for _ in _Found._fields))
+    result = _Contacts(
+        *(np.full(search.wanted.shape, np.nan) for _ in _Contacts._fields)
+    )
     left = np.arange(search.wanted.size)
     level = _level(search, _FIRST)
     slope = _slope(search, level)
@@ -566,7 +568,7 @@ def _slope(search: _Search, level: _Level) -> Any:
     return np.where((slope > 0.1) & (slope < 10), slope, USUAL)
 
 
-def _met(contacts: _Found, rtol: float, radius: Any) -> Any:
+def _met(contacts: _Contacts, rtol: float, radius: Any) -> Any:
     """Whether the error is below what was asked for, or mu is nothing but rounding, as
     of elastic bodies.
     """
@@ -594,7 +596,9 @@ def _not_too_deep(layer: Layer, control: str, points: Scene) -> None:
         )
 
 
-def _say(contacts: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float) -> None:
+def _say(
+    contacts: _Contacts, sunk: Any, body: Any, shape: Cylinder, rtol: float
+) -> None:
     """Warns of points that failed, and of a cylinder that is too short to be plane."""
     if not contacts.good.all():
         thick = sum(cover.thickness for cover in body.covers) if np.any(sunk) else 0.0
@@ -683,7 +687,7 @@ def cylinder_losses(
     (cover,), _ = _covers(body, np.asarray(points.reduced))
     speed, converged = (
         np.asarray(points.reduced).reshape(-1),
-        np.ravel(rolled.found.converged),
+        np.ravel(rolled.steady.converged),
     )
     each = np.where(
         converged,
@@ -732,7 +736,7 @@ def cylinder_pressure(
         material, shape, velocity=velocity, temperature=temperature, **given
     )
     covers, _ = _covers(material, np.asarray(points.reduced))
-    contact = rolled.found.contact
+    contact = rolled.steady.contact
     half = np.nan_to_num(0.5 * np.ravel(contact.leading + contact.trailing), nan=1e-3)
     flat = Cylinders(
         np.asarray(shape.radius), covers, np.asarray(points.reduced).reshape(-1)

@@ -186,7 +186,7 @@ def _on_layer(
         model=model,
         rtol=rtol,
     )
-    steady = rolled.found
+    steady = rolled.steady
     total = np.sum(each, axis=0)
     missing = np.abs(total * np.asarray(shape.length) / steady.friction_force - 1)
     good = steady.converged & (missing <= max(rtol, _LAYER_SHARE))

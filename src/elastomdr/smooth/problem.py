@@ -85,7 +85,7 @@ class Steady(NamedTuple):
 class OnLayer(NamedTuple):
     """What a curve is made of, of a body on an `em.layer`."""
 
-    found: Any  # `Steady`, or None where only the plan was asked for
+    steady: Any  # `Steady`, or None where only the plan was asked for
     temperature: Any  # broadcast to the points, or None
     model: str
     plan: Any

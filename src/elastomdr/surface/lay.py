@@ -67,6 +67,12 @@ class Lay(Tree):
         log_peklenik = np.interp(log_q, old, self.log_peklenik)
         return Lay(q, log_peklenik, np.interp(log_q, old, self.error), self.angle)
 
+    def off(self, errors: float) -> Lay:
+        """The same lay, ln g off by so many of its standard errors at all scales."""
+        return Lay(
+            self.q, self.log_peklenik + errors * self.error, self.error, self.angle
+        )
+
     def words(self) -> str:
         """Direction of the lay and Peklenik numbers, in a few words."""
         places = [0, self.q.size // 2, self.q.size - 1]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..arrays import compiled, fixed, on_numpy, xp
+from ..arrays import compiled, fixed, namespace, on_numpy, xp
 from ..checks import (
     Array,
     alike,
@@ -15,7 +15,6 @@ from ..checks import (
     as_float64,
     ascending,
     finite,
-    in_float64,
     numpy_unless_traced,
     untraced,
 )
@@ -86,7 +85,7 @@ class RoughLine(Tree):
         return np.arange(self.count) * self.spacing
 
     @property
-    @in_float64
+    @numpy_unless_traced
     def highest(self) -> Array:
         """The highest place of the spline [m], from which a depth counts; seldom one of
         the points.
@@ -94,7 +93,7 @@ class RoughLine(Tree):
         share, heights = _summits(fixed(xp.asarray(self.height)))
         place = argmax(heights)
         coefficients = spline_coefficients(xp.asarray(self.height))
-        # Sums, not an index: its derivative would be taken outside of `in_float64`.
+        # Sums, not an index: its derivative would be taken outside of this call.
         near = [
             (place + m) % self.count == xp.arange(self.count) for m in (-1, 0, 1, 2)
         ]
@@ -132,10 +131,11 @@ class RoughLine(Tree):
         return line_of_heights(self._finer(factor), self.spacing / factor)
 
     def _finer(self, factor: int) -> Float[Array, " m"]:
-        coefficients = spline_coefficients(xp.asarray(self.height))
-        near = xp.stack([xp.roll(coefficients, 1 - m) for m in range(4)])
-        parts = [_cubic(near, xp.asarray(j / factor)) for j in range(factor)]
-        return xp.stack(parts, axis=1).reshape(-1)
+        numpy = namespace(self.height)
+        coefficients = spline_coefficients(self.height)
+        near = numpy.stack([numpy.roll(coefficients, 1 - m) for m in range(4)])
+        parts = [_cubic(near, numpy.asarray(j / factor)) for j in range(factor)]
+        return numpy.stack(parts, axis=1).reshape(-1)
 
 
 def line_of_heights(height: Array, spacing: Array | float) -> RoughLine:
@@ -148,10 +148,12 @@ def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
     """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i +
     c_{i+1})/6 = h_i.
     """
-    angle = 2 * xp.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
-    return xp.fft.irfft(
-        xp.fft.rfft(height) * 3 / (2 + xp.cos(angle)), n=height.shape[0]
-    )
+    numpy = namespace(
+        height
+    )  # of plain numbers not on JAX: each step would be compiled
+    angle = 2 * np.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
+    spectrum = numpy.fft.rfft(height) * 3 / (2 + np.cos(angle))
+    return numpy.fft.irfft(spectrum, n=height.shape[0])
 
 
 def _slice(x: Array, start: Array, count: int) -> Array:

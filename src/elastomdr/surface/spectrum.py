@@ -187,7 +187,7 @@ class AbstractSpectrum(Tree):
 
     def draws(
         self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0
-    ) -> "list[AbstractSpectrum]":
+    ) -> "Draws[AbstractSpectrum]":
         """The same surface with another C and another upper cutoff, log-normal, for
         `em.friction` and `em.sweep`.
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from ..checks import is_traced, scalar
 from ..errors import InputError, ModelWarning, warn
+from ..material.validity import Draws
 from ..trees import static
 from .height_map import HeightMap
 from .lay import Lay, Periodogram, measured_lay
@@ -60,8 +61,10 @@ _STEEP = -6.0  # exponent of C below which an instrument did not resolve the wav
 # change of the exponent from band to band at which a spectrum ends at once
 _CLIFF = 2.5
 _STEEPEST = 3.0  # rms slope above which units are doubted
-# Peklenik number from which there is a Python warning
+# Peklenik number from which there is a Python warning; skewness likewise, and how many
+# of its standard errors it must be
 _UNEQUAL = 1.2
+_SKEWED, _CERTAIN = 0.3, 2.5
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
@@ -71,6 +74,7 @@ _ERRORS = 1.5
 _LEAST = {1: 64, 2: 16}  # points along each direction
 
 _SAME = 1e-9  # relative distance of two wave numbers that count as one
+_CHANGED = "changed after it was read"  # how the report of such a surface begins
 _APART = 10  # times more or less than the neighbours say: reported
 # rms slopes beyond which a table is doubted: of polished surfaces and of the roughest
 # roads
@@ -192,6 +196,7 @@ def surface(
         name + _slopes(scan, each, one)
         for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
     ]
+    _warn_of_skewness(most_skewed)
     lay, sentences = _directions(waves, highest, fit)
     report += sentences
     report += [_asks_for_shortest(fit)] if shortest is None else []
@@ -620,6 +625,19 @@ def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
     return _Asymmetry(skewness, chance, words)
 
 
+def _warn_of_skewness(heights: _Asymmetry) -> None:
+    """One warning where chance does not explain the skewness of the heights."""
+    if abs(heights.skewness) < max(_SKEWED, _CERTAIN * heights.error):
+        return
+    worn = "less" if heights.skewness < 0 else "more"
+    warn(
+        f"heights of skewness {heights.skewness:.2f} are not Gaussian, as friction by "
+        f"their spectrum assumes: it is likely to be {worn}, which model_error holds. "
+        "em.HalfSpace() slides over the heights of one map themselves.",
+        ModelWarning,
+    )
+
+
 def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
     """The rms slope by differences of neighbours, and what the spectrum lets expect of
     it.
@@ -774,14 +792,20 @@ class MeasuredSurface(AbstractSpectrum):
         """The same surface up to `q_high` [rad/m], with its lay and skewness; beyond its
         last point spectrum and lay go on, and the map itself is left out.
         """
-        spectrum = super().ended(q_high)
+        return self._up_to(super().ended(q_high))._described()
+
+    def _up_to(self, spectrum: AbstractSpectrum) -> MeasuredSurface:
+        """`ended`, with its spectrum and the report of this surface."""
         end = float(spectrum.q[-1])
         log_q, old = np.log(spectrum.q), np.log(self.q)
+        longer = max(self.measured_height**2 - self.rms_height**2, 0.0)
+        height = (longer + spectrum.rms_height**2) ** 0.5
         shortened = dataclasses.replace(
             self,
             q=spectrum.q,
             c=spectrum.c,
             relative_error=np.interp(log_q, old, self.relative_error),
+            measured_height=height,
             lay=None if self.lay is None else self.lay.at(spectrum.q),
         )
         if self.map is None or abs(end / self.q_high - 1) < _SAME:
@@ -810,21 +834,51 @@ class MeasuredSurface(AbstractSpectrum):
         heights = None
         if self.map is not None and not is_traced(times):
             heights = self.map.raised(float(times))
-        return dataclasses.replace(
+        changed = dataclasses.replace(
             self,
             c=higher.c,
             measured_height=self.measured_height * times,
             map=heights,
         )
+        return changed._described()
+
+    def _described(self) -> MeasuredSurface:
+        """The same surface, whose report begins with what it is now."""
+        if is_traced(self):
+            return self
+        read = [said for said in self.report if not said.startswith(_CHANGED)]
+        now = (
+            f"{_CHANGED}, {self.words()}; rms height with longer waves "
+            f"{self.measured_height:.4g} m; skewness {self.skewness:.2f} +- "
+            f"{self.skewness_error:.2f}. What follows is of the surface as read"
+        )
+        return dataclasses.replace(self, report=(now, *read))
 
     def draws(
         self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0
-    ) -> list[AbstractSpectrum]:
-        """As of every spectrum, with lay and skewness. The map itself has no other
-        cutoff: with `cutoff` em.HalfSpace() takes random maps of all draws.
+    ) -> Draws[AbstractSpectrum]:
+        """As of every spectrum. The Peklenik number, by one factor for all scales, and
+        the skewness of each differ within their sampling errors; that of the skewness
+        stays, since the map is as small as it was. The map itself has no other cutoff:
+        with `cutoff` em.HalfSpace() takes random maps of all draws.
         """
         drawn = self if cutoff == 0 else dataclasses.replace(self, map=None)
-        return AbstractSpectrum.draws(drawn, n, level=level, cutoff=cutoff, seed=seed)
+        surfaces: Draws[Any] = AbstractSpectrum.draws(
+            drawn, n, level=level, cutoff=cutoff, seed=seed
+        )
+        # random numbers of their own: C and cutoff are those of a surface without a lay
+        off = np.random.default_rng([seed, 1]).standard_normal((n, 2))
+        each: list[AbstractSpectrum] = [
+            dataclasses.replace(
+                surface,
+                lay=None if surface.lay is None else surface.lay.off(errors),
+                skewness=surface.skewness + skewed * surface.skewness_error,
+            )._described()
+            for surface, (errors, skewed) in zip(surfaces, off, strict=True)
+        ]
+        varied = "skewness" if self.lay is None else "skewness and Peklenik number"
+        words = f"{surfaces.words}, {varied} within their sampling errors"
+        return Draws(each, surfaces.name, words)
 
     def __repr__(self) -> str:
         return f"MeasuredSurface({self.words()}; {'; '.join(self.report)})"

@@ -144,7 +144,7 @@ def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
     """
     return Rough(
         xp.asarray(1 / height.shape[0]),
-        spline_coefficients(height),
+        xp.asarray(spline_coefficients(height)),
         xp.asarray(spacing),
         highest,
     )

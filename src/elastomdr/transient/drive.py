@@ -55,7 +55,7 @@ _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest, unless they are short
 _LONG = 1e9  # elements times steps times branches of what is not short: half a minute
 # elements times steps times branches marched sooner than another program is compiled
-_ROOM = 3e7
+_ROOM = 3e8
 _EARLY = 4.0  # ratio of the instants that divide the first interval
 _MOST_EARLY, _TRACED_EARLY = 40, 12
 # steps per period of a mass on its spring and the contact, on the coarsest level
@@ -315,7 +315,7 @@ def _surface(
 
 def _heights(track: RoughLine, x: Any) -> Any:
     """Heights of the track at the places x, counted from its highest point."""
-    coefficients = spline_coefficients(xp.asarray(track.height))
+    coefficients = xp.asarray(spline_coefficients(track.height))
     whole = xp.floor(x / track.spacing)
     t = x / track.spacing - whole
     i = whole.astype(xp.int64)

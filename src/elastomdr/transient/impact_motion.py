@@ -65,8 +65,9 @@ _ROUNDING = 1e-9
 _LOOSER = 100  # times rtol: what a duration may miss
 # impacts computed together: their states fit the processor's cache
 _BLOCK, _SMALL = 256, 8
-# impacts up to which NumPy is quicker than compiling: 128 take 2 s, and 14 s compiled
-_FEW = 128
+# impacts up to which NumPy is no slower than a first compiled call, which compiles for
+# 6 to 10 s: 1000 take 2 s with 3 branches and 6 s with 16, and .3 and 2.6 s compiled
+_FEW = 1000
 # fall of the force at the turn, from the fourth grid to the last, for a body that never
 # turns
 _STUCK = 0.3
@@ -434,6 +435,7 @@ class Impacts(NamedTuple):
     converged: Bool[Array, " impacts"]  # restitution and depth to rtol
     # and the duration to 100 rtol: strong damping leaves the instant of the turn open
     timed: Bool[Array, " impacts"]
+    reached: Float[Array, " impacts"]  # the larger relative error of these two
 
 
 def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
@@ -443,17 +445,13 @@ def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
     if is_traced(body):
         return _stage(body, rtol, per_area=per_area, stage=1)
     count = int(body.velocity.shape[0])
+    starts = range(0, count, _BLOCK)
+    blocks = [_select(body, np.arange(i, min(i + _BLOCK, count))) for i in starts]
     if count <= _FEW:
-        return _block(body, per_area, rtol)
-
-    def solve(start: int) -> Impacts:
-        block = _select(body, np.arange(start, min(start + _BLOCK, count)))
-        return on_jax(_block, block, per_area, rtol)  # a thread has its own setting
-
-    if count <= _BLOCK:
-        return solve(0)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        parts = list(pool.map(solve, range(0, count, _BLOCK)))
+        parts = [_block(block, per_area, rtol) for block in blocks]
+    else:  # a thread has its own setting
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            parts = list(pool.map(lambda b: on_jax(_block, b, per_area, rtol), blocks))
     return mapped(lambda *pieces: np.concatenate(pieces, axis=-1), *parts)
 
 
@@ -534,6 +532,7 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     duration = duration / xp.abs(before.duration)
     depth = depth / xp.abs(before.max_depth)
     enough = (error <= rtol * xp.abs(best.restitution)) & (depth <= rtol)
+    reached = xp.maximum(error / xp.abs(best.restitution), depth)
     fine, coarse = motions.turning[-1], motions.turning[3]
     liquid = (body.moduli[0] == 0) & (
         (fine <= 1e-12) | ((fine < _STUCK * coarse) & (fine < _REST))
@@ -545,11 +544,12 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
         restitution=xp.where(stuck, 0.0, best.restitution),
         duration=xp.where(stuck, xp.inf, best.duration),
     )
-    good = (xp.all(motions.solved, axis=0) & enough & xp.isfinite(best.restitution)) | (
-        stuck & (depth <= rtol)
-    )
+    solved = xp.all(motions.solved, axis=0)
+    good = (solved & enough & xp.isfinite(best.restitution)) | (stuck & (depth <= rtol))
     timed = (duration <= _LOOSER * rtol) | stuck
-    return Impacts(best, fixed(xp.where(stuck, 0.0, error)), stuck, good, timed)
+    error = fixed(xp.where(stuck, 0.0, error))
+    reached = fixed(xp.where(solved & ~stuck, reached, xp.nan))
+    return Impacts(best, error, stuck, good, timed, reached)
 
 
 def _left(

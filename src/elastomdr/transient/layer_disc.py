@@ -99,6 +99,16 @@ def _of_numbers(squeeze: float, bonded: bool, panel: int) -> Resolvents:
     return _resolvents(squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1]))
 
 
+class _Place(NamedTuple):
+    """Radii in the tables: their panels, Chebyshev's polynomials there, and half the
+    width of a panel [m].
+    """
+
+    panel: Array
+    chebyshev: Float[Array, "... n"]
+    half_width: Array
+
+
 class LayerDisc(Disc):
     """The contact of an axisymmetric body on a layer, as elements that are
     independent.
@@ -120,34 +130,40 @@ class LayerDisc(Disc):
         if self.flat:
             return xp.zeros_like(x)
         inside = self._inside(x)
-        return (self.shape._profile(inside) - self._pull(inside)[0]) / self._read(
-            self.edge, inside
-        )[0] + (x - inside)
+        return self._depth_and_slope(inside)[0] + (x - inside)
 
     def slope(self, x: Array) -> Array:
         """dd/da."""
         if self.flat:
             return xp.zeros_like(x)
-        x = self._inside(x)
-        edge, bend = self._read(self.edge, x)
-        pull, rise = self._pull(x)
-        depth = (self.shape._profile(x) - pull) / edge
-        return (self.shape._slope(x) - rise - depth * bend) / edge
+        return self._depth_and_slope(self._inside(x))[1]
+
+    def _depth_and_slope(self, x: Array) -> tuple[Array, Array]:
+        """d(x) and its derivative inside of the largest contact."""
+        place = self._place(x)
+        edge, bend = self._read(self.edge, place)
+        value, rise = self._read(self.pull, place)
+        p = self._tip_power
+        scale = raised(x, p)
+        depth = (self.shape._profile(x) - value * scale) / edge
+        # int R g ds = value x^p
+        pulled = rise * scale + value * p * raised(x, p - 1)
+        return depth, (self.shape._slope(x) - pulled - depth * bend) / edge
 
     def weight(self, x: Array) -> Array:
         """dW/da = 2 q_1(a; a)^2."""
-        return 2 * self._read(self.edge, self._inside(x))[0] ** 2
+        return 2 * self._read(self.edge, self._place(self._inside(x)))[0] ** 2
 
     def width(self, a: Array) -> Array:
         """W(a), the stiffness of a flat punch of radius a over E*."""
-        return 2 * a * self._read(self.stiffness, self._inside(a))[0]
+        place = self._place(self._inside(a))
+        return 2 * a * self._read(self.stiffness, place)[0]
 
     def area(self, a: Array) -> Array:
         """A(a): an elastic contact carries E* A."""
         inside = self._inside(a)
-        held = (
-            self._read(self.held, inside)[0] * inside * raised(inside, self._tip_power)
-        )
+        scale = inside * raised(inside, self._tip_power)
+        held = self._read(self.held, self._place(inside))[0] * scale
         return self.width(inside) * self.profile(inside) - 2 * held
 
     def energy(self, a: Array) -> Array:
@@ -174,7 +190,7 @@ class LayerDisc(Disc):
             xp.asarray(depth),
             self.depths,
             self._tip_power,
-            lambda a: (self.profile(a), self.slope(a)),
+            self._depth_and_slope,
         )
 
     def radius_of_area(self, area: Array) -> Array:
@@ -223,32 +239,30 @@ class LayerDisc(Disc):
     def _inside(self, x: Array) -> Array:
         return xp.minimum(xp.asarray(x), xp.asarray(self.largest))
 
-    def _pull(self, x: Array) -> tuple[Array, Array]:
-        """int R g ds and its derivative by the radius."""
-        value, rise = self._read(self.pull, x)
-        p = self._tip_power
-        return value * raised(x, p), rise * raised(x, p) + value * p * raised(x, p - 1)
-
-    def _read(self, table: Array, a: Array) -> tuple[Array, Array]:
-        """A function at radii a, and its derivative: Clenshaw's sum on the panel of
-        each.
-        """
-        table = xp.asarray(table)
+    def _place(self, a: Array) -> _Place:
+        """Where radii a stand in the tables."""
         alpha = a / self.thickness
-        i = xp.clip(
+        panel = xp.clip(
             xp.ceil(xp.log2(xp.maximum(fixed(alpha), 1e-9))).astype(int) + 1,
             0,
             _ENDS.size - 2,
         )
         ends = xp.asarray(_ENDS)
-        half = 0.5 * (ends[i + 1] - ends[i])
-        y = (alpha - ends[i]) / half - 1
-        rows = table[i]
-        b1 = b2 = c1 = c2 = xp.zeros_like(y)
-        for n in range(table.shape[1] - 1, 0, -1):
-            c1, c2 = 2 * b1 + 2 * y * c1 - c2, c1
-            b1, b2 = rows[..., n] + 2 * y * b1 - b2, b1
-        return rows[..., 0] + y * b1 - b2, (b1 + y * c1 - c2) / (half * self.thickness)
+        half = 0.5 * (ends[panel + 1] - ends[panel])
+        y = (alpha - ends[panel]) / half - 1
+        columns = [xp.ones_like(y), y]
+        for _ in range(_DEGREE - 1):
+            columns.append(2 * y * columns[-1] - columns[-2])
+        return _Place(panel, xp.stack(columns, axis=-1), half * self.thickness)
+
+    def _read(self, table: Array, place: _Place) -> tuple[Array, Array]:
+        """A function at a place of the tables, and its derivative by the radius."""
+        rows = xp.asarray(table)[place.panel]
+        slopes = place.chebyshev @ xp.asarray(_slopes())
+        return (
+            xp.sum(place.chebyshev * rows, axis=-1),
+            xp.sum(slopes * rows, axis=-1) / place.half_width,
+        )
 
 
 @numpy_unless_traced
@@ -394,6 +408,14 @@ def line_of(disc: LayerDisc) -> ElasticLine:
 def _places() -> np.ndarray:
     """Chebyshev's nodes on [-1, 1], ascending."""
     return -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
+
+
+@functools.cache
+def _slopes() -> np.ndarray:
+    """T_n' = sum_m T_m S[m, n]."""
+    slopes = np.zeros((_DEGREE + 1, _DEGREE + 1))
+    slopes[:-1] = np.polynomial.chebyshev.chebder(np.eye(_DEGREE + 1))
+    return slopes
 
 
 def _series(numpy: Any, values: Array) -> Array:

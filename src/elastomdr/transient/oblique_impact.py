@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, mapped, xp
+from ..arrays import compiled, fixed, mapped, on_jax, xp
 from ..checks import Array, as_float64, finite, nan_unless, positive, require, scalar
 from ..element.contact_step import coefficients_of_steps
 from ..element.law import Foundation
@@ -159,10 +159,8 @@ def solve_oblique(
     slips: Slips, scene: Any, shape: AbstractShape, history: History, normal_impact: Any
 ) -> Oblique:
     """The tangential motion of every point of an impact that is solved already; NaN
-    where that failed. On JAX.
+    where that failed.
     """
-    import jax
-
     count = int(np.prod(scene.shape))
     mass, u, friction = (
         xp.broadcast_to(xp.asarray(field), scene.shape).reshape(-1)
@@ -174,14 +172,11 @@ def solve_oblique(
     laws = _laws(slips, scene, count)
     reach = _reach(shape, scene.per_area, xp.asarray(normal_impact.motion.max_depth))
 
-    def marched(finer: int) -> Deflection:
-        def one(point: tuple) -> Deflection:
-            (normal, tangential), friction, reach, course, moved = point
-            place = Scene(shape, normal, tangential, friction, reach)
-            cut = {"elements": _ELEMENTS * finer // 2, "steps": _STEPS * finer // 2}
-            return _deflect(place, course, moved, **cut, per_area=scene.per_area)
+    points = laws, friction, reach, course, moved
 
-        return jax.lax.map(one, (laws, friction, reach, course, moved))
+    def marched(finer: int) -> Deflection:
+        cut = {"elements": _ELEMENTS * finer // 2, "steps": _STEPS * finer // 2}
+        return on_jax(_deflect_each, shape, points, **cut, per_area=scene.per_area)
 
     coarse, fine = marched(1), marched(2)
     # Where nothing slips until it lets go the scheme is of first order, else of second.
@@ -255,6 +250,28 @@ def _reach(shape: AbstractShape, per_area: bool, deepest: Array) -> Array:
 
 
 @compiled("elements", "steps", "per_area")
+def _deflect_each(
+    shape: AbstractShape,
+    points: tuple,
+    *,
+    elements: int,
+    steps: int,
+    per_area: bool,
+) -> Deflection:
+    """`_deflect` of each point: laws, friction, reach, course and motion, with points
+    along the first axis. On JAX.
+    """
+    import jax
+
+    def one(point: tuple) -> Deflection:
+        (normal, tangential), friction, reach, course, moved = point
+        scene = Scene(shape, normal, tangential, friction, reach)
+        cut = {"elements": elements, "steps": steps}
+        return _deflect(scene, course, moved, **cut, per_area=per_area)
+
+    return jax.lax.map(one, points)
+
+
 def _deflect(
     scene: Scene,
     course: Course,

@@ -134,20 +134,27 @@ def solve_levels(
     shared = shared_level(work, most, cut.room, cut.growth)
     size, outside = (0, 0), False
 
-    def solve(level: int) -> tuple[History, Any]:
-        nonlocal size, outside
-        finer = 2**level
-        # NumPy has nothing to compile for a new size
-        room = finer if on_numpy() else max(finer, 2**shared)
-        steps, instants = cut.steps(finer)
-        seen, line = run(
-            Scene(law, cut.surface(finer, room), *cut.mounts),
+    def marched(scene: Scene, steps: Steps, instants: Any, room: int) -> Any:
+        return run(
+            scene,
             padded(steps, cut.most_steps * room),
             instants,
             control=history.control,
             viscous=history.viscous,
             balance=missing is not None,
         )
+
+    def solve(level: int) -> tuple[History, Any]:
+        nonlocal size, outside
+        finer = 2**level
+        # NumPy has nothing to compile for a new size
+        small = on_numpy() and cut.seconds_on_numpy(history, level) <= _PATIENCE
+        room = finer if small else max(finer, 2**shared)
+        # made by NumPy too: of single operations JAX compiles each
+        steps, instants = cut.steps(finer)
+        scene = Scene(law, cut.surface(finer, room), *cut.mounts)
+        given = scene, steps, instants, room
+        seen, line = marched(*given) if small else on_jax(marched, *given)
         seen, u = known((seen, line.u))
         strips = 1 if cut.strips == 1 else -(-cut.elements * finer // 2)
         size = cut.elements * finer * strips, steps.h.shape[0] - 1
@@ -162,11 +169,7 @@ def solve_levels(
             seen = seen._replace(normal=0 * seen.normal, drag=0 * seen.drag)
         return seen, inside
 
-    def solved(level: int) -> tuple[History, Any]:
-        large = cut.seconds_on_numpy(history, level) > _PATIENCE
-        return on_jax(solve, level) if on_numpy() and large else solve(level)
-
-    levels = refine(solved, history.rtol, most, slope, missing)
+    levels = refine(solve, history.rtol, most, slope, missing)
     branches = int(history.law.times.size)
     return levels, SlidePlan(*size, branches, levels.levels, cut.skipped), outside
 

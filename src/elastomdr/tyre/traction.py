@@ -502,7 +502,7 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
     value = np.broadcast_to(
         given, np.broadcast_shapes(np.shape(given), np.shape(scene.velocity))
     )
-    steady, points, contacts = cylinder_pressure(
+    rolled, points, contacts = cylinder_pressure(
         layer,
         scene.shape,
         velocity=scene.velocity,
@@ -512,10 +512,10 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         model=scene.model,
         rtol=scene.rtol,
     )
-    solution = steady.found
+    solution = rolled.steady
     friction, beyond = scene.friction_in(
         solution.velocity,
-        steady.temperature,
+        rolled.temperature,
         solution.normal_force,
         solution.contact,
         solution.converged,
@@ -545,9 +545,9 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         beyond=beyond,
         pulled=_pulled(sheared, float(scene.shape.length), points),
         converged=solution.converged,
-        temperature=steady.temperature,
-        model=ON_LAYER + steady.model,
-        plan=steady.plan,
+        temperature=rolled.temperature,
+        model=ON_LAYER + rolled.model,
+        plan=rolled.plan,
     )
 
 
