@@ -102,7 +102,8 @@ def chromium():
     driver = pytest.importorskip("playwright.sync_api")
     with driver.sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=program, args=["--no-sandbox", "--disable-gpu", ALONE]
+            executable_path=program,
+            args=["--no-sandbox", "--disable-gpu", "--in-process-gpu", ALONE],
         )
         yield browser
         browser.close()

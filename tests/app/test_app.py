@@ -172,6 +172,27 @@ def asked(
     return next((message.get("status", message["type"]) for message in sent), None)
 
 
+@pytest.mark.parametrize("left", [True, False])
+def test_a_browser_that_leaves_before_the_answer(left):
+    """Starlette raises then; without that its error is no one's but the server's."""
+
+    async def receive():
+        return {"type": "http.disconnect" if left else "http.request"}
+
+    async def unanswered(scope, receive, send):
+        await receive()
+        raise RuntimeError("No response returned.")
+
+    scope = {"type": "http", "path": "/secret/", "method": "GET"}
+    scope["headers"] = [(b"host", b"127.0.0.1:80")]
+    answer = Guard(unanswered, "secret")(scope, receive, None)
+    if left:
+        assert asyncio.run(answer) is None
+    else:
+        with pytest.raises(RuntimeError):
+            asyncio.run(answer)
+
+
 async def application(scope, receive, send):
     """Reads all that it is sent; as FastAPI's, it answers for itself when reading
     fails.

@@ -83,13 +83,16 @@ class Guard:
         import asyncio
 
         end, got, answered = time.monotonic() + self._seconds, 0, False
+        gone = False  # whether the browser has closed the connection
         refused: _TooMuchError | None = None
 
         async def within() -> Any:
-            nonlocal got, refused
+            nonlocal got, refused, gone
             if answered or scope["method"] in ("GET", "HEAD"):
                 # nothing but the end of the connection is awaited
-                return await receive()
+                message = await receive()
+                gone = message["type"] == "http.disconnect"
+                return message
             try:
                 message = await asyncio.wait_for(
                     receive(), max(end - time.monotonic(), 0.001)
@@ -122,6 +125,9 @@ class Guard:
             await self.app(scope, within, answer)
         except _TooMuchError:
             pass
+        except RuntimeError:  # of Starlette, without an answer
+            if not gone:
+                raise
         finally:
             if refused is not None and not answered:
                 await _refuse(scope, send, refused.status, str(refused))
