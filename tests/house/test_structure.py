@@ -3,9 +3,9 @@ files have their rooms.
 """
 
 import ast
+import functools
 import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
@@ -45,12 +45,18 @@ FLOORS = (
 )
 
 
-def imports(path: Path, types: bool = False) -> Iterator[tuple[str, ...]]:
+@functools.cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def imports(path: Path, types: bool = False) -> list[tuple[str, ...]]:
     """The modules of this package that a file imports, and other packages by their
     name; with `types`, also what only a reader of types sees.
     """
     home = ("elastomdr", *path.relative_to(SOURCE).with_suffix("").parts)
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = tree_of(path)
     # a method of a model imports its room where it is called
     nodes = list(tree.body if path.name == "models.py" else ast.walk(tree))
     skipped = set()
@@ -61,14 +67,16 @@ def imports(path: Path, types: bool = False) -> Iterator[tuple[str, ...]]:
             and "TYPE_CHECKING" in ast.unparse(node.test)
         ):
             skipped |= {id(inner) for inner in ast.walk(node)}
+    modules: list[tuple[str, ...]] = []
     for node in nodes:
         if id(node) in skipped:
             continue
         if isinstance(node, ast.ImportFrom):
             base = home[: len(home) - node.level] if node.level else ()
-            yield (*base, *(node.module or "").split("."))
+            modules.append((*base, *(node.module or "").split(".")))
         elif isinstance(node, ast.Import):
-            yield from (tuple(name.name.split(".")) for name in node.names)
+            modules += [tuple(name.name.split(".")) for name in node.names]
+    return modules
 
 
 def files(*parts: str) -> list[Path]:
@@ -206,7 +214,7 @@ def test_a_result_never_solves():
 def test_results_import_no_jax():
     """Apart from what the ground imports."""
     for path in files("results"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = tree_of(path)
         at_import = [
             node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))
         ]
@@ -263,7 +271,7 @@ EMPTY_NAMES |= {"lanes", "thermometer", "lump", "swapped", "stretches", "until"}
 
 def test_local_names_say_what_they_hold():
     for path in sorted(SOURCE.rglob("*.py")):
-        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        nodes = list(ast.walk(tree_of(path)))
         fields = {
             id(field.target)
             for node in nodes

@@ -255,19 +255,19 @@ def test_sliding_on_a_partial_contact_without_time_steps(steps):
             np.linspace(0, 2e-3, steps + 1),
             1e-4 * (1 + 0.3 * np.sin(np.arange(steps + 1))),
         )
-        w = jnp.asarray(depth)[:, None] + jax.vmap(surface.rise)(jnp.asarray(place))
+        w = depth[:, None] + np.asarray(jax.jit(jax.vmap(surface.rise))(place))
         h = 2e-3 / steps
         advance = jax.jit(
             lambda state, start, end: follow(
                 law, modes, state, start, (end - start) / h, h
             )
         )
-        state = pressed(law, modes, w[0])
+        state = jax.jit(pressed)(law, modes, w[0])
         touched = []
         for start, end in itertools.pairwise(w):
             state = advance(state, start, end)
             touched.append(np.asarray(state.contact))
-        left = sum(energies(law, modes, state))
+        left = sum(jax.jit(energies)(law, modes, state))
         touched = np.array(touched)
         assert (touched[1:] > touched[:-1]).any()
         assert (touched[1:] < touched[:-1]).any()

@@ -41,12 +41,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import jax.numpy as jnp
 import numpy as np
 
+from ..arrays import xp
 from ..checks import (
     Array,
-    in_float64,
     is_traced,
     numpy_unless_traced,
     plain,
@@ -78,7 +77,7 @@ if TYPE_CHECKING:
 _STEPS = 40
 
 
-@in_float64
+@numpy_unless_traced
 def full_contact_sliding(
     material: Material,
     line: RoughLine,
@@ -120,26 +119,26 @@ def full_contact_sliding(
             "half-space of it."
         )
     v, force = at_reference(foundation, temperature, velocity=velocity, load=load)
-    waves = jnp.fft.rfft(jnp.asarray(line.height))[1:]
-    k = 2 * jnp.pi * jnp.arange(1, waves.shape[0] + 1) / line.period
-    modulus = foundation.complex_modulus(jnp.asarray(v)[..., None] * k)
+    waves = xp.fft.rfft(xp.asarray(line.height))[1:]
+    k = 2 * xp.pi * xp.arange(1, waves.shape[0] + 1) / line.period
+    modulus = foundation.complex_modulus(xp.asarray(v)[..., None] * k)
     # the shortest wave counts once
-    twice = jnp.where(2 * jnp.arange(1, waves.shape[0] + 1) == line.count, 0.5, 1.0)
+    twice = xp.where(2 * xp.arange(1, waves.shape[0] + 1) == line.count, 0.5, 1.0)
     drag = (
         2
         / line.count**2
-        * jnp.sum(twice * jnp.abs(waves) ** 2 * k * modulus.imag, axis=-1)
+        * xp.sum(twice * xp.abs(waves) ** 2 * k * modulus.imag, axis=-1)
     )
     # The line moves towards +x under the rubber, which meets the wave k as exp(-i k v
     # t): conjugate of E*(k v).
-    lifted = jnp.concatenate(
-        [jnp.zeros_like(modulus[..., :1]), jnp.conj(modulus) * waves], axis=-1
+    lifted = xp.concatenate(
+        [xp.zeros_like(modulus[..., :1]), xp.conj(modulus) * waves], axis=-1
     )
-    least = jnp.min(jnp.fft.irfft(lifted, n=line.count), axis=-1)
-    return jnp.where(jnp.asarray(force) + least >= 0, drag / force, jnp.nan)
+    least = xp.min(xp.fft.irfft(lifted, n=line.count), axis=-1)
+    return xp.where(xp.asarray(force) + least >= 0, drag / force, xp.nan)
 
 
-@in_float64
+@numpy_unless_traced
 def small_damping(
     cover: Foundation,
     roll: Cylinder,
@@ -189,8 +188,8 @@ def small_damping(
             "cover must have an equilibrium modulus: one that relaxes altogether "
             "does not lose little."
         )
-    diameter = 2 * jnp.asarray(roll.radius)
-    scale = 0.75 * diameter * force / jnp.asarray(roll.length)
+    diameter = 2 * xp.asarray(roll.radius)
+    scale = 0.75 * diameter * force / xp.asarray(roll.length)
     half = (scale / cover.equilibrium) ** (1 / 3) + 0 * v
     for _ in range(_STEPS):
         half = (scale / cover.storage(2 * v / half)) ** (1 / 3)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..checks import Array
+from ..checks import Array, numpy_unless_traced
 from ..element.episode import Modes, recovery_modes
 from ..errors import InputError
 from ..material.relaxation import Relaxation
@@ -181,6 +181,7 @@ def surface_at(
     )
 
 
+@numpy_unless_traced  # plain numbers: on JAX each step would be compiled
 def _grown(
     law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray
 ) -> tuple[np.ndarray, ...]:
