@@ -128,7 +128,7 @@ def test_traced_cutoffs_need_samples():
         jax.enable_x64(True),
         pytest.raises(em.InputError, match="samples must be given"),
     ):
-        jax.grad(friction)(8e3)
+        jax.jit(jax.grad(friction))(8e3)
 
 
 def test_many_at_once():
@@ -155,4 +155,4 @@ def test_flash_temperature_has_no_derivative():
         ).mu
 
     with jax.enable_x64(True), pytest.raises(em.InputError, match="not differentiable"):
-        jax.grad(hot)(0.3)
+        jax.jit(jax.grad(hot))(0.3)

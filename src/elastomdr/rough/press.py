@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import xp
+from ..arrays import on_jax, xp
 from ..call.extrapolation import (
     NOT_KNOWN,
     Beyond,
@@ -386,18 +386,6 @@ def _sliding(
     foundation: Foundation,
     rtol: float,
 ) -> _PressedContact:
-    from ..arrays import on_jax
-
-    return on_jax(_steady, points, lines, length, foundation, rtol)
-
-
-def _steady(
-    points: _Points,
-    lines: list[RoughLine],
-    length: float,
-    foundation: Foundation,
-    rtol: float,
-) -> _PressedContact:
     from .periodic import Job, solve_lines
 
     reduced = (points.velocity * points.factor).ravel()
@@ -415,9 +403,8 @@ def _steady(
     ]
     relaxed = float(foundation.equilibrium)
     approaches, gaps, conductances, stiffnesses, touching = [], [], [], [], []
-    for line, solution in zip(
-        lines, solve_lines(jobs, foundation.law(), float(rtol)), strict=True
-    ):
+    solutions = on_jax(solve_lines, jobs, foundation.law(), float(rtol))
+    for line, solution in zip(lines, solutions, strict=True):
         height = np.asarray(line.height)
         # In full contact the difference of depth and load, both large, is rounding.
         closed = height.max() - height.mean()
