@@ -8,11 +8,14 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from elastomdr.element.contact_step import Elements, contact_step, rest
+from elastomdr.element import contact_step as steps_of_elements
+from elastomdr.element.contact_step import Elements, rest
 from elastomdr.element.law import Foundation
 from elastomdr.material.relaxation import Relaxation
 
 from .surfaces import Indenter, Waves, solve
+
+contact_step = jax.jit(steps_of_elements.contact_step)
 
 
 @pytest.fixture(autouse=True)

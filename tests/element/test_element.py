@@ -12,21 +12,21 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigvals
 
 from elastomdr.arrays import numpy_unless_traced
-from elastomdr.element.contact_step import contact_step, rest
-from elastomdr.element.episode import (
-    energies,
-    follow,
-    force,
-    pressed,
-    recovery_modes,
-    to_branches,
-    to_modes,
-)
+from elastomdr.element import contact_step as steps_of_elements
+from elastomdr.element import episode
+from elastomdr.element.contact_step import rest
+from elastomdr.element.episode import recovery_modes, to_branches, to_modes
 from elastomdr.element.moments import panel_sums
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.rough.branch_reduction import point_laws as every
 from elastomdr.rough.period import coefficients as period_coefficients
 from elastomdr.rough.period import sweep
+
+# one program each, in place of one for each operation
+contact_step = jax.jit(steps_of_elements.contact_step)
+energies, follow, force, pressed = map(
+    jax.jit, (episode.energies, episode.follow, episode.force, episode.pressed)
+)
 
 
 @pytest.fixture(autouse=True)

@@ -152,16 +152,16 @@ def _of_those(where: Array, function: Callable[..., Any], *given: Any) -> Any:
         return function(*given)
     here, count = np.flatnonzero(where), where.size
 
-    def placed(part: Array) -> Array:
-        whole = np.zeros((*part.shape[:-1], count), part.dtype)
-        whole[..., here] = part
-        return whole
+    def placed(chosen: Array) -> Array:
+        everywhere = np.zeros((*chosen.shape[:-1], count), chosen.dtype)
+        everywhere[..., here] = chosen
+        return everywhere
 
-    chosen = (
+    chosen_given = (
         x[..., here] if isinstance(x, np.ndarray) and x.shape[-1:] == (count,) else x
         for x in given
     )
-    return mapped(placed, function(*chosen))
+    return mapped(placed, function(*chosen_given))
 
 
 def _decayed(modes: Modes, m: Array, t: Array) -> Array:
