@@ -157,11 +157,11 @@ def _of_those(where: Array, function: Callable[..., Any], *given: Any) -> Any:
         whole[..., here] = values
         return whole
 
-    chosen = (
+    chosen_given = (
         x[..., here] if isinstance(x, np.ndarray) and x.shape[-1:] == (count,) else x
         for x in given
     )
-    return mapped(placed, function(*chosen))
+    return mapped(placed, function(*chosen_given))
 
 
 def _decayed(modes: Modes, m: Array, t: Array) -> Array:

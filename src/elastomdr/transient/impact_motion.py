@@ -65,9 +65,9 @@ _ROUNDING = 1e-9
 _LOOSER = 100  # times rtol: what a duration may miss
 # impacts computed together: their states fit the processor's cache
 _BLOCK, _SMALL = 256, 8
-# impacts up to which NumPy is no slower than a first compiled call, which compiles for
-# 6 to 10 s: 1000 take 2 s with 3 branches and 6 s with 16, and .3 and 2.6 s compiled
-_FEW = 1000
+# impacts up to which NumPy is taken: with 16 branches 500 take 3 s, and .9 s compiled,
+# after 8 s of compiling
+_FEW = 500
 # fall of the force at the turn, from the fourth grid to the last, for a body that never
 # turns
 _STUCK = 0.3
