@@ -212,6 +212,29 @@ def test_bound_covers_and_widens():
     assert 0 < curve.model_error < 0.3 * curve.mu
 
 
+@pytest.mark.parametrize(
+    ("hurst", "ratio", "power", "area", "low"),
+    [
+        (0.7, 16.0, 0.02, (0.21, 0.39, 0.70), (0.084, 0.082, 0.034)),
+        (0.75, 24.0, 0.03, (0.24, 0.45), (0.075, 0.069)),
+    ],
+)
+def test_bound_of_nearly_elastic_solids(hurst, ratio, power, area, low):
+    """E ~ (i w)^power on two surfaces that no fit has seen: by so much Multiscale is
+    below `em.HalfSpace` with 8 to 64 cells a wave.
+    """
+    omega = np.geomspace(1e-14, 1e14, 281)
+    modulus = 3e6 * (1j * omega) ** power
+    solid = em.TabulatedModulus(omega, modulus.real, modulus.imag)
+    road = em.SelfAffine(hurst, rms_slope=0.4, q_low=2e3, q_high=2e3 * ratio)
+    curve = em.friction(
+        solid, road, velocity=0.3, pressure=np.geomspace(1e5, 4e6, 30), rtol=1e-3
+    )
+    bound = np.interp(area, curve.area_ratio, curve.model_error / curve.mu)
+    assert np.all(np.log1p(bound) > low)
+    assert np.all(bound < 0.12)
+
+
 def test_bound_of_a_road():
     """Five decades: what the figures of docs/accuracy.md promise."""
     tread = em.load_material("tread-passenger-synthetic")
