@@ -1,7 +1,9 @@
 """Sliding in a direction to the lay of a surface, and over a measured map itself."""
 
 import dataclasses
+import json
 import warnings
+from pathlib import Path
 
 import jax
 import numpy as np
@@ -299,3 +301,37 @@ def test_a_map_that_moves_along_its_diagonal():
         for h, angle in ((heights, np.pi / 4), (turned, -np.pi / 4))
     ]
     assert results[0].stress == pytest.approx(results[1].stress, rel=1e-3)
+
+
+def test_the_page_gives_what_is_recorded_of_ground_surfaces():
+    """The table and the means of docs/rough.md, from benchmarks/anisotropic.py."""
+    root = Path(__file__).parents[2]
+    page = " ".join((root / "docs" / "rough.md").read_text(encoding="utf-8").split())
+    record = (root / "benchmarks" / "results" / "anisotropic.json").read_text()
+    points = json.loads(record)["points"]
+    columns = [(1, 0), (3, 0), (3, 90), (9, 0), (9, 90)]  # Peklenik number, degrees
+
+    def at(g, degrees):
+        return [p for p in points if (p["g"], p["direction"]) == (g, degrees)]
+
+    for rubber in ("broad", "small loss", "one relaxation"):
+        cells = []
+        for place in columns:
+            (lightest,) = [
+                p for p in at(*place) if p["rubber"] == rubber and p["level"] == 0.01
+            ]
+            assert 0.01 < lightest["contact"] < 0.03
+            cells.append(f"{lightest['multiscale']:.2f} ({lightest['area']:.2f})")
+        assert f"| {rubber} | {' | '.join(cells)} |" in page
+    times = np.array([p["multiscale"] for p in points if p["g"] > 1])
+    lightest = [p["level"] == 0.01 for p in points if p["g"] > 1]
+    assert lightest[abs(np.log(times)).argmax()]
+    means = [np.exp(np.log([p["multiscale"] for p in at(*c)]).mean()) for c in columns]
+    words = (
+        "gives, on average, {:.2f} times the friction of the maps along the lay and "
+        "{:.2f} times across it at $g=3$, {:.2f} and {:.2f} times at $g=9$"
+    )
+    assert words.format(*means[1:]) in page
+    within = np.log1p([p["bound"] for p in points if p["g"] > 1])
+    held = int((abs(np.log(times)) <= within).sum())
+    assert f"holds {held} of {times.size} points" in page
