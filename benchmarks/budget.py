@@ -251,6 +251,15 @@ def _motions() -> list[Case]:
 
 
 CASES = (
+    Case(
+        "indent: two presses, 51 depths",
+        "em.indent(rubber, ball, time=t, depth=x * np.sin(120 * t) ** 2)",
+        "force.sum()",
+        curve=HISTORY,
+        one="1e-4",
+        many="1e-4",
+        traced=False,
+    ),
     *_steady("friction", "mu", SLIDERS),
     *_steady("rolling", "coefficient", ROLLERS),
     *(

@@ -217,7 +217,7 @@ def grid(n: int, size: int) -> Grid:
     )
 
 
-@functools.cache
+@functools.lru_cache(8)  # 10 MB each for hundreds of impacts
 def _side_by_side(multiples: tuple[int, ...], impacts: int) -> Grid:
     """Grids of so many times the coarsest, each for so many impacts."""
     size = multiples[-1] * COARSEST
