@@ -11,11 +11,11 @@ the changes go in circles (at a glassy leading edge thinner than a cell a pressu
 in further behind than at its own place) cells are let go only, for a while.
 
 Each pivot is solved by elimination where few cells touch, else by GMRES; BiCGSTAB does
-not converge above 30 % contact of a map of high contrast. The preconditioner is the inverse of K on the infinite
-surface, restricted to the contact. Under a given load the equation is P K p = P h,
-where P takes the mean over the contact off a field, and the preconditioner is P/K,
-which changes no mean: the load is held exactly, and the depth d follows as the mean of
-u - h over the contact.
+not converge above 30 % contact on maps of high contrast. The preconditioner is the
+inverse of K on the infinite surface, restricted to the contact. Under a given load the
+equation is P K p = P h, where P takes the mean over the contact off a field, and the
+preconditioner is P/K, which changes no mean: the load is held exactly, and the depth d
+follows as the mean of u - h over the contact.
 
 **Periodic maps.** In the frame of the map, which moves along +x with velocity v, the
 wave (kx, ky) shakes the rubber at the frequency kx v, so that
