@@ -250,8 +250,7 @@ def graded(decades):
 
 
 def test_high_contrast_in_heavy_contact():
-    """A contrast of 1000, where a third of the cells touch: BiCGSTAB diverges there.
-    """
+    """A contrast of 1000, where a third of the cells touch: BiCGSTAB diverges there."""
     rubber = graded(3)
     road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=3.2e4)
     heights = em.reference.rough_map(road, 0, periods=2, points=256)[0]
