@@ -926,8 +926,23 @@ def from_spectrum(
             f"{_SLOPES[0]:g} to {_SLOPES[1]:g}: are "
             "units, convention and cutoffs right?"
         )
+    if low is None or high is None:
+        report.append(_asks_for_cutoffs(spectrum, low, high))
     return MeasuredSpectrum(
         q=spectrum.q, c=spectrum.c, convention=convention, report=tuple(report)
+    )
+
+
+def _asks_for_cutoffs(spectrum: Spectrum, low: float | None, high: float | None) -> str:
+    """Which waves are taken, where the table's ends decide."""
+    missing = [
+        name for name, q in (("`longest`", low), ("`shortest`", high)) if q is None
+    ]
+    return (
+        f"no {' and no '.join(missing)} is given: all waves of the table from "
+        f"{2 * np.pi / spectrum.q_low:.3g} m down to {2 * np.pi / spectrum.q_high:.3g} m "
+        "are taken. Friction grows with each shorter wave: usual are 5 mm to some "
+        "micrometres"
     )
 
 
