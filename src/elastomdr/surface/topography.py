@@ -65,6 +65,7 @@ _STEEPEST = 3.0  # rms slope above which units are doubted
 # of its standard errors it must be
 _UNEQUAL = 1.2
 _SKEWED, _CERTAIN = 0.3, 2.5
+_ALIKE = 1.25  # ratio of the lowest wave numbers of scans that begin alike
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
@@ -188,7 +189,7 @@ def surface(
         _asymmetry(scan, each, high)
         for scan, each, high in zip(ready, waves, highest, strict=True)
     ]
-    most_skewed = max(asymmetry, key=lambda of_scan: of_scan.bound)
+    joined = _joined_asymmetry(ready, waves, highest) if several else asymmetry[0]
     report += [
         name + of_scan.words for name, of_scan in zip(names, asymmetry, strict=True)
     ]
@@ -196,7 +197,11 @@ def surface(
         name + _slopes(scan, each, one)
         for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
     ]
-    _warn_of_skewness(most_skewed)
+    if several:
+        report.append(
+            f"heights of all scans: skewness {joined.skewness:.2f} +- {joined.error:.2f}"
+        )
+    _warn_of_skewness(joined)
     lay, sentences = _directions(waves, highest, fit)
     report += sentences
     report += [_asks_for_shortest(fit)] if shortest is None else []
@@ -205,8 +210,8 @@ def surface(
         c=fit.c,
         relative_error=fit.error,
         measured_height=height,
-        skewness=most_skewed.skewness,
-        skewness_error=most_skewed.error,
+        skewness=joined.skewness,
+        skewness_error=joined.error,
         report=tuple(report),
         lay=lay,
         map=_only_map(ready, highest, shortest is not None or limits[0].noisy),
@@ -577,10 +582,6 @@ class _Asymmetry(NamedTuple):
     error: float  # standard error of the skewness if the heights are Gaussian
     words: str
 
-    @property
-    def bound(self) -> float:
-        return skewness_bound(self.skewness, self.error)
-
 
 def skewness_bound(skewness: float, error: float) -> float:
     """What |skewness| is taken for in a bound, of a map as a sample of its surface.
@@ -592,37 +593,84 @@ def skewness_bound(skewness: float, error: float) -> float:
     return float(np.hypot(skewness, _ERRORS * error))
 
 
+class _Moments(NamedTuple):
+    """Moments of the heights of some scales."""
+
+    rms: float  # [m]
+    skewness: float
+    error: float  # standard error of the skewness if the heights are Gaussian
+    kurtosis: float
+
+
+def _moments(scan: Scan, waves: _Waves, low: float, high: float) -> _Moments:
+    """Of the heights between two wave numbers [rad/m]."""
+    spread = np.fft.rfftn(scan.height)
+    q = waves.q.reshape(spread.shape)
+    kept = np.where((q >= low) & (q <= high), spread, 0.0)
+    axes = tuple(range(scan.height.ndim))
+    heights = np.fft.irfftn(kept, s=scan.height.shape, axes=axes)
+    variance = np.mean(heights**2)
+    power = np.abs(kept) ** 2
+    independent = 2 * power.sum() ** 2 / (power**2).sum()  # half of the waves
+    return _Moments(
+        float(variance**0.5),
+        float(np.mean(heights**3) / variance**1.5),
+        float((6 / independent) ** 0.5),
+        float(np.mean(heights**4) / variance**2),
+    )
+
+
 def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
     """Skewness and kurtosis of the heights from the first wave to the highest, and of
     the longer and the shorter half of these scales.
     """
-    spread = np.fft.rfftn(scan.height)
-    q = waves.q.reshape(spread.shape)
     middle = (waves.first * highest) ** 0.5
-
-    def moments(low: float, high: float) -> tuple[float, float, float]:
-        """Skewness, its standard error if the heights are Gaussian, and kurtosis."""
-        kept = np.where((q >= low) & (q <= high), spread, 0.0)
-        heights = np.fft.irfftn(
-            kept, s=scan.height.shape, axes=tuple(range(scan.height.ndim))
+    whole, longer, shorter = (
+        _moments(scan, waves, *scales)
+        for scales in (
+            (waves.first, highest),
+            (waves.first, middle),
+            (middle, highest),
         )
-        variance = np.mean(heights**2)
-        power = np.abs(kept) ** 2
-        independent = 2 * power.sum() ** 2 / (power**2).sum()  # half of the waves
-        return (
-            float(np.mean(heights**3) / variance**1.5),
-            float((6 / independent) ** 0.5),
-            float(np.mean(heights**4) / variance**2),
-        )
-
-    skewness, chance, kurtosis = moments(waves.first, highest)
-    longer, shorter = moments(waves.first, middle), moments(middle, highest)
-    words = (
-        f"heights of these scales: skewness {skewness:.2f} +- {chance:.2f}, kurtosis "
-        f"{kurtosis:.2f}; longer than {2 * np.pi / middle:.3g} m {longer[0]:.2f}, "
-        f"{longer[2]:.2f}; shorter {shorter[0]:.2f}, {shorter[2]:.2f}"
     )
-    return _Asymmetry(skewness, chance, words)
+    words = (
+        f"heights of these scales: skewness {whole.skewness:.2f} +- {whole.error:.2f}, "
+        f"kurtosis {whole.kurtosis:.2f}; longer than {2 * np.pi / middle:.3g} m "
+        f"{longer.skewness:.2f}, {longer.kurtosis:.2f}; shorter {shorter.skewness:.2f}, "
+        f"{shorter.kurtosis:.2f}"
+    )
+    return _Asymmetry(whole.skewness, whole.error, words)
+
+
+def _joined_asymmetry(
+    scans: Sequence[Scan], waves: Sequence[_Waves], highest: Sequence[float]
+) -> _Asymmetry:
+    """Skewness of the heights of all scales: the scales of several scans follow each
+    other, each from the scan that knows them best, and their third cumulants add up.
+    """
+    parts: list[_Moments] = []
+    known = min(each.first for each in waves)
+    while True:
+        found = []
+        for scan, each, high in zip(scans, waves, highest, strict=True):
+            low = max(known, each.first)
+            if high >= 2 * low:
+                found.append((low, high, _moments(scan, each, low, high)))
+        if not found:
+            break
+        nearest = min(low for low, _, _ in found)
+        _, known, best = min(
+            (one for one in found if one[0] <= _ALIKE * nearest),
+            key=lambda one: one[2].error,
+        )
+        parts.append(best)
+    weight = np.array([part.rms for part in parts])
+    weight = (weight / np.linalg.norm(weight)) ** 3
+    return _Asymmetry(
+        float(weight @ [part.skewness for part in parts]),
+        float(np.linalg.norm(weight * [part.error for part in parts])),
+        "",
+    )
 
 
 def _warn_of_skewness(heights: _Asymmetry) -> None:
