@@ -114,7 +114,9 @@ class _Waves(NamedTuple):
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """q, mean power and number of independent waves in bands that hold any."""
         edges = np.geomspace(
-            low * 0.999, high * 1.001, max(2, int(density * np.log10(high / low)) + 1)
+            low * 0.999,
+            high * 1.001,
+            max(2, int(density * np.log10(high / low) + _SAME) + 1),
         )
         band = np.digitize(self.q, edges) - 1
         inside = (band >= 0) & (band < edges.size - 1)
@@ -145,6 +147,13 @@ class _Fit(NamedTuple):
     error: np.ndarray  # standard error of ln C
     # wave numbers, and the mean power that C lets expect there
     expected: tuple[np.ndarray, np.ndarray]
+
+
+def _within(q: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Which wave numbers lie between two others, waves exactly at these included in any
+    unit of length.
+    """
+    return (q >= low * (1 - _SAME)) & (q <= high * (1 + _SAME))
 
 
 def surface(
@@ -455,9 +464,11 @@ def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
     """
     low, high = min(max(each.lowest) for each in waves), max(highest)
     first = min(each.first for each in waves)
-    count = int(np.ceil(_NODES * np.log10(high / first)))
+    count = int(np.ceil(_NODES * np.log10(high / first) - _SAME))
     gap = np.log(high / first) / count
-    before = int(np.ceil(np.log(first / low) / gap))  # waves that the window brings in
+    before = int(
+        np.ceil(np.log(first / low) / gap - _SAME)
+    )  # waves that the window brings in
     nodes = np.log(first) + gap * np.arange(-before, count + _BEYOND + 1)
     terms = []
     for each, end in zip(waves, highest, strict=True):
@@ -606,7 +617,7 @@ def _moments(scan: Scan, waves: _Waves, low: float, high: float) -> _Moments:
     """Of the heights between two wave numbers [rad/m]."""
     spread = np.fft.rfftn(scan.height)
     q = waves.q.reshape(spread.shape)
-    kept = np.where((q >= low) & (q <= high), spread, 0.0)
+    kept = np.where(_within(q, low, high), spread, 0.0)
     axes = tuple(range(scan.height.ndim))
     heights = np.fft.irfftn(kept, s=scan.height.shape, axes=axes)
     variance = np.mean(heights**2)
@@ -654,7 +665,7 @@ def _joined_asymmetry(
         found = []
         for scan, each, high in zip(scans, waves, highest, strict=True):
             low = max(known, each.first)
-            if high >= 2 * low:
+            if high >= 2 * low * (1 - _SAME):
                 found.append((low, high, _moments(scan, each, low, high)))
         if not found:
             break
@@ -706,7 +717,7 @@ def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
     )
     slope_square = slope_square * np.prod(waves.lowest)
     q, mean = fit.expected
-    inside = (waves.q >= q[0]) & (waves.q <= q[-1])
+    inside = _within(waves.q, q[0], q[-1])
     power = np.where(
         inside, np.exp(np.interp(np.log(waves.q), np.log(q), np.log(mean))), waves.power
     )
@@ -739,7 +750,7 @@ def _directions(
     for each, high in zip(waves, highest, strict=True):
         if each.dimensions == 1:
             continue
-        inside = (each.q >= each.first) & (each.q <= high)
+        inside = _within(each.q, each.first, high)
         q, power, copies, kx, ky = (
             x[inside] for x in (each.q, each.power, each.copies, *each.k)
         )
