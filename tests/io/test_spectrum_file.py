@@ -49,7 +49,8 @@ def test_one_surface_in_several_units(tmp_path, head, first, second, join):
         write(tmp_path, head, Q * first, C * second, join), convention="2d"
     )
     same(surface)
-    assert surface.report == ()
+    (said,) = surface.report
+    assert said.startswith("no `longest` and no `shortest` is given: all waves")
 
 
 def test_decimal_commas_and_wavelengths(tmp_path):
@@ -57,7 +58,8 @@ def test_decimal_commas_and_wavelengths(tmp_path):
     file.write_text(file.read_text().replace(".", ","))
     surface = em.read_spectrum(file, convention="2d")
     same(surface)
-    assert surface.report == ()
+    (said,) = surface.report
+    assert said.startswith("no `longest` and no `shortest` is given: all waves")
 
 
 def test_what_one_over_metre_means_is_asked(tmp_path):
@@ -216,6 +218,9 @@ def test_cutoffs(tmp_path):
         rtol=ROUND,
     )
     assert "keeps" in surface.report[0]
+    assert len(surface.report) == 1
+    half = em.read_spectrum(file, convention="2d", longest=2 * np.pi / 2e3)
+    assert half.report[-1].startswith("no `shortest` is given: all waves")
     with pytest.raises(em.InputError, match="within the table"):
         em.read_spectrum(file, convention="2d", shortest=1e-6)
 
@@ -327,6 +332,21 @@ def test_scene(tmp_path, capsys):
         assert said.count("\n") == 1
         assert said.startswith("elastomdr: error: scene.toml: [surface]")
         assert message in said
+
+
+def test_a_scene_without_cutoffs_says_what_is_taken_and_what_is_usual(tmp_path):
+    """Of a table over seven decades the ends decide friction."""
+    q = 2 * np.pi / np.geomspace(0.314, 21e-9, 40)
+    write(tmp_path, ["q [rad/m],C [m^4]"], q, 1e-7 * (q / q[0]) ** -3.6)
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE.format(keys='file = "road.csv"\nconvention = "2d"'))
+    shape = arguments("friction", str(scene))["shape"]
+    text = em.friction(
+        em.StandardSolid(1e6, 3e6, 1e-3), shape, velocity=1.0, pressure=1e6
+    ).summary()
+    text = " ".join(text.split())
+    assert "all waves of the table from 0.314 m down to 2.1e-08 m" in text
+    assert "usual are 5 mm to some micrometres" in text
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")

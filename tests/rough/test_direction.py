@@ -153,6 +153,21 @@ def test_random_maps_of_a_measured_surface_have_a_bound():
         assert "which the model error holds" in directed.summary()
 
 
+def test_draws_keep_the_limits_of_the_model():
+    """As a result without draws has them, in the numbers of one draw."""
+    lay = dataclasses.replace(ground(4.0).lay, error=np.full(ROAD.q.size, 0.2))
+    surface = dataclasses.replace(
+        ground(4.0), lay=lay, skewness=-1.0, skewness_error=0.1
+    )
+    given = {"velocity": 0.1, "pressure": 1e4}
+    alone = dict(em.friction(SOLID, surface, **given).inputs)
+    drawn = em.friction(SOLID, surface.draws(3, level=0.1), **given)
+    for row in ("bound of the model", "heights", "direction"):
+        assert dict(drawn.inputs)[row].startswith("in 3 of 3 draws, first: ")
+        assert row in drawn.summary()
+        assert alone[row][:12] in dict(drawn.inputs)[row]
+
+
 def test_draws_vary_lay_and_skewness():
     lay = dataclasses.replace(ground(4.0).lay, error=np.array([0.6, 0.1]))
     surface = dataclasses.replace(

@@ -240,3 +240,49 @@ def test_summits_grow_with_the_cell_and_the_load():
         maps.Grid(128, 4, 2 * SIDE),
     )
     assert heavy == pytest.approx(16)
+
+
+def graded(decades):
+    """Rubber with two branches a decade, its modulus rising as the root of omega."""
+    branch = np.arange(int(2 * decades))
+    moduli = 1e6 * (10**0.5 - 1) * 10 ** (0.5 * branch)
+    return em.Prony(1e6, moduli, 10.0 ** -(1 + 0.5 * branch))
+
+
+def test_high_contrast_in_heavy_contact():
+    """A contrast of 1000, where a third of the cells touch: BiCGSTAB diverges there."""
+    rubber = graded(3)
+    road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=3.2e4)
+    heights = em.reference.rough_map(road, 0, periods=2, points=256)[0]
+    found = half_space.solve(
+        rubber.complex_modulus,
+        heights,
+        (SIDE, SIDE),
+        velocity=3e-4,
+        pressure=4e5,
+        double=False,
+    )
+    assert found.settled
+    assert 0.3 < np.mean(found.pressure > 0) < 0.4
+    assert found.products < 1500
+
+
+def test_a_solver_that_does_not_converge_is_named(monkeypatch):
+    """With what the warning says to do the same iterations are enough."""
+    monkeypatch.setattr(half_space, "_PIVOTS", 20)
+    monkeypatch.setattr(half_space, "_KEPT", 5)
+    monkeypatch.setattr(half_space, "_RESTARTS", 1)
+    monkeypatch.setattr(half_space, "_FEW", 0)
+    rubber, model = graded(3), em.HalfSpace(seeds=2, periods=2)
+    given = {"velocity": 1e-3, "pressure": 4e5, "model": model, "rtol": 1e-3}
+    road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1.6e4)
+    with pytest.warns(em.ConvergenceWarning, match="solver did not converge in 2 of 2"):
+        curve = em.friction(rubber, road, **given)
+    assert np.isnan(curve.mu)
+    assert "a lower upper cutoff" in dict(curve.inputs)["maps"]
+    for eased in (
+        em.friction(rubber, road.ended(4e3), **given),
+        em.friction(graded(1), road, **given),
+    ):
+        assert np.isfinite(eased.mu)
+        assert "did not converge" not in dict(eased.inputs)["maps"]

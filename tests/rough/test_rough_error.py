@@ -267,6 +267,44 @@ def test_a_surface_with_worn_summits_has_a_wider_bound():
     assert "may be chance" in em.friction(rubber, plain, **at).summary()
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
+@pytest.mark.parametrize("worn", [False, True])
+def test_a_finer_scan_does_not_widen_the_bound_of_skewness(worn):
+    """Of a small part of the surface: it has few long waves, and says nothing of them
+    that the larger scan does not know better. The skewness of all scales is that of one
+    map which has them all.
+    """
+    n = 1024
+    k = np.fft.fftfreq(n, 1 / n)
+    q = np.hypot(k[:, None], k[None])
+    amplitude = np.where((q >= 4) & (q <= 200), np.maximum(q, 1.0) ** -1.8, 0.0)
+    white = np.random.default_rng(3).standard_normal((n, n))
+    heights = np.fft.ifft2(np.fft.fft2(white) * amplitude).real
+    heights *= 20e-6 / heights.std()
+    if worn:
+        heights = -np.exp(-heights / 40e-6) * 40e-6
+    coarse = heights.reshape(n // 4, 4, n // 4, 4).mean(axis=(1, 3)), 20e-6
+    fine = heights[100:356, 500:756], 5e-6
+
+    def read(*scans):
+        maps, steps = zip(*scans, strict=True)
+        return em.read_surface(list(maps), pixel_size=list(steps))
+
+    def bound(surface):
+        return np.hypot(surface.skewness, 1.5 * surface.skewness_error)
+
+    alone, small, joined = read(coarse), read(fine), read(coarse, fine)
+    whole = read((heights, 5e-6))
+    assert worn or bound(small) > bound(alone)
+    assert bound(joined) <= bound(alone)
+    assert joined.skewness_error <= alone.skewness_error < small.skewness_error
+    assert joined.skewness == pytest.approx(whole.skewness, abs=0.1)
+    assert read(fine, coarse).skewness == joined.skewness
+    assert any("heights of all scans" in row for row in joined.report)
+    # a second map of the same scales brings none
+    assert bound(read(coarse, coarse)) == bound(alone)
+
+
 def test_other_heights_and_cutoffs_keep_what_was_measured():
     """Lay, skewness and the map itself; beyond the map it is left out, and said."""
     rng = np.random.default_rng(2)

@@ -638,3 +638,24 @@ def test_lines_without_end():
             pressure=1e5,
             model=em.Line(seeds=10**12),
         )
+
+
+@pytest.mark.filterwarnings("ignore")  # a skewed surface with a lay
+@pytest.mark.parametrize("k", [1e-3, 1e3, 1 / 3])
+@pytest.mark.parametrize("n", [96, 100])
+def test_the_unit_of_length_changes_nothing(k, n):
+    """Waves exactly at the ends of a band are in it whatever rounding makes of them."""
+    white = np.fft.fft2(np.random.default_rng(1).standard_normal((n, n)))
+    x, y = np.meshgrid(*[np.fft.fftfreq(n, 1 / n)] * 2, indexing="ij")
+    heights = np.fft.ifft2(white / (9 + np.hypot(3 * x, y) ** 2)).real
+    heights = -np.exp(-heights / (2 * heights.std())) * 4e-5
+    one, other = (
+        em.read_surface(heights * unit, pixel_size=1e-5 * unit) for unit in (1.0, k)
+    )
+    for name, power in (("skewness", 0), ("skewness_error", 0), ("q", -1), ("c", 4)):
+        np.testing.assert_allclose(
+            getattr(other, name), getattr(one, name) * k**power, rtol=1e-9
+        )
+    np.testing.assert_allclose(
+        other.lay.log_peklenik, one.lay.log_peklenik, rtol=1e-8, atol=1e-10
+    )

@@ -54,6 +54,8 @@ else:
 
 T = TypeVar("T")
 _ROWS = 1_048_576  # of a sheet
+# rows of draws that are said of the first that has them: each draw has its own numbers
+_OF_A_DRAW = ("bound of the model", "heights", "direction")
 
 
 class Quantity(NamedTuple):
@@ -755,7 +757,8 @@ def _joined_inputs(
     results: Sequence[Result], names: Sequence[str], drawn: tuple[str, str] | None
 ) -> dict[str, str]:
     """The inputs of several materials: what is the same is said once, what differs for
-    each of them, of draws not at all.
+    each of them; of draws not at all, but for the limits of the model, which are said of
+    the first that has them.
     """
     every = [dict(result.inputs) for result in results]
     first = every[0]
@@ -764,7 +767,14 @@ def _joined_inputs(
         inputs = {"material": drawn[0], "drawn": drawn[1]}
     for key in dict.fromkeys(key for each in every for key in each):
         same = all(each.get(key) == first.get(key) for each in every)
-        if key == "material" or (drawn and not same):
+        if key == "material":
+            continue
+        if drawn and not same:
+            if key in _OF_A_DRAW:
+                texts = [each[key] for each in every if key in each]
+                inputs[key] = (
+                    f"in {len(texts)} of {len(every)} draws, first: {texts[0]}"
+                )
             continue
         inputs[key] = (
             first[key]

@@ -19,7 +19,15 @@ from ..models import SurfaceFriction
 from ..surface.height_map import PeriodicMap
 from ..surface.lay import lay_of
 from .against_lay import Directed
-from .random_maps import LARGEST, OF_SUMMITS, Grid, grid_of, on_map, summits
+from .random_maps import (
+    LARGEST,
+    OF_SUMMITS,
+    Grid,
+    grid_of,
+    on_map,
+    summits,
+    unsolved_words,
+)
 from .random_maps import friction as on_random_maps
 
 _SAMPLED = {True: (0.0, 0.25, 0.5, 0.75), False: (0.0, 0.5)}  # with a lay, without [pi]
@@ -187,6 +195,7 @@ def _on_measured(
             f", fewer than {LEAST_SUMMITS:g} at points without an answer: a larger map, "
             "more pressure or softer rubber has more, and em.Multiscale() needs no map"
         )
+    remark += unsolved_words(solved.unsolved)
     # two points may be all that a wave has: the error is the whole change of the grid
     return SurfaceFriction(
         solved.mu,

@@ -78,6 +78,7 @@ class MapFriction(NamedTuple):
     area: np.ndarray
     mu_error: np.ndarray  # from a grid half as fine
     area_error: np.ndarray
+    unsolved: np.ndarray  # where the solver did not converge
 
 
 def friction(
@@ -139,6 +140,7 @@ def friction(
     )
     if (enough < 1).any():
         remark += ", fewer than 1 at points without an answer: more cells hold more"
+    remark += unsolved_words(each.unsolved)
     if len(seeds) == 1:
         remark += "; how far maps scatter is not known, and so no error of mu"
     return SurfaceFriction(
@@ -148,6 +150,17 @@ def friction(
         good,
         of_area + 2 * _standard_error(each.area),
         remark,
+    )
+
+
+def unsolved_words(unsolved: np.ndarray) -> str:
+    """What there is to say of solutions (maps, points) that were not found."""
+    if not unsolved.any():
+        return ""
+    return (
+        f"; the solver did not converge in {int(unsolved.sum())} of {unsolved.size} "
+        "solutions, which have no answer: a lower upper cutoff, on fewer cells, or "
+        "rubber whose modulus changes less between the waves needs fewer iterations"
     )
 
 
@@ -179,7 +192,10 @@ def on_map(
     `in_full`, of the map and the point: friction of full contact by which mu is
     multiplied, and that by which it is divided.
     """
-    answer = MapFriction(*(np.full(velocity.size, np.nan) for _ in range(4)))
+    answer = MapFriction(
+        *(np.full(velocity.size, np.nan) for _ in range(4)),
+        unsolved=np.zeros(velocity.size, dtype=bool),
+    )
     start, last = None, None
     for i in np.lexsort((velocity, pressure)):
         if last is not None and pressure[last] != pressure[i]:
@@ -192,10 +208,11 @@ def on_map(
         given = {"velocity": float(velocity[i]), "pressure": float(pressure[i])}
         on = {**given, "angle": angle}
         fine = solve(modulus, heights, sides, **on, start=start, double=rtol < 1e-4)
-        coarse = solve(modulus, heights[::2, ::2], sides, **on, double=False)
         start, last = (fine.pressure if fine.settled else None), i
         if not fine.settled:
+            answer.unsolved[i] = True
             continue
+        coarse = solve(modulus, heights[::2, ::2], sides, **on, double=False)
         answer.mu[i] = fine.stress / pressure[i]
         if in_full is not None:
             whole, of_map = in_full(heights, i, given)

@@ -128,7 +128,8 @@ def measured_lay(maps: list[Periodogram], q: np.ndarray) -> tuple[Lay | None, st
 
 
 def _moments(maps: list[Periodogram], q: np.ndarray) -> _Moments:
-    ends = np.sqrt(q[1:] * q[:-1])
+    # waves exactly at the end of a band belong to it in any unit of length
+    ends = np.sqrt(q[1:] * q[:-1]) * (1 + 1e-9)
     sums = np.zeros((3, q.size), dtype=complex)
     number = np.zeros(q.size)
     for one in maps:

@@ -65,6 +65,7 @@ _STEEPEST = 3.0  # rms slope above which units are doubted
 # of its standard errors it must be
 _UNEQUAL = 1.2
 _SKEWED, _CERTAIN = 0.3, 2.5
+_ALIKE = 1.25  # ratio of the lowest wave numbers of scans that begin alike
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
 _HOLLOW = 0.05  # share of such holes from which they are mentioned
@@ -113,7 +114,9 @@ class _Waves(NamedTuple):
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """q, mean power and number of independent waves in bands that hold any."""
         edges = np.geomspace(
-            low * 0.999, high * 1.001, max(2, int(density * np.log10(high / low)) + 1)
+            low * 0.999,
+            high * 1.001,
+            max(2, int(density * np.log10(high / low) + _SAME) + 1),
         )
         band = np.digitize(self.q, edges) - 1
         inside = (band >= 0) & (band < edges.size - 1)
@@ -144,6 +147,13 @@ class _Fit(NamedTuple):
     error: np.ndarray  # standard error of ln C
     # wave numbers, and the mean power that C lets expect there
     expected: tuple[np.ndarray, np.ndarray]
+
+
+def _within(q: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Which wave numbers lie between two others, waves exactly at these included in any
+    unit of length.
+    """
+    return (q >= low * (1 - _SAME)) & (q <= high * (1 + _SAME))
 
 
 def surface(
@@ -188,7 +198,7 @@ def surface(
         _asymmetry(scan, each, high)
         for scan, each, high in zip(ready, waves, highest, strict=True)
     ]
-    most_skewed = max(asymmetry, key=lambda of_scan: of_scan.bound)
+    joined = _joined_asymmetry(ready, waves, highest) if several else asymmetry[0]
     report += [
         name + of_scan.words for name, of_scan in zip(names, asymmetry, strict=True)
     ]
@@ -196,7 +206,11 @@ def surface(
         name + _slopes(scan, each, one)
         for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
     ]
-    _warn_of_skewness(most_skewed)
+    if several:
+        report.append(
+            f"heights of all scans: skewness {joined.skewness:.2f} +- {joined.error:.2f}"
+        )
+    _warn_of_skewness(joined)
     lay, sentences = _directions(waves, highest, fit)
     report += sentences
     report += [_asks_for_shortest(fit)] if shortest is None else []
@@ -205,8 +219,8 @@ def surface(
         c=fit.c,
         relative_error=fit.error,
         measured_height=height,
-        skewness=most_skewed.skewness,
-        skewness_error=most_skewed.error,
+        skewness=joined.skewness,
+        skewness_error=joined.error,
         report=tuple(report),
         lay=lay,
         map=_only_map(ready, highest, shortest is not None or limits[0].noisy),
@@ -450,9 +464,11 @@ def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
     """
     low, high = min(max(each.lowest) for each in waves), max(highest)
     first = min(each.first for each in waves)
-    count = int(np.ceil(_NODES * np.log10(high / first)))
+    count = int(np.ceil(_NODES * np.log10(high / first) - _SAME))
     gap = np.log(high / first) / count
-    before = int(np.ceil(np.log(first / low) / gap))  # waves that the window brings in
+    before = int(
+        np.ceil(np.log(first / low) / gap - _SAME)
+    )  # waves that the window brings in
     nodes = np.log(first) + gap * np.arange(-before, count + _BEYOND + 1)
     terms = []
     for each, end in zip(waves, highest, strict=True):
@@ -577,10 +593,6 @@ class _Asymmetry(NamedTuple):
     error: float  # standard error of the skewness if the heights are Gaussian
     words: str
 
-    @property
-    def bound(self) -> float:
-        return skewness_bound(self.skewness, self.error)
-
 
 def skewness_bound(skewness: float, error: float) -> float:
     """What |skewness| is taken for in a bound, of a map as a sample of its surface.
@@ -592,37 +604,84 @@ def skewness_bound(skewness: float, error: float) -> float:
     return float(np.hypot(skewness, _ERRORS * error))
 
 
+class _Moments(NamedTuple):
+    """Moments of the heights of some scales."""
+
+    rms: float  # [m]
+    skewness: float
+    error: float  # standard error of the skewness if the heights are Gaussian
+    kurtosis: float
+
+
+def _moments(scan: Scan, waves: _Waves, low: float, high: float) -> _Moments:
+    """Of the heights between two wave numbers [rad/m]."""
+    spread = np.fft.rfftn(scan.height)
+    q = waves.q.reshape(spread.shape)
+    kept = np.where(_within(q, low, high), spread, 0.0)
+    axes = tuple(range(scan.height.ndim))
+    heights = np.fft.irfftn(kept, s=scan.height.shape, axes=axes)
+    variance = np.mean(heights**2)
+    power = np.abs(kept) ** 2
+    independent = 2 * power.sum() ** 2 / (power**2).sum()  # half of the waves
+    return _Moments(
+        float(variance**0.5),
+        float(np.mean(heights**3) / variance**1.5),
+        float((6 / independent) ** 0.5),
+        float(np.mean(heights**4) / variance**2),
+    )
+
+
 def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
     """Skewness and kurtosis of the heights from the first wave to the highest, and of
     the longer and the shorter half of these scales.
     """
-    spread = np.fft.rfftn(scan.height)
-    q = waves.q.reshape(spread.shape)
     middle = (waves.first * highest) ** 0.5
-
-    def moments(low: float, high: float) -> tuple[float, float, float]:
-        """Skewness, its standard error if the heights are Gaussian, and kurtosis."""
-        kept = np.where((q >= low) & (q <= high), spread, 0.0)
-        heights = np.fft.irfftn(
-            kept, s=scan.height.shape, axes=tuple(range(scan.height.ndim))
+    whole, longer, shorter = (
+        _moments(scan, waves, *scales)
+        for scales in (
+            (waves.first, highest),
+            (waves.first, middle),
+            (middle, highest),
         )
-        variance = np.mean(heights**2)
-        power = np.abs(kept) ** 2
-        independent = 2 * power.sum() ** 2 / (power**2).sum()  # half of the waves
-        return (
-            float(np.mean(heights**3) / variance**1.5),
-            float((6 / independent) ** 0.5),
-            float(np.mean(heights**4) / variance**2),
-        )
-
-    skewness, chance, kurtosis = moments(waves.first, highest)
-    longer, shorter = moments(waves.first, middle), moments(middle, highest)
-    words = (
-        f"heights of these scales: skewness {skewness:.2f} +- {chance:.2f}, kurtosis "
-        f"{kurtosis:.2f}; longer than {2 * np.pi / middle:.3g} m {longer[0]:.2f}, "
-        f"{longer[2]:.2f}; shorter {shorter[0]:.2f}, {shorter[2]:.2f}"
     )
-    return _Asymmetry(skewness, chance, words)
+    words = (
+        f"heights of these scales: skewness {whole.skewness:.2f} +- {whole.error:.2f}, "
+        f"kurtosis {whole.kurtosis:.2f}; longer than {2 * np.pi / middle:.3g} m "
+        f"{longer.skewness:.2f}, {longer.kurtosis:.2f}; shorter {shorter.skewness:.2f}, "
+        f"{shorter.kurtosis:.2f}"
+    )
+    return _Asymmetry(whole.skewness, whole.error, words)
+
+
+def _joined_asymmetry(
+    scans: Sequence[Scan], waves: Sequence[_Waves], highest: Sequence[float]
+) -> _Asymmetry:
+    """Skewness of the heights of all scales: the scales of several scans follow each
+    other, each from the scan that knows them best, and their third cumulants add up.
+    """
+    parts: list[_Moments] = []
+    known = min(each.first for each in waves)
+    while True:
+        found = []
+        for scan, each, high in zip(scans, waves, highest, strict=True):
+            low = max(known, each.first)
+            if high >= 2 * low * (1 - _SAME):
+                found.append((low, high, _moments(scan, each, low, high)))
+        if not found:
+            break
+        nearest = min(low for low, _, _ in found)
+        _, known, best = min(
+            (one for one in found if one[0] <= _ALIKE * nearest),
+            key=lambda one: one[2].error,
+        )
+        parts.append(best)
+    weight = np.array([part.rms for part in parts])
+    weight = (weight / np.linalg.norm(weight)) ** 3
+    return _Asymmetry(
+        float(weight @ [part.skewness for part in parts]),
+        float(np.linalg.norm(weight * [part.error for part in parts])),
+        "",
+    )
 
 
 def _warn_of_skewness(heights: _Asymmetry) -> None:
@@ -658,7 +717,7 @@ def _slopes(scan: Scan, waves: _Waves, fit: _Fit) -> str:
     )
     slope_square = slope_square * np.prod(waves.lowest)
     q, mean = fit.expected
-    inside = (waves.q >= q[0]) & (waves.q <= q[-1])
+    inside = _within(waves.q, q[0], q[-1])
     power = np.where(
         inside, np.exp(np.interp(np.log(waves.q), np.log(q), np.log(mean))), waves.power
     )
@@ -691,7 +750,7 @@ def _directions(
     for each, high in zip(waves, highest, strict=True):
         if each.dimensions == 1:
             continue
-        inside = (each.q >= each.first) & (each.q <= high)
+        inside = _within(each.q, each.first, high)
         q, power, copies, kx, ky = (
             x[inside] for x in (each.q, each.power, each.copies, *each.k)
         )
@@ -926,8 +985,23 @@ def from_spectrum(
             f"{_SLOPES[0]:g} to {_SLOPES[1]:g}: are "
             "units, convention and cutoffs right?"
         )
+    if low is None or high is None:
+        report.append(_asks_for_cutoffs(spectrum, low, high))
     return MeasuredSpectrum(
         q=spectrum.q, c=spectrum.c, convention=convention, report=tuple(report)
+    )
+
+
+def _asks_for_cutoffs(spectrum: Spectrum, low: float | None, high: float | None) -> str:
+    """Which waves are taken, where the table's ends decide."""
+    missing = [
+        name for name, q in (("`longest`", low), ("`shortest`", high)) if q is None
+    ]
+    return (
+        f"no {' and no '.join(missing)} is given: all waves of the table from "
+        f"{2 * np.pi / spectrum.q_low:.3g} m down to {2 * np.pi / spectrum.q_high:.3g} m "
+        "are taken. Friction grows with each shorter wave: usual are 5 mm to some "
+        "micrometres"
     )
 
 
