@@ -307,6 +307,24 @@ def test_cards_of_a_result():
     assert surer.notes
 
 
+def test_card_says_what_is_not_known_of_the_rubber():
+    """Rolling's error is numerical, that of a rough road holds what a fit misses."""
+    from elastomdr.app.cards import cards
+
+    rubber = em.load_material("epdm-70")
+    roller, point = (
+        em.Cylinder(10e-3, 0.1),
+        {"velocity": [0.1, 1.0], "temperature": 293.15},
+    )
+    _, sure, surer = cards(em.rolling(rubber, roller, load=100.0, **point))
+    assert sure.notes[0].startswith("computation below")
+    assert sure.notes[1] == "uncertainty of the rubber: not computed"
+    assert "The uncertainty of the rubber, which is" in " ".join(surer.notes)
+    road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1e3, q_high=1e5)
+    _, sure, _ = cards(em.friction(rubber, road, pressure=3e5, **point))
+    assert sure.notes[0].startswith("computation and fit of the rubber")
+
+
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
 def test_seals(tmp_path):
     """An O-ring over years and on a rod, and a start after a rest, as the calls compute

@@ -13,7 +13,7 @@ import elastomdr as em
 from ..checks import significant
 from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
-from ..results.curve import AbstractCurve
+from ..results.curve import FITTED, AbstractCurve
 from ..results.words import in_words
 
 _MOST = 4  # curves that get a card
@@ -37,7 +37,7 @@ class _Top(NamedTuple):
     y: float
     inside: bool
     slow: bool  # whether it is at the low end of the axis
-    error: float  # numerical, and what the rubber's fit misses of its data
+    error: float  # numerical; with what the rubber's fit misses where `_knows_fit`
     model_error: float  # NaN where it is not known
     extrapolated: bool
 
@@ -216,7 +216,10 @@ def _in_brackets(result: Any, top: _Top) -> str:
 def _how_sure(result: Any, tops: list[_Top]) -> Card:
     """The largest relative uncertainty of the values, with its parts."""
     worst = max(tops, key=lambda top: top.share(top.spread))
-    notes = [f"computation and fit of the rubber {_percent(worst, worst.error)}"]
+    of_error = _percent(worst, worst.error)
+    notes = [f"computation {of_error}", "uncertainty of the rubber: not computed"]
+    if _knows_fit(result):
+        notes = [f"computation and fit of the rubber {of_error}"]
     if np.isnan(worst.model_error):
         notes.append("model: no bound is known here")
     elif np.isinf(worst.model_error):
@@ -231,6 +234,13 @@ def _how_sure(result: Any, tops: list[_Top]) -> Card:
     if isinstance(result, em.Leak):
         number = f"a factor of {significant(1 + worst.share(worst.spread), 2)}"
     return Card("How sure", number if known else "not known", tuple(notes))
+
+
+def _knows_fit(result: Any) -> bool:
+    """Whether the error holds what the rubber's fit misses of its data; elsewhere it is
+    numerical only.
+    """
+    return FITTED in dict(result.inputs)
 
 
 def _percent(top: _Top, uncertainty: float) -> str:
@@ -264,5 +274,8 @@ def _ways(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
             if result.shows == "mu" and isinstance(result, AbstractCurve)
             else "A measured value, to compare with."
         )
+    if not _knows_fit(result):
+        yield "The uncertainty of the rubber, which is not computed here: draws of a fit."
     if error > _FINE:
-        yield "A fit closer to the moduli, or a smaller relative tolerance."
+        closer = "A fit closer to the moduli, or a" if _knows_fit(result) else "A"
+        yield f"{closer} smaller relative tolerance."
