@@ -2,6 +2,7 @@
 time or frequency, measured points on them, and a ranking as bars.
 """
 
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -514,6 +515,17 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
             fontsize=1.2 * look.text,
             fontweight="bold",
             color=INK,
+        )
+    if look.words and (illustrative := ranking.illustrative()):
+        small = {"fontsize": 0.8 * look.text, "color": FAINT}
+        left.annotate(
+            textwrap.fill(illustrative, 100),
+            (0, 1),
+            (0, 0.6 * look.text),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            va="bottom",
+            **small,
         )
     return left
 
