@@ -342,6 +342,21 @@ def draw_traction(result: Any, ask: Ask) -> Any:
     return ax
 
 
+def draw_break_out(result: Any, ask: Ask, y: str) -> Any:
+    """Draws the break-out coefficient or the real contact against the dwell, the whole
+    uncertainty as a band: that of both is relatively the same.
+    """
+
+    def band(sketch: Sketch, line: Line) -> None:
+        half, uncertainty = _uncertainty(sketch.fields)
+        around = sketch.along_line(half / sketch.fields["mu"], line) * line.y
+        _draw_band(sketch, line, around, around, line.colour)
+        if (note := f"shaded: {uncertainty}") not in sketch.entry.notes:
+            sketch.entry.notes.append(note)
+
+    return draw(result, ask, y=y, also=band)
+
+
 def draw_heat_build_up(result: Any, ask: Ask) -> Any:
     """Draws temperature against time, with the steady one dotted, or the steady one
     against velocity.
