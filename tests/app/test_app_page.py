@@ -118,6 +118,32 @@ def test_open_tabs_are_kept(tmp_path, monkeypatch):
     simulated(tmp_path, act)
 
 
+def test_an_isotherm_shifted_by_hand_stays_over_a_reload(tmp_path):
+    async def act(user, page, opened):
+        rubber = page.screen("Rubber")
+        await rubber._sample()
+        editor = rubber._editor
+        editor._isotherm.value = 0
+        shifted = float(rubber._fitted.fit.master.log10_a[0]) + 0.5
+        before = editor._said.text
+        editor._moved(shifted)
+        await until(lambda: editor._said.text != before)
+        again = await opened(f"/?session={page._session.name}")
+        reloaded = again.screen("Rubber")
+        assert reloaded is not rubber
+        of_fit = reloaded._fitted.figures["master"]
+        await until(lambda: reloaded._pictures["master"]._drawn is not of_fit)
+        assert reloaded._editor._isotherm.value == 0
+        assert reloaded._editor._slider.value == pytest.approx(shifted)
+        assert reloaded._editor._said.text == editor._said.text
+        reloaded._editor._back()
+        assert reloaded._pictures["master"]._drawn is of_fit
+        await rubber.fit()
+        assert not rubber._fitted.offsets.any()
+
+    simulated(tmp_path, act)
+
+
 def test_sessions_of_many_tabs(tmp_path):
     from elastomdr.app.session import Sessions
 
