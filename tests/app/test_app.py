@@ -729,6 +729,8 @@ async def results_belong_to_what_is_filled_in(page):
     assert not page.screen("Rolling")._old.visible
     await page.screen("Rolling")._other_kind(SimpleNamespace(value="conveyor"))
     assert not page.screen("Rolling")._picture.shown
+    tyre = page.screen("Tyre")
+    tyre.form.widgets["friction"].value = False  # not of the road
     page.screen("Tyre").form.set("friction", "absent.csv")
     await page.screen("Tyre").compute()
     assert "dropped here" in page.screen("Tyre").form._alert.text

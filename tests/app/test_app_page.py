@@ -201,9 +201,7 @@ async def the_road_of_a_slip_curve(page):
     page.screen("Tyre").form.set("[contact] slip", "0.1")
     page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
     await page.screen("Tyre").compute()
-    assert (
-        "“Thermal conductivity λ”" in page.screen("Tyre").form.widgets["friction"].error
-    )
+    assert "“Thermal conductivity λ”" in page.screen("Tyre").form._alert.text
 
 
 def test_measured_points_get_curves_at_their_temperatures():
@@ -419,3 +417,35 @@ def test_docs():
         assert f'"docs/{name}.md" = "elastomdr/app/data/{name}.md"' in wheel
         assert "](" not in text(name)
         assert "$" not in text(name)
+
+
+def test_choices_say_what_they_mean(tmp_path):
+    """Conventions of a spectrum by what they integrate to; a slider is there where its
+    wave is given; friction of a wheel on the road is ticked, not typed.
+    """
+    from elastomdr.surface.spectrum import CONVENTIONS
+
+    async def act(user, page, opened):
+        road = page.screen("Road")
+        await until(lambda: road._picture.shown)
+        spectrum = (SAMPLE / "road.csv").read_bytes()
+        await dropped(user, road, ("road.csv", spectrum))
+        await until(lambda: "[surface] convention" in road.form.widgets)
+        shown = road.form.widgets["[surface] convention"].options
+        assert shown.keys() - {""} == CONVENTIONS.keys()
+        assert all("⟨h²⟩ = ∫" in shown[word] for word in CONVENTIONS)
+        assert len(set(shown.values())) == len(shown)
+        await until(lambda: not road._sliders["[surface] longest"]._place.visible)
+        waves = page.screen("Friction")._sliders._waves
+        assert not any(slider._place.visible for slider in waves.values())
+        road.form.set("[surface] convention", "2d")
+        await until(lambda: road._sliders["[surface] longest"]._place.visible)
+        tyre = page.screen("Tyre")
+        scene = page._session.scenes["traction"]
+        assert not hasattr(tyre.form.widgets["friction"], "error")
+        tyre.form.widgets["friction"].value = False
+        assert "friction" not in scene
+        tyre.form.set("friction", "0.8")
+        assert scene["friction"] == 0.8
+
+    simulated(tmp_path, act)

@@ -456,7 +456,7 @@ class Form:
             widget = _flag(label, field, accepts, value)
         elif accepts.words:
             first = "choose" if field.required else _default(field.default)
-            options = {"": first, **{word: word for word in accepts.words}}
+            options = {"": first, **words.choices(key, accepts.words)}
             widget = ui.select(options, value=value or "", label=label)
         else:
             widget = ui.input(

@@ -175,6 +175,8 @@ class RoadStage:
         self._offer([])
         self._words.show("")
         self._notes.show(())
+        for slider in self._sliders.values():
+            slider.show(False)
 
     def _offer(self, offers: list[tuple[str, str, float]]) -> None:
         """Asks for the cutoffs of a road that has none."""

@@ -123,9 +123,9 @@ TYRE = Screen(
             "traction",
             WheelTraction,
             first=_ROLLING,
-            about=f'Friction "{COMPUTED}" is that of this rubber on the road of the '
-            "road screen, with heat and adhesion of the friction screen, where the wheel "
-            "needs it. A number or the name of a table does as well.",
+            about="Friction on the road of the road screen is that of this rubber, with "
+            "heat and adhesion of the friction screen, where the wheel needs it. "
+            "Otherwise it is a number or a table.",
         )
     },
     "tyre",

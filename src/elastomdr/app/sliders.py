@@ -65,8 +65,8 @@ class Sliders:
         surface = self._content.get("surface", {})
         contact = self._content.get("contact", {})
         for key, slider in self._waves.items():
-            slider.show(surface.get("shape") in ("self_affine", "spectrum"))
-            _place(slider, Length, surface.get(key))
+            cut = surface.get("shape") in ("self_affine", "spectrum")
+            _place(slider, Length, surface.get(key) if cut else None)
         _place(self._pressure, Pressure, contact.get("pressure"))
         _place(self._temperature, Temperature, self._content.get("temperature"))
 
@@ -109,11 +109,13 @@ class Sliders:
 
 
 def _place(slider: Slider, quantity: Any, value: Any) -> None:
-    """Puts a slider where a value is, if it can be read."""
+    """Puts a slider where a value is, and hides it where there is none to read."""
     try:
         slider.set(float(quantity.read(value[0] if isinstance(value, list) else value)))
     except InputError:
-        return  # the field says what is wrong
+        slider.show(False)  # the field says what is wrong
+    else:
+        slider.show(True)
 
 
 def _pressure(pascal: float) -> str:

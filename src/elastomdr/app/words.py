@@ -60,7 +60,8 @@ _LABELS = _TABLES | {
     "uncertainty": "Number of draws for the uncertainty band|of the rubber's misfit and of the "
     "road's errors; 2 or more",
     "title": "Title of the figure",
-    "friction": 'Friction coefficient µ [-]|a number, a table that was dropped, or "computed"',
+    "friction": "Friction coefficient µ [-]|a number, or the name of a table that was "
+    "dropped",
     # load and motion
     "velocity": "Velocity v [m/s]|one, several, or from one to another: 1e-4 to 10 m/s, "
     "24 points",
@@ -109,6 +110,7 @@ _LABELS = _TABLES | {
     "curve": "Between the points",
     "exponent": "Exponent [-]",
     "file": "File",
+    "surface.file": "File|that was dropped on this page",
     "indenter.length": "Length L [mm]|of the line of contact, across the direction of motion",
     "radius": "Radius R [mm]",
     "roller.length": "Length L [mm]",
@@ -182,6 +184,22 @@ _LABELS = _TABLES | {
     "slider",
     "flow_factor": "Flow through a rough contact|as in a leak, or of Patir and Cheng",
 }
+# what a word to choose means, by key
+_CHOICES = {
+    "convention": {
+        "2d": "of the surface: ⟨h²⟩ = ∫ C d²q",
+        "2d/4pi^2": "of the surface, over 4π²: ⟨h²⟩ = ∫ C d²q / 4π²",
+        "1d": "of a straight cut, all q: ⟨h²⟩ = ∫ C dq from -∞ to ∞",
+        "1d one-sided": "of a straight cut, positive q: ⟨h²⟩ = ∫ C dq from 0 to ∞",
+        "1d/2pi": "of a straight cut, all q, over 2π: ⟨h²⟩ = ∫ C dq / 2π from -∞ to ∞",
+        "1d one-sided/2pi": "of a straight cut, positive q, over 2π: "
+        "⟨h²⟩ = ∫ C dq / 2π from 0 to ∞",
+    },
+    "wave_number": {
+        "2 pi/lambda": "2π/λ, radians per length",
+        "1/lambda": "1/λ, waves per length",
+    },
+}
 # keys that belong to other commands than those of the page
 ELSEWHERE = {
     f"[surface] {key}" for key in ("equivalent_length", "seed", "periods", "samples")
@@ -202,6 +220,12 @@ def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
     except InputError:
         return re.sub(r"\[.*\]$", f"[{quantity.unit}]", entry)
     return entry
+
+
+def choices(key: str, listed: Iterable[str]) -> dict[str, str]:
+    """The words that a key accepts, with what stands for each of them in the field."""
+    meanings = _CHOICES.get(key, {})
+    return {word: meanings.get(word, word) for word in listed}
 
 
 def hint(path: tuple[str, ...], meaning: str) -> str:
