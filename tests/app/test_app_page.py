@@ -331,6 +331,19 @@ def test_cards_of_a_result():
     assert surer.notes
 
 
+def test_cards_say_of_how_many_curves_there_are_none():
+    from elastomdr.app.cards import cards
+
+    temperature = np.array([273.15, 293.15, 313.15])[:, None, None]
+    rolling = em.rolling(
+        em.load_material("epdm-70"), em.Cylinder(10e-3, 0.1), velocity=[0.1, 1.0],
+        load=np.array([50.0, 100.0])[:, None], temperature=temperature,
+    )  # fmt: skip
+    shown = cards(rolling)
+    assert [card.title for card in shown[-3:-2]] == ["And 2 more curves"]
+    assert len(shown) == 4 + 3
+
+
 def test_card_says_what_is_not_known_of_the_rubber():
     """Rolling's error is numerical, that of a rough road holds what a fit misses."""
     from elastomdr.app.cards import cards

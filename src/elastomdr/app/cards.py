@@ -15,6 +15,7 @@ from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
 from ..results.curve import FITTED, AbstractCurve
 from ..results.words import in_words
+from .words import with_signs
 
 _MOST = 4  # curves that get a card
 _AS_SHOWN = {"Pa": ("MPa", 1e-6), "m^3": ("mm³", 1e9)}  # units, and SI ones in them
@@ -72,6 +73,13 @@ def cards(result: Any) -> list[Card]:
         )
         for top in tops[:_MOST]
     ]
+    more = len(curves) - len(shown)
+    if more:
+        failed = len(curves) - len(tops)
+        notes = ("in the figure",) if more > failed else ()
+        notes += (f"{failed} without a converged point",) if failed else ()
+        curve = "curve" if more == 1 else "curves"
+        shown.append(Card(f"And {more} more {curve}", "", notes))
     return [*shown, _how_sure(result, tops), _surer(result, axis, tops)]
 
 
@@ -104,11 +112,11 @@ def show(place: Any, new_cards: list[Card]) -> None:
     with place:
         for card in new_cards:
             with ui.element("section").classes("result"):
-                ui.label(card.title).classes("about")
+                ui.label(with_signs(card.title)).classes("about")
                 if card.number:
-                    ui.label(card.number).classes("number")
+                    ui.label(with_signs(card.number)).classes("number")
                 for note in card.notes:
-                    ui.label(note).classes("about")
+                    ui.label(with_signs(note)).classes("about")
 
 
 def _first(ranking: Any) -> Card:
@@ -123,7 +131,7 @@ def _first(ranking: Any) -> Card:
         None: "whether its lead is significant is not known",
     }[best.significant]
     number = f"{best.material}: {significant(best.mu, 3)}{known}"
-    where = ranking.where().replace("degC", "°C")
+    where = ranking.where()
     return Card("Most friction", number, (f"at {where}", lead))
 
 
@@ -149,7 +157,7 @@ def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
     error, bound = _errors(result)
     beyond = result.extrapolated
     return _Top(
-        f"at {curve.label}".replace("degC", "°C") if curve.label else "",
+        with_signs(f"at {curve.label}") if curve.label else "",
         _place(axis, top, x),
         top.y,
         top.inside,

@@ -96,7 +96,7 @@ _LABELS = _TABLES | {
     "temperature",
     "adhesion.width": "Width of the bell over log₁₀ v [-]|0 or more",
     "conductivity": "Thermal conductivity λ [W/(m K)]",
-    "heat_capacity": "Heat capacity per volume ρc [MJ/(m^3 K)]",
+    "heat_capacity": "Heat capacity per volume ρc [MJ/(m³ K)]",
     "ambient": "Ambient temperature [°C]",
     "capacity": "Heat capacity of the body [J/K]|for the way to the steady state",
     "conductance": "Thermal conductance to the surroundings [W/K]",
@@ -163,8 +163,8 @@ _LABELS = _TABLES | {
     "outlet_pressure": "Outlet pressure [MPa]|absolute; makes the fluid a gas",
     "mean_free_path": "Mean free path at the outlet [nm]|of a gas that slips at the "
     "walls",
-    "viscosity": "Viscosity η [mPa*s]",
-    "density": "Density ρ [kg/m^3]|gives the mass rate as well",
+    "viscosity": "Viscosity η [mPa·s]",
+    "density": "Density ρ [kg/m³]|gives the mass rate as well",
     "leak.length": "Contact length along the flow [mm]",
     "leak.width": "Contact width across the flow [m]|1 m where nothing is given",
     "time": "Time under load t [s]|without it: long after pressing",
@@ -205,7 +205,8 @@ ELSEWHERE = {
     f"[surface] {key}" for key in ("equivalent_length", "seed", "periods", "samples")
 }
 _ANY_TABLE = "|".join(map(re.escape, _TABLES))
-_SPELLED = {"°C": "degC", "mm²": "mm2", "µm": "um"}  # as scene files spell a unit
+# as the page spells a unit, and as scene files do
+_SIGNS = {"°C": "degC", "µm": "um", "·": "*", "³": "^3"}
 
 
 def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
@@ -218,7 +219,7 @@ def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
     try:
         quantity.read(f"1 {label_unit}")
     except InputError:
-        return re.sub(r"\[.*\]$", f"[{quantity.unit}]", entry)
+        return re.sub(r"\[.*\]$", with_signs(f"[{quantity.unit}]"), entry)
     return entry
 
 
@@ -244,7 +245,23 @@ def unit(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
 
 def _unit_of(entry: str) -> str:
     match = re.search(r" \[(.*)\]$", entry)
-    return "" if match is None or match[1] == "-" else _SPELLED.get(match[1], match[1])
+    unit_text = "" if match is None or match[1] == "-" else match[1]
+    return without_signs(unit_text.replace("mm²", "mm2"))
+
+
+def with_signs(text: str) -> str:
+    """A text with units as the page spells them: °C, µm, mPa·s, m³, ±."""
+    text = text.replace("degC", "°C").replace("+-", "±")
+    text = re.sub(r"(?<![A-Za-z])um\b", "µm", text)
+    text = re.sub(r"(?<=\bm)\^3|(?<=\bmm)\^3", "³", text)
+    return re.sub(r"(?<=[A-Za-z³])\*(?=[A-Za-z])", "·", text)
+
+
+def without_signs(text: str) -> str:
+    """A text with units as scene files spell them."""
+    for sign, spelled in _SIGNS.items():
+        text = text.replace(sign, spelled)
+    return text
 
 
 def title(path: tuple[str, ...]) -> str:
@@ -293,7 +310,7 @@ def spoken(message: str) -> str:
     message = message.replace("In a scene, titles", "Titles")
     message = message.replace(" beside the scene", " that was dropped here")
     message = re.sub(r"degC(?= {2})", "°C  ", message)  # columns stay in line
-    return message.replace("degC", "°C")
+    return with_signs(message)
 
 
 def path_of(name: str) -> tuple[str, ...]:
