@@ -44,7 +44,9 @@ def main(out: Path) -> None:
         curve = em.friction(
             rubber, BALL, velocity=velocity, load=LOAD, temperature=TEMPERATURE
         )
-        ax.semilogx(curve.velocity, curve.mu, label=name)
+        illustrative = "moduli" in dict(curve.inputs)  # of no particular rubber
+        label = f"{name} (illustrative)" if illustrative else name
+        ax.semilogx(curve.velocity, curve.mu, label=label)
         slow, fast = np.exp(
             np.interp(np.log([1e-3, 1.0]), np.log(velocity), np.log(curve.mu))
         )

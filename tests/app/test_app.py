@@ -19,6 +19,7 @@ import elastomdr as em
 from elastomdr.app.form import from_text, leaf, to_text
 from elastomdr.app.scene import Done, compute, toml
 from elastomdr.app.security import Folder, Guard, safe
+from elastomdr.app.words import spoken
 from elastomdr.cli.bodies import Measured
 from elastomdr.cli.kinds import decoded
 from elastomdr.cli.main import main
@@ -76,7 +77,7 @@ def test_every_field_is_called_in_words():
             )
             if accepts.quantity is not None:
                 unit = words.unit(path, accepts.quantity)
-                assert unit in label or unit in ("degC", "um")
+                assert words.with_signs(unit) in label or unit == "mm2"
                 assert accepts.quantity.read(f"1 {unit}") > 0
     line = leaf(keys_of(SurfaceContact)["load"].type)
     assert words.label(("contact", "load"), line.quantity) == "Load F [N/m]"
@@ -107,6 +108,11 @@ def test_texts_of_fields():
     assert to_text(SPAN) == "1e-3 to 1 m/s, 4 points"
     assert to_text(SPAN | {"from": "1 mm/s"}) == "1 mm/s to 1 m/s, 4 points"
     assert to_text(["0 degC", "5 um"]) == "0 °C, 5 µm"
+    for text in ("2 um", "10 mPa*s", "2 MJ/(m^3*K)"):  # any text comes back as it was
+        shown = to_text(text)
+        assert not {"u", "*", "^"} & set(shown)
+        assert typed(Measured, "pixel_size", shown) == text
+    assert spoken("5 +- 1 um") == "5 ± 1 µm"
     assert typed(SurfaceFriction, "temperature", "0, 20 °C") == ["0 degC", "20 degC"]
     assert typed(SurfaceContact, "velocity", "1 mm/s") == "1 mm/s"
     assert typed(SurfaceContact, "pressure", "0.1 MPa, 0.3 MPa") == [
@@ -474,10 +480,10 @@ def test_every_screen(tmp_path, undrawn):
         page.screen("Road")
         user.find("Use sample road").click()
         await until(
-            lambda: "rms height   118.8 um" in page.screen("Road")._words._label.text
+            lambda: "rms height   118.8 µm" in page.screen("Road")._words._label.text
         )
         page.screen("Road").form.set("[surface] shortest", "0.1 mm")
-        await until(lambda: "5 mm to 100 um" in page.screen("Road")._words._label.text)
+        await until(lambda: "5 mm to 100 µm" in page.screen("Road")._words._label.text)
         spent = []
         for micrometres in (90, 94, 98):  # a cutoff that moves
             before, start = page.screen("Road")._words._label.text, time.process_time()
@@ -729,6 +735,8 @@ async def results_belong_to_what_is_filled_in(page):
     assert not page.screen("Rolling")._old.visible
     await page.screen("Rolling")._other_kind(SimpleNamespace(value="conveyor"))
     assert not page.screen("Rolling")._picture.shown
+    tyre = page.screen("Tyre")
+    tyre.form.widgets["friction"].value = False  # not of the road
     page.screen("Tyre").form.set("friction", "absent.csv")
     await page.screen("Tyre").compute()
     assert "dropped here" in page.screen("Tyre").form._alert.text

@@ -118,6 +118,32 @@ def test_open_tabs_are_kept(tmp_path, monkeypatch):
     simulated(tmp_path, act)
 
 
+def test_an_isotherm_shifted_by_hand_stays_over_a_reload(tmp_path):
+    async def act(user, page, opened):
+        rubber = page.screen("Rubber")
+        await rubber._sample()
+        editor = rubber._editor
+        editor._isotherm.value = 0
+        shifted = float(rubber._fitted.fit.master.log10_a[0]) + 0.5
+        before = editor._said.text
+        editor._moved(shifted)
+        await until(lambda: editor._said.text != before)
+        again = await opened(f"/?session={page._session.name}")
+        reloaded = again.screen("Rubber")
+        assert reloaded is not rubber
+        of_fit = reloaded._fitted.figures["master"]
+        await until(lambda: reloaded._pictures["master"]._drawn is not of_fit)
+        assert reloaded._editor._isotherm.value == 0
+        assert reloaded._editor._slider.value == pytest.approx(shifted)
+        assert reloaded._editor._said.text == editor._said.text
+        reloaded._editor._back()
+        assert reloaded._pictures["master"]._drawn is of_fit
+        await rubber.fit()
+        assert not rubber._fitted.offsets.any()
+
+    simulated(tmp_path, act)
+
+
 def test_sessions_of_many_tabs(tmp_path):
     from elastomdr.app.session import Sessions
 
@@ -175,9 +201,7 @@ async def the_road_of_a_slip_curve(page):
     page.screen("Tyre").form.set("[contact] slip", "0.1")
     page._session.scenes["friction"]["heat"] = {"conductivity": "2 m"}
     await page.screen("Tyre").compute()
-    assert (
-        "“Thermal conductivity λ”" in page.screen("Tyre").form.widgets["friction"].error
-    )
+    assert "“Thermal conductivity λ”" in page.screen("Tyre").form._alert.text
 
 
 def test_measured_points_get_curves_at_their_temperatures():
@@ -307,6 +331,37 @@ def test_cards_of_a_result():
     assert surer.notes
 
 
+def test_cards_say_of_how_many_curves_there_are_none():
+    from elastomdr.app.cards import cards
+
+    temperature = np.array([273.15, 293.15, 313.15])[:, None, None]
+    rolling = em.rolling(
+        em.load_material("epdm-70"), em.Cylinder(10e-3, 0.1), velocity=[0.1, 1.0],
+        load=np.array([50.0, 100.0])[:, None], temperature=temperature,
+    )  # fmt: skip
+    shown = cards(rolling)
+    assert [card.title for card in shown[-3:-2]] == ["And 2 more curves"]
+    assert len(shown) == 4 + 3
+
+
+def test_card_says_what_is_not_known_of_the_rubber():
+    """Rolling's error is numerical, that of a rough road holds what a fit misses."""
+    from elastomdr.app.cards import cards
+
+    rubber = em.load_material("epdm-70")
+    roller, point = (
+        em.Cylinder(10e-3, 0.1),
+        {"velocity": [0.1, 1.0], "temperature": 293.15},
+    )
+    _, sure, surer = cards(em.rolling(rubber, roller, load=100.0, **point))
+    assert sure.notes[0].startswith("computation below")
+    assert sure.notes[1] == "uncertainty of the rubber: not computed"
+    assert "The uncertainty of the rubber, which is" in " ".join(surer.notes)
+    road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1e3, q_high=1e5)
+    _, sure, _ = cards(em.friction(rubber, road, pressure=3e5, **point))
+    assert sure.notes[0].startswith("computation and fit of the rubber")
+
+
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
 def test_seals(tmp_path):
     """An O-ring over years and on a rod, and a start after a rest, as the calls compute
@@ -375,3 +430,35 @@ def test_docs():
         assert f'"docs/{name}.md" = "elastomdr/app/data/{name}.md"' in wheel
         assert "](" not in text(name)
         assert "$" not in text(name)
+
+
+def test_choices_say_what_they_mean(tmp_path):
+    """Conventions of a spectrum by what they integrate to; a slider is there where its
+    wave is given; friction of a wheel on the road is ticked, not typed.
+    """
+    from elastomdr.surface.spectrum import CONVENTIONS
+
+    async def act(user, page, opened):
+        road = page.screen("Road")
+        await until(lambda: road._picture.shown)
+        spectrum = (SAMPLE / "road.csv").read_bytes()
+        await dropped(user, road, ("road.csv", spectrum))
+        await until(lambda: "[surface] convention" in road.form.widgets)
+        shown = road.form.widgets["[surface] convention"].options
+        assert shown.keys() - {""} == CONVENTIONS.keys()
+        assert all("⟨h²⟩ = ∫" in shown[word] for word in CONVENTIONS)
+        assert len(set(shown.values())) == len(shown)
+        await until(lambda: not road._sliders["[surface] longest"]._place.visible)
+        waves = page.screen("Friction")._sliders._waves
+        assert not any(slider._place.visible for slider in waves.values())
+        road.form.set("[surface] convention", "2d")
+        await until(lambda: road._sliders["[surface] longest"]._place.visible)
+        tyre = page.screen("Tyre")
+        scene = page._session.scenes["traction"]
+        assert not hasattr(tyre.form.widgets["friction"], "error")
+        tyre.form.widgets["friction"].value = False
+        assert "friction" not in scene
+        tyre.form.set("friction", "0.8")
+        assert scene["friction"] == 0.8
+
+    simulated(tmp_path, act)

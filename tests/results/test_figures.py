@@ -384,15 +384,35 @@ def test_a_figure_to_point_at_has_the_same_curves():
     assert [trace.name[:5] for trace in curves] == ["10 °C", "30 °C"]
     assert figure.layout.xaxis.type == "log"
     assert figure.layout.xaxis.title.text == "Sliding velocity [m/s]"
-    assert figure.layout.title.text == "Balls"
+    assert figure.layout.title.text.split("<br>")[0] == "Balls"
 
 
 def test_figures_name_rubbers_whose_moduli_are_illustrative():
-    def subtitle(name):
-        curve = em.friction(
-            em.load_material(name), em.Sphere(1e-2), velocity=[0.1, 1.0], load=1.0
-        )
-        return " ".join(words.get_text() for words in curve.plot().texts)
+    def friction(*names):
+        rubbers = [em.load_material(name) for name in names]
+        given = rubbers if len(rubbers) > 1 else rubbers[0]
+        return em.friction(given, em.Sphere(1e-2), velocity=[0.1, 1.0], load=1.0)
 
-    assert "moduli: illustrative" in subtitle("silicone-like")
-    assert "illustrative" not in subtitle("epdm-70")
+    def above(axes):
+        return " ".join(" ".join(words.get_text() for words in axes.texts).split())
+
+    assert "moduli: illustrative" in above(friction("silicone-like").plot())
+    assert "illustrative" not in above(friction("epdm-70").plot())
+    pytest.importorskip("plotly")
+    figure = friction("silicone-like").interactive()
+    assert "moduli: illustrative" in figure.layout.title.text
+    ranking = friction("silicone-like", "epdm-70").ranking()
+    said = "moduli of silicone-like: illustrative, of no particular rubber"
+    assert said in above(ranking.plot())
+    assert said in ranking.summary().splitlines()
+    assert "illustrative" not in friction("epdm-70", "psa-468mp").ranking().summary()
+
+
+def test_a_ring_on_a_rod_says_that_its_rubber_is_illustrative():
+    rubber = em.load_material("silicone-like")
+    ring = em.o_ring(rubber, diameter=5e-3, squeeze=0.2, time=300.0)
+    motion = {"velocity_out": [0.1, 1.0], "velocity_in": 0.1, "stroke": 0.1}
+    strokes = em.reciprocating(rubber, o_ring=ring, viscosity=0.05, **motion)
+    words = " ".join(text.get_text() for text in strokes.plot().texts)
+    assert "moduli: illustrative" in words
+    assert "illustrative, of no particular rubber" in strokes.summary()

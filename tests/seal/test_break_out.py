@@ -134,3 +134,18 @@ def test_bad_input(change, words):
     given |= {"boundary_shear": STRESS, "time": 1.0} | change
     with pytest.raises(em.InputError, match=words):
         em.break_out(**given)
+
+
+@pytest.mark.parametrize("show", ["mu", "area_ratio"])
+def test_figure_has_the_band_of_the_error(show):
+    given = {"pressure": 1e6, "boundary_shear": STRESS, "temperature": 293.15}
+    found = em.break_out(RUBBER, ROUGH, time=[1.0, 10.0, 100.0], **given)
+    ax = found.plot(show=show)
+    (band,) = ax.collections
+    heights = band.get_paths()[0].vertices[:, 1]
+    half = (found.error + found.model_error) / found.mu
+    assert half.max() > 0.01
+    values = getattr(found, show)
+    assert heights.max() == pytest.approx((values * (1 + half)).max())
+    assert heights.min() == pytest.approx((values * (1 - half)).min())
+    assert "numerical and model error" in " ".join(t.get_text() for t in ax.texts)

@@ -13,8 +13,9 @@ import elastomdr as em
 from ..checks import significant
 from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
-from ..results.curve import AbstractCurve
+from ..results.curve import FITTED, AbstractCurve
 from ..results.words import in_words
+from .words import with_signs
 
 _MOST = 4  # curves that get a card
 _AS_SHOWN = {"Pa": ("MPa", 1e-6), "m^3": ("mm³", 1e9)}  # units, and SI ones in them
@@ -37,7 +38,7 @@ class _Top(NamedTuple):
     y: float
     inside: bool
     slow: bool  # whether it is at the low end of the axis
-    error: float  # numerical, and what the rubber's fit misses of its data
+    error: float  # numerical; with what the rubber's fit misses where `_knows_fit`
     model_error: float  # NaN where it is not known
     extrapolated: bool
 
@@ -72,6 +73,13 @@ def cards(result: Any) -> list[Card]:
         )
         for top in tops[:_MOST]
     ]
+    more = len(curves) - len(shown)
+    if more:
+        failed = len(curves) - len(tops)
+        notes = ("in the figure",) if more > failed else ()
+        notes += (f"{failed} without a converged point",) if failed else ()
+        curve = "curve" if more == 1 else "curves"
+        shown.append(Card(f"And {more} more {curve}", "", notes))
     return [*shown, _how_sure(result, tops), _surer(result, axis, tops)]
 
 
@@ -104,11 +112,11 @@ def show(place: Any, new_cards: list[Card]) -> None:
     with place:
         for card in new_cards:
             with ui.element("section").classes("result"):
-                ui.label(card.title).classes("about")
+                ui.label(with_signs(card.title)).classes("about")
                 if card.number:
-                    ui.label(card.number).classes("number")
+                    ui.label(with_signs(card.number)).classes("number")
                 for note in card.notes:
-                    ui.label(note).classes("about")
+                    ui.label(with_signs(note)).classes("about")
 
 
 def _first(ranking: Any) -> Card:
@@ -123,7 +131,7 @@ def _first(ranking: Any) -> Card:
         None: "whether its lead is significant is not known",
     }[best.significant]
     number = f"{best.material}: {significant(best.mu, 3)}{known}"
-    where = ranking.where().replace("degC", "°C")
+    where = ranking.where()
     return Card("Most friction", number, (f"at {where}", lead))
 
 
@@ -149,7 +157,7 @@ def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
     error, bound = _errors(result)
     beyond = result.extrapolated
     return _Top(
-        f"at {curve.label}".replace("degC", "°C") if curve.label else "",
+        with_signs(f"at {curve.label}") if curve.label else "",
         _place(axis, top, x),
         top.y,
         top.inside,
@@ -216,7 +224,10 @@ def _in_brackets(result: Any, top: _Top) -> str:
 def _how_sure(result: Any, tops: list[_Top]) -> Card:
     """The largest relative uncertainty of the values, with its parts."""
     worst = max(tops, key=lambda top: top.share(top.spread))
-    notes = [f"computation and fit of the rubber {_percent(worst, worst.error)}"]
+    of_error = _percent(worst, worst.error)
+    notes = [f"computation {of_error}", "uncertainty of the rubber: not computed"]
+    if _knows_fit(result):
+        notes = [f"computation and fit of the rubber {of_error}"]
     if np.isnan(worst.model_error):
         notes.append("model: no bound is known here")
     elif np.isinf(worst.model_error):
@@ -231,6 +242,13 @@ def _how_sure(result: Any, tops: list[_Top]) -> Card:
     if isinstance(result, em.Leak):
         number = f"a factor of {significant(1 + worst.share(worst.spread), 2)}"
     return Card("How sure", number if known else "not known", tuple(notes))
+
+
+def _knows_fit(result: Any) -> bool:
+    """Whether the error holds what the rubber's fit misses of its data; elsewhere it is
+    numerical only.
+    """
+    return FITTED in dict(result.inputs)
 
 
 def _percent(top: _Top, uncertainty: float) -> str:
@@ -264,5 +282,8 @@ def _ways(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
             if result.shows == "mu" and isinstance(result, AbstractCurve)
             else "A measured value, to compare with."
         )
+    if not _knows_fit(result):
+        yield "The uncertainty of the rubber, which is not computed here: draws of a fit."
     if error > _FINE:
-        yield "A fit closer to the moduli, or a smaller relative tolerance."
+        closer = "A fit closer to the moduli, or a" if _knows_fit(result) else "A"
+        yield f"{closer} smaller relative tolerance."

@@ -175,8 +175,15 @@ class ComputedStage:
                 )
             if kind.about:
                 ui.label(kind.about).classes("about")
+            on_road = session.scenes[self._key].get("friction") == COMPUTED
+            box: Any = None
+            if self._key == "traction":
+                box = ui.checkbox("Friction on the road of the road screen")
+                box.set_value(on_road)
+                box.on_value_change(self._on_road)
+            hidden = {"title", *(("friction",) if on_road else ())}
             only = kind.only or tuple(
-                key for key in kind.table.__struct_fields__ if key != "title"
+                key for key in kind.table.__struct_fields__ if key not in hidden
             )
             self.form = Form(
                 kind.table,
@@ -187,6 +194,17 @@ class ComputedStage:
                 entered=self.compute,
                 changed=lambda name: self.look(),
             )
+            if on_road:
+                self.form.widgets["friction"] = box  # errors name it
+
+    def _on_road(self, event: Any) -> None:
+        """Takes the friction of a wheel from the road screen, or asks for it."""
+        scene = self._session.scenes[self._key]
+        scene.pop("friction", None)
+        if event.value:
+            scene["friction"] = COMPUTED
+        self._draw_form()
+        self.look()
 
     async def _other_kind(self, event: Any) -> None:
         self._busy.stop()

@@ -99,9 +99,9 @@ def to_text(value: Any) -> str:
         same = _UNIT.fullmatch(first), _UNIT.fullmatch(last)
         if same[0] and same[1] and same[0][3] == same[1][3]:
             first = first.removesuffix(same[0][3]).rstrip()
-        return _with_signs(f"{first} to {last}, {value['points']} points")
+        return words.with_signs(f"{first} to {last}, {value['points']} points")
     joined = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-    return _with_signs(joined)
+    return words.with_signs(joined)
 
 
 def from_text(accepts: Leaf, typed: str | None, unit: str = "") -> Any:
@@ -112,7 +112,7 @@ def from_text(accepts: Leaf, typed: str | None, unit: str = "") -> Any:
     says what is accepted.
     """
     typed = (typed or "").strip()
-    typed = typed.replace("°C", "degC").replace("µm", "um")
+    typed = words.without_signs(typed)
     if not typed:
         return None
     if accepts.spread and (match := _SPAN.fullmatch(typed)) is not None:
@@ -135,10 +135,6 @@ def from_text(accepts: Leaf, typed: str | None, unit: str = "") -> Any:
         get_origin(kind) is list for kind in accepts.kinds
     )
     return values[0] if one else values
-
-
-def _with_signs(typed: str) -> str:
-    return typed.replace("degC", "°C").replace(" um", " µm")
 
 
 def _parts(kind: Any) -> tuple[Any, ...]:
@@ -456,7 +452,7 @@ class Form:
             widget = _flag(label, field, accepts, value)
         elif accepts.words:
             first = "choose" if field.required else _default(field.default)
-            options = {"": first, **{word: word for word in accepts.words}}
+            options = {"": first, **words.choices(key, accepts.words)}
             widget = ui.select(options, value=value or "", label=label)
         else:
             widget = ui.input(
@@ -555,7 +551,7 @@ def _example(accepts: Leaf) -> str:
     quantity = accepts.quantity
     if quantity is None:
         return "1, 2, 3" if accepts.several and accepts.numeric else ""
-    example = _with_signs(quantity.example)
+    example = words.with_signs(quantity.example)
     if accepts.spread:
         return f"{example}, or A to B, 24 points"
     return f"{example}, or several" if accepts.several else example

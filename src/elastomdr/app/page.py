@@ -38,8 +38,8 @@ class ExportStage:
         with self._place:
             if not self._session.done:
                 ui.label(
-                    "Nothing has been computed yet: compute friction, a "
-                    "comparison or rolling first."
+                    "Nothing has been computed yet: compute friction, a comparison, "
+                    "rolling, a slip curve of a tyre or a seal first."
                 )
             for stem, computation in self._session.done.items():
                 self._card(stem, computation)

@@ -33,7 +33,7 @@ from .stage import (
     drop,
     length,
 )
-from .words import path_of, title
+from .words import path_of, title, with_signs
 
 _NAMES = ("[surface] longest", "[surface] shortest")
 _FIRST = (
@@ -97,7 +97,7 @@ class RoadStage:
         return Slider(
             title(path_of(name)),
             _WIDEST,
-            lambda metres: length(metres).replace("um", "µm"),
+            lambda metres: with_signs(length(metres)),
             lambda metres: self.form.set(name, length(metres)),
         )
 
@@ -175,6 +175,8 @@ class RoadStage:
         self._offer([])
         self._words.show("")
         self._notes.show(())
+        for slider in self._sliders.values():
+            slider.show(False)
 
     def _offer(self, offers: list[tuple[str, str, float]]) -> None:
         """Asks for the cutoffs of a road that has none."""
@@ -191,9 +193,7 @@ class RoadStage:
             ).classes("about")
             for longest, shortest, slope in offers:
                 ui.button(
-                    f"{longest} to {shortest} (rms slope {slope:.2g})".replace(
-                        "um", "µm"
-                    ),
+                    with_signs(f"{longest} to {shortest} (rms slope {slope:.2g})"),
                     on_click=partial(self._cut, longest, shortest),
                 ).props(f"{BUTTON} outline")
 
@@ -205,7 +205,7 @@ class RoadStage:
     def _show(self, seen: dict[str, Any]) -> None:
         self._picture.show(seen["drawn"])
         self._offer(seen["offers"])
-        self._words.show(seen["words"])
+        self._words.show(with_signs(seen["words"]))
         self._notes.show(seen["report"])
         for name, slider in self._sliders.items():
             slider.show(name in self.form.widgets)

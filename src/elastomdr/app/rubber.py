@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from nicegui import ui
 
 import elastomdr as em
@@ -187,6 +188,7 @@ class Fitted:
     figures: dict[str, Drawn] = field(repr=False)
     fit: Any = field(repr=False)
     asked: dict[str, Any] = field(repr=False)  # as it was filled in
+    offsets: np.ndarray = field(repr=False)  # of isotherms shifted by hand [decades]
 
 
 class RubberStage:
@@ -322,8 +324,8 @@ class RubberStage:
         self._notes.show(fitted.warnings)
         for key, picture in self._pictures.items():
             picture.show(fitted.figures.get(key))
-        self._editor.edit(fitted.fit.master)
         self._fitted = fitted
+        self._editor.edit(fitted.fit.master, fitted.offsets)
         self._words.show(in_fields(fitted.summary))
 
     def _edited(self, figures: dict[str, Drawn] | None) -> None:
@@ -373,7 +375,10 @@ def calculate(
         em.save_material(fit.material, session.folder.path / name, info=fit.info())
     rows = (f"row left out: {row}" for row in dma.bad_rows)
     warned = tuple(in_fields(warning) for warning in (*fit.warnings, *rows))
-    return Fitted(name, asked.command(), fit.summary(), warned, {}, fit, content)
+    offsets = np.zeros(fit.master.temperature.size)
+    return Fitted(
+        name, asked.command(), fit.summary(), warned, {}, fit, content, offsets
+    )
 
 
 def _read(asked: Fit, session: Session) -> Any:

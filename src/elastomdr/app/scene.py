@@ -169,8 +169,8 @@ def compute(
         except InputError as error:
             if "within the friction law" in str(error):
                 raise InputError(
-                    f'friction: {error} With "computed" it is computed where the wheel '
-                    "needs it."
+                    f"friction: {error} Computed on the road of the road screen it covers "
+                    "what the wheel needs."
                 ) from error
             raise
         if verb == "compare":
@@ -218,7 +218,7 @@ def without_empty(content: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in content.items() if key != "numerics" or value}
 
 
-COMPUTED = "computed"  # what is typed in the place of a coefficient or a table
+COMPUTED = "computed"  # stands in the place of a coefficient or a table
 TABLE = "tread-friction.csv"
 _PRESSURES = 3
 _PER_DECADE = 8  # velocities

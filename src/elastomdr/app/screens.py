@@ -123,9 +123,9 @@ TYRE = Screen(
             "traction",
             WheelTraction,
             first=_ROLLING,
-            about=f'Friction "{COMPUTED}" is that of this rubber on the road of the '
-            "road screen, with heat and adhesion of the friction screen, where the wheel "
-            "needs it. A number or the name of a table does as well.",
+            about="Friction on the road of the road screen is that of this rubber, with "
+            "heat and adhesion of the friction screen, where the wheel needs it. "
+            "Otherwise it is a number or a table.",
         )
     },
     "tyre",
@@ -271,7 +271,7 @@ _PRESETS: dict[str, tuple[dict[str, Any], str]] = {
                 "viscosity": "50 mPa*s",
                 "length": "1 mm",
                 "width": "160 mm",
-                "time": ["1 min", "1 h", "1 day", "30 day", "1 year", "10 year"],
+                "time": ["1 min", "1 h", "1 day", "30 days", "1 year", "10 years"],
             },
         },
         "epdm-70",
@@ -281,7 +281,7 @@ _PRESETS: dict[str, tuple[dict[str, Any], str]] = {
             "temperature": ["-5 degC", "20 degC", "50 degC"],
             "o_ring": _O_RING
             | {
-                "time": {"from": "1 min", "to": "10 year", "points": 24},
+                "time": {"from": "1 min", "to": "10 years", "points": 24},
                 "fluid_pressure": "2 MPa",
                 "groove_width": "7 mm",
             },
@@ -326,7 +326,7 @@ _PRESETS: dict[str, tuple[dict[str, Any], str]] = {
             "break_out": {
                 "pressure": "0.35 MPa",
                 "boundary_shear": "0.2 MPa",
-                "time": {"from": "1 s", "to": "10 day", "points": 24},
+                "time": {"from": "1 s", "to": "10 days", "points": 24},
             },
         },
         "epdm-70",

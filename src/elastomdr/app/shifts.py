@@ -58,8 +58,10 @@ class ShiftEditor:
                 ui.button("Fit with these factors", on_click=self._taken).props(BUTTON)
         self._fold.visible = False
 
-    def edit(self, master: Any) -> None:
-        """Takes the master curve of a fit; None, or a single isotherm, hides it."""
+    def edit(self, master: Any, offsets: np.ndarray | None = None) -> None:
+        """Takes the master curve of a fit and the shifts by hand [decades], which it
+        changes in place; None, or a single isotherm, hides it.
+        """
         if master is not None and master.temperature.size < 2:
             master = None
         self._fold.visible = master is not None
@@ -67,14 +69,20 @@ class ShiftEditor:
         self._restarts += 1
         if master is None:
             return
-        self._offsets = np.zeros(master.temperature.size)
+        self._offsets = (
+            np.zeros(master.temperature.size) if offsets is None else offsets
+        )
         names = {
             i: _celsius(temperature) for i, temperature in enumerate(master.temperature)
         }
-        farthest = int(np.abs(master.temperature - master.reference).argmax())
+        by_hand = bool(self._offsets.any())
+        far = self._offsets if by_hand else master.temperature - master.reference
+        farthest = int(np.abs(far).argmax())
         self._numbers = {name: i for i, name in names.items()}
         self._isotherm.set_options(names, value=farthest)
         self._chosen()
+        if by_hand:
+            background_tasks.create(self._redraw(), name="show shifts by hand")
 
     def _chosen(self) -> None:
         i = self._isotherm.value

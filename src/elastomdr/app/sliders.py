@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..results.words import in_words
 from .scene import Done
 from .stage import Slider, length
+from .words import with_signs
 
 _WAVES = {"longest": (1e-4, 0.1), "shortest": (1e-7, 2e-3)}  # [m]
 _PRESSURES = (0.01e6, 10e6)  # [Pa]
@@ -36,7 +37,7 @@ class Sliders:
                 key: Slider(
                     f"{key.capitalize()} wavelength of the road",
                     limits,
-                    lambda metres: length(metres).replace("um", "µm"),
+                    lambda metres: with_signs(length(metres)),
                     lambda metres, key=key: moved(f"[surface] {key}", length(metres)),
                 )
                 for key, limits in _WAVES.items()
@@ -50,7 +51,7 @@ class Sliders:
             self._temperature = Slider(
                 "Rubber temperature",
                 _TEMPERATURES,
-                lambda temperature: _celsius(temperature).replace("degC", "°C"),
+                lambda temperature: with_signs(_celsius(temperature)),
                 lambda temperature: moved("temperature", _celsius(temperature)),
                 logarithmic=False,
             )
@@ -65,8 +66,8 @@ class Sliders:
         surface = self._content.get("surface", {})
         contact = self._content.get("contact", {})
         for key, slider in self._waves.items():
-            slider.show(surface.get("shape") in ("self_affine", "spectrum"))
-            _place(slider, Length, surface.get(key))
+            cut = surface.get("shape") in ("self_affine", "spectrum")
+            _place(slider, Length, surface.get(key) if cut else None)
         _place(self._pressure, Pressure, contact.get("pressure"))
         _place(self._temperature, Temperature, self._content.get("temperature"))
 
@@ -105,15 +106,17 @@ class Sliders:
             name = f"{curve.label}: " if curve.label else ""
             readings.append(f"{name}µ = {significant(mu, 3)} ± {significant(half, 2)}")
         sentence = f"At {_velocity(velocity)}: {'; '.join(readings)}"
-        self._values.text = sentence.replace("degC", "°C")
+        self._values.text = with_signs(sentence)
 
 
 def _place(slider: Slider, quantity: Any, value: Any) -> None:
-    """Puts a slider where a value is, if it can be read."""
+    """Puts a slider where a value is, and hides it where there is none to read."""
     try:
         slider.set(float(quantity.read(value[0] if isinstance(value, list) else value)))
     except InputError:
-        return  # the field says what is wrong
+        slider.show(False)  # the field says what is wrong
+    else:
+        slider.show(True)
 
 
 def _pressure(pascal: float) -> str:

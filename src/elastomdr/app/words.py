@@ -60,7 +60,8 @@ _LABELS = _TABLES | {
     "uncertainty": "Number of draws for the uncertainty band|of the rubber's misfit and of the "
     "road's errors; 2 or more",
     "title": "Title of the figure",
-    "friction": 'Friction coefficient µ [-]|a number, a table that was dropped, or "computed"',
+    "friction": "Friction coefficient µ [-]|a number, or the name of a table that was "
+    "dropped",
     # load and motion
     "velocity": "Velocity v [m/s]|one, several, or from one to another: 1e-4 to 10 m/s, "
     "24 points",
@@ -95,7 +96,7 @@ _LABELS = _TABLES | {
     "temperature",
     "adhesion.width": "Width of the bell over log₁₀ v [-]|0 or more",
     "conductivity": "Thermal conductivity λ [W/(m K)]",
-    "heat_capacity": "Heat capacity per volume ρc [MJ/(m^3 K)]",
+    "heat_capacity": "Heat capacity per volume ρc [MJ/(m³ K)]",
     "ambient": "Ambient temperature [°C]",
     "capacity": "Heat capacity of the body [J/K]|for the way to the steady state",
     "conductance": "Thermal conductance to the surroundings [W/K]",
@@ -109,6 +110,7 @@ _LABELS = _TABLES | {
     "curve": "Between the points",
     "exponent": "Exponent [-]",
     "file": "File",
+    "surface.file": "File|that was dropped on this page",
     "indenter.length": "Length L [mm]|of the line of contact, across the direction of motion",
     "radius": "Radius R [mm]",
     "roller.length": "Length L [mm]",
@@ -161,8 +163,8 @@ _LABELS = _TABLES | {
     "outlet_pressure": "Outlet pressure [MPa]|absolute; makes the fluid a gas",
     "mean_free_path": "Mean free path at the outlet [nm]|of a gas that slips at the "
     "walls",
-    "viscosity": "Viscosity η [mPa*s]",
-    "density": "Density ρ [kg/m^3]|gives the mass rate as well",
+    "viscosity": "Viscosity η [mPa·s]",
+    "density": "Density ρ [kg/m³]|gives the mass rate as well",
     "leak.length": "Contact length along the flow [mm]",
     "leak.width": "Contact width across the flow [m]|1 m where nothing is given",
     "time": "Time under load t [s]|without it: long after pressing",
@@ -182,12 +184,29 @@ _LABELS = _TABLES | {
     "slider",
     "flow_factor": "Flow through a rough contact|as in a leak, or of Patir and Cheng",
 }
+# what a word to choose means, by key
+_CHOICES = {
+    "convention": {
+        "2d": "of the surface: ⟨h²⟩ = ∫ C d²q",
+        "2d/4pi^2": "of the surface, over 4π²: ⟨h²⟩ = ∫ C d²q / 4π²",
+        "1d": "of a straight cut, all q: ⟨h²⟩ = ∫ C dq from -∞ to ∞",
+        "1d one-sided": "of a straight cut, positive q: ⟨h²⟩ = ∫ C dq from 0 to ∞",
+        "1d/2pi": "of a straight cut, all q, over 2π: ⟨h²⟩ = ∫ C dq / 2π from -∞ to ∞",
+        "1d one-sided/2pi": "of a straight cut, positive q, over 2π: "
+        "⟨h²⟩ = ∫ C dq / 2π from 0 to ∞",
+    },
+    "wave_number": {
+        "2 pi/lambda": "2π/λ, radians per length",
+        "1/lambda": "1/λ, waves per length",
+    },
+}
 # keys that belong to other commands than those of the page
 ELSEWHERE = {
     f"[surface] {key}" for key in ("equivalent_length", "seed", "periods", "samples")
 }
 _ANY_TABLE = "|".join(map(re.escape, _TABLES))
-_SPELLED = {"°C": "degC", "mm²": "mm2", "µm": "um"}  # as scene files spell a unit
+# as the page spells a unit, and as scene files do
+_SIGNS = {"°C": "degC", "µm": "um", "·": "*", "³": "^3"}
 
 
 def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
@@ -200,8 +219,14 @@ def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
     try:
         quantity.read(f"1 {label_unit}")
     except InputError:
-        return re.sub(r"\[.*\]$", f"[{quantity.unit}]", entry)
+        return re.sub(r"\[.*\]$", with_signs(f"[{quantity.unit}]"), entry)
     return entry
+
+
+def choices(key: str, listed: Iterable[str]) -> dict[str, str]:
+    """The words that a key accepts, with what stands for each of them in the field."""
+    meanings = _CHOICES.get(key, {})
+    return {word: meanings.get(word, word) for word in listed}
 
 
 def hint(path: tuple[str, ...], meaning: str) -> str:
@@ -220,7 +245,23 @@ def unit(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
 
 def _unit_of(entry: str) -> str:
     match = re.search(r" \[(.*)\]$", entry)
-    return "" if match is None or match[1] == "-" else _SPELLED.get(match[1], match[1])
+    unit_text = "" if match is None or match[1] == "-" else match[1]
+    return without_signs(unit_text.replace("mm²", "mm2"))
+
+
+def with_signs(text: str) -> str:
+    """A text with units as the page spells them: °C, µm, mPa·s, m³, ±."""
+    text = text.replace("degC", "°C").replace("+-", "±")
+    text = re.sub(r"(?<![A-Za-z])um\b", "µm", text)
+    text = re.sub(r"(?<=\bm)\^3|(?<=\bmm)\^3", "³", text)
+    return re.sub(r"(?<=[A-Za-z³])\*(?=[A-Za-z])", "·", text)
+
+
+def without_signs(text: str) -> str:
+    """A text with units as scene files spell them."""
+    for sign, spelled in _SIGNS.items():
+        text = text.replace(sign, spelled)
+    return text
 
 
 def title(path: tuple[str, ...]) -> str:
@@ -269,7 +310,7 @@ def spoken(message: str) -> str:
     message = message.replace("In a scene, titles", "Titles")
     message = message.replace(" beside the scene", " that was dropped here")
     message = re.sub(r"degC(?= {2})", "°C  ", message)  # columns stay in line
-    return message.replace("degC", "°C")
+    return with_signs(message)
 
 
 def path_of(name: str) -> tuple[str, ...]:

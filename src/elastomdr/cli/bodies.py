@@ -290,7 +290,7 @@ class SelfAffine(Surface, tag="self_affine"):
 
 
 class Spectrum(Surface, tag="spectrum"):
-    """A surface by its power spectrum, a table in the scene or in a file."""
+    """A surface by its power spectrum, a table of wave numbers and C."""
 
     convention: Annotated[
         Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"],

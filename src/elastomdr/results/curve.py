@@ -548,12 +548,21 @@ class Ranking:
             in_words(name, value) for name, value in known.items() if value is not None
         )
 
+    def illustrative(self) -> str:
+        """Which rubbers have moduli of no particular one, in words; empty for none."""
+        inputs = {origin.name: dict(origin.inputs) for origin in self.curve.origins}
+        graded = {name: of["moduli"] for name, of in inputs.items() if "moduli" in of}
+        grades = ", ".join(dict.fromkeys(graded.values()))
+        return f"moduli of {', '.join(graded)}: {grades}" if graded else ""
+
     def words(self) -> Iterator[str]:
         """The lines of `summary`."""
         yield f"ranking by friction at {self.where()}"
         width = max(len(place.material) for place in self.places)
         for i, place in enumerate(self.places, 1):
             yield f"{i:>3}  {place.material:<{width}}  {place.words()}"
+        if illustrative := self.illustrative():
+            yield illustrative
         yield (
             "uncertainty: numerical error and misfit of the material; the model error, "
             "common to all, is left out"
@@ -581,7 +590,7 @@ class Ranking:
         header = [
             f"elastomdr {__version__}: ranking by friction",
             self.where(),
-            *list(self.words())[-1:],
+            *list(self.words())[1 + len(self.places) :],
         ]
         write_files({Path(path): csv_text(header, columns).encode()})
 

@@ -2,6 +2,7 @@
 time or frequency, measured points on them, and a ranking as bars.
 """
 
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -341,6 +342,21 @@ def draw_traction(result: Any, ask: Ask) -> Any:
     return ax
 
 
+def draw_break_out(result: Any, ask: Ask, y: str) -> Any:
+    """Draws the break-out coefficient or the real contact against the dwell, the whole
+    uncertainty as a band: that of both is relatively the same.
+    """
+
+    def band(sketch: Sketch, line: Line) -> None:
+        half, uncertainty = _uncertainty(sketch.fields)
+        around = sketch.along_line(half / sketch.fields["mu"], line) * line.y
+        _draw_band(sketch, line, around, around, line.colour)
+        if (note := f"shaded: {uncertainty}") not in sketch.entry.notes:
+            sketch.entry.notes.append(note)
+
+    return draw(result, ask, y=y, also=band)
+
+
 def draw_heat_build_up(result: Any, ask: Ask) -> Any:
     """Draws temperature against time, with the steady one dotted, or the steady one
     against velocity.
@@ -514,6 +530,17 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
             fontsize=1.2 * look.text,
             fontweight="bold",
             color=INK,
+        )
+    if look.words and (illustrative := ranking.illustrative()):
+        small = {"fontsize": 0.8 * look.text, "color": FAINT}
+        left.annotate(
+            textwrap.fill(illustrative, 100),
+            (0, 1),
+            (0, 0.6 * look.text),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            va="bottom",
+            **small,
         )
     return left
 

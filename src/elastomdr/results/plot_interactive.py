@@ -33,14 +33,29 @@ def as_plotly(plotly: Any, axes: Any) -> Any:
             figure.add_trace(trace, row=1, col=column)
         figure.update_xaxes(**_axis(ax.xaxis, ax.get_xscale()), row=1, col=column)
         figure.update_yaxes(**_axis(ax.yaxis, ax.get_yscale()), row=1, col=column)
-    title = next((ax.get_title(loc="left") for ax in panels), "")
     figure.update_layout(
-        title=title.replace("\n", " "),
+        title=_title(axes.figure, panels),
         template="simple_white",
         width=_PANEL * len(panels) + 240,
         height=_HEIGHT,
     )
     return figure
+
+
+def _title(figure: Any, panels: list[Any]) -> str:
+    """The title, and below it the small print that stands above the axes: model, rubbers
+    that are illustrative, what lines mean.
+    """
+    title = next((ax.get_title(loc="left") for ax in panels), "")
+    notes = [
+        artist.get_text()
+        for ax in panels
+        for artist in ax.texts
+        if getattr(artist, "xycoords", None) == "axes fraction"
+    ]
+    small = "<br>".join(" ".join(note.split()) for note in reversed(notes) if note)
+    title = " ".join((figure.get_suptitle() or title).split())
+    return f"{title}<br><sup>{small}</sup>" if small else title
 
 
 def _traces(ax: Any, seen: set[str]) -> Iterator[dict[str, Any]]:

@@ -101,14 +101,16 @@ class BreakOut(Result):
         label: str | None = None,
         show: Literal["mu", "area_ratio"] = "mu",
     ) -> Axes:
-        """Draws the break-out coefficient or the real contact against the dwell.
+        """Draws the break-out coefficient or the real contact against the dwell, with
+        the band of its error, numerical and of the model.
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
         self._check_shown(show, "mu", "area_ratio")
-        from ..results.plotting import Ask, draw
+        from ..results.plot_curves import draw_break_out
+        from ..results.plotting import Ask
 
-        return self._draw(draw, Ask(ax, style, title, label), y=show)
+        return self._draw(draw_break_out, Ask(ax, style, title, label), y=show)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of the coefficient and of the real contact."""

@@ -453,7 +453,8 @@ def _under_ring(
         time=time,
     )
     film = np.asarray(film_of_ring.flow / velocity)
-    remarks = tuple(line for line in film_of_ring.inputs if line[0] == "extrapolated")
+    kept = ("material", "moduli", "extrapolated")
+    remarks = tuple(line for line in film_of_ring.inputs if line[0] in kept)
     return _Carried(
         film,
         np.asarray(film_of_ring.mu * load),

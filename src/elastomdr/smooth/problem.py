@@ -37,7 +37,7 @@ BARE = (
     "bare MDR line (textbook; overstates the losses of a half-space by up to a factor "
     "of 2)"
 )
-LAYER = "independent springs (textbook; for the layer itself use em.layer)"
+LAYER = "independent springs (textbook, not the layer itself)"
 
 
 class SmoothScene(NamedTuple):
