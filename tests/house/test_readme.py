@@ -39,13 +39,7 @@ def prose(page: Path) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "page",
-    [
-        page
-        for page in PAGES
-        if page.parent.name not in ("tests", "benchmarks", "robustness")
-    ],
-    ids=lambda page: page.name,
+    "page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix()
 )
 def test_lines_are_short(page):
     assert [line for line in prose(page) if len(line) > WIDE] == []
