@@ -163,10 +163,7 @@ def gallery() -> str:
     for title, text, paths in (
         (
             "Notebooks",
-            (
-                "Three tasks from data to result, for Jupyter: `jupyter lab "
-                "examples/notebooks`."
-            ),
+            "From data to result, for Jupyter: `jupyter lab examples/notebooks`.",
             NOTEBOOKS,
         ),
         (
@@ -206,10 +203,9 @@ def gallery() -> str:
 def example(path: Path) -> str:
     """The page of an example: its docstring, its figure, its code."""
     text = path.read_text(encoding="utf-8")
-    _, *rest = ast.get_docstring(ast.parse(text)).splitlines()
+    _, words = _sentence_and_rest(path)
     up = "../" * _page(path).count("/")
     code = text.split('"""', 2)[2].strip()
-    words = "\n".join(rest).strip()
     return (
         "# "
         f"{_title(path)}\n\n{words}\n\n![{_title(path)}]({up}{_figure(path)})\n\n```python\n{code}\n```\n"
@@ -256,19 +252,21 @@ def _figure(path: Path) -> str:
 
 
 def _title(path: Path) -> str:
-    """The first line of an example's docstring, or of a notebook, without number and
-    stop.
-    """
+    """The first sentence of an example, or the first line of a notebook."""
     if path.suffix == ".ipynb":
         return json.loads(path.read_text(encoding="utf-8"))["cells"][0]["source"][
             0
         ].strip("# \n")
-    title = re.sub(
-        r"^(\d+: )",
-        "",
-        ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).splitlines()[0],
-    )
+    title = re.sub(r"^\d+: ", "", _sentence_and_rest(path)[0])
     return title[0].upper() + title[1:].rstrip(".")
+
+
+def _sentence_and_rest(path: Path) -> tuple[str, str]:
+    """The first sentence of an example's docstring, on one line, and what follows."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    first, _, rest = text.partition("\n\n")
+    sentence, *more = re.split(r"(?<=[.?!])\s+", " ".join(first.split()), maxsplit=1)
+    return sentence, "\n\n".join([*more, rest.strip()])
 
 
 def figures() -> str:

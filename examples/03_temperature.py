@@ -77,7 +77,7 @@ def main(out: Path) -> None:
         (right, f"Shifted to {REFERENCE:g} °C: one curve"),
     ):
         ax.set_title(title)
-    about = f"Ball of 5 mm radius, 1 N, on {rubber.name}\n{curve.model}"
+    about = f"Ball of 5 mm radius, 1 N, on {rubber.name}, illustrative moduli\n{curve.model}"
     figure.suptitle(about, fontsize=8, color="#666666")
     figure.savefig(out / "03_temperature.png")
     plt.close(figure)

@@ -91,8 +91,9 @@ def draw(
     top.semilogx(velocity, mu, color="#1f5a94")
     top.set(ylabel="Friction coefficient [-]", ylim=(0, None))
     model = em.plan(RUBBER, BALL, velocity=velocity, load=LOAD).model
-    top.set_title(f"Ball of 5 mm radius, 1 N, on {RUBBER.name} at -25 °C", pad=18)
-    top.text(0, 1.02, model, transform=top.transAxes, fontsize=8, color="#666666")
+    top.set_title(f"Ball of 5 mm radius, 1 N, on {RUBBER.name} at -25 °C", pad=30)
+    about = f"{model}\nillustrative moduli"
+    top.text(0, 1.02, about, transform=top.transAxes, fontsize=8, color="#666666")
     cells = edges(velocity), edges(RUBBER.times)
     colours = bottom.pcolormesh(
         *cells, sensitivity[:, 1:].T, cmap="RdBu_r", vmin=-0.8, vmax=0.8

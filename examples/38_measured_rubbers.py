@@ -1,12 +1,13 @@
-"""38: which measured rubbers does the library hold? Their master curves.
+"""38: which measured materials does the library hold? Their master curves.
 
-Teaches: `em.load_material` gives a rubber of the library with its range and its source;
+Teaches: `em.load_material` gives a material of the library with its range and its source;
 `storage`, `loss` and `loss_tangent` are its moduli, here at 20 degC within the
 frequencies that were measured.
 
-Inputs: the four rubbers of the library whose moduli were fitted here to measured
-ones: a filled EPDM, a polyisoprene melt, an acrylic adhesive and an encapsulant of
-solar cells. All others are published series or illustrative (`elastomdr materials`).
+Inputs: the four materials of the library whose moduli were fitted here to measured
+ones: one rubber, a filled EPDM, and a polyisoprene melt, an acrylic adhesive and an
+encapsulant of solar cells. All others are published series or illustrative
+(`elastomdr materials`).
 
 Check: storage and loss modulus belong together by the relation of Kramers and Kronig,
 G'(omega) = G'(0) + (2/pi) int omega^2 G''(x)/(x (omega^2 - x^2)) dx, here by SciPy's

@@ -37,7 +37,7 @@ def test_every_point_is_flagged_by_the_frequency_of_its_passage(curve):
     assert 3 < found.extrapolated.sum() < 13
     assert said.startswith(
         f"{found.extrapolated.sum()} of 16 points lie beyond the range of the "
-        "material: v a_T/(2a) to 2 v a_T/a from"
+        "material: the passage means frequencies (v a_T/(2a) to 2 v a_T/a) from"
     )
     assert "range 1 to 1e+03 rad/s" in said
     assert said.rstrip(".") in found.summary()
@@ -424,7 +424,7 @@ class TestHistories:
         velocity = np.geomspace(1e-4, 10.0, 6)
         other = em.Prony(1e6, [1e6], [1.0])
         with pytest.warns(
-            em.ExtrapolationWarning, match="a_T/t to 4 a_T/t, t the contact time"
+            em.ExtrapolationWarning, match="contact time means frequencies"
         ) as caught:
             found = em.impact([self.rubber, other], BALL, mass=4e-3, velocity=velocity)
         assert len(caught) == 1
@@ -672,7 +672,7 @@ def test_what_looks_at_no_range_says_why(name):
 
 def test_a_cord_held_for_ten_years_is_beyond_data_of_minutes():
     rubber = em.load_material("epdm-70")
-    with pytest.warns(em.ExtrapolationWarning, match="a_T/t"):
+    with pytest.warns(em.ExtrapolationWarning, match="the time held means frequencies"):
         found = em.o_ring(rubber, 5e-3, 0.15, time=[10.0, 3.156e8], temperature=293.15)
     assert found.extrapolated.tolist() == [False, True]
     with pytest.warns(em.ExtrapolationWarning, match="held for ever"):

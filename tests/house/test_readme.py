@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import elastomdr as em
 from elastomdr.cli.main import _parser, main
@@ -38,13 +39,7 @@ def prose(page: Path) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "page",
-    [
-        page
-        for page in PAGES
-        if page.parent.name not in ("tests", "benchmarks", "robustness")
-    ],
-    ids=lambda page: page.name,
+    "page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix()
 )
 def test_lines_are_short(page):
     assert [line for line in prose(page) if len(line) > WIDE] == []
@@ -92,6 +87,26 @@ def test_main_job_runs(tmp_path, monkeypatch, capsys):
     assert main([*arguments, str(tmp_path / out)]) == 0
     assert {file.suffix for file in (tmp_path / out).iterdir()} == {".csv", ".png"}
     assert "all converged" in capsys.readouterr().out
+    name = "tread-friction.png"
+    today, shown = words(tmp_path / out / name), words(ROOT / "docs" / "figures" / name)
+    assert [NUMBER.sub("#", line) for line in shown] == [
+        NUMBER.sub("#", line) for line in today
+    ]
+    numbers = [
+        [float(number) for line in lines for number in NUMBER.findall(line)]
+        for lines in (shown, today)
+    ]
+    np.testing.assert_allclose(*numbers, rtol=2e-3)  # they have three to four digits
+    assert any("dotted: outside the measured range" in line for line in shown)
+
+
+NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+
+
+def words(figure: Path) -> list[str]:
+    """What a figure that was written by a command says of itself."""
+    with Image.open(figure) as image:
+        return image.text["Description"].splitlines()
 
 
 @pytest.mark.filterwarnings("ignore:the surface is not isotropic")

@@ -116,6 +116,19 @@ def test_what_the_pages_show(site):
     assert all((site / "examples" / link).exists() for card in cards for link in card)
 
 
+def test_titles_of_examples_are_whole_sentences(site):
+    """Where the docstring is wrapped, too: the page goes on with the next sentence."""
+    page = (site / "examples" / "27_seal_drive.html").read_text(encoding="utf-8")
+    title, first = re.search(r"<h1[^>]*>(.*?)</h1>\s*<p>(.*?)\s", page).groups()
+    assert title.startswith("Does the drive of a dry seal stick and slip?")
+    assert first == "A"
+    for path in (ROOT / "examples").rglob("[0-9][0-9]_*.py"):
+        made = site / path.relative_to(ROOT).with_suffix(".html")
+        text = made.read_text(encoding="utf-8")
+        (opening,) = re.findall(r"<h1[^>]*>.*?</h1>\s*<p>(\w+)", text)
+        assert opening[0].isupper(), path.name  # not the rest of a broken sentence
+
+
 def test_sections_are_numbered_in_order(site):
     numbered = 0
     for page in site.rglob("*.html"):

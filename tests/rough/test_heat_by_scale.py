@@ -205,19 +205,19 @@ def test_where_hot_rubber_has_more_friction_it_is_said_why():
     cold = em.friction(tread(), ROAD, adhesion=ICE_COLD, **asked)
     np.testing.assert_allclose(hot.cold, cold.mu, rtol=1e-9)
     assert (hot.mu > 1.3 * hot.cold).all()
-    said = dict(hot.inputs)["hot above cold"]
+    said = dict(hot.inputs)["heat raises mu"]
     i = int(np.argmax(hot.mu / hot.cold))
     softer = hot.area_ratio[i] / cold.area_ratio[i]
     stronger = hot.adhesion[i] / cold.adhesion[i] / softer
     assert softer > 1
     assert stronger > 1
-    assert f"the real contact is {softer:.4g} times" in said
+    assert f"the real contact is {softer:.4g} times as large" in said
     assert (
-        f"the shear stress there {stronger:.4g} times, since warmth moves it towards "
-        "its maximum"
+        f"the shear stress in it {stronger:.4g} times as high (warmth moves it towards "
+        "its maximum)"
     ) in said
     assert (
-        "hot above cold" not in em.friction(tread(), ROAD, heat=HEAT, **asked).summary()
+        "heat raises mu" not in em.friction(tread(), ROAD, heat=HEAT, **asked).summary()
     )
 
 

@@ -77,7 +77,11 @@ def held_beyond(
     rate = np.broadcast_to(rate, shape)
     temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
     points = known.outside(rate, temperatures)
-    of = "held for ever, 1/t" if time is None else "a_T/t to 4 a_T/t, t the time held,"
+    of = (
+        "held for ever means a frequency"
+        if time is None
+        else "the time held means frequencies (a_T/t to 4 a_T/t)"
+    )
     findings = "; ".join(known.findings(rate, temperatures, of)) if points.any() else ""
     return told(points, findings, known.illustrative)
 

@@ -24,6 +24,7 @@ from .schema import named, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
+_STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
     "elastomdr's cache folder."
@@ -230,7 +231,33 @@ def _write_table(result: Any, path: Path, notes: str) -> None:
 
 
 def _write_figure(axes: Any, path: Path) -> None:
-    axes.figure.savefig(path, dpi=_DPI)
+    figure = axes.figure
+    figure.savefig(path, dpi=_DPI, metadata={"Description": _in_words(figure)})
+
+
+def _in_words(figure: Any) -> str:
+    """What a figure shows, a line each: its words, then its curves by their ends, for
+    those who cannot see it, and to check whether a file is what a command writes today.
+    """
+    said: list[str] = []
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        words = [axes.get_title("left"), *(text.get_text() for text in axes.texts)]
+        words += [axes.get_xlabel(), axes.get_ylabel()]
+        words += [text.get_text() for text in legend.get_texts()] if legend else []
+        said += [" ".join(text.split()) for text in words if text.strip()]
+        said += filter(None, map(_curve_in_words, axes.lines))
+    return "\n".join(said)
+
+
+def _curve_in_words(line: Any) -> str:
+    """The ends of a curve; empty for a single marker."""
+    style = _STYLES.get(line.get_linestyle())
+    ends = [(x, y) for x, y in zip(*line.get_data(), strict=True) if y == y]
+    if style is None or not ends:
+        return ""
+    (x, y), (last, value) = ends[0], ends[-1]
+    return f"{style} curve: {y:.4g} at {x:.4g} to {value:.4g} at {last:.4g}"
 
 
 class Parts:

@@ -103,7 +103,7 @@ class Range(NamedTuple):
         self,
         rate: np.ndarray,
         temperature: np.ndarray | None,
-        of: str = "v a_T/(2a) to 2 v a_T/a",
+        of: str = "the passage means frequencies (v a_T/(2a) to 2 v a_T/a)",
     ) -> Iterator[str]:
         """What of the range is left, and by how far, in words; `of` says what the rates
         are.
@@ -120,7 +120,8 @@ class Range(NamedTuple):
                 if self.omega
                 else "empty: the data determine the loss modulus nowhere"
             )
-            yield f"{of} from {low} to {high} rad/s, range {words}"
+            found = f"of {low}" if low == high else f"from {low} to {high}"
+            yield f"{of} {found} rad/s, range {words}"
         if (
             self.temperature is None
             or temperature is None

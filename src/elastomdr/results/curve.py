@@ -183,11 +183,11 @@ class AbstractCurve(Result):
         whose = (
             "that of a layer of this thickness"
             if "springs" in self.model
-            else "the half-space's"
+            else "that of the three-dimensional half-space"
         )
         return (
-            f"{self.symbol} is off {whose} by {significant(float(bound[worst]), 2)} "
-            f"({share} %) at most"
+            f"{self.symbol} differs from {whose} by at most "
+            f"{significant(float(bound[worst]), 2)} ({share} %)"
         )
 
     def _extremes(

@@ -55,7 +55,9 @@ def brief(array: Any, unit: str) -> str:
         array, unit = in_unit(array, "MPa"), "MPa"
     if array.size and array.min() == array.max():
         return f"{float(array.flat[0]):.6g} {unit}"
-    return f"{array.min():.4g} to {array.max():.4g} {unit} ({array.size} values)"
+    digits = 6 if unit == "K" else 4  # 0 degC is 273.15 K
+    low, high = (f"{float(x):.{digits}g}" for x in (array.min(), array.max()))
+    return f"{low} to {high} {unit} ({array.size} values)"
 
 
 def length_in_words(metres: float) -> str:

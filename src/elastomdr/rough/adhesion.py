@@ -317,13 +317,14 @@ def why_hotter(
     softer = curve.area_ratio[i] / area
     stronger = curve.adhesion[i] / before / softer
     lossier = curve.hysteresis[i] / (curve.cold[i] - before)
-    shear = f"the shear stress there {significant(float(stronger))} times"
+    shear = f"the shear stress in it {significant(float(stronger))} times as high"
     if stronger > 1:
-        shear += ", since warmth moves it towards its maximum"
+        shear += " (warmth moves it towards its maximum)"
     sentence = (
-        f"{int(higher.sum())} of {higher.size} points, most at "
-        f"{in_words('velocity', float(curve.velocity[i]))}: of what cold rubber has, "
-        f"the real contact is {significant(float(softer))} times, since warm rubber "
-        f"is softer, {shear}, hysteresis {significant(float(lossier))} times"
+        f"at {int(higher.sum())} of {higher.size} points, most at "
+        f"{in_words('velocity', float(curve.velocity[i]))}. Warmed rubber compared with "
+        f"cold: the real contact is {significant(float(softer))} times as large (warm "
+        f"rubber is softer), {shear}, hysteresis {significant(float(lossier))} times "
+        "as high"
     )
-    return (("hot above cold", sentence),)
+    return (("heat raises mu", sentence),)

@@ -419,8 +419,10 @@ def _wide_by_skewness(surface: AbstractSpectrum) -> str:
 
 def excited_beyond(outside: Any) -> tuple[str, str]:
     """A row for results: the share of the slope outside the measured frequencies."""
-    most = f"at most {np.nanmax(outside):.0%} of <|grad h|^2>"
-    return "outside the data", f"{most} lies outside the measured frequencies"
+    most = np.nanmax(outside)
+    share = "less than 1%" if most < 0.005 else f"up to {most:.0%}"
+    sentence = f"{share} of the mean square slope lies outside the measured frequencies"
+    return "outside the data", sentence
 
 
 def _packed(

@@ -441,7 +441,9 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
         points[i] = known.outside(rate, temperature)
         if points[i].any():
             findings += known.findings(
-                rate, temperature, "a_T/t to 4 a_T/t, t the contact time,"
+                rate,
+                temperature,
+                "the contact time means frequencies (a_T/t to 4 a_T/t)",
             )
             illustrative &= known.illustrative
     return told(
