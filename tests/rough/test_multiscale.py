@@ -4,6 +4,7 @@ the map, bad input.
 
 import importlib
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -14,12 +15,14 @@ from scipy.integrate import quad_vec, solve_ivp
 from scipy.special import erf
 
 import elastomdr as em
+from elastomdr.element.law import surface_foundation
 from elastomdr.errors import InputError
 from elastomdr.rough import many_points, multiscale
 
 SOLID = em.Foundation(1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2])
 ROAD = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=5e4, q_rolloff=3e3)
 TRUTH = Path(__file__).parents[2] / "benchmarks" / "results" / "rough_truth.json"
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 def full_contact(material, surface, velocity, pressure):
@@ -546,3 +549,35 @@ def test_a_spectrum_that_jumps():
     curve = em.friction(SOLID, surface, velocity=0.01, pressure=3e5, rtol=1e-4)
     assert curve.converged
     assert curve.mu > 0
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["epdm-70", "tread-passenger-synthetic", "polyisoprene-95k", "conveyor-cover"],
+)
+def test_the_page_says_how_smooth_losses_of_rubber_are(name):
+    """Of the waves about q_high that lie within the data of a material."""
+    material = em.load_material(name)
+    low, high = material.range.omega
+    ends = multiscale._NEAR_END
+    omega = np.geomspace(low / ends[0], high / ends[-1], 40)
+    steep = multiscale.steepness(
+        surface_foundation(material), ROAD, omega / ROAD.q_high
+    )
+    page = " ".join((DOCS / "accuracy.md").read_text(encoding="utf-8").split())
+    said = re.search(rf"`{name}` (?:has )?([\d.]+) to (\d\.\d+)", page)
+    assert said
+    found = [f"{steep.min():.2f}", f"{steep.max():.2f}"]
+    assert [said[1], said[2]] == found
+
+
+def test_the_pages_agree_on_where_the_constants_come_from():
+    """They are those of the record, which a fit to all of its points is not."""
+    record = json.loads((TRUTH.parent / "rough_fit.json").read_text())
+    assert record["constants"] == multiscale.FORM._asdict()
+    anew = [record["fitted anew"][name] for name in multiscale.FORM._fields]
+    assert not np.allclose(anew, multiscale.FORM, rtol=1e-3)
+    for page in ("accuracy.md", "theory.md"):
+        text = " ".join((DOCS / page).read_text(encoding="utf-8").split())
+        assert "rounded from a fit to fewer points" in text
+        assert "fitted to all points" not in text

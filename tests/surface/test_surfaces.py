@@ -5,6 +5,7 @@ and files of instruments.
 import importlib
 from pathlib import Path
 
+import jax
 import numpy as np
 import pytest
 
@@ -659,3 +660,36 @@ def test_the_unit_of_length_changes_nothing(k, n):
     np.testing.assert_allclose(
         other.lay.log_peklenik, one.lay.log_peklenik, rtol=1e-8, atol=1e-10
     )
+
+
+def test_complex_heights_are_refused():
+    heights = np.random.default_rng(1).standard_normal((64, 64)) * 1e-6
+    for given in (heights + 1e-6j, [heights, heights + 0j]):
+        with pytest.raises(em.InputError, match="must be real numbers"):
+            em.read_surface(given, pixel_size=1e-5)
+
+
+def test_a_cutoff_that_jax_traces_is_refused_where_a_table_is_cut():
+    """And has a derivative where the cutoff is the spectrum's own: here, of shorter waves
+    at one rms slope, a negative one.
+    """
+    heights = np.random.default_rng(1).standard_normal((64, 64)) * 1e-6
+    measured = em.read_surface(heights, pixel_size=1e-5, shortest=2e-5)
+    rubber = em.StandardSolid(1e6, 3e7, 1e-3)
+
+    def mu(road):
+        return em.friction(rubber, road, velocity=0.1, pressure=1e5).mu
+
+    def own(q_high):
+        return mu(em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=q_high))
+
+    with jax.enable_x64(True):
+        for road in (
+            measured,
+            em.Spectrum([1e4, 1e6], [1e-18, 1e-25], convention="2d"),
+        ):
+            with pytest.raises(em.InputError, match="needs concrete numbers"):
+                jax.grad(lambda q, road=road: mu(road.ended(q)))(1e5)
+        slope = float(jax.grad(own)(8e3))
+    assert slope < 0
+    assert own(8.4e3) < own(7.6e3)

@@ -166,6 +166,8 @@ def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
             "unit goes with a file; heights of an array are in metres, got "
             f"unit={unit!r}."
         )
+    if np.iscomplexobj(source):
+        raise InputError("heights must be real numbers [m], got complex ones.")
     try:
         height = np.ma.filled(np.ma.asarray(source, dtype=np.float64), np.nan)
     except (TypeError, ValueError) as error:

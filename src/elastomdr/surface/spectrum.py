@@ -161,9 +161,15 @@ class AbstractSpectrum(Tree):
 
     def ended(self, q_high: Number) -> "AbstractSpectrum":
         """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as
-        its last power law.
+        its last power law. Raises `InputError`, under a transformation of JAX too.
         """
         end: Any = _plain(scalar("q_high", q_high))
+        if is_traced(self, end):
+            raise InputError(
+                "q_high: which points of a table are kept needs concrete numbers, got "
+                "values that JAX traces; of em.SelfAffine(..., q_high=) friction has a "
+                "derivative."
+            )
         require(
             "q_high",
             end,

@@ -659,27 +659,27 @@ def _joined_asymmetry(
     """Skewness of the heights of all scales: the scales of several scans follow each
     other, each from the scan that knows them best, and their third cumulants add up.
     """
-    parts: list[_Moments] = []
+    by_scale: list[_Moments] = []
     known = min(each.first for each in waves)
     while True:
-        found = []
+        candidates = []
         for scan, each, high in zip(scans, waves, highest, strict=True):
             low = max(known, each.first)
             if high >= 2 * low * (1 - _SAME):
-                found.append((low, high, _moments(scan, each, low, high)))
-        if not found:
+                candidates.append((low, high, _moments(scan, each, low, high)))
+        if not candidates:
             break
-        nearest = min(low for low, _, _ in found)
+        nearest = min(low for low, _, _ in candidates)
         _, known, best = min(
-            (one for one in found if one[0] <= _ALIKE * nearest),
+            (one for one in candidates if one[0] <= _ALIKE * nearest),
             key=lambda one: one[2].error,
         )
-        parts.append(best)
-    weight = np.array([part.rms for part in parts])
+        by_scale.append(best)
+    weight = np.array([scales.rms for scales in by_scale])
     weight = (weight / np.linalg.norm(weight)) ** 3
     return _Asymmetry(
-        float(weight @ [part.skewness for part in parts]),
-        float(np.linalg.norm(weight * [part.error for part in parts])),
+        float(weight @ [scales.skewness for scales in by_scale]),
+        float(np.linalg.norm(weight * [scales.error for scales in by_scale])),
         "",
     )
 
