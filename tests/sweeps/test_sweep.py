@@ -418,8 +418,9 @@ def test_chunks_hold_whole_calls_and_are_many():
 
     assert sizes(100) == (1, 5, 4, 5, 50)
     assert sizes(3) == (1, 2, 4, 5, 50)
-    for model in ("half-space", em.Line(seeds=2)):
-        assert sizes(3, model=model) == (1, 1, 1, 1, 50)
+    assert sizes(3, model=em.Line(seeds=2)) == (1, 1, 1, 1, 50)
+    for model in ("half-space", em.HalfSpace(cells=64)):
+        assert sizes(3, model=model) == (1, 1, 1, 1, 8)  # parts of 50, alike
     hits = {"velocity": np.ones(50), "mass": np.ones(60)}
     thrown = {"material": rubber(1), "shape": em.Sphere(0.01)}
     assert grids.grid(em.impact, hits, thrown).sizes() == (13, 60)
@@ -672,6 +673,25 @@ def command(tmp_path, capsys, text, *options):
     return status, capsys.readouterr()
 
 
+ON_CELLS = """
+material = "epdm-70"
+temperature = "20 degC"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.3
+longest = "1 mm"
+shortest = "0.2 mm"
+[contact]
+pressure = "1 MPa"
+velocity = {{ from = "1 mm/s", to = "1 m/s", points = {1} }}
+model = "{0}"
+cells = 40
+periods = 2
+seeds = 2
+"""
+
+
 def test_command(tmp_path, capsys):
     """A scene with lists, to a store and a table; run again, it is there already."""
     status, said = command(
@@ -724,6 +744,47 @@ def test_command(tmp_path, capsys):
     status, said = command(tmp_path, capsys, SCENE.replace("10 N", "11 N"))
     assert status == 2
     assert "was made with other inputs" in said.err
+
+
+def test_an_interrupted_command_on_cells_goes_on(tmp_path, capsys, monkeypatch):
+    """`elastomdr friction` with half-space leaves nothing and says so; `elastomdr
+    sweep` keeps the chunks that are done, a few velocities each.
+    """
+    text = ON_CELLS.format("half-space", 20)
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    (tmp_path / "scene.toml").write_text(text)
+    with monkeypatch.context() as patched:
+        patched.setattr("elastomdr.friction", stopped, raising=False)
+        assert (
+            main(["friction", str(tmp_path / "scene.toml"), "--out", str(tmp_path)])
+            == 130
+        )
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "nothing was written; `elastomdr sweep` keeps what is done" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+    monkeypatch.setattr(run, "_cores", lambda: 1)
+    done, computed = [], run.compute
+
+    def once(asked, chunk):
+        if len(done) == 1:
+            raise KeyboardInterrupt
+        done.append(chunk)
+        return computed(asked, chunk)
+
+    monkeypatch.setattr(run, "compute", once)
+    status, _ = command(tmp_path, capsys, text)
+    assert status == 130
+    monkeypatch.setattr(
+        run, "compute", lambda *work: done.append(work[1]) or computed(*work)
+    )
+    status, said = command(tmp_path, capsys, text)
+    assert status == 0, said.err
+    assert len(done) == 3  # of 7 velocities each, none of them twice
+    assert len(set(map(str, done))) == 3
 
 
 def test_a_friction_map_in_one_command(tmp_path, capsys):

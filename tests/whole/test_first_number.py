@@ -2,6 +2,7 @@
 all the same.
 """
 
+import functools
 import pickle
 import re
 import subprocess
@@ -17,7 +18,8 @@ import pytest
 import elastomdr as em
 from elastomdr import checks
 from elastomdr import trees as _trees
-from elastomdr.arrays import on_numpy, xp
+from elastomdr.arrays import on_jax, on_numpy, xp
+from elastomdr.transient import indentation_route
 
 ROOT = Path(__file__).parents[2]
 DMA = ROOT / "examples/data/dma.csv"
@@ -184,7 +186,6 @@ def test_small_histories_load_nothing_heavy():
 def large(monkeypatch):
     """As if every problem were so large that it is compiled."""
     for limit in (
-        "indentation_route._FEW",
         "indentation_route._MANY",
         "indentation_route._MUCH",
         "refinement._PATIENCE",
@@ -192,6 +193,9 @@ def large(monkeypatch):
     ):
         monkeypatch.setattr(f"elastomdr.transient.{limit}", 0)
     monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)
+    # a given depth is compiled under a transformation only
+    by_depth = functools.partial(on_jax, indentation_route._by_depth)
+    monkeypatch.setattr(indentation_route, "_by_depth", by_depth)
 
 
 @pytest.mark.parametrize("name", HISTORIES)

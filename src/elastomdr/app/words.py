@@ -249,19 +249,19 @@ def _unit_of(entry: str) -> str:
     return without_signs(unit_text.replace("mm²", "mm2"))
 
 
-def with_signs(text: str) -> str:
+def with_signs(words: str) -> str:
     """A text with units as the page spells them: °C, µm, mPa·s, m³, ±."""
-    text = text.replace("degC", "°C").replace("+-", "±")
-    text = re.sub(r"(?<![A-Za-z])um\b", "µm", text)
-    text = re.sub(r"(?<=\bm)\^3|(?<=\bmm)\^3", "³", text)
-    return re.sub(r"(?<=[A-Za-z³])\*(?=[A-Za-z])", "·", text)
+    words = words.replace("degC", "°C").replace("+-", "±")
+    words = re.sub(r"(?<![A-Za-z])um\b", "µm", words)
+    words = re.sub(r"(?<=\bm)\^3|(?<=\bmm)\^3", "³", words)
+    return re.sub(r"(?<=[A-Za-z³])\*(?=[A-Za-z])", "·", words)
 
 
-def without_signs(text: str) -> str:
+def without_signs(words: str) -> str:
     """A text with units as scene files spell them."""
     for sign, spelled in _SIGNS.items():
-        text = text.replace(sign, spelled)
-    return text
+        words = words.replace(sign, spelled)
+    return words
 
 
 def title(path: tuple[str, ...]) -> str:

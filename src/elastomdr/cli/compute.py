@@ -25,6 +25,7 @@ from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
 _STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
+_SWEPT = ("friction", "rolling", "impact")  # calls that `elastomdr sweep` takes
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
     "elastomdr's cache folder."
@@ -159,14 +160,19 @@ def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
     """The result; that of a surface is computed in parts, which an interrupted run
     keeps.
     """
-    call = getattr(em, scene.called())
-    if scene.mark != "surface" or scene.called() != "friction":
-        return call(**arguments)
-    parts = Parts(folder)
+    call, parts = getattr(em, scene.called()), Parts(folder)
+    resumed = scene.mark == "surface" and scene.called() == "friction"
     try:
-        return call(**arguments, store=parts)
+        return call(**arguments, **({"store": parts} if resumed else {}))
     except KeyboardInterrupt as error:
-        raise KeyboardInterrupt(parts.said()) from error
+        kept = parts.said() if resumed else ""
+        raise KeyboardInterrupt(kept or _nothing_written(scene.called())) from error
+
+
+def _nothing_written(called: str) -> str:
+    """What an interrupted run leaves, and which command leaves more."""
+    keeps = "; `elastomdr sweep` keeps what is done, and goes on from there"
+    return "; nothing was written" + (keeps if called in _SWEPT else "")
 
 
 def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str, Any]:

@@ -45,7 +45,8 @@ _UNITS = {
 _POINTS = 10_000  # of a chunk: a second of work by Multiscale, 10 MB
 _FEWEST = 2_000  # of a chunk of several calls: to write one costs a few milliseconds
 _CHUNKS = 128  # if the points suffice, so that no worker waits long for the last one
-_SLOW = 50  # of a chunk where every point is solved on cells or marched
+_SLOW = 50  # of a chunk where every point is solved on lines
+_ON_CELLS = 8  # of a chunk where it is solved in three dimensions: seconds each
 _IMPACTS = 1_000  # of a chunk: a second
 _DRAW = "draw"  # the axis of draws
 _LONG = 100  # entries from which on a list is described by its digest
@@ -94,7 +95,9 @@ class Grid(NamedTuple):
         most = _POINTS
         if self.call.__name__ == "impact":
             most = _IMPACTS
-        elif self._slow():
+        elif "halfspace" in self._models():
+            most = _ON_CELLS
+        elif self._on_lines():
             most = _SLOW
         several = min(most, max(_FEWEST, math.prod(self.shape) // _CHUNKS))
         sizes = [1] * len(self.axes)
@@ -107,16 +110,21 @@ class Grid(NamedTuple):
             sizes[i] = math.ceil(self.shape[i] / parts)
         return tuple(sizes)
 
-    def _slow(self) -> bool:
-        """Whether points are solved on cells, or on lines of several seeds."""
-        models, bodies = (
-            [value for axis in self.axes if axis.name in names for value in axis.values]
-            + [self.fixed[name] for name in names if name in self.fixed]
-            for names in (("model",), _BODIES)
-        )
-        names = {_name(model).lower().replace("-", "") for model in models}
-        is_line = "line" in names and any(map(is_rough, bodies))
-        return is_line or "halfspace" in names
+    def _values(self, *names: str) -> list[Any]:
+        """All values of arguments of these names: along axes, fixed, and those that the
+        call of a scene holds itself.
+        """
+        along = [axis.values for axis in self.axes if axis.name in names]
+        given = [self.fixed, *getattr(self.call, "arguments", ())]
+        held = [each[name] for each in given for name in names if name in each]
+        return [*itertools.chain.from_iterable(along), *held]
+
+    def _models(self) -> set[str]:
+        return {_name(each).lower().replace("-", "") for each in self._values("model")}
+
+    def _on_lines(self) -> bool:
+        """Whether points are solved on lines of several seeds."""
+        return "line" in self._models() and any(map(is_rough, self._values(*_BODIES)))
 
     def chunks(self) -> list[tuple[slice, ...]]:
         """The places of all chunks."""
