@@ -56,9 +56,8 @@ def main(out: Path) -> None:
         ylabel="Friction coefficient [-]",
         ylim=(0, 0.03),
     )
-    ax.set_title("Four compounds at 20 °C", pad=30)
-    about = f"{curve.model}\nmoduli illustrative but for epdm-70"
-    ax.text(0, 1.02, about, transform=ax.transAxes, fontsize=8, color="#666666")
+    ax.set_title("Four compounds at 20 °C", pad=18)
+    ax.text(0, 1.02, curve.model, transform=ax.transAxes, fontsize=8, color="#666666")
     ax.legend()
     figure.savefig(out / "02_compare_compounds.png")
     plt.close(figure)

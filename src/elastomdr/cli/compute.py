@@ -24,11 +24,11 @@ from .schema import named, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
-_STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
     "elastomdr's cache folder."
 )
+_STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
 
 
 def run(options: argparse.Namespace) -> int:
