@@ -24,12 +24,16 @@ from .schema import named, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
+<<<<<<< HEAD
 _STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
 _SWEPT = ("friction", "rolling", "impact")  # calls that `elastomdr sweep` takes
+=======
+>>>>>>> docs8
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
     "elastomdr's cache folder."
 )
+_STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
 
 
 def run(options: argparse.Namespace) -> int:
@@ -248,10 +252,10 @@ def _in_words(figure: Any) -> str:
     said: list[str] = []
     for axes in figure.axes:
         legend = axes.get_legend()
-        words = [axes.get_title("left"), *(text.get_text() for text in axes.texts)]
+        words = [axes.get_title("left"), *(note.get_text() for note in axes.texts)]
         words += [axes.get_xlabel(), axes.get_ylabel()]
-        words += [text.get_text() for text in legend.get_texts()] if legend else []
-        said += [" ".join(text.split()) for text in words if text.strip()]
+        words += [label.get_text() for label in legend.get_texts()] if legend else []
+        said += [" ".join(each.split()) for each in words if each.strip()]
         said += filter(None, map(_curve_in_words, axes.lines))
     return "\n".join(said)
 

@@ -19,9 +19,17 @@ import numpy as np
 
 from ..arrays import is_traced, numpy_unless_traced, reversible
 
-# What runs a few times is not worth optimising: XLA then compiles it four times as
-# fast, and it runs as fast where it has some thousands of numbers to work on.
-_QUICK = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+
+def _quick(version: str) -> dict[str, int | bool]:
+    """Options of XLA for what runs a few times and is not worth optimising: it compiles
+    four times as fast, and runs as fast where it has some thousands of numbers.
+
+    XLA refuses options that it does not know, and lost one with JAX 0.12.
+    """
+    plain: dict[str, int | bool] = {"xla_backend_optimization_level": 0}
+    if tuple(int(part) for part in version.split(".")[:2]) < (0, 12):
+        plain["xla_cpu_use_fusion_emitters"] = False
+    return plain
 
 
 def as_doubles(tree: Any) -> Any:
@@ -307,7 +315,7 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     import jax
 
-    options = _QUICK if jax.default_backend() == "cpu" else {}
+    options = _quick(jax.__version__) if jax.default_backend() == "cpu" else {}
     within = jax.jit(function)
     alone: Any = jax.jit(function, compiler_options=options)
     return lambda *given: (within if is_traced(given) else alone)(*given)
