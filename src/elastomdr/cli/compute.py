@@ -24,11 +24,8 @@ from .schema import named, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
-<<<<<<< HEAD
 _STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
 _SWEPT = ("friction", "rolling", "impact")  # calls that `elastomdr sweep` takes
-=======
->>>>>>> docs8
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
     "elastomdr's cache folder."
