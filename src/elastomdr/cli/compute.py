@@ -24,7 +24,6 @@ from .schema import named, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
-_STYLES = {"-": "solid", "--": "dashed", "-.": "dash-dotted", ":": "dotted"}
 _SWEPT = ("friction", "rolling", "impact")  # calls that `elastomdr sweep` takes
 _DAMAGED = (
     "the cache of compiled code is damaged, so everything was compiled anew: remove "
