@@ -106,7 +106,7 @@ NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 def words(figure: Path) -> list[str]:
     """What a figure that was written by a command says of itself."""
     with Image.open(figure) as image:
-        return image.text["Description"].splitlines()
+        return image.info["Description"].splitlines()
 
 
 @pytest.mark.filterwarnings("ignore:the surface is not isotropic")

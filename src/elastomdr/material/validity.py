@@ -120,8 +120,8 @@ class Range(NamedTuple):
                 if self.omega
                 else "empty: the data determine the loss modulus nowhere"
             )
-            found = f"of {low}" if low == high else f"from {low} to {high}"
-            yield f"{of} {found} rad/s, range {words}"
+            extent = f"of {low}" if low == high else f"from {low} to {high}"
+            yield f"{of} {extent} rad/s, range {words}"
         if (
             self.temperature is None
             or temperature is None

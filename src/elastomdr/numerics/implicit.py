@@ -27,7 +27,7 @@ def _quick(version: str) -> dict[str, int | bool]:
     XLA refuses options that it does not know, and lost one with JAX 0.12.
     """
     plain: dict[str, int | bool] = {"xla_backend_optimization_level": 0}
-    if tuple(int(part) for part in version.split(".")[:2]) < (0, 12):
+    if tuple(int(number) for number in version.split(".")[:2]) < (0, 12):
         plain["xla_cpu_use_fusion_emitters"] = False
     return plain
 
