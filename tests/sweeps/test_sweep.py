@@ -746,6 +746,18 @@ def test_command(tmp_path, capsys):
     assert "was made with other inputs" in said.err
 
 
+def test_a_command_whose_calls_all_raise_says_what(tmp_path, capsys, monkeypatch):
+    def refused(*_, **__):
+        raise em.InputError("cells must be more, got 4.")
+
+    monkeypatch.setattr(run, "_cores", lambda: 1)
+    monkeypatch.setattr("elastomdr.friction", refused, raising=False)
+    status, said = command(tmp_path, capsys, ON_CELLS.format("half-space", 20))
+    assert status == 3
+    assert "no point was computed" in said.out
+    assert "cells must be more, got 4." in said.err
+
+
 def test_an_interrupted_command_on_cells_goes_on(tmp_path, capsys, monkeypatch):
     """`elastomdr friction` with half-space leaves nothing and says so; `elastomdr
     sweep` keeps the chunks that are done, a few velocities each.

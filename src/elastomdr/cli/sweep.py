@@ -105,6 +105,9 @@ def run(options: argparse.Namespace) -> int:
         call, axes = assembled(content, path.parent)
     with warned_of_at_the_end(), _client(options.scheduler) as client:
         dataset = em.sweep(call, axes, store=options.out, client=client)
+    if "converged" not in dataset:  # every call raised: the warning says what
+        print(f"no point was computed; wrote the messages to {options.out}")
+        return NOT_CONVERGED
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
     good = int(dataset.converged.sum())
     print(f"{dataset.converged.size} points ({sizes}), {good} converged")
