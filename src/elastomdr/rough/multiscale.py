@@ -619,10 +619,9 @@ _RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.003
 # of ln(mu/mu_3D), by which it may grow with each decade of the cutoff ratio beyond: the
 # slope found at the same contact, -0.023 +- 0.010, and 1.5 of its standard errors
 _DRIFT = 0.0375
-# nearly elastic solids are widened, most at half contact: by this factor where moduli are
-# constant, by none where they grow twofold. In three dimensions friction is up to 8 %
-# higher there, and contact at these contrasts was left 80 % covered
-_ELASTIC, _TWOFOLD = 1.0, 2.0
+# contrast below which solids count as nearly elastic: at half contact, where friction in
+# three dimensions is up to 8 % higher, the bound of a constant modulus is twice as wide
+_TWOFOLD = 2.0
 _SMOOTH = 0.6  # m, up to which losses are those of rubber, not of one relaxation
 _NEAR_END = np.geomspace(0.1, 2.0, 7)  # wave numbers over q_high whose losses count
 
@@ -689,7 +688,7 @@ def bound(
     inside = inside * (1 + c * steep**2)
     constant = xp.maximum(1 - xp.log(contrast) / np.log(_TWOFOLD), 0.0)
     partial = 4 * least * xp.maximum(1 - least, 0.0)
-    beyond = beyond + _ELASTIC * xp.minimum(constant, 1.0) * partial
+    beyond = beyond + xp.minimum(constant, 1.0) * partial
     return xp.expm1(inside * (1 + beyond) + _DRIFT * decades(ratio / _RATIOS[1]))
 
 

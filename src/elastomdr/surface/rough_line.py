@@ -148,9 +148,8 @@ def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
     """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i +
     c_{i+1})/6 = h_i.
     """
-    numpy = namespace(
-        height
-    )  # of plain numbers not on JAX: each step would be compiled
+    # plain numbers by NumPy: JAX would compile each step
+    numpy = namespace(height)
     angle = 2 * np.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
     spectrum = numpy.fft.rfft(height) * 3 / (2 + np.cos(angle))
     return numpy.fft.irfft(spectrum, n=height.shape[0])

@@ -207,9 +207,7 @@ def surface(
         for name, scan, each, one in zip(names, ready, waves, alone, strict=True)
     ]
     if several:
-        report.append(
-            f"heights of all scans: skewness {joined.skewness:.2f} +- {joined.error:.2f}"
-        )
+        report.append(joined.words)
     _warn_of_skewness(joined)
     lay, sentences = _directions(waves, highest, fit)
     report += sentences
@@ -466,9 +464,8 @@ def _fitted(waves: Sequence[_Waves], highest: Sequence[float]) -> _Fit:
     first = min(each.first for each in waves)
     count = int(np.ceil(_NODES * np.log10(high / first) - _SAME))
     gap = np.log(high / first) / count
-    before = int(
-        np.ceil(np.log(first / low) / gap - _SAME)
-    )  # waves that the window brings in
+    # waves that the window brings in
+    before = int(np.ceil(np.log(first / low) / gap - _SAME))
     nodes = np.log(first) + gap * np.arange(-before, count + _BEYOND + 1)
     terms = []
     for each, end in zip(waves, highest, strict=True):
@@ -677,11 +674,10 @@ def _joined_asymmetry(
         by_scale.append(best)
     weight = np.array([scales.rms for scales in by_scale])
     weight = (weight / np.linalg.norm(weight)) ** 3
-    return _Asymmetry(
-        float(weight @ [scales.skewness for scales in by_scale]),
-        float(np.linalg.norm(weight * [scales.error for scales in by_scale])),
-        "",
-    )
+    skewness = float(weight @ [scales.skewness for scales in by_scale])
+    error = float(np.linalg.norm(weight * [scales.error for scales in by_scale]))
+    words = f"heights of all scans: skewness {skewness:.2f} +- {error:.2f}"
+    return _Asymmetry(skewness, error, words)
 
 
 def _warn_of_skewness(heights: _Asymmetry) -> None:
