@@ -3,11 +3,14 @@ and files of instruments.
 """
 
 import importlib
+import itertools
 from pathlib import Path
 
 import jax
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.special import gamma
 
 import elastomdr as em
 from elastomdr.surface.spectrum import synthesise
@@ -42,32 +45,80 @@ def test_spectrum_of_a_cut():
         np.testing.assert_allclose(back.rms_slope, true.rms_slope, rtol=1e-2)
 
 
-def test_spectrum_of_a_cut_in_closed_form():
-    """Abel's integral of a cut that falls in a straight line to C_0 at its end, and to
-    zero there.
+CONVENTIONS = {
+    "1d": 1.0,
+    "1d one-sided": 2.0,
+    "1d/2pi": 2 * np.pi,
+    "1d one-sided/2pi": 4 * np.pi,
+}
 
-    C = (1/pi) [m arccosh(q_high/q) + C_0/sqrt(q_high^2 - q^2)], m the fall per wave
-    number: exact for the table.
+
+def of_cut(exponent):
+    """C q^(exponent + 1) of a cut q^-exponent: Abel's integral in closed form."""
+    return gamma((exponent + 1) / 2) / (np.sqrt(np.pi) * gamma(exponent / 2))
+
+
+@pytest.mark.parametrize("points", [4, 10])
+@pytest.mark.parametrize("exponent", [1.2, 2.0, 2.6])
+def test_spectrum_of_a_cut_that_is_a_power_law(points, exponent):
+    """At every point of the table, the last included; straight lines in linear C gave
+    11 and 31 % less.
     """
-    q, fall, last = np.array([1e3, 2e3, 5e3, 1e4]), 1e-19, 3e-15
-    cut = last + fall * (q[-1] - q)
-    expected = (
-        fall * np.arccosh(q[-1] / q)
-        + last / np.sqrt(np.maximum(q[-1] ** 2 - q**2, 1e-300))
-    )[:-1] / np.pi
-    conventions = {
-        "1d": 1.0,
-        "1d one-sided": 2.0,
-        "1d/2pi": 2 * np.pi,
-        "1d one-sided/2pi": 4 * np.pi,
-    }
-    for name, factor in conventions.items():
-        found = em.Spectrum(q, factor * cut, convention=name)
-        np.testing.assert_allclose(found.c, expected, rtol=1e-12)
-        np.testing.assert_allclose(found.q, q[:-1])
-    # a top hat: C = 1/sqrt(25 - q^2)
-    flat = em.Spectrum([3.0, 4.0, 5.0], np.full(3, np.pi), convention="1d")
-    np.testing.assert_allclose(flat.c, [1 / 4, 1 / 3], rtol=1e-12)
+    q = np.geomspace(1e3, 1e6, 3 * points + 1)
+    for name, factor in CONVENTIONS.items():
+        found = em.Spectrum(q, factor * 1e-4 * q**-exponent, convention=name)
+        np.testing.assert_allclose(found.q, q)
+        np.testing.assert_allclose(
+            found.c, 1e-4 * of_cut(exponent) * q ** (-exponent - 1), rtol=1e-4
+        )
+
+
+def test_spectrum_of_a_cut_of_two_power_laws():
+    """A knee at a point of the table: the two pieces by quadrature of Abel's integral."""
+    q = np.array([1e3, 2e3, 8e3, 1e4])
+    cut = np.array([5.0, 4.0, 0.2, 0.19])
+    found = em.Spectrum(q, cut, convention="1d")
+    slopes = np.diff(np.log(cut)) / np.diff(np.log(q))
+
+    def fall(k):
+        i = min(np.searchsorted(q, k, "right") - 1, 2)
+        return slopes[i] * cut[i] * (k / q[i]) ** slopes[i] / k
+
+    for start, c in zip(q, found.c, strict=True):
+        edges = [*np.arccosh(q[q >= start] / start), 45.0]
+        expected = -sum(
+            quad(lambda u, q=start: fall(q * np.cosh(u)), *ends, epsabs=0, limit=200)[0]
+            for ends in itertools.pairwise(edges)
+        )
+        np.testing.assert_allclose(c, expected / np.pi, rtol=1e-3)
+
+
+def test_friction_of_a_cut_is_that_of_its_surface():
+    """em.friction of a table of a profile, four points a decade: .69 of C before."""
+    q = np.geomspace(1e3, 1e6, 13)
+    c = 1e-4 * of_cut(2.6) * q**-3.6
+    rubber = em.load_material("tread-passenger-synthetic")
+    mu = [
+        em.friction(rubber, surface, velocity=0.1, pressure=3e5, temperature=293.15).mu
+        for surface in (
+            em.Spectrum(q, 2e-4 * q**-2.6, convention="1d one-sided"),
+            em.Spectrum(q, c, convention="2d"),
+        )
+    ]
+    np.testing.assert_allclose(mu[0], mu[1], rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("c", "said"),
+    [
+        ([3.0, 2.0, 2.0], "falls? .*up to its last points.*noise"),
+        ([1.0, 400.0, 399.0], "average it over wider bands"),
+        (np.linspace(2, 1, 6000), "three points at least, and 5000 at most"),
+    ],
+)
+def test_cuts_that_are_none_of_an_isotropic_surface(c, said):
+    with pytest.raises(em.InputError, match=said):
+        em.Spectrum(np.geomspace(1e3, 1.1e3, len(c)), c, convention="1d")
 
 
 def test_moments_of_a_spectrum_in_closed_form():

@@ -76,6 +76,9 @@ CONVENTIONS = {
 PER_WAVE = 8  # samples of the shortest wave
 PERIODS = 4  # longest waves in a period of the line
 _INNER = 4  # points along each side of the cell of a wave where a map has a lay
+_PIECES = 4  # of the spectrum of a cut while it falls, or q rises, by a factor e
+_TAIL = 25  # factors e by which a cut falls beyond its last point before it is nothing
+_MOST_OF_CUT = 5000  # points of the spectrum of a cut: the time grows as the square
 MOST = 2**26  # samples of a line, which are half a gigabyte
 
 
@@ -339,8 +342,8 @@ class Spectrum(AbstractSpectrum):
     - "1d": spectrum of a straight cut [m^3], <h^2> = int C dq over all q;  "1d
       one-sided": over q > 0; "1d/2pi": int C dq/(2 pi) over all q;  "1d one-sided/2pi":
       over q > 0. Turned into the two-dimensional one of an isotropic surface, C =
-      -(1/pi) int_q^inf C_cut'(k)/sqrt(k^2 - q^2) dk, by pieces, exact for a table
-      joined by straight lines.
+      -(1/pi) int_q^inf C_cut'(k)/sqrt(k^2 - q^2) dk, the cut being a power law
+      between its points and, beyond the last, as before it.
 
     `q` [rad/m] ascends, without repeats. Compare `rms_height` and `rms_slope` with what
     is known of the surface: a wrong convention shows there. Raises `InputError`.
@@ -375,7 +378,7 @@ class Spectrum(AbstractSpectrum):
             factor = (0.5 if "one-sided" in convention else 1.0) / (
                 2 * np.pi if "/2pi" in convention else 1.0
             )
-            q, c = _from_cut(q, np.asarray(factor * c))
+            c = _from_cut(q, np.asarray(factor * c))
         fill(self, convention=convention, q=q, c=c)
 
     def __repr__(self) -> str:
@@ -401,30 +404,59 @@ def _plain(value: Any) -> Any:
     return value if is_traced(value) else float(value)
 
 
-def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The two-dimensional spectrum of an isotropic surface from that of its cuts, at
-    all points but the last.
+def _from_cut(q: np.ndarray, cut: np.ndarray) -> np.ndarray:
+    """The two-dimensional spectrum of an isotropic surface from that of its cuts.
+
+    With k = q/cos(t) the piece cut = c (a/k)^p of a table adds
+
+        C = (p c)/(pi q) int (a cos(t)/q)^p dt,
+
+    whose integrand is smooth: Gauss' rule of two points, within 1e-4 of C. Beyond its
+    last point the cut goes on as its last power law, as far as it holds anything.
     """
-    if q.size < 3:
+    if not 3 <= q.size <= _MOST_OF_CUT:
         raise InputError(
-            "q must have three points at least where c is the spectrum of a cut, "
-            "got "
-            f"{q.size}."
+            f"q must have three points at least, and {_MOST_OF_CUT} at most, where c is "
+            f"the spectrum of a cut, got {q.size}: ten a decade, averaged over bands of "
+            "q, are enough."
         )
-    slope = np.diff(cut) / np.diff(q)
-    ratio = np.maximum(q[None, :] / q[:-1, None], 1.0)
-    c = -(np.diff(np.arccosh(ratio), axis=1) @ slope) / np.pi
-    # Beyond the last point the cut falls to zero at once: its step there is that of the
-    # ring |q| = q_high.
-    c += cut[-1] / (np.pi * np.sqrt(q[-1] ** 2 - q[:-1] ** 2))
-    if not (c > 0).all():
-        where = q[:-1][c <= 0][0]
+    log_q, log_cut = np.log(q), np.log(cut)
+    fall = (log_cut[-2] - log_cut[-1]) / (log_q[-1] - log_q[-2])
+    if not fall > 0:
         raise InputError(
-            "c must fall with q where it is the spectrum of a cut through an "
-            f"isotropic surface, which it does not about q = {where:g} rad/m: average "
-            "it over wider bands of q, or leave the part below the roll-off out."
+            "c must fall with q up to its last points where it is the spectrum of a "
+            f"cut, it rises from {cut[-2]:.4g} to {cut[-1]:.4g} m^3 at q = {q[-1]:g} "
+            "rad/m, where noise may begin: leave those points out."
         )
-    return q[:-1], c
+    beyond = np.arange(1.0, _TAIL + 1)  # steps by which the cut falls by a factor e
+    log_q = np.append(log_q, log_q[-1] + beyond / fall)
+    log_cut = np.append(log_cut, log_cut[-1] - beyond)
+    steps = np.maximum(np.abs(np.diff(log_cut)), np.diff(log_q))
+    pieces = np.ceil(_PIECES * steps).astype(int)
+    place = np.append(
+        np.concatenate([i + np.arange(n) / n for i, n in enumerate(pieces)]),
+        pieces.size,
+    )
+    log_q, log_cut = (np.interp(place, np.arange(y.size), y) for y in (log_q, log_cut))
+    power = -np.diff(log_cut) / np.diff(log_q)
+    weight = power * np.exp(log_cut[:-1]) / np.pi
+    nodes, shares = np.polynomial.legendre.leggauss(2)
+    c = np.zeros(q.size)
+    for i, first in enumerate(np.cumsum(pieces[: q.size]) - pieces[: q.size]):
+        t = np.arccos(np.minimum(q[i] / np.exp(log_q[first:]), 1.0))
+        half = np.diff(t)[:, None] / 2
+        cosine = np.cos(t[:-1, None] + half * (1 + nodes))
+        below = log_q[first:-1, None] - np.log(q[i]) + np.log(cosine)
+        held = (half * np.exp(power[first:, None] * below)) @ shares
+        c[i] = weight[first:] @ held / q[i]
+        if not c[i] > 0:
+            raise InputError(
+                "c must fall with q where it is the spectrum of a cut through an "
+                f"isotropic surface, which it does not about q = {q[i]:g} rad/m: "
+                "average it over wider bands of q, or leave the part below the roll-off "
+                "out."
+            )
+    return c
 
 
 def as_spectrum(name: str, value: Any) -> AbstractSpectrum:
