@@ -70,14 +70,23 @@ FOCUSED = """() => {
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory):
+def told(tmp_path_factory):
+    """What the browser is told to open."""
+    return tmp_path_factory.mktemp("browser") / "told"
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory, told):
     """A server of its own; at its end its folder is gone."""
     place = tmp_path_factory.mktemp("server")
-    command = [sys.executable, "-m", "elastomdr", "app", "--no-browser"]
+    browser = told.with_name("browser")
+    browser.write_text(f'#!/bin/sh\necho "$@" > {told}\n')
+    browser.chmod(0o700)
+    command = [sys.executable, "-m", "elastomdr", "app"]
     with subprocess.Popen(
         command,
         cwd=place,
-        env={**os.environ, "TMPDIR": str(place)},
+        env={**os.environ, "TMPDIR": str(place), "BROWSER": str(browser)},
         stdout=subprocess.PIPE,
         text=True,
     ) as server:
@@ -156,6 +165,22 @@ def test_only_who_has_the_address(address):
     polling = f"{address}_nicegui_ws/socket.io/?EIO=4&transport=polling"
     assert status(polling, headers={"Origin": "https://example.org"}) == 403
     assert status(polling, headers={"Origin": origin}) == 200
+
+
+def test_the_browser_is_told_a_file(address, told, chromium):
+    """Command lines are readable for every user of the machine, the file for one."""
+    page = chromium.new_page()
+    for _ in range(200):
+        if told.exists() and told.read_text():
+            break
+        page.wait_for_timeout(50)
+    (uri,) = told.read_text().split()
+    assert address.rstrip("/").rsplit("/", 1)[1] not in uri
+    file = Path(uri.removeprefix("file://"))
+    assert file.stat().st_mode & 0o777 == 0o600
+    page.goto(uri)
+    page.wait_for_url(f"{address}?session=*")
+    page.close()
 
 
 def test_from_files_to_friction(page):

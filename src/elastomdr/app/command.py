@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
             if not options.no_browser:
                 import webbrowser
 
-                webbrowser.open(address)
+                webbrowser.open(_redirect(address, Path(place)).as_uri())
             signal.signal(signal.SIGTERM, signal.default_int_handler)
             server.run(sockets=[door])
         except KeyboardInterrupt:
@@ -39,6 +39,16 @@ def run(options: argparse.Namespace) -> int:
         finally:
             tempfile.tempdir = None
     return DONE
+
+
+def _redirect(address: str, place: Path) -> Path:
+    """A file that leads to the address, readable for this user alone: on the browser's
+    command line, which every user of the machine can read, stands its name only.
+    """
+    file = place / "open.html"
+    file.touch(mode=0o600)
+    file.write_text(f'<meta http-equiv="refresh" content="0; url={address}">')
+    return file
 
 
 def serve(token: str, place: Path) -> Any:

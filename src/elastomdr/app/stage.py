@@ -292,8 +292,6 @@ def drop(
 
     async def arrived(event: events.MultiUploadEventArguments) -> None:
         await take(kept(event.files))
-        # not reset(), which would break off a file that is arriving meanwhile
-        upload.run_method("removeUploadedFiles")
 
     async def sampled() -> None:
         await take(sample[1]())
@@ -307,6 +305,10 @@ def drop(
         on_rejected=lambda: refuse(f"A file must be {MOST_BYTES / 1e6:g} MB or less."),
     )
     upload.classes("drop").props(f'flat bordered aria-label="{label}"')
+    # Once the browser knows that they have arrived; not reset(), which would break off
+    # a file that is arriving meanwhile.
+    remove = f"() => runMethod({upload.id}, 'removeUploadedFiles', [])"
+    upload.on("uploaded", js_handler=remove)
     upload.on(
         "failed",
         lambda: refuse("The file did not arrive: too large, or too slow."),
