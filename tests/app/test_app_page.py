@@ -3,6 +3,7 @@ measured points.
 """
 
 import asyncio
+import dataclasses
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -329,6 +330,71 @@ def test_cards_of_a_result():
     assert sure.title == "How sure"
     assert 5 < float(sure.number.split()[1]) < 20
     assert surer.notes
+
+
+def at_one_velocity():
+    road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1257.0, q_high=125663.0)
+    return em.friction(
+        em.load_material("epdm-70"),
+        road,
+        velocity=2.78,
+        pressure=3e5,
+        temperature=[273.15, 293.15, 323.15],
+    )
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
+def test_one_velocity_and_three_temperatures():
+    """0 degC is no -0.15 degC, each point is read at the one velocity, and the one that
+    is extrapolated is marked alone.
+    """
+    from elastomdr.app.cards import cards
+    from elastomdr.app.sliders import _readings
+
+    result = at_one_velocity()
+    assert result.extrapolated.tolist() == [True, False, False]
+    top, *_ = cards(result)
+    assert top.notes[0] == "at 0 degC, the lowest temperature computed"
+    half = result.error + result.model_error
+    marks = ", extrapolated", "", ""
+    names = "0 degC", "20 degC", "50 degC"
+    assert list(_readings(result, 2.78)) == [
+        f"{name}: µ = {mu:.3g} ± {spread:.2g}{mark}"
+        for name, mu, spread, mark in zip(names, result.mu, half, marks, strict=True)
+    ]
+    (said,) = (words for key, words in result.outcome() if key == "result")
+    assert said.count("(extrapolated)") == 1
+    assert said.endswith("(extrapolated)")  # the largest, of the coldest
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
+def test_a_reading_of_a_curve():
+    """Between its points; what is not known, or lies beyond the data, is said."""
+    from elastomdr.app.sliders import _readings
+
+    result = em.friction(
+        em.load_material("epdm-70"),
+        em.SelfAffine(0.8, rms_slope=0.7, q_low=1257.0, q_high=125663.0),
+        velocity=[0.1, 1.0, 1e4],
+        pressure=3e5,
+        temperature=293.15,
+    )
+    known = np.array([0.01, np.nan, 0.02])
+    result = dataclasses.replace(result, model_error=known)
+    (first,) = _readings(result, 0.1)
+    assert first == f"µ = {result.mu[0]:.3g} ± {result.error[0] + 0.01:.2g}"
+    (between,) = _readings(result, 0.3)
+    assert between.endswith("without a bound of the model")
+    (beyond,) = _readings(result, 1e3)
+    assert beyond.endswith("without a bound of the model, extrapolated")
+
+
+def test_the_slider_of_the_temperature_shows_tenths():
+    from elastomdr.app.sliders import _celsius
+
+    assert _celsius(273.15) == "0 degC"
+    assert _celsius(273.15 - 0.04) == "0 degC"
+    assert _celsius(295.65) == "22.5 degC"
 
 
 def test_cards_say_of_how_many_curves_there_are_none():

@@ -195,12 +195,11 @@ def _place(axis: Axis, top: Any, x: np.ndarray) -> str:
         return f"after {_duration(top.x)}"
     slow = top.x == np.nanmin(x)
     velocity = axis.quantity.unit == "m/s"
-    value = float(significant(top.x, 3))
-    where = f"at {in_words('velocity' if velocity else axis.name, value)}"
+    name = "velocity" if velocity else axis.name
+    where = f"at {in_words(name, top.x, axis.quantity.unit)}"
     if top.inside:
         return where
-    kind = "velocity" if velocity else "value"
-    return f"{where}, the {'lowest' if slow else 'highest'} {kind} computed"
+    return f"{where}, the {'lowest' if slow else 'highest'} {name} computed"
 
 
 def _duration(seconds: float) -> str:

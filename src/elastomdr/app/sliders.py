@@ -2,15 +2,18 @@
 the velocity is where these are read.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from nicegui import ui
 
+import elastomdr as em
+
 from ..checks import significant
 from ..cli.units import Length, Pressure, Temperature
 from ..errors import InputError
+from ..results.axes import place_in_words
 from ..results.words import in_words
 from .scene import Done
 from .stage import Slider, length
@@ -79,34 +82,54 @@ class Sliders:
         if computation is None:
             return
         velocity = np.unique(np.asarray(computation.result.velocity))
-        inside = float(np.clip(self._velocity.value, velocity[0], velocity[-1]))
-        middle = float(np.sqrt(velocity[0] * velocity[-1]))
-        if velocity[0] < velocity[-1]:
-            limits = float(velocity[0]), float(velocity[-1])
-            self._velocity.set(middle if first else inside, limits)
-        self._velocity.show(velocity[0] < velocity[-1])
-        self._read(self._velocity.value)
+        low, high = float(velocity[0]), float(velocity[-1])
+        middle = float(np.sqrt(low * high))
+        inside = float(np.clip(self._velocity.value, low, high))
+        read_at = middle if first else inside
+        if low < high:
+            self._velocity.set(read_at, (low, high))
+        self._velocity.show(low < high)
+        self._read(read_at)
 
     def _read(self, velocity: float) -> None:
         if self._done is None:
             return
-        result = self._done.result
-        bound = result.model_error
-        spread = result.error + (0.0 if bound is None else np.nan_to_num(bound))
-        _, curves = result.curves()
-        readings = []
-        for curve in curves:
-            x = np.log(np.atleast_1d(result.velocity[curve.place]))
-            mu, half = (
-                float(
-                    np.interp(np.log(velocity), x, np.atleast_1d(values[curve.place]))
-                )
-                for values in (result.mu, spread)
-            )
-            name = f"{curve.label}: " if curve.label else ""
-            readings.append(f"{name}µ = {significant(mu, 3)} ± {significant(half, 2)}")
-        sentence = f"At {_velocity(velocity)}: {'; '.join(readings)}"
-        self._values.text = with_signs(sentence)
+        readings = "; ".join(_readings(self._done.result, velocity))
+        self._values.text = with_signs(f"At {_velocity(velocity)}: {readings}")
+
+
+def _readings(result: em.FrictionCurve, velocity: float) -> Iterator[str]:
+    """Friction of each curve at a velocity, of each point where that is the only one."""
+    axis, curves = result.curves()
+    bound = np.nan if result.model_error is None else result.model_error
+    beyond = False if result.extrapolated is None else result.extrapolated
+    fields = np.broadcast_arrays(
+        result.velocity, result.mu, result.error + bound, beyond
+    )
+    for curve in curves:
+        x, mu, half, outside = (np.atleast_1d(each[curve.place]) for each in fields)
+        if np.ptp(x) > 0:
+            there = [
+                float(np.interp(np.log(velocity), np.log(x), values))
+                for values in (mu, half, outside)
+            ]
+            yield _reading(curve.label, *there)
+            continue
+        for i in range(x.size):
+            place = place_in_words(axis, i) if x.size > 1 else ""
+            name = ", ".join(filter(None, (curve.label, place)))
+            yield _reading(name, float(mu[i]), float(half[i]), float(outside[i]))
+
+
+def _reading(name: str, mu: float, half: float, outside: float) -> str:
+    """Friction with its uncertainty, and what there is to doubt in it."""
+    name = f"{name}: " if name else ""
+    if np.isnan(mu):
+        return f"{name}did not converge"
+    known = np.isfinite(half)
+    spread = f"± {significant(half, 2)}" if known else "without a bound of the model"
+    mark = ", extrapolated" if outside else ""
+    return f"{name}µ = {significant(mu, 3)} {spread}{mark}"
 
 
 def _place(slider: Slider, quantity: Any, value: Any) -> None:
@@ -124,7 +147,7 @@ def _pressure(pascal: float) -> str:
 
 
 def _celsius(temperature: float) -> str:
-    return f"{round(temperature - 273.15):g} degC"
+    return f"{round(temperature - 273.15, 1) + 0.0:g} degC"
 
 
 def _velocity(velocity: float) -> str:

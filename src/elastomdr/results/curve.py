@@ -200,20 +200,17 @@ class AbstractCurve(Result):
         if top is None:
             return "no point converged"
 
-        def point(x: float, y: float) -> str:
-            mark = (
-                " (extrapolated)"
-                if beyond[np.abs(np.log(velocity / x)).argmin()]
-                else ""
-            )
-            return f"{significant(y)} at {in_words('velocity', x)}{mark}"
+        def point(i: Any) -> str:
+            mark = " (extrapolated)" if beyond[i] else ""
+            place = in_words("velocity", float(velocity[i]))
+            return f"{significant(float(value[i]))} at {place}{mark}"
 
         if np.ptp(velocity) == 0:
             return f"{self.symbol} = " + " to ".join(
-                dict.fromkeys(point(velocity[0], y) for y in (value.min(), top.y))
+                dict.fromkeys(point(i) for i in (value.argmin(), value.argmax()))
             )
-        low, high = (point(float(velocity[i]), float(value[i])) for i in (0, -1))
-        largest = f"{top.kind} {self.symbol} = {point(top.x, top.y)}"
+        low, high = point(0), point(-1)
+        largest = f"{top.kind} {self.symbol} = {point(value.argmax())}"
         if top.inside:
             return f"{largest}; ends: {low}, {high}"
         highest = top.x == velocity[-1]
