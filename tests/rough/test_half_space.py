@@ -173,9 +173,10 @@ def test_one_map_says_nothing_of_scatter():
     assert np.isnan(curve.error)
 
 
-def test_full_contact_is_the_closed_form():
+@pytest.mark.parametrize("seeds", [1, 2])
+def test_full_contact_is_the_closed_form(seeds):
     """mu = (pi eta v/2p) int q^4 C dq of Kelvin elements, E'' = eta omega, whatever
-    waves a map is made of.
+    waves a map is made of: `error` has no share of a sample, of which it was 7.5 %.
 
     C = A q^-3.6 from q_0 to q_1: int q^3 C dq = A (q_1^0.4 - q_0^0.4)/0.4 = <|grad
     h|^2>/2 pi, int q^4 C dq likewise.
@@ -187,7 +188,7 @@ def test_full_contact_is_the_closed_form():
         ROAD,
         velocity=velocity,
         pressure=pressure,
-        model=em.HalfSpace(cells=64, seeds=2),
+        model=em.HalfSpace(cells=64, seeds=seeds),
     )
     low, high = 1e3, 8e3
     fourth = (
@@ -197,10 +198,20 @@ def test_full_contact_is_the_closed_form():
         / 1.4
         / ((high**0.4 - low**0.4) / 0.4)
     )
-    np.testing.assert_allclose(
-        curve.mu, np.pi * viscosity * velocity * fourth / (2 * pressure), rtol=1e-4
-    )
-    np.testing.assert_allclose(curve.area_ratio, 1.0)
+    exact = np.pi * viscosity * velocity * fourth / (2 * pressure)
+    assert abs(curve.mu - exact) <= curve.error
+    assert curve.error < 1e-5 * exact
+    assert curve.area_ratio == 1.0
+
+
+def test_next_to_full_contact_a_small_sample_is_within_its_error():
+    """Maps of four longest waves against those of 64 times as many."""
+    scene = {"velocity": 0.3, "pressure": np.array([1.5e6, 2.5e6])}
+    small = em.friction(SOLID, ROAD, model=em.HalfSpace(periods=2, seeds=12), **scene)
+    large = em.friction(SOLID, ROAD, model=em.HalfSpace(periods=8), **scene)
+    np.testing.assert_allclose(small.area_ratio, [0.945, 0.998], atol=3e-3)
+    assert (abs(small.mu - large.mu) <= small.error).all()
+    assert (small.error < 0.03 * small.mu).all()
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.ConvergenceWarning")

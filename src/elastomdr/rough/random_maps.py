@@ -8,8 +8,9 @@ A cell must hold many longest waves where contact is light: with one to a side, 
 the load is on one summit, and friction comes out three times too low at 2 % contact.
 The share of the surface that touches where waves up to twice the longest are seen
 (Persson's P), times the number of longest waves in the cell, is how many summits carry
-the load. With one of them friction was 14 % low, with four 1 %: `error` has 0.3/N for N
-of them; below one there is no answer.
+the load. With one of them friction was 14 % low, with four 1 %: `error` has
+0.3 sqrt(1 - A)/N for N of them and the real contact A; below one there is no answer.
+In full contact, which is linear, every map has the friction of its spectrum.
 """
 
 from collections.abc import Callable
@@ -98,14 +99,13 @@ def friction(
     directed = None
     if direction is not None:
         directed = Directed(lay_of(spectrum), np.full(velocity.shape, direction))
-    full = full_contact(modulus, spectrum, velocity, pressure, directed)
+    of_spectrum = full_contact(modulus, spectrum, velocity, pressure, directed)
     enough = summits(modulus, spectrum, velocity, pressure, grid, directed)
 
-    def both_in_full(
-        heights: np.ndarray, i: int, given: dict[str, float]
-    ) -> tuple[float, float]:
-        """Full contact of the spectrum and of the waves of a map."""
-        return full[i], full_contact_of_map(modulus, heights, sides, **given)
+    def over_full(heights: np.ndarray, i: int) -> float:
+        """Full contact of the spectrum over that of the waves of a map."""
+        of_map = full_contact_of_map(modulus, heights, sides, velocity[i], pressure[i])
+        return of_spectrum[i] / of_map
 
     maps, sides = [], (grid.side, grid.side)
     for seed in seeds:
@@ -126,13 +126,15 @@ def friction(
                 enough,
                 rtol,
                 tick,
-                in_full=both_in_full,
+                over_full=over_full,
             )
         )
     each = MapFriction(*map(np.array, zip(*maps, strict=True)))
     mu, area = each.mu.mean(axis=0), each.area.mean(axis=0)
-    of_mu = each.mu_error.mean(axis=0) + OF_SUMMITS * np.abs(mu) / enough
-    of_area = each.area_error.mean(axis=0) + OF_SUMMITS * area / enough
+    of_sample = OF_SUMMITS / enough * np.sqrt(1 - area)
+    of_mu = each.mu_error.mean(axis=0) + (of_sample + rtol) * np.abs(mu)
+    of_area = each.area_error.mean(axis=0) + (of_sample + rtol) * area
+    full = (each.area == 1).all(axis=0)
     good = np.isfinite(each.mu).all(axis=0) & (enough >= 1)
     remark = (
         f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest "
@@ -141,14 +143,14 @@ def friction(
     if (enough < 1).any():
         remark += ", fewer than 1 at points without an answer: more cells hold more"
     remark += unsolved_words(each.unsolved)
-    if len(seeds) == 1:
+    if len(seeds) == 1 and not full.all():
         remark += "; how far maps scatter is not known, and so no error of mu"
     return SurfaceFriction(
         mu,
         area,
-        of_mu + 2 * _standard_error(each.mu),
+        of_mu + np.where(full, 0.0, 2 * _standard_error(each.mu)),
         good,
-        of_area + 2 * _standard_error(each.area),
+        of_area + np.where(full, 0.0, 2 * _standard_error(each.area)),
         remark,
     )
 
@@ -181,16 +183,14 @@ def on_map(
     rtol: float,
     tick: Callable[[], None],
     *,
-    in_full: Callable[[np.ndarray, int, dict[str, float]], tuple[float, float]]
-    | None = None,
+    over_full: Callable[[np.ndarray, int], float] | None = None,
     angle: float = 0.0,
     least: float = 1.0,
 ) -> MapFriction:
     """All points on one map that moves at `angle` to x; neighbours begin with each
     other's contact. Fewer summits than `least` give no answer.
 
-    `in_full`, of the map and the point: friction of full contact by which mu is
-    multiplied, and that by which it is divided.
+    `over_full`, of the heights and the point, is what mu is multiplied by.
     """
     answer = MapFriction(
         *(np.full(velocity.size, np.nan) for _ in range(4)),
@@ -205,22 +205,20 @@ def on_map(
             # no answer, whatever the solution; far below that there may be no contact
             # in 32 bits
             continue
-        given = {"velocity": float(velocity[i]), "pressure": float(pressure[i])}
-        on = {**given, "angle": angle}
+        on = {"velocity": velocity[i], "pressure": pressure[i], "angle": angle}
         fine = solve(modulus, heights, sides, **on, start=start, double=rtol < 1e-4)
         start, last = (fine.pressure if fine.settled else None), i
         if not fine.settled:
             answer.unsolved[i] = True
             continue
         coarse = solve(modulus, heights[::2, ::2], sides, **on, double=False)
-        answer.mu[i] = fine.stress / pressure[i]
-        if in_full is not None:
-            whole, of_map = in_full(heights, i, given)
-            answer.mu[i] = answer.mu[i] * whole / of_map
-        answer.area[i] = fine.area
+        mu, coarse_mu = fine.stress / pressure[i], coarse.stress / pressure[i]
+        if over_full is not None:
+            mu *= over_full(heights, i)
+            coarse_mu *= over_full(heights[::2, ::2], i)
+        answer.mu[i], answer.area[i] = mu, fine.area
         if coarse.settled:
-            change = abs(fine.stress - coarse.stress) / pressure[i]
-            answer.mu_error[i] = _OF_HALF * change
+            answer.mu_error[i] = _OF_HALF * abs(mu - coarse_mu)
             answer.area_error[i] = _OF_HALF * abs(fine.area - coarse.area)
     return answer
 
