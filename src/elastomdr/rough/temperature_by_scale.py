@@ -40,6 +40,7 @@ from ..arrays import fixed, is_traced, namespace, xp
 from ..checks import known
 from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
+from ..surface.lay import lay_of
 from .against_lay import of_points, to_points
 from .heat import HIGHEST, Heat, highest_rise
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
@@ -141,7 +142,7 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
     # of all points, level by level; of those that are left out that of the level before
     mus: list[np.ndarray] = []
     for number, level in enumerate(_LEVELS):
-        rise = _at_stations(rise, _count(problem.spectrum, level), highest)
+        rise = _at_stations(rise, _count(problem.spectrum, level))
         problem_left = problem.of(left)
         of = _state(
             problem_left,
@@ -183,13 +184,11 @@ def _error(coarsest: Any, coarse: Any, fine: Any) -> Any:
     return np.maximum(abs(fine - coarse), abs(coarse - coarsest) / _ORDER_4)
 
 
-def _at_stations(rise: Any, count: int, highest: float) -> Any:
+def _at_stations(rise: Any, count: int) -> Any:
     """Rises at `count` stations; exactly the same splines where those are twice as
     many.
     """
-    return np.clip(
-        rise @ basis(rise.shape[1], np.arange(1, count + 1) / count).T, 0.0, highest
-    )
+    return rise @ basis(rise.shape[1], np.arange(1, count + 1) / count).T
 
 
 def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
@@ -198,14 +197,14 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
     """
     spectrum = known(fixed(problem.spectrum))
     counts = cell_counts(spectrum, _TRACED_CELLS)
-    stations = _count(spectrum, _LEVELS[_USUAL])
+    stations = _count(spectrum, _LEVELS[_USUAL]), _count(spectrum, _LEVELS[-1])
     softened = problem.local.softened
     share = None if softened is None else softened.share
     shared = problem.body, problem.spectrum, share, problem.heat, problem.adhesion
     points = (problem.velocity, problem.reduced, problem.temperature)
     points += (problem.pressure, problem.reduced_pressure)
     points += (to_points(problem.local.directed),)
-    solve = _with_slopes(model, stations, counts)
+    solve = _with_slopes(model, *stations, counts)
     rise, mean, flux, to_road, error, good, several = solve(
         *as_doubles((shared, points))
     )
@@ -220,38 +219,41 @@ def _problem(shared: Any, points: Any) -> Problem:
     body, spectrum, share, heat, adhesion = shared
     *points, direction = points
     softened = None if share is None else Softened(body.softening, spectrum, share)
-    local = Local(softened, None, of_points(spectrum, direction))
+    local = Local(softened, None, of_points(lay_of(spectrum), direction))
     return Problem(body, spectrum, local, heat, adhesion, *points)
 
 
 @functools.lru_cache(64)
 def _with_slopes(
-    model: Any, stations: int, counts: tuple[int, ...]
+    model: Any, stations: int, finest: int, counts: tuple[int, ...]
 ) -> Callable[..., tuple[Any, ...]]:
-    """Rises at the stations (stations, points), their mean, the heat flux and what the
-    road takes, with derivatives; their error, where they are good and where several.
+    """Rises at the finest stations (finest, points), which are those of `warmed`
+    whatever its level was, their mean, the heat flux and what the road takes, with
+    derivatives as of `stations`; their error, where they are good and where several.
     """
 
     def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
         problem = _problem(shared, points)
         highest = highest_rise(problem.body, problem.temperature)
         warm = warmed(problem, model, highest)
-        rise = _at_stations(warm.warmed.rise, stations, highest).T
+        rise = _at_stations(warm.warmed.rise, finest).T
         made = warm.mean, warm.flux, warm.to_road
         return (rise, *made, warm.error, warm.good, warm.several)
 
+    of_usual = _rises(model, stations, counts)
+
     def rises(shared: Any, points: Any) -> tuple[Any, ...]:
-        return (_rises(model, stations, counts)(shared, points),)
+        return (_at_stations(of_usual(shared, points).T, finest).T,)
 
     def others(shared: Any, points: Any) -> tuple[Any, ...]:
         problem = _problem(shared, points)
         conduct = _conduction(problem, model, _TRACED_CELLS, stations, counts)
-        (rise,) = rises(shared, points)
+        rise = of_usual(shared, points)
         state = _state(problem, model, conduct, HIGHEST)(rise.T)
         return state.mean, state.flux, state.to_road
 
     def like(shared: Any, points: Any) -> tuple[Any, ...]:
-        return (_shape(stations, points), *(points[0],) * 6)
+        return (_shape(finest, points), *(points[0],) * 6)
 
     return numbers_with_slopes(numbers, ((rises, 1), (others, 3)), like)
 
