@@ -298,6 +298,52 @@ def test_a_profile_far_from_that_of_cold_rubber(reference):
     assert "hot branch" not in curve.summary()
 
 
+@pytest.mark.parametrize("road", [None, (400.0, 3e6)])
+def test_extrapolated_is_where_the_hottest_rubber_is_beyond_its_data(road):
+    """Moduli are taken up to the rise of the contacts, which was 100 K above the mean
+    that was looked at; on a road of metal waves below the surface are hotter still.
+    """
+    rubber = tread(range={"temperature": (253.15, 353.15)})
+    rough = em.SelfAffine(0.8, rms_slope=0.8, q_low=1e3, q_high=1e6)
+    with pytest.warns(em.ExtrapolationWarning, match="from 273.15 to"):
+        curve = em.friction(
+            rubber,
+            rough,
+            velocity=np.geomspace(0.01, 30, 9),
+            pressure=3e5,
+            temperature=273.15,
+            heat=em.Heat(0.25, 2e6, road=road),
+        )
+    by_contact = 273.15 + curve.contact_rise > 353.15
+    by_mean = 273.15 + curve.temperature_rise > 353.15
+    assert (by_contact & ~by_mean).any()
+    assert (curve.extrapolated >= by_contact).all()
+    if road is None:
+        np.testing.assert_array_equal(curve.extrapolated, by_contact)
+        said, hottest = curve.summary(), curve.contact_rise.max()
+        assert f"temperature from 273.15 to {273.15 + hottest:.6g} K" in said
+        assert f"{hottest:.3g} K at 0.0063 mm" in said
+        assert f"in the real contact at most {hottest:.4g} K" in said
+
+
+def test_waves_are_outside_the_data_at_their_own_temperatures():
+    rubber = tread(range={"omega": (1.0, 1e6)})
+    given = {"velocity": [3.0, 30.0], "pressure": 1e6, "temperature": 283.15}
+    curve = em.friction(rubber, ROAD, heat=HEAT, **given)
+    with pytest.warns(em.ExtrapolationWarning, match="measured frequencies"):
+        cold = em.friction(rubber, ROAD, **given)
+    q = np.geomspace(2e3, 1e5, 3001)
+    middle, slope = np.sqrt(q[1:] * q[:-1]), np.diff(q**0.4)  # q^3 C = q^(-2 H + 1)
+    for i, v in enumerate(given["velocity"]):
+        coldest, hottest = (
+            slope[middle * v * rubber.shift.a(283.15 + rise) > 1e6].sum() / slope.sum()
+            for rise in (0.0, curve.contact_rise[i])
+        )
+        assert cold.outside[i] == pytest.approx(coldest, abs=2e-3)
+        assert hottest - 2e-3 <= curve.outside[i] <= coldest + 2e-3
+    assert curve.outside[1] < cold.outside[1] - 0.5
+
+
 def test_a_hotter_steady_state_is_said():
     """Shear that rises with temperature heats itself: from a warm start rubber stays
     where cold rubber does not go.
@@ -369,6 +415,39 @@ def test_a_hot_curve_is_fast():
 
     # .48 s and .018 s on a quiet machine; a ratio holds on a slow one, too
     assert least(HEAT) < 50 * least(None)
+
+
+# the second point takes the finest level
+LEVELS = {"velocity": np.array([1e-4, 22.0]), "pressure": 1e6, "temperature": 263.15}
+
+
+def hot_by_level(velocity):
+    return em.friction(
+        tread(), ROAD, heat=HEAT, adhesion=ICE_COLD, **LEVELS | {"velocity": velocity}
+    )
+
+
+def test_vmap_is_the_plain_call_on_the_levels_that_it_needs():
+    """The second point was computed on the third level, with the error of the
+    finest.
+    """
+    plain = hot_by_level(LEVELS["velocity"])
+    with jax.enable_x64(True):
+        mapped = jax.vmap(hot_by_level)(LEVELS["velocity"])
+    for name in ("mu", "error", "contact_rise", "temperature_rise", "heat_flux"):
+        np.testing.assert_allclose(
+            getattr(mapped, name), getattr(plain, name), rtol=1e-9, err_msg=name
+        )
+
+
+@pytest.mark.slow
+def test_jvp_has_the_number_of_the_plain_call():
+    velocity, step = LEVELS["velocity"], 1e-3
+    with jax.enable_x64(True):
+        number, slope = jax.jvp(lambda v: hot_by_level(v).mu, (velocity,), (velocity,))
+    np.testing.assert_allclose(number, hot_by_level(velocity).mu, rtol=1e-12)
+    fast, slow = (hot_by_level(velocity * (1 + s)).mu for s in (step, -step))
+    np.testing.assert_allclose(slope, (fast - slow) / (2 * step), rtol=1e-4)
 
 
 @pytest.mark.slow

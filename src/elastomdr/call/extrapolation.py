@@ -4,6 +4,7 @@ that is said.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 # share of a rough surface's mean square slope that may lie outside the range
 _OUTSIDE = 0.1
+_CELLS = 400  # of the slope, where each wave has a temperature of its own
 
 
 class Beyond(NamedTuple):
@@ -87,15 +89,27 @@ def held_beyond(
 
 
 def excited_outside(
-    known: Range | None, surface: RoughLine | AbstractSpectrum, reduced: np.ndarray
+    known: Range | None,
+    surface: RoughLine | AbstractSpectrum,
+    reduced: np.ndarray,
+    factor: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Float[np.ndarray, "..."] | None:
     """Share of the mean square slope that is excited, at q v a_T, beyond the
     frequencies of the data.
+
+    `factor`, of rubber that is hotter at some wave numbers of a spectrum than at
+    others: that on v a_T at wave numbers (n,), shape (points, n).
     """
     if known is None or known.omega is None:
         return None
     if not known.omega:
         return np.ones(np.shape(reduced))
+    if factor is not None and not isinstance(surface, RoughLine):
+        ends = np.geomspace(float(surface.q_low), float(surface.q_high), _CELLS + 1)
+        q, share = np.sqrt(ends[1:] * ends[:-1]), np.diff(surface.moment(3, None, ends))
+        omega = reduced.reshape(-1, 1) * q * factor(q)
+        beyond = (omega < known.omega[0]) | (omega > known.omega[1])
+        return (beyond @ (share / share.sum())).reshape(reduced.shape)
     low, high = (frequency / reduced for frequency in known.omega)
     if isinstance(surface, RoughLine):
         q = 2 * np.pi * np.fft.rfftfreq(surface.count, float(surface.spacing))

@@ -390,14 +390,18 @@ class FrictionCurve(AbstractCurve):
                 "parts of mu",
                 f"{sentence} where it is largest, at {in_words('velocity', v)}",
             )
-        rise, before = self.temperature_rise, self.cold
+        # where there are two, that at which moduli and shear stress are taken
+        rise, before = self.contact_rise, self.cold
+        where = "in the real contact "
+        if rise is None:
+            rise, where = self.temperature_rise, ""
         if rise is not None and before is not None and np.isfinite(rise).any():
             i = int(np.nanargmax(rise))
             most, v, hot, cold = (
                 float(np.ravel(x)[i]) for x in (rise, self.velocity, self.mu, before)
             )
             sentence = (
-                f"at most {significant(most)} K above the rubber's, at "
+                f"{where}at most {significant(most)} K above the rubber's, at "
                 f"{in_words('velocity', v)}: mu "
             )
             yield (

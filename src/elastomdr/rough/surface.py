@@ -16,7 +16,7 @@ from ..checks import is_traced, known, nan_unless, require, scalar, warn_unless
 from ..element.law import surface_foundation
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
-from ..material.validity import misfit
+from ..material.validity import Range, misfit
 from ..models import Multiscale, SurfaceFriction, SurfaceModel
 from ..results.curve import FrictionCurve
 from ..results.words import brief
@@ -102,18 +102,19 @@ class _Answer(NamedTuple):
     local: Local  # how moduli differ from scale to scale
     warm: Any  # one flash temperature (`rough.flash.Warm`), or None
     by_scale: Any  # temperatures by length scale, or None
-    reduced: Any  # v a_T at the raised temperature, in the shape of the call
+    # v a_T at the temperature of the real contact, in the shape of the call
+    reduced: Any
 
     def field(self, shape: tuple[int, ...], values: Any) -> Any:
         """`values` in the shape of the call, NaN where there is no answer."""
         return nan_unless(self.hot.good, values).reshape(shape)
 
-    def rise(self) -> Any:
-        """The rise of temperature where the heat arises [K], in the shape of the
-        call; zero without heat.
+    def hottest(self) -> Any:
+        """The largest rise of temperature at which moduli are taken [K], in the shape
+        of the call; zero without heat.
         """
         if self.by_scale is not None:
-            return self.by_scale.mean.reshape(self.reduced.shape)
+            return self.by_scale.warmed.rise.max(-1).reshape(self.reduced.shape)
         return 0.0 if self.warm is None else self.warm.rise.reshape(self.reduced.shape)
 
 
@@ -173,9 +174,7 @@ def surface_friction(
     if not scene.traced:
         _warn_of_failed(answer.hot, rtol)
     outside = (
-        None
-        if scene.traced
-        else excited_outside(foundation.range, surface, answer.reduced)
+        None if scene.traced else _outside(foundation.range, surface, scene, answer)
     )
     of_data = (
         np.zeros(())
@@ -188,7 +187,7 @@ def surface_friction(
         NOT_KNOWN
         if scene.traced
         else rough_beyond(
-            foundation.range, outside, scene.temperature, scene.shape, answer.rise()
+            foundation.range, outside, scene.temperature, scene.shape, answer.hottest()
         )
     )
     rows = beyond.said
@@ -320,9 +319,25 @@ def _heated_by_scale(
     answer = answer._replace(hot=heated, local=local, by_scale=by_scale)
     if scene.traced:
         return answer
-    factor, _ = thermal_factors(foundation, temperature + by_scale.mean)
+    factor, _ = thermal_factors(foundation, temperature + by_scale.contact)
     reduced = scene.full(scene.velocity) * factor.reshape(scene.shape)
     return answer._replace(reduced=reduced)
+
+
+def _outside(
+    known: Range | None, surface: AbstractSpectrum, scene: Scene, answer: _Answer
+) -> np.ndarray | None:
+    """Share of the slope outside the measured frequencies, at the temperatures that the
+    rubber has there.
+    """
+    if answer.by_scale is None:
+        return excited_outside(known, surface, answer.reduced)
+    warm = answer.by_scale.warmed
+
+    def factor(q: np.ndarray) -> np.ndarray:
+        return warm.factors(warm.at(q))[0]
+
+    return excited_outside(known, surface, scene.reduced, factor)
 
 
 def _warn_of_failed(hysteresis: SurfaceFriction, rtol: Any) -> None:
@@ -347,7 +362,7 @@ def _inputs(
         ("surface", label),
         *(("as read", remark) for remark in getattr(surface, "report", ())),
     )
-    if any(_skewness(surface)):
+    if not scene.traced and any(_skewness(surface)):
         rows += [("heights", _skewed_words(surface, hysteresis.area))]
     if heat is not None:
         longest = None if scene.traced else float(2 * np.pi / surface.q_low)
@@ -883,7 +898,6 @@ def _misfit(
 def _skewed_words(surface: Any, area: Any) -> str:
     """What a skewness of the heights does."""
     skewness, error = _skewness(surface)
-    (area,) = known(fixed((area,)))
     change = _SKEWED * np.sqrt(-np.log(np.clip(area, 1e-300, 1.0)))
 
     def times(skewness: float) -> str:
