@@ -4,6 +4,7 @@ measured points.
 
 import asyncio
 import dataclasses
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -86,6 +87,76 @@ def test_empty_files(tmp_path):
         page._session.folder.remove()
         said = await dropped(user, page.screen("Rubber"), ("a.csv", b"1"))
         assert said.startswith("The file could not be kept: ")
+
+    simulated(tmp_path, act)
+
+
+def errors(form):
+    """What is said beside the fields."""
+    said = {name: getattr(w, "error", None) for name, w in form.widgets.items()}
+    return {name: message for name, message in said.items() if message}
+
+
+ALL = ("Friction", "Compare", "Rolling", "Tyre", "Seal")
+
+
+def test_an_answer_fits_what_was_dropped(tmp_path):
+    """The walk of docs/app.md. Until the file is fitted, every screen says which rubber
+    it takes in its place; the question is there again when the page is.
+    """
+
+    async def act(user, page, opened):
+        q800, profile = (
+            (name, (SAMPLE / name).read_bytes())
+            for name in ("dma-q800.txt", "profile.csv")
+        )
+        session = page._session
+        await dropped(user, page.screen("Rubber"), q800)
+        await until(lambda: errors(page.screen("Rubber").form))
+        for name in ALL:
+            taken = session.scenes["friction"]["material"]
+            said = page.screen(name)._unfitted
+            assert said.visible
+            assert said.text.startswith("dma-q800.txt is not fitted"), name
+            assert taken == "epdm-70"
+            assert taken in said.text
+        page = await opened(f"/?session={session.name}")
+        rubber = page.screen("Rubber")
+        assert "“Kind of moduli” tensile" in errors(rubber.form)["kind"]
+        rubber.form.widgets["kind"].value = "tensile"
+        await until(lambda: session.fits)
+        assert not errors(rubber.form)
+        await dropped(user, page.screen("Road"), profile)
+        await until(lambda: not page.screen("Road")._reading.on)
+        friction = page.screen("Friction")
+        friction.form.set("[contact] velocity", "1, 10")
+        await friction.compute()
+        done = session.done["friction"]
+        assert done.content["material"] == "dma-q800.toml"
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # they are on the screens
+            dma = em.read_dma(SAMPLE / "dma-q800.txt", kind="tensile")
+            again = em.friction(
+                em.fit.material(dma).material,
+                em.read_surface(SAMPLE / "profile.csv"),
+                velocity=[1.0, 10.0],
+                pressure=3e5,
+                temperature=np.array([[273.15], [293.15], [313.15]]),
+            )
+        np.testing.assert_allclose(done.result.mu, again.mu, rtol=1e-9)
+        assert not any(page.screen(name)._unfitted.visible for name in ALL)
+        # an entry that is not fitted yet; a typed answer
+        rubber.form.set("poisson", "5")
+        page.screen("Friction").look()
+        assert "Here the rubber is dma-q800." in page.screen("Friction")._unfitted.text
+        await rubber.fit()
+        assert "poisson" in errors(rubber.form)
+        assert friction._unfitted.visible
+        rubber.form.set("poisson", "0.49")
+        await rubber._answered()
+        page.screen("Friction").look()
+        assert not friction._unfitted.visible
+        assert session.fits["dma-q800.toml"].asked["poisson"] == 0.49
 
     simulated(tmp_path, act)
 

@@ -105,6 +105,7 @@ class ComputedStage:
                 self._busy = Busy()
             with ui.element("div").classes("right"):
                 self._old = mark_of_age()
+                self._unfitted = ui.label().classes("alert").props("role=alert")
                 self._cards = ui.element("div").classes("results")
                 self._sliders = (
                     Sliders(session.scenes["friction"], self._slid)
@@ -117,6 +118,7 @@ class ComputedStage:
                 )
                 self._table = ui.element("div")
                 self._words = Words()
+        self.look()
         ui.timer(0.05, self.show_again, once=True)
 
     @property
@@ -145,9 +147,17 @@ class ComputedStage:
 
     def look(self) -> None:
         """Says so where a result is shown that is not of what is filled in, here or on
-        other screens.
+        other screens, and where a dropped rubber is not the one that is taken.
         """
         self._old.visible = self._picture.shown and self._done() is None
+        files = self._session.unfitted()
+        self._unfitted.visible = bool(files)
+        taken = self.content().get("material", "none")
+        names = taken if isinstance(taken, list) else [taken]
+        self._unfitted.text = (
+            f"{', '.join(files)} is not fitted as it is filled in on the screen Rubber. "
+            f"Here the rubber is {', '.join(n.removesuffix('.toml') for n in names)}."
+        )
 
     def _draw_form(self) -> None:
         kind, session = self._kind, self._session

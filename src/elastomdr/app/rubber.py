@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 import elastomdr as em
 
@@ -198,6 +198,8 @@ class RubberStage:
         self._session, self._changed = session, changed
         self._fitted: Any = None
         self._shown: dict[str, Any] = {}  # what was asked of the fit that is shown
+        self._asked = ""  # the field whose answer a dropped file waits for
+        self._tried: dict[str, Any] = {}  # what was filled in without that answer
         session.rubber.setdefault("data", [])
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
@@ -219,7 +221,7 @@ class RubberStage:
                     first=_FIRST,
                     choices=choices,
                     entered=self.fit,
-                    changed=self._compare,
+                    changed=self._typed,
                 )
                 self._button = ui.button("Fit material", on_click=self.fit).props(
                     BUTTON
@@ -235,6 +237,8 @@ class RubberStage:
         last = list(session.fits.values())[-1:]
         if last and last[0].asked == session.rubber:
             self._show(last[0])
+        if session.question:
+            self._ask(session.question, copy.deepcopy(session.rubber))
 
     def _files(self) -> list[str]:
         return [
@@ -280,8 +284,9 @@ class RubberStage:
         self.form.clear_errors()
         self._clear()
         self._button.disable()
+        asked = copy.deepcopy(self._session.rubber)
+        self._asked = self._session.question = ""
         try:
-            asked = copy.deepcopy(self._session.rubber)
             fitted = await self._busy.during(
                 COMPUTING,
                 calculate,
@@ -292,7 +297,7 @@ class RubberStage:
             )
             fitted.figures = await worked(DRAWING, figures, fitted.fit)
         except InputError as error:
-            self.form.show_error(_for_form(str(error)))
+            self._ask(_for_form(str(error)), asked)
             return
         except CancelledError:
             return
@@ -304,7 +309,26 @@ class RubberStage:
         self._show(fitted)
         self._changed(fitted.name)
 
-    def _compare(self, name: str) -> None:
+    def _ask(self, question: str, tried: dict[str, Any]) -> None:
+        """Asks beside a field, and fits once it has its answer: chosen, or typed and
+        left.
+        """
+        self._session.question, self._tried = question, tried
+        self._asked = self.form.show_error(question)
+        if isinstance(widget := self.form.widgets.get(self._asked), ui.input):
+            widget.on("blur", self._answered)
+
+    def _typed(self, name: str) -> None:
+        self._compare()
+        widget = self.form.widgets.get(name)
+        if name == self._asked and not isinstance(widget, ui.input):
+            background_tasks.create(self._answered(), name="fit with the answer")
+
+    async def _answered(self) -> None:
+        if self._asked and self._session.rubber != self._tried:
+            await self.fit()
+
+    def _compare(self) -> None:
         """Says so where a fit is shown that is not of what is filled in."""
         self._old.visible = bool(self._shown) and self._shown != self._session.rubber
 
@@ -320,7 +344,7 @@ class RubberStage:
 
     def _show(self, fitted: Fitted) -> None:
         self._shown = fitted.asked
-        self._compare("")
+        self._compare()
         self._notes.show(fitted.warnings)
         for key, picture in self._pictures.items():
             picture.show(fitted.figures.get(key))

@@ -29,6 +29,7 @@ class Session:
     scenes: dict[str, dict[str, Any]] = field(default_factory=dict)
     done: dict[str, Done] = field(default_factory=dict)  # by stage
     rubber: dict[str, Any] = field(default_factory=dict)  # what is asked of a fit
+    question: str = ""  # what a fit needs to know, "" where it needs nothing
     # by the name of the material's file
     fits: dict[str, Any] = field(default_factory=dict)
     # material's file to the command that makes it
@@ -44,6 +45,14 @@ class Session:
         longest.
         """
         self.used = time.monotonic()
+
+    def unfitted(self) -> list[str]:
+        """The dropped measurements, where no rubber has been fitted to them as they are
+        filled in.
+        """
+        latest = next(reversed(self.fits.values()), None)
+        done = latest is not None and latest.asked == self.rubber
+        return [] if done else self.rubber.get("data", [])
 
     def shown_by(self, client: Any) -> None:
         """Stays as long as NiceGUI keeps this client: until a minute after its
