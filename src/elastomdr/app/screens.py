@@ -59,6 +59,7 @@ _ROLLING = (
     "[layer] thickness",
     "[layer] bonded",
     "[structure] stiffness",
+    "[conveyor] shares",
 )
 _RING = (
     "temperature",
@@ -238,6 +239,7 @@ _PRESETS: dict[str, tuple[dict[str, Any], str]] = {
             "contact": {"velocity": {"from": "0.5 m/s", "to": "5 m/s", "points": 10}},
             "conveyor": {
                 "spacing": "1.2 m",
+                "shares": [0.2, 0.6, 0.2],
                 "belt": "28 kg/m",
                 "goods": "120 kg/m",
                 "return_spacing": "3 m",
