@@ -12,22 +12,24 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, NoReturn
 
-from .checks import is_traced, only_one
+from .checks import is_traced
 from .errors import InputError, closest
 from .units.arguments import constructor_in_si
 
 if TYPE_CHECKING:
-    from ._types import ArrayLike, Number, Store
+    from ._types import ArrayLike, Number
     from .arrays import Array
-    from .call.types import Indenter, Materials, Surface
+    from .call.types import Surface
     from .element.law import Foundation, TabulatedFoundation
     from .results.curve import FrictionCurve
     from .rough.adhesion import AdhesiveShear
     from .rough.local_modulus import Local
     from .rough.multiscale import Waves
     from .rough.periodic_plan import RoughPlan
+    from .rough.problem import RoughCall
     from .rough.psd_integrals import Nodes, Tables
     from .rough.surface import SurfacePlan
+    from .smooth.problem import SmoothCall
     from .surface.spectrum import AbstractSpectrum
 
 _MOST_LINES = 1000  # of an ensemble
@@ -47,7 +49,7 @@ class Model:
     corrected: bool = False
 
     def smooth_friction(
-        self, material: Materials, shape: Indenter, **scene: Any
+        self, call: SmoothCall, adhesion: AdhesiveShear | None
     ) -> FrictionCurve:
         """`em.friction` of a smooth body with a model that is not solved on a line."""
         self._refuse("em.Averaged(), em.Line() or em.HalfSpace() for a smooth body")
@@ -71,18 +73,12 @@ class Model:
         """
         return None
 
-    def rough_friction(
-        self, material: Materials, surface: Surface, **scene: Any
-    ) -> FrictionCurve:
-        """`em.friction` of a rough line or surface; `scene` holds its other
-        arguments.
-        """
+    def rough_friction(self, call: RoughCall) -> FrictionCurve:
+        """`em.friction` of a rough line or surface."""
         self._refuse("one of friction")
 
-    def rough_plan(
-        self, material: Materials, surface: Surface, **scene: Any
-    ) -> RoughPlan | SurfacePlan:
-        """`em.plan` of a rough line or surface; `scene` holds its other arguments."""
+    def rough_plan(self, call: RoughCall) -> RoughPlan | SurfacePlan:
+        """`em.plan` of a rough line or surface."""
         self._refuse("one of friction")
 
     def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
@@ -228,39 +224,15 @@ class SurfaceModel(Model, ABC):
         """
         self._refuse("one with `waves` and `contact`, as `heats_by_scale` promises")
 
-    def rough_friction(
-        self,
-        material: Materials,
-        surface: Surface,
-        *,
-        load: ArrayLike | None,
-        depth: ArrayLike | None,
-        skip: bool,
-        store: Store | None,
-        **scene: Any,
-    ) -> FrictionCurve:
+    def rough_friction(self, call: RoughCall) -> FrictionCurve:
         from .rough.surface import surface_friction
 
-        only_one(pressure=scene["pressure"], load=load, depth=depth)
-        spectrum: Any = surface  # a line of heights has been refused
-        return surface_friction(material, spectrum, self, **scene)
+        return surface_friction(call, self)
 
-    def rough_plan(
-        self,
-        material: Materials,
-        surface: Surface,
-        *,
-        load: ArrayLike | None,
-        depth: ArrayLike | None,
-        skip: bool,
-        adhesion: AdhesiveShear | None,
-        **scene: Any,
-    ) -> RoughPlan | SurfacePlan:
+    def rough_plan(self, call: RoughCall) -> RoughPlan | SurfacePlan:
         from .rough.surface import surface_plan
 
-        only_one(pressure=scene["pressure"], load=load, depth=depth)
-        spectrum: Any = surface  # a line of heights has been refused
-        return surface_plan(material, spectrum, self, **scene)
+        return surface_plan(call, self)
 
 
 class _ClosedIntegrals(SurfaceModel):
@@ -406,34 +378,17 @@ class Line(Model):
         _flag("average", self.average)
         seeds_of(self.seeds)
 
-    def rough_friction(
-        self,
-        material: Materials,
-        surface: Surface,
-        *,
-        adhesion: AdhesiveShear | None,
-        strain_share: Number,
-        direction: ArrayLike | None,
-        **scene: Any,
-    ) -> FrictionCurve:
+    def rough_friction(self, call: RoughCall) -> FrictionCurve:
         from .rough.line import rough_friction
 
-        self._refuse_direction(direction)
-        return rough_friction(material, surface, model=self, **scene)
+        self._refuse_direction(call.asked.direction)
+        return rough_friction(call, self)
 
-    def rough_plan(
-        self,
-        material: Materials,
-        surface: Surface,
-        *,
-        adhesion: AdhesiveShear | None,
-        direction: ArrayLike | None,
-        **scene: Any,
-    ) -> RoughPlan | SurfacePlan:
+    def rough_plan(self, call: RoughCall) -> RoughPlan | SurfacePlan:
         from .rough.line import rough_plan
 
-        self._refuse_direction(direction)
-        return rough_plan(material, surface, model=self, **scene)
+        self._refuse_direction(call.asked.direction)
+        return rough_plan(call, self)
 
     def _refuse_direction(self, direction: ArrayLike | None) -> None:
         if direction is not None:
@@ -591,11 +546,11 @@ class HalfSpace(SurfaceModel):
             whole_number("periods", self.periods, 1)
 
     def smooth_friction(
-        self, material: Materials, shape: Indenter, **scene: Any
+        self, call: SmoothCall, adhesion: AdhesiveShear | None
     ) -> FrictionCurve:
         from .reference.half_space import friction_on_cells
 
-        return friction_on_cells(material, shape, self.cells or _CELLS, **scene)
+        return friction_on_cells(call, adhesion, self.cells or _CELLS)
 
     def smooth_plan(self) -> str:
         from .reference.half_space import grid_words

@@ -54,14 +54,6 @@ DEFENDED = {
     "calibrate(scene)",  # any other argument of the verb
     "sweep(fixed)",
     # the arguments of the verb that asks the model
-    "HalfSpace.smooth_friction(scene)",
-    "Line.rough_friction(scene)",
-    "Line.rough_plan(scene)",
-    "Model.rough_friction(scene)",
-    "Model.rough_plan(scene)",
-    "Model.smooth_friction(scene)",
-    "SurfaceModel.rough_friction(scene)",
-    "SurfaceModel.rough_plan(scene)",
 }
 
 

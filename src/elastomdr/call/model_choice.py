@@ -8,6 +8,7 @@ from ..errors import InputError, ModelWarning, warn
 from ..models import Averaged, HalfSpace, Line, Model, Multiscale, as_model
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
+from .problem import Asked
 
 # options of em.Line that smooth bodies do not have
 _OF_SURFACES = "equivalent_length", "seeds", "samples", "periods"
@@ -98,21 +99,15 @@ def of_rough(model: Any, surface: Any, pressure: Any) -> Model:
     return model
 
 
-def hint_at_line(model: Any, surface: Any, **given: Any) -> None:
+def hint_at_line(model: Any, surface: Any, asked: Asked) -> None:
     """Warns where a load or depth makes the line the model of a surface that could be
     computed under a pressure.
-
-    `given` are pressure, load and depth.
     """
-    if (
-        model is not None
-        or isinstance(surface, RoughLine)
-        or given["pressure"] is not None
-    ):
+    if model is not None or isinstance(surface, RoughLine):
         return
-    name = next((name for name, value in given.items() if value is not None), None)
-    if name is None:
+    if asked.pressure is not None or (asked.load is None and asked.depth is None):
         return
+    name = "depth" if asked.load is None else "load"
     unit = (
         "a force per length of line [N/m]" if name == "load" else "the depth of a line"
     )

@@ -4,7 +4,8 @@ surfaces and the references.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import dataclasses
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -24,12 +25,29 @@ from ..material.validity import material_in_words
 from ..results.words import brief
 from ..surface.shapes import Paraboloid, Sphere
 
+if TYPE_CHECKING:
+    from .._types import ArrayLike
+
 # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _FASTEST = 1e60
 _TURN = 2 * np.pi * (1 + 1e-9)
 _UNITS = {"depth": "m", "pressure": "Pa"}
 
 _LARGEST = 2.0  # radius of a ball above which a hint is given [m]
+
+
+@dataclasses.dataclass(frozen=True)
+class Asked:
+    """The points of a steady call as its caller gives them: one of load, depth and
+    pressure, all to be broadcast.
+    """
+
+    velocity: ArrayLike  # [m/s]
+    load: ArrayLike | None = None  # [N], on a line per length [N/m]
+    depth: ArrayLike | None = None  # [m]
+    pressure: ArrayLike | None = None  # nominal, of a surface [Pa]
+    temperature: ArrayLike | None = None  # [K]
+    direction: ArrayLike | None = None  # of sliding, to the lay of a surface [rad]
 
 
 class Scene(NamedTuple):
@@ -76,19 +94,19 @@ class Scene(NamedTuple):
 def steady_scene(
     foundation: Any,
     body: Any,
-    *,
-    velocity: Any,
-    temperature: Any,
-    direction: Any = None,
-    **given: Any,
+    asked: Asked,
+    *one_of: Literal["load", "depth", "pressure"],
 ) -> Scene:
-    """Checks and broadcasts; `given` are load, depth and pressure, of which one is not
-    None. Raises `InputError`.
+    """Checks and broadcasts; `one_of` names what may be given, load or depth by
+    default. Raises `InputError`.
 
     The points are traced if `foundation` or `body`, on which they are solved, are.
     """
+    given = {name: getattr(asked, name) for name in one_of or ("load", "depth")}
     name = only_one(**given)
-    velocity, value = as_float64("velocity", velocity), as_float64(name, given[name])
+    velocity = as_float64("velocity", asked.velocity)
+    value = as_float64(name, given[name])
+    temperature, direction = asked.temperature, asked.direction
     positive("velocity", velocity)
     positive(name, value)
     temperature = (
@@ -117,14 +135,18 @@ def steady_scene(
 
 
 def rough_scene(
-    foundation: Any, surface: Any, *, rtol: Any, temperature: Any, **given: Any
+    foundation: Any,
+    surface: Any,
+    rtol: Any,
+    asked: Asked,
+    *one_of: Literal["load", "depth", "pressure"],
 ) -> Scene:
     """The scene of a rough line or surface, which has conditions of its own. Raises
     `InputError`.
     """
     check_carries(foundation)
     check_rtol(rtol)
-    return steady_scene(foundation, surface, temperature=temperature, **given)
+    return steady_scene(foundation, surface, asked, *one_of)
 
 
 def check_rtol(rtol: Any, least: str = "1e-10", most: str = "1e-1") -> float:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..checks import numpy_unless_traced, positive, scalar, warn_unless
+from ..call.problem import Asked
+from ..checks import as_float64, numpy_unless_traced, positive, scalar, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
@@ -84,12 +85,10 @@ def half_plane_sliding(
     Source: the problem is that of Hunter 1961, there for one relaxation time.
     """
     foundation, cylinder_radius = _checked(material, radius)
+    load = as_float64("load_per_length", load_per_length)
+    positive("load_per_length", load)
     scene = points_of(
-        foundation,
-        velocity=velocity,
-        load_per_length=load_per_length,
-        temperature=temperature,
-        points=points,
+        foundation, Asked(velocity, load, temperature=temperature), points
     )
     steady, law = scene.steady, foundation.law()
     chain = to_kelvin(law)

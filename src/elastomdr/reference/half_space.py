@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..call.problem import Asked
 from ..checks import as_float64, numpy_unless_traced, positive, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer, layer_deficit
@@ -31,10 +32,10 @@ from ..material.relaxation import KelvinChain, Relaxation, scaled, to_kelvin
 from ..numerics.quadrature import gauss_on_panels
 from ..results.curve import Contact, FrictionCurve, HalfSpaceCurve
 from ..results.words import brief, describe
-from ..rough.adhesion import on_cells
+from ..rough.adhesion import AdhesiveShear, on_cells
 from ..rough.half_space import EXACT, area_of, settle, solve
 from ..smooth.passage import estimate_sizes
-from ..smooth.problem import no_pressure
+from ..smooth.problem import SmoothCall, no_pressure
 from ..smooth.softening import LINEAR
 from ..surface.lines import SingleLine
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
@@ -177,6 +178,7 @@ def half_space_sliding(
     times the relaxed one.
     """
     foundation = as_foundation(material)
+    asked = Asked(velocity, load, depth, temperature=temperature)
     if foundation.per_area:
         raise InputError(
             "material must be a half-space, got independent springs, for which "
@@ -188,29 +190,16 @@ def half_space_sliding(
                 "depth has no meaning in a periodic cell, give load; got "
                 f"depth={depth}."
             )
-        return slide_periodic(
-            foundation,
-            shape,
-            cell=cell,
-            velocity=velocity,
-            load=load,
-            temperature=temperature,
-            points=points,
-        )
-    return slide(
-        foundation, shape, velocity, load, depth, temperature, points, None, _MODEL
-    )
+        return slide_periodic(foundation, shape, cell, asked, points)
+    return slide(foundation, shape, asked, points, None, _MODEL)
 
 
 def slide(
     foundation: Foundation,
     shape: Any,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
+    asked: Asked,
     points: int,
-    cover: Any,
+    cover: Cover | None,
     model: str,
 ) -> FrictionCurve:
     """One isolated body; `cover` is None on a half-space, or what a layer changes
@@ -222,14 +211,7 @@ def slide(
             "em.Sphere, em.Cone, em.PowerLaw, em.Profile), or a map of heights with "
             f"its cell, got {shape!r}."
         )
-    scene = points_of(
-        foundation,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        temperature=temperature,
-        points=points,
-    )
+    scene = points_of(foundation, asked, points)
     law, steady = foundation.law(), scene.steady
     contacts, errors = zip(
         *(_point(shape, law, scene, cover, i) for i in range(scene.velocity.size)),
@@ -452,21 +434,12 @@ def _edges(touching: np.ndarray, x: np.ndarray, h: float) -> Float[np.ndarray, "
 
 
 def slide_periodic(
-    foundation: Foundation,
-    shape: Any,
-    *,
-    cell: Any,
-    velocity: Any,
-    load: Any,
-    temperature: Any,
-    points: int,
+    foundation: Foundation, shape: Any, cell: Any, asked: Asked, points: int
 ) -> HalfSpaceCurve:
     """`half_space_sliding` of a map or an array of bodies on a periodic cell."""
     sides = _sides(cell)
     heights, name = _heights(shape, sides, points)
-    scene = points_of(
-        foundation, velocity=velocity, load=load, temperature=temperature, points=points
-    )
+    scene = points_of(foundation, asked, points)
     steady, area = scene.steady, float(np.prod(sides))
     law = foundation.law()
 
@@ -597,34 +570,29 @@ def layer_sliding(
     a constant Poisson's ratio. The body is alone on an infinite layer. Raises
     `InputError` as well for a constant bulk modulus, and for two covers.
     """
-    return slide(
-        foundation_of(material),
-        shape,
-        velocity,
-        load,
-        depth,
-        temperature,
-        points,
-        cover_of(material),
-        _LAYER_MODEL,
-    )
+    asked = Asked(velocity, load, depth, temperature=temperature)
+    foundation, cover = foundation_of(material), cover_of(material)
+    return slide(foundation, shape, asked, points, cover, _LAYER_MODEL)
 
 
 def friction_on_cells(
-    material: Any,
-    shape: Any,
-    cells: int,
-    *,
-    pressure: Any,
-    adhesion: Any,
-    **scene: Any,
-) -> Any:
+    call: SmoothCall, adhesion: AdhesiveShear | None, cells: int
+) -> FrictionCurve:
     """`em.friction` of a smooth body on a half-space or a layer with `em.HalfSpace`.
     Raises `InputError`.
     """
-    no_pressure(shape, pressure)
+    material, asked = call.material, call.asked
+    no_pressure(call.shape, asked.pressure)
     solver: Any = layer_sliding if isinstance(material, Layer) else half_space_sliding
-    curve = solver(material, shape, points=cells, **scene)
+    curve = solver(
+        material,
+        call.shape,
+        velocity=asked.velocity,
+        load=asked.load,
+        depth=asked.depth,
+        temperature=asked.temperature,
+        points=cells,
+    )
     if getattr(material, "softening", None) is not None:
         curve = dataclasses.replace(curve, model=curve.model + LINEAR)
     return curve if adhesion is None else on_cells(curve, adhesion)

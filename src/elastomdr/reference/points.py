@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..call.problem import Scene, steady_scene
+from ..call.problem import Asked, Scene, steady_scene
 from ..checks import as_float64, broadcast_shape, in_kelvin, positive
 from ..element.law import Foundation
 from ..errors import InputError
@@ -45,17 +45,8 @@ class Points(NamedTuple):
         return np.where(good, numbers, np.nan).reshape(self.steady.shape)
 
 
-def points_of(
-    foundation: Foundation,
-    *,
-    velocity: Any,
-    temperature: Any,
-    points: Any,
-    **given: Any,
-) -> Points:
-    """Checks and flattens; `given` are load and depth by their names in the call.
-    Raises `InputError`.
-    """
+def points_of(foundation: Foundation, asked: Asked, points: Any) -> Points:
+    """Checks and flattens. Raises `InputError`."""
     if (
         isinstance(points, bool)
         or not isinstance(points, (int, np.integer))
@@ -65,9 +56,7 @@ def points_of(
         raise InputError(
             f"points must be an even whole number from 16 to 4096, got {points!r}."
         )
-    steady = steady_scene(
-        foundation, None, velocity=velocity, temperature=temperature, **given
-    )
+    steady = steady_scene(foundation, None, asked)
     if steady.traced:
         raise InputError(
             "material, velocity and load must be plain numbers: the reference is "

@@ -24,6 +24,7 @@ import numpy as np
 
 from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import in_float64, is_traced, warn_unless
 from ..element.law import Foundation, as_foundation
@@ -39,6 +40,7 @@ from .line import ensemble_words, surface_words
 from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
 from .periodic import rises, solve_states
+from .problem import RoughCall
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -110,17 +112,8 @@ def friction_spectrum(
     foundation = as_foundation(material)
     _check(foundation, surface, per_decade, velocity, load, pressure, temperature)
     model = of_line(model, "friction_spectrum")
-    scene = set_up(
-        foundation,
-        surface,
-        velocity=velocity,
-        load=load,
-        depth=None,
-        pressure=pressure,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-    )
+    asked = Asked(velocity, load, None, pressure, temperature)
+    scene = set_up(RoughCall(foundation, surface, asked, rtol), model)
     edges = _edges(surface, scene.lines[0], int(per_decade))
     mu, error, good = _by_bands(scene, model.average, float(rtol), edges)
     warn_unless(good, "points")

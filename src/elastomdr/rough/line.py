@@ -3,7 +3,6 @@ average, heating; and its plan.
 """
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +32,7 @@ from .line_derivatives import traced_mean_of_lines
 from .line_problem import RoughScene, factor, load_level, missed, set_up
 from .periodic import Job, Line, solve_lines
 from .periodic_plan import RoughPlan, plan_lines
+from .problem import RoughCall
 from .surface import SOFTENING_LEFT_OUT, excited_beyond
 
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
@@ -50,20 +50,12 @@ _FLASH = (
 class _Solver:
     """Solves points on the lines of a scene, and tells `progress` how far it is."""
 
-    def __init__(
-        self,
-        scene: RoughScene,
-        surface: Any,
-        model: LineModel,
-        rtol: float,
-        skip: bool,
-        heated: bool,
-        progress: Callable[[int, int], None] | None,
-        store: Any,
-    ):
-        self.scene, self.surface, self.model = scene, surface, model
-        self.law, self.rtol, self.skip = scene.at.foundation.law(), rtol, skip
-        self.heated, self.progress, self.store = heated, progress, store
+    def __init__(self, scene: RoughScene, call: RoughCall, model: LineModel):
+        self.scene, self.surface, self.model = scene, call.surface, model
+        self.law = scene.at.foundation.law()
+        self.rtol, self.skip = float(call.rtol), bool(call.skip)
+        self.heated, self.progress = call.heat is not None, call.progress
+        self.store = call.store
         self.asked = self.finished = 0  # line solutions
         self.largest = scene.lines[0].count  # samples of a line so far
         self.first = 0 if scene.at.traced else len(scene.lines) * self._solutions()
@@ -90,6 +82,7 @@ class _Solver:
     def warm(self, heat: Heat, cold: Mean) -> Warm:
         """The points of the scene, at the temperatures that their friction makes."""
         points, length = self.scene.at, self.scene.length
+        assert isinstance(self.surface, AbstractSpectrum)  # `set_up` refuses others
 
         def at_pressure(
             reduced: np.ndarray, pressure: np.ndarray, coarse: bool
@@ -185,30 +178,11 @@ class _Answer(NamedTuple):
 
 
 @in_float64
-def rough_friction(
-    material: Any,
-    surface: RoughLine | AbstractSpectrum,
-    *,
-    model: LineModel,
-    rtol: Any,
-    skip: bool,
-    heat: Heat | None,
-    progress: Callable[[int, int], None] | None,
-    store: Any,
-    **arguments: Any,
-) -> FrictionCurve:
+def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     """`em.friction` of a rough line or surface on lines; see there."""
-    scene = set_up(material, surface, model=model, rtol=rtol, heat=heat, **arguments)
-    solver = _Solver(
-        scene,
-        surface,
-        model,
-        float(rtol),
-        bool(skip),
-        heat is not None,
-        progress,
-        store,
-    )
+    surface, heat = call.surface, call.heat
+    scene = set_up(call, model)
+    solver = _Solver(scene, call, model)
     cold = solver.cold()
     answer = _judged(scene, cold, None if heat is None else solver.warm(heat, cold))
     points, foundation = scene.at, scene.at.foundation
@@ -230,7 +204,7 @@ def rough_friction(
     return dataclasses.replace(
         curve,
         model=_model(scene, model.average, heat),
-        plan=_plan(scene, surface, model.average, rtol, skip, heat),
+        plan=_plan(scene, call, model),
         inputs=(*inputs, *beyond.said),
         extrapolated=beyond.points,
         outside=outside,
@@ -357,39 +331,21 @@ def _inputs(
 
 
 @in_float64
-def rough_plan(
-    material: Any,
-    surface: RoughLine | AbstractSpectrum,
-    *,
-    model: LineModel,
-    rtol: Any,
-    skip: bool,
-    heat: Heat | None,
-    **arguments: Any,
-) -> RoughPlan:
+def rough_plan(call: RoughCall, model: LineModel) -> RoughPlan:
     """`em.plan` of a rough line or surface on lines; see there."""
-    scene = set_up(material, surface, model=model, rtol=rtol, heat=heat, **arguments)
-    return _plan(scene, surface, model.average, rtol, skip, heat)
+    return _plan(set_up(call, model), call, model)
 
 
-def _plan(
-    scene: RoughScene,
-    surface: Any,
-    average: Any,
-    rtol: Any,
-    skip: Any,
-    heat: Heat | None,
-) -> RoughPlan:
-    points = scene.at
-    ask = Ask(
-        points.reduced.ravel(), scene.given, scene.control, float(rtol), bool(skip)
-    )
+def _plan(scene: RoughScene, call: RoughCall, model: LineModel) -> RoughPlan:
+    points, surface, average = scene.at, call.surface, model.average
+    rtol, skip = float(call.rtol), bool(call.skip)
+    ask = Ask(points.reduced.ravel(), scene.given, scene.control, rtol, skip)
     line, law = scene.lines[0], points.foundation.law()
     name = points.foundation.name or "a foundation given directly"
     solved_at = None if points.traced else lanes_of(ask, average)
     return plan_lines(
         scene=f"{surface.label if points.traced else surface_words(surface, line)} on {name}",
-        model=_model(scene, average, heat),
+        model=_model(scene, average, call.heat),
         line=None if points.traced else (np.asarray(line.height), float(line.spacing)),
         lines=len(scene.lines),
         samples=line.count,
@@ -397,11 +353,11 @@ def _plan(
         law=law,
         solved_at=solved_at,
         control=scene.control,
-        rtol=float(rtol),
+        rtol=rtol,
         averaged=average,
         solutions=None if points.traced else solutions(ask, average),
-        skip=bool(skip),
-        heated=heat is not None,
+        skip=skip,
+        heated=call.heat is not None,
         temperatures=0 if points.temperature is None else np.size(points.temperature),
     )
 

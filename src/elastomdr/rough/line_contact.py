@@ -9,6 +9,7 @@ import numpy as np
 
 from ..call.extrapolation import Beyond, excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import in_float64, is_traced, warn_unless
 from ..errors import InputError
@@ -22,6 +23,7 @@ from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
 from .periodic import Line as SolvedLine
 from .periodic import rises, solve_states
+from .problem import RoughCall
 from .results import LineContact
 
 if TYPE_CHECKING:
@@ -76,17 +78,9 @@ def line_contact(
     model = _checked(
         surface, model, (material, velocity, load, depth, pressure, temperature)
     )
-    scene = set_up(
-        material,
-        surface,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        pressure=pressure,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-    )
+    solid: Any = material  # `over_materials` has taken a list apart
+    asked = Asked(velocity, load, depth, pressure, temperature)
+    scene = set_up(RoughCall(solid, surface, asked, rtol), model)
     points = scene.at
     if points.reduced.size != 1:
         raise InputError(

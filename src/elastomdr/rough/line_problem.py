@@ -17,6 +17,7 @@ from ..surface.rough_line import RoughLine
 from ..surface.spectrum import MOST
 from .ensemble import ensemble
 from .heat import check_heat
+from .problem import RoughCall
 
 # p/(E*(0) rms slope) up to which the book's rule is one of light contact
 # (docs/rough.md)
@@ -61,33 +62,15 @@ class RoughScene(NamedTuple):
         )
 
 
-def set_up(
-    material: Any,
-    surface: Any,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    pressure: Any,
-    temperature: Any,
-    model: Line,
-    rtol: Any,
-    heat: Any = None,
-) -> RoughScene:
+def set_up(call: RoughCall, model: Line) -> RoughScene:
     """Checks the arguments and makes the lines. Raises `InputError`."""
-    foundation = as_foundation(material)
+    surface, asked, heat = call.surface, call.asked, call.heat
+    foundation = as_foundation(call.material)
     points = rough_scene(
-        foundation,
-        surface,
-        velocity=velocity,
-        pressure=pressure,
-        load=load,
-        depth=depth,
-        temperature=temperature,
-        rtol=rtol,
+        foundation, surface, call.rtol, asked, "pressure", "load", "depth"
     )
-    check_heat(heat, temperature, points.traced)
-    if heat is not None and (isinstance(surface, RoughLine) or pressure is None):
+    check_heat(heat, asked.temperature, points.traced)
+    if heat is not None and (isinstance(surface, RoughLine) or asked.pressure is None):
         raise InputError(
             "heat needs a surface given by its spectrum, and a pressure: a line has "
             "no contact area that is that of a surface, on which the flash "

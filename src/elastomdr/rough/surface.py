@@ -12,8 +12,16 @@ import numpy as np
 from ..arrays import fixed, namespace
 from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from ..call.problem import Scene, rough_scene
-from ..checks import is_traced, known, nan_unless, require, scalar, warn_unless
-from ..element.law import surface_foundation
+from ..checks import (
+    is_traced,
+    known,
+    nan_unless,
+    only_one,
+    require,
+    scalar,
+    warn_unless,
+)
+from ..element.law import Foundation, TabulatedFoundation, surface_foundation
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
@@ -28,6 +36,7 @@ from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
 from .heat import HIGHEST, Heat, check_heat, highest_rise
 from .local_modulus import Local, Softened
+from .problem import RoughCall
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-4  # share of real contact below which it probably is
@@ -137,29 +146,14 @@ class _Turned(NamedTuple):
     rows: list[tuple[str, str]]
 
 
-def surface_friction(
-    material: Any,
-    surface: AbstractSpectrum,
-    model: SurfaceModel,
-    *,
-    velocity: Any,
-    pressure: Any,
-    temperature: Any,
-    rtol: Any,
-    heat: Heat | None,
-    adhesion: AdhesiveShear | None,
-    strain_share: Any,
-    direction: Any,
-    progress: Callable[[int, int], None] | None,
-) -> FrictionCurve:
+def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     """`em.friction` of a surface that is given by its spectrum, under a pressure; see
     there.
     """
-    foundation, scene = _set_up(
-        material, surface, model, velocity, pressure, temperature, rtol, heat, direction
-    )
-    check_adhesion(adhesion, temperature)
-    strain_share = _checked_share(strain_share)
+    foundation, surface, scene = _set_up(call, model)
+    heat, adhesion, rtol = call.heat, call.adhesion, call.rtol
+    check_adhesion(adhesion, call.asked.temperature)
+    strain_share = _checked_share(call.strain_share)
     scene = scene._replace(
         traced=scene.traced or is_traced(heat, adhesion, strain_share)
     )
@@ -167,7 +161,7 @@ def surface_friction(
     if foundation.softening is not None and model.softens:
         softened = Softened(foundation.softening, surface, strain_share)
     solved = partial(
-        model.solve, foundation, surface, rtol=float(rtol), progress=progress
+        model.solve, foundation, surface, rtol=float(rtol), progress=call.progress
     )
     local = Local(softened, directed=_directed(scene, surface, model))
     answer = _solved(scene, surface, model, heat, adhesion, local, solved)
@@ -768,23 +762,10 @@ def _strained_beyond(
     )
 
 
-def surface_plan(
-    material: Any,
-    surface: AbstractSpectrum,
-    model: SurfaceModel,
-    *,
-    velocity: Any,
-    pressure: Any,
-    temperature: Any,
-    rtol: Any,
-    heat: Heat | None,
-    direction: Any,
-) -> SurfacePlan:
+def surface_plan(call: RoughCall, model: SurfaceModel) -> SurfacePlan:
     """`em.plan` of a surface under a pressure; see there."""
-    scene = _set_up(
-        material, surface, model, velocity, pressure, temperature, rtol, heat, direction
-    )
-    return _plan(*scene, surface, model, heat, _label(surface))
+    foundation, surface, scene = _set_up(call, model)
+    return _plan(foundation, scene, surface, model, call.heat, _label(surface))
 
 
 def _label(surface: AbstractSpectrum) -> str:
@@ -819,35 +800,22 @@ def _hot(model: SurfaceModel, heat: Heat | None) -> str:
 
 
 def _set_up(
-    material: Any,
-    surface: Any,
-    model: SurfaceModel,
-    velocity: Any,
-    pressure: Any,
-    temperature: Any,
-    rtol: Any,
-    heat: Any,
-    direction: Any,
-) -> tuple[Any, Scene]:
-    """The foundation and its points, checked. Raises `InputError`."""
-    foundation = surface_foundation(material)
-    scene = rough_scene(
-        foundation,
-        surface,
-        velocity=velocity,
-        pressure=pressure,
-        temperature=temperature,
-        rtol=rtol,
-        direction=direction,
-    )
-    if direction is not None and not model.takes_direction:
+    call: RoughCall, model: SurfaceModel
+) -> tuple[Foundation | TabulatedFoundation, AbstractSpectrum, Scene]:
+    """The foundation, the surface and the points, checked. Raises `InputError`."""
+    surface, asked, heat = call.surface, call.asked, call.heat
+    assert isinstance(surface, AbstractSpectrum)  # a line of heights has been refused
+    only_one(pressure=asked.pressure, load=asked.load, depth=asked.depth)
+    foundation = surface_foundation(call.material)
+    scene = rough_scene(foundation, surface, call.rtol, asked, "pressure")
+    if asked.direction is not None and not model.takes_direction:
         raise InputError(
             "direction needs em.Multiscale(), em.Persson() or em.HalfSpace(), got "
             f"{model!r}."
         )
     check_heat(
         heat,
-        temperature,
+        asked.temperature,
         scene.traced or is_traced(heat),
         model.heats_by_scale,
     )
@@ -859,7 +827,7 @@ def _set_up(
             "factor"
         )
         require("velocity", scene.reduced, accepted, lambda v: (v > low) & (v < high))
-    return foundation, scene
+    return foundation, surface, scene
 
 
 def _doubt_unit(hysteresis: SurfaceFriction, pressure: np.ndarray) -> None:

@@ -26,6 +26,7 @@ from scipy.interpolate import CubicSpline
 
 from ..arrays import numpy_unless_traced, one_thread
 from ..call.extrapolation import held_beyond, steady_beyond, told
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -46,6 +47,7 @@ from ..numerics.interpolation import halving_limit
 from ..results.base import Array, Result, part, quantity, record
 from ..results.words import brief, describe, in_unit, span
 from ..rough.adhesion import AdhesiveShear
+from ..smooth.problem import SmoothCall
 from ..surface.shapes import Cylinder
 from ..surface.spectrum import AbstractSpectrum, as_spectrum
 from ..trees import replaced
@@ -564,17 +566,12 @@ def _dry_edges(scene: _Scene, points: Array, held: float | None) -> tuple[Array,
         material, velocity, temperature = _at_rest(material, held), 1.0, None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
+        load = scene.load[points] / (
+            scene.vertical[points] if temperature is None else 1
+        )
+        asked = Asked(velocity, load, temperature=temperature)
         dry_contact = cylinder_on_layer(
-            "friction",
-            material,
-            scene.shape,
-            velocity=velocity,
-            load=scene.load[points]
-            / (scene.vertical[points] if temperature is None else 1),
-            depth=None,
-            temperature=temperature,
-            model=None,
-            rtol=1e-4,
+            SmoothCall("friction", material, scene.shape, asked, rtol=1e-4)
         ).steady
     return np.asarray(dry_contact.contact.leading), np.asarray(
         dry_contact.contact.trailing

@@ -34,7 +34,7 @@ from .layer_line import (
     line_between,
     slide_on_layer,
 )
-from .problem import OnLayer, Solved, packed, too_deep
+from .problem import OnLayer, SmoothCall, Solved, packed, too_deep
 from .softening import LINEAR
 
 AVERAGED = (
@@ -128,28 +128,15 @@ class _Mean(NamedTuple):
 
 
 @one_thread()
-def ball_on_layer(
-    quantity: str,
-    material: Layer,
-    shape: AbstractShape,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-    solved: bool = True,
-) -> OnLayer:
+def ball_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
+    material, shape, rtol = call.material, call.shape, call.rtol
+    assert isinstance(material, Layer)  # or the call would not come here
     _check_shape(shape)
-    chosen = of_smooth(model, quantity, shape.label)
+    chosen = of_smooth(call.model, call.quantity, shape.label)
     check_rtol(rtol)
-    control = "load" if depth is None else "depth"
-    given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_scene(
-        material, shape, velocity=velocity, temperature=temperature, **given
-    )
+    points = steady_scene(material, shape, call.asked)
+    control = points.name
     thick = sum(cover.thickness for cover in material.covers)
     if control == "depth":
         _check_depth(points, thick)
@@ -161,7 +148,7 @@ def ball_on_layer(
     value = xp.asarray(points.at_reference())
     reduced = xp.asarray(points.reduced).reshape(-1)
     plan = LayerPlan(
-        quantity,
+        call.quantity,
         f"{describe(shape)} on {material.name or 'a layer'}",
         label,
         control,

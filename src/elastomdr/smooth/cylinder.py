@@ -41,7 +41,7 @@ from .cylinder_galerkin import (
     pull,
     solve_at,
 )
-from .problem import OnLayer, Solved, nearly, packed, too_deep
+from .problem import OnLayer, SmoothCall, Solved, nearly, packed, too_deep
 from .softening import LINEAR
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
@@ -131,28 +131,14 @@ class _Contacts(NamedTuple):
     good: Any
 
 
-def cylinder_on_layer(
-    quantity: str,
-    material: Any,
-    shape: Cylinder,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-    solved: bool = True,
-) -> OnLayer:
+def cylinder_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
-    body = _checked_body(material, shape, model, quantity, depth)
+    shape, rtol = _cylinder(call), call.rtol
+    body = _checked_body(call)
     check_rtol(rtol)
     layers = isinstance(body, Layer)
-    control = "load" if depth is None else "depth"
-    given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_scene(
-        body, shape, velocity=velocity, temperature=temperature, **given
-    )
+    points = steady_scene(body, shape, call.asked)
+    control = points.name
     if layers:
         _not_too_deep(body, control, points)
     name = describe(shape).replace(" on a layer", "")
@@ -165,7 +151,7 @@ def cylinder_on_layer(
     label = ON_LAYER if layers else ON_HALF_SPACE
     label += "" if getattr(body, "softening", None) is None else LINEAR
     plan = CylinderPlan(
-        quantity,
+        call.quantity,
         words,
         label,
         control,
@@ -223,13 +209,19 @@ def _solved(
     return contacts, sunk
 
 
-def _checked_body(
-    material: Any, shape: Cylinder, model: Any, quantity: str, depth: Any
-) -> Any:
+def _cylinder(call: SmoothCall) -> Cylinder:
+    """The body, which is known to be one where a call comes here."""
+    assert isinstance(call.shape, Cylinder)
+    return call.shape
+
+
+def _checked_body(call: SmoothCall) -> Any:
     """The layer, or the half-space by its law. Raises `InputError`."""
-    if not of_smooth(model, quantity, shape.label).on_line:
+    material, depth = call.material, call.asked.depth
+    if not of_smooth(call.model, call.quantity, call.shape.label).on_line:
         raise InputError(
-            f"model must be left out under a cylinder in plane strain, got {model!r}."
+            "model must be left out under a cylinder in plane strain, got "
+            f"{call.model!r}."
         )
     body = material if isinstance(material, Layer) else surface_foundation(material)
     if depth is not None and not isinstance(body, Layer):
@@ -656,34 +648,15 @@ def _separable(body: Any, given: Any) -> Any:
     return law
 
 
-def cylinder_losses(
-    material: Any,
-    shape: Cylinder,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-) -> tuple[OnLayer, Any, Any]:
+def cylinder_losses(call: SmoothCall) -> tuple[OnLayer, Any, Any]:
     """The rolling cylinder, the resistance [N/m] of each branch at each point, and the
     times of the branches [s].
 
     Raises `InputError` for what `losses` does not separate.
     """
-    body = material if isinstance(material, Layer) else surface_foundation(material)
-    law = _separable(body, (shape, velocity, load, depth, temperature))
-    rolled, points, solution = cylinder_pressure(
-        body,
-        shape,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-    )
+    body = _checked_body(call)
+    law = _separable(body, (call.shape, *vars(call.asked).values()))
+    rolled, points, solution = cylinder_pressure(call)
     (cover,), _ = _covers(body, np.asarray(points.reduced))
     speed, converged = (
         np.asarray(points.reduced).reshape(-1),
@@ -704,38 +677,16 @@ def cylinder_losses(
     )
 
 
-def cylinder_pressure(
-    material: Any,
-    shape: Cylinder,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-) -> tuple[OnLayer, Scene, Any]:
+def cylinder_pressure(call: SmoothCall) -> tuple[OnLayer, Scene, Solution]:
     """The rolling cylinder, its points, and the contact of each with the terms of its
     pressure; numbers.
     """
-    rolled = cylinder_on_layer(
-        "rolling",
-        material,
-        shape,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        temperature=temperature,
-        model=model,
-        # of the half-length, at which more terms are taken below, is known less than of mu
-        rtol=min(float(rtol), _LOSS_RTOL),
-    )
-    control = "load" if depth is None else "depth"
-    given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_scene(
-        material, shape, velocity=velocity, temperature=temperature, **given
-    )
-    covers, _ = _covers(material, np.asarray(points.reduced))
+    # of the half-length, at which more terms are taken below, is known less than of mu
+    rtol = min(float(call.rtol), _LOSS_RTOL)
+    rolled = cylinder_on_layer(dataclasses.replace(call, rtol=rtol))
+    body, shape = _checked_body(call), _cylinder(call)
+    points = steady_scene(body, shape, call.asked)
+    covers, _ = _covers(body, np.asarray(points.reduced))
     contact = rolled.steady.contact
     half = np.nan_to_num(0.5 * np.ravel(contact.leading + contact.trailing), nan=1e-3)
     flat = Cylinders(

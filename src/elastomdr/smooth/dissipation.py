@@ -4,11 +4,13 @@ heat.
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..arrays import xp
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import Array, is_traced, nan_unless, numpy_unless_traced, warn_unless
 from ..errors import InputError
@@ -20,7 +22,7 @@ from .cylinder import cylinder_losses
 from .on_layer import is_on_layer
 from .passage import Control, Losses, solve_losses
 from .plan import Plan
-from .problem import SmoothScene, set_up, solve
+from .problem import SmoothCall, SmoothScene, set_up, solve
 from .solve import batch_size
 
 if TYPE_CHECKING:
@@ -79,24 +81,12 @@ def dissipation(
 
     Source: derived in `docs/theory.md`, section 22.
     """
+    solid: Any = material  # `over_materials` has taken a list apart
+    asked = Asked(velocity, load, depth, temperature=temperature)
+    call = SmoothCall("dissipation", solid, shape, asked, model, rtol)
     if is_on_layer(material, shape):
-        return _on_layer(
-            material, shape, velocity, load, depth, temperature, model, rtol
-        )
-    scene = set_up(
-        "dissipation",
-        material,
-        shape,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        pressure=None,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-        skip=True,
-        softens=False,
-    )
+        return _on_layer(dataclasses.replace(call, quantity="rolling"))
+    scene = set_up(call, softens=False)
     _check_branches(scene.plan)
     return _shares(scene)
 
@@ -157,35 +147,18 @@ def _shares(scene: SmoothScene) -> Dissipation:
     )
 
 
-def _on_layer(
-    material: Any,
-    shape: Any,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-) -> Dissipation:
+def _on_layer(call: SmoothCall) -> Dissipation:
     """Of a cylinder on rubber of finite thickness, or on a half-space."""
+    shape, rtol = call.shape, call.rtol
     if not isinstance(shape, Cylinder):
         raise InputError(
             "shape must be an em.Cylinder for the losses of an em.layer by branch, "
             f"got {shape!r}: give a ball the "
             "material itself, a half-space."
         )
-    if (load is None) == (depth is None):
+    if (call.asked.load is None) == (call.asked.depth is None):
         raise InputError("load or depth must be given, and only one of them.")
-    rolled, each, times = cylinder_losses(
-        material,
-        shape,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-    )
+    rolled, each, times = cylinder_losses(call)
     steady = rolled.steady
     total = np.sum(each, axis=0)
     missing = np.abs(total * np.asarray(shape.length) / steady.friction_force - 1)

@@ -4,6 +4,7 @@ to.
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError
 from ..surface.shapes import AbstractShape, Cylinder
-from .problem import OnLayer, Steady, no_pressure
+from .problem import OnLayer, SmoothCall, Steady, no_pressure
 
 _ENOUGH = 1e-4  # relative error of the layer that springs are compared with
 
@@ -30,31 +31,19 @@ def is_on_layer(material: Any, shape: Any) -> bool:
     )
 
 
-def on_layer(
-    quantity: str,
-    material: Any,
-    shape: Any,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    pressure: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-    solved: bool = True,
-) -> OnLayer:
+def on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
     """The steady scene of a smooth body on a layer, or, with `solved=False`, its plan
     only.
 
     Raises `InputError` for whatever has no meaning.
     """
+    shape, load, depth = call.shape, call.asked.load, call.asked.depth
     if not isinstance(shape, AbstractShape):
         raise InputError(
             "shape must be an em.Sphere, em.Cone, em.Cylinder or the like on a "
             f"layer, got {shape!r}."
         )
-    no_pressure(shape, pressure)
+    no_pressure(shape, call.asked.pressure)
     if (load is None) == (depth is None):
         given = "neither" if load is None else f"load={load} and depth={depth}"
         raise InputError(
@@ -63,78 +52,52 @@ def on_layer(
     if isinstance(shape, Cylinder):
         from .cylinder import cylinder_on_layer
 
-        return cylinder_on_layer(
-            quantity,
-            material,
-            shape,
-            velocity=velocity,
-            load=load,
-            depth=depth,
-            temperature=temperature,
-            model=model,
-            rtol=rtol,
-            solved=solved,
-        )
+        return cylinder_on_layer(call, solved)
     from .ball_on_layer import ball_on_layer
 
-    return ball_on_layer(
-        quantity,
-        material,
-        shape,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-        solved=solved,
-    )
+    return ball_on_layer(call, solved)
 
 
-def beside_layer(
-    on_springs: Steady,
-    material: Any,
-    shape: Any,
-    *,
-    load: Any,
-    depth: Any,
-    temperature: Any,
-) -> Steady:
+def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:
     """The result on springs, with how far it is from that on the layer they stand for
     as its `model_error`.
 
     NaN under a transformation of JAX, and under bodies of revolution, whose layer takes
     ten times as long and more.
     """
+    material, asked = call.material, call.asked
     if not isinstance(material, Foundation) or material.slab is None:
         return on_springs
     apart = on_springs.mu * np.nan
     linear = on_springs.strain is None
     if (
         linear
-        and isinstance(shape, Cylinder)
+        and isinstance(call.shape, Cylinder)
         and not is_traced(
-            material, shape, on_springs.velocity, load, depth, temperature
+            material,
+            call.shape,
+            asked.velocity,
+            asked.load,
+            asked.depth,
+            asked.temperature,
         )
     ):
-        slab = material.slab
+        slab, depth = material.slab, asked.depth
+        deep = False if depth is None else np.asarray(depth) >= slab.thickness
+        if depth is not None:
+            depth = np.minimum(np.asarray(depth), 0.99 * slab.thickness)
         from .cylinder import cylinder_on_layer
 
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             exact, *_ = cylinder_on_layer(
-                "rolling",
-                Layer(slab.material, slab.thickness, bonded=slab.bonded),
-                shape,
-                velocity=on_springs.velocity,
-                load=load,
-                depth=None
-                if depth is None
-                else np.minimum(depth, 0.99 * slab.thickness),
-                temperature=temperature,
-                model=None,
-                rtol=_ENOUGH,
+                SmoothCall(
+                    "rolling",
+                    Layer(slab.material, slab.thickness, bonded=slab.bonded),
+                    call.shape,
+                    dataclasses.replace(asked, depth=depth),
+                    rtol=_ENOUGH,
+                )
             )
-        deep = False if depth is None else np.asarray(depth) >= slab.thickness
         apart = np.where(deep, np.nan, np.abs(on_springs.mu - exact.mu) + exact.error)
     return on_springs._replace(model_error=apart)

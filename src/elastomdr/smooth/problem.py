@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from ..arrays import compiled, xp
 from ..call.extrapolation import steady_beyond
 from ..call.model_choice import of_smooth
-from ..call.problem import Scene, check_rtol, hint_at_metres, steady_scene
+from ..call.problem import Asked, Scene, check_rtol, hint_at_metres, steady_scene
 from ..checks import Array, is_traced, nan_unless, require, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
@@ -28,6 +29,8 @@ from .solve import Sweep, run
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
+    from ..call.types import Indenter, Material, ModelLike
+
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 CORRECTED = (
     "MDR line averaged over directions, corrected for an asymmetric contact (estimate "
@@ -38,6 +41,19 @@ BARE = (
     "of 2)"
 )
 LAYER = "independent springs (textbook, not the layer itself)"
+
+
+@dataclasses.dataclass(frozen=True)
+class SmoothCall:
+    """A smooth body in steady motion, as a verb was asked for it."""
+
+    quantity: str  # "friction", "rolling", ...
+    material: Material
+    shape: Indenter
+    asked: Asked
+    model: ModelLike | None = None
+    rtol: float = 1e-6
+    skip: bool = True
 
 
 class SmoothScene(NamedTuple):
@@ -134,40 +150,20 @@ def packed(
     )
 
 
-def set_up(
-    quantity: str,
-    material: Any,
-    shape: Any,
-    *,
-    velocity: Any,
-    load: Any,
-    depth: Any,
-    pressure: Any,
-    temperature: Any,
-    model: Any,
-    rtol: float,
-    skip: bool,
-    softens: bool = True,
-) -> SmoothScene:
+def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     """Checks the arguments and plans the scene; without `softens` the moduli are those
     of small strain.
 
     Raises `InputError` for whatever has no meaning.
     """
-    lines, foundation = contact(material, shape)
+    shape, rtol = call.shape, call.rtol
+    lines, foundation = contact(call.material, shape)
     small = not softens and foundation.softening is not None
     foundation = replaced(foundation, softening=None) if small else foundation
-    no_pressure(shape, pressure)
-    chosen = _of_line(model, quantity, shape)
+    no_pressure(shape, call.asked.pressure)
+    chosen = _of_line(call.model, call.quantity, shape)
     check_rtol(rtol)
-    points = steady_scene(
-        foundation,
-        lines,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        temperature=temperature,
-    )
+    points = steady_scene(foundation, lines, call.asked)
     control: Control = "load" if points.name == "load" else "depth"
     law, temperatures, vertical = (
         foundation.law(),
@@ -188,7 +184,7 @@ def set_up(
     spread = None if points.traced else _softened_too(foundation, control, value)
     passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
     plan = make_plan(
-        quantity,
+        call.quantity,
         name,
         words,
         law,
@@ -201,7 +197,7 @@ def set_up(
         averaged,
         corrected,
         float(rtol),
-        skip,
+        call.skip,
         foundation.range,
     )
     inputs = [*points.inputs(("shape", body)), ("relative tolerance", f"{rtol:g}")]

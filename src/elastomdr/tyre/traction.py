@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import xp
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -35,7 +36,7 @@ from ..material.validity import material_in_words, shared
 from ..results.friction_law import FrictionLaw
 from ..results.words import brief, describe
 from ..smooth.cylinder import cylinder_pressure
-from ..smooth.problem import Contact, SmoothScene, Steady, set_up, solve
+from ..smooth.problem import Contact, SmoothCall, SmoothScene, Steady, set_up, solve
 from ..surface.lines import SingleLine
 from ..surface.shapes import AbstractShape, Cylinder
 from ..transient.problem import both_laws
@@ -293,18 +294,11 @@ def _over_slip(curve: Traction, slip: Any, road: Any) -> Traction:
 def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
     """A body on the MDR line, or on springs. Raises `InputError`."""
     normal, sheared = _foundations(material, scene, tangential)
+    asked = Asked(
+        scene.velocity, scene.load, scene.depth, temperature=scene.temperature
+    )
     steady = set_up(
-        "rolling",
-        normal,
-        scene.shape,
-        velocity=scene.velocity,
-        load=scene.load,
-        depth=scene.depth,
-        pressure=None,
-        temperature=scene.temperature,
-        model=scene.model,
-        rtol=scene.rtol,
-        skip=True,
+        SmoothCall("rolling", normal, scene.shape, asked, scene.model, scene.rtol),
         softens=False,
     )
     solution = solve(steady)
@@ -497,22 +491,13 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
 def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
     """A cylinder on a bonded layer. Raises `InputError`."""
     law = _checked_layer(layer, scene, tangential)
-    loaded = scene.depth is None
-    given = scene.load if loaded else scene.depth
-    value = np.broadcast_to(
-        given, np.broadcast_shapes(np.shape(given), np.shape(scene.velocity))
+    asked = Asked(
+        scene.velocity, scene.load, scene.depth, temperature=scene.temperature
     )
     rolled, points, contacts = cylinder_pressure(
-        layer,
-        scene.shape,
-        velocity=scene.velocity,
-        load=value if loaded else None,
-        depth=None if loaded else value,
-        temperature=scene.temperature,
-        model=scene.model,
-        rtol=scene.rtol,
+        SmoothCall("rolling", layer, scene.shape, asked, scene.model, scene.rtol)
     )
-    solution = rolled.steady
+    solution, half = rolled.steady, np.asarray(contacts.half)
     friction, beyond = scene.friction_in(
         solution.velocity,
         rolled.temperature,
@@ -524,7 +509,7 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         np.broadcast_to(x, points.shape) for x in (friction, scene.creepage)
     )
     softness = shear_compliance(
-        typical_wave(contacts.half),
+        typical_wave(half),
         float(layer.thickness),
         float(1 - layer.squeeze()) / 2,
     )
@@ -532,8 +517,8 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         law=law,
         stiffness=1 / softness,
         velocity=np.asarray(points.reduced).reshape(-1),
-        half_length=contacts.half,
-        terms=contacts.terms,
+        half_length=half,
+        terms=np.asarray(contacts.terms),
         friction=friction.reshape(-1),
         creepage=np.abs(creepage).reshape(-1),
     )

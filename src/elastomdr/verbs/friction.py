@@ -12,13 +12,16 @@ from ..call.model_choice import (
     of_smooth,
     only_rough,
 )
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced
 from ..progress_bar import reporter
 from ..results.curve import FrictionCurve
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
 from ..rough.heat import Heat
+from ..rough.problem import RoughCall
 from ..smooth.on_layer import is_on_layer
+from ..smooth.problem import SmoothCall
 from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 from .steady import in_64_bits_where, steady_contact
@@ -125,39 +128,36 @@ def friction(
     geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7
     and 10, and `docs/theory.md`.
     """
-    scene: dict[str, Any] = {
-        "velocity": velocity,
-        "load": load,
-        "depth": depth,
-        "pressure": pressure,
-        "temperature": temperature,
-    }
+    solid: Any = material  # `over_materials` has taken a list apart
+    asked = Asked(velocity, load, depth, pressure, temperature, direction)
     if is_rough(shape):
         road_model = of_rough(model, shape, pressure)
         road_model.check_adhesion(adhesion)
-        hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
+        hint_at_line(model, shape, asked)
+        tell = reporter("friction on a rough surface", progress)
         return road_model.rough_friction(
-            material,
-            shape,
-            **scene,
-            rtol=rtol,
-            skip=skip,
-            heat=heat,
-            adhesion=adhesion,
-            strain_share=strain_share,
-            direction=direction,
-            progress=reporter("friction on a rough surface", progress),
-            store=store,
+            RoughCall(
+                solid,
+                shape,
+                asked,
+                rtol,
+                skip,
+                heat,
+                adhesion,
+                strain_share,
+                tell,
+                store,
+            )
         )
     only_rough(heat=heat, direction=direction)
     check_adhesion(adhesion, temperature)
+    body: Any = shape  # anything else is refused there
+    call = SmoothCall("friction", solid, body, asked, model, rtol, skip)
     if isinstance(shape, AbstractShape):
-        model = of_smooth(model, "friction", shape.label)
-        if not model.on_line:
-            return model.smooth_friction(material, shape, **scene, adhesion=adhesion)
-    contact = steady_contact(
-        "friction", material, shape, **scene, model=model, rtol=rtol, skip=skip
-    )
+        chosen = of_smooth(model, "friction", shape.label)
+        if not chosen.on_line:
+            return chosen.smooth_friction(call, adhesion)
+    contact = steady_contact(call)
     solution = contact.solution
     curve = FrictionCurve(
         mu=solution.mu,

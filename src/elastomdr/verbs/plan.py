@@ -11,12 +11,15 @@ from ..call.model_choice import (
     of_smooth,
     only_rough,
 )
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced
 from ..errors import InputError
 from ..rough.adhesion import AdhesiveShear, check_adhesion
 from ..rough.heat import Heat
+from ..rough.problem import RoughCall
 from ..smooth.plan import Plan
+from ..smooth.problem import SmoothCall
 from ..surface.shapes import AbstractShape
 from .steady import steady_plan
 
@@ -57,36 +60,23 @@ def plan(
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
     check_adhesion(adhesion, temperature)
-    scene: dict[str, Any] = {
-        "velocity": velocity,
-        "load": load,
-        "depth": depth,
-        "pressure": pressure,
-        "temperature": temperature,
-    }
+    solid: Any = material  # `over_materials` has taken a list apart
+    asked = Asked(velocity, load, depth, pressure, temperature, direction)
     if is_rough(shape):
         if quantity != "friction":
             raise InputError(
                 f"quantity must be 'friction' on a rough surface, got {quantity!r}."
             )
-        hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
+        hint_at_line(model, shape, asked)
         road_model = of_rough(model, shape, pressure)
         road_model.check_adhesion(adhesion)
         return road_model.rough_plan(
-            material,
-            shape,
-            **scene,
-            rtol=rtol,
-            skip=skip,
-            heat=heat,
-            adhesion=adhesion,
-            direction=direction,
+            RoughCall(solid, shape, asked, rtol, skip, heat, adhesion)
         )
     only_rough(heat=heat, direction=direction)
     if isinstance(shape, AbstractShape):
-        model = of_smooth(model, quantity, shape.label)
-        if not model.on_line:
-            return model.smooth_plan()
-    return steady_plan(
-        quantity, material, shape, **scene, model=model, rtol=rtol, skip=skip
-    )
+        chosen = of_smooth(model, quantity, shape.label)
+        if not chosen.on_line:
+            return chosen.smooth_plan()
+    body: Any = shape  # anything else is refused there
+    return steady_plan(SmoothCall(quantity, solid, body, asked, model, rtol, skip))

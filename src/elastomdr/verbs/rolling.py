@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import numpy_unless_traced
 from ..errors import InputError
 from ..results.curve import RollingCurve
+from ..smooth.problem import SmoothCall
 from ..surface.shapes import AbstractShape
 from .steady import in_64_bits_where, needs_layer, steady_contact
 
@@ -49,18 +51,10 @@ def rolling(
             "shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a "
             f"{shape.label}."
         )
+    solid: Any = material  # `over_materials` has taken a list apart
+    asked = Asked(velocity, load, depth, pressure, temperature)
     contact = steady_contact(
-        "rolling",
-        material,
-        shape,
-        velocity=velocity,
-        load=load,
-        depth=depth,
-        pressure=pressure,
-        temperature=temperature,
-        model=model,
-        rtol=rtol,
-        skip=skip,
+        SmoothCall("rolling", solid, shape, asked, model, rtol, skip)
     )
     solution, radius = contact.solution, shape.rolling_radius
     assert radius is not None  # refused above

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from ..checks import needs_64_bit_types
 from ..smooth.on_layer import beside_layer, is_on_layer, on_layer
-from ..smooth.problem import Steady, set_up, solve
+from ..smooth.problem import SmoothCall, Steady, set_up, solve
 from ..smooth.softening import SOFTENED
 
 P = ParamSpec("P")
@@ -47,25 +47,14 @@ class SteadyContact(NamedTuple):
         }
 
 
-def steady_contact(
-    quantity: str, material: Any, shape: Any, *, skip: bool, **given: Any
-) -> SteadyContact:
-    """Solves a smooth body on a layer, or on independent elements.
-
-    `given` are the other arguments of `friction`, from velocity to rtol. Raises
+def steady_contact(call: SmoothCall) -> SteadyContact:
+    """Solves a smooth body on a layer, or on independent elements. Raises
     `InputError`.
     """
-    if is_on_layer(material, shape):
-        return SteadyContact(*on_layer(quantity, material, shape, **given), layer=True)
-    scene = set_up(quantity, material, shape, skip=skip, **given)
-    solution = beside_layer(
-        solve(scene),
-        material,
-        shape,
-        load=given["load"],
-        depth=given["depth"],
-        temperature=given["temperature"],
-    )
+    if is_on_layer(call.material, call.shape):
+        return SteadyContact(*on_layer(call), layer=True)
+    scene = set_up(call)
+    solution = beside_layer(solve(scene), call)
     return SteadyContact(
         solution,
         scene.temperature,
@@ -75,13 +64,11 @@ def steady_contact(
     )
 
 
-def steady_plan(
-    quantity: str, material: Any, shape: Any, *, skip: bool, **given: Any
-) -> Any:
+def steady_plan(call: SmoothCall) -> Any:
     """The plan that `steady_contact` would follow. Raises `InputError`."""
-    if is_on_layer(material, shape):
-        return on_layer(quantity, material, shape, **given, solved=False).plan
-    return set_up(quantity, material, shape, skip=skip, **given).plan
+    if is_on_layer(call.material, call.shape):
+        return on_layer(call, solved=False).plan
+    return set_up(call).plan
 
 
 def in_64_bits_where(
