@@ -4,7 +4,10 @@ measured points.
 
 import asyncio
 import dataclasses
+import io
+import tomllib
 import warnings
+import zipfile
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +15,8 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.app.scene import bundle, compute
+from elastomdr.app.security import Folder
 
 from .simulated import simulated, until
 
@@ -161,6 +166,46 @@ def test_an_answer_fits_what_was_dropped(tmp_path):
     simulated(tmp_path, act)
 
 
+def test_what_others_change_is_what_is_filled_in(tmp_path):
+    """A rubber that is fitted anew under its name, and the road of a slip curve: the
+    result is marked, and its archive gives its own numbers.
+    """
+
+    async def act(user, page, opened):
+        rubber, friction = page.screen("Rubber"), page.screen("Friction")
+        await rubber._sample()
+        friction.form.set("[contact] velocity", "1, 10")
+        await friction.compute()
+        tyre = page.screen("Tyre")
+        tyre.form.set("[contact] slip", "0.1, 0.3")
+        tyre.form.set("[contact] load", "4 kN")
+        await tyre.compute()
+        friction.form.set("[contact] velocity", "1, 20")  # the wheel has its own
+        await page._look()
+        assert not tyre._old.visible
+        friction.form.set("[contact] velocity", "1, 10")
+        page.screen("Road").form.set("[surface] hurst", "0.9")
+        await page._look()
+        assert tyre._old.visible
+        page.screen("Road").form.set("[surface] hurst", "0.8")
+        await page._look()
+        assert not tyre._old.visible
+        assert not friction._old.visible
+        rubber.form.set("poisson", "0.45")
+        await rubber.fit()
+        await page._look()
+        assert tyre._old.visible
+        assert friction._old.visible
+        done, folder = page._session.done["friction"], tmp_path / "taken"
+        archive = bundle(done, page._session.folder, "friction")
+        zipfile.ZipFile(io.BytesIO(archive)).extractall(folder)
+        scene = tomllib.loads((folder / "friction.toml").read_text())
+        again = compute("friction", scene, Folder(folder)).result
+        np.testing.assert_array_equal(again.mu, done.result.mu)
+
+    simulated(tmp_path, act)
+
+
 def test_open_tabs_are_kept(tmp_path, monkeypatch):
     """However many tabs are open, none loses its session or its files; those go that
     nothing shows any more.
@@ -256,9 +301,7 @@ def test_presets_are_the_defaults_of_the_calls(tmp_path):
 
 def test_the_belt_lies_on_sets_of_three_rolls(tmp_path):
     """20.3 kW/km at 5 m/s; 26.2 where one roll carries all, which nobody meant."""
-    from elastomdr.app.scene import compute
     from elastomdr.app.screens import preset
-    from elastomdr.app.security import Folder
 
     done = compute("rolling", preset("conveyor", "epdm-70"), Folder(tmp_path))
     cover = em.layer(em.load_material("epdm-70"), 6e-3)
@@ -342,7 +385,6 @@ def test_not_more_curves_than_can_be_told_apart(write):
 def test_cutoffs_are_asked_for(tmp_path):
     """Of a dropped spectrum, each within what was measured, with its rms slope."""
     from elastomdr.app.road import look
-    from elastomdr.app.security import Folder
     from elastomdr.app.session import Session
 
     session = Session("one", Folder(tmp_path))
@@ -360,7 +402,6 @@ def test_cutoffs_are_asked_for(tmp_path):
 def test_cutoffs_are_asked_for_heights(tmp_path):
     """Of a topography the shortest wave, with the rms slope down to it."""
     from elastomdr.app.road import look
-    from elastomdr.app.security import Folder
     from elastomdr.app.session import Session
 
     session = Session("one", Folder(tmp_path))
@@ -538,9 +579,7 @@ def test_seals(tmp_path):
     them, with their cards.
     """
     from elastomdr.app.cards import cards
-    from elastomdr.app.scene import compute
     from elastomdr.app.screens import SEAL, preset
-    from elastomdr.app.security import Folder
 
     rubber, year = em.load_material("epdm-70"), 365.25 * 86400.0
     ring, stroke = (

@@ -24,7 +24,7 @@ from .scene import (
     Done,
     compute,
     compute_on_road,
-    without_empty,
+    of_the_road,
 )
 from .screens import Kind, Screen, preset
 from .session import COMPUTING, DRAWING, Session
@@ -241,11 +241,13 @@ class ComputedStage:
 
     def _done(self) -> Done | None:
         """What has been computed of what is filled in."""
-        computation = self._session.done.get(self._screen.key)
-        same = computation is not None and without_empty(
-            computation.asked
-        ) == without_empty(self.content())
-        return computation if same else None
+        session, asked = self._session, self.content()
+        if asked.get("friction") == COMPUTED:
+            asked = asked | {"road": of_the_road(session.scenes["friction"])}
+        computation = session.done.get(self._screen.key)
+        if computation is None or not computation.belongs_to(asked, session.folder):
+            return None
+        return computation
 
     async def show_again(self) -> None:
         """Shows what has been computed before of what is filled in."""

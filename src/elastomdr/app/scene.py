@@ -50,6 +50,15 @@ class Done:
     plot_options: dict[str, Any] = field(repr=False)
     asked: dict[str, Any] = field(repr=False)  # as it was filled in
     more: str = ""  # what is said below the summary
+    # files that it was computed with and that the page may replace, as they were
+    made: dict[str, bytes] = field(default_factory=dict, repr=False)
+
+    def belongs_to(self, asked: dict[str, Any], folder: Folder) -> bool:
+        """Whether it has been computed of this, with the files as they are now."""
+        return without_empty(self.asked) == without_empty(asked) and all(
+            (folder.path / name).read_bytes() == content
+            for name, content in self.made.items()
+        )
 
     def figure(self) -> Drawn:
         """The figure, with the table of the result as its numbers."""
@@ -114,7 +123,10 @@ def bundle(
             f"{stem}.toml", toml(computation.verb, computation.content, stem, notes)
         )
         for name in files_of(computation.content):
-            archive.write(folder.path / name, name)
+            if name in computation.made:
+                archive.writestr(name, computation.made[name])
+            else:
+                archive.write(folder.path / name, name)
         archive.writestr(f"out/{stem}-{computation.verb}.csv", computation.csv())
         figure = computation.figure()
         for kind in ("png", "svg"):
@@ -150,6 +162,11 @@ def compute(
     content = json.loads(json.dumps(without_empty(content)))
     scene = decoded(verb, content)
     folder.check(files_of(content))
+    made = {
+        name: (folder.path / name).read_bytes()
+        for name in files_of(content)
+        if name == TABLE or name.endswith(".toml")
+    }
     ours = (
         em.ConvergenceWarning,
         em.ExtrapolationWarning,
@@ -185,7 +202,7 @@ def compute(
             if issubclass(each.category, ours)
         )
     )
-    return Done(verb, content, result, texts, plot_options, content)
+    return Done(verb, content, result, texts, plot_options, content, made=made)
 
 
 def _written(write: Callable[[Path], None], name: str) -> bytes:
@@ -224,7 +241,7 @@ _PRESSURES = 3
 _PER_DECADE = 8  # velocities
 _MARGIN = 1.01  # by which the table reaches beyond what the wheel needs
 _OF_THE_ROAD = ("surface", "heat", "adhesion", "numerics")
-_IN_PLACE_OF_A_PRESSURE = ("pressure", "load", "depth")
+_REPLACED = ("pressure", "load", "depth", "velocity")  # of its contact
 
 
 def compute_on_road(
@@ -261,7 +278,7 @@ def compute_on_road(
         ) from error
     folder.keep(TABLE, table.csv(), anew=True)
     computation = compute("traction", wheel | {"friction": TABLE}, folder)
-    computation.asked = wheel
+    computation.asked = wheel | {"road": of_the_road(road)}
     computation.warnings = (
         *(f"Friction of the tread: {warning}" for warning in table.warnings),
         *computation.warnings,
@@ -283,23 +300,28 @@ def _scene_of_friction(
     pressure, velocity = _needed(wheel, folder)
     low, high = pressure.min() / _MARGIN, pressure.max() * _MARGIN
     slow, fast = velocity.min() / _MARGIN, velocity.max() * _MARGIN
-    contact = {
-        key: value
-        for key, value in road["contact"].items()
-        if key not in _IN_PLACE_OF_A_PRESSURE
-    }
-    contact["pressure"] = [
+    taken = of_the_road(road)
+    taken["contact"]["pressure"] = [
         f"{each / 1e6:.5g} MPa" for each in np.geomspace(low, high, _PRESSURES)
     ]
     points = 2 + math.ceil(_PER_DECADE * math.log10(fast / slow))
-    contact["velocity"] = {
+    taken["contact"]["velocity"] = {
         "from": f"{slow:.5g} m/s",
         "to": f"{fast:.5g} m/s",
         "points": points,
     }
+    return taken | {
+        key: wheel[key] for key in ("material", "temperature") if key in wheel
+    }
+
+
+def of_the_road(road: dict[str, Any]) -> dict[str, Any]:
+    """What a slip curve whose friction is computed takes of the friction screen."""
+    contact = {
+        key: value for key, value in road["contact"].items() if key not in _REPLACED
+    }
     taken = {key: road[key] for key in _OF_THE_ROAD if key in road}
-    taken |= {key: wheel[key] for key in ("material", "temperature") if key in wheel}
-    return taken | {"contact": contact}
+    return without_empty(taken) | {"contact": contact}
 
 
 def _needed(wheel: dict[str, Any], folder: Folder) -> tuple[np.ndarray, np.ndarray]:
