@@ -2,7 +2,13 @@
 its order.
 """
 
+import contextlib
+import os
+import re
+import signal
 import sys
+import threading
+import warnings
 
 import jax
 import jax.numpy as jnp
@@ -12,9 +18,9 @@ from scipy.integrate import solve_ivp
 
 import elastomdr as em
 from elastomdr.surface.lines import SingleLine
+from elastomdr.transient import march, refinement
 from elastomdr.transient.body_motion import Mount, Scene, run
 from elastomdr.transient.body_over_line import indenter
-from elastomdr.transient.march import padded
 from elastomdr.transient.problem import even_steps
 
 FLAT = em.RoughLine(np.arange(8) * 1e-5, np.zeros(8))
@@ -318,8 +324,7 @@ def ball(samples, spacing):
     time = np.linspace(0, 4e-3, 5)
     given = (0.4 * time, np.full(5, 10.0), 1e-3, 0)
     steps, instants = even_steps(time, *given, samples)
-    # one program for all
-    seen, _ = run(scene, padded(steps, 4 * 128), instants)
+    seen, _ = run(scene, steps, instants)
     given, kept = seen.driven + seen.pressed, seen.work + seen.damped
     spring = 2.5e3 * (0.4 * time - seen.position) ** 2 + 500 * seen.depth**2
     np.testing.assert_allclose(seen.spring, spring, rtol=1e-12)
@@ -390,3 +395,59 @@ def test_refuses_bad_input(change, message):
     } | change
     with pytest.raises(em.InputError, match=message):
         em.drive(arguments.pop("material"), WAVY, **arguments)
+
+
+FAST = {
+    "material": em.Prony(2e5, [1e6], [1e-3]),
+    "shape": em.Paraboloid(0.01),
+    "load": 2.0,
+    "tangential": Mount(0.05, 2e3, 1.0),
+}
+
+
+@pytest.mark.parametrize("speed", [0.3, 20.0])
+def test_a_motion_that_takes_too_long_is_refused_with_one_that_does_not(
+    monkeypatch, speed
+):
+    """The work is known beforehand; the part of the motion that the refusal names is
+    computed.
+    """
+    monkeypatch.setattr(refinement, "_WORK", 5e5)
+    time = np.linspace(0, 0.05 / speed, 401)
+
+    def part(until):
+        some = time[time <= until]
+        return em.drive(**FAST, time=some, position=speed * some, rtol=0.1)
+
+    with pytest.raises(em.InputError, match="must be those of a shorter") as refused:
+        part(time[-1])
+    lasts = float(re.search(r"the first (\S+) s of it", str(refused.value))[1])
+    assert 0.02 * time[-1] < lasts < time[-1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", em.ConvergenceWarning)
+        assert part(lasts).time.size > 2
+    with pytest.raises(em.InputError, match="must be those of a shorter"):
+        part(5 * lasts)
+
+
+def test_a_long_motion_can_be_interrupted(monkeypatch):
+    """Ctrl-C while it is marched ends it within the piece, of the many it has."""
+    pieces = []
+
+    @contextlib.contextmanager
+    def counted(doing, total):
+        assert doing.startswith("motion on grid 1 of at most")
+
+        def count(steps):
+            pieces.append(steps / total)
+            if len(pieces) == 2:  # a signal, which arrives within compiled code
+                threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+
+        yield count
+
+    monkeypatch.setattr(march, "counted", counted)
+    monkeypatch.setattr(march, "_PIECE", 2e6)
+    time = np.linspace(0, 0.5, 51)
+    with pytest.raises(KeyboardInterrupt):
+        em.drive(**FAST, time=time, position=4.0 * time)
+    assert 2 <= len(pieces) < 0.5 / max(pieces)

@@ -10,9 +10,10 @@ import pytest
 import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
+from elastomdr.transient import body_motion
 from elastomdr.transient.body_motion import Scene, run
 from elastomdr.transient.body_over_line import indenter
-from elastomdr.transient.march import padded, settle
+from elastomdr.transient.march import settle
 from elastomdr.transient.problem import Steps, cut, timeline
 
 from .test_slide_rough import RUBBER, WAVES
@@ -182,33 +183,33 @@ def test_steps_cover_the_history():
 
 
 def test_one_compiled_program_serves_all_levels(monkeypatch):
-    """Elements beyond the others and steps without length, which it needs, change
-    nothing.
+    """Elements beyond the others, steps without length, and how a motion is cut into
+    pieces change nothing.
     """
+    piece = body_motion._piece.__wrapped__
     program = jax.jit(
-        lambda *args, **options: run.__wrapped__(*args, **options),
+        lambda *args, **options: piece(*args, **options),
         static_argnames=("control", "viscous", "balance"),
     )
-    monkeypatch.setattr("elastomdr.transient.refinement.run", program)
-    monkeypatch.setattr("elastomdr.transient.refinement._PATIENCE", -1.0)
-    found = em.slide(
-        RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-4
-    )
+    with monkeypatch.context() as patched:
+        patched.setattr(body_motion, "_piece", program)
+        patched.setattr("elastomdr.transient.refinement._PATIENCE", -1.0)
+        found = em.slide(
+            RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-4
+        )
     assert found.plan.levels > 2
     assert program._cache_size() == 1
-    alone = Steps(jnp.full(64, 1e-4), jnp.arange(64) * 4e-5, jnp.full(64, 10.0))
-    with_room = padded(alone, 200)
-    assert with_room.h.shape == (256,)
-    ends = [
-        run(
-            Scene(RUBBER.law(), indenter(SingleLine(BALL), -2e-3, 4e-5, count, 1.0)),
-            steps,
-            np.arange(64),
-            balance=False,
-        )[0]
-        for count, steps in ((192, alone), (384, with_room))
-    ]
+    steps = Steps(jnp.full(200, 1e-4), jnp.arange(200) * 1e-5, jnp.full(200, 10.0))
+    ends = []
+    for count, work in ((192, 1e9), (384, 1.0)):
+        monkeypatch.setattr("elastomdr.transient.march._PIECE", work)
+        surface = indenter(SingleLine(BALL), -2e-3, 4e-5, count, 1.0)
+        seen, _ = run(
+            Scene(RUBBER.law(), surface), steps, np.arange(0, 200, 3), balance=False
+        )
+        ends.append(seen)
     for exact, found in zip(*ends, strict=True):
+        assert exact.shape == (67,)
         np.testing.assert_allclose(
             found, exact, rtol=1e-12, atol=1e-12 * float(jnp.abs(exact).max())
         )

@@ -43,7 +43,7 @@ from ..material.relaxation import Relaxation
 from ..smooth.passage import Control
 from ..trees import Tree, fill
 from .body_over_line import AbstractOverLine
-from .march import edges, if_so, march, settle, total
+from .march import OF_AN_ELEMENT, edges, if_so, in_pieces, march, settle, total
 from .problem import Steps
 
 if TYPE_CHECKING:
@@ -142,7 +142,6 @@ class History(NamedTuple):
     spring: Array  # in the springs of the mounts [J]
 
 
-@compiled("control", "viscous", "balance")
 def run(
     scene: Scene,
     steps: Steps,
@@ -151,14 +150,51 @@ def run(
     control: Control = "load",
     viscous: bool = True,
     balance: bool = True,
+    doing: str = "motion",
 ) -> tuple[History, Line]:
     """The whole motion: what is known at the ends of the steps `instants`, or of all,
     and the line at the end. In the first step, always kept, the body is put down at
     once, at rest, on rubber that was never touched.
 
     `viscous=False` saves some work for a law whose viscosity is known to be zero,
-    `balance=False` for motions whose energy balance nobody asks for.
+    `balance=False` for motions whose energy balance nobody asks for; `doing` says what
+    is counted (`in_pieces`).
     """
+
+    def piece(state: Motion, some: Steps, is_seen: Any) -> tuple[Motion, History]:
+        return _piece(
+            scene,
+            state,
+            some,
+            is_seen,
+            control=control,
+            viscous=viscous,
+            balance=balance,
+        )
+
+    size = scene.surface.count * (scene.law.moduli.shape[0] + OF_AN_ELEMENT)
+    begin, others = (mapped(lambda x, i=i: x[i], steps) for i in (0, slice(1, None)))
+    start, first = _begin(scene, begin, viscous=viscous, balance=balance)
+    if not balance:
+        end, seen = in_pieces(piece, start, steps, instants, size, doing)
+        return seen, end.line
+    later = None if instants is None else instants[1:] - 1
+    end, seen = in_pieces(piece, start, others, later, size, doing)
+    return mapped(lambda a, b: xp.concatenate([a[None], b]), first, seen), end.line
+
+
+@compiled("control", "viscous", "balance")
+def _piece(
+    scene: Scene,
+    state: Motion,
+    steps: Steps,
+    instants: Any,
+    *,
+    control: Control,
+    viscous: bool,
+    balance: bool,
+) -> tuple[Motion, History]:
+    """Some steps of the motion."""
 
     def prepare(block: Steps) -> tuple[Steps, Coefficients]:
         return block, coefficients_of_steps(scene.law, block.h, viscous=viscous)
@@ -172,21 +208,26 @@ def run(
     def look(y: Motion, felt: tuple[Array, Array | None]) -> History:
         return _history(scene, y, *felt)
 
+    return march(step, look, state, steps, instants, prepare)
+
+
+@compiled("viscous", "balance")
+def _begin(
+    scene: Scene, begin: Steps, *, viscous: bool, balance: bool
+) -> tuple[Motion, History | None]:
+    """The body before its first step, or with `balance` after it, and what is seen
+    then.
+    """
+    y = _untouched(scene, begin.position, viscous)
     if not balance:
-        start = _untouched(scene, steps, viscous)
-        end, seen = march(step, look, start, steps, instants, prepare)
-        return seen, end.line
-    begin, others = (mapped(lambda x, i=i: x[i], steps) for i in (0, slice(1, None)))
-    start, felt = _put_down(scene, _untouched(scene, steps, viscous), begin, viscous)
-    later = None if instants is None else instants[1:] - 1
-    end, seen = march(step, look, start, others, later, prepare)
-    first = look(start, felt)
-    return mapped(lambda a, b: xp.concatenate([a[None], b]), first, seen), end.line
+        return y, None
+    y, felt = _put_down(scene, y, begin, viscous)
+    return y, _history(scene, y, *felt)
 
 
-def _untouched(scene: Scene, steps: Steps, viscous: bool) -> Motion:
+def _untouched(scene: Scene, place: Array, viscous: bool) -> Motion:
     """A body just above rubber at rest, where the first step ends."""
-    position, zero = steps.position[0] + 0.0, xp.zeros(())
+    position, zero = place + 0.0, xp.zeros(())
     rise = scene.surface.rise(position)
     none, f = xp.zeros_like(rise), xp.zeros((scene.law.moduli.shape[0], rise.size))
     velocity = none if viscous else None

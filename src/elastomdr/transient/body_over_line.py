@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..arrays import compiled, fixed, xp
 from ..checks import Array
-from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..smooth.passage import Control, estimate_sizes
 from ..surface.lines import AbstractLines, SingleLine
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
 
 # where the surface is beyond the end of a body: far above any rubber [m]
 _NOTHING = -1e3
-_ELEMENTS = 1e6  # along a path: more steps of so many elements than anybody waits for
 
 
 class AbstractOverLine(Tree):
@@ -184,18 +182,6 @@ def indenter(
         weight=weight,
         track=zero,
     )
-
-
-def check_path(length: float, spacing: float) -> None:
-    """Raises `InputError` for a path that is too long for elements of the size that the
-    contact asks for [m].
-    """
-    if not length <= _ELEMENTS * spacing:
-        raise InputError(
-            f"position must stay within {_ELEMENTS:g} elements, each {spacing:.3g} m "
-            f"wide as the contact asks for, got a path over {length:.3g} m: shorten "
-            "it, or take em.friction for steady sliding."
-        )
 
 
 @compiled("control")

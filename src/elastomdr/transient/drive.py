@@ -31,7 +31,6 @@ from .body_motion import Mount
 from .body_over_line import (
     AbstractOverLine,
     Indenter,
-    check_path,
     contact_sizes,
     rough,
 )
@@ -113,7 +112,8 @@ def drive(
 
     Raises:
         InputError: for instants that do not ascend, arguments whose lengths do not
-            match, and a track under a rough line.
+            match, a track under a rough line, and a motion that would take too long,
+            with the part of it that would not.
 
     The bare line of the textbook, in steps of second order.
 
@@ -216,9 +216,9 @@ def _solve(
         if traced:
             grid = _Grid(history.elements, (high - low) / history.elements, low)
         else:
-            check_path(float(high - low), float(spacing))
             count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
-            grid = _Grid(count, spacing, low)
+            path = float(np.ptp(history.position)) / float(high - low)
+            grid = _Grid(count, spacing, low, path)
         return _on_grid(body, history, mounts, track, grid, slope, traced)
 
     return widened(within, 2 * widest, widest)
@@ -230,6 +230,7 @@ class _Grid(NamedTuple):
     elements: int
     spacing: Any  # [m]
     low: Any  # [m]
+    moving: float = 0.0  # share of the path in that
 
 
 def _on_grid(
@@ -259,6 +260,7 @@ def _on_grid(
         mounts=mounts,
         room=_ROOM,
         long=(_LONG, _FINEST),
+        moving=grid.moving,
     )
     return solve_levels(history, cut, slope, missing=_missing)
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from ..arrays import entries, fixed, mapped, on_numpy, while_loop, xp
 from ..checks import Array, is_traced
+from ..progress_bar import counted
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -33,6 +34,9 @@ if TYPE_CHECKING:
 # steps whose coefficients are computed at once, and between two states that are kept
 # for reverse mode
 _BLOCK = 64
+# elements times branches times steps of a piece of compiled march: about half a second;
+# the rest of an element takes as long as so many branches
+_PIECE, OF_AN_ELEMENT = 2e7, 5
 
 
 def march(
@@ -48,8 +52,9 @@ def march(
     `steps` is a named tuple of arrays, one entry a step; `prepare` adds to a block of
     them what its steps need, such as their coefficients. `step(state, now)` gives the
     state at the end of a step and what `look(state, details)` needs besides.
-    `instants` ascend; None stands for all. A block whose first step has no length `h`
-    is not made.
+    `instants` ascend; None stands for all; or they are marked, step by step, and
+    compiled code then leaves zeros at the other steps. A block whose first step has no
+    length `h` is not made.
     """
     march_blocks = _on_numpy if on_numpy() else _on_jax
     return march_blocks(step, look, start, steps, instants, prepare)
@@ -68,7 +73,47 @@ def _on_numpy(
             state, details = step(state, now)
             if is_seen[number]:
                 seen.append(look(state, details))
-    return state, mapped(lambda *x: np.stack(x), *seen)
+    return state, mapped(lambda *x: np.stack(x), *seen) if seen else None
+
+
+def in_pieces(
+    piece: Callable[[Any, Any, Any], tuple[Any, Any]],
+    state: Any,
+    steps: Any,
+    instants: Any,
+    size: int,
+    doing: str,
+) -> tuple[Any, Any]:
+    """A `march` by `piece(state, steps, is_seen)`, the compiled march of some steps.
+
+    Between two pieces it is counted under `doing`, and can be interrupted, which
+    compiled code cannot be. `size` is the work of a step: elements times branches.
+    Under a transformation of JAX there is one piece, and so one derivative.
+    """
+    count = steps.h.shape[0]
+    if is_traced(state, steps) or not count:
+        return piece(state, steps, instants)
+    is_seen = np.full(count, instants is None)
+    is_seen[slice(None) if instants is None else instants] = True
+    length, numpy = _BLOCK, on_numpy()
+    if not numpy:  # few lengths, since each is a program of its own
+        blocks = max(1.0, _PIECE / (size * _BLOCK))
+        length = _BLOCK * 2 ** math.floor(math.log2(blocks))
+        steps = padded(steps, length)
+    seen = []
+    with counted(doing, count) as count_steps:
+        for i in range(0, count, length):
+            some = mapped(lambda x, i=i: x[i : i + length], steps)
+            here = np.zeros(some.h.shape, bool)
+            here[: count - i] = is_seen[i : i + length]
+            state, looked = piece(state, some, here)
+            if not numpy:
+                looked = mapped(lambda x, here=here: np.asarray(x)[here], looked)
+            seen.append(looked)
+            count_steps(min(length, count - i))
+    return state, mapped(
+        lambda *x: np.concatenate(x), *(each for each in seen if each is not None)
+    )
 
 
 def _on_jax(
@@ -77,11 +122,14 @@ def _on_jax(
     import jax
 
     count = steps.h.shape[0]
-    steps = padded(steps, count)
+    steps = padded(steps)
     filled = steps.h.shape[0]
+    marked = instants is not None and instants.dtype == np.bool_
     # which the compiler does not know to be always true
     is_seen = steps.h >= 0
-    if instants is not None:
+    if marked:
+        is_seen = xp.append(instants, xp.zeros(filled - count, bool))
+    elif instants is not None:
         is_seen = jax.numpy.zeros(filled, bool).at[instants].set(True)
 
     def one(state: Any, now: Any) -> tuple[Any, Any]:
@@ -107,21 +155,18 @@ def _on_jax(
     )
     state, seen = jax.lax.scan(block, state, blocks)
     seen = jax.tree.map(lambda x: x.reshape(filled, *x.shape[2:]), seen)
-    chosen = slice(count) if instants is None else instants
+    chosen = slice(count) if instants is None or marked else instants
     return state, jax.tree.map(lambda x: x[chosen], seen)
 
 
-def padded(steps: Any, most: int) -> Any:
-    """The steps in whole blocks with room for `most` of them, rounded up to a number
-    that few histories differ in; NumPy, which compiles nothing, needs none.
+def padded(steps: Any, piece: int = 0) -> Any:
+    """The steps in whole pieces, or in a number of blocks that few histories differ in.
 
     What is filled up has no length; blocks of it are not made.
     """
-    if on_numpy():
-        return steps
     count = steps.h.shape[0]
-    blocks = math.ceil(max(count, most, 1) / _BLOCK)
-    grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
+    blocks = math.ceil(max(count, 1) / _BLOCK)
+    grain = piece // _BLOCK or 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
     numpy = xp if is_traced(steps) else np
     long = type(steps)(

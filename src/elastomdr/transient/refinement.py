@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import arrays, mapped, on_jax, on_numpy, xp
-from ..checks import Array, is_traced, known
+from ..checks import Array, is_traced, known, significant
+from ..errors import InputError
 from ..numerics.interpolation import halving_limit
 from .body_motion import History, Mount, Scene, run
 from .body_over_line import AbstractOverLine
-from .march import padded
+from .march import OF_AN_ELEMENT
 from .problem import GivenHistory, SlidePlan, Steps
 
 # error over mu beyond which a number is not handed out under a transformation either
@@ -32,13 +33,15 @@ _SHOWN = 0.1
 _SYMMETRIC = 0.03
 _ROUNDING = 1e-9  # mu of a flat body
 _FINEST = 6  # levels beyond the coarsest
-_WORK = 3e10  # elements times steps times branches of a march that is still made
+# elements times steps times branches of a march that is still made, five minutes of a
+# processor of 2024; a step is worth `_STEP` elements
+_WORK, _STEP, _MINUTES = 1e10, 200, 5
 # A march that takes NumPy longer, in seconds of a processor of 2024, is compiled, which
 # takes JAX three to four; by size, never by time, so that bits do not change. Measured
 # with 128 to 8192 elements and 1 to 10 branches: one of them takes `_ONE`, a step as
 # many more, an element so many branches more, and a body on mounts `_ON_MOUNTS` times.
 _PATIENCE, _ONE = 3.0, 2e-8
-_OF_A_STEP, _OF_AN_ELEMENT, _ON_MOUNTS = 3e4, 5, 2.4
+_OF_A_STEP, _ON_MOUNTS = 3e4, 2.4
 _EMPTY = 1e-12  # of the largest normal force: no contact
 
 
@@ -91,6 +94,7 @@ class Cut(NamedTuple):
     # compiled
     room: float = 5e6
     long: tuple[float, int] = (np.inf, 0)  # work of a long march, and its finest level
+    moving: float = 0.0  # share of the elements that lie along the path
 
     def work(self, history: GivenHistory) -> int:
         """Elements times steps times branches of the coarsest level."""
@@ -104,7 +108,7 @@ class Cut(NamedTuple):
 
     def seconds_on_numpy(self, history: GivenHistory, level: int) -> float:
         """What a march takes NumPy, by the number of steps, elements and branches."""
-        branches = history.law.times.size + _OF_AN_ELEMENT
+        branches = history.law.times.size + OF_AN_ELEMENT
         step = (
             _OF_A_STEP
             + self.elements * self.strips * branches * (self.growth / 2) ** level
@@ -128,20 +132,23 @@ def solve_levels(
     end of the body.
     """
     law, work = arrays(history.law), cut.work(history)
+    if not cut.traced:
+        _refuse_what_takes_too_long(history, cut)
     most = finest(work, cut.traced)
     if cut.growth**most * work > cut.long[0]:
         most = min(cut.long[1], most)
     shared = shared_level(work, most, cut.room, cut.growth)
     size, outside = (0, 0), False
 
-    def marched(scene: Scene, steps: Steps, instants: Any, room: int) -> Any:
+    def marched(scene: Scene, steps: Steps, instants: Any, doing: str) -> Any:
         return run(
             scene,
-            padded(steps, cut.most_steps * room),
+            steps,
             instants,
             control=history.control,
             viscous=history.viscous,
             balance=missing is not None,
+            doing=doing,
         )
 
     def solve(level: int) -> tuple[History, Any]:
@@ -153,7 +160,8 @@ def solve_levels(
         # made by NumPy too: of single operations JAX compiles each
         steps, instants = cut.steps(finer)
         scene = Scene(law, cut.surface(finer, room), *cut.mounts)
-        given = scene, steps, instants, room
+        doing = f"motion on grid {level + 1} of at most {most + 1}"
+        given = scene, steps, instants, doing
         seen, line = marched(*given) if small else on_jax(marched, *given)
         seen, u = known((seen, line.u))
         strips = 1 if cut.strips == 1 else -(-cut.elements * finer // 2)
@@ -172,6 +180,29 @@ def solve_levels(
     levels = refine(solve, history.rtol, most, slope, missing)
     branches = int(history.law.times.size)
     return levels, SlidePlan(*size, branches, levels.levels, cut.skipped), outside
+
+
+def _refuse_what_takes_too_long(history: GivenHistory, cut: Cut) -> None:
+    """Raises `InputError` for a motion of which not even the two coarsest levels are
+    made, with how much of it would be.
+    """
+    steps, across = cut.most_steps * 2, cut.growth / 2
+    size = cut.elements * cut.strips * max(history.law.times.size, 1) * across
+    if steps * (size + _STEP) <= _WORK:
+        return
+    part = np.geomspace(1e-9, 1.0, 1000)
+    elements = (1 - cut.moving + cut.moving * part) ** (1 if cut.strips == 1 else 2)
+    fits = part * steps * (size * elements + _STEP) < 0.5 * _WORK
+    part = part[fits].max(initial=1e-9)
+    lasts, goes = (part * float(np.ptp(x)) for x in (history.time, history.position))
+    raise InputError(
+        f"time and position must be those of a shorter motion, got one of {steps:.2g} "
+        f"steps of {cut.elements * cut.strips * across:.2g} elements, which would take "
+        f"{steps * (size + _STEP) / _WORK * _MINUTES:.2g} minutes or more: the first "
+        f"{significant(lasts, 2)} s of it (if all of it is like that, over "
+        f"{significant(goes, 2)} m) can be computed; for steady sliding take "
+        "em.friction(..., model=em.Line())."
+    )
 
 
 def widened(

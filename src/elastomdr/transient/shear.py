@@ -306,8 +306,9 @@ def _marched(
     def by_elements() -> Sheared:
         place, course = arrays((scene, history))
         grid = line(place, elements, cut.per_area)
-        options: Any = {"steps": steps, "by_load": cut.by_load, "room": cut.steps}
-        return known(shear_history(place, course, grid, **options))
+        return known(
+            shear_history(place, course, grid, steps=steps, by_load=cut.by_load)
+        )
 
     return on_jax(by_elements) if on_numpy() and work > _MUCH else by_elements()
 
@@ -337,9 +338,9 @@ def _summed(
         panels(scene, radii, parts, nodes, cut.per_area)
         for parts, nodes in ((4, 6), (6, 4))
     ]
-    options = {"steps": 1, "by_load": cut.by_load, "room": 1}
     best, other = (
-        known(shear_history(scene, history, rule, **options)) for rule in rules
+        known(shear_history(scene, history, rule, steps=1, by_load=cut.by_load))
+        for rule in rules
     )
     best = best._replace(
         contact_radius=sheared.contact_radius, stick_radius=sheared.stick_radius

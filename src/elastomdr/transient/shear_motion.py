@@ -42,7 +42,7 @@ from ..element.contact_step import (
 from ..material.relaxation import Relaxation
 from ..numerics.quadrature import gauss_on_panels
 from ..surface.shapes import AbstractShape, Cylinder
-from .march import march, padded, settle
+from .march import OF_AN_ELEMENT, in_pieces, march, settle
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -130,29 +130,46 @@ def cut(history: History, steps: int) -> tuple[Steps, np.ndarray]:
 
 
 def shear_history(
-    scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool, room: int
+    scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool
 ) -> Sheared:
     """The whole history of the elements of a grid, with `steps` contact steps between
-    two instants, in a program that has room for `room` of them.
+    two instants.
     """
     steps_of_history, instants = cut(history, steps)
-    most = room * (history.time.shape[0] - 1)
-    first = history.value[0], history.displacement[0]
-    return _sheared(
-        scene, grid, first, padded(steps_of_history, most), instants, by_load=by_load
-    )
+    put = history.value[0], history.displacement[0]
+    start, first = _begin(scene, grid, *put, by_load=by_load)
+
+    def piece(state: State, some: Steps, is_seen: Any) -> tuple[State, Sheared]:
+        return _piece(scene, grid, state, some, is_seen, by_load=by_load)
+
+    laws = scene.normal, scene.tangential
+    branches = sum(law.moduli.shape[0] + OF_AN_ELEMENT for law in laws)
+    size, doing = grid.x.shape[0] * branches, "stick and slip"
+    _, later = in_pieces(piece, start, steps_of_history, instants, size, doing)
+    return mapped(lambda a, b: xp.concatenate([a[None], b]), first, later)
 
 
 @compiled("by_load")
-def _sheared(
+def _begin(
+    scene: Scene, grid: Grid, value: Array, displacement: Array, *, by_load: bool
+) -> tuple[State, Sheared]:
+    """The elements after the first instant, and what is seen then."""
+    state, seen = _start(scene, grid, value, displacement, by_load)
+    return state, _measured(grid, state, seen, by_load)
+
+
+@compiled("by_load")
+def _piece(
     scene: Scene,
     grid: Grid,
-    first: tuple[Array, Array],
+    state: State,
     steps: Steps,
-    instants: np.ndarray,
+    instants: Any,
     *,
     by_load: bool,
-) -> Sheared:
+) -> tuple[State, Sheared]:
+    """Some steps of the history."""
+
     def prepare(block: Steps) -> tuple[Steps, Coefficients, Coefficients]:
         laws = scene.normal, scene.tangential
         normal, tangential = (coefficients_of_steps(law, block.h) for law in laws)
@@ -168,9 +185,7 @@ def _sheared(
     def look(state: State, seen: tuple) -> Sheared:
         return _measured(grid, state, seen, by_load)
 
-    start, seen = _start(scene, grid, *first, by_load)
-    _, later = march(advance, look, start, steps, instants, prepare)
-    return mapped(lambda a, b: xp.concatenate([a[None], b]), look(start, seen), later)
+    return march(advance, look, state, steps, instants, prepare)
 
 
 @compiled("elements", "per_area")

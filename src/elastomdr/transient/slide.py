@@ -10,11 +10,12 @@ import numpy as np
 from ..arrays import arrays, xp
 from ..call.several_materials import over_materials
 from ..checks import is_traced, known, nan_unless, numpy_unless_traced, warn_unless
+from ..errors import InputError
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
 from .age import sliding_beyond
 from .body_motion import History
-from .body_over_line import check_path, contact_sizes, indenter, rough
+from .body_over_line import contact_sizes, indenter, rough
 from .history_result import Slide
 from .problem import (
     GivenHistory,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Number
     from ..call.types import Indenter, Materials
 
+_STEPS = 1e6  # along a path: more than anybody waits for
 _ACROSS = 40  # elements over the contact on the coarsest level
 
 
@@ -152,7 +154,17 @@ def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
 
 
 def _steps(history: GivenHistory, spacing: float | None) -> tuple[Timeline, Any]:
-    """The coarsest steps, one at most per `spacing` [m], and those of finer levels."""
+    """The coarsest steps, one at most per `spacing` [m], and those of finer levels.
+    Raises `InputError` for more of them than anybody waits for.
+    """
+    if spacing is not None:
+        way = float(np.abs(np.diff(history.position)).sum())
+        if not way <= _STEPS * spacing:
+            raise InputError(
+                f"position must be a way of at most {_STEPS * spacing:.3g} m, which are "
+                f"{_STEPS:g} elements as wide as the contact asks for, got {way:.3g} m: "
+                "for steady sliding take em.friction(..., model=em.Line())."
+            )
     even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
     given = (history.time, history.position, history.value)
     line = timeline(*given, spacing, history.shortest, even)
@@ -208,7 +220,6 @@ def _within(
         line, steps = _steps(history, None)
     else:
         spacing = float(2 * math.sqrt(glassy * widest) / _ACROSS)
-        check_path(float(length), spacing)
         count = 32 * math.ceil(float(length) / spacing / 32)
         line, steps = _steps(history, spacing)
 
@@ -225,6 +236,7 @@ def _within(
         traced=traced,
         endless=False,
         skipped="elements that the body cannot touch are left out",
+        moving=0.0 if traced else float(np.ptp(history.position)) / float(length),
     )
     slope = lines.depth(widest) / widest
     return solve_levels(history, resolution, slope, deepest=_deepest(lines))
