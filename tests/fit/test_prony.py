@@ -7,6 +7,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
+from elastomdr.fit import terms as terms_of_series
 
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
@@ -33,6 +34,30 @@ def test_exact_data_give_the_series_back():
     np.testing.assert_allclose(fit.material.moduli, SOLID.moduli, rtol=0.03)
     np.testing.assert_allclose(fit.material.equilibrium, 1e6, rtol=1e-3)
     assert max(fit.storage_residual, fit.loss_residual) < 1e-2
+
+
+@pytest.mark.parametrize("terms", [1, 2, 4])
+def test_times_are_held_to_their_grid_by_its_spacing(monkeypatch, terms):
+    """A refined time has a standard deviation of 0.7 spacings of the first ones; one
+    time alone, of all they may cover: the data and half a decade on either side.
+    """
+    seen, climb = [], terms_of_series._climb
+
+    def recorded(data, start, priors, solid, *gain):
+        seen.append((start, priors[1], solid))
+        return climb(data, start, priors, solid, *gain)
+
+    monkeypatch.setattr(terms_of_series, "_climb", recorded)
+    em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01), terms=terms)
+    start, prior, solid = seen[0]  # all times within those of the data
+    count = (start.size - solid) // 2
+    assert count == terms
+    covered = np.log(1e6) + np.log(10.0)
+    times = np.log(1 / OMEGA[[-1, 0]]) + np.log(10.0) * np.array([-0.5, 0.5])
+    if count > 1:
+        np.testing.assert_allclose(start[[count, 2 * count - 1]], times, rtol=1e-12)
+    spacing = np.diff(start[count : 2 * count]) if count > 1 else covered
+    np.testing.assert_allclose(prior.width, 0.7 * spacing, rtol=1e-12)
 
 
 @pytest.mark.parametrize("material", [SOLID, LIQUID], ids=["solid", "liquid"])

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.material.relaxation import Relaxation
+from elastomdr.smooth.cylinder_galerkin import Cover, Solution, losses
 
 RUBBER = em.Prony(1e6, [2e6, 5e6], [1e-3, 1e-1], name="two times")
 ROLL, AT = (
@@ -25,6 +27,28 @@ def test_branches_account_for_the_work(thickness):
     np.testing.assert_allclose(parts.power.sum(axis=-1), rolled.power, rtol=1e-10)
     assert parts.share[0, 1] > 0.9  # slow: E_k tau_k
     np.testing.assert_allclose(parts.share[0, 1] / parts.share[0, 0], 250, rtol=0.02)
+
+
+@pytest.mark.parametrize("n", [0, 1, 8])
+def test_waves_beyond_the_last_one_that_is_summed_are_counted(n):
+    """The pressure c sqrt(1 - t^2) U_n(t) has the transform pi L c (n + 1) J_n+1(y)/y,
+    y = kL, and under losses in proportion to the frequency, E_1 k v tau, the half-space
+    loses (2/pi) L (pi c (n + 1))^2 E_1 (v tau/L)/E_inf^2 int J_n+1^2/y dy, the last
+    integral being 1/(2 n + 2).
+
+    The waves above kL = 4097 have (2/pi) (2 n + 2)/4097 of it; their weight is a mean
+    over a quarter of the waves that are summed.
+    """
+    law = Relaxation(np.array(2e6), np.array([3e6]), np.array([1e-3]), np.array(0.0))
+    half, pressure, slow = 2e-3, 1e5, 1e-15
+    terms = np.zeros((1, 16))
+    terms[0, n] = pressure
+    none = np.zeros(1)
+    solution = Solution(np.array([half]), none, none, none, terms)
+    lost = losses(np.array([slow * half / 1e-3]), law, Cover(None, None), solution)
+    spread = (np.pi * pressure * (n + 1)) ** 2 / (2 * n + 2)
+    expected = 2 / np.pi * half * spread * 3e6 * slow / 2e6**2
+    np.testing.assert_allclose(lost, [[expected]], rtol=1.2e-8 * (n + 1))
 
 
 def test_thick_layer_is_a_half_space_and_other_bodies_are_refused():

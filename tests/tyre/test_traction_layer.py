@@ -45,6 +45,23 @@ def test_thin_layer_is_the_brush_of_its_shear():
     assert float(thin.stick) == 1
 
 
+@pytest.mark.parametrize("thickness", [2e-3, 2e-2, 0.5])
+@pytest.mark.parametrize(("speed", "modulus"), [(1e-9, 1e6), (1e9, 5e6)])
+def test_slow_and_fast_a_layer_with_slip_is_the_elastic_one(thickness, speed, modulus):
+    """Far below and far above the rate of its branch a viscoelastic layer is the
+    elastic one of its relaxed and of its glassy modulus, from stick to full slip.
+    """
+    given = {"creepage": np.geomspace(1e-4, 0.3, 9), "friction": 0.5, "load": 300.0}
+    found, exact = (
+        em.traction(em.layer(rubber, thickness), ROLL, velocity=speed, **given)
+        for rubber in (em.Prony(1e6, [4e6], [2e-2]), em.Prony(modulus, [], []))
+    )
+    assert found.converged.all()
+    assert ((exact.stick > 0.01) & (exact.stick < 0.99)).sum() > 2
+    np.testing.assert_allclose(found.coefficient, exact.coefficient, rtol=1e-5)
+    np.testing.assert_allclose(found.stick, exact.stick, atol=1e-5)
+
+
 def test_full_slip_no_creepage_and_sign():
     layer = em.layer(em.Prony(1e6, [4e6], [2e-2]), 5e-3)
     given = {"velocity": 0.5, "friction": 0.3, "load": 300.0}
