@@ -161,11 +161,11 @@ def run(
     is counted (`in_pieces`).
     """
 
-    def piece(state: Motion, some: Steps, is_seen: Any) -> tuple[Motion, History]:
+    def piece(state: Motion, cut: Steps, is_seen: Any) -> tuple[Motion, History]:
         return _piece(
             scene,
             state,
-            some,
+            cut,
             is_seen,
             control=control,
             viscous=viscous,

@@ -103,10 +103,10 @@ def in_pieces(
     seen = []
     with counted(doing, count) as count_steps:
         for i in range(0, count, length):
-            some = mapped(lambda x, i=i: x[i : i + length], steps)
-            here = np.zeros(some.h.shape, bool)
+            cut = mapped(lambda x, i=i: x[i : i + length], steps)
+            here = np.zeros(cut.h.shape, bool)
             here[: count - i] = is_seen[i : i + length]
-            state, looked = piece(state, some, here)
+            state, looked = piece(state, cut, here)
             if not numpy:
                 looked = mapped(lambda x, here=here: np.asarray(x)[here], looked)
             seen.append(looked)

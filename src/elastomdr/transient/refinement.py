@@ -190,11 +190,13 @@ def _refuse_what_takes_too_long(history: GivenHistory, cut: Cut) -> None:
     size = cut.elements * cut.strips * max(history.law.times.size, 1) * across
     if steps * (size + _STEP) <= _WORK:
         return
-    part = np.geomspace(1e-9, 1.0, 1000)
-    elements = (1 - cut.moving + cut.moving * part) ** (1 if cut.strips == 1 else 2)
-    fits = part * steps * (size * elements + _STEP) < 0.5 * _WORK
-    part = part[fits].max(initial=1e-9)
-    lasts, goes = (part * float(np.ptp(x)) for x in (history.time, history.position))
+    fraction = np.geomspace(1e-9, 1.0, 1000)
+    elements = (1 - cut.moving + cut.moving * fraction) ** (1 if cut.strips == 1 else 2)
+    fits = fraction * steps * (size * elements + _STEP) < 0.5 * _WORK
+    fraction = fraction[fits].max(initial=1e-9)
+    lasts, goes = (
+        fraction * float(np.ptp(x)) for x in (history.time, history.position)
+    )
     raise InputError(
         f"time and position must be those of a shorter motion, got one of {steps:.2g} "
         f"steps of {cut.elements * cut.strips * across:.2g} elements, which would take "

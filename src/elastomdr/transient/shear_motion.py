@@ -139,8 +139,8 @@ def shear_history(
     put = history.value[0], history.displacement[0]
     start, first = _begin(scene, grid, *put, by_load=by_load)
 
-    def piece(state: State, some: Steps, is_seen: Any) -> tuple[State, Sheared]:
-        return _piece(scene, grid, state, some, is_seen, by_load=by_load)
+    def piece(state: State, now: Steps, is_seen: Any) -> tuple[State, Sheared]:
+        return _piece(scene, grid, state, now, is_seen, by_load=by_load)
 
     laws = scene.normal, scene.tangential
     branches = sum(law.moduli.shape[0] + OF_AN_ELEMENT for law in laws)
