@@ -229,31 +229,37 @@ def as_numpy(leaf: Any) -> Any:
     return leaf
 
 
+_PLAIN = {np.ndarray, np.float64, np.bool_, float, int, bool, str, type(None)}
+
+
 def is_traced(*trees: Any) -> bool:
     """Whether any leaf is under a JAX transformation, so that its value cannot be
     looked at.
     """
-    if all(type(tree) in _PLAIN for tree in trees):  # most calls
-        return False
     tracer = getattr(getattr(sys.modules.get("jax"), "core", None), "Tracer", None)
-    return tracer is not None and any(_holds(tree, tracer) for tree in trees)
-
-
-_PLAIN = {np.ndarray, np.float64, np.bool_, float, int, bool, str, type(None)}
+    if tracer is None:
+        return False
+    # one loop in place of a call for each part: this is asked hundreds of times a point
+    waiting, lists = list(trees), set()
+    while waiting:
+        tree = waiting.pop()
+        if type(tree) in _PLAIN:
+            continue
+        if isinstance(tree, tuple):
+            waiting.extend(tree)
+        elif isinstance(tree, (list, dict)):  # of which one may hold itself
+            if id(tree) not in lists:
+                lists.add(id(tree))
+                waiting.extend(tree.values() if isinstance(tree, dict) else tree)
+        elif isinstance(tree, Tree):
+            waiting.extend(vars(tree).values())
+        elif isinstance(tree, tracer) or _holds(tree, tracer):
+            return True
+    return False
 
 
 def _holds(tree: Any, tracer: type) -> bool:
-    if type(tree) in _PLAIN:
-        return False
-    if isinstance(tree, (tuple, list)):
-        return any(_holds(branch, tracer) for branch in tree)
-    if isinstance(tree, (Tree, dict)):
-        return any(
-            _holds(branch, tracer)
-            for branch in (tree if isinstance(tree, dict) else vars(tree)).values()
-        )
-    if isinstance(tree, tracer):
-        return True
+    """Whether a tree that is none of ours holds a tracer."""
     import jax
 
     return any(isinstance(leaf, tracer) for leaf in jax.tree.leaves(tree))

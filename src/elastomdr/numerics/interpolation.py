@@ -49,7 +49,7 @@ def even_cubics(
     xp = namespace(place)
     s = place - left
     # each from an array of one dimension: an eighth of the time of indexing rows
-    cube, square, slope, value = (xp.take(c, left) for c in cubics)
+    cube, square, slope, value = [xp.take(c, left) for c in cubics]
     return ((cube * s + square) * s + slope) * s + value
 
 
