@@ -69,7 +69,8 @@ def test_what_one_over_metre_means_is_asked(tmp_path):
     ):
         em.read_spectrum(file, convention="2d")
     same(em.read_spectrum(file, convention="2d", wave_number="2 pi/lambda"))
-    cycles = em.read_spectrum(file, convention="2d", wave_number="1/lambda")
+    with pytest.warns(UserWarning, match="rms slope of 11.4 is unlike"):
+        cycles = em.read_spectrum(file, convention="2d", wave_number="1/lambda")
     np.testing.assert_allclose(cycles.rms_slope, (2 * np.pi) ** 2 * SLOPE, rtol=ROUND)
     with pytest.raises(em.InputError, match="which is 2 pi/lambda"):
         em.read_spectrum(
@@ -200,9 +201,10 @@ def test_what_is_mended_is_reported(tmp_path):
             write(tmp_path, ["q [rad/m],C [m^4]"], Q, c), convention="2d"
         ).report
     )
-    wrong = em.read_spectrum(
-        write(tmp_path, ["q [rad/m],C [m^4]"], Q, 1e4 * C), convention="2d"
-    )
+    with pytest.warns(UserWarning, match="unlike a real surface's"):
+        wrong = em.read_spectrum(
+            write(tmp_path, ["q [rad/m],C [m^4]"], Q, 1e4 * C), convention="2d"
+        )
     assert "unlike a real surface" in wrong.report[0]
 
 
@@ -340,7 +342,8 @@ def test_a_scene_without_cutoffs_says_what_is_taken_and_what_is_usual(tmp_path):
     write(tmp_path, ["q [rad/m],C [m^4]"], q, 1e-7 * (q / q[0]) ** -3.6)
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE.format(keys='file = "road.csv"\nconvention = "2d"'))
-    shape = arguments("friction", str(scene))["shape"]
+    with pytest.warns(UserWarning, match="are units, convention and cutoffs right"):
+        shape = arguments("friction", str(scene))["shape"]
     text = em.friction(
         em.StandardSolid(1e6, 3e6, 1e-3), shape, velocity=1.0, pressure=1e6
     ).summary()

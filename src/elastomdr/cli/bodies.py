@@ -347,11 +347,18 @@ class Measured(Surface, tag="file"):
     shortest: Annotated[
         Length | None, "resolution of the instrument: shorter waves are left out"
     ] = None
-    unit: Annotated[Text | None, "unit of the heights, where the file has none"] = None
+    unit: Annotated[
+        Several[Text] | None, "unit of the lengths, or of each column, without one"
+    ] = None
+    columns: Annotated[
+        list[int] | None, "which columns are x (and y) and height, from 1"
+    ] = None
     detrend: Annotated[bool, "whether the mean plane is subtracted"] = True
 
     def make(self, folder: Path) -> Any:
-        options = given(self, "shortest", "unit")
+        options = given(self, "shortest", "columns")
+        if self.unit is not None:
+            options["unit"] = self.unit if len(self.unit) > 1 else self.unit[0]
         if self.pixel_size is not None:
             options["pixel_size"] = (
                 self.pixel_size if len(self.pixel_size) > 1 else self.pixel_size[0]

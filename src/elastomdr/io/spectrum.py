@@ -18,7 +18,7 @@ from ..checks import in_si, plain, positive
 from ..errors import InputError
 from ..surface.spectrum import check_convention
 from ..surface.topography import MeasuredSpectrum, from_spectrum
-from ..units.registry import to_si
+from ..units.registry import is_level, to_si
 from .columns import logarithm
 from .sheets import read_sheet
 from .tables import Head, Table, clean, listed, main_table, splits
@@ -279,6 +279,14 @@ def _columns(table: Table, columns: Any, name: str) -> tuple[Head, Head]:
         )
     first, second = (table.heads[i - 1] for i in columns)
     for head in (first, second):
+        if any(is_level(unit) for _, unit in [("", head.below), *splits(head.title)]):
+            raise InputError(
+                f"path: {name!r} has levels in dB in column {head.place + 1}, "
+                f"{head.title!r}: turn them into numbers first. Levels L re 1e-6 m of "
+                "bands (ISO 13473-4) are C = 1e-12 m^2 10^(L/10)/width with "
+                'convention="1d one-sided", the width of a band being 0.2316 q for '
+                "third octaves and 0.7071 q for octaves, q = 2 pi/lambda [rad/m]."
+            )
         if logarithm(clean(head.title))[0] and not re.search(
             "spac|scale|grid|bin", head.title
         ):

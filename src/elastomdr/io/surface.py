@@ -5,14 +5,16 @@ single spikes.
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import io
+import itertools
 import os
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +25,7 @@ from ..surface.topography import MeasuredSurface, Scan, surface
 from ..units.registry import to_si, usual
 from .data import FitWarning
 from .sheets import read_sheet
-from .tables import Head, clean, main_table, splits
+from .tables import Head, clean, listed, main_table, splits
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -31,12 +33,16 @@ if TYPE_CHECKING:
     Heights = Float[np.ndarray, " n"] | Float[np.ndarray, "n_x n_y"]
 
 _LARGEST = 1e100  # [m]
-_TABLES = (".csv", ".tsv", "")  # names of tables
 # names of tables, or of an instrument's text; other files are an instrument's
-_TEXT = (*_TABLES, ".txt", ".dat")
+_TEXT = (".csv", ".tsv", "", ".txt", ".dat")
 _PATIENCE = 120  # seconds for an instrument's file
 _EVEN = 1e-4  # unevenness of x, relative to its step, that counts as rounding
 _MOST = 4_000_000  # even points along a profile
+_LEAST_TRACE = 64  # points of a profile
+_OVERLAP = 1.5  # times the whole of x, which traces one below the other are together
+# share of points at an x (or place) that came before, and of the rms height by which
+# they may be apart, up to which they are the same place measured again
+_MOST_AGAIN, _MOST_APART = 0.01, 0.1
 _LEFT_OUT = "left out, and bridged"  # ends what is said of dropouts
 _CODES = (9.999, 9.9999, 9.99999, 3.2768, 3.2767)  # digits of -9999, 99999, -32768, ...
 # of the range of all other heights, that such a code is away from them, be it there but
@@ -46,6 +52,10 @@ _MOST_CODES = 0.25  # share of codes above which too little was measured,
 _MOST_SPIKES = 0.02  # and that of spikes
 # different heights beside a code: with fewer, a far one may be the bottom of a groove
 _FEWEST_LEVELS = 16
+# share of the places, and times as often as any other height, from which the end of a
+# type is a code though not far away
+_FREQUENT, _OFTEN = 0.01, 5
+_TYPE_ENDS = (-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1)
 _SPIKE_WIDTH = 3  # points of the widest spike
 _COMMON_SHARE = 0.9  # of all differences over that width, which are below a scale
 # times that scale, above which a spike is none of the surface: 20 standard deviations
@@ -61,7 +71,8 @@ def read_surface(
     path_or_heights: Path_ | Heights | Sequence[Path_ | Heights],
     *,
     pixel_size: PixelSize | Sequence[PixelSize] = None,
-    unit: str | None = None,
+    unit: str | Sequence[str] | None = None,
+    columns: Sequence[int | str] | None = None,
     shortest: float | None = None,
     detrend: bool = True,
 ) -> MeasuredSurface:
@@ -71,7 +82,8 @@ def read_surface(
     A text file (.csv, .tsv, .txt, .dat) holds a profile in two columns, x and height,
     or a map in three, x, y and height, with titles such as "x [mm], height [um]". With
     `pixel_size` it holds heights only: one column for a profile, a matrix for a map.
-    Cells that are empty or no number are holes. Every other file is read by
+    Cells that are empty or no number are holes. Traces one below the other, where x
+    starts again, are scans. What is no such table, and every other file, is read by
     SurfaceTopography (`pip install elastomdr[instruments]`): x3p, sur, plu, opd, al3d,
     vk4, mnt, ibw, gwy, npy, ...
 
@@ -90,7 +102,10 @@ def read_surface(
         pixel_size: distance of neighbouring points [m], or one for each direction of a
             map. Needed for arrays and for files without one. For several scans a list
             with an entry for each, None where the file has it.
-        unit: unit of the lengths in a file that names none, such as "um".
+        unit: unit of the lengths in a file that names none, such as "um", or one for
+            each of its columns.
+        columns: the columns of a table by number from 1 or by title, where it has more:
+            x and height, or x, y and height.
         shortest: shortest wavelength to keep [m], from two steps on.
         detrend: whether to subtract a straight line or plane.
 
@@ -105,10 +120,14 @@ def read_surface(
     if shortest is not None:
         shortest = plain("shortest", shortest)
         positive("shortest", shortest)
-    if unit is not None and not (isinstance(unit, str) and to_si(unit, "length")):
-        raise InputError(
-            f"unit must be a unit of length such as {usual('length')}, got {unit!r}."
-        )
+    units = [unit] if isinstance(unit, str) or unit is None else list(unit)
+    for one in units if unit is not None else []:
+        if not (isinstance(one, str) and to_si(one, "length")):
+            raise InputError(
+                f"unit must be a unit of length such as {usual('length')}, or one for "
+                f"each column, got {unit!r}."
+            )
+    layout = _Layout(units, None if columns is None else list(columns))
     sources: list[Any] = (
         list(path_or_heights) if isinstance(path_or_heights, (list, tuple)) else []
     )
@@ -125,7 +144,9 @@ def read_surface(
             f"got {len(sizes)}."
         )
     scans = [
-        _scan(source, size, unit) for source, size in zip(sources, sizes, strict=True)
+        scan
+        for source, size in zip(sources, sizes, strict=True)
+        for scan in _scans(source, size, layout)
     ]
     paths = [
         Path(source).name
@@ -147,13 +168,45 @@ def read_surface(
         ) from error
 
 
-def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
+class _Layout(NamedTuple):
+    """What the user says of the columns of a table."""
+
+    units: Sequence[str | None]  # one for all, or one for each
+    columns: list[int | str] | None
+
+    def chosen(self, heads: Sequence[Head]) -> list[Head]:
+        """The columns that hold lengths: those named, or all."""
+        if self.columns is None:
+            return list(heads)
+        return [_column(name, heads, self.columns) for name in self.columns]
+
+    def unit(self, place: int, count: int) -> str | None:
+        """The unit given for one of `count` columns."""
+        if len(self.units) not in (1, count):
+            raise InputError(
+                f"unit must be one unit, or one for each of the {count} columns, got "
+                f"{len(self.units)}."
+            )
+        return self.units[place if len(self.units) > 1 else 0]
+
+
+def _column(name: int | str, heads: Sequence[Head], columns: list[int | str]) -> Head:
+    for head in heads:
+        if name in (head.place + 1, head.title.strip()) and name is not True:
+            return head
+    raise InputError(
+        f"columns must be numbers from 1 to {len(heads)} or titles of {listed(heads)}, "
+        f"got {columns!r:.200}."
+    )
+
+
+def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
         try:
             if path.suffix.lower() not in _TEXT:
-                return _from_instrument(path, pixel_size, unit)
-            return _from_text(path, pixel_size, unit)
+                return [_from_instrument(path, pixel_size, layout)]
+            return _from_text(path, pixel_size, layout)
         except InputError as error:
             message = str(error)
             raise InputError(
@@ -161,10 +214,10 @@ def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
                 if message.startswith("path")
                 else f"path: {path.name!r}: {message}"
             ) from error
-    if unit is not None:
+    if layout != _Layout([None], None):
         raise InputError(
-            "unit goes with a file; heights of an array are in metres, got "
-            f"unit={unit!r}."
+            "unit goes with a file, as columns do; heights of an array are in metres, got "
+            f"unit={layout.units!r}, columns={layout.columns!r}."
         )
     if np.iscomplexobj(source):
         raise InputError("heights must be real numbers [m], got complex ones.")
@@ -179,7 +232,7 @@ def _scan(source: Any, pixel_size: Any, unit: str | None) -> Scan:
         raise InputError(
             f"heights must have the shape (n,) or (n_x, n_y), got {height.shape}."
         )
-    return _even(height, pixel_size, "heights")
+    return [_even(height, pixel_size, "heights")]
 
 
 def _even(
@@ -221,24 +274,26 @@ def _below(lengths: np.ndarray, source_words: str) -> None:
         )
 
 
-def _from_text(path: Path, pixel_size: Any, unit: str | None) -> Scan:
+def _from_text(path: Path, pixel_size: Any, layout: _Layout) -> list[Scan]:
     try:
         table = main_table(read_sheet(path), 2 if pixel_size is None else 1)
     except InputError:
         table = None
         if not path.is_file():
             raise
-    if table is None or (pixel_size is None and len(table.heads) not in (2, 3)):
-        if path.suffix.lower() not in _TABLES and _can_read_instruments():
-            return _from_instrument(path, pixel_size, unit)
+    heads = [] if table is None else layout.chosen(table.heads)
+    if table is None or (pixel_size is None and len(heads) not in (2, 3)):
+        if _can_read_instruments():
+            with contextlib.suppress(InputError):
+                return [_from_instrument(path, pixel_size, layout)]
         got = (
-            f"{len(table.heads)} in {path.name!r}"
+            f"{len(heads)} in {path.name!r}"
             if table
             else f"{path.name!r} without a row of two numbers"
         )
         raise InputError(
             "path must be a table with two columns (x, height) or three (x, y, "
-            f"height), got {got}; a matrix of "
+            f"height), got {got}; columns=[N, M] selects some, and a matrix of "
             "heights needs pixel_size."
         )
     for row in table.rows:
@@ -249,22 +304,24 @@ def _from_text(path: Path, pixel_size: Any, unit: str | None) -> Scan:
             )
     data = np.stack(
         [
-            table.column(head.place) * _metres(head, unit, path.name)
-            for head in table.heads
+            table.column(head.place)
+            * _metres(head, layout.unit(i, len(heads)), path.name)
+            for i, head in enumerate(heads)
         ],
         axis=1,
     )
     if pixel_size is not None:
-        return _even(data[:, 0] if data.shape[1] == 1 else data, pixel_size, "heights")
+        heights = data[:, 0] if data.shape[1] == 1 else data
+        return [_even(heights, pixel_size, "heights")]
     _below(data, "columns")
-    return _profile(data[:, 0], data[:, 1]) if data.shape[1] == 2 else _grid(data)
+    return _profiles(data[:, 0], data[:, 1]) if len(heads) == 2 else [_grid(data)]
 
 
 def _can_read_instruments() -> bool:
     return importlib.util.find_spec("SurfaceTopography") is not None
 
 
-def _from_instrument(path: Path, pixel_size: Any, unit: str | None) -> Scan:
+def _from_instrument(path: Path, pixel_size: Any, layout: _Layout) -> Scan:
     if not _can_read_instruments():
         raise InputError(
             "path must be a table of heights (.csv, .tsv, .txt, .dat), got "
@@ -273,7 +330,7 @@ def _from_instrument(path: Path, pixel_size: Any, unit: str | None) -> Scan:
             "elastomdr[instruments]."
         )
     x, y, height, sized, unit_of_file = _read_instrument(path)
-    given = unit_of_file or unit
+    given = unit_of_file or layout.unit(0, 1)
     if given is None:
         raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
     metres = _length(given, path.name)
@@ -332,6 +389,52 @@ def _read_instrument(
         )
 
 
+def _profiles(x: np.ndarray, height: np.ndarray) -> list[Scan]:
+    """The traces of a table, one below the other where x starts again or turns."""
+    along = np.sign(np.diff(x))
+    moved = np.maximum.accumulate(np.where(along != 0, np.arange(along.size), 0))
+    along = along[moved]  # a place that is measured twice is no turn
+    turns = np.flatnonzero(along[1:] * along[:-1] < 0) + 1
+    edges = np.concatenate([[0], turns, [along.size]])
+    # a single step against the others leads back to the start of x
+    traces = [
+        slice(first, last + 1)
+        for first, last in itertools.pairwise(edges)
+        if last - first > 1
+    ]
+    spans = [np.ptp(x[trace]) for trace in traces]
+    if (
+        len(traces) < 2
+        or min(trace.stop - trace.start for trace in traces) < _LEAST_TRACE
+        or sum(spans) < _OVERLAP * np.ptp(x)
+    ):
+        return [_profile(x, height)]
+    scans = [_profile(x[trace], height[trace].copy()) for trace in traces]
+    said = f"x starts again: read as {len(scans)} traces of one surface"
+    return [scans[0]._replace(report=(said, *scans[0].report)), *scans[1:]]
+
+
+def _means(
+    place: np.ndarray, height: np.ndarray, size: int, words: str, report: list[str]
+) -> np.ndarray:
+    """The mean height at each of `size` places, NaN where there is none. Raises
+    `InputError` where many places come again with other heights.
+    """
+    count = np.bincount(place, minlength=size)
+    mean = np.bincount(place, height, minlength=size) / np.where(count, count, np.nan)
+    again = height.size - np.count_nonzero(count)
+    apart = float(np.std(height - mean[place])) if again else 0.0
+    if again > _MOST_AGAIN * height.size and apart > _MOST_APART * np.std(height):
+        raise InputError(
+            f"{words} must not come again with other heights, got {again} of "
+            f"{height.size} points at {words} that came before, {apart:.3g} m (rms) "
+            "from their mean: give several scans one by one, as a list."
+        )
+    if again:
+        report.append(f"{again} points at {words} that came before: heights averaged")
+    return mean
+
+
 def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
     """An even profile from points in any order."""
     order = np.argsort(x, kind="stable")
@@ -348,15 +451,12 @@ def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
     if (np.diff(x) < 0).any():
         report.append("x was not ascending: sorted")
     x, place = np.unique(x, return_inverse=True)
-    if x.size < place.size:
-        report.append(
-            f"{place.size - x.size} points at an x that came before: heights averaged"
-        )
-    height = np.bincount(place, height) / np.bincount(place)
-    if x.size < 64:
+    if x.size < _LEAST_TRACE:
         raise InputError(
-            f"a profile must have 64 points or more at different x, got {x.size}."
+            f"a profile must have {_LEAST_TRACE} points or more at different x, got "
+            f"{x.size}."
         )
+    height = _means(place, height, x.size, "an x", report)
     n = round(float((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
     if n > _MOST:
         raise InputError(
@@ -394,12 +494,7 @@ def _grid(data: np.ndarray) -> Scan:
     if not any((np.diff(k) >= 0).all() for k in rows):
         report.append("points did not come row by row: sorted")
     place, known = i * y.size + j, np.isfinite(data[:, 2])
-    again = place.size - np.unique(place).size
-    if again:
-        report.append(f"{again} points at a place that came before: heights averaged")
-    count = np.bincount(place[known], minlength=x.size * y.size)
-    total = np.bincount(place[known], data[known, 2], minlength=x.size * y.size)
-    height = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    height = _means(place[known], data[known, 2], x.size * y.size, "a place", report)
     steps = tuple(float((axis[-1] - axis[0]) / (axis.size - 1)) for axis in (x, y))
     grid, dropouts = without_dropouts(height.reshape(x.size, y.size))
     return Scan(grid, steps, (*report, *dropouts))
@@ -484,7 +579,9 @@ def _take_codes(height: np.ndarray, codes: dict[float, int]) -> None:
 
     A code is the lowest or the highest value, is there twice or more, bit for bit, and
     is further from all other heights than these are from each other; those in use may
-    be there once, and a fifth as far.
+    be there once, and a fifth as far. One that is in use, or the end of a type of whole
+    numbers, may be next to the others if it is at a hundredth of the places and five
+    times as often as any other.
     """
     while True:
         value, count = _code(height[np.isfinite(height)])
@@ -502,11 +599,12 @@ def _code(height: np.ndarray) -> tuple[float, int]:
         usual = _is_usual_code(value)
         if (count < 2 and not usual) or not rest.size:
             continue
-        apart = np.abs(rest - value).min()
-        if (
-            apart > np.ptp(rest) * (_USUAL if usual else 1.0)
-            and np.unique(rest).size >= _FEWEST_LEVELS
-        ):
+        levels, often = np.unique(rest, return_counts=True)
+        if levels.size < _FEWEST_LEVELS:
+            continue
+        far = np.abs(rest - value).min() > np.ptp(rest) * (_USUAL if usual else 1.0)
+        frequent = count >= max(_FREQUENT * height.size, _OFTEN * often.max())
+        if far or (frequent and (usual or _ends_type(value, levels))):
             return float(value), count
     return 0.0, 0
 
@@ -515,6 +613,15 @@ def _is_usual_code(value: float) -> bool:
     """Whether a height is a code that is in use, in whatever unit of ten."""
     digits = abs(value) / 10.0 ** np.floor(np.log10(abs(value))) if value else 0.0
     return bool(np.isclose(digits, _CODES, rtol=1e-6, atol=0).any())
+
+
+def _ends_type(value: float, levels: np.ndarray) -> bool:
+    """Whether a height is the first or the last whole number of a type, in steps
+    between heights.
+    """
+    step = np.diff(levels).min()
+    counts = value / step
+    return any(abs(counts / end - 1) < 1e-6 for end in _TYPE_ENDS)
 
 
 def _take_spikes(height: np.ndarray) -> float:

@@ -178,23 +178,31 @@ def _table(
     sheet: Sheet, above: list[Row], rows: list[Row], before: Table | None
 ) -> Table:
     width = Counter(len(row.cells) for row in islice(rows, 400)).most_common(1)[0][0]
+    # columns up to the last one that holds anything: lines may end with separators
+    filled = width
+    while filled > 1 and not any(row.cells[filled - 1 : filled] > [""] for row in rows):
+        filled -= 1
     titles, units = (
-        _header(sheet, above, width, True) if width <= MOST_COLUMNS else ([], [])
+        _header(sheet, above, filled, True) if width <= MOST_COLUMNS else ([], [])
     )
-    if not titles and before is not None and len(before.heads) == width:
+    if not titles and before is not None and len(before.heads) == filled:
         heads = before.heads
     # a remark may have been cut at its commas: narrower than the table is the second
     # choice
     else:
         if not titles and width <= MOST_COLUMNS:
-            titles, units = _header(sheet, above, width, False)
+            titles, units = _header(sheet, above, filled, False)
         titles, units = (
-            [*cells, *[""] * (width - len(cells))] for cells in (titles, units)
+            [*cells, *[""] * (filled - len(cells))] for cells in (titles, units)
         )
+        while len(titles) > filled and not titles[-1]:
+            titles = titles[:-1]
         heads = [
             Head(i, title, units[i] if i < len(units) else "")
             for i, title in enumerate(titles)
         ]
+    if len(heads) < width:
+        rows = [row._replace(cells=row.cells[: len(heads)]) for row in rows]
     return Table(heads, rows, above, width if sheet.separator == " " else 0)
 
 

@@ -35,7 +35,7 @@ from .spectrum import AbstractSpectrum, Spectrum
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import Convention, Number
+    from .._types import Convention, Number, Scalar
 
 
 _NODES = 10  # per decade of q
@@ -60,11 +60,13 @@ _NOISE = 8.0  # C over the noise that is kept
 _STEEP = -6.0  # exponent of C below which an instrument did not resolve the waves
 # change of the exponent from band to band at which a spectrum ends at once
 _CLIFF = 2.5
-_STEEPEST = 3.0  # rms slope above which units are doubted
 # Peklenik number from which there is a Python warning; skewness likewise, and how many
 # of its standard errors it must be
 _UNEQUAL = 1.2
 _SKEWED, _CERTAIN = 0.3, 2.5
+# standard deviations beyond which a height is an outlier, and share of the points up to
+# which such are left out of skewness and kurtosis
+_FAR, _FEW = 6.0, 1e-3
 _ALIKE = 1.25  # ratio of the lowest wave numbers of scans that begin alike
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 _HOLE = 5  # points across a hole from which on its bridge holds no short waves
@@ -77,8 +79,9 @@ _LEAST = {1: 64, 2: 16}  # points along each direction
 _SAME = 1e-9  # relative distance of two wave numbers that count as one
 _CHANGED = "changed after it was read"  # how the report of such a surface begins
 _APART = 10  # times more or less than the neighbours say: reported
-# rms slopes beyond which a table is doubted: of polished surfaces and of the roughest
-# roads
+# rms slopes beyond which units are doubted: of polished surfaces and of the roughest
+# roads; and lengths of a profile and of a map likewise [m]
+_LONGEST = {1: 1e4, 2: 10.0}
 _SLOPES = (1e-3, 3.0)
 
 
@@ -178,7 +181,7 @@ def surface(
     highest = _highest(ready, waves, limits, shortest)
     alone = [_fitted([each], [high]) for each, high in zip(waves, highest, strict=True)]
     fit = _fitted(waves, highest) if several else alone[0]
-    _check_metres(fit)
+    doubts = _doubts_of_size(fit, ready)
     widest = int(np.argmin([each.first for each in waves]))
     height = float(ready[widest].height.std())
 
@@ -192,6 +195,7 @@ def surface(
         for name, limit in zip(names, limits, strict=True)
         if limit.reason
     ]
+    report += doubts
     report += [_overlap(alone)] if several else []
     report.append(_heights(fit, height))
     asymmetry = [
@@ -273,24 +277,19 @@ def _mended(scan: Scan, detrend: bool) -> Scan:
     if missing.all():
         raise InputError("heights must be numbers, got none that is finite.")
     report += _coarse(height[~missing])
-    if missing.any() and height.ndim == 1:
-        x = np.arange(height.size)
-        height = np.interp(x, x[~missing], height[~missing])
-        report.append(
-            f"{int(missing.sum())} of {missing.size} points without a value "
-            "bridged "
-            "by straight lines"
-        )
-    elif missing.any():
-        report.append(
-            f"{int(missing.sum())} of {missing.size} points without a value "
-            "bridged "
-            "smoothly"
-        )
+    # holes are bridged about the plane: on a slope their bridges would be steps
+    plane = _plane(height, ~missing)
+    height = height - plane
+    if missing.any():
         height = _bridged(height)
+        ways = "by straight lines" if height.ndim == 1 else "smoothly"
+        report.append(
+            f"{int(missing.sum())} of {missing.size} points without a value bridged "
+            f"{ways}"
+        )
+    if not detrend:
+        height = height + plane
     height = height - height.mean()
-    if detrend:
-        height = _without_trend(height)
     # What rounding leaves of a plane is no roughness.
     if not height.std() > 1e-12 * np.abs(np.where(missing, 0, scan.height)).max():
         raise InputError(
@@ -322,16 +321,23 @@ def _check_size(shape: tuple[int, ...]) -> None:
     raise InputError(f"heights: {kind} or more, got {size}{hint}.")
 
 
-def _without_trend(height: np.ndarray) -> np.ndarray:
-    """Heights about zero less their straight line or plane, whose directions are
-    orthogonal on an even grid.
-    """
-    for axis, n in enumerate(height.shape):
-        others = [i for i in range(height.ndim) if i != axis]
-        x = np.expand_dims(np.arange(n) - (n - 1) / 2, others)
-        square = (x**2 * np.ones(height.shape)).sum()
-        height = height - x * (x * height).sum() / square
-    return height
+def _plane(height: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """The straight line or plane through the known points, by least squares."""
+    along = [np.ones(())]
+    along += [
+        np.expand_dims(
+            np.linspace(-1, 1, n), [i for i in range(height.ndim) if i != axis]
+        )
+        for axis, n in enumerate(height.shape)
+    ]
+    heights = np.where(known, height, 0.0)
+    products = [[(one * other * known).sum() for one in along] for other in along]
+    sums = [(one * heights).sum() for one in along]
+    shares = np.linalg.lstsq(np.array(products), np.array(sums))[0]
+    plane = np.zeros(height.shape)
+    for share, one in zip(shares, along, strict=True):
+        plane += share * one
+    return plane
 
 
 def _waves(scan: Scan) -> _Waves:
@@ -519,14 +525,37 @@ def _expected(waves: _Waves, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-def _check_metres(fit: _Fit) -> None:
+def _doubts_of_size(fit: _Fit, scans: Sequence[Scan]) -> list[str]:
+    """What makes one doubt that heights and steps are in metres, with a warning. Raises
+    `InputError` for slopes that no surface has.
+    """
     slope = _moment(fit, 3) ** 0.5
-    if slope > _STEEPEST:
+    if slope > _SLOPES[1]:
         raise InputError(
-            f"heights must have an rms slope of {_STEEPEST:g} or less, got "
+            f"heights must have an rms slope of {_SLOPES[1]:g} or less, got "
             f"{slope:.3g}: heights or pixel_size may be "
             "in the wrong unit."
         )
+    doubts = _unlike(slope, "are heights and pixel_size in the right unit")
+    for scan in scans:
+        side = max(n * d for n, d in zip(scan.height.shape, scan.steps, strict=True))
+        if side > _LONGEST[scan.height.ndim]:
+            doubts.append(
+                f"a scan is {side:.3g} m long: is pixel_size in the right unit?"
+            )
+    for sentence in doubts:
+        warn(sentence, UserWarning)
+    return doubts
+
+
+def _unlike(slope: Scalar, question: str) -> list[str]:
+    """What there is to say of an rms slope that no real surface has."""
+    if _SLOPES[0] <= slope <= _SLOPES[1]:
+        return []
+    return [
+        f"an rms slope of {slope:.3g} is unlike a real surface's, {_SLOPES[0]:g} to "
+        f"{_SLOPES[1]:g}: {question}?"
+    ]
 
 
 def _moment(fit: _Fit, power: int) -> float:
@@ -608,11 +637,13 @@ class _Moments(NamedTuple):
     skewness: float
     error: float  # standard error of the skewness if the heights are Gaussian
     kurtosis: float
+    outliers: int = 0  # points that were left out of these numbers
 
 
 def _moments(scan: Scan, waves: _Waves, low: float, high: float) -> _Moments:
     """Of the heights between two wave numbers [rad/m]."""
-    spread = np.fft.rfftn(scan.height)
+    height, outliers = _without_outliers(scan.height)
+    spread = np.fft.rfftn(height)
     q = waves.q.reshape(spread.shape)
     kept = np.where(_within(q, low, high), spread, 0.0)
     axes = tuple(range(scan.height.ndim))
@@ -625,7 +656,20 @@ def _moments(scan: Scan, waves: _Waves, low: float, high: float) -> _Moments:
         float(np.mean(heights**3) / variance**1.5),
         float((6 / independent) ** 0.5),
         float(np.mean(heights**4) / variance**2),
+        outliers,
     )
+
+
+def _without_outliers(height: np.ndarray) -> tuple[np.ndarray, int]:
+    """Heights with a bridge in place of the few that stand far out, and how many these
+    are: one speck of dust makes a skewness of its own, which says nothing of the
+    surface.
+    """
+    apart = np.abs(height - np.median(height))
+    far = apart > _FAR * np.median(apart) / 0.6745  # deviations of a Gaussian
+    if not far.any() or far.mean() > _FEW:
+        return height, 0
+    return _bridged(np.where(far, np.nan, height)), int(far.sum())
 
 
 def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
@@ -647,6 +691,11 @@ def _asymmetry(scan: Scan, waves: _Waves, highest: float) -> _Asymmetry:
         f"{longer.skewness:.2f}, {longer.kurtosis:.2f}; shorter {shorter.skewness:.2f}, "
         f"{shorter.kurtosis:.2f}"
     )
+    if whole.outliers:
+        words += (
+            f"; {whole.outliers} of {scan.height.size} points stand more than {_FAR:g} "
+            "times the rms height out and are left out of these numbers: dust, or pits?"
+        )
     return _Asymmetry(whole.skewness, whole.error, words)
 
 
@@ -786,8 +835,8 @@ def _coarse(height: np.ndarray) -> list[str]:
 
 
 def _bridged(height: np.ndarray) -> np.ndarray:
-    """A map with its holes filled as by a membrane: each point there is about the mean
-    of its four neighbours.
+    """Heights with their holes filled: of a profile by straight lines; of a map as by a
+    membrane, each point there about the mean of its four neighbours.
 
     From a map of half the points, bridged in the same way, so that a hole of any size
     needs few passes.
@@ -795,6 +844,9 @@ def _bridged(height: np.ndarray) -> np.ndarray:
     missing = ~np.isfinite(height)
     if not missing.any():
         return height
+    if height.ndim == 1:
+        x = np.arange(height.size)
+        return np.interp(x, x[~missing], height[~missing])
     padded = np.pad(height, [(0, n % 2) for n in height.shape], constant_values=np.nan)
     blocks = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2)
     count = np.isfinite(blocks).sum(axis=(1, 3))
@@ -974,13 +1026,10 @@ def from_spectrum(
     spectrum = Spectrum(q, c, convention=convention)
     if low is not None or high is not None:
         spectrum = _cut(spectrum, low, high, report)
-    slope = spectrum.rms_slope
-    if not _SLOPES[0] <= slope <= _SLOPES[1]:
-        report.append(
-            f"an rms slope of {slope:.3g} is unlike a real surface's, "
-            f"{_SLOPES[0]:g} to {_SLOPES[1]:g}: are "
-            "units, convention and cutoffs right?"
-        )
+    doubts = _unlike(spectrum.rms_slope, "are units, convention and cutoffs right")
+    for sentence in doubts:
+        warn(sentence, UserWarning)
+    report += doubts
     if low is None or high is None:
         report.append(_asks_for_cutoffs(spectrum, low, high))
     return MeasuredSpectrum(

@@ -78,6 +78,11 @@ _ALIASES = {  # in small letters, without blanks
     "1": "",
     "none": "",
 }
+_ALIASES.update(
+    (f"{prefix}met{ending}", f"{prefix}meter")
+    for prefix in ("nano", "micro", "milli")
+    for ending in ("er", "ers", "re", "res")
+)
 _OTHERS = ("N", "N*m")  # units of columns that are passed over
 
 
@@ -111,9 +116,11 @@ def to_si(spelling: str, kind: str) -> tuple[float, float] | None:
         else 1.0
     )
     si = _pint(KINDS[kind][0])
-    zero, one = (
-        float(registry().Quantity(x, unit).to(si).magnitude) for x in (0.0, 1.0)
+    zero, one, two = (
+        float(registry().Quantity(x, unit).to(si).magnitude) for x in (0.0, 1.0, 2.0)
     )
+    if abs(two - 2 * one + zero) > 1e-9 * abs(two):  # a level, such as dB
+        return None
     return (round(one - zero, 12) if zero else one) * turns, zero
 
 
@@ -127,9 +134,16 @@ def quantity_of(values: Any, spelling: str) -> Any:
 
 def is_unit(cell: str) -> bool:
     """Whether a cell holds a unit and nothing else; an empty one does not."""
-    return any(_parsed(cell, kind) is not None for kind in KINDS) or any(
-        _alike(cell, unit) for unit in _OTHERS
+    return (
+        is_level(cell)
+        or any(_parsed(cell, kind) is not None for kind in KINDS)
+        or any(_alike(cell, unit) for unit in _OTHERS)
     )
+
+
+def is_level(unit: str) -> bool:
+    """Whether a unit is that of a level, such as dB re 1e-6 m."""
+    return re.match(r"dB(?![A-Za-z])", _plain(unit)) is not None
 
 
 def usual(kind: str) -> str:
@@ -190,6 +204,8 @@ def _pint(spelling: str) -> Any:
     if not re.search("[A-Za-zµ°%]", word):
         return registry().parse_units("") if not word and spelling.strip() else None
     try:
-        return registry().parse_units(word)
+        unit = registry().parse_units(word)
+        # some that pint reads have none: products with dB
+        return unit if unit.dimensionality is not None else None
     except Exception:  # pint lets errors of its parser through, of many types
         return None
