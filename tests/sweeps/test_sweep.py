@@ -28,6 +28,7 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.sweeps import grid as grids
 from elastomdr.sweeps import run, store
+from elastomdr.sweeps.identity import described, difference, not_comparable
 
 pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
 VELOCITY = np.logspace(-3, 1, 7)
@@ -222,22 +223,355 @@ def test_a_store_of_other_inputs_is_refused(tmp_path, monkeypatch):
         em.sweep(**scene(store=tmp_path / "runs.zarr"))
 
 
-def test_a_function_is_known_by_its_code(tmp_path):
-    def of(size, model="averaged"):
-        def call(material, shape, **rest):
-            return em.friction(material, size, model=model, **rest)
+# a script before "->" what is changed in it, to what, and what is said of it
+SCRIPTS = {
+    "a global": (
+        """
+        RADIUS = 0.01
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RADIUS), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RADIUS was 0\.01 and is 0\.03"),
+    ),
+    "code": (
+        """
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(0.01), **rest)
+        """,
+        ("0.01", "0.03", r"call\.code was"),
+    ),
+    "the names of arguments": (
+        """
+        def call(a, b, *, material, **rest):
+            return em.friction(material, em.Sphere(a - b), **rest)
+        """,
+        ("(a, b,", "(b, a,", r"call\.code was"),
+    ),
+    "a default": (
+        """
+        def call(material, radius=0.01, **rest):
+            return em.friction(material, em.Sphere(radius), **rest)
+        """,
+        ("0.01", "0.03", r"call\.defaults\[0\] was"),
+    ),
+    "a helper of a helper": (
+        """
+        def radius(): return 0.01
+        def ball(): return em.Sphere(radius())
+        def call(material, **rest): return em.friction(material, ball(), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.ball\.uses\.radius\.code was"),
+    ),
+    "functions that call each other": (
+        """
+        def odd(n): return 0.01 if n == 0 else even(n - 1)
+        def even(n): return 0.02 if n == 0 else odd(n - 1)
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(odd(3)), **rest)
+        """,
+        ("0.02", "0.03", r"call\.uses\.odd\.uses\.even\.code was"),
+    ),
+    "a global of a function within": (
+        """
+        RADIUS = 0.01
+        def call(material, **rest):
+            ball = lambda: [em.Sphere(RADIUS) for _ in (1,)][0]
+            return em.friction(material, ball(), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RADIUS was"),
+    ),
+    "a lambda": (
+        """
+        RADIUS = 0.01
+        call = lambda material, **rest: em.friction(material, em.Sphere(RADIUS), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RADIUS was"),
+    ),
+    "a partial": (
+        """
+        import functools
+        friction = functools.partial(em.friction, shape=em.Sphere(0.01))
+        def call(material, **rest): return friction(material, **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.friction.*radius was"),
+    ),
+    "an object of a method": (
+        """
+        class Rig:
+            def __init__(self, radius): self.radius = radius
+            def call(self, material, **rest):
+                return em.friction(material, em.Sphere(self.radius), **rest)
+        call = Rig(0.01).call
+        """,
+        ("0.01", "0.03", r"call.*\.radius was 0\.01"),
+    ),
+    "a method that a method calls": (
+        """
+        class Base:
+            __slots__ = ("scale",)
+            def radius(self): return 0.01 * self.scale
+        class Rig(Base):
+            def call(self, material, **rest):
+                return em.friction(material, em.Sphere(self.radius()), **rest)
+        rig = Rig()
+        rig.scale = 1.0
+        call = rig.call
+        """,
+        ("0.01", "0.03", r"call.*\.radius\.code was"),
+    ),
+    "a slot": (
+        """
+        class Rig:
+            __slots__ = ("radius",)
+        RIG = Rig()
+        RIG.radius = 0.01
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RIG.radius), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RIG.* was .*0\.01"),
+    ),
+    "a property": (
+        """
+        class Rig:
+            @property
+            def radius(self): return 0.01
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(Rig().radius), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.Rig\.radius\.functions\[0\]\.code was"),
+    ),
+    "what is decorated": (
+        """
+        import functools
+        def twice(function):
+            @functools.wraps(function)
+            def wrapper(*given, **named): return function(*given, **named)
+            return wrapper
+        @twice
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(0.01), **rest)
+        """,
+        ("0.01", "0.03", r"call.*\.code was"),
+    ),
+    "what wears the name of a verb": (
+        """
+        import functools
+        @functools.wraps(em.friction)
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(0.01), **rest)
+        """,
+        ("0.01", "0.03", r"call\.code was"),
+    ),
+    "what is cached": (
+        """
+        import functools
+        @functools.lru_cache
+        def ball(): return em.Sphere(0.01)
+        def call(material, **rest): return em.friction(material, ball(), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.ball\.function\.code was"),
+    ),
+    "a dictionary": (
+        """
+        RIGS = {"a": {1: [0.01, None]}}
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RIGS["a"][1][0]), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RIGS\.a\.\(1\)\[0\] was 0\.01"),
+    ),
+    "objects in an array": (
+        """
+        import numpy as np
+        RADII = np.array([0.01, None], dtype=object)
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RADII[0]), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RADII\[0\] was 0\.01"),
+    ),
+    "an object of another package": (
+        """
+        import pandas
+        RIG = pandas.DataFrame({"radius": [0.01]})
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RIG["radius"][0]), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RIG.* was"),
+    ),
+    "an attribute of a function": (
+        """
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(call.radius), **rest)
+        call.radius = 0.01
+        """,
+        ("0.01", "0.03", r"call\.attributes\.radius was"),
+    ),
+    "a class that repr does not tell apart": (
+        """
+        class Rig:
+            def __init__(self, radius): self.radius = radius
+            def __repr__(self): return "Rig()"
+        RIG = Rig(0.01)
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RIG.radius), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RIG\.radius was"),
+    ),
+    "a list in itself": (
+        """
+        RADII = [0.01]
+        RADII.append(RADII)
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RADII[0]), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RADII\[0\] was"),
+    ),
+}
 
-        return call
 
-    em.sweep(**scene(call=of(em.Sphere(0.01)), store=tmp_path / "runs.zarr"))
-    em.sweep(**scene(call=of(em.Sphere(0.01)), store=tmp_path / "runs.zarr"))
-    for other in (
-        of(em.Sphere(0.02)),
-        of(em.Sphere(0.01), "line"),
-        lambda *places, **rest: em.friction(*places),
-    ):
-        with pytest.raises(em.InputError, match=r"call was .*code .* and is .*code"):
-            em.sweep(**scene(call=other, store=tmp_path / "runs.zarr"))
+def run_as_script(text):
+    """The globals of a script, as an interpreter or a notebook has them."""
+    space = {"__name__": "__main__", "em": em}
+    exec(textwrap.dedent(text), space)
+    return space
+
+
+@pytest.mark.parametrize(
+    ("script", "change"), SCRIPTS.values(), ids=list(SCRIPTS.keys())
+)
+def test_whatever_a_call_refers_to_is_part_of_it(script, change):
+    old, new, said = change
+    assert script.count(old) == 1
+    made, same, other = (
+        json.loads(json.dumps(described(run_as_script(text)["call"])))
+        for text in (script, "\n\n" + script, script.replace(old, new))
+    )
+    assert not difference(made, same, "call")
+    assert re.match(said, difference(made, other, "call"))
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        "import rig\ndef call(): return rig.geometry.ball()",
+        "from rig import geometry\ndef call(): return geometry.ball()",
+        "from rig.geometry import ball\ndef call(): return ball()",
+        "def call():\n import rig.geometry\n return rig.geometry.ball()",
+        "def call():\n import rig.geometry as g\n return g.ball()",
+        "def call():\n from rig.geometry import ball\n return ball()",
+        "def call():\n from rig import geometry\n return geometry.ball()",
+    ],
+)
+def test_modules_of_the_user_are_part_of_a_call(use, tmp_path, monkeypatch):
+    """Their files, what they import relatively, and values that are set at run time."""
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("rig", "rig.geometry", "rig.sizes"):
+        monkeypatch.setitem(sys.modules, name, None)
+
+    def told(radius, scale=1.0):
+        for name in [name for name in sys.modules if name.partition(".")[0] == "rig"]:
+            del sys.modules[name]
+        folder = tmp_path / str(radius) / "rig"
+        folder.mkdir(parents=True, exist_ok=True)
+        monkeypatch.syspath_prepend(folder.parent)
+        (folder / "__init__.py").write_text("from . import geometry")
+        (folder / "sizes.py").write_text(f"SCALE = 1.0\nRADIUS = {radius}")
+        (folder / "geometry.py").write_text(
+            "from . import sizes\ndef ball():\n"
+            "    from .sizes import RADIUS\n    return RADIUS * sizes.SCALE"
+        )
+        call = run_as_script(use)["call"]
+        assert call() == radius
+        sys.modules["rig.sizes"].SCALE = scale
+        return json.loads(json.dumps(described(call)))
+
+    assert not difference(told(0.01), told(0.01))
+    assert re.search(
+        r"RADIUS was 0\.01 and is 0\.03", difference(told(0.01), told(0.03))
+    )
+    assert re.search(
+        r"SCALE was 1\.0 and is 2\.0", difference(told(0.01), told(0.01, 2.0))
+    )
+
+
+def test_a_script_that_is_run_twice(tmp_path):
+    """With a helper beside it, which processes that compute have as this one has it."""
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "rig.py").write_text("SCALE = 1.0\ndef radius(): return 0.01 * SCALE")
+    (tmp_path / "script.py").write_text(
+        textwrap.dedent("""
+        import sys
+        import elastomdr as em
+        from elastomdr.sweeps import grid, run
+        import rig
+        grid._POINTS, run._cores = 1, lambda: 2
+        rig.SCALE = float(sys.argv[1])
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(rig.radius()), **rest)
+        try:
+            found = em.sweep(call, {"load": [1.0, 2.0]}, store="runs.zarr", velocity=0.1,
+                             material=em.Prony(1e6, [1e6], [1e-3]), progress=False)
+            print(found.mu.values.tolist())
+        except em.InputError as error:
+            print(error)
+        """)
+    )
+
+    def run_script(scale):
+        return subprocess.run(
+            [sys.executable, str(tmp_path / "script.py"), scale],
+            cwd=tmp_path / "elsewhere",
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+
+    alone = em.friction(
+        em.Prony(1e6, [1e6], [1e-3]), em.Sphere(0.03), load=[1.0, 2.0], velocity=0.1
+    )
+    first = run_script("3.0")
+    np.testing.assert_allclose(json.loads(first), alone.mu, rtol=1e-12)
+    assert run_script("3.0") == first
+    assert "call.uses.rig.radius.uses.SCALE was 3.0 and is 1.0" in run_script("1.0")
+
+
+def test_what_cannot_be_compared_is_not_gone_on_with(tmp_path):
+    """It is said at once, and again where the store is asked for."""
+    with (tmp_path / "radius.txt").open("w+") as file:
+        file.write("0.01")
+
+        def call(material, **rest):
+            file.seek(0)
+            return em.friction(material, em.Sphere(float(file.read())), **rest)
+
+        given = scene(call=call, store=tmp_path / "runs.zarr")
+        del given["shape"]
+        said = r"call\.holds\.file is an object of the type TextIOWrapper, which cannot"
+        with pytest.warns(UserWarning, match=f"cannot be gone on with once .*{said}"):
+            em.sweep(**given)
+        with pytest.raises(em.InputError, match=f"cannot be gone on with: .*{said}"):
+            em.sweep(**given)
+
+
+def test_more_than_can_be_looked_at_is_not_comparable():
+    chain = None
+    for _ in range(10_000):
+        chain = SimpleNamespace(next=chain)
+    assert "nested too deeply" in not_comparable(described(chain))
+    many = [0.5, *({"unknown": 1} for _ in range(200))]
+    assert not not_comparable(described(many))
+    assert "generator" in not_comparable(described([*many, (x for x in many)]))
+
+
+def test_what_says_the_same_is_the_same():
+    """NaN, and packages that are installed, whose version decides."""
+    for value in (np.nan, [np.nan, "a"], {"a": np.nan}, np.sin, np.linalg.norm, np):
+        told = json.loads(json.dumps(described(value)))
+        assert not difference(told, described(value))
+    assert np.__version__ in json.dumps(described(np.linalg.norm))
+    assert np.__version__ in json.dumps(described(np.sin))
+    assert described(em.friction) == "friction"
+    assert described(10**30) == 10**30
+    assert difference(described([10**30, 1]), described([10**30, 2]))
 
 
 def test_what_a_store_is_made_of_is_the_same_in_every_process():
@@ -261,15 +595,11 @@ def test_what_a_store_is_made_of_is_the_same_in_every_process():
         None,
         Path("a"),
     ]
-    told = json.dumps(grids.described(given))
+    told = json.dumps(described(given))
     assert " at 0x" not in told
-    again = json.dumps(grids.described(pickle.loads(pickle.dumps(given))))
+    again = json.dumps(described(pickle.loads(pickle.dumps(given))))
     assert again == told
-    assert (
-        grids.described([1] * 13)
-        == grids.described([1.0] * 13)
-        == grids.described(np.ones(13))
-    )
+    assert described([1] * 13) == described([1.0] * 13) == described(np.ones(13))
 
 
 def test_one_at_a_time(tmp_path):
@@ -556,8 +886,9 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
     # it looks for a lost scheduler for so many seconds
     with cluster, Client(cluster, timeout=1) as client:
         found = em.sweep(**scene(store=tmp_path / "runs.zarr", client=client))
-        with pytest.raises(
-            em.InputError, match="must be such that they can be pickled"
+        with (
+            pytest.warns(UserWarning, match="ReferenceType, which cannot be compared"),
+            pytest.raises(em.InputError, match="must be such that they can be pickled"),
         ):
             em.sweep(
                 **scene(

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import itertools
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping
-from types import CodeType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +16,7 @@ from ..checks import is_traced
 from ..errors import InputError
 from ..material.validity import Draws
 from ..results.base import distinct
-from ..trees import Tree
+from .identity import described
 
 _BODIES = ("shape", "surface")
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature", "direction")
@@ -49,7 +46,6 @@ _SLOW = 50  # of a chunk where every point is solved on lines
 _ON_CELLS = 8  # of a chunk where it is solved in three dimensions: seconds each
 _IMPACTS = 1_000  # of a chunk: a second
 _DRAW = "draw"  # the axis of draws
-_LONG = 100  # entries from which on a list is described by its digest
 
 
 class Axis(NamedTuple):
@@ -302,114 +298,6 @@ def positional(arguments: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
     if places and body:
         places.append(rest.pop(body[0]))
     return places, rest
-
-
-def described(value: Any) -> Any:
-    """A value in JSON, exactly: two are equal if they say the same to a call; long ones
-    by their digest.
-    """
-    if isinstance(value, Draws):
-        return {
-            "": "Draws",
-            "name": value.name,
-            "words": value.words,
-            "each": described(list(value)),
-        }
-    if isinstance(value, Tree) or hasattr(value, "__dataclass_fields__"):
-        return _described_fields(value)
-    if isinstance(value, Mapping):
-        return {str(key): described(each) for key, each in value.items()}
-    if isinstance(value, (list, tuple)) or hasattr(value, "shape"):
-        return _described_list(value)
-    if value is None or isinstance(value, (bool, int, float, str)):
-        return value
-    if hasattr(value, "__code__") and not str(value.__module__).startswith(
-        f"{__name__.split('.')[0]}."
-    ):
-        return _described_function(value)
-    named = hasattr(value, "__name__") or type(value).__repr__ is not object.__repr__
-    if not named and hasattr(value, "__dict__"):
-        return _described_fields(value)
-    return getattr(value, "__name__", None) or repr(value)
-
-
-def _described_fields(value: Any) -> dict[str, Any]:
-    fields = {key: described(each) for key, each in sorted(vars(value).items())}
-    return {"": type(value).__name__} | fields
-
-
-def _described_list(values: Any) -> Any:
-    """A list or an array; numbers by their digest where they are more than twelve."""
-    is_list = isinstance(values, (list, tuple))
-    if is_list and not all(isinstance(each, (int, float)) for each in values):
-        entries = [described(each) for each in values]
-        if len(entries) <= _LONG:
-            return entries
-        digest = _digest(json.dumps(entries).encode())
-        return f"{len(entries)} entries, digest {digest}"
-    array = np.ascontiguousarray(values)
-    if array.size <= 12:
-        return array.tolist() if np.ndim(values) else array.item()
-    array = array.astype(float) if array.dtype.kind in "iu" else array
-    shape = "x".join(map(str, array.shape))
-    ends = f"{array.flat[0]!s} to {array.flat[-1]!s}"
-    return f"{array.dtype} {shape}, {ends}, digest {_digest(array.tobytes())}"
-
-
-def _described_function(function: Any) -> str:
-    """A function of a user, by its code and what it holds."""
-    held = [
-        cell.cell_contents
-        for cell in function.__closure__ or ()
-        if cell.cell_contents is not function
-    ]
-    given = [function.__defaults__, function.__kwdefaults__, *held]
-    code = json.dumps([_code(function.__code__), described(given)])
-    return f"{function.__name__}, code {_digest(code.encode())}"
-
-
-def _code(code: CodeType) -> list[Any]:
-    """What a function of a user does, without where it stands."""
-    constants = [
-        _code(each) if isinstance(each, CodeType) else _constant(each)
-        for each in code.co_consts
-    ]
-    return [code.co_code.hex(), code.co_names, constants]
-
-
-def _constant(value: Any) -> str:
-    return repr(sorted(map(repr, value)) if isinstance(value, frozenset) else value)
-
-
-def _digest(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()[:16]
-
-
-def difference(made: Any, asked: Any, name: str = "") -> str:
-    """Where two identities differ first, in words that name both; an empty text where
-    they do not.
-    """
-    if isinstance(made, dict) and isinstance(asked, dict):
-        entries = (
-            difference(
-                made.get(key), asked.get(key), f"{name}.{key}".strip(".") or name
-            )
-            for key in dict.fromkeys([*made, *asked])
-        )
-        return next(filter(None, entries), "")
-    if isinstance(made, list) and isinstance(asked, list) and len(made) == len(asked):
-        entries = (
-            difference(*pair, f"{name}[{i}]")
-            for i, pair in enumerate(zip(made, asked, strict=True))
-        )
-        return next(filter(None, entries), "")
-    if made == asked:
-        return ""
-    before, now = (
-        json_text if len(json_text) < 120 else f"{json_text[:117]}..."
-        for json_text in (json.dumps(made), json.dumps(asked))
-    )
-    return f"{name} was {before} and is {now}"
 
 
 def _label(value: Any) -> str:

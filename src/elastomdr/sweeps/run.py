@@ -8,6 +8,7 @@ import contextlib
 import ctypes
 import functools
 import os
+import pickle
 import sys
 import time
 import uuid
@@ -24,6 +25,7 @@ from .. import __version__
 from ..checks import in_si, warn_of_failed
 from ..errors import ConvergenceWarning, InputError, warn
 from .grid import Grid, grid, positional
+from .identity import modules_of_the_user
 from .lock import Alone
 from .storage import Files
 from .store import DONE, OPEN, RAISED, Store
@@ -86,8 +88,9 @@ def sweep(
 
     Args:
         call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that
-            returns a result of one of these; when its code has changed, it is another
-            call.
+            returns a result of one of these. When its code has changed, or anything
+            that this refers to (globals, functions, objects, modules of yours), it is
+            another call; files that it reads are not looked at.
         axes: name of an argument to its values, in the order of the dimensions of the
             answer: numbers (`velocity`, `load`, `pressure`, `temperature`, ...),
             materials, shapes and surfaces, models, or whatever else the call accepts.
@@ -323,14 +326,8 @@ def _on_cluster(
     from distributed.scheduler import KilledWorker
     from distributed.utils import CancelledError, TimeoutError  # type: ignore[attr-defined]
 
-    try:
-        # unlike scattered data made again if lost
-        shared = client.submit(_given, asked, pure=False) if todo else None
-    except TypeError as error:
-        raise InputError(
-            "call, axes and fixed arguments must be such that they can be pickled, for "
-            f"other processes: {error.__cause__ or error}"
-        ) from error
+    # unlike scattered data made again if lost
+    shared = client.submit(_given, _pickled(asked), pure=False) if todo else None
     suspects: list[int] = []
     try:
         for number, outcome in _as_completed(client, shared, chunks, todo, alone=False):
@@ -401,8 +398,44 @@ def _as_completed(
             client.cancel(list(under_way.values()))
 
 
-def _given(asked: Grid) -> Grid:
-    return asked
+def _pickled(asked: Grid) -> bytes:
+    """For other processes, with the modules of the user as they are in this one; those
+    that cannot be pickled are imported there. Raises `InputError`.
+    """
+    import cloudpickle
+
+    modules = modules_of_the_user()
+    by_value = set(modules) - {
+        sys.modules[name]
+        for name in cloudpickle.list_registry_pickle_by_value()
+        if name in sys.modules
+    }
+    try:
+        for module in by_value:
+            cloudpickle.register_pickle_by_value(module)
+        with contextlib.suppress(Exception):  # what a class of anybody raises
+            return cloudpickle.dumps(asked)
+    finally:
+        for module in by_value:
+            cloudpickle.unregister_pickle_by_value(module)
+    try:
+        return cloudpickle.dumps(asked)
+    except (TypeError, pickle.PicklingError) as error:
+        raise InputError(
+            "call, axes and fixed arguments must be such that they can be pickled, for "
+            f"other processes: {error}"
+        ) from error
+
+
+def _given(pickled: bytes) -> Grid:
+    """What a worker computes. Raises `InputError` where it lacks a module for that."""
+    try:
+        return pickle.loads(pickled)
+    except ImportError as error:
+        raise InputError(
+            "call, axes and fixed arguments must be of modules that the workers can "
+            f"import: {error}."
+        ) from error
 
 
 def compute(

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
-from ..errors import InputError
-from .grid import Grid, difference
+from ..errors import InputError, warn
+from .grid import Grid
+from .identity import difference, not_comparable
 from .storage import Files
 
 if TYPE_CHECKING:
@@ -188,6 +189,13 @@ class Store:
             told = None
         except (ValueError, TypeError) as error:
             raise damaged(place, ".zattrs") from error
+        unknown = not_comparable(identity)
+        if told is not None and unknown:
+            raise InputError(
+                f"store {place!r} cannot be gone on with: whether it was made with the "
+                f"same inputs is not known, since {unknown}. Give another store, or "
+                "remove this one."
+            )
         if told is not None and (mismatch := difference(told, identity)):
             raise InputError(
                 f"store {place!r} was made with other inputs: {mismatch}. Give "
@@ -207,6 +215,12 @@ class Store:
         )
         if told is None:
             group.attrs[_MADE_OF] = json.dumps(identity)
+            if unknown:
+                warn(
+                    f"store {place!r} cannot be gone on with once this call has ended: "
+                    f"{unknown}.",
+                    UserWarning,
+                )
         return group
 
     def _set_aside(self) -> dict[int, str]:
