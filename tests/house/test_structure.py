@@ -262,30 +262,3 @@ def test_no_circle_of_imports():
 def test_no_circle_with_types_counted():
     """Models, which answer for rooms that ask them, name what is in these."""
     assert not circle([path for path in files() if path.name != "models.py"], True)
-
-
-# names that say nothing of what they hold
-EMPTY_NAMES = {"found", "text", "part", "at", "own", "some", "kelvin", "carried"}
-EMPTY_NAMES |= {"lanes", "thermometer", "lump", "swapped", "stretches", "until"}
-
-
-def test_local_names_say_what_they_hold():
-    for path in sorted(SOURCE.rglob("*.py")):
-        nodes = list(ast.walk(tree_of(path)))
-        fields = {
-            id(field.target)
-            for node in nodes
-            if isinstance(node, ast.ClassDef)
-            for field in node.body
-            if isinstance(field, ast.AnnAssign)
-        }
-        names = {node.arg for node in nodes if isinstance(node, ast.arg)}
-        names |= {
-            node.id
-            for node in nodes
-            if isinstance(node, ast.Name)
-            and isinstance(node.ctx, ast.Store)
-            and id(node) not in fields
-        }
-        empty = sorted(names & EMPTY_NAMES)
-        assert not empty, f"{path.relative_to(SOURCE)} calls something {empty}"
