@@ -16,6 +16,8 @@ import pytest
 
 from elastomdr.cli.main import main
 
+from .walk import Walk
+
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
 SCREENS = (
     "Start",
@@ -76,9 +78,14 @@ def told(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory, told):
+def place(tmp_path_factory):
+    """Where the server keeps its folder."""
+    return tmp_path_factory.mktemp("server")
+
+
+@pytest.fixture(scope="module")
+def address(place, told):
     """A server of its own; at its end its folder is gone."""
-    place = tmp_path_factory.mktemp("server")
     browser = told.with_name("browser")
     browser.write_text(f'#!/bin/sh\necho "$@" > {told}\n')
     browser.chmod(0o700)
@@ -323,6 +330,33 @@ def reach(page, name, back=False):
             assert said, stops
             assert seen, said
             stops.append(said.lower())
+
+
+@pytest.fixture
+def walk(address, chromium, place):
+    """A page of its own to walk through."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 900})
+    page.set_default_timeout(30e3)
+    page.add_init_script(STILL)
+    errors = []
+    page.on("pageerror", lambda error: errors.append(error))
+    page.goto(address)
+    page.locator(".result").nth(4).wait_for()
+    yield lambda seed: Walk(page, place, seed)
+    page.close()
+    assert not errors
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_a_walk(walk, seed):
+    walk(seed).steps(25)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 6))
+def test_a_long_walk(walk, seed):
+    """50 steps each, 200 in all."""
+    walk(seed).steps(50)
 
 
 def test_ports(capsys):

@@ -182,6 +182,7 @@ class Form:
             there is to choose from.
         changed: called after each change with the name of the field.
         entered: called when Enter is pressed in a field.
+        left: called when a field that is typed into loses the focus.
     """
 
     def __init__(
@@ -194,7 +195,9 @@ class Form:
         choices: Choices | None = None,
         changed: Callable[[str], Any] | None = None,
         entered: Callable[[], Any] | None = None,
+        left: Callable[[], Any] | None = None,
     ):
+        self.left = left
         self.table, self.content, self.only, self.first = (
             table,
             content,
@@ -460,6 +463,8 @@ class Form:
             )
             if self.entered is not None:
                 widget.on("keydown.enter", self.entered)
+            if self.left is not None:
+                widget.on("blur", self.left)
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
             has_default = field.default not in (None, msgspec.NODEFAULT)

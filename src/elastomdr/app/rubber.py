@@ -222,6 +222,7 @@ class RubberStage:
                     choices=choices,
                     entered=self.fit,
                     changed=self._typed,
+                    left=self._answered,
                 )
                 self._button = ui.button("Fit material", on_click=self.fit).props(
                     BUTTON
@@ -315,8 +316,6 @@ class RubberStage:
         """
         self._session.question, self._tried = question, tried
         self._asked = self.form.show_error(question)
-        if isinstance(widget := self.form.widgets.get(self._asked), ui.input):
-            widget.on("blur", self._answered)
 
     def _typed(self, name: str) -> None:
         self._compare()
@@ -325,7 +324,8 @@ class RubberStage:
             background_tasks.create(self._answered(), name="fit with the answer")
 
     async def _answered(self) -> None:
-        if self._asked and self._session.rubber != self._tried:
+        now, asked = self._session.rubber, self._asked
+        if asked and now.get(asked) != self._tried.get(asked):
             await self.fit()
 
     def _compare(self) -> None:
