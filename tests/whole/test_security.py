@@ -167,7 +167,8 @@ def test_a_link_in_place_of_an_output_is_replaced_and_not_followed(tmp_path):
 
 def test_nothing_that_is_read_is_run():
     """No eval, exec or pickle anywhere in the package, no shell, and NumPy is not
-    allowed to unpickle.
+    allowed to unpickle. What a sweep hands to its own workers, by Dask, which unpickles
+    all that it hands on, is not read from anywhere.
     """
     for path in SOURCE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
@@ -175,9 +176,10 @@ def test_nothing_that_is_read_is_run():
                 names = [alias.name for alias in node.names] + [
                     getattr(node, "module", None) or ""
                 ]
-                assert not {"pickle", "marshal", "shelve", "dill", "cloudpickle"} & set(
-                    names
-                ), path
+                refused = {"pickle", "marshal", "shelve", "dill", "cloudpickle"}
+                if path == SOURCE / "sweeps" / "run.py":
+                    refused -= {"cloudpickle"}
+                assert not refused & set(names), path
             if isinstance(node, ast.Call):
                 name = node.func.id if isinstance(node.func, ast.Name) else ""
                 assert name not in {"eval", "exec", "compile"}, (path, node.lineno)

@@ -8,7 +8,6 @@ import contextlib
 import ctypes
 import functools
 import os
-import pickle
 import sys
 import time
 import uuid
@@ -420,7 +419,7 @@ def _pickled(asked: Grid) -> bytes:
             cloudpickle.unregister_pickle_by_value(module)
     try:
         return cloudpickle.dumps(asked)
-    except (TypeError, pickle.PicklingError) as error:
+    except Exception as error:  # of another class with each of them
         raise InputError(
             "call, axes and fixed arguments must be such that they can be pickled, for "
             f"other processes: {error}"
@@ -429,8 +428,10 @@ def _pickled(asked: Grid) -> bytes:
 
 def _given(pickled: bytes) -> Grid:
     """What a worker computes. Raises `InputError` where it lacks a module for that."""
+    import cloudpickle
+
     try:
-        return pickle.loads(pickled)
+        return cloudpickle.loads(pickled)
     except ImportError as error:
         raise InputError(
             "call, axes and fixed arguments must be of modules that the workers can "
