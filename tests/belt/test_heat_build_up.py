@@ -121,6 +121,7 @@ def test_axes_in_any_order(power):
         "power",
         "coefficient",
         "error",
+        "other_states",
     )
     fields = {
         name: np.broadcast_to(x, (2, 2, 3))
@@ -189,6 +190,16 @@ def test_the_lowest_of_three_steady_states():
         rtol=1e-8,
     )
     np.testing.assert_allclose(found.steady, way.y[0, -1], atol=1e-2)
+    conductance = np.array([0.05, 0.15, 0.2, 1.0])
+    several = em.heat_build_up(
+        rubber, wheel, ambient=265.0, conductance=conductance, hottest=392.0, **scene
+    )
+    kelvin = np.linspace(265, 392, 1001)
+    power = np.asarray(em.rolling(rubber, wheel, temperature=kelvin, **scene).power)
+    warms = power > conductance[:, None] * (kelvin - 265)
+    states = (warms[:, 1:] != warms[:, :-1]).sum(axis=1)
+    np.testing.assert_array_equal(states, [1, 1, 3, 3])
+    np.testing.assert_array_equal(several.other_states, states > 1)
 
 
 def test_rubber_too_cold_to_be_known():

@@ -8,7 +8,7 @@ surroundings at T_a:
 
 Rubber that gets warmer gets faster, so that P falls with T above the loss peak and the
 rise is less than P(T_a)/H. On the glassy side P grows with T and there may be several
-steady states; a body that starts at T_a reaches the lowest.
+steady states (`other_states`); a body that starts at T_a reaches the lowest.
 """
 
 from __future__ import annotations
@@ -107,6 +107,9 @@ class HeatBuildUp(Result):
     power: Array = quantity("dissipated power", "W", "at T")
     coefficient: Array = quantity("rolling resistance coefficient", "-", "at T")
     error: Array = quantity("estimated error of the temperature", "K")
+    other_states: Array = quantity(
+        "other steady states", "", "hotter ones, of a body that was hot before"
+    )
 
     title: ClassVar[str] = "Heat build-up by rolling resistance"
     figure: ClassVar[str] = "plot_curves.draw_heat_build_up"
@@ -179,6 +182,7 @@ class _SteadyState(NamedTuple):
     converged: Any
     stiffness: Any  # H - dP/dT [W/K]
     rolling: Any  # the `RollingCurve` at the last iterate
+    others: Any  # whether there are hotter steady states
 
 
 @over_materials
@@ -292,9 +296,9 @@ def _steady_state(body: _Body, highest: float, ignored: type[Warning]) -> _Stead
     the last of which derivatives pass.
     """
     ambient, conductance = body.ambient, body.conductance
-    low, high = _bracket(body, ambient, highest, _SCAN)
+    low, high, others = _bracket(body, ambient, highest, _SCAN)
     for _ in range(2):
-        low, high = _bracket(body, low, high, _REFINED_SCAN)
+        low, high, _ = _bracket(body, low, high, _REFINED_SCAN)
     width = xp.where(high > low, high - low, 1.0)
     ends = body.roll(xp.stack([low, high]))
     guess = low + (ends.power[0] - conductance * (low - ambient)) / (
@@ -332,6 +336,7 @@ def _steady_state(body: _Body, highest: float, ignored: type[Warning]) -> _Stead
         converged,
         fixed(stiffness),
         at_guess,
+        others & converged,
     )
 
 
@@ -358,6 +363,7 @@ def _without_history(
         error=state.error,
         temperature=state.temperature,
         power=power,
+        other_states=state.others,
         converged=state.converged,
         coefficient=power / (body.velocity * body.load),
         extrapolated=state.rolling.extrapolated,
@@ -403,6 +409,7 @@ def _with_history(
         temperature=temperature,
         power=power,
         time=xp.broadcast_to(instants, temperature.shape),
+        other_states=over_time(state.others),
         converged=over_time(state.converged),
         coefficient=power / (velocity * load),
         extrapolated=extrapolated,
@@ -429,20 +436,22 @@ def _inputs_in_words(
     return tuple(inputs)
 
 
-def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any]:
+def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any, Any]:
     """The two neighbours, of `count` temperatures from low to high, between which the
-    body stops warming up, as far as a coarse power tells; Newton's method may leave them.
+    body stops warming up, as far as a coarse power tells, and whether it warms up again
+    above; Newton's method may leave them.
     """
     body = body._replace(rtol=max(body.rtol, _SCAN_RTOL))
     temperature, power, _ = map(fixed, _powers(body, low, high, count, _SCAN_STEP))
     # NaN ends the search, and the point is found not to be met
     cools = ~(power - body.conductance * (temperature - body.ambient) > 0)
+    others = (cools[1:-1] & ~cools[2:]).any(axis=0)
     cools = xp.concatenate(
         [xp.zeros_like(cools[:1]), cools[1:-1], xp.ones_like(cools[:1])]
     )
     index = np.argmax(cools, axis=0)[None] if on_numpy() else argmax(cools)[None]
     below = xp.take_along_axis(temperature, index - 1, axis=0)[0]
-    return below, xp.take_along_axis(temperature, index, axis=0)[0]
+    return below, xp.take_along_axis(temperature, index, axis=0)[0], others
 
 
 def _powers(
