@@ -129,7 +129,7 @@ def compared(number: int) -> dict[str, float] | None:
         "second": second.mu - mu if second.settled else np.nan,
         "cpu": took.cpu,
         "rise": float(took.value.contact_rise),
-        "several": any(name == "hot branch" for name, _ in took.value.inputs),
+        "several": bool(took.value.other_states),
     }
 
 

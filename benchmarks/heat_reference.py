@@ -316,12 +316,13 @@ class Point:
             volume = volume - to_road * surface
         return flux * volume, float(mu), area, to_road
 
-    def solve(self) -> Hot:
-        """From cold: relaxed until it comes near, then by Anderson's method with five
-        steps of memory.
+    def solve(self, start: float = 0.0, pace: float = 0.5) -> Hot:
+        """From cold, or from a rise of `start` [K]: relaxed until it comes near, then by
+        Anderson's method with five steps of memory. At a small `pace` it is the way on
+        which rubber warms up or cools down.
         """
         most = 0.999 * self._most()
-        rise, pace, before = np.zeros(self.at.q.size), 0.5, np.inf
+        rise, before = np.full(self.at.q.size, start), np.inf
         places: list[np.ndarray] = []
         rests: list[np.ndarray] = []
         for _ in range(400):

@@ -468,7 +468,7 @@ UNITS = {  # of each quantity, whatever the result
         "trapped_error trapped_share viscous"
     ),
     "m^2": "contact_area",
-    "": "converged extrapolated follows percolates stuck touching",
+    "": "converged extrapolated follows other_states percolates stuck touching",
     "m/s": "road slowest velocity velocity_in velocity_out",
     "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "amplitude mean force friction_force friction_in friction_out max_force normal_force pull resistance",

@@ -2,6 +2,7 @@
 its limits, balance, gradients.
 """
 
+import dataclasses
 import time
 from pathlib import Path
 
@@ -295,7 +296,7 @@ def test_a_profile_far_from_that_of_cold_rubber(reference):
     ]
     assert max(second) == pytest.approx(185, abs=10)
     np.testing.assert_allclose(curve.contact_rise, second, rtol=5e-4)
-    assert "hot branch" not in curve.summary()
+    assert not curve.other_states.any()
 
 
 @pytest.mark.parametrize("road", [None, (400.0, 3e6)])
@@ -344,35 +345,144 @@ def test_waves_are_outside_the_data_at_their_own_temperatures():
     assert curve.outside[1] < cold.outside[1] - 0.5
 
 
-def test_a_hotter_steady_state_is_said():
-    """Shear that rises with temperature heats itself: from a warm start rubber stays
-    where cold rubber does not go.
+# shear that grows with temperature faster than conduction leads its heat away
+FOLDED = em.Prony(
+    8e5,
+    8e5 * np.geomspace(400, 0.2, 12),
+    np.geomspace(1e-10, 10, 12),
+    shift=em.WLF(8.9, 101.6, 293.15),
+)
+FOLD = {
+    "pressure": 3e5,
+    "temperature": 263.0,
+    "heat": em.Heat(0.25, 1.8e6),
+    "adhesion": em.AdhesiveShear(4e7, 1e-4, 0.4, shift=em.Arrhenius(1.5e5, 293.15)),
+}
+FOLDED_ROAD = em.SelfAffine(0.8, rms_slope=0.8, q_low=1e3, q_high=1e5)
+
+
+def test_the_cold_branch_up_to_its_fold_and_the_hot_one_down(reference):
+    """Near the fold the hot state was given for the cold one, without a word, or NaN.
+
+    The second solution follows rubber that warms up, or cools down, in small steps.
     """
-    rubber = em.Prony(
-        1e6,
-        [1e6, 1e6, 1e7, 1e8],
-        [1e-4, 1e-3, 1e-6, 1e-8],
-        shift=em.WLF(8.86, 101.6, 250.15),
+    velocity = np.array([0.048, 0.052, 0.06, 0.07, 0.0949])
+    asked = {"velocity": velocity, "model": "persson", **FOLD}
+    cold = em.friction(FOLDED, FOLDED_ROAD, **asked)
+    hot = em.friction(FOLDED, FOLDED_ROAD, branch="hot", **asked)
+    np.testing.assert_array_equal(cold.other_states, velocity < 0.0625)
+    np.testing.assert_array_equal(hot.other_states, cold.other_states)
+    for i in (1, 2, 4):
+        point = reference.Point(
+            FOLDED, FOLDED_ROAD, velocity=velocity[i], **FOLD, model=em.Persson()
+        )
+        warmed, cooled = point.solve(0.0, 0.1), point.solve(90.0, 0.1)
+        assert cooled.settled
+        assert warmed.settled == cold.other_states[i]  # slowly past the fold
+        if warmed.settled:
+            assert abs(cold.mu[i] - warmed.mu) <= cold.error[i]
+        assert abs(hot.mu[i] - cooled.mu) <= hot.error[i]
+    np.testing.assert_array_equal(cold.mu[3:], hot.mu[3:])  # there is one only
+    assert (hot.mu[:3] > 7 * cold.mu[:3]).all()
+    assert "3 of 5 points have a hotter steady state" in cold.summary()
+    assert "3 of 5 points have a colder steady state" in hot.summary()
+
+
+def test_the_fold_is_where_the_cold_branch_ends():
+    """As closely as it is looked at, every point has a state, and one on either side."""
+    low, high = 0.01, 0.02  # of Multiscale
+    for _ in range(3):
+        velocity = np.linspace(low, high, 9)
+        curve = em.friction(FOLDED, FOLDED_ROAD, velocity=velocity, **FOLD)
+        assert curve.converged.all()
+        last = int(curve.other_states.sum()) - 1
+        assert curve.other_states[: last + 1].all()
+        assert (curve.mu[: last + 1] < 0.5).all()
+        assert (curve.mu[last + 1 :] > 4).all()
+        low, high = velocity[last], velocity[last + 1]
+
+
+def test_branches_under_jit():
+    def both(velocity):
+        return [
+            em.friction(FOLDED, FOLDED_ROAD, velocity=velocity, branch=branch, **FOLD)
+            for branch in ("cold", "hot")
+        ]
+
+    velocity = np.array([0.018, 0.0949])
+    with jax.enable_x64(True):
+        traced = jax.jit(both)(velocity)
+    for one, plain in zip(traced, both(velocity), strict=True):
+        np.testing.assert_allclose(one.mu, plain.mu, rtol=1e-9)
+        np.testing.assert_array_equal(one.other_states, [True, False])
+
+
+def test_bad_branch():
+    for branch, heat, words in (
+        ("warm", HEAT, "branch must be 'cold' or 'hot', got 'warm'"),
+        ("hot", None, r"branch='hot' needs heat=em\.Heat"),
+    ):
+        with pytest.raises(em.InputError, match=words):
+            em.friction(RUBBER, ROAD, heat=heat, branch=branch, **ASKED)
+    with pytest.raises(em.InputError, match="branch belongs to heat="):
+        em.friction(RUBBER, em.Sphere(1e-3), velocity=1.0, load=1.0, branch="hot")
+
+
+def test_why_there_is_no_steady_state_and_the_advice_helps():
+    """A shift table ends below the temperature at which less heat is made than is led
+    away; that of a law which goes on is found, and said to be extrapolated.
+    """
+    rubber = em.load_material("epdm-70")
+    table = rubber.shift
+    road = em.SelfAffine(0.8, rms_slope=0.6, q_low=2e3, q_high=1e5)
+    shear = em.AdhesiveShear(6e6, 5e-3, 0.1, shift=em.Arrhenius(8e4, 298.15))
+    asked = {"velocity": np.geomspace(1e-3, 10, 12), "temperature": 273.15}
+    asked |= {"pressure": 3e5, "heat": HEAT, "adhesion": shear}
+    why = (
+        "at 6 of 12 points friction makes more heat than is led away at every "
+        "temperature of the contacts up to 326.12 K, where the shift law of the "
+        "material ends"
     )
-    road = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e3, q_high=1e5)
-    shear = em.AdhesiveShear(3e7, 1e-2, 0.4, shift=em.Arrhenius(1.5e5, 350.0))
-    curve = em.friction(
-        rubber,
-        road,
-        velocity=10.0,
-        temperature=243.15,
-        pressure=3e5,
-        heat=em.Heat(0.2, 2e6),
-        adhesion=shear,
+    with (
+        pytest.warns(em.ExtrapolationWarning),
+        pytest.warns(em.ConvergenceWarning, match=why),
+    ):
+        curve = em.friction(rubber, road, **asked)
+    assert dict(curve.inputs)["no steady state"].startswith(why)
+    assert np.isnan(curve.mu[6:]).all()
+    c1, c2, reference = 17.4, 51.6 + 40.0, 298.15
+    longer = np.append(table.temperature, [340.0, 370.0, 500.0])
+    beyond = -c1 * (longer[-3:] - reference) / (c2 + longer[-3:] - reference)
+    beyond += table.log10_a_table[-1] - (
+        -c1 * (326.12 - reference) / (c2 + 326.12 - reference)
     )
-    assert curve.temperature_rise < 10
-    assert "1 points have a second, hotter steady state" in curve.summary()
+    law = em.ShiftTable(longer, np.append(table.log10_a_table, beyond))
+    free = dataclasses.replace(rubber, shift=law)
+    with pytest.warns(em.ExtrapolationWarning, match=r"temperature from 273\.15 to"):
+        on = em.friction(free, road, **asked)
+    assert on.converged.all()
+    np.testing.assert_array_equal(on.extrapolated[6:], True)
+    assert (on.contact_rise[6:] > 326.12 - 273.15).all()
+    np.testing.assert_allclose(on.mu[:5], curve.mu[:5], rtol=1e-5)
+
+
+def test_a_warm_body_does_not_shorten_the_law_of_a_cold_one():
+    """The rise that a table allows is that of each point: a body at its end stood
+    beside a cold one, whose contacts were then looked for up to 3 K only.
+    """
+    ends = em.ShiftTable([260.0, 293.15, 325.0], WLF.log10_a([260.0, 293.15, 325.0]))
+    short = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=ends)
+    given = {"velocity": 10.0, "pressure": 2e5, "heat": HEAT}
+    alone = em.friction(short, ROAD, temperature=293.15, **given)
+    assert alone.contact_rise > 3
+    both = em.friction(short, ROAD, temperature=[293.15, 320.0], **given)
+    np.testing.assert_allclose(both.mu[0], alone.mu, rtol=1e-9)
 
 
 def test_a_shift_law_that_ends():
     table = em.ShiftTable([280.0, 293.15, 296.0], WLF.log10_a([280.0, 293.15, 296.0]))
     short = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=table)
-    with pytest.warns(em.ConvergenceWarning, match="1 of 3"):
+    with pytest.warns(em.ConvergenceWarning, match="1 of 3 .* up to 296 K"):
         curve = em.friction(short, ROAD, heat=HEAT, **ASKED)
     np.testing.assert_array_equal(curve.converged, [True, True, False])
     assert np.isnan(curve.temperature_rise[-1])

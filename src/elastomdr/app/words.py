@@ -97,6 +97,7 @@ _LABELS = _TABLES | {
     "adhesion.width": "Width of the bell over log₁₀ v [-]|0 or more",
     "conductivity": "Thermal conductivity λ [W/(m K)]",
     "heat_capacity": "Heat capacity per volume ρc [MJ/(m³ K)]",
+    "branch": "Branch|which of several temperatures: of rubber that was cold, or hot",
     "ambient": "Ambient temperature [°C]",
     "capacity": "Heat capacity of the body [J/K]|for the way to the steady state",
     "conductance": "Thermal conductance to the surroundings [W/K]",

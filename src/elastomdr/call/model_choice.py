@@ -19,8 +19,13 @@ def is_rough(shape: Any) -> TypeGuard[RoughLine | AbstractSpectrum]:
     return isinstance(shape, (RoughLine, AbstractSpectrum))
 
 
-def only_rough(heat: Any = None, direction: Any = None) -> None:
+def only_rough(heat: Any = None, direction: Any = None, branch: Any = "cold") -> None:
     """Refuses for an indenter what belongs to a rough surface. Raises `InputError`."""
+    if branch != "cold":
+        raise InputError(
+            "branch belongs to heat= on a rough surface; an indenter's friction has "
+            f"one temperature, got {branch!r}."
+        )
     if heat is not None:
         raise InputError(
             "heat belongs to a rough surface; an indenter's friction is at the "

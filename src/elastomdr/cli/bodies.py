@@ -389,6 +389,10 @@ class Heat(Table):
             "there"
         ),
     ] = None
+    branch: Annotated[
+        Literal["cold", "hot"] | None,
+        "which of several temperatures; by default that of rubber that was cold",
+    ] = None
 
     def make(self) -> Any:
         """The conduction."""

@@ -192,7 +192,9 @@ class SurfaceFriction(OfDraws):
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[surface]"):
             surface = self.surface.drawn(folder, self.uncertainty)
-        heat = {} if self.heat is None else {"heat": self.heat.make()}
+        heat = {}
+        if self.heat is not None:
+            heat = {"heat": self.heat.make()} | given(self.heat, "branch")
         shear = {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
         return on_axes(
             {"shape": surface}

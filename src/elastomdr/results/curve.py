@@ -266,6 +266,12 @@ class FrictionCurve(AbstractCurve):
         "at the shortest wave, where it differs by scale",
         default=None,
     )
+    other_states: Array | None = quantity(
+        "other steady states",
+        "",
+        "whether friction and heat agree at other temperatures, too",
+        default=None,
+    )
     cold: Array | None = quantity(
         "friction coefficient without heating",
         "-",

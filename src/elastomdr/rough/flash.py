@@ -82,6 +82,8 @@ class Warm(NamedTuple):
     mean: Any  # as of `friction` at the raised temperature
     heat: np.ndarray  # mu p v, by the friction at the raised temperature [W/m^2]
     vertical: np.ndarray  # b_T at the raised temperature
+    several: np.ndarray  # where there are other steady states
+    runaway: np.ndarray  # where friction makes too much heat up to the highest rise
 
 
 def warmed(
@@ -93,8 +95,10 @@ def warmed(
     pressure: np.ndarray,
     cold: Any,
     friction: Callable[[np.ndarray, np.ndarray, bool], Any],
+    hot: bool,
 ) -> Warm:
-    """Raises the temperature of each point until it is that which its friction makes.
+    """Raises the temperature of each point until it is that which its friction makes:
+    of several the one of rubber that was cold, or of rubber that was `hot`.
 
     `friction(reduced, pressure, coarse)` solves points at v a_T and p/b_T, less exactly
     where `coarse` is true; of its answer, as of `cold`, a named tuple of arrays, mu and
@@ -103,6 +107,7 @@ def warmed(
     """
     mean = _each(lambda field: np.array(field, dtype=np.float64), cold)
     temperatures = np.full(velocity.size, np.nan)
+    several, runaway = np.zeros((2, velocity.size), dtype=bool)
     mean.good[:] = 0
     for p in np.unique(pressure):
         same_pressure = np.flatnonzero((pressure == p) & cold.good)
@@ -115,10 +120,12 @@ def warmed(
                 temperature[same_pressure],
                 float(p),
                 friction,
+                hot,
             )
-            for points, kelvins, state in group.settle(
-                np.asarray(cold.mu)[same_pressure]
-            ):
+            curve, roots = group.first(np.asarray(cold.mu)[same_pressure])
+            several[same_pressure] = roots.several
+            runaway[same_pressure] = np.isnan(roots.rise)
+            for points, kelvins, state in group.settle(curve, roots.rise):
                 temperatures[same_pressure[points]] = kelvins
                 for field, values in zip(mean, state, strict=True):
                     if isinstance(field, np.ndarray):
@@ -131,7 +138,25 @@ def warmed(
         mean._replace(good=mean.good > 0),
         made,
         b * np.ones_like(temperature),
+        several,
+        runaway,
     )
+
+
+class _Curve(NamedTuple):
+    """Heights that friction makes, coarse and interpolated, up to the rise `top`."""
+
+    made: list[Any]  # their log against log(v a_T), for each point
+    least: np.ndarray  # the smallest rise that is looked at [K]
+    top: np.ndarray  # [K]
+
+
+class _Roots(NamedTuple):
+    """Rises that friction makes itself."""
+
+    rise: np.ndarray  # NaN where there is none
+    several: Any  # where there are others
+    growing: np.ndarray  # where at the top friction makes more heat the warmer it is
 
 
 def _each(function: Callable[[Any], Any], answer: Any) -> Any:
@@ -154,20 +179,30 @@ class _Group(NamedTuple):
     temperature: np.ndarray
     pressure: float
     friction: Callable[[np.ndarray, np.ndarray, bool], Any]
+    hot: bool
 
-    def settle(self, cold: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
-        """Points that have settled, their rise and their friction."""
+    def first(self, cold: np.ndarray) -> tuple[_Curve, _Roots]:
+        """The curve on which roots are looked for, and the first of them, from friction
+        without heat. It goes on while friction grows with temperature.
+        """
         every, still = np.arange(cold.size), np.zeros_like(cold)
         made = self.made(self.reduced(still), self.reduced_pressure(still), cold, every)
         highest = highest_rise(self.foundation, self.temperature)
-        top = min(2 * float(np.max(made)) + 1, highest)
-        curve = self.curve(top)
-        correction, first = np.ones(cold.size), np.maximum(1e-6 * made, _NOTHING)
-        root = self.roots(curve, first, top, correction)
-        while top < highest and np.isnan(root).any():
-            top = min(4 * top, highest)
-            curve = self.curve(top)
-            root = self.roots(curve, first, top, correction)
+        least = np.maximum(1e-6 * made, _NOTHING)
+        top = 2 * float(np.max(made)) + 1
+        while True:
+            curve = self.curve(least, np.minimum(top, highest))
+            roots = self.roots(curve, np.ones(cold.size))
+            more = np.isnan(roots.rise) | roots.growing
+            if not (more & (curve.top < highest)).any():
+                return curve, roots
+            top = 4 * top
+
+    def settle(
+        self, curve: _Curve, root: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
+        """Points that have settled, their rise and their friction."""
+        correction = np.ones(root.size)
         left = np.flatnonzero(np.isfinite(root))
         for _ in range(_ROUNDS):
             if not left.size:
@@ -187,13 +222,13 @@ class _Group(NamedTuple):
             )
             ratio = np.maximum(made, 1e-300) / np.array(
                 [
-                    np.exp(curve[i](x))
+                    np.exp(curve.made[i](x))
                     for i, x in zip(left, np.log(reduced), strict=True)
                 ]
             )
             correction[left] = np.where(np.isfinite(ratio), ratio, np.nan)
             left = left[mean.good & ~settled]
-            root = self.roots(curve, first, top, correction)
+            root = self.roots(curve, correction).rise
             left = left[np.isfinite(root[left])]
 
     def reduced(self, warmer: np.ndarray) -> np.ndarray:
@@ -240,16 +275,15 @@ class _Group(NamedTuple):
         ]
         return mu * self.pressure * self.velocity[points] * np.array(per_flux)
 
-    def curve(self, top: float) -> list[Callable[[Any], Any]]:
-        """The logarithm of the rise that friction makes against log(v a_T), for each
-        point's velocity.
+    def curve(self, least: np.ndarray, top: np.ndarray) -> _Curve:
+        """The rise that friction makes, for each point's velocity.
 
         It has the mean of p/b_T at the points' temperatures without a rise: what that
         misses is corrected at the roots.
         """
         from scipy.interpolate import PchipInterpolator
 
-        ends = self.reduced(np.array([0.0, top])[None, :].repeat(self.velocity.size, 0))
+        ends = self.reduced(np.stack([np.zeros_like(top), top], 1))
         low, high = ends.min() * 0.999, ends.max() * 1.001
         nodes = np.geomspace(
             low, high, max(5, int(np.ceil(_PER_DECADE * np.log10(high / low))) + 1)
@@ -267,33 +301,42 @@ class _Group(NamedTuple):
             * rise(self.heat, contact_scales, self.velocity)
         )
         log_rise = np.log(np.maximum(made, 1e-300))
-        return [
+        made = [
             PchipInterpolator(np.log(nodes[known]), np.nan_to_num(row, nan=800.0))
             for row in log_rise
         ]
+        return _Curve(made, least, top)
 
-    def roots(
-        self, curve: list, first: np.ndarray, top: float, correction: np.ndarray
-    ) -> np.ndarray:
-        """Smallest rise that the friction at it makes; NaN where there is none from
-        `first` to `top`.
+    def roots(self, curve: _Curve, correction: np.ndarray) -> _Roots:
+        """The smallest rise that the friction at it makes, or with `hot` the largest;
+        NaN where there is none up to the top.
         """
-        tried = np.geomspace(first, max(top, 1e-300), _SCAN).T
-        none = np.isnan(correction)
+        least = np.minimum(curve.least, 0.5 * curve.top)
+        tried = np.geomspace(least, np.maximum(curve.top, 1e-300), _SCAN).T
+        made = self.on(curve, tried, correction)
+        above = made > tried
+        several = np.any(~above[:, :-1] & above[:, 1:], axis=1)
+        none = np.isnan(correction) | (above[:, -1] if self.hot else above.all(axis=1))
+        growing = made[:, -1] > made[:, -2]
         for _ in range(_ZOOMS):
-            place = np.log(self.reduced(tried))
-            made = (
-                np.array([np.exp(f(x)) for f, x in zip(curve, place, strict=True)])
-                * correction[:, None]
-            )
-            below = made <= tried
-            none = none | ~below.any(axis=1)
-            index = np.maximum(below.argmax(axis=1), 1)[:, None]
+            last = _SCAN - np.argmax(above[:, ::-1], axis=1)  # behind all above
+            index = last * above.any(axis=1) if self.hot else np.argmin(above, axis=1)
+            index = np.clip(index, 1, _SCAN - 1)[:, None]
             low, high = (
                 np.take_along_axis(tried, i, 1)[:, 0] for i in (index - 1, index)
             )
             tried = np.linspace(low, high, _SCAN).T
-        return np.where(none, np.nan, tried.mean(axis=1))
+            above = self.on(curve, tried, correction) > tried
+        rise = np.where(none, np.nan, tried.mean(axis=1))
+        return _Roots(rise, several, growing)
+
+    def on(
+        self, curve: _Curve, tried: np.ndarray, correction: np.ndarray
+    ) -> np.ndarray:
+        """The rises that friction makes at rises (points, tried)."""
+        places = np.log(self.reduced(tried))
+        made = [np.exp(f(x)) for f, x in zip(curve.made, places, strict=True)]
+        return np.array(made) * correction[:, None]
 
 
 class Scales(NamedTuple):

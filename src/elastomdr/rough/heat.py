@@ -9,7 +9,7 @@ a point warms it, in the steady state, by exp(-w (r + r cos phi))/(2 pi lambda r
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Number, Scalar
 
 HIGHEST = 1000.0  # largest rise that is looked for [K]
+# of several temperatures at which friction and conduction agree
+Branch = Literal["cold", "hot"]
+NO_STATE = "no steady state"  # a row of results
 
 
 class Heat(Tree):
@@ -210,12 +213,16 @@ def _arrays(**values: Any) -> list[np.ndarray]:
 
 
 def check_heat(
-    heat: Any, temperature: Any, traced: bool, by_scale: bool = False
+    heat: Any, temperature: Any, branch: Any, traced: bool, by_scale: bool = False
 ) -> None:
     """Raises `InputError` unless flash temperature can be found, by scale or one for
     all, or is not asked for.
     """
+    if branch not in get_args(Branch):
+        raise InputError(f"branch must be 'cold' or 'hot', got {branch!r}.")
     if heat is None:
+        if branch != "cold":
+            raise InputError(f"branch={branch!r} needs heat=em.Heat(...).")
         return
     if traced and not by_scale:
         raise InputError(
@@ -239,12 +246,48 @@ def check_heat(
         )
 
 
-def highest_rise(body: Any, temperature: Any) -> float:
-    """The largest rise to look for [K]: that of a shift law's end above the warmest
-    body, or 1000 K.
+def highest_rise(body: Any, temperature: Any) -> Any:
+    """The largest rise to look for at each point [K]: that of a shift law's end above
+    the body, or 1000 K.
     """
+    if is_traced(body, temperature):
+        return HIGHEST
     laws = [law for law in (body.shift, body.vertical) if law is not None]
     hottest = min(law._hottest for law in laws)
     # a temperature at the end itself may be rounded to one beyond it
-    room = hottest * (1 - 1e-12) - float(np.max(temperature))
-    return min(max(room, 0.0), HIGHEST)
+    return np.clip(hottest * (1 - 1e-12) - np.asarray(temperature), 0.0, HIGHEST)
+
+
+def states_in_words(
+    warm: Any, good: Any, branch: Branch, body: Any, temperature: Any
+) -> list[tuple[str, str]]:
+    """Rows for results: points with several steady states, and points without one
+    because friction makes more heat than is led away up to the highest rise.
+    """
+    rows, several = [], warm.several & good
+    if several.any():
+        given, other, before = "coldest", "hotter", "hot"
+        if branch == "hot":
+            given, other, before = "hottest", "colder", "cold"
+        sentence = (
+            f"{int(several.sum())} of {several.size} points have a {other} steady state, "
+            f"too (`other_states`), which rubber reaches that was {before} before; the "
+            f"{given} one is given"
+        )
+        rows.append(("branch", sentence))
+    if warm.runaway.any():
+        highest = highest_rise(body, temperature)
+        ends = np.unique(np.round((temperature + highest)[warm.runaway], 2))
+        limit = " to ".join(f"{end:.6g}" for end in ends[[0, -1][: ends.size]])
+        sentence = (
+            f"at {int(warm.runaway.sum())} of {several.size} points friction makes more "
+            "heat than is led away at every temperature of the contacts up to "
+            f"{limit} K"
+        )
+        if (highest[warm.runaway] < HIGHEST).any():
+            sentence += (
+                ", where the shift law of the material ends; with a law that goes on, "
+                "such as em.WLF, there is an answer, which is extrapolated"
+            )
+        rows.append((NO_STATE, sentence))
+    return rows

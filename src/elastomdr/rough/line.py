@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..call.extrapolation import NOT_KNOWN, excited_outside, rough_beyond
+from ..call.problem import Scene
 from ..checks import Array, in_float64, nan_unless, warn_unless
 from ..errors import ModelWarning, warn
 from ..models import Line as LineModel
@@ -27,7 +28,7 @@ from .ensemble import (
     solutions,
 )
 from .flash import SETTLED, Warm, warmed
-from .heat import Heat
+from .heat import NO_STATE, Branch, Heat, states_in_words
 from .line_derivatives import traced_mean_of_lines
 from .line_problem import RoughScene, factor, load_level, missed, set_up
 from .periodic import Job, Line, solve_lines
@@ -79,7 +80,7 @@ class _Solver:
             mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
         return mean
 
-    def warm(self, heat: Heat, cold: Mean) -> Warm:
+    def warm(self, heat: Heat, cold: Mean, branch: Branch) -> Warm:
         """The points of the scene, at the temperatures that their friction makes."""
         points, length = self.scene.at, self.scene.length
         assert isinstance(self.surface, AbstractSpectrum)  # `set_up` refuses others
@@ -98,6 +99,7 @@ class _Solver:
             self.scene.given * points.vertical.ravel() / length,
             cold,
             at_pressure,
+            branch == "hot",
         )
 
     def mean(
@@ -184,8 +186,16 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     scene = set_up(call, model)
     solver = _Solver(scene, call, model)
     cold = solver.cold()
-    answer = _judged(scene, cold, None if heat is None else solver.warm(heat, cold))
+    warm = None if heat is None else solver.warm(heat, cold, call.branch)
+    answer = _judged(scene, cold, warm)
     points, foundation = scene.at, scene.at.foundation
+    states: list[tuple[str, str]] = []
+    if warm is not None:
+        temperature = points.full(points.temperature).ravel()
+        states = states_in_words(
+            warm, answer.good, call.branch, foundation, temperature
+        )
+    _warn_of_failed(points, answer, states)
     spread, far = _model_bounds(scene, surface, model, answer)
     outside = (
         None
@@ -205,7 +215,7 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
         curve,
         model=_model(scene, model.average, heat),
         plan=_plan(scene, call, model),
-        inputs=(*inputs, *beyond.said),
+        inputs=(*inputs, *states, *beyond.said),
         extrapolated=beyond.points,
         outside=outside,
     )
@@ -213,7 +223,7 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
 
 def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
     """The answer at the temperatures that friction makes, if it heats, and which points
-    have one; one warning counts the others.
+    have one.
     """
     points, mean = scene.at, cold if warm is None else warm.mean
     error = mean.error
@@ -221,17 +231,27 @@ def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
         error = error + SETTLED * np.abs(mean.mu - cold.mu)
     coarse = mean.good & coarse_at(error, mean.mu)
     good = mean.good & ~coarse
-    reason = ""
-    if not points.traced and coarse.any():
-        reason = (
-            f"Of {int(coarse.sum())} the estimated error for the sampling of the "
-            f"line, up to {(error / mean.mu)[coarse].max():.1g} of mu, is above "
-            f"{SAMPLING:g}: more samples lower it."
-        )
-    warn_unless(good, "points", reason=reason)
     reduced = points.reduced if warm is None else warm.reduced.reshape(points.shape)
     vertical = points.vertical.ravel() if warm is None else warm.vertical
     return _Answer(mean, cold.mu, warm, reduced, vertical, error, good)
+
+
+def _warn_of_failed(
+    points: Scene, answer: _Answer, states: list[tuple[str, str]]
+) -> None:
+    """Counts the points without an answer in one warning, with why they have none."""
+    if points.traced:
+        return
+    why = [f"{said}." for name, said in states if name == NO_STATE]
+    coarse = answer.mean.good & ~answer.good
+    if coarse.any():
+        worst = (answer.error / answer.mean.mu)[coarse].max()
+        why.append(
+            f"Of {int(coarse.sum())} the estimated error for the sampling of the "
+            f"line, up to {worst:.1g} of mu, is above "
+            f"{SAMPLING:g}: more samples lower it."
+        )
+    warn_unless(answer.good, "points", reason=" ".join(why))
 
 
 def _model_bounds(
@@ -296,6 +316,7 @@ def _packed(
         temperature_rise=field(warm.rise),
         cold=field(answer.cold),
         heat_flux=field(warm.heat),
+        other_states=warm.several.reshape(points.shape),
     )
 
 

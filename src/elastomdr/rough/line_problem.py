@@ -69,7 +69,7 @@ def set_up(call: RoughCall, model: Line) -> RoughScene:
     points = rough_scene(
         foundation, surface, call.rtol, asked, "pressure", "load", "depth"
     )
-    check_heat(heat, asked.temperature, points.traced)
+    check_heat(heat, asked.temperature, call.branch, points.traced)
     if heat is not None and (isinstance(surface, RoughLine) or asked.pressure is None):
         raise InputError(
             "heat needs a surface given by its spectrum, and a pressure: a line has "

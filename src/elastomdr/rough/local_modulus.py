@@ -23,6 +23,7 @@ import numpy as np
 from ..arrays import namespace
 from ..material.shift import thermal_factors
 from .against_lay import Directed
+from .heat import highest_rise
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
 _ONSET = 0.1  # c of `place_of`
@@ -71,7 +72,6 @@ class Warmed(NamedTuple):
 
     ends: Any  # log q_low and log q_high (2,)
     rise: Any  # at the stations, `log_stations` (points, stations) [K]
-    highest: Any  # the largest rise between stations [K]
     temperature: Any  # of the body (points,)
     body: Any  # the foundation, with its shift laws
 
@@ -86,9 +86,9 @@ class Warmed(NamedTuple):
         xp = namespace(self.ends, self.rise, q)
         place = place_of(namespace(self.ends, q).log(q).reshape(-1), self.ends)
         rise = self.rise @ basis(self.rise.shape[1], place).T
-        return xp.clip(
-            rise.reshape(self.rise.shape[0], *np.shape(q)), 0.0, self.highest
-        )
+        highest = highest_rise(self.body, self.temperature)
+        rise = xp.clip(rise, 0.0, np.reshape(highest, (-1, 1)))
+        return rise.reshape(self.rise.shape[0], *np.shape(q))
 
     def factors(self, rise: Any) -> tuple[Any, Any]:
         """a_T and b_T at rises (points, ...), over those at the body's temperature."""

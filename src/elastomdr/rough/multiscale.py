@@ -532,7 +532,7 @@ def _taken_apart(
         points = velocity, pressure, direction
         return as_doubles(((foundation, surface, share, None), points))
     warmed = local.warmed
-    shared = foundation, surface, share, (warmed.ends, warmed.highest)
+    shared = foundation, surface, share, warmed.ends
     points = (
         velocity,
         pressure,
@@ -544,14 +544,14 @@ def _taken_apart(
 
 
 def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
-    foundation, surface, share, range_of_scales = shared
+    foundation, surface, share, ends = shared
     softened = warmed = None
     directed = against_lay.of_points(lay_of(surface), points[2])
     if share is not None:
         softened = Softened(foundation.softening, surface, share)
-    if range_of_scales is not None:
-        (ends, highest), (temperature, rise) = range_of_scales, points[3:]
-        warmed = Warmed(ends, rise.T, highest, temperature, foundation)
+    if ends is not None:
+        temperature, rise = points[3:]
+        warmed = Warmed(ends, rise.T, temperature, foundation)
     return foundation, surface, Local(softened, warmed, directed)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..call.problem import Asked
 from .adhesion import AdhesiveShear
-from .heat import Heat
+from .heat import Branch, Heat
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,3 +30,4 @@ class RoughCall:
     strain_share: Number = 0.5
     progress: Callable[[int, int], None] | None = None
     store: Store | None = None
+    branch: Branch = "cold"  # of several steady states with heat

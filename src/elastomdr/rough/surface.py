@@ -34,7 +34,7 @@ from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_bound
 from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
-from .heat import HIGHEST, Heat, check_heat, highest_rise
+from .heat import NO_STATE, Heat, check_heat, states_in_words
 from .local_modulus import Local, Softened
 from .problem import RoughCall
 
@@ -118,6 +118,12 @@ class _Answer(NamedTuple):
         """`values` in the shape of the call, NaN where there is no answer."""
         return nan_unless(self.hot.good, values).reshape(shape)
 
+    def warmed(self) -> Any:
+        """The temperatures that friction makes, one for all or by scale; None without
+        heat.
+        """
+        return self.warm if self.by_scale is None else self.by_scale
+
     def hottest(self) -> Any:
         """The largest rise of temperature at which moduli are taken [K], in the shape
         of the call; zero without heat.
@@ -164,9 +170,18 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         model.solve, foundation, surface, rtol=float(rtol), progress=call.progress
     )
     local = Local(softened, directed=_directed(scene, surface, model))
-    answer = _solved(scene, surface, model, heat, adhesion, local, solved)
+    answer = _solved(call, scene, surface, model, local, solved)
+    states: list[tuple[str, str]] = []
     if not scene.traced:
-        _warn_of_failed(answer.hot, rtol)
+        if heat is not None:
+            states = states_in_words(
+                answer.warmed(),
+                answer.hot.good,
+                call.branch,
+                foundation,
+                scene.full(scene.temperature).ravel(),
+            )
+        _warn_of_failed(answer.hot, states, rtol)
     outside = (
         None if scene.traced else _outside(foundation.range, surface, scene, answer)
     )
@@ -192,7 +207,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
         rows += beyond.said[-1:]
     label = _label(surface)
     inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
-    inputs += turned.rows
+    inputs += turned.rows + states
     curve = _packed(scene, surface, model, answer, strained, turned, of_data)
     if not scene.traced and curve.model_error is not None:
         inputs += _wide_bound(
@@ -216,11 +231,10 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
 
 
 def _solved(
+    call: RoughCall,
     scene: Scene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
-    heat: Heat | None,
-    adhesion: AdhesiveShear | None,
     local: Local,
     solved: Callable[..., SurfaceFriction],
 ) -> _Answer:
@@ -232,18 +246,19 @@ def _solved(
     if not scene.traced:
         _doubt_unit(cold, pressure.ravel())
     answer = _Answer(cold, cold, local, None, None, scene.reduced)
-    if heat is None:
+    if call.heat is None:
         return answer
     if model.heats_by_scale:
-        return _heated_by_scale(heat, adhesion, surface, model, scene, answer, solved)
-    if adhesion is not None:
+        return _heated_by_scale(call, call.heat, surface, model, scene, answer, solved)
+    if call.adhesion is not None:
         raise InputError(
             f"heat with adhesion needs em.Multiscale() or em.Persson(), got {model!r}."
         )
-    return _heated(heat, surface, scene, answer, solved)
+    return _heated(call, call.heat, surface, scene, answer, solved)
 
 
 def _heated(
+    call: RoughCall,
     heat: Heat,
     surface: AbstractSpectrum,
     scene: Scene,
@@ -262,8 +277,9 @@ def _heated(
         scene.full(a).ravel() for a in (scene.velocity, scene.temperature, scene.value)
     )
     cold = answer.cold
+    given = velocity, temperature, pressure
     warm = warmed(
-        heat, scene.foundation, surface, velocity, temperature, pressure, cold, again
+        heat, scene.foundation, surface, *given, cold, again, call.branch == "hot"
     )
     heated = cold._replace(
         mu=warm.mean.mu,
@@ -276,8 +292,8 @@ def _heated(
 
 
 def _heated_by_scale(
+    call: RoughCall,
     heat: Heat,
-    adhesion: AdhesiveShear | None,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     scene: Scene,
@@ -297,15 +313,14 @@ def _heated_by_scale(
         surface,
         answer.local,
         heat,
-        adhesion,
+        call.adhesion,
         velocity,
         reduced,
         temperature,
         pressure,
         reduced_pressure,
     )
-    highest = HIGHEST if scene.traced else highest_rise(foundation, temperature)
-    by_scale = warmed(problem, model, highest)
+    by_scale = warmed(problem, model, call.branch == "hot")
     local = answer.local._replace(warmed=by_scale.warmed)
     heated = solved(reduced, reduced_pressure, local=local)
     good = heated.good & answer.cold.good & by_scale.good
@@ -334,10 +349,13 @@ def _outside(
     return excited_outside(known, surface, scene.reduced, factor)
 
 
-def _warn_of_failed(hysteresis: SurfaceFriction, rtol: Any) -> None:
+def _warn_of_failed(
+    hysteresis: SurfaceFriction, states: list[tuple[str, str]], rtol: Any
+) -> None:
     """Counts the points without an answer in one warning."""
-    maps = f"Maps: {hysteresis.said}." if hysteresis.said else ""
-    warn_unless(hysteresis.good, "points", f" to rtol={rtol:g}", maps)
+    why = [f"{said}." for name, said in states if name == NO_STATE]
+    why += [f"Maps: {hysteresis.said}."] if hysteresis.said else []
+    warn_unless(hysteresis.good, "points", f" to rtol={rtol:g}", " ".join(why))
 
 
 def _inputs(
@@ -478,15 +496,18 @@ def _with_heat(
     """The temperatures that friction makes, beside mu without them."""
     field = partial(answer.field, scene.shape)
     warm, by_scale, cold = answer.warm, answer.by_scale, field(answer.cold.mu)
+    others = answer.warmed().several.reshape(scene.shape)
     if by_scale is None:
         return dataclasses.replace(
             curve,
             temperature_rise=field(warm.rise),
             cold=cold,
             heat_flux=field(warm.heat),
+            other_states=others,
         )
     return dataclasses.replace(
         curve,
+        other_states=others,
         temperature_rise=field(by_scale.mean),
         contact_rise=field(by_scale.contact),
         cold=cold,
@@ -564,18 +585,6 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
             for k in (0, rise.size // 2, -1)
         ]
         rows.append(("rise by wavelength", f"{', '.join(parts)}, where it is largest"))
-    if by_scale.several.any():
-        rows.append(
-            (
-                "hot branch",
-                (
-                    f"{int(by_scale.several.sum())} points have a second, hotter "
-                    "steady "
-                    "state, which rubber reaches that was hot before; the colder one "
-                    "is given"
-                ),
-            )
-        )
     return rows
 
 
@@ -816,6 +825,7 @@ def _set_up(
     check_heat(
         heat,
         asked.temperature,
+        call.branch,
         scene.traced or is_traced(heat),
         model.heats_by_scale,
     )

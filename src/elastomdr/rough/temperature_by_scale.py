@@ -42,18 +42,16 @@ from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
 from ..surface.lay import lay_of
 from .against_lay import of_points, to_points
-from .heat import HIGHEST, Heat, highest_rise
+from .heat import Heat, highest_rise
 from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, bends, table_of
 from .psd_integrals import Nodes, cell_counts, integral_to, nodes
 
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
-_BATCH = 512  # points whose first temperatures are looked for at once
+_BATCH = 32  # points whose first temperatures are looked for at once
 _NEAR_NODES = 24  # over the distances below half the shortest wave
 # relative change of temperatures at which they have settled; most rounds
 _SETTLED, _ROUNDS = 1e-8, 80
-# the same where only the profile of a first temperature is wanted
-_PROFILE = 1e-4
 _NOTHING = 1e-9  # rise that is none [K]
 
 
@@ -69,6 +67,18 @@ _MOST = 1e-2  # and that above which a point has not converged
 _ORDER_4 = 16
 # cells per decade and level of the stations where a first temperature is looked for
 _SCAN, _SCAN_STATIONS = 8, 2
+# heights of a profile that are tried from the lowest [K] on, and into how many parts the
+# steps are divided where there may be several states
+_HEIGHTS, _LOWEST, _PARTS = 18, 0.01, 4
+# rounds after which a profile is that of its height; more where steps are divided
+_FEW, _MORE = 2, 4
+# growth d log f/d log h from which on there may be several states, with a margin: 1 is
+# that of a fold
+_STEEP = 0.5
+_ZOOMS, _ZOOMED = 3, 6  # how often a step is divided, and by how many heights
+# how far a state may move, relatively, from one level to the next
+_MOVED = 0.25
+_NUDGE = 0.01  # relative step of a height, to see whether a state is stable
 _K = 6  # nodes per decade over the depth
 
 
@@ -105,7 +115,10 @@ class Warm(NamedTuple):
     flux: Any  # heat per time and nominal area [W/m^2]
     to_road: Any  # share of it that the road takes
     good: Any  # where temperatures have settled
-    several: Any  # where another steady state, hotter, was seen
+    several: Any  # where there are other steady states
+    # where friction makes more heat than is led away up to the highest rise, and there
+    # is no state
+    runaway: Any
 
 
 class Conduction(NamedTuple):
@@ -127,31 +140,28 @@ class Conduction(NamedTuple):
     line_near: Any  # its integral below pi/q_high (points,)
 
 
-def warmed(problem: Problem, model: Any, highest: float) -> Warm:
-    """The temperatures that friction makes, the lowest ones where there are several;
-    see the head of this file.
+def warmed(problem: Problem, model: Any, hot: bool) -> Warm:
+    """The temperatures that friction makes: of several states that of rubber that was
+    cold, or the one of rubber that was `hot`; see the head of this file.
     """
     if is_traced(problem):
-        return _of_traced(problem, model, highest)
-    rise, seen, several = _first(
-        problem, model, _count(problem.spectrum, _SCAN_STATIONS), highest
-    )
-    size, left = seen.size, np.arange(seen.size)
-    good = seen
+        return _of_traced(problem, model, hot)
+    rise, seen, several, steep = _first(problem, model, hot)
+    good = seen.copy()
+    size, left = good.size, np.arange(good.size)
     error, mean, flux, to_road = (np.full(size, np.nan) for _ in range(4))
     # of all points, level by level; of those that are left out that of the level before
     mus: list[np.ndarray] = []
     for number, level in enumerate(_LEVELS):
         rise = _at_stations(rise, _count(problem.spectrum, level))
-        problem_left = problem.of(left)
-        of = _state(
-            problem_left,
+        state, now = _on_level(
+            problem.of(left),
             model,
-            _conduction(problem_left, model, _CELLS * level, rise.shape[1]),
-            highest,
+            _CELLS * level,
+            Found(rise[left], good[left], several[left], steep[left]),
+            hot,
         )
-        rise[left], good[left] = _settled(of, rise[left], good[left], highest)
-        state = of(rise[left])
+        rise[left], good[left], several[left], steep[left] = now
         mean[left], flux[left], to_road[left] = state.mean, state.flux, state.to_road
         mus.append(flux / (problem.pressure * problem.velocity))
         if number >= _USUAL:
@@ -160,18 +170,41 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
             if not left.size:
                 break
     good = good & (error <= _MOST * abs(mus[-1]))
-    profile = Warmed(
-        _ends(problem.spectrum), rise, highest, problem.temperature, problem.body
-    )
-    return Warm(profile, error, mean, rise[:, -1], flux, to_road, good, several)
+    profile = Warmed(_ends(problem.spectrum), rise, problem.temperature, problem.body)
+    contact, runaway = rise[:, -1], ~seen
+    return Warm(profile, error, mean, contact, flux, to_road, good, several, runaway)
 
 
-def _settled(
-    of: Callable[[Any], State], rise: Any, seen: Any, highest: float
-) -> tuple[Any, Any]:
-    """`_settle`, where a steady state has been seen before."""
-    rise, good = _settle(of, rise, highest)
-    return rise, good & seen
+def _on_level(
+    problem: Problem, model: Any, per_decade: int, near: Found, hot: bool
+) -> tuple[State, Found]:
+    """The states on cells of one level from those of the level before; looked for
+    again where they are not close to these, as next to a fold.
+    """
+    stations = near.rise.shape[1]
+    highest = highest_rise(problem.body, problem.temperature)
+    of = _state(problem, model, _conduction(problem, model, per_decade, stations))
+    rise, good = _settle(of, near.rise, highest)
+    good &= ~near.steep | _is_near(of, near.rise, rise)
+    several, steep = near.several.copy(), near.steep.copy()
+    lost = np.flatnonzero(near.seen & ~good)
+    if lost.size:
+        rest = problem.of(lost)
+        again = _first(rest, model, hot, per_decade, stations)
+        of_rest = _state(rest, model, _conduction(rest, model, per_decade, stations))
+        rise[lost], settled = _settle(of_rest, again.rise, highest[lost])
+        close = ~again.steep | _is_near(of_rest, again.rise, rise[lost])
+        good[lost] = settled & again.seen & close
+        several[lost], steep[lost] = again.several, again.steep
+    return of(rise), Found(rise, good & near.seen, several, steep)
+
+
+def _is_near(of: Callable[[Any], State], start: Any, rise: Any) -> Any:
+    """Whether a state is the one at the start: about as hot, and as stable."""
+    height = rise.max(-1)
+    off = abs(height - start.max(-1)) <= _MOVED * height + _LOWEST
+    more = of(rise * (1 + _NUDGE)).rise.max(-1) - height
+    return off & (more < _NUDGE * height + _NOTHING)
 
 
 def _error(coarsest: Any, coarse: Any, fine: Any) -> Any:
@@ -191,7 +224,7 @@ def _at_stations(rise: Any, count: int) -> Any:
     return rise @ basis(rise.shape[1], np.arange(1, count + 1) / count).T
 
 
-def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
+def _of_traced(problem: Problem, model: Any, hot: bool) -> Warm:
     """`warmed` under a transformation of JAX: numbers from NumPy, the derivatives of
     temperatures from the equation that they solve on one level of cells.
     """
@@ -204,15 +237,13 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
     points = (problem.velocity, problem.reduced, problem.temperature)
     points += (problem.pressure, problem.reduced_pressure)
     points += (to_points(problem.local.directed),)
-    solve = _with_slopes(model, *stations, counts)
-    rise, mean, flux, to_road, error, good, several = solve(
-        *as_doubles((shared, points))
-    )
+    solve = _with_slopes(model, *stations, counts, hot)
+    rise, mean, flux, to_road, error, *flags = solve(*as_doubles((shared, points)))
+    good, several, runaway = (flag > 0 for flag in flags)
     ends = _ends(problem.spectrum)
-    profile = Warmed(
-        ends, xp.transpose(rise), highest, problem.temperature, problem.body
-    )
-    return Warm(profile, error, mean, rise[-1], flux, to_road, good > 0, several > 0)
+    profile = Warmed(ends, xp.transpose(rise), problem.temperature, problem.body)
+    made = mean, rise[-1], flux, to_road
+    return Warm(profile, error, *made, good, several, runaway)
 
 
 def _problem(shared: Any, points: Any) -> Problem:
@@ -225,22 +256,21 @@ def _problem(shared: Any, points: Any) -> Problem:
 
 @functools.lru_cache(64)
 def _with_slopes(
-    model: Any, stations: int, finest: int, counts: tuple[int, ...]
+    model: Any, stations: int, finest: int, counts: tuple[int, ...], hot: bool
 ) -> Callable[..., tuple[Any, ...]]:
     """Rises at the finest stations (finest, points), which are those of `warmed`
     whatever its level was, their mean, the heat flux and what the road takes, with
-    derivatives as of `stations`; their error, where they are good and where several.
+    derivatives as of `stations`; their error and the flags of `Warm`.
     """
 
     def numbers(shared: Any, points: Any) -> tuple[Any, ...]:
         problem = _problem(shared, points)
-        highest = highest_rise(problem.body, problem.temperature)
-        warm = warmed(problem, model, highest)
+        warm = warmed(problem, model, hot)
         rise = _at_stations(warm.warmed.rise, finest).T
         made = warm.mean, warm.flux, warm.to_road
-        return (rise, *made, warm.error, warm.good, warm.several)
+        return (rise, *made, warm.error, warm.good, warm.several, warm.runaway)
 
-    of_usual = _rises(model, stations, counts)
+    of_usual = _rises(model, stations, counts, hot)
 
     def rises(shared: Any, points: Any) -> tuple[Any, ...]:
         return (_at_stations(of_usual(shared, points).T, finest).T,)
@@ -249,32 +279,32 @@ def _with_slopes(
         problem = _problem(shared, points)
         conduct = _conduction(problem, model, _TRACED_CELLS, stations, counts)
         rise = of_usual(shared, points)
-        state = _state(problem, model, conduct, HIGHEST)(rise.T)
+        state = _state(problem, model, conduct)(rise.T)
         return state.mean, state.flux, state.to_road
 
     def like(shared: Any, points: Any) -> tuple[Any, ...]:
-        return (_shape(finest, points), *(points[0],) * 6)
+        return (_shape(finest, points), *(points[0],) * 7)
 
     return numbers_with_slopes(numbers, ((rises, 1), (others, 3)), like)
 
 
 @functools.lru_cache(64)
-def _rises(model: Any, stations: int, counts: tuple[int, ...]) -> Callable[..., Any]:
+def _rises(
+    model: Any, stations: int, counts: tuple[int, ...], hot: bool
+) -> Callable[..., Any]:
     """Rises (stations, points) that friction makes at these rises."""
 
     def search(shared: Any, points: Any) -> tuple[Any, None]:
         problem = _problem(shared, points)
-        highest = highest_rise(problem.body, problem.temperature)
-        conduct = _conduction(problem, model, _TRACED_CELLS, stations)
-        start, seen, _ = _first(problem, model, stations, highest)
-        state = _state(problem, model, conduct, highest)
-        rise, good = _settle(state, start, highest)
-        return np.where((good & seen)[:, None], rise, np.nan).T, None
+        near = _first(problem, model, hot)
+        near = near._replace(rise=_at_stations(near.rise, stations))
+        _, near = _on_level(problem, model, _TRACED_CELLS, near, hot)
+        return np.where(near.seen[:, None], near.rise, np.nan).T, None
 
     def equation(rise: Any, _: None, shared: Any, points: Any) -> Any:
         problem = _problem(shared, points)
         conduct = _conduction(problem, model, _TRACED_CELLS, stations, counts)
-        return _state(problem, model, conduct, HIGHEST)(rise.T).rise.T - rise
+        return _state(problem, model, conduct)(rise.T).rise.T - rise
 
     def like(shared: Any, points: Any) -> tuple[Any, None]:
         return _shape(stations, points), None
@@ -295,17 +325,13 @@ class State(NamedTuple):
     to_road: Any
 
 
-def _state(
-    problem: Problem, model: Any, conduct: Conduction, highest: float
-) -> Callable[[Any], State]:
+def _state(problem: Problem, model: Any, conduct: Conduction) -> Callable[[Any], State]:
     """The temperatures that friction makes at temperatures (points, stations)."""
-    table = _tables(problem, conduct.wave_nodes, conduct.per_decade, highest)
+    table = _tables(problem, conduct.wave_nodes, conduct.per_decade)
 
     def of(rise: Any) -> State:
         local = problem.local._replace(
-            warmed=Warmed(
-                conduct.ends, rise, highest, problem.temperature, problem.body
-            )
+            warmed=Warmed(conduct.ends, rise, problem.temperature, problem.body)
         )
         by_wave = model.waves(
             problem.body.complex_modulus,
@@ -320,18 +346,13 @@ def _state(
     return of
 
 
-def _tables(
-    problem: Problem, wave_nodes: Nodes, per_decade: int, highest: float
-) -> Any:
-    """Tables for temperatures up to a rise, None where JAX traces."""
+def _tables(problem: Problem, wave_nodes: Nodes, per_decade: int) -> Any:
+    """Tables for temperatures up to the highest rise, None where JAX traces."""
     if is_traced(problem):
         return None
-    hottest = np.full(
-        (problem.temperature.size, 1),
-        min(highest, highest_rise(problem.body, problem.temperature)),
-    )
+    hottest = highest_rise(problem.body, problem.temperature)[:, None]
     local = problem.local._replace(
-        warmed=Warmed(None, hottest, highest, problem.temperature, problem.body)
+        warmed=Warmed(None, hottest, problem.temperature, problem.body)
     )
     return table_of(
         problem.body.complex_modulus, wave_nodes, problem.reduced, per_decade, local
@@ -554,110 +575,171 @@ def _ends(spectrum: Any) -> Any:
     return xp.log(xp.stack([spectrum.q[0], spectrum.q[-1]]))
 
 
+class Found(NamedTuple):
+    """Where a steady state is, near enough for `_settle`."""
+
+    rise: Any  # (points, stations)
+    seen: Any  # whether there is one
+    several: Any  # whether there are others
+    steep: Any  # whether others could be near, so that it must not move far
+
+
+class Heights(NamedTuple):
+    """What friction makes of profiles of several heights h, their largest rises."""
+
+    tried: Any  # h, ascending (steps, points)
+    made: Any  # f, the height that friction makes (steps, points)
+    shape: Any  # profiles over their height (steps, points, stations)
+
+    def growth(self) -> Any:
+        """log f/h, zero at a steady state."""
+        return np.log(np.maximum(self.made, 1e-300) / self.tried)
+
+    def steep(self) -> Any:
+        """Points at which f may grow as fast as h somewhere, as it does at a fold."""
+        slope = np.diff(self.growth(), axis=0) / np.diff(np.log(self.tried), axis=0)
+        return (slope > _STEEP - 1).any(0)
+
+    def several(self) -> Any:
+        """Points with a height from which rubber heats up by itself to another."""
+        below = self.made <= self.tried
+        return (below[:-1] & ~below[1:]).any(0)
+
+    def seen(self, hot: bool) -> Any:
+        """Points that have the state."""
+        below = self.made <= self.tried
+        return below[-1] if hot else below.any(0)
+
+    def place(self, hot: bool) -> Any:
+        """The step that ends above the coldest or the hottest state."""
+        above = self.made > self.tried
+        if not hot:
+            return np.argmin(above, 0)
+        last = above.shape[0] - np.argmax(above[::-1], 0)
+        return np.where(above.any(0), np.minimum(last, above.shape[0] - 1), 0)
+
+    def at(self, place: Any) -> Heights:
+        """One height for each point."""
+        every = np.arange(place.size)
+        return Heights(*(x[place, every] for x in self))
+
+    def start(self, hot: bool) -> Any:
+        """Rises near the state, by a straight line over the step."""
+        place = self.place(hot)
+        low, high = self.at(np.maximum(place - 1, 0)), self.at(place)
+        off_low, off_high = low.made - low.tried, high.tried - high.made
+        share = off_low / np.where(off_low + off_high > 0, off_low + off_high, 1.0)
+        height = low.tried + share * (high.tried - low.tried)
+        height = np.where(place == 0, np.minimum(high.made, high.tried), height)
+        share = np.where(place == 0, 1.0, share)[:, None]
+        return height[:, None] * (low.shape + share * (high.shape - low.shape))
+
+    def between(self, first: Any, last: Any, count: int) -> tuple[Any, Any]:
+        """`count` heights from the place `first` to `last` of each point, and shapes."""
+        low, high = self.at(first), self.at(last)
+        share = np.linspace(0.0, 1.0, count)[:, None]
+        tried = low.tried ** (1 - share) * high.tried**share
+        return tried, low.shape + share[..., None] * (high.shape - low.shape)
+
+
 def _first(
-    problem: Problem, model: Any, stations: int, highest: float
-) -> tuple[Any, Any, Any]:
-    """Rises of `stations` near the lowest steady state, where there is one, and where
-    there is another.
-
-    Of a profile over the stations, the height is looked for at which friction makes it.
-    The profile is that of a steady state on coarse cells: the one that cold rubber
-    would make is far steeper where the finest waves are glassy. Where no steady state
-    is reached in a few rounds, it is the profile of cold rubber after all.
-    """
-    conduct = _conduction(problem, model, _SCAN, stations)
-    count = problem.reduced.shape[0]
-    of = _state(problem, model, conduct, highest)
-    cold = np.zeros((count, stations))
-    rise, steady = _settle(of, cold, highest, _PROFILE)
-    state = of(np.where(steady[:, None], rise, cold))
-    top = np.maximum(state.rise.max(-1), _NOTHING)
-    shape = state.rise / top[:, None]
-    table = _tables(problem, conduct.wave_nodes, _SCAN, highest)
-    tried = _heights(top, highest)  # (steps, points)
-    many = problem.of(np.tile(np.arange(count), len(tried)))
-    rise = (tried[..., None] * shape).reshape(-1, stations)
-    power = _powers(many, model, conduct, rise, highest, table)
-    made = top * power.reshape(tried.shape) / state.flux
-    below = made <= tried
-    crossed = below[1:] & ~below[:-1]
-    several = (crossed.sum(0) + below[0]) > 1
-    start = _crossing(tried, made, np.argmax(below, axis=0))[:, None] * shape
-    # another height is a steady state only where its temperatures settle
-    if several.any():
-        last = crossed.shape[0] - np.argmax(crossed[::-1], axis=0)
-        lowest, settled = _settle(of, start, highest, _PROFILE)
-        height = tried[last, np.arange(count), None]
-        # of hot rubber, which is not that of the lowest state
-        profile = of(height * shape).rise
-        profile = profile / np.maximum(profile.max(-1, keepdims=True), _NOTHING)
-        hotter, hot = _settle(of, height * profile, highest, _PROFILE)
-        several &= settled & hot & (hotter.max(-1) > 1.01 * lowest.max(-1))
-    return start, below.any(0) | steady, several
-
-
-def _heights(top: Any, highest: float) -> Any:
-    """Heights of a profile to try, from nothing to the highest: (steps, points)."""
-    low, middle = 0.02 * top, np.minimum(5 * top + 5.0, highest)
-    steps = [np.minimum(low, 0.5 * highest)]
-    high = highest * np.ones_like(middle)
-    for start, end, n in ((low, middle, 24), (middle, high, 12)):
-        start = np.minimum(start, 0.5 * highest)
-        ratio = np.maximum(end, 1.01 * start) / start
-        steps += [start * ratio ** (i / n) for i in range(1, n + 1)]
-    return np.stack(steps)
-
-
-def _powers(
     problem: Problem,
     model: Any,
-    conduct: Conduction,
-    rise: Any,
-    highest: float,
-    table: Any,
-) -> Any:
-    """Power of friction per nominal area at rises (points, stations)."""
-    local = problem.local._replace(
-        warmed=Warmed(conduct.ends, rise, highest, problem.temperature, problem.body)
-    )
-    power = []
-    for i in range(0, rise.shape[0], _BATCH):
-        batch = slice(i, i + _BATCH)
-        points = problem.of(batch)
-        waves = model.waves(
-            problem.body.complex_modulus,
-            conduct.wave_nodes,
-            points.reduced,
-            points.reduced_pressure,
-            table,
-            local.of(batch),
-        )
-        mu = waves.each.sum((-2, -1)) + waves.edges
-        if problem.adhesion is not None:
-            stress = problem.adhesion.shear_stress(
-                points.velocity, points.temperature + rise[batch, -1]
-            )
-            mu = mu + stress * waves.area / points.pressure
-        power.append(mu * points.pressure * points.velocity)
-    return np.concatenate(power)
+    hot: bool,
+    per_decade: int = _SCAN,
+    stations: int | None = None,
+) -> Found:
+    """Rises near the coldest steady state, or near the hottest one.
 
-
-def _crossing(tried: Any, made: Any, first: Any) -> Any:
-    """The height that friction makes itself, by a straight line over the step before
-    the `first` at which it makes less than was tried.
+    Of profiles of the height h, their largest rise, there is one that friction makes in
+    the same shape, and at it the height f(h). Steady states are where f = h, stable
+    ones where f falls below h: along h all are found in their order, those that rubber
+    reaches from the cold first.
     """
-    every = np.arange(first.size)
-    before = np.maximum(first - 1, 0)
-    x_0, x_1 = tried[before, every], tried[first, every]
-    y_0, y_1 = made[before, every], made[first, every]
-    slope = (y_1 - y_0) / np.where(x_1 > x_0, x_1 - x_0, 1.0)
-    root = np.clip((y_0 - slope * x_0) / np.where(slope < 1, 1 - slope, 1.0), x_0, x_1)
-    return np.where(first == 0, np.minimum(made[0], tried[0]), root)
+    if stations is None:
+        stations = _count(problem.spectrum, _SCAN_STATIONS)
+    scan = functools.partial(_scan, model=model, per_decade=per_decade)
+    near = [
+        _first_of_few(problem.of(slice(i, i + _BATCH)), scan, stations, hot)
+        for i in range(0, problem.reduced.size, _BATCH)
+    ]
+    return Found(*map(np.concatenate, zip(*near, strict=True)))
 
 
-def _settle(
-    of: Callable[[Any], State], rise: Any, highest: float, within: float = _SETTLED
-) -> tuple[Any, Any]:
+def _first_of_few(
+    problem: Problem, scan: Callable[..., Heights], stations: int, hot: bool
+) -> Found:
+    highest = np.maximum(highest_rise(problem.body, problem.temperature), _NOTHING)
+    tried = np.geomspace(np.minimum(_LOWEST, 0.5 * highest), highest, _HEIGHTS)
+    even = np.linspace(1 / stations, 1, stations) * np.ones((*tried.shape, 1))
+    heights = scan(problem, tried, even, _FEW)
+    rise, seen, several, is_steep = (
+        heights.start(hot),
+        heights.seen(hot),
+        heights.several(),
+        heights.steep(),
+    )
+    steep = np.flatnonzero(is_steep)
+    if steep.size:
+        rest = problem.of(steep)
+        heights = Heights(*(x[:, steep] for x in heights))
+        steps = np.arange(_PARTS * (_HEIGHTS - 1) + 1) / _PARTS
+        left = np.minimum(steps.astype(int), _HEIGHTS - 2)
+        share = (steps - left)[:, None]
+        tried = heights.tried[left] ** (1 - share) * heights.tried[left + 1] ** share
+        heights = scan(rest, tried, heights.shape[left], _MORE)
+        heights = _with_fold(heights, rest, scan)
+        seen[steep], several[steep] = heights.seen(hot), heights.several()
+        for _ in range(_ZOOMS):
+            place = heights.place(hot)
+            near = heights.between(np.maximum(place - 1, 0), place, _ZOOMED)
+            heights = scan(rest, *near, _MORE)
+        rise[steep] = heights.start(hot)
+    return Found(rise, seen, several, is_steep)
+
+
+def _with_fold(
+    heights: Heights, problem: Problem, scan: Callable[..., Heights]
+) -> Heights:
+    """More heights about the extremum of log f/h that is next to zero: two states that
+    are closer than a step.
+    """
+    growth = heights.growth()
+    size, inner = abs(growth), growth[1:-1]
+    least = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])
+    alike = (inner * growth[:-2] > 0) & (inner * growth[2:] > 0)
+    place = 1 + np.argmin(np.where(least & alike, abs(inner), np.inf), 0)
+    more = scan(problem, *heights.between(place - 1, place + 1, 2 * _ZOOMED), _MORE)
+    both = Heights(*(np.concatenate(x) for x in zip(heights, more, strict=True)))
+    order = np.argsort(both.tried, axis=0, kind="stable")
+    return Heights(*(x[order, np.arange(order.shape[1])] for x in both))
+
+
+def _scan(
+    problem: Problem,
+    tried: Any,
+    shape: Any,
+    rounds: int,
+    *,
+    model: Any,
+    per_decade: int,
+) -> Heights:
+    """Friction at heights (steps, points), at the profiles that it makes at them after
+    some rounds from `shape` on.
+    """
+    stations = shape.shape[-1]
+    many = problem.of(np.tile(np.arange(tried.shape[1]), len(tried)))
+    of = _state(many, model, _conduction(many, model, per_decade, stations))
+    height, rows = tried.reshape(-1, 1), shape.reshape(-1, stations)
+    made = np.zeros(height.size)
+    for _ in range(rounds):
+        rise = np.nan_to_num(np.maximum(of(height * rows).rise, 0.0), nan=np.inf)
+        made = rise.max(-1)
+        rows = rise / np.where((made > 0) & (made < np.inf), made, 1.0)[:, None]
+    return Heights(tried, made.reshape(tried.shape), rows.reshape(shape.shape))
+
+
+def _settle(of: Callable[[Any], State], rise: Any, highest: Any) -> tuple[Any, Any]:
     """Fixed point of temperatures, and where it was found: Anderson's method with one
     step of memory.
     """
@@ -666,12 +748,13 @@ def _settle(
     for count in range(_ROUNDS):
         off = of(rise).rise - rise
         size = np.maximum(np.abs(rise).max(-1), 1e4 * _NOTHING)
-        good = np.abs(off).max(-1) <= within * size
+        good = np.abs(off).max(-1) <= _SETTLED * size
         turn, move = off - off_before, rise - before
         share = (turn * off).sum(-1) / np.maximum((turn**2).sum(-1), 1e-300)
         share = np.clip(share, -20.0, 20.0)[:, None]
         new = rise + off - share * (move + turn) if count else rise + 0.5 * off
-        new = np.clip(np.where(np.isfinite(new), new, 0.0), 0.0, highest)
+        new = np.where(np.isfinite(new), new, 0.0)
+        new = np.clip(new, 0.0, highest[:, None])
         steady = good[:, None]
         before, off_before = (
             np.where(steady, before, rise),
@@ -680,7 +763,7 @@ def _settle(
         rise = np.where(steady, rise, new)
         if good.all():
             break
-    return rise, good & (rise.max(-1) < highest)
+    return rise, good & (rise.max(-1) <= highest)
 
 
 def _i0e(x: Any) -> Any:

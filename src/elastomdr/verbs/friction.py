@@ -18,7 +18,7 @@ from ..checks import numpy_unless_traced
 from ..progress_bar import reporter
 from ..results.curve import FrictionCurve
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
-from ..rough.heat import Heat
+from ..rough.heat import Branch, Heat
 from ..rough.problem import RoughCall
 from ..smooth.on_layer import is_on_layer
 from ..smooth.problem import SmoothCall
@@ -55,6 +55,7 @@ def friction(
     skip: bool = True,
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
+    branch: Branch = "cold",
     strain_share: Number = 0.5,
     direction: ArrayLike | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -96,12 +97,15 @@ def friction(
             `em.Multiscale()` and `em.Persson()` each length scale has a temperature of
             its own (`elastomdr.rough.temperature_by_scale`), `contact_rise` that of the
             shortest waves; with others there is one (`elastomdr.rough.heat`). Points
-            where none is found are NaN.
+            without one below the end of the shift law are NaN.
         adhesion: `em.AdhesiveShear(...)` adds the shear stress of dry contact on the
             area of real contact: `mu` is then the sum of `hysteresis` and `adhesion`.
             On a surface under a pressure that is its `area_ratio`; under a smooth body
             `contact_area`, from the edges of its contact or, with `em.HalfSpace()`,
             from its cells. A line (`em.Line` on a rough line or surface) has none.
+        branch: which of several temperatures is taken where friction that grows as it
+            heats agrees with more than one, `other_states`: "cold", that which rubber
+            reaches from the body's, or "hot", that which it keeps that was hot before.
         strain_share: of a material with a softening on a surface: strain amplitude at
             wave number q over the rms slope of the waves up to q, above 0 and at most
             2. `linear` is mu without softening. `em.Line()` and `em.HalfSpace()` on a
@@ -147,9 +151,10 @@ def friction(
                 strain_share,
                 tell,
                 store,
+                branch,
             )
         )
-    only_rough(heat=heat, direction=direction)
+    only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there
     call = SmoothCall("friction", solid, body, asked, model, rtol, skip)
