@@ -14,6 +14,7 @@ from typing import Any
 from .errors import InputError
 
 _MOST_BYTES = 200_000_000
+_LINK = "It is a link: remove it, or name the file behind it"
 
 
 def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
@@ -50,19 +51,19 @@ def read_text(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> str:
 
 def write_files(files: Mapping[Path, bytes]) -> None:
     """Writes files that are complete whenever they are there: to neighbours first, then
-    all of them moved into place.
+    all of them moved into place. What is there keeps its permissions; a pipe or a
+    terminal is written into.
 
     Raises `InputError` in one line, and leaves nothing behind, where a folder is
-    missing or cannot be written.
+    missing or cannot be written, and for a link to a file.
     """
-    mask = os.umask(0)
-    os.umask(mask)
     prepared: dict[Path, Path] = {}
     target = Path()
     try:
         for target, content in files.items():
-            if target.is_dir():
-                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            mode = _mode(target)
+            if mode is None:
+                continue
             handle, name = tempfile.mkstemp(dir=target.parent, prefix=".elastomdr-")
             prepared[target] = Path(name)
             with os.fdopen(handle, "wb") as file:
@@ -70,10 +71,12 @@ def write_files(files: Mapping[Path, bytes]) -> None:
                 file.flush()
                 # a full disk shows here, before anything is replaced
                 os.fsync(file.fileno())
-            # mkstemp makes private files; a table is as readable as any other
-            prepared[target].chmod(0o666 & ~mask)
+            # mkstemp makes private files
+            prepared[target].chmod(mode)
         for target, temporary in prepared.items():
             temporary.replace(target)
+        for target in files.keys() - prepared.keys():
+            _write_into(target, files[target])
     except (OSError, ValueError) as error:
         reason = (
             error.strerror if isinstance(error, OSError) and error.strerror else error
@@ -84,6 +87,39 @@ def write_files(files: Mapping[Path, bytes]) -> None:
     finally:
         for temporary in prepared.values():
             temporary.unlink(missing_ok=True)
+
+
+def _mode(target: Path) -> int | None:
+    """The permissions of a file, or of a new one; None of a pipe or a terminal. Raises
+    `OSError` for what cannot be written.
+    """
+    try:
+        status = target.stat()
+    except FileNotFoundError:
+        if target.is_symlink():
+            raise OSError(errno.EINVAL, _LINK) from None
+        mask = os.umask(0)
+        os.umask(mask)
+        return 0o666 & ~mask
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if stat.S_ISCHR(status.st_mode) or stat.S_ISFIFO(status.st_mode):
+        return None
+    if not stat.S_ISREG(status.st_mode):
+        raise OSError(errno.EINVAL, "Not a regular file")
+    if target.is_symlink():
+        raise OSError(errno.EINVAL, _LINK)
+    if not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    return stat.S_IMODE(status.st_mode)
+
+
+def _write_into(target: Path, content: bytes) -> None:
+    """Raises `OSError` for a pipe that nobody reads, rather than wait."""
+    handle = os.open(target, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0))
+    os.set_blocking(handle, True)
+    with os.fdopen(handle, "wb") as file:
+        file.write(content)
 
 
 def csv_text(header: Iterable[str], columns: Mapping[str, Any]) -> str:

@@ -3,13 +3,21 @@ the memory is refused.
 """
 
 import ast
+import functools
 import json
+import os
+import socket
+import stat
+import time
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.cli.main import main
 from elastomdr.cli.units import Pressure
 from elastomdr.errors import InputError
 from elastomdr.files import read_bytes, write_files
@@ -155,14 +163,110 @@ def test_a_store_that_asks_to_unpickle_is_refused(tmp_path):
         swept()
 
 
-def test_a_link_in_place_of_an_output_is_replaced_and_not_followed(tmp_path):
-    outside, folder = tmp_path / "kept.csv", tmp_path / "out"
-    outside.write_text("kept")
-    folder.mkdir()
-    (folder / "friction.csv").symlink_to(outside)
-    write_files({folder / "friction.csv": b"new"})
-    assert outside.read_text() == "kept"
-    assert not (folder / "friction.csv").is_symlink()
+CURVE = em.friction(
+    em.StandardSolid(1e6, 3e6, 1e-3),
+    em.Paraboloid(0.01),
+    load=1.0,
+    velocity=np.logspace(-3, 1, 9),
+)
+LAW = em.friction(
+    em.StandardSolid(1e6, 3e6, 1e-3),
+    em.SelfAffine(0.8, q_low=1e3, q_high=1e5, rms_slope=0.5),
+    pressure=3e5,
+    velocity=np.logspace(-3, 1, 9),
+).law()
+WRITERS = {
+    "csv": CURVE.to_csv,
+    "xlsx": CURVE.to_excel,
+    "law.csv": LAW.to_csv,
+    "law.inp": LAW.to_abaqus,
+    "toml": functools.partial(em.save_material, em.StandardSolid(1e6, 3e6, 1e-3)),
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_link_in_place_of_an_output_is_neither_replaced_nor_followed(name, tmp_path):
+    kept, link = tmp_path / f"kept.{name}", tmp_path / f"link.{name}"
+    kept.write_text("kept")
+    for target in (kept, tmp_path / "missing"):
+        link.symlink_to(target)
+        with pytest.raises(em.InputError, match="is a link: remove it, or name the"):
+            WRITERS[name](link)
+        assert link.is_symlink()
+        link.unlink()
+    assert kept.read_text() == "kept"
+    assert os.listdir(tmp_path) == [kept.name]
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_pipe_or_a_terminal_is_written_into(name, tmp_path):
+    """And is there afterwards; a pipe that nobody reads is refused at once."""
+    pipe, file = tmp_path / f"pipe.{name}", tmp_path / f"file.{name}"
+    WRITERS[name](file)
+    os.mkfifo(pipe)
+    with pytest.raises(em.InputError, match="No such device"):
+        WRITERS[name](pipe)
+    with ThreadPoolExecutor() as threads:
+        reader = threads.submit(pipe.read_bytes)
+        for _ in range(1000):
+            try:
+                WRITERS[name](pipe)
+                break
+            except em.InputError:  # not read yet
+                time.sleep(0.01)
+        # a workbook holds the time at which it was made
+        assert len(reader.result()) == pytest.approx(file.stat().st_size, abs=100)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert sorted(os.listdir(tmp_path)) == [file.name, pipe.name]
+
+
+def test_a_terminal_is_written_into_also_through_a_link(tmp_path):
+    ours, theirs = os.openpty()
+    (tmp_path / "out").symlink_to(os.ttyname(theirs))
+    for path in (os.ttyname(theirs), tmp_path / "out"):
+        write_files({Path(path): b"a row\n"})
+        assert os.read(ours, 100) == b"a row\r\n"
+    assert stat.S_ISCHR(os.stat(os.ttyname(theirs)).st_mode)
+
+
+def test_what_is_replaced_keeps_its_permissions(tmp_path):
+    path = tmp_path / "private.csv"
+    CURVE.to_csv(path)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o666 & ~_umask()
+    path.chmod(0o600)
+    CURVE.to_csv(path)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+
+
+def _umask():
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def test_a_socket_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # its path must be short
+    with socket.socket(socket.AF_UNIX) as door:
+        door.bind("out.csv")
+        with pytest.raises(em.InputError, match="Not a regular file"):
+            CURVE.to_csv("out.csv")
+        assert stat.S_ISSOCK(os.stat("out.csv").st_mode)
+
+
+def test_a_command_replaces_no_link_and_no_pipe(tmp_path, capsys):
+    """All of its files are written, or none."""
+    (tmp_path / "scene.toml").write_text(
+        'material = "tread-passenger-synthetic"\ntemperature = "20 degC"\n'
+        '[indenter]\nshape = "sphere"\nradius = "5 mm"\n'
+        '[contact]\nload = "10 N"\nvelocity = ["0.1 m/s", "1 m/s"]\n'
+    )
+    (tmp_path / "kept.png").write_text("kept")
+    (tmp_path / "scene-friction.png").symlink_to("kept.png")
+    given = ["friction", str(tmp_path / "scene.toml"), "--out", str(tmp_path)]
+    assert main(given) == 2
+    assert "is a link" in capsys.readouterr().err
+    assert (tmp_path / "kept.png").read_text() == "kept"
+    assert not (tmp_path / "scene-friction.csv").exists()
 
 
 def test_nothing_that_is_read_is_run():

@@ -17,6 +17,7 @@ from typing import Any
 import elastomdr as em
 
 from ..errors import InputError, warn
+from ..files import write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .scene import Scene, models_by_name
@@ -117,17 +118,13 @@ def write_all(folder: Path, files: dict[str, Callable[[Path], object]]) -> None:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if blocked := [name for name in files if (folder / name).is_dir()]:
-            raise InputError(
-                f"{folder / blocked[0]} is a folder, and must be a file that can "
-                "be "
-                "written."
-            )
         with tempfile.TemporaryDirectory(prefix=".elastomdr-", dir=folder) as place:
             for name, write in files.items():
                 write(Path(place) / name)
-            for name in files:
-                (Path(place) / name).replace(folder / name)
+            contents = {
+                folder / name: (Path(place) / name).read_bytes() for name in files
+            }
+        write_files(contents)
     except OSError as error:
         raise InputError(
             f"--out must be a folder that can be written, got {str(folder)!r}: "
