@@ -5,9 +5,11 @@ Teaches: leak falls with the squeeze (`em.leak`), friction grows (`em.friction` 
 shear of the real contact), so that the best squeeze is the least one that is tight for
 certain: with the band of compound and surface, and the bound of the leak model, below
 the limit. The pressure of a squeeze is in proportion to the modulus that it must
-overcome in the roughness, and that of the oil is not: a softer compound is tighter at
-the same squeeze, and at its own squeeze causes less friction. A finer finish needs less
-squeeze. Tolerances of the squeeze come on top.
+overcome in the roughness, and that of the oil is not. Where the oil has all of its
+pressure, it bears itself; behind it the rubber does, so that a softer compound is
+somewhat tighter at the same squeeze, and at its own squeeze causes less friction: that
+of what contact bears. A finer finish needs less squeeze. Tolerances of the squeeze come
+on top.
 
 Inputs: `epdm-70` and `silicone-like` (synthetic) of the library at 20 degC, a year after
 assembly (extrapolated for the first); cord of 3 mm on a spindle of 20 mm, oil of 0.05 Pa
@@ -63,11 +65,11 @@ def of_draw(
     ring = em.o_ring(
         rubber, CORD, SQUEEZE, time=AGE, temperature=KELVIN, formula="free"
     )
-    pressure, edge = ring.pressure + DROP, np.pi * SPINDLE
+    edge = np.pi * SPINDLE
     leak = em.leak(
         rubber,
         face,
-        pressure=pressure,
+        pressure=ring.pressure + DROP,
         pressure_drop=DROP,
         viscosity=OIL,
         length=ring.width,
@@ -75,15 +77,19 @@ def of_draw(
         time=AGE,
         temperature=KELVIN,
     )
+    # what oil carries between rubber and face is not for their contact to bear
+    along = leak.profile
+    fluid = np.trapezoid(along.fluid_pressure, along.x) / ring.width
+    bears = ring.pressure + DROP - fluid
     curve = em.friction(
         rubber,
         face,
         velocity=SPEED,
         temperature=KELVIN,
-        pressure=pressure,
+        pressure=bears,
         adhesion=em.AdhesiveShear(SHEAR, 1.0, 0.0),
     )
-    normal = pressure * ring.width * edge
+    normal = bears * ring.width * edge
     return leak, curve.mu * normal, curve.model_error * normal
 
 

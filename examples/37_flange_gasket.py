@@ -53,7 +53,9 @@ def needed(found: em.Leak) -> float:
     """
     # not where the bound is infinite or NaN
     below = found.rate * OUTLET < LIMIT / (1 + found.model_error)
-    return float(PRESSURE[np.flatnonzero(below | (found.area_ratio > CLOSED))[0]])
+    # where the gas has all of its pressure, the rubber bears that much less
+    inside = np.interp(PRESSURE - DROP, PRESSURE, found.area_ratio)
+    return float(PRESSURE[np.flatnonzero(below | (inside > CLOSED))[0]])
 
 
 def main(out: Path) -> None:

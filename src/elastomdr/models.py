@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from .smooth.problem import SmoothCall
     from .surface.spectrum import AbstractSpectrum
 
+_OF_LEAKS = (
+    "em.Multiscale(), em.CriticalConstriction(), em.EffectiveMedium() or "
+    "em.HalfSpace() for a leak"
+)
 _MOST_LINES = 1000  # of an ensemble
 _CELLS = 64  # along each side of the grid of a smooth body, by default
 
@@ -83,25 +87,28 @@ class Model:
 
     def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
         """Gaps of a surface and the flow through them, for `em.leak`;
-        `relative_pressure` is the pressure over E*, shape (points,).
+        `relative_pressure` is the pressure over E*, shape (rows, points).
         """
-        self._refuse(
-            "em.Multiscale(), em.CriticalConstriction(), em.EffectiveMedium() or "
-            "em.HalfSpace() for a leak"
-        )
+        self._refuse(_OF_LEAKS)
+
+    # of a leak: pressures along a seal by which its model is asked, 2^n + 1
+    leak_nodes: ClassVar[int] = 17
+
+    def closes_at(self) -> float:
+        """The real contact area over nominal area from which on nothing flows."""
+        self._refuse(_OF_LEAKS)
 
     def _refuse(self, accepted: str) -> NoReturn:
         raise InputError(f"model must be {accepted}, got {self!r}.")
 
 
 class GapFlow(NamedTuple):
-    """What a model finds at each point of a leak, arrays of shape (points,)."""
+    """What a model finds at each pressure of a leak, arrays of shape (rows, points)."""
 
     flow: Array  # w = 12 viscosity times flow per width and pressure gradient [m^3]
     gap: Array  # mean gap [m]
-    critical_gap: Array  # widest that a way through must pass [m]
+    critical_gap: Array  # widest that a way must pass [m], of the first row, (points,)
     area: Array  # real contact area over nominal area
-    percolates: Array  # whether channels lead through
     error: Array  # relative numerical error of w
     # w is within a factor of 1 + this of three dimensions; None for those themselves
     model_error: Array | None
@@ -456,6 +463,11 @@ class Multiscale(_ClosedIntegrals):
 
         return leak(surface, relative_pressure)
 
+    def closes_at(self) -> float:
+        from .seal.leak_form import FORM
+
+        return FORM.closes
+
 
 @constructor_in_si
 @dataclasses.dataclass(frozen=True)
@@ -623,6 +635,11 @@ class HalfSpace(SurfaceModel):
         return leak(
             self.cells, self.periods, seeds_of(self.seeds), surface, relative_pressure
         )
+
+    leak_nodes: ClassVar[int] = 5  # each is a contact in three dimensions
+
+    def closes_at(self) -> float:
+        return 0.5  # beyond what maps reach
 
 
 KINDS: dict[str, type[Model]] = {

@@ -475,7 +475,7 @@ UNITS = {  # of each quantity, whatever the result
     "W": "power slip_power",
     "m": (
         "approach approach_error contact_radius critical_gap depth diameter "
-        "displacement drive film film_in film_in_error film_out film_thickness height leading least_film max_depth mean_gap position separation "
+        "displacement drive film film_in film_in_error film_out film_thickness height leading least_film lifted max_depth mean_gap position separation "
         "stick_radius surface trailing width x"
     ),
     "s": "duration settling time",

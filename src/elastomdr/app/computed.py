@@ -176,6 +176,7 @@ class ComputedStage:
             "measured": files,
             "[indenter] file": files,
             "[surface] file": files,
+            "[leak] profile": files,
         }
         self._place.clear()
         with self._place:

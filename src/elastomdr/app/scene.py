@@ -30,7 +30,12 @@ from .chart import Drawn, drawn
 from .security import Folder
 from .words import spoken
 
-_FILES = ("file", "measured", "friction")  # keys that name a file beside the scene
+_FILES = (
+    "file",
+    "measured",
+    "friction",
+    "profile",
+)  # keys that name a file beside the scene
 
 
 class CancelledError(BaseException):

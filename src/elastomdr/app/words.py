@@ -157,8 +157,13 @@ _LABELS = _TABLES | {
     "return_length": "Length of a return roll [mm]|else that of all rolls of a set",
     "return_thickness": "Cover indented by the return rolls [mm]|else the layer's thickness",
     # a seal
-    "leak.pressure": "Contact pressure p [MPa]|over that of the fluid",
+    "leak.pressure": "Contact pressure p [MPa]|of rubber and surface, with what the fluid "
+    "adds",
     "pressure_drop": "Pressure drop of the fluid Δp [MPa]|less than the contact pressure",
+    "leak.profile": "Pressure profile|a dropped table, in place of the contact pressure: "
+    "position [mm], pressure [MPa], from the side of the fluid on",
+    "kinematic_viscosity": "Kinematic viscosity ν [mm²/s]|of a liquid, in place of η, with "
+    "its density",
     "molar_mass": "Molar mass M [g/mol]|of a gas, with a temperature: its slip and the "
     "mass rate",
     "outlet_pressure": "Outlet pressure [MPa]|absolute; makes the fluid a gas",
@@ -166,7 +171,8 @@ _LABELS = _TABLES | {
     "walls",
     "viscosity": "Viscosity η [mPa·s]",
     "density": "Density ρ [kg/m³]|gives the mass rate as well",
-    "leak.length": "Contact length along the flow [mm]",
+    "leak.length": "Contact length along the flow [mm]|a profile and an O-ring have their "
+    "own",
     "leak.width": "Contact width across the flow [m]|1 m where nothing is given",
     "time": "Time under load t [s]|without it: long after pressing",
     "diameter": "Diameter of the cord d [mm]",

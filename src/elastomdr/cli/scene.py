@@ -37,6 +37,7 @@ _AXES = (
     "creepage",
     "mass",
     "pressure",
+    "pressure_drop",
     "load",
     "depth",
     "direction",

@@ -11,12 +11,13 @@ import elastomdr as em
 from ..errors import InputError
 from .bodies import AnySurface, Cylinder
 from .scene import OfBodies, Scene, body, load, on_axes
-from .schema import Positive, Several, Sweep, Table, given, named
+from .schema import Positive, Several, Sweep, Table, Text, given, named
 from .steady import OfDraws
 from .units import (
     Density,
     Duration,
     Force,
+    KinematicViscosity,
     Length,
     MolarMass,
     Pressure,
@@ -25,15 +26,56 @@ from .units import (
 )
 
 
+class Ring(Table):
+    """The cord of an O-ring, how it is squeezed, and its groove."""
+
+    diameter: Annotated[Length, "diameter of the cord"]
+    squeeze: Annotated[
+        Several[Positive], "part of the diameter by which the cord is squeezed"
+    ]
+    time: Annotated[
+        Sweep[Duration] | None, "since it was squeezed; by default long after"
+    ] = None
+    fluid_pressure: Annotated[
+        Several[Pressure] | None, "of the sealed fluid, above that behind the ring"
+    ] = None
+    groove_width: Annotated[
+        Length | None, "width of the groove, whose height is the squeezed diameter"
+    ] = None
+    formula: Annotated[
+        Literal["lindley", "hertz", "held", "free"] | None,
+        "load of the cord: lindley by default; hertz for small squeeze; held or free, "
+        "of a ring that its groove keeps at its length, or that may lengthen",
+    ] = None
+
+    def arguments(self) -> dict[str, Any]:
+        """What `em.o_ring` takes beside material and temperature."""
+        return given(self, *Ring.__struct_fields__)
+
+
 class Leak(Table):
     """How the seal is pressed, and what flows through it."""
 
     pressure: Annotated[
-        Sweep[Pressure], "of rubber and surface, over that of the fluid between them"
+        Sweep[Pressure] | None,
+        "of rubber and surface, that of the fluid between them included",
+    ] = None
+    profile: Annotated[
+        Text | None,
+        "in its place a file beside the scene, position [mm] and pressure [MPa] from the "
+        "side of the fluid on",
+    ] = None
+    pressure_drop: Annotated[
+        Sweep[Pressure], "of the fluid, below the largest pressure of the contact"
     ]
-    pressure_drop: Annotated[Pressure, "of the fluid, below the pressure"]
-    viscosity: Annotated[Viscosity, "dynamic viscosity of the fluid"]
-    length: Annotated[Length, "of the contact along the flow"]
+    viscosity: Annotated[Viscosity | None, "dynamic viscosity of the fluid"] = None
+    kinematic_viscosity: Annotated[
+        KinematicViscosity | None, "in its place, of a liquid, with density"
+    ] = None
+    length: Annotated[
+        Length | None,
+        "of the contact along the flow; a profile and an [o_ring] have their own",
+    ] = None
     width: Annotated[
         Length | None, "of the contact across the flow, by default 1 m"
     ] = None
@@ -66,15 +108,36 @@ class LeakScene(OfDraws):
     call: ClassVar[str] = "leak"
     surface: Annotated[AnySurface, "the roughness"]
     leak: Annotated[Leak, "how it is pressed, and what flows"]
+    o_ring: Annotated[
+        Ring | None, "presses with Hertz' ellipse, in place of pressure or profile"
+    ] = None
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         _without_rtol(self, "a leak")
         with named("[surface]"):
             surface = self.surface.drawn(folder, self.uncertainty)
-        keys = Leak.__struct_fields__
-        return on_axes(
-            {"surface": surface} | self.common(folder) | given(self.leak, *keys)
-        )
+        leak = given(self.leak, *Leak.__struct_fields__)
+        if self.leak.profile is not None:
+            leak["profile"] = folder / self.leak.profile
+        if self.o_ring is None:
+            return on_axes({"surface": surface} | self.common(folder) | leak)
+        if "time" in leak:
+            raise InputError(
+                "[leak] time must be left out beside [o_ring]: it has its own."
+            )
+        of_ring = self.o_ring.arguments()
+        common = self.common(folder)
+        if isinstance(common["material"], list):
+            raise InputError(
+                "material must be a single one beside [o_ring], without uncertainty: "
+                "each rubber has a ring of its own."
+            )
+        shaped = on_axes(common | of_ring | leak)
+        names = ("material", "temperature", *of_ring)
+        with named("[o_ring]"):
+            ring = em.o_ring(**{key: shaped[key] for key in names if key in shaped})
+        rest = {key: shaped[key] for key in (*common, *leak)}
+        return {"surface": surface, "o_ring": ring} | rest
 
 
 class Lubricated(Table):
@@ -119,33 +182,6 @@ class LubricatedScene(OfBodies):
                 arguments["surface"] = self.surface.drawn(folder, None)
         keys = Lubricated.__struct_fields__
         return on_axes(arguments | self.common(folder) | given(self.lubricated, *keys))
-
-
-class Ring(Table):
-    """The cord of an O-ring, how it is squeezed, and its groove."""
-
-    diameter: Annotated[Length, "diameter of the cord"]
-    squeeze: Annotated[
-        Several[Positive], "part of the diameter by which the cord is squeezed"
-    ]
-    time: Annotated[
-        Sweep[Duration] | None, "since it was squeezed; by default long after"
-    ] = None
-    fluid_pressure: Annotated[
-        Several[Pressure] | None, "of the sealed fluid, above that behind the ring"
-    ] = None
-    groove_width: Annotated[
-        Length | None, "width of the groove, whose height is the squeezed diameter"
-    ] = None
-    formula: Annotated[
-        Literal["lindley", "hertz", "held", "free"] | None,
-        "load of the cord: lindley by default; hertz for small squeeze; held or free, "
-        "of a ring that its groove keeps at its length, or that may lengthen",
-    ] = None
-
-    def arguments(self) -> dict[str, Any]:
-        """What `em.o_ring` takes beside material and temperature."""
-        return given(self, *Ring.__struct_fields__)
 
 
 class RingScene(Scene):

@@ -64,6 +64,7 @@ USUAL = {
     "W/K": {"W/K": "1", "kW/K": "1e3", "mW/K": "1e-3"},
     "J/K": {"J/K": "1", "kJ/K": "1e3"},
     "Pa*s": {"Pa*s": "1", "Pa s": "1", "mPa*s": "1e-3", "mPa s": "1e-3", "cP": "1e-3"},
+    "m^2/s": {"m^2/s": "1", "mm^2/s": "1e-6", "cSt": "1e-6"},
     "kg/m^3": {"kg/m^3": "1", "g/cm^3": "1e3", "g/l": "1"},
     "kg/m": {"kg/m": "1", "t/m": "1e3", "g/m": "1e-3"},
     "Pa/m": {"Pa/m": "1", "MPa/m": "1e6", "N/m^3": "1", "N/mm^3": "1e9"},
@@ -234,6 +235,11 @@ class Viscosity(
     what="a dynamic viscosity (a kinematic one times the density)",
     unit="Pa*s",
     example="0.1 Pa*s",
+): ...
+
+
+class KinematicViscosity(
+    Quantity, what="a kinematic viscosity", unit="m^2/s", example="46 cSt"
 ): ...
 
 

@@ -242,7 +242,7 @@ def _of_sound(numbers: Callable[..., Any], like: Any) -> Callable[..., Any]:
 
     def whole(shared: Any, points: Any) -> Any:
         leaves = jax.tree.leaves(points)
-        size = leaves[0].size
+        size = leaves[0].shape[-1]
         sound = np.full(size, all(map(_finite, jax.tree.leaves(shared))))
         for x in leaves:
             sound &= np.isfinite(x).reshape(-1, size).all(axis=0)

@@ -38,7 +38,7 @@ from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
 from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
 from ..rough.local_modulus import Local
-from .leak import BOTH, pressed_bodies, relative_pressure_of
+from .leak import BOTH, pressed_bodies, softness
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -169,7 +169,8 @@ def break_out(
     arguments |= {"velocity": velocity, "temperature": temperature}
     given: dict[str, Any] = dict.fromkeys(arguments) | positive_arrays(**arguments)
     shape = broadcast_shape(**given)
-    relative_pressure, factor = relative_pressure_of(foundation, given)
+    soft, factor = softness(foundation, given["time"], given["temperature"])
+    relative_pressure = given["pressure"] * soft
     contact = _contact(chosen, surface, relative_pressure)
     stress = _largest_stress(shear, given)
     mu = stress * contact.area / given["pressure"]

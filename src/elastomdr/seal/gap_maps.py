@@ -291,28 +291,27 @@ def leak(
     surface: Any,
     relative_pressure: Any,
 ) -> GapFlow:
-    """The answers of `em.HalfSpace` at pressures over E*, (points,)."""
+    """The answers of `em.HalfSpace` at pressures over E*, (rows, points)."""
     if is_traced(surface, relative_pressure):
         raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
     grid = grid_of(surface, cells, periods)
-    relative_pressure = np.asarray(relative_pressure)
-    flows, slips = np.full((2, len(seeds), 2, relative_pressure.size), np.nan)
-    gap, critical, area = (
-        np.full((len(seeds), relative_pressure.size), np.nan) for _ in range(3)
-    )
+    flat, shape = np.ravel(relative_pressure), relative_pressure.shape
+    flows, slips = np.full((2, len(seeds), 2, flat.size), np.nan)
+    gap, critical, area = (np.full((len(seeds), flat.size), np.nan) for _ in range(3))
     for i, seed in enumerate(seeds):
         heights, side = rough_map(
             surface, seed, periods=grid.periods, points=grid.cells
         )
         start = None
-        for j in np.argsort(relative_pressure):
-            contact = pressed(heights, side, float(relative_pressure[j]), start)
+        for j in np.argsort(flat):
+            contact = pressed(heights, side, float(flat[j]), start)
             start = contact.pressure if contact.settled else None
             if contact.settled:
                 through = flow(contact.gap)
                 flows[i, :, j], slips[i, :, j] = through.conductance, through.slip
                 gap[i, j], area[i, j] = contact.gap.mean(), contact.area
-                critical[i, j] = narrowest(contact.gap)
+                if j < shape[1]:  # of the first row
+                    critical[i, j] = narrowest(contact.gap)
     good: Any = np.isfinite(flows).all((0, 1))
     w = _of_maps(flows)
     path = _SMALL * np.where(w > 0, w, 1.0) ** (1 / 3)
@@ -321,16 +320,16 @@ def leak(
         f"{len(seeds)} maps of {grid.cells} by {grid.cells} cells, {grid.periods} "
         "longest waves to a side"
     )
+    error = _scatter(flows) + _of_cells(area.mean(0), surface, grid)
     return GapFlow(
-        flow=w,
-        slip=slip,
-        gap=gap.mean(0),
-        critical_gap=_mean_of_open(critical),
-        area=area.mean(0),
-        percolates=w > 0,
-        error=_scatter(flows) + _of_cells(area.mean(0), surface, grid),
+        flow=w.reshape(shape),
+        slip=slip.reshape(shape),
+        gap=gap.mean(0).reshape(shape),
+        critical_gap=_mean_of_open(critical)[: shape[1]],
+        area=area.mean(0).reshape(shape),
+        error=error.reshape(shape),
         model_error=None,
-        good=good,
+        good=good.reshape(shape),
         said="Reynolds' equation on gaps in three dimensions (no reduction)",
         work=work,
     )

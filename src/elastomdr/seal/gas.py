@@ -3,10 +3,9 @@
     m = (width/length) int rho s dp,      rho = p M/(R T),      from p_2 to p_1, absolute,
     s = w (1 + 6 Kn)/(12 viscosity),      Kn = l/w^(1/3),       l = l_2 p_2/p
 
-The mean free path l falls as the pressure grows, so that with p_m = (p_1 + p_2)/2 the
-volume at the outlet is exactly
-
-    Q_2 = m/rho_2 = (width/length) s(l_2 p_2/p_m) (p_1^2 - p_2^2)/(2 p_2).
+`along.py` takes the integral; if w were even along the seal, the volume at the outlet
+would be m/rho_2 = (width/length) s(l_2 p_2/p_m) (p_1^2 - p_2^2)/(2 p_2), p_m = (p_1 +
+p_2)/2. Kn of a seal is that of its slip, l_2 int w^(2/3) dp over int w p/p_2 dp.
 
 The gap of the slip is that of even planes which conduct as much, w^(1/3): against maps
 on which each gap slips by itself, 1 + 6 l/g, the share of slip is right in light contact
@@ -21,7 +20,7 @@ E. H. Kennard, Kinetic Theory of Gases (1938).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -29,19 +28,11 @@ from ..arrays import xp
 from ..checks import require
 from ..errors import InputError
 from ..material.shift import GAS_CONSTANT
+from .along import Fluid
 
 SLIPS = 0.1  # Kn up to which a gas slips, and does not fly freely
 SAID = "; ideal gas that expands, with slip (estimate)"
 SAID_OF_MAPS = "; ideal gas that expands, with slip of each gap"
-
-
-class GasFlow(NamedTuple):
-    """What a gas changes."""
-
-    flow: Any  # w with slip, at the mean pressure [m^3]
-    knudsen: Any  # Kn there; NaN where nothing flows
-    expansion: Any  # p_m/p_2, outlet volume over that of a liquid
-    density: Any  # at the outlet [kg/m^3], or None
 
 
 def check_gas(given: dict[str, Any]) -> None:
@@ -89,24 +80,17 @@ def check_absolute(name: str, value: Any) -> None:
     require(name, value, accepted, lambda x: (x > 0) & np.isfinite(x))
 
 
-def gas_flow(given: dict[str, Any], flow: Any, slip: Any = None) -> GasFlow:
-    """The gas from w of a liquid [m^3]; `slip` is dw/dl [m^2], if known."""
+def gas_of(given: dict[str, Any]) -> Fluid:
+    """The gas, and into `given` its density at the outlet."""
     outlet, temperature, mass = (
         given[name] for name in ("outlet_pressure", "temperature", "molar_mass")
     )
-    mean = outlet + 0.5 * given["pressure_drop"]
-    path, density = given["mean_free_path"], None
+    path = given["mean_free_path"]
     if mass is not None:
         specific = GAS_CONSTANT * temperature / mass
         path = given["viscosity"] / outlet * xp.sqrt(0.5 * np.pi * specific)
-        density = outlet / specific
-    is_open = flow > 0
-    gap = xp.where(is_open, flow, 1.0) ** (1 / 3)
-    knudsen = path * outlet / mean / gap
-    slip = 6 * gap**2 if slip is None else slip
-    slipping = xp.where(is_open, flow + slip * knudsen * gap, 0.0)
-    knudsen = xp.where(is_open, knudsen, xp.nan)
-    return GasFlow(slipping, knudsen, mean / outlet, density)
+        given["density"] = outlet / specific
+    return Fluid(1 / outlet, path)
 
 
 def bound(model_error: Any, knudsen: Any) -> Any:

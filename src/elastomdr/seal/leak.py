@@ -1,17 +1,20 @@
 """Leak of a static seal: a fluid flows through the channels that roughness leaves open.
 
-    Q = (width/length) s pressure_drop,     s = w/(12 viscosity)
+    Q = (width/length) int_0^dp s(p - p_f) dp_f,     s = w/(12 viscosity)
 
-The rubber is pressed on the surface by a pressure p that has acted for a time t. Its
-contact is that of an elastic body with E* = 1/J(t/a_T), since under a constant pressure
-the contact grows, and p over E* decides over gaps, real contact and w [m^3], which are
-the model's. What a gas changes stands in `gas.py`.
+The rubber is pressed on the surface by a pressure p that has acted for a time t, of
+which the fluid carries p_f: all of the drop dp on one side, and nothing on the other.
+Contact is that of an elastic body with E* = 1/J(t/a_T), since under a constant pressure
+it grows, and (p - p_f)/E* decides over gaps, real contact and w [m^3], which are the
+model's. The integral, and a pressure that changes along the seal, stand in `along.py`,
+what a gas changes in `gas.py`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+import os
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -27,6 +30,7 @@ from ..checks import (
     is_traced,
     nan_unless,
     not_negative,
+    only_one,
     positive,
     warn_unless,
 )
@@ -35,13 +39,16 @@ from ..element.layer import Layer
 from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
-from ..models import GapFlow, HalfSpace, Model, Multiscale, as_model
+from ..models import HalfSpace, Model, Multiscale, as_model
 from ..results.base import Array, Result, quantity, record, setting
-from ..results.words import brief, span
+from ..results.words import brief, in_unit, span
 from ..surface.spectrum import as_spectrum
 from . import gas
+from .along import AlongSeal, Flow, Fluid, Pressed, Uneven, even, uneven
 from .gas import check_absolute, check_gas
 from .leak_theories import CriticalConstriction, EffectiveMedium
+from .o_ring import ORing, check_rubber
+from .pressure_profile import pressure_profile
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,10 +68,17 @@ class Leak(Result):
 
     Within a factor of 1 + `model_error` the rate is that of three dimensions, at 95 %
     of the points. Where `percolates` is false no channel leads through, and the rate is
-    zero but for single flaws, permeation and what the model does not know.
+    zero but for single flaws, permeation and what the model does not know. Gaps and real
+    contact are those where contact bears most: of an even pressure all of it, at the
+    outlet.
     """
 
-    pressure: Array = quantity("contact pressure", "Pa", shown="MPa")
+    pressure: Array = quantity(
+        "contact pressure",
+        "Pa",
+        "of rubber and surface, contact and fluid; the mean along the seal",
+        shown="MPa",
+    )
     pressure_drop: Array = quantity("pressure drop of the fluid", "Pa", shown="MPa")
     viscosity: Array = quantity("viscosity", "Pa s")
     time: Array | None = quantity(
@@ -89,16 +103,27 @@ class Leak(Result):
     conductance: Array = quantity(
         "flow conductance",
         "m^3/(Pa s)",
-        "s, flow per width and pressure gradient",
+        "s, flow per width and mean pressure gradient",
     )
-    mean_gap: Array = quantity("mean gap", "m", "u", shown="µm")
+    mean_gap: Array = quantity(
+        "mean gap", "m", "u, where contact bears most", shown="µm"
+    )
     critical_gap: Array = quantity(
         "critical gap",
         "m",
-        "of the narrowest place of the widest channel, NaN where there is none",
+        "of the narrowest place of the widest channel, where contact bears most; NaN "
+        "where there is none",
         shown="µm",
     )
-    area_ratio: Array = quantity("real contact area over nominal area", "-", "A")
+    area_ratio: Array = quantity(
+        "real contact area over nominal area", "-", "A, where contact bears most"
+    )
+    lifted: Array = quantity(
+        "length that is lifted",
+        "m",
+        "over which the fluid presses harder than the rubber",
+        shown="mm",
+    )
     knudsen: Array | None = quantity(
         "Knudsen number",
         "-",
@@ -115,6 +140,8 @@ class Leak(Result):
         "the rate is within a factor of 1 + this of three dimensions; None for those",
         default=None,
     )
+    # None under JAX's transformations
+    profile: AlongSeal | None = None
     slip_estimated: bool = setting(default=False)  # of a gas, by one gap for all
 
     title: ClassVar[str] = "Leak"
@@ -140,8 +167,8 @@ class Leak(Result):
         label: str | None = None,
         show: str = "rate",
     ) -> Axes:
-        """Draws the rate, or another field, against time or pressure, whichever has more
-        values; with the band of the model about a rate.
+        """Draws the rate, or another field, against time, pressure or pressure drop,
+        whichever has most values; with the band of the model about a rate.
 
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
@@ -162,7 +189,8 @@ class Leak(Result):
             sketch.ax.fill_between(line.x, *ends, **look)
 
         counts = {axis.name: axis.values.size for axis in self.axes()}
-        x = "time" if counts.get("time", 0) >= counts.get("pressure", 1) else "pressure"
+        names = ("time", "pressure", "pressure_drop")
+        x = max(names, key=lambda name: counts.get(name, int(name == "pressure")))
         ask = Ask(ax, style, title, label)
         drawn = self._draw(draw, ask, x=x, y=show, also=band)
         values = np.asarray(getattr(self, show))
@@ -172,9 +200,29 @@ class Leak(Result):
             frame(drawn)
         return drawn
 
+    def fluid_pressure(self, x: ArrayLike) -> Array:
+        """Pressure of the fluid over that behind the seal [Pa] at places x [m], the last
+        axis: from the edge on the side of the fluid, or those of a given profile.
+
+        Read between the places of `profile`. Raises `InputError` under `jax.jit`,
+        `grad` and `vmap`.
+        """
+        along, places = self.profile, as_float64("x", x)
+        if along is None or is_traced(places):
+            raise InputError(
+                "fluid_pressure cannot be called under jax.jit, grad or vmap."
+            )
+        every = zip(
+            along.x.reshape(-1, along.x.shape[-1]),
+            along.fluid_pressure.reshape(-1, along.x.shape[-1]),
+            strict=True,
+        )
+        pressures = np.array([np.interp(places, *one) for one in every])
+        return pressures.reshape((*along.x.shape[:-1], *places.shape))
+
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Ranges of rate, gaps and real contact, how far the rate may be off and at how
-        many points channels are closed.
+        many points the fluid lifts the rubber or channels are closed.
         """
         good: Any = np.asarray(self.converged)
         for name in ("rate", "mass_rate", "mean_gap", "critical_gap", "area_ratio"):
@@ -194,6 +242,14 @@ class Leak(Result):
                 "gas",
                 f"expands and slips {by}Knudsen number of 0.1), here {numbers}; volumes "
                 "are at the outlet",
+            )
+        lifted = np.asarray(self.lifted)
+        if (lifted > 0).any():
+            parts = span(in_unit(lifted[lifted > 0], "mm"), "mm")
+            yield (
+                "lifted",
+                f"the fluid presses harder than the rubber over {parts} of the length, "
+                f"at {int((lifted > 0).sum())} of {good.size} points",
             )
         closed = int((good & ~np.asarray(self.percolates)).sum())
         if closed:
@@ -229,10 +285,13 @@ def leak(
     material: Material | Sequence[Material],
     surface: AbstractSpectrum,
     *,
-    pressure: ArrayLike,
+    pressure: ArrayLike | None = None,
+    profile: tuple[ArrayLike, ArrayLike] | str | os.PathLike[str] | None = None,
+    o_ring: ORing | None = None,
     pressure_drop: ArrayLike,
-    viscosity: ArrayLike,
-    length: ArrayLike,
+    viscosity: ArrayLike | None = None,
+    kinematic_viscosity: ArrayLike | None = None,
+    length: ArrayLike | None = None,
     width: ArrayLike = 1.0,
     density: ArrayLike | None = None,
     outlet_pressure: ArrayLike | None = None,
@@ -254,13 +313,22 @@ def leak(
         material: as for `em.press`, a series.
         surface: roughness by its spectrum; where the rubber is rough too, the sum of
             both spectra.
-        pressure: pressure with which rubber and surface are pressed together [Pa], of a
-            ring with what its fluid adds (`em.o_ring(..., fluid_pressure=)`). What the
-            fluid between them carries of it is left out. Arguments broadcast.
+        pressure: pressure with which rubber and surface are pressed together [Pa], the
+            same along the flow; of a ring with what its fluid adds (`em.o_ring(...,
+            fluid_pressure=)`). Arguments broadcast.
+        profile: in its place a pressure that changes along the flow, from the side of
+            the fluid on: positions [m] and pressures [Pa], or a file with these two
+            columns and their units in its title line, such as position [mm], pressure
+            [MPa].
+        o_ring: in its place an `em.o_ring` result of the same rubber, with its time and
+            temperature: the pressure is Hertz' ellipse, and with a `fluid_pressure` what
+            that adds, everywhere.
         pressure_drop: pressure of the fluid before the seal over that behind it [Pa],
-            below `pressure`: a seal that is not pressed harder than its fluid opens.
-        viscosity: dynamic viscosity [Pa s]; a kinematic one times the density.
-        length: of the contact along the flow [m].
+            below the largest pressure: a seal that is nowhere pressed harder than its
+            fluid opens.
+        viscosity: dynamic viscosity [Pa s].
+        kinematic_viscosity: in its place [m^2/s], of a liquid, with `density`.
+        length: of the contact along the flow [m]; a profile and an O-ring have their own.
         width: of the contact across the flow [m], such as the circumference of a ring.
         density: density [kg/m^3], of a gas that at the outlet: gives `mass_rate`.
         outlet_pressure: pressure behind the seal [Pa], absolute: makes the fluid an
@@ -281,29 +349,37 @@ def leak(
         An `em.Leak` of the broadcast shape. `error` is relative, of the rate; by
         `em.HalfSpace` it is twice the standard error over its maps (NaN for one) and
         about what its cells hold back. `model_error` bounds the model: the rate is
-        within a factor of 1 + `model_error` of three dimensions at 95 % of the points;
-        infinite from a real contact of 0.38 on, where channels may as well be closed,
-        NaN for the theories.
+        within a factor of 1 + `model_error` of three dimensions at 95 % of the points,
+        by the bounds at the pressures that contact bears along the seal; infinite where
+        all of these have a real contact of 0.38 or more, at which channels may as well be
+        closed, NaN for the theories.
 
     Raises:
         InputError: for values that are not positive, a pressure drop that is not below
             the pressure, and models that have no leak or no derivatives.
 
+    The fluid carries its share: where it has the pressure p_f, contact bears p - p_f.
     Laminar flow, without capillary forces, swelling and permeation through the rubber.
     A gas slips by an estimate, 1 + 6 Kn, which `model_error` counts in full; by
     `em.HalfSpace` it slips in each gap by itself. `model_error` is NaN above a Knudsen
-    number of 0.1. The fluid does not lift the rubber within the
-    seal. Differentiable with `em.Multiscale` with respect to material, surface,
-    pressures, viscosity, sizes, time and temperature. Source: `docs/theory.md`.
+    number of 0.1. Differentiable with `em.Multiscale` and `pressure` with respect to
+    material, surface, pressures, viscosity, sizes, time and temperature. Source:
+    `docs/seal.md`.
     """
+    if o_ring is not None:
+        check_rubber(material, o_ring)
+        time = _of_ring("time", time, o_ring.time)
+        temperature = _of_ring("temperature", temperature, o_ring.temperature)
     foundation = pressed_bodies(material, surface, time)
     chosen = as_model(model, KINDS) or Multiscale()
+    seal = _seal(pressure, profile, o_ring, length)
     given = _checked(
         {
-            "pressure": pressure,
+            "pressure": seal.pressure,
             "pressure_drop": pressure_drop,
             "viscosity": viscosity,
-            "length": length,
+            "kinematic_viscosity": kinematic_viscosity,
+            "length": seal.length,
             "width": width,
             "density": density,
             "outlet_pressure": outlet_pressure,
@@ -311,54 +387,160 @@ def leak(
             "molar_mass": molar_mass,
             "time": time,
             "temperature": temperature,
-        }
+        },
+        seal.peak,
     )
     shape = broadcast_shape(**given)
-    relative_pressure, factor = relative_pressure_of(
-        foundation, _of_rubber(foundation, given)
-    )
-    gaps = _gaps(chosen, surface, relative_pressure)
-    good = xp.broadcast_to(gaps.good, shape)
+    soft, factor = softness(foundation, **_of_rubber(foundation, given))
+    gas_or_liquid = Fluid() if given["outlet_pressure"] is None else gas.gas_of(given)
+    pressed = Pressed(chosen, surface, soft, given["pressure_drop"], gas_or_liquid)
+    if seal.pressure_at is None:
+        flow = even(pressed, given["pressure"], given["length"])
+    else:
+        flow = _along(pressed, seal, seal.pressure_at, given)
+    good = xp.broadcast_to(flow.good, shape)
     beyond = NOT_KNOWN
-    if not is_traced(relative_pressure, *given.values()):
+    if not is_traced(soft, *given.values()):
         warn_unless(good, "points")
         factor = np.broadcast_to(factor, shape)
         temperatures = given["temperature"]
         beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
     return Leak(
-        **_fields(given, gaps, good, shape),
+        **_fields(given, flow, good, shape),
         extrapolated=beyond.points,
-        slip_estimated=given["outlet_pressure"] is not None and gaps.slip is None,
-        model=_model_in_words(given, gaps),
-        plan=gaps.work,
-        inputs=(*_inputs_in_words(foundation, surface, given), *beyond.said),
+        slip_estimated=given["outlet_pressure"] is not None
+        and not flow.slips_by_itself,
+        model=_model_in_words(given, flow),
+        plan=flow.work,
+        inputs=(*_inputs_in_words(foundation, surface, given, seal), *beyond.said),
     )
 
 
+class _Seal(NamedTuple):
+    """How rubber and surface are pressed together along the flow."""
+
+    pressure: Any  # the mean [Pa]
+    length: Any  # [m]
+    peak: Any  # the largest pressure [Pa]
+    start: float = 0.0  # place on the side of the fluid [m]
+    pressure_at: Callable[[Any], Any] | None = None  # of parts of the length
+    said: str = ""
+
+
+def _seal(pressure: Any, profile: Any, ring: ORing | None, length: Any) -> _Seal:
+    """The one that is given of the three. Raises `InputError`."""
+    only_one(pressure=pressure, profile=profile, o_ring=ring)
+    if pressure is not None:
+        if length is None:
+            raise InputError("length must be given with pressure [m], got None.")
+        return _Seal(pressure, length, pressure)
+    if is_traced(profile, ring, length):
+        raise InputError(
+            "pressure must be given under jax.jit, grad and vmap, in place of profile "
+            "or o_ring, whose flow is searched with concrete numbers."
+        )
+    if ring is not None:
+        return _of_hertz(ring, length)
+    x, p = pressure_profile(profile, 2)
+    not_negative("profile", p)
+    whole = float(x[-1] - x[0])
+    _check_length(length, whole, "the profile")
+    mean = float(np.sum(0.5 * (p[1:] + p[:-1]) * np.diff(x))) / whole
+
+    def between(parts: Any) -> Any:
+        return np.interp(x[0] + whole * parts, x, p)
+
+    said = f"{x.size} points, of {brief(p.max(), 'Pa')} at most"
+    return _Seal(mean, whole, float(p.max()), float(x[0]), between, said)
+
+
+def _of_hertz(ring: ORing, length: Any) -> _Seal:
+    """Hertz' ellipse, and what the fluid of the ring adds, everywhere."""
+    _check_length(length, ring.width, "the O-ring")
+    added: Any = 0.0
+    if ring.sealing_pressure is not None:
+        added = ring.sealing_pressure - ring.pressure
+    peak = 4 / np.pi * ring.pressure
+
+    def ellipse(parts: Array) -> Array:
+        across = np.sqrt(1 - (2 * parts - 1) ** 2)
+        return (peak[..., None] * across) + np.asarray(added)[..., None]
+
+    return _Seal(
+        ring.pressure + added, ring.width, peak + added, 0.0, ellipse,
+        "Hertz' ellipse of an O-ring",
+    )  # fmt: skip
+
+
+def _check_length(length: Any, known: Any, whose: str) -> None:
+    if length is not None and not np.allclose(length, known, rtol=1e-6, atol=0):
+        raise InputError(
+            f"length must be left out: it is that of {whose}, {brief(known, 'm')}, got "
+            f"{brief(length, 'm')}."
+        )
+
+
+def _of_ring(name: str, value: Any, of_ring: Any) -> Any:
+    """Time or temperature of an O-ring. Raises `InputError` where another is given."""
+    if value is None or of_ring is None:
+        return of_ring if value is None else value
+    if not np.allclose(as_float64(name, value), of_ring, rtol=1e-9, atol=0):
+        raise InputError(
+            f"{name} must be that of the O-ring, {of_ring}, or be left out, got {value}."
+        )
+    return of_ring
+
+
+def _along(
+    pressed: Pressed,
+    seal: _Seal,
+    pressure_at: Callable[[Array], Array],
+    given: dict[str, Any],
+) -> Flow:
+    """The flow where the pressure changes along it, in the shape of its points."""
+    soft, drop, (expands, path) = pressed.soft, pressed.drop, pressed.fluid
+    arrays = (soft, drop, expands, path, seal.length, seal.peak)
+    if is_traced(pressed.surface, *arrays):
+        raise InputError(
+            "pressure must be given under jax.jit, grad and vmap, in place of profile "
+            "or o_ring, whose flow is searched with concrete numbers."
+        )
+    shape = np.broadcast_shapes(*map(np.shape, arrays))
+    soft, drop, expands, path, length, peak = (
+        np.broadcast_to(each, shape).ravel() for each in arrays
+    )
+
+    def flat(parts: Array) -> Array:
+        along = pressure_at(parts)
+        return np.broadcast_to(along, (*shape, parts.size)).reshape(-1, parts.size)
+
+    pressed = pressed._replace(soft=soft, drop=drop, fluid=Fluid(expands, path))
+    start = np.full(soft.shape, seal.start)
+    flow = uneven(pressed, Uneven(start, length, peak, flat))
+    of_points = {
+        name: value.reshape(shape)
+        for name, value in flow._asdict().items()
+        if isinstance(value, np.ndarray)
+    }
+    profile: Any = flow.profile
+    places = (each.reshape(*shape, -1) for each in vars(profile).values())
+    return flow._replace(**of_points, profile=AlongSeal(*places))
+
+
 def _of_rubber(foundation: Foundation, given: dict[str, Any]) -> dict[str, Any]:
-    """The arguments as the rubber has them: a temperature that a gas needs does not
-    change a rubber without a law for it.
+    """Time and temperature as the rubber has them: a temperature that a gas needs does
+    not change a rubber without a law for it.
     """
     lawless = foundation.shift is None and foundation.vertical is None
     only_gas = lawless and given["molar_mass"] is not None
-    return given | {"temperature": None} if only_gas else given
+    temperature = None if only_gas else given["temperature"]
+    return {"time": given["time"], "temperature": temperature}
 
 
-def _gaps(model: Any, surface: Any, relative_pressure: Any) -> GapFlow:
-    """The model's answers, in the shape of the pressures."""
-    gaps = model.leak(surface, relative_pressure.ravel())
-    numbers = {
-        name: xp.reshape(x, relative_pressure.shape)
-        for name, x in gaps._asdict().items()
-        if name not in ("said", "work") and x is not None
-    }
-    return gaps._replace(**numbers)
-
-
-def _model_in_words(given: dict[str, Any], gaps: GapFlow) -> str:
+def _model_in_words(given: dict[str, Any], flow: Flow) -> str:
     if given["outlet_pressure"] is None:
-        return gaps.said
-    return gaps.said + (gas.SAID if gaps.slip is None else gas.SAID_OF_MAPS)
+        return flow.said
+    return flow.said + (gas.SAID_OF_MAPS if flow.slips_by_itself else gas.SAID)
 
 
 def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
@@ -385,7 +567,7 @@ def pressed_bodies(material: Any, surface: Any, time: Any) -> Foundation:
 _CHECKS = {"outlet_pressure": check_absolute, "mean_free_path": not_negative}
 
 
-def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
+def _checked(arguments: dict[str, Any], peak: Any) -> dict[str, Any]:
     """The arguments as arrays. Raises `InputError`."""
     given: dict[str, Any] = dict.fromkeys(arguments)
     for name, value in arguments.items():
@@ -393,10 +575,11 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
             given[name] = as_float64(name, value)
             _CHECKS.get(name, positive)(name, given[name])
     check_gas(given)
-    pressure, drop = given["pressure"], given["pressure_drop"]
-    broadcast_shape(pressure=pressure, pressure_drop=drop)
-    if not is_traced(pressure, drop) and not certain(np.less, drop, pressure):
-        pairs = np.broadcast_arrays(drop, pressure)
+    _take_viscosity(given)
+    drop, peak = given["pressure_drop"], as_float64("pressure", peak)
+    broadcast_shape(pressure=peak, pressure_drop=drop)
+    if not is_traced(peak, drop) and not certain(np.less, drop, peak):
+        pairs = np.broadcast_arrays(drop, peak)
         worst = int(np.argmax(pairs[0] - pairs[1]))
         high, low = (float(x.flat[worst]) for x in pairs)
         raise InputError(
@@ -409,14 +592,22 @@ def _checked(arguments: dict[str, Any]) -> dict[str, Any]:
     return given
 
 
-def relative_pressure_of(
-    foundation: Foundation, given: dict[str, Any]
-) -> tuple[Any, Any]:
-    """p/E*, in the shape of what it depends on, and a_T."""
-    time, temperature = given["time"], given["temperature"]
-    shape = broadcast_shape(
-        pressure=given["pressure"], time=time, temperature=temperature
-    )
+def _take_viscosity(given: dict[str, Any]) -> None:
+    """The dynamic viscosity, of whichever is given. Raises `InputError`."""
+    kinematic = given.pop("kinematic_viscosity")
+    only_one(viscosity=given["viscosity"], kinematic_viscosity=kinematic)
+    if kinematic is None:
+        return
+    if given["density"] is None or given["outlet_pressure"] is not None:
+        raise InputError(
+            "kinematic_viscosity [m^2/s] needs the density [kg/m^3] of a liquid: their "
+            "product is the dynamic viscosity, which a gas has at every pressure."
+        )
+    given["viscosity"] = kinematic * given["density"]
+
+
+def softness(foundation: Foundation, time: Any, temperature: Any) -> tuple[Any, Any]:
+    """1/E* [1/Pa] of rubber that a pressure has acted on for a time, and a_T."""
     factor, vertical = (
         (1.0, 1.0) if temperature is None else thermal_factors(foundation, temperature)
     )
@@ -425,32 +616,32 @@ def relative_pressure_of(
         if time is None
         else foundation.creep_compliance(time / factor)
     )
-    relative_pressure = given["pressure"] / vertical * compliance
-    return xp.broadcast_to(relative_pressure, shape) + 0.0, factor
+    return compliance / vertical + 0.0, factor
 
 
 def _fields(
-    given: dict[str, Any], gaps: GapFlow, good: Any, shape: tuple[int, ...]
+    given: dict[str, Any], flow: Flow, good: Any, shape: tuple[int, ...]
 ) -> dict[str, Any]:
     """The numbers of the result."""
-    flow, knudsen, expansion, density = gaps.flow, None, 1.0, given["density"]
-    model_error = gaps.model_error
-    if given["outlet_pressure"] is not None:
-        flow, knudsen, expansion, of_gas = gas.gas_flow(given, gaps.flow, gaps.slip)
-        density = of_gas if density is None else density
+    outlet, model_error = given["outlet_pressure"], flow.model_error
+    expansion, knudsen = 1.0, None
+    flows = flow.through > 0
+    if outlet is not None:
+        expansion = 1 + 0.5 * given["pressure_drop"] / outlet
+        knudsen = xp.where(flows, flow.slip, xp.nan)
         model_error = gas.bound(model_error, knudsen)
-    conductance = flow / (12 * given["viscosity"])
+    conductance = flow.through / expansion / (12 * given["viscosity"])
     rate = given["width"] / given["length"] * conductance * given["pressure_drop"]
-    rate = rate * expansion
-    mass_rate = None if density is None else rate * density
+    rate, density = rate * expansion, given["density"]
     numbers = {
         "rate": rate,
-        "mass_rate": mass_rate,
+        "mass_rate": None if density is None else rate * density,
         "conductance": conductance,
-        "mean_gap": gaps.gap,
-        "critical_gap": gaps.critical_gap,
-        "area_ratio": gaps.area,
-        "error": gaps.error,
+        "mean_gap": flow.gap,
+        "critical_gap": flow.critical_gap,
+        "area_ratio": flow.area,
+        "lifted": flow.lifted,
+        "error": flow.error,
         "model_error": model_error,
         "knudsen": knudsen,
     }
@@ -466,16 +657,28 @@ def _fields(
         "time",
         "temperature",
     )
-    return broadcast(
-        **{name: given[name] for name in kept},
-        **fields,
-        percolates=gaps.percolates,
-        converged=good,
-    )
+    profile = None
+    if flow.profile is not None:
+        places = (
+            np.broadcast_to(each, (*shape, each.shape[-1]))
+            for each in vars(flow.profile).values()
+        )
+        profile = AlongSeal(
+            *(np.where(good[..., None], each, np.nan) for each in places)
+        )
+    return {
+        **broadcast(
+            **{name: given[name] for name in kept},
+            **fields,
+            percolates=flows,
+            converged=good,
+        ),
+        "profile": profile,
+    }
 
 
 def _inputs_in_words(
-    foundation: Foundation, surface: Any, given: dict[str, Any]
+    foundation: Foundation, surface: Any, given: dict[str, Any], seal: _Seal
 ) -> list[tuple[str, str]]:
     words = "" if is_traced(surface) else f", {surface.words()}"
     inputs = [
@@ -488,6 +691,8 @@ def _inputs_in_words(
         for name, unit in _UNITS.items()
         if given[name] is not None
     ]
+    if seal.said:
+        inputs.append(("profile", seal.said))
     if _of_rubber(foundation, given)["temperature"] is not given["temperature"]:
         inputs.append(("rubber", "without a shift law, the same at every temperature"))
     return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]

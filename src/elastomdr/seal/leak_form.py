@@ -23,9 +23,9 @@ from ..checks import is_traced, known
 from ..models import GapFlow
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..rough.psd_integrals import PER_DECADE, cell_counts, nodes
-from .persson_gap import Contact, contact_of, critical_gap, mean_gap, scales
+from .persson_gap import Contact, contact_of, critical_gap, mean_gap
 
-_BATCH = 64  # points that are held in memory at once
+_BATCH = 256  # pressures that are held in memory at once
 _TRACED = 24  # cells per decade where JAX traces a value
 SAID = "Multiscale (form in mean gap and real contact, fitted to maps of gaps)"
 
@@ -106,24 +106,19 @@ def bound(surface: Any, area: Any) -> Any:
 
 
 def leak(surface: Any, relative_pressure: Any) -> GapFlow:
-    """The answers at pressures over E*, (points,)."""
+    """The answers at pressures over E*, (rows, points)."""
     if is_traced(surface, relative_pressure):
         shared, points = as_doubles((surface, relative_pressure))
         counts = cell_counts(known(fixed(surface)), _TRACED)
         numbers = _with_slopes(counts)(shared, points)
     else:
-        batches = np.split(
-            relative_pressure, range(_BATCH, relative_pressure.size, _BATCH)
-        )
-        parts = [_numbers(surface, batch) for batch in batches]
-        numbers = [np.concatenate(columns) for columns in zip(*parts, strict=True)]
+        numbers = _numbers(surface, relative_pressure)
     flow, gap, area, critical, error, model_error = numbers
     return GapFlow(
         flow=flow,
         gap=gap,
         critical_gap=critical,
         area=area,
-        percolates=area < FORM.closes,
         error=error,
         model_error=model_error,
         good=xp.isfinite(flow),
@@ -132,16 +127,27 @@ def leak(surface: Any, relative_pressure: Any) -> GapFlow:
 
 
 def _numbers(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
-    """Flow, gap, area, critical gap, relative error of the flow and its bound."""
-    fine, coarse = (
-        contact_of(nodes(surface, count), relative_pressure)
-        for count in (PER_DECADE, PER_DECADE // 2)
+    """Flow, gap, area, critical gap of the first row, relative error of the flow and its
+    bound.
+    """
+    flat, first = np.ravel(relative_pressure), relative_pressure[0]
+    fine, coarse = (nodes(surface, count) for count in (PER_DECADE, PER_DECADE // 2))
+    parts = []
+    for batch in np.split(flat, range(_BATCH, flat.size, _BATCH)):
+        contacts = contact_of(fine, batch)
+        flow, gap = _flow_and_gap(contacts, surface.rms_height)
+        less, _ = _flow_and_gap(contact_of(coarse, batch), surface.rms_height)
+        error = np.abs(flow - less) / np.where(flow > 0, flow, 1.0)
+        parts.append((flow, gap, contacts.area, error, bound(surface, contacts.area)))
+    flow, gap, area, error, model_error = (
+        np.concatenate(columns).reshape(relative_pressure.shape)
+        for columns in zip(*parts, strict=True)
     )
-    flow, gap = _flow_and_gap(fine, surface.rms_height)
-    less, _ = _flow_and_gap(coarse, surface.rms_height)
-    error = np.abs(flow - less) / np.where(flow > 0, flow, 1.0)
-    critical = critical_gap(fine, scales(fine))
-    return flow, gap, fine.area, critical, error, bound(surface, fine.area)
+    batches = np.split(first, range(_BATCH, first.size, _BATCH))
+    critical = np.concatenate(
+        [critical_gap(contact_of(fine, batch)) for batch in batches]
+    )
+    return flow, gap, area, critical, error, model_error
 
 
 def _flow_and_gap(contacts: Contact, rms_height: Any) -> tuple[Any, Any]:
@@ -158,11 +164,14 @@ def _with_slopes(counts: tuple[int, ...]) -> Callable[..., tuple[Any, ...]]:
     """
 
     def formula(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
-        contacts = contact_of(nodes(surface, _TRACED, counts=counts), relative_pressure)
+        flat = relative_pressure.ravel()
+        contacts = contact_of(nodes(surface, _TRACED, counts=counts), flat)
         flow, gap = _flow_and_gap(contacts, (2 * np.pi * surface.moment(1)) ** 0.5)
-        return flow, gap, contacts.area
+        shape = relative_pressure.shape
+        return tuple(x.reshape(shape) for x in (flow, gap, contacts.area))
 
     def like(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
-        return (relative_pressure,) * 6
+        each = (relative_pressure,) * 3
+        return (*each, relative_pressure[0], *each[:2])
 
     return numbers_with_slopes(_numbers, ((formula, 3),), like)

@@ -27,7 +27,6 @@ from .gap_maps import effective_medium
 from .persson_gap import (
     CLOSES,
     Contact,
-    Scales,
     contact_of,
     critical_gap,
     mean_gap,
@@ -47,34 +46,26 @@ class LeakTheory(Model, ABC):
         """The theory in a few words."""
 
     @abstractmethod
-    def closes_at(self) -> float:
-        """The real contact area over nominal area at which nothing flows any more."""
-
-    @abstractmethod
-    def flow(self, contacts: Contact, at_scales: Scales) -> Array:
+    def flow(self, contacts: Contact) -> Array:
         """w [m^3] at each point."""
 
     def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
         if is_traced(surface, relative_pressure):
             raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
-        relative_pressure = np.asarray(relative_pressure)
-        contacts, coarse = (
-            contact_of(nodes(surface, count), relative_pressure)
-            for count in (2 * PER_DECADE, PER_DECADE)
-        )
-        at_scales = scales(contacts)
-        w, less = self.flow(contacts, at_scales), self.flow(coarse, scales(coarse))
+        fine, coarse = (nodes(surface, count) for count in (2 * PER_DECADE, PER_DECADE))
+        flat, shape = np.ravel(relative_pressure), relative_pressure.shape
+        contacts = contact_of(fine, flat)
+        w, less = self.flow(contacts), self.flow(contact_of(coarse, flat))
         with np.errstate(invalid="ignore", divide="ignore"):
             error = np.where(w > 0, np.abs(w - less) / w, 0.0)
         return GapFlow(
-            flow=w,
-            gap=mean_gap(contacts),
-            critical_gap=critical_gap(contacts, at_scales),
-            area=contacts.area,
-            percolates=contacts.area < self.closes_at(),
-            error=error,
-            model_error=np.full(relative_pressure.shape, np.nan),
-            good=np.isfinite(w),
+            flow=w.reshape(shape),
+            gap=mean_gap(contacts).reshape(shape),
+            critical_gap=critical_gap(contact_of(fine, relative_pressure[0])),
+            area=contacts.area.reshape(shape),
+            error=error.reshape(shape),
+            model_error=np.full(shape, np.nan),
+            good=np.isfinite(w).reshape(shape),
             said=self.words(),
         )
 
@@ -98,10 +89,8 @@ class CriticalConstriction(LeakTheory):
     def closes_at(self) -> float:
         return CLOSES
 
-    def flow(self, contacts: Contact, at_scales: Scales) -> Array:
-        return np.where(
-            contacts.area < CLOSES, critical_gap(contacts, at_scales) ** 3, 0.0
-        )
+    def flow(self, contacts: Contact) -> Array:
+        return np.where(contacts.area < CLOSES, critical_gap(contacts) ** 3, 0.0)
 
 
 @constructor_in_si
@@ -134,8 +123,8 @@ class EffectiveMedium(LeakTheory):
     def closes_at(self) -> float:
         return self.closes
 
-    def flow(self, contacts: Contact, at_scales: Scales) -> Array:
-        each = zip(at_scales.share, at_scales.gap, contacts.area, strict=True)
+    def flow(self, contacts: Contact) -> Array:
+        each = zip(*scales(contacts), contacts.area, strict=True)
         return np.array([_medium(*one, closes=self.closes) for one in each])
 
 

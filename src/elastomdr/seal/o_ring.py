@@ -409,6 +409,32 @@ def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> A
     return law.relaxation(time / time_factor) * vertical_factor
 
 
+def check_rubber(material: Any, ring: Any) -> None:
+    """Raises `InputError` unless the material has the modulus that load and width of the
+    ring tell, E* = 8 W d/(pi (2a)^2).
+    """
+    if not isinstance(ring, ORing):
+        raise InputError(f"o_ring must be a result of em.o_ring(...), got {ring!r}.")
+    if not isinstance(material, Prony):
+        raise InputError(
+            "material must be the rubber of the O-ring (em.Prony, em.load_material(...))"
+            f", got {material!r}."
+        )
+    law = normal_operator(material)
+    modulus = np.asarray(_modulus(law, material, ring.time, ring.temperature))
+    size: Any = 8 * ring.line_load * ring.diameter / (np.pi * ring.width**2)
+    known = np.asarray(size)
+    fits = np.isclose(modulus, known, rtol=1e-6)
+    if not fits.all():
+        i = int(np.argmin(fits))
+        modulus = np.broadcast_to(modulus, fits.shape)
+        raise InputError(
+            "material must be the rubber of the O-ring, whose modulus E* is "
+            f"{known.flat[i]:.4g} Pa at its time and temperature, got {material!r} of "
+            f"{modulus.flat[i]:.4g} Pa."
+        )
+
+
 def _load_and_width(
     diameter: Any, squeeze: Any, young: Any, plane: Any, formula: str
 ) -> tuple[Any, Any]:

@@ -24,6 +24,7 @@ import functools
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from ..arrays import namespace
 from ..numerics.quadrature import gauss
@@ -36,6 +37,7 @@ _CONTACT = 0.5, True  # gamma of the share of contact, stored: as `em.Multiscale
 _EULER = 0.5772156649015329
 _ALL = 0.40712493463438926  # I
 _FAR = 5.0  # x from which on J is nothing
+_DEGREE = 44  # of the series for its integral
 _ALL_ROUND = 2 * np.pi  # int |E*|^2 dphi over E*^2, of an elastic solid
 
 
@@ -81,16 +83,39 @@ def mean_gap(contacts: Contact) -> Any:
 def gap_integral(x: Any) -> Any:
     """J(x)."""
     xp = namespace(x)
-    held = xp.minimum(x, _FAR)[..., None]
-    nodes, weights = gauss(24)
-    r = 0.5 * (nodes + 1)
-    gone = xp.exp(-((held * r) ** 2))
-    touching = share(0.25 / (held * r) ** 2) ** 2
-    each = _ENERGY * (1 - gone) - 3 * (1 - _ENERGY) * touching * gone
-    inner = (each / r) @ (0.5 * weights)
-    held = held[..., 0]
+    held = xp.minimum(x, _FAR)
+    inner = chebyshev.chebval(2 * (held / _FAR) ** 2 - 1, _inner())
     value = inner - _ENERGY * (_EULER / 2 + xp.log(held)) + 3 * (1 - _ENERGY) * _ALL
     return xp.where(x < _FAR, xp.maximum(value, 0.0), 0.0)
+
+
+@functools.cache
+def _inner() -> np.ndarray:
+    """The integral over r as a series in (x/_FAR)^2, to 1e-12 of 1."""
+    nodes, weights = gauss(64)
+    r = 0.5 * (nodes + 1)
+
+    def integral(place: Any) -> Any:
+        square = 0.5 * (place[:, None] + 1) * (_FAR * r) ** 2
+        gone, touching = np.exp(-square), share(0.25 / np.maximum(square, 1e-300)) ** 2
+        each = _ENERGY * (1 - gone) - 3 * (1 - _ENERGY) * touching * gone
+        return (each / r) @ (0.5 * weights)
+
+    return chebyshev.chebinterpolate(integral, _DEGREE)
+
+
+@functools.cache
+def closing_pressure(area: float) -> float:
+    """p/E* over the rms slope at which the share of contact is `area`: for an elastic
+    solid R = (slope/p)^2 E*^2/8.
+    """
+
+    low, high = np.log(1e-6), np.log(1e3)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        heavy = contact(0.125 * np.exp(-2 * middle), *_CONTACT) > area
+        low, high = (low, middle) if heavy else (middle, high)
+    return float(np.exp(low))
 
 
 class Scales(NamedTuple):
@@ -122,12 +147,12 @@ def scales(contacts: Contact) -> Scales:
     return Scales(shares, np.where(inside, np.maximum(lost, gaps), np.nan))
 
 
-def critical_gap(contacts: Contact, at_scales: Scales) -> np.ndarray:
+def critical_gap(contacts: Contact) -> np.ndarray:
     """u_1 [m] where the share of contact falls to that at which channels close; NaN
     where it does not, or within the first waves.
     """
     gap = np.full(contacts.area.size, np.nan)
-    for i, (shares, lost) in enumerate(zip(*at_scales, strict=True)):
+    for i, (shares, lost) in enumerate(zip(*scales(contacts), strict=True)):
         known = np.isfinite(lost) & (lost > 0)
         if known.any() and shares[known][-1] < CLOSES < shares[known][0]:
             place = np.interp(-CLOSES, -shares[known], np.log(lost[known]))

@@ -26,23 +26,18 @@ H. K. Mueller & B. S. Nau, Fluid Sealing Technology (1998).
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..checks import (
-    as_float64,
     broadcast,
     in_si,
     is_traced,
     positive_arrays,
-    require,
     scalar,
 )
-from ..element.law import normal_operator
 from ..errors import InputError, ModelWarning, warn, warned_once
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
@@ -50,7 +45,8 @@ from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, in_unit, span
 from ..surface.shapes import Cylinder
 from .lubricated import lubricated
-from .o_ring import ORing
+from .o_ring import ORing, check_rubber
+from .pressure_profile import pressure_profile
 from .response import bodies_of, compliance
 
 if TYPE_CHECKING:
@@ -58,11 +54,7 @@ if TYPE_CHECKING:
 
 _FEWEST = 8  # rows of a pressure profile
 _APART = 4  # positions over which a steepness is compared with that between neighbours
-# what no seal has: a wider contact [m], and a lower pressure at its highest [Pa]
-_WIDEST, _LOWEST = 0.1, 1e3
 _DOUBTED = 0.1  # relative error of the film from which a profile is doubted
-_LENGTHS = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "um": 1e-6}
-_PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5}
 
 
 @record
@@ -270,85 +262,15 @@ def _either(first: Array | None, second: Array | None) -> Array | None:
     return None if first is None or second is None else first | second
 
 
-def _profile(profile: Any) -> tuple[Array, Array]:
-    """Positions and pressures, checked. Raises `InputError`."""
-    if isinstance(profile, (str, os.PathLike)):
-        profile = _read(Path(profile))
-    if not isinstance(profile, (tuple, list)) or len(profile) != 2:
-        raise InputError(
-            "profile must be a pair, positions [m] and pressures [Pa], or a file, got "
-            f"{profile!r}."
-        )
-    x, p = (as_float64("profile", each) for each in profile)
-    for each in (x, p):
-        require("profile", each, "finite numbers", np.isfinite)
-    if x.ndim != 1 or x.shape != p.shape or x.size < _FEWEST:
-        raise InputError(
-            f"profile must have {_FEWEST} positions or more and as many pressures, got "
-            f"shapes {x.shape} and {p.shape}."
-        )
-    if not (np.diff(x) > 0).all():
-        raise InputError(
-            "profile must have ascending positions, from the side of the fluid to that "
-            "of the air."
-        )
+def _of_profile(profile: Any, motion: _Motion) -> _Strokes:
+    """Both strokes under a given pressure: out along x, in against it."""
+    x, p = pressure_profile(profile, _FEWEST)
     slope = np.diff(p)
     if not (slope.max() > 0 > slope.min()):
         raise InputError(
             "profile must rise on the side of the fluid and fall on that of the air: "
             "it has one flank only."
         )
-    _doubt_units(x, p)
-    return x, p
-
-
-def _doubt_units(x: Array, pressure: Array) -> None:
-    """Warns of positions that are likely to be meant in mm, and of pressures in MPa."""
-    width, highest = float(x[-1] - x[0]), float(pressure.max())
-    if width > _WIDEST:
-        warn(
-            f"profile: positions are taken in m, and the contact is {width:g} m wide. "
-            f"If {width:g} mm are meant, write positions times 1e-3.",
-            ModelWarning,
-        )
-    if highest < _LOWEST:
-        warn(
-            f"profile: pressures are taken in Pa, of {highest:g} Pa at most. If "
-            f"{highest:g} MPa are meant, write pressures times 1e6.",
-            ModelWarning,
-        )
-
-
-def _read(path: Path) -> tuple[Array, Array]:
-    """A file of two columns with units in its title line. Raises `InputError`."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"profile must be a text file, got {path}: {error}.") from None
-    title, *lines = [line for line in lines if line.strip()] or [""]
-    units = re.findall(r"\[([^\]]*)\]", title)
-    if len(units) != 2 or units[0] not in _LENGTHS or units[1] not in _PRESSURES:
-        raise InputError(
-            f"profile {path} must begin with a title line such as 'position [mm], "
-            f"pressure [MPa]', got {title or 'an empty file'!r}."
-        )
-    separator = next((mark for mark in ";\t" if mark in title), ",")
-    if separator != ",":  # a comma is then one of decimals
-        lines = [line.replace(",", ".") for line in lines]
-    try:
-        numbers = np.array(
-            [[float(cell) for cell in line.split(separator)] for line in lines]
-        )
-    except ValueError as error:
-        raise InputError(f"profile {path} must hold numbers: {error}.") from None
-    if numbers.ndim != 2 or numbers.shape[1] != 2:
-        raise InputError(f"profile {path} must have two columns.")
-    return numbers[:, 0] * _LENGTHS[units[0]], numbers[:, 1] * _PRESSURES[units[1]]
-
-
-def _of_profile(profile: Any, motion: _Motion) -> _Strokes:
-    """Both strokes under a given pressure: out along x, in against it."""
-    x, p = _profile(profile)
     strokes = _Strokes(
         f"{x.size} points of a pressure profile",
         _inverse(x, p, motion.viscosity * motion.out),
@@ -412,8 +334,8 @@ def _of_ring(material: Any, ring: Any, motion: _Motion) -> _Strokes:
         )
     if material is None:
         raise InputError("material must be the rubber of the O-ring, got None.")
-    pressure, width = float(np.ravel(ring.pressure)[0]), float(np.ravel(ring.width)[0])
-    _check_rubber(material, ring, 4 * pressure / width)
+    pressure = float(np.ravel(ring.pressure)[0])
+    check_rubber(material, ring)
     fluid, air_side = 0.0, pressure
     source = "O-ring"
     if ring.fluid_pressure is not None and ring.sealing_pressure is not None:
@@ -479,20 +401,3 @@ def _shifted(material: Prony, temperature: float | None) -> tuple[float, float]:
         return 1.0, 1.0
     factor, vertical = thermal_factors(material, temperature)
     return float(factor), float(vertical)
-
-
-def _check_rubber(material: Prony, ring: ORing, per_width: float) -> None:
-    """Raises `InputError` unless the material has the modulus that load and width of the
-    ring tell, E* = 8 W d/(pi (2a)^2); `per_width` is 4 W/(2a)^2.
-    """
-    temperature, time = _when(ring)
-    factor, vertical = _shifted(material, temperature)
-    law = normal_operator(material)
-    modulus = law.equilibrium if time is None else law.relaxation(time / factor)
-    known = 2 * per_width * float(np.ravel(ring.diameter)[0]) / np.pi
-    if not np.isclose(float(modulus) * vertical, known, rtol=1e-6):
-        raise InputError(
-            "material must be the rubber of the O-ring, whose modulus E* is "
-            f"{known:.4g} Pa at its time and temperature, got {material!r} of "
-            f"{float(modulus) * vertical:.4g} Pa."
-        )

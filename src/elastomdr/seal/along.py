@@ -1,0 +1,485 @@
+"""The fluid along a seal: it carries a part of the pressure, and flows.
+
+Where the fluid has the pressure p_f, contact bears p - p_f: a uniform p_f over rubber,
+gaps and contact changes no gap. So along the seal, x from the side of the fluid,
+
+    [w(p - p_f) (1 + p_f/p_2) + l_2 S(p - p_f)] dp_f/dx = -q,    p_f = dp to 0,
+
+with w/12 viscosity the flow conductance, q = 12 viscosity Q/width, and Q the volume at
+the outlet. Of a liquid the round bracket is one and l_2 zero; of a gas p_2 is the
+pressure at the outlet, l_2 the mean free path there, and S = dw/dl (`gas.py`).
+
+A pressure p that is even along the seal separates,
+
+    q length = int_0^dp [w (1 + p_f/p_2) + l_2 S] dp_f,
+
+by Clenshaw's and Curtis' rule over log(p - p_f), up to where channels close. Else the
+seal is cut into cells of an even p, in which the same holds: from the outlet on,
+
+    G(s) = int_0^s [w (1 + (p - s')/p_2) + l_2 S] ds',    G(p - p_f) falls by q dx a cell.
+
+Where G would fall below zero the fluid carries all of p and lifts the rubber; upstream
+its pressure stays, as long as it is above p. A place that is closed until the fluid opens
+it adds no resistance but holds p_f back by as much. q is found by what p_f is at the
+inlet.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ..arrays import fixed, is_traced, xp
+from ..checks import Array
+from ..models import GapFlow, Model
+from ..numerics.interpolation import hermite, monotone_slopes
+from ..numerics.root import search
+from ..results.base import part, quantity
+from .persson_gap import closing_pressure
+
+_PLACES = 65  # at which the fluid along an even seal is kept
+_CELLS = 64  # of a seal whose pressure is not even
+_RANGE = np.log(1e5), 9.0  # of log z/(1 - z), below the largest pressure, and at most
+_SPACING = 4.0  # of that, times the number of intervals of a model
+_FINE = 256  # places in _SPACING where it is interpolated
+_SETTLED = 1e-9  # change of log q
+
+
+@part
+class AlongSeal:
+    """Pressures at places along the flow; the last axis of each field."""
+
+    x: Array = quantity(
+        "place", "m", "from the side of the fluid", dims="... place", shown="mm"
+    )
+    pressure: Array = quantity(
+        "pressure of rubber and surface", "Pa", "p", dims="... place", shown="MPa"
+    )
+    fluid_pressure: Array = quantity(
+        "pressure of the fluid",
+        "Pa",
+        "p_f, over that behind the seal",
+        dims="... place",
+        shown="MPa",
+    )
+
+
+class Fluid(NamedTuple):
+    """What its pressure makes of the volume, which is that at the outlet."""
+
+    expands: Any = 0.0  # 1/p_2 [1/Pa], of a gas
+    path: Any = 0.0  # l_2, mean free path at the outlet [m]
+
+
+class Pressed(NamedTuple):
+    """What is asked of a model, and how it is pressed."""
+
+    model: Model
+    surface: Any
+    soft: Any  # 1/E* [1/Pa]
+    drop: Any  # dp [Pa]
+    fluid: Fluid
+
+
+class Flow(NamedTuple):
+    """A seal as a whole, arrays of the shape of its points."""
+
+    through: Any  # q length/dp [m^3]
+    gap: Any  # where contact bears most [m]
+    area: Any
+    critical_gap: Any
+    lifted: Any  # length over which the fluid lifts the rubber [m]
+    slip: Any  # l_2 int w^(2/3) dp_f over int w (1 + p_f/p_2) dp_f
+    error: Any  # relative
+    model_error: Any
+    good: Any
+    said: str  # the model
+    work: str
+    slips_by_itself: bool
+    profile: AlongSeal | None
+
+
+def _bounds(flow: Any, model_error: Any) -> tuple[Any, Any]:
+    """Least and largest w in three dimensions by the rows, in which pressure falls: no
+    contact lets more through than under less pressure.
+    """
+    known = xp.isfinite(model_error)
+    factor = 1 + xp.where(known, model_error, 0.0)
+    most = xp.where(known, flow * factor, xp.inf)
+    lighter = np.tri(len(most)).T.astype(bool)  # of row i: those from i on
+    most = xp.where(
+        lighter.reshape(*lighter.shape, *(1,) * (most.ndim - 1)), most, xp.inf
+    )
+    return xp.where(known, flow / factor, 0.0), most.min(axis=1)
+
+
+def _within(through: Any, least: Any, most: Any) -> Any:
+    """The factor less one within which a flow is, of its bounds."""
+    flows = through > 0
+    through, known = xp.where(flows, through, 1.0), flows & (least > 0)
+    off = xp.maximum(most / through, through / xp.where(known, least, 1.0))
+    return xp.where(known, off - 1, xp.inf)
+
+
+class _Rule(NamedTuple):
+    """Clenshaw's and Curtis' on [0, 1], nodes from 1 to 0."""
+
+    nodes: np.ndarray
+    weights: np.ndarray
+    coarse: np.ndarray  # of every second node
+    places: np.ndarray  # ascending
+    until: np.ndarray  # integrals from 0 to each place, of values at the nodes
+
+
+@functools.cache
+def _rule(count: int) -> _Rule:
+    def until(places: np.ndarray, count: int) -> np.ndarray:
+        degree = count - 1
+        nodes = np.cos(np.pi * np.arange(count) / degree)
+        whole = chebyshev.chebint(np.eye(count), lbnd=-1, axis=0)
+        series = np.linalg.inv(chebyshev.chebvander(nodes, degree))
+        return 0.5 * chebyshev.chebvander(2 * places - 1, count) @ whole @ series
+
+    end, places = np.ones(1), np.linspace(0.0, 1.0, _PLACES)
+    coarse = np.zeros(count)
+    coarse[::2] = until(end, count // 2 + 1)[0]
+    nodes = 0.5 * (1 + np.cos(np.pi * np.arange(count) / (count - 1)))
+    return _Rule(nodes, until(end, count)[0], coarse, places, until(places, count))
+
+
+def _asked(pressed: Pressed, relative_pressure: Any) -> GapFlow:
+    """The model's answers at pressures over E* (rows, ...), in their shape."""
+    rows, *dims = relative_pressure.shape
+    gaps = pressed.model.leak(pressed.surface, relative_pressure.reshape(rows, -1))
+    shaped = {
+        name: x.reshape((*x.shape[:-1], *dims)) for name, x in _arrays(gaps).items()
+    }
+    return gaps._replace(**shaped)
+
+
+def _arrays(gaps: GapFlow) -> dict[str, Any]:
+    return {
+        name: x
+        for name, x in gaps._asdict().items()
+        if name not in ("said", "work") and x is not None
+    }
+
+
+def even(pressed: Pressed, pressure: Any, length: Any) -> Flow:
+    """A seal that is pressed evenly."""
+    rule, fluid = _rule(pressed.model.leak_nodes), pressed.fluid
+    slope = pressed.surface.rms_slope
+    closed = fixed(closing_pressure(pressed.model.closes_at()) * slope)
+    dry = pressure * pressed.soft
+    shape = np.broadcast_shapes(*map(np.shape, (dry, pressed.drop, *fluid)))
+    share = xp.broadcast_to(pressed.drop / pressure, shape)
+    dry = xp.broadcast_to(dry, shape)
+    inlet = dry * (1 - share)
+    opens = inlet < closed
+    span = xp.where(dry < closed, -xp.log1p(-share), xp.log(closed / inlet))
+    span = xp.where(opens, span, 0.0)
+    rows = (-1, *(1,) * len(shape))
+    x = xp.where(opens, inlet, dry) * xp.exp(span * rule.nodes.reshape(rows))
+    every = _asked(pressed, xp.concatenate([dry[None], x]))
+    gaps: Any = every._replace(
+        **{name: y[1:] for name, y in _arrays(every).items() if name != "critical_gap"}
+    )
+    fluid_pressure = pressure * (1 - x / dry)
+    # dp_f is p/E* times d log x, and by a share of the drop
+    falls = span * (x / dry) / share
+    mean = gaps.flow > 0
+    third = xp.where(mean, gaps.flow, 1.0) ** (1 / 3)
+    viscous = falls * gaps.flow * (1 + fluid.expands * fluid_pressure)
+    faint = falls * xp.where(mean, third**2, 0.0)
+    slips = 6 * faint if gaps.slip is None else falls * gaps.slip
+    flux = viscous + fluid.path * slips
+    weights = rule.weights.reshape(rows)
+
+    def over(values: Any) -> Any:
+        return (weights * values).sum(0)
+
+    through = over(flux)
+    flows = through > 0
+    whole = xp.where(flows, through, 1.0)
+    coarse = (rule.coarse.reshape(rows) * flux).sum(0)
+    erring = xp.where(flux > 0, flux * gaps.error, 0.0)
+    error = over(erring) / whole + abs(through - coarse) / whole
+    error = xp.where(flows, error, every.error[0])
+    model_error = gaps.model_error
+    if model_error is not None:
+        unknown = xp.isnan(model_error).any(0)
+        expanded = falls * (1 + fluid.expands * fluid_pressure)
+        least, most = (over(expanded * w) for w in _bounds(gaps.flow, model_error))
+        model_error = xp.where(unknown, xp.nan, _within(over(viscous), least, most))
+    profile = None
+    if not is_traced(x, length):
+        passed = np.moveaxis(flux, 0, -1) @ rule.until.T / whole[..., None]
+        left = (1 - share)[..., None] * np.exp(span[..., None] * rule.places)
+        profile = _even_profile(pressure, pressed.drop, length, passed, 1 - left)
+    return Flow(
+        through,
+        every.gap[0],
+        every.area[0],
+        every.critical_gap,
+        xp.zeros(shape),
+        fluid.path * over(faint) / xp.where(flows, over(viscous), 1.0),
+        error,
+        model_error,
+        every.good.all(0),
+        gaps.said,
+        gaps.work,
+        gaps.slip is not None,
+        profile,
+    )
+
+
+def _even_profile(
+    pressure: Array, drop: Array, length: Array, passed: Array, fluid_share: Array
+) -> AlongSeal:
+    """From how much of the length is `passed` (..., places) where the fluid has
+    `fluid_share` which part of the pressure; of a closed seal it stays at the inlet.
+    """
+    pressure, drop, length, _ = np.broadcast_arrays(
+        pressure[..., None], drop[..., None], length[..., None], passed[..., :1]
+    )
+    flows = passed[..., -1:] > 0
+    # of nodes that are few the integral may fall back a little
+    passed = np.clip(np.maximum.accumulate(passed, axis=-1), 0.0, 1.0)
+    x = np.where(flows, passed, np.linspace(0.0, 1.0, passed.shape[-1]))
+    fluid = np.where(flows, pressure * fluid_share, 0.0)
+    fluid[..., :1] = drop
+    # where dry contact is closed, the pressure ends in a step
+    x, fluid = (
+        np.concatenate([each, np.full_like(pressure, end)], axis=-1)
+        for each, end in ((x, 1.0), (fluid, 0.0))
+    )
+    return AlongSeal(length * x, np.broadcast_to(pressure, x.shape), fluid)
+
+
+class Uneven(NamedTuple):
+    """A pressure that changes along the seal; arrays of its points, (points,)."""
+
+    start: Array  # where the seal begins on the side of the fluid [m]
+    length: Array  # [m]
+    peak: Array  # the largest pressure [Pa]
+    # at parts of the length (places,): [Pa], (points, places)
+    pressure_at: Callable[[Array], Array]
+
+
+def uneven(pressed: Pressed, seal: Uneven) -> Flow:
+    """A seal whose pressure changes along it; all arrays of `pressed` (points,)."""
+    fine, coarse = _tables(pressed, seal.peak * pressed.soft)
+    cells, half = (_cells(pressed, seal, count) for count in (_CELLS, _CELLS // 2))
+    log_flux, good = _fluxes(fine, cells, None)
+    log_less, also = _fluxes(coarse, half, log_flux[:1])
+    flux, less = np.exp(log_flux), np.exp(log_less[0])
+    open_ = flux[0] > 0
+    whole = np.where(open_, flux[0], 1.0)
+    model_error = None
+    if not fine.slips_by_itself:
+        bounded = len(flux) > 1
+        model_error = _within(*flux[1:]) if bounded else np.full(open_.shape, np.nan)
+    fluid = _march(fine, cells, log_flux)[:, 0]  # (boundaries, points)
+    fluid = np.where(open_, fluid, _closed(fine, cells))
+    upstream, downstream = cells.pressure - fluid[:-1], cells.pressure - fluid[1:]
+
+    def passed(integral: Array) -> Any:
+        return np.interp(downstream, fine.x, integral) - np.interp(
+            upstream, fine.x, integral
+        )
+
+    faint = passed(fine.faint).sum(0)
+    viscous = (1 + cells.expands * cells.pressure) * passed(fine.flow[0])
+    viscous = (viscous - cells.expands * passed(fine.moment[0])).sum(0)
+    hardest = _asked(pressed, downstream.max(0)[None])
+    places = np.linspace(0.0, 1.0, _CELLS + 1)
+    x = seal.start[:, None] + seal.length[:, None] * places
+    profile = AlongSeal(x, seal.pressure_at(places), (fluid / pressed.soft).T)
+    return Flow(
+        flux[0] * seal.length / pressed.soft / pressed.drop,
+        hardest.gap[0],
+        hardest.area[0],
+        hardest.critical_gap,
+        seal.length * (downstream <= 0).mean(0),
+        pressed.fluid.path * faint / np.where(viscous > 0, viscous, 1.0),
+        np.where(open_, abs(flux[0] - less) / whole + fine.error, fine.error),
+        model_error,
+        good[0] & also[0],
+        fine.said,
+        fine.work,
+        fine.slips_by_itself,
+        profile,
+    )
+
+
+class _Table(NamedTuple):
+    """A model's answers over s = (p - p_f)/E*, ascending from 0 to where nothing flows or
+    nothing presses harder. The first axis of `flow`: with slip, without, and least and
+    largest without, or the first alone.
+    """
+
+    x: Array
+    flow: Array  # int_0 w ds
+    moment: Array  # int_0 s w ds
+    slip: Array  # int_0 S ds, of the first alone
+    faint: Array  # int_0 w^(2/3) ds
+    error: float  # relative, of w
+    said: str
+    work: str
+    slips_by_itself: bool
+
+
+def _tables(pressed: Pressed, peak: Array) -> tuple[_Table, _Table]:
+    """Up to the largest `peak`/E*, and the same from half of the answers: over log z/(1 -
+    z), z = s over that at closing, in which roots of w are smooth up to closing.
+    """
+    model, surface = pressed.model, pressed.surface
+    closed = closing_pressure(model.closes_at()) * surface.rms_slope
+    step = _SPACING / (model.leak_nodes - 1)
+    top = float(peak.max() / closed)
+    end = min(_RANGE[1], np.log(top / (1 - top))) if top < 1 else _RANGE[1]
+    low = min(np.log(float(peak.min() / closed)), 0.0) - _RANGE[0]
+    first, count = np.floor(low / step), int(np.ceil((end - low) / step)) // 2 * 2 + 3
+    place = step * (first + np.arange(count))
+    x = closed / (1 + np.exp(-place))
+    gaps = _asked(pressed, x[::-1, None])
+    flows = [gaps.flow]
+    if gaps.model_error is not None and not np.isnan(gaps.model_error).any():
+        flows += [gaps.flow, *_bounds(gaps.flow, gaps.model_error)]
+    slip = 6 * gaps.flow ** (2 / 3) if gaps.slip is None else gaps.slip
+    roots = np.stack([*np.cbrt(flows), np.sqrt(slip)])[:, ::-1, 0]
+    within = np.linspace(place[0], place[-1], (count - 1) * int(_FINE * step) + 1)
+
+    def table(every: int) -> _Table:
+        nodes, values = place[::every], roots[:, ::every]
+        *between, root_of_slip = hermite(
+            nodes, values, monotone_slopes(nodes, values), within
+        )
+        s, flow = closed / (1 + np.exp(-within)), np.array(between) ** 3
+        error = np.nan_to_num(gaps.error[::-1, 0])
+        weight = np.gradient(x) * gaps.flow[::-1, 0]
+        return _Table(
+            np.append(0.0, s),
+            _integrals(s, flow),
+            _integrals(s, s * flow),
+            _integrals(s, root_of_slip**2),
+            _integrals(s, between[0] ** 2),
+            float(weight @ error / weight.sum()),
+            gaps.said,
+            gaps.work,
+            gaps.slip is not None,
+        )
+
+    return table(1), table(2)
+
+
+def _integrals(x: Array, values: Array) -> Array:
+    """From 0 to 0 and to each of x, before the first of which values are even."""
+    parts = 0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(x)
+    first = values[..., :1] * x[0]
+    parts = np.concatenate([np.zeros_like(first), first, parts], axis=-1)
+    return np.cumsum(parts, axis=-1)
+
+
+class _Cells(NamedTuple):
+    """Cells of an even pressure, all pressures over E*."""
+
+    pressure: Array  # (cells, points)
+    width: Array  # [m], (points,)
+    drop: Array
+    expands: Array  # E*/p_2
+    path: Array  # [m]
+
+
+def _cells(pressed: Pressed, seal: Uneven, count: int) -> _Cells:
+    middles = (np.arange(count) + 0.5) / count
+    soft = pressed.soft
+    return _Cells(
+        (seal.pressure_at(middles) * soft[:, None]).T,
+        seal.length / count,
+        pressed.drop * soft,
+        pressed.fluid.expands / soft,
+        pressed.fluid.path,
+    )
+
+
+def _fluxes(table: _Table, cells: _Cells, guess: Array | None) -> tuple[Array, Array]:
+    """log q/E* of each flow of the table and each point, -inf where it is closed; and
+    which were found.
+    """
+    flows = 1 if guess is not None else len(table.flow)
+    bears = cells.pressure.max(0) - cells.drop
+    # where the fluid has not opened the hardest place
+    last = np.array([table.x[np.argmax(each >= each[-1])] for each in table.flow])
+    open_ = bears < last[:flows, None]
+    if guess is None:
+        place = np.maximum(cells.pressure.mean(0) - 0.5 * cells.drop, table.x[1])
+        slope = np.gradient(table.flow[0], table.x)
+        length = cells.width * len(cells.pressure)
+        mean = np.interp(place, table.x, slope) * cells.drop / length
+        guess = np.log(np.maximum(mean, 1e-300))
+    begin = np.zeros(open_.shape) + guess
+
+    def residual(log_flux: Array) -> Array:
+        inlet = _march(table, cells, log_flux)[0]
+        return np.where(open_, np.log(np.maximum(inlet / cells.drop, 1e-300)), 0.0)
+
+    log_flux, settled = search(residual, begin, _SETTLED, 1.0)
+    return np.where(open_, log_flux, -np.inf), settled | ~open_
+
+
+def _march(table: _Table, cells: _Cells, log_flux: Array) -> Array:
+    """The pressure of the fluid at the ends of all cells, from the outlet on: (cells +
+    1, flows, points).
+    """
+    count = len(cells.pressure)
+    row = np.arange(len(log_flux))[:, None]
+    falls = np.exp(log_flux) * cells.width
+    path = cells.path * (row == 0)
+    fluid = np.zeros((count + 1, *log_flux.shape))
+    last = table.x.size - 1
+    for i in reversed(range(count)):
+        pressure = cells.pressure[i]
+        more = 1 + cells.expands * pressure
+
+        def integral(number: Array, more: Array = more) -> Array:
+            return (
+                more * table.flow[row, number]
+                - cells.expands * table.moment[row, number]
+                + path * table.slip[number]
+            )
+
+        bears = pressure - fluid[i + 1]
+        left = np.clip(np.searchsorted(table.x, bears) - 1, 0, last - 1)
+        fraction = np.clip(
+            (bears - table.x[left]) / (table.x[left + 1] - table.x[left]), 0.0, 1.0
+        )
+        low, high = integral(left), integral(left + 1)
+        wanted = low + fraction * (high - low) - falls
+        # the interval that holds what is wanted
+        first, end = np.zeros_like(left), left + 1
+        for _ in range(int(last).bit_length()):
+            middle = (first + end) // 2
+            above = integral(middle) <= wanted
+            first, end = np.where(above, middle, first), np.where(above, end, middle)
+        low, high = integral(first), integral(first + 1)
+        fraction = (wanted - low) / np.where(high > low, high - low, 1.0)
+        remains = table.x[first] + np.clip(fraction, 0.0, 1.0) * (
+            table.x[first + 1] - table.x[first]
+        )
+        fluid[i] = np.where(bears > 0, pressure - remains, fluid[i + 1])
+    return fluid
+
+
+def _closed(table: _Table, cells: _Cells) -> Array:
+    """The pressure of the fluid where it opens no way: all of it, up to the first place
+    that stays closed, and behind it none.
+    """
+    closed = cells.pressure - cells.drop >= table.x[-1]
+    behind = np.maximum.accumulate(closed, axis=0)
+    ahead = np.concatenate([np.zeros_like(behind[:1]), behind])
+    return np.where(ahead, 0.0, cells.drop)

@@ -1,0 +1,90 @@
+"""The pressure of a dry seal along the flow, as given or in a file."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..checks import Array, as_float64, require
+from ..errors import InputError, ModelWarning, warn
+
+# what no seal has: a wider contact [m], and a lower pressure at its highest [Pa]
+_WIDEST, _LOWEST = 0.1, 1e3
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "um": 1e-6}
+_PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5}
+
+
+def pressure_profile(profile: Any, fewest: int) -> tuple[Array, Array]:
+    """Positions [m] and pressures [Pa], of a pair or a file, `fewest` of them or more.
+    Raises `InputError`.
+    """
+    if isinstance(profile, (str, os.PathLike)):
+        profile = _read(Path(profile))
+    if not isinstance(profile, (tuple, list)) or len(profile) != 2:
+        raise InputError(
+            "profile must be a pair, positions [m] and pressures [Pa], or a file, got "
+            f"{profile!r}."
+        )
+    x, p = (as_float64("profile", each) for each in profile)
+    for each in (x, p):
+        require("profile", each, "finite numbers", np.isfinite)
+    if x.ndim != 1 or x.shape != p.shape or x.size < fewest:
+        raise InputError(
+            f"profile must have {fewest} positions or more and as many pressures, got "
+            f"shapes {x.shape} and {p.shape}."
+        )
+    if not (np.diff(x) > 0).all():
+        raise InputError(
+            "profile must have ascending positions, from the side of the fluid to that "
+            "of the air."
+        )
+    _doubt_units(x, p)
+    return x, p
+
+
+def _doubt_units(x: Array, pressure: Array) -> None:
+    """Warns of positions that are likely to be meant in mm, and of pressures in MPa."""
+    width, highest = float(x[-1] - x[0]), float(pressure.max())
+    if width > _WIDEST:
+        warn(
+            f"profile: positions are taken in m, and the contact is {width:g} m wide. "
+            f"If {width:g} mm are meant, write positions times 1e-3.",
+            ModelWarning,
+        )
+    if highest < _LOWEST:
+        warn(
+            f"profile: pressures are taken in Pa, of {highest:g} Pa at most. If "
+            f"{highest:g} MPa are meant, write pressures times 1e6.",
+            ModelWarning,
+        )
+
+
+def _read(path: Path) -> tuple[Array, Array]:
+    """A file of two columns with units in its title line. Raises `InputError`."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"profile must be a text file, got {path}: {error}.") from None
+    title, *lines = [line for line in lines if line.strip()] or [""]
+    units = re.findall(r"\[([^\]]*)\]", title)
+    if len(units) != 2 or units[0] not in _LENGTHS or units[1] not in _PRESSURES:
+        raise InputError(
+            f"profile {path} must begin with a title line such as 'position [mm], "
+            f"pressure [MPa]', got {title or 'an empty file'!r}."
+        )
+    separator = next((mark for mark in ";\t" if mark in title), ",")
+    if separator != ",":  # a comma is then one of decimals
+        lines = [line.replace(",", ".") for line in lines]
+    try:
+        numbers = np.array(
+            [[float(cell) for cell in line.split(separator)] for line in lines]
+        )
+    except ValueError as error:
+        raise InputError(f"profile {path} must hold numbers: {error}.") from None
+    if numbers.ndim != 2 or numbers.shape[1] != 2:
+        raise InputError(f"profile {path} must have two columns.")
+    return numbers[:, 0] * _LENGTHS[units[0]], numbers[:, 1] * _PRESSURES[units[1]]

@@ -1,0 +1,467 @@
+"""The fluid carries its share of the pressure: leaks against the integral over what is
+left to contact, against a solution of the equation along the seal by another method,
+and against numbers of another program.
+"""
+
+import itertools
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
+
+import elastomdr as em
+from elastomdr.cli.kinds import read_scene
+
+RUBBER = em.Prony(2.5e6, [], [])  # E* 10 MPa
+TURNED = em.SelfAffine(
+    0.8, rms_height=1e-6, q_low=2 * np.pi / 100e-6, q_high=2 * np.pi / 2e-6
+)
+SEAL = {"viscosity": 2e-3, "width": 0.1}
+LENGTH = 2e-3
+
+
+def leak(pressure, drop, **given):
+    given = {"length": LENGTH} | SEAL | given
+    return em.leak(RUBBER, TURNED, pressure=pressure, pressure_drop=drop, **given)
+
+
+def conductance(pressure):
+    """s [m^3/(Pa s)] of contacts that bear these pressures."""
+    return leak(pressure, 1e-7 * np.asarray(pressure)).conductance
+
+
+def closing():
+    """The pressure [Pa] at which channels close."""
+    low, high = 1e5, 1e6
+    while high - low > 1e-9 * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if conductance(middle) > 0 else (low, middle)
+    return low
+
+
+CLOSED = closing()
+SIGMA = CLOSED / (1 + np.exp(-np.linspace(-13.0, 13.0, 2601)))
+LOG_S = np.log(conductance(SIGMA))
+
+
+def interpolated(sigma):
+    inside = np.exp(np.interp(np.log(np.maximum(sigma, 1.0)), np.log(SIGMA), LOG_S))
+    return np.where(sigma < CLOSED, inside, 1e-300)
+
+
+def test_numbers_of_another_program():
+    """Rate over that of contacts that bear all of the pressure."""
+    known = {
+        1e5: (1.13, 1.99, 4.76),
+        2e5: (1.26, 3.7, 17),
+        3e5: (1.46, 8.7, 84),
+    }
+    part = np.array([0.1, 0.5, 0.9])
+    for pressure, expected in known.items():
+        found = leak(pressure, part * pressure)
+        more = found.conductance / conductance(pressure)
+        np.testing.assert_allclose(more, expected, rtol=0.02)
+    assert found.area_ratio == pytest.approx(0.25, abs=1e-3)
+
+
+@pytest.mark.parametrize("part", [0.05, 0.5, 0.97])
+@pytest.mark.parametrize("pressure", [1e5, 4e5, 1e6])
+def test_the_integral_over_what_contact_bears(pressure, part):
+    """With what is closed from the outlet on: it adds no resistance."""
+    found = leak(pressure, part * pressure)
+    low, high = np.log([(1 - part) * pressure, min(pressure, CLOSED)])
+    whole = 0.0
+    if low < high:
+        whole, _ = quad(
+            lambda x: np.exp(x) * interpolated(np.exp(x)), low, high, limit=400
+        )
+    assert found.rate == pytest.approx(0.1 / LENGTH * whole, rel=1e-3, abs=1e-30)
+    assert bool(found.percolates) == (whole > 0)
+
+
+def test_a_seal_is_closed_until_the_fluid_opens_it():
+    """Dry contact of 0.63 at 1 MPa leaks where the fluid carries half of it."""
+    found = leak(1e6, np.array([1e5, 4e5, 5e5, 9e5]))
+    assert found.percolates.tolist() == [False, False, True, True]
+    assert (found.rate[:2] == 0).all()
+    assert (found.area_ratio > 0.6).all()
+    assert np.isnan(found.critical_gap).all()
+    # behind the closed contact there is no fluid
+    half = found.fluid_pressure(0.5 * LENGTH)
+    assert (half[:2] == 0).all()
+    assert (half[2:] > 4e5).all()
+
+
+def test_fluid_along_an_even_seal():
+    """Against w dp_f/dx by a solver of differential equations."""
+    pressure, drop = 3e5, 2e5
+    found = leak(pressure, drop)
+    flux = float(found.rate) / 0.1
+
+    def falls(x, p):
+        return -flux / interpolated(pressure - p)
+
+    x = np.linspace(0, LENGTH, 9)
+    along = solve_ivp(falls, (0, LENGTH), [drop], t_eval=x[:-1], rtol=1e-8)
+    expected = np.append(along.y[0], 0.0)
+    np.testing.assert_allclose(found.fluid_pressure(x), expected, atol=2e-3 * drop)
+
+
+def ellipse(x, mean):
+    return 4 / np.pi * mean * np.sqrt(np.maximum(1 - (2 * x / LENGTH - 1) ** 2, 0.0))
+
+
+@pytest.mark.parametrize(("mean", "part"), [(2e5, 0.1), (3e5, 0.5), (4.5e5, 0.7)])
+def test_a_pressure_that_changes_along_the_seal(mean, part):
+    """Hertz' ellipse, against the equation solved from the outlet on by an implicit
+    method, up to where the fluid presses as hard as the rubber.
+    """
+    drop = part * mean
+    x = np.linspace(0, LENGTH, 20001)
+    found = em.leak(
+        RUBBER, TURNED, profile=(x, ellipse(x, mean)), pressure_drop=drop, **SEAL
+    )
+
+    def at_inlet(log_flux):
+        def rises(back, p):
+            bears = ellipse(LENGTH - back, mean) - p
+            return np.where(bears > 0, np.exp(log_flux) / interpolated(bears), 0.0)
+
+        solved = solve_ivp(
+            rises, (0, LENGTH), [0.0], method="LSODA", rtol=1e-7, atol=1e-3,
+            max_step=LENGTH / 500,
+        )  # fmt: skip
+        return solved.y[0, -1] - drop
+
+    guess = np.log(float(found.rate) / 0.1)
+    log_flux = brentq(at_inlet, guess - 0.5, guess + 0.5, xtol=1e-4)
+    assert guess == pytest.approx(log_flux, abs=2e-3)
+    assert found.pressure == pytest.approx(mean, rel=1e-3)
+    # where the ellipse is below the drop, on the side of the fluid
+    lifted = LENGTH * 0.5 * (1 - np.sqrt(1 - (np.pi / 4 * part) ** 2))
+    assert found.lifted == pytest.approx(lifted, abs=LENGTH / 64)
+    assert found.fluid_pressure(0.2 * lifted) == pytest.approx(drop, rel=1e-4)
+    assert found.fluid_pressure(LENGTH) == 0
+
+
+def test_hertz_against_his_mean_pressure():
+    """Little fluid passes the resistances one after the other, 1/int dx/s: less than
+    under the mean pressure over the whole width, and nothing where the middle closes.
+    """
+    for mean, known in ((1.947e5, 0.616), (2.992e5, 0.3126), (3.557e5, 0.1475)):
+        x = np.linspace(0, LENGTH, 2001)
+        scene = SEAL | {"pressure_drop": 1e-3 * mean}
+        found = em.leak(RUBBER, TURNED, profile=(x, ellipse(x, mean)), **scene)
+        even = leak(mean, 1e-3 * mean)
+        middles = 0.5 * (x[1:] + x[:-1])
+        series = LENGTH / np.sum(np.diff(x) / interpolated(ellipse(middles, mean)))
+        assert found.conductance == pytest.approx(series, rel=5e-3)
+        assert found.rate / even.rate == pytest.approx(known, rel=5e-3)
+    x = np.linspace(0, LENGTH, 2001)
+    shut = em.leak(
+        RUBBER, TURNED, profile=(x, ellipse(x, 4.5e5)), pressure_drop=1e3, **SEAL
+    )
+    assert shut.rate == 0
+    assert not shut.percolates
+    assert shut.fluid_pressure(0.9 * LENGTH) == 0
+
+
+def test_an_even_profile_is_an_even_pressure():
+    """Of a liquid and of a gas that slips; and its bound."""
+    gas = {"outlet_pressure": 1e5, "mean_free_path": 1e-8}
+    for given in ({}, gas):
+        even = leak(3e5, [1e5, 2.5e5], **given)
+        found = em.leak(
+            RUBBER, TURNED, profile=([1.0, 1.0 + LENGTH], [3e5, 3e5]),
+            pressure_drop=[1e5, 2.5e5], **SEAL, **given,
+        )  # fmt: skip
+        np.testing.assert_allclose(found.rate, even.rate, rtol=1e-3)
+        np.testing.assert_allclose(found.model_error, even.model_error, rtol=1e-3)
+        np.testing.assert_allclose(found.area_ratio, even.area_ratio, rtol=1e-6)
+        if given:
+            np.testing.assert_allclose(found.knudsen, even.knudsen, rtol=1e-3)
+        x = LENGTH * np.array([0.0, 0.3, 0.8, 1.0])
+        np.testing.assert_allclose(
+            found.fluid_pressure(1.0 + x), even.fluid_pressure(x), atol=500.0
+        )
+
+
+def test_two_ribs_hold_the_fluid_between_them():
+    """Where the fluid presses harder than a valley it lifts that, and loses nothing."""
+    x = np.linspace(0, LENGTH, 401)
+    pressure = 3e5 * np.sin(2 * np.pi * x / LENGTH) ** 2
+    found = em.leak(RUBBER, TURNED, profile=(x, pressure), pressure_drop=2.5e5, **SEAL)
+    one = em.leak(
+        RUBBER, TURNED, profile=(x[:201], pressure[:201]), pressure_drop=2.5e5, **SEAL
+    )
+    assert 0 < found.rate < one.rate
+    valley = found.fluid_pressure(0.5 * LENGTH)
+    assert found.fluid_pressure(0.48 * LENGTH) == pytest.approx(float(valley))
+    assert 0 < valley < 2.5e5
+    assert found.lifted > 0.1 * LENGTH
+    assert "the fluid presses harder than the rubber" in found.summary()
+
+
+def test_the_bound_is_that_of_what_contact_bears():
+    """Of a little fluid it is the model's at the pressure; of much, between those at the
+    ends; of a seal that only the fluid opens, finite.
+    """
+    little = leak(3e5, 1.0)
+    at_inlet, at_outlet = leak(3e4, 1e-3).model_error, little.model_error
+    much = leak(3e5, 2.7e5).model_error
+    assert at_inlet < much < at_outlet
+    opened = leak(1e6, 9e5).model_error
+    assert at_inlet < opened < 1
+    assert leak(1e6, 1e5).model_error == np.inf
+    # each pressure off by its own bound, one way
+    sigma = np.linspace(3e4, 3e5, 4001)
+    each = leak(sigma, 1e-6 * sigma)
+    least = np.trapezoid(each.conductance / (1 + each.model_error), sigma)
+    most = np.trapezoid(each.conductance * (1 + each.model_error), sigma)
+    whole = np.trapezoid(each.conductance, sigma)
+    assert much == pytest.approx(max(most / whole, whole / least) - 1, rel=1e-3)
+
+
+def test_an_o_ring():
+    """Its pressure is Hertz' ellipse, with what its fluid adds everywhere."""
+    scene = SEAL | {"pressure_drop": 2e5}
+    ring = em.o_ring(RUBBER, 3e-3, [0.02, 0.03], fluid_pressure=2e5)
+    found = em.leak(RUBBER, TURNED, o_ring=ring, **scene)
+    for i in (0, 1):
+        width = float(ring.width[i])
+        x = np.linspace(0, width, 20001)
+        pressure = ring.pressure_at(x - 0.5 * width)[i] + 2e5
+        alone = em.leak(RUBBER, TURNED, profile=(x, pressure), **scene)
+        np.testing.assert_allclose(found.rate[i], alone.rate, rtol=2e-3)
+    np.testing.assert_allclose(found.pressure, ring.sealing_pressure, rtol=1e-12)
+    assert (found.lifted == 0).all()
+    rolled = em.load_material("epdm-70")
+    aged = em.o_ring(rolled, 3e-3, 0.05, time=100.0, temperature=293.15)
+    given = {"o_ring": aged, "pressure_drop": 1e4} | SEAL
+    taken = em.leak(rolled, TURNED, **given)
+    named = em.leak(
+        rolled, TURNED, time=100.0, temperature=293.15, length=aged.width, **given
+    )
+    assert taken.rate == named.rate
+    assert taken.time == 100.0
+
+
+@pytest.mark.parametrize(
+    "model", ["critical constriction", em.HalfSpace(cells=64, seeds=2)]
+)
+def test_other_models_along_the_seal(model):
+    """An even profile, by few contacts of maps within their error."""
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e4, q_high=4e4)
+    scene = {"pressure_drop": 6e4, "model": model} | SEAL
+    even = em.leak(RUBBER, surface, pressure=1e5, length=LENGTH, **scene)
+    found = em.leak(RUBBER, surface, profile=([0.0, LENGTH], [1e5, 1e5]), **scene)
+    np.testing.assert_allclose(found.rate, even.rate, rtol=0.05)
+    dry = em.leak(
+        RUBBER, surface, pressure=1e5, length=LENGTH, **scene | {"pressure_drop": 10.0}
+    )
+    assert even.conductance > 1.2 * dry.conductance
+
+
+def test_kinematic_viscosity():
+    found = leak(3e5, 1e5, viscosity=None, kinematic_viscosity=46e-6, density=870.0)
+    assert found.rate == leak(3e5, 1e5, viscosity=46e-6 * 870.0).rate
+    assert found.viscosity == 46e-6 * 870.0
+
+
+PROFILE = ([0.0, LENGTH], [3e5, 3e5])
+RING = em.o_ring(RUBBER, 3e-3, 0.05)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"pressure": 1e5, "profile": PROFILE}, "pressure, profile or o_ring"),
+        ({}, "pressure, profile or o_ring"),
+        ({"pressure": 1e5}, "length must be given"),
+        ({"profile": PROFILE, "length": 1e-3}, "length must be left out"),
+        ({"o_ring": RING, "length": 1e-3}, "length must be left out"),
+        ({"profile": ([0.0, LENGTH], [-1e5, 3e5])}, "profile must be zero or positive"),
+        ({"profile": ([0.0, LENGTH], [5e4, 9e4])}, "the seal opens"),
+        ({"profile": ([0.0], [5e5])}, "profile must have 2 positions or more"),
+        ({"o_ring": 1e5}, "o_ring must be a result of em.o_ring"),
+        ({"o_ring": em.o_ring(em.Prony(1e6, [], []), 3e-3, 0.05)}, "rubber of the O-ring"),
+        ({"profile": PROFILE, "viscosity": None}, "viscosity or kinematic_viscosity"),
+        (
+            {"profile": PROFILE, "viscosity": None, "kinematic_viscosity": 1e-6},
+            "kinematic_viscosity .* needs the density",
+        ),
+    ],
+)  # fmt: skip
+def test_bad_input(change, words):
+    with pytest.raises(em.InputError, match=words):
+        em.leak(RUBBER, TURNED, **SEAL | {"pressure_drop": 1e5} | change)
+    viscous = em.StandardSolid(2.5e6, 1e6, 1.0)
+    ring = em.o_ring(viscous, 3e-3, 0.05, time=10.0)
+    with pytest.raises(em.InputError, match="time must be that of the O-ring"):
+        em.leak(viscous, TURNED, o_ring=ring, time=1.0, pressure_drop=1e4, **SEAL)
+
+
+# options of a leak, of which each pair is taken together
+OPTIONS = {
+    "time": {"time": 30.0},
+    "temperature": {"temperature": 300.0},
+    "gas": {"outlet_pressure": 1e5, "mean_free_path": 6e-8},
+    "air": {"outlet_pressure": 1e5, "molar_mass": 0.029, "temperature": 300.0},
+    "density": {"density": 900.0},
+    "kinematic": {"kinematic_viscosity": 1e-5, "density": 900.0},
+    "closed outlet": {"pressure": 9e5, "pressure_drop": 7e5},
+    "bulk": {"bulk": 1e8},
+    "rolloff": {"q_rolloff": 2e4},
+}
+FLUIDS = "gas", "air", "density", "kinematic"  # of which "gas" and "density" agree
+PAIRS = [
+    pair
+    for pair in itertools.combinations(OPTIONS, 2)
+    if not set(pair) <= set(FLUIDS) or pair == ("gas", "density")
+]
+OTHERS = [name for name in OPTIONS if name not in FLUIDS]
+# every pair is in one of the first, which take all at once; each by itself in the others
+TOGETHER = [
+    (),
+    *((*OTHERS, *fluid) for fluid in (("gas", "density"), ("air",), ("kinematic",))),
+    *(pytest.param(pair, marks=pytest.mark.slow) for pair in PAIRS),
+]
+
+
+def of_options(options):
+    """Rate, real contact, gap and bounds of five numbers, with the options."""
+    given = {"pressure": 2.5e5, "pressure_drop": 1e5}
+    for name in options:
+        given |= OPTIONS[name]
+    more = {"bulk": given.pop("bulk")} if "bulk" in given else {}
+    knee = given.pop("q_rolloff", None)
+    if "kinematic_viscosity" not in given:
+        given["viscosity"] = 2e-3
+
+    def numbers(x):
+        rubber = em.Prony(
+            1e6 * x[0], [3e6 * x[1]], [2.0], shift=em.WLF(8.86, 101.6, 293.15), **more
+        )
+        surface = em.SelfAffine(
+            0.8, rms_slope=0.6 * x[2], q_low=1e4, q_high=1.6e5, q_rolloff=knee
+        )
+        pressed = {name: given[name] for name in ("pressure", "pressure_drop")}
+        pressed["pressure"] *= x[3]
+        pressed["pressure_drop"] *= x[4]
+        found = em.leak(rubber, surface, length=LENGTH, width=0.1, **given | pressed)
+        values = found.rate, found.area_ratio, found.mean_gap
+        return [*values, found.model_error, found.error]
+
+    return numbers
+
+
+@pytest.mark.parametrize("options", TOGETHER, ids="-".join)
+def test_options_under_jax(options):
+    """`jit` and `vmap` against the plain call, gradients against differences."""
+    numbers = of_options(options)
+    places = np.array([np.ones(5), np.full(5, 1.01)])
+    ways = np.array([[1.0, -0.5, 0.3, 0.7, 0.2], [0.2, 0.4, -0.3, 0.9, -0.6]])
+    with jax.enable_x64(True):
+        values, slopes = jax.jit(
+            jax.vmap(lambda x, way: jax.jvp(numbers, (x,), (way,)))
+        )(places, ways)
+    for i, (x, way) in enumerate(zip(places, ways, strict=True)):
+        plain = np.array(numbers(x))
+        np.testing.assert_allclose([v[i] for v in values], plain, rtol=1e-9)
+        ahead, behind = (np.array(numbers(x + h * way)) for h in (1e-4, -1e-4))
+        differences = (ahead - behind)[:3] / 2e-4
+        np.testing.assert_allclose([v[i] for v in slopes[:3]], differences, rtol=1e-4)
+
+
+def test_gradient_in_reverse():
+    """Of one number by five, as `jax.grad` gives it; its formula has fewer nodes."""
+    rate = of_options(("time", "gas"))
+    x = np.ones(5)
+    with jax.enable_x64(True):
+        slopes = np.asarray(jax.grad(lambda x: rate(x)[0])(x))
+    for i, h in enumerate(1e-4 * np.eye(5)):
+        difference = (rate(x + h)[0] - rate(x - h)[0]) / 2e-4
+        assert slopes[i] == pytest.approx(difference, rel=3e-4)
+
+
+@pytest.mark.parametrize("given", [{"profile": PROFILE}, {"o_ring": RING}])
+def test_pressures_along_the_seal_are_refused_under_jax(given):
+    with pytest.raises(em.InputError, match=r"under jax\.jit"):
+        jax.grad(
+            lambda p: em.leak(RUBBER, TURNED, pressure_drop=p, **SEAL, **given).rate
+        )(1e4)
+
+
+_SCENE = """material = "epdm-70"
+temperature = "20 degC"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_height = "3 um"
+longest = "200 um"
+shortest = "4 um"
+"""
+_RING = """[o_ring]
+diameter = "3 mm"
+squeeze = [0.03, 0.05]
+time = ["1 s", "1 min"]
+fluid_pressure = "1 bar"
+"""
+_LEAK = """[leak]
+pressure_drop = "1 bar"
+kinematic_viscosity = "46 cSt"
+density = "870 kg/m^3"
+"""
+FACE = em.SelfAffine(
+    0.8, rms_height=3e-6, q_low=2 * np.pi / 200e-6, q_high=2 * np.pi / 4e-6
+)
+OIL = {"pressure_drop": 1e5, "viscosity": 46e-6 * 870.0}
+
+
+def test_scene_of_an_o_ring(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(_SCENE + _RING + _LEAK, encoding="utf-8")
+    rubber = em.load_material("epdm-70")
+    found = em.leak(**read_scene("leak", scene).arguments(tmp_path))
+    assert found.rate.shape == (2, 2)
+    for i, time in enumerate((1.0, 60.0)):
+        ring = em.o_ring(
+            rubber,
+            3e-3,
+            [0.03, 0.05],
+            time=time,
+            temperature=293.15,
+            fluid_pressure=1e5,
+        )
+        alone = em.leak(rubber, FACE, o_ring=ring, **OIL)
+        np.testing.assert_allclose(found.rate[i], alone.rate, rtol=1e-4)
+    for change, words in (
+        (("[leak]", '[leak]\ntime = "1 s"'), r"\[leak\] time must be left out"),
+        (
+            ('"epdm-70"', '["epdm-70", "silicone-like"]'),
+            "material must be a single one",
+        ),
+        (("[leak]", '[leak]\npressure = "1 MPa"'), "pressure"),
+    ):
+        text = (_SCENE + _RING + _LEAK).replace(*change, 1)
+        scene.write_text(text, encoding="utf-8")
+        with pytest.raises(em.InputError, match=words):
+            em.leak(**read_scene("leak", scene).arguments(tmp_path))
+
+
+def test_scene_of_a_profile(tmp_path):
+    scene, profile = tmp_path / "scene.toml", tmp_path / "lip.csv"
+    profile.write_text(
+        "position [mm], pressure [MPa]\n0, 0\n0.4, 0.5\n0.6, 0.4\n1, 0\n",
+        encoding="utf-8",
+    )
+    more = 'profile = "lip.csv"\ntime = "1 min"\n'
+    scene.write_text(_SCENE + _LEAK + more, encoding="utf-8")
+    found = em.leak(**read_scene("leak", scene).arguments(tmp_path))
+    given = [0.0, 4e-4, 6e-4, 1e-3], [0.0, 5e5, 4e5, 0.0]
+    rubber = em.load_material("epdm-70")
+    alone = em.leak(rubber, FACE, profile=given, time=60.0, temperature=293.15, **OIL)
+    assert found.rate == pytest.approx(float(alone.rate), rel=1e-12)
+    assert found.lifted > 0
