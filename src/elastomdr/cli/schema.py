@@ -330,16 +330,22 @@ def _all_keys(table: Any) -> list[str]:
 def _inside(kind: Any, content: Any, step: str | int) -> tuple[Any, Any]:
     """Type and value of a key of a table, or of an entry of a list."""
     if isinstance(step, int):
-        lists = [
-            member for member in (kind, *get_args(kind)) if get_origin(member) is list
-        ]
-        return get_args(lists[0])[0], content[step]
+        return next(_entries(kind)), content[step]
     for table in _chosen(kind, content):
         if step in (keys := keys_of(table)):
             return keys[step].type, content.get(step)
     return Literal[
         tuple(table.__struct_config__.tag for table in tables_of(kind))
     ], content.get(step)
+
+
+def _entries(kind: Any) -> Iterator[Any]:
+    """The types of the entries of the lists that a type accepts."""
+    if get_origin(kind) is list:
+        yield get_args(kind)[0]
+    elif get_origin(kind) in (Annotated, Union, types.UnionType):
+        for member in get_args(kind):
+            yield from _entries(member)
 
 
 def _name(steps: list[Any], table: bool = False) -> str:
