@@ -40,7 +40,7 @@ ROD = em.SelfAffine(
 SPEEDS = np.geomspace(1e-5, 3.0, 64)
 STROKE, PEAK = 0.1, 3e6  # m, Pa
 FLANKS = 0.5e-3, 1.5e-3  # m
-PRESSURES, OILS = (0.0, 2e6, 1e7), {293.15: 0.05, 323.15: 0.018}  # Pa; K: Pa s
+PRESSURES, OILS = (0.0, 2e6, 4e6), {293.15: 0.05, 323.15: 0.018}  # Pa; K: Pa s
 
 
 def stribeck(surface: em.SelfAffine | None) -> em.Lubricated:
@@ -79,7 +79,8 @@ def stroke(towards_oil: float, towards_air: float) -> em.Reciprocating:
 
 def ring_stroke(pressure: float, kelvin: float) -> em.Reciprocating:
     given = {"time": HELD, "temperature": kelvin, "fluid_pressure": pressure}
-    strokes = {"velocity_out": 0.1, "velocity_in": 0.1, "stroke": STROKE}
+    # slower, the films are thinner than any rod is smooth
+    strokes = {"velocity_out": 0.5, "velocity_in": 0.5, "stroke": STROKE}
     with warnings.catch_warnings():
         # at 50 degC five minutes are beyond the data of the rubber
         warnings.simplefilter("ignore", em.ExtrapolationWarning)

@@ -318,7 +318,7 @@ def test_a_profile_in_mm_or_mpa_is_doubted(x, pressure, said):
 @pytest.mark.parametrize(("noise", "said"), [(1e-4, False), (1e-3, True), (1e-2, True)])
 def test_noise_of_a_profile_is_part_of_the_error_and_said(noise, said):
     """As smoothing it shows, which is what the warning advises."""
-    scene = {"velocity_out": 0.1, "velocity_in": 0.1, "stroke": 0.1, "viscosity": 0.03}
+    scene = STROKES | {"viscosity": 0.3}
     x, clean = X[::5], STEEP[::5]
     noisy = clean + noise * 3e6 * np.random.default_rng(1).standard_normal(x.size)
     right = float(em.reciprocating(profile=(x, clean), **scene).film_out)
@@ -353,8 +353,9 @@ def test_o_ring_leaks_by_the_faster_stroke_out():
 def test_the_pressure_of_the_fluid_thins_the_film_that_an_o_ring_lets_in():
     """At a given width films of Hertz' inlet are as pressure to the power of -0.8."""
     ring = em.o_ring(RUBBER, 5e-3, 0.15, fluid_pressure=2e6)
+    thick = STROKES | {"viscosity": 0.1}
     without, under = (
-        em.reciprocating(RUBBER, o_ring=each, **STROKES) for each in (RING, ring)
+        em.reciprocating(RUBBER, o_ring=each, **thick) for each in (RING, ring)
     )
     assert float(under.film_out) == float(without.film_out)
     ratio = float(ring.sealing_pressure / ring.pressure)
@@ -364,6 +365,38 @@ def test_the_pressure_of_the_fluid_thins_the_film_that_an_o_ring_lets_in():
     pushed = float(without.friction_out - under.friction_out)
     assert pushed == pytest.approx(2e6 * float(under.film_out), rel=1e-9)
     assert "2 MPa of its fluid" in under.summary()
+
+
+def test_a_film_thinner_than_any_rod_is_smooth_is_not_known():
+    """Of 6 nm, whose shear is a thousandth of that of a real contact."""
+    speed = np.array([1e-4, 1e-3, 0.3])
+    motion = STROKES | {"velocity_out": speed, "velocity_in": 0.3, "viscosity": 0.1}
+    with pytest.warns(em.ModelWarning, match="the film of the stroke out is down to"):
+        found = em.reciprocating(RUBBER, o_ring=RING, **motion)
+    for name in ("film_out", "friction_out", "net_leak", "work", "error"):
+        known = np.isfinite(getattr(found, name)).tolist()
+        assert known == [False, False, True], name
+    assert np.isfinite(found.film_in).all()
+    assert np.isfinite(found.friction_in).all()
+    assert found.converged.tolist() == [False, False, True]
+    assert "less than three rms heights of the smoothest rods" in found.summary()
+    oils = {"velocity_in": speed, "viscosity": 0.1 * 0.3 / speed}  # the same eta U
+    thick = em.reciprocating(RUBBER, o_ring=RING, **motion | oils)
+    np.testing.assert_allclose(thick.film_out, found.film_out[2], rtol=1e-9)
+
+
+def test_friction_never_drives_the_rod():
+    """Where the fall of pressure in the film exceeds its shear, by the rule."""
+    ring = em.o_ring(RUBBER, 5e-3, 0.15, fluid_pressure=1e8)
+    with pytest.warns(em.ModelWarning, match="would drive the stroke out"):
+        found = em.reciprocating(RUBBER, o_ring=ring, **STROKES | {"viscosity": 10.0})
+    assert np.isnan(found.friction_out)
+    assert np.isfinite(found.film_out)
+    assert found.friction_in > 0
+    assert np.isnan(found.work)
+    steep = em.o_ring(RUBBER, 5e-3, 0.15, fluid_pressure=1e6)
+    known = em.reciprocating(RUBBER, o_ring=steep, **STROKES | {"viscosity": 10.0})
+    assert known.friction_out > 0
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")

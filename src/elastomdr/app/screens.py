@@ -306,7 +306,7 @@ _PRESETS: dict[str, tuple[dict[str, Any], str]] = {
             "temperature": "20 degC",
             "o_ring": _O_RING | {"time": "5 min", "fluid_pressure": "2 MPa"},
             "stroke": {
-                "velocity_out": {"from": "1 mm/s", "to": "1 m/s", "points": 16},
+                "velocity_out": {"from": "50 mm/s", "to": "1 m/s", "points": 16},
                 "velocity_in": "0.1 m/s",
                 "length": "100 mm",
                 "viscosity": "50 mPa*s",

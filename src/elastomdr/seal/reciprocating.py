@@ -19,6 +19,11 @@ side of the air it falls to zero, over the same width: the film in is that of He
 pressure of the mean p + f. That is a rule, not a solution. The rod feels the fall of the
 pressure in the film too, h_0 Delta p/2, with the stroke out and against that in.
 
+All of this is for a film between smooth surfaces. One thinner than three rms heights of
+the smoothest rods there are is none: the rod then rubs on the seal, and film, leak and
+friction are not known (NaN). So is a friction that would drive the rod: there the rule
+for the pressure in the film fails.
+
 Source: H. Blok, Proc. Int. Symp. on Lubrication and Wear, Houston (1963);
 H. K. Mueller & B. S. Nau, Fluid Sealing Technology (1998).
 """
@@ -54,6 +59,7 @@ if TYPE_CHECKING:
 
 _FEWEST = 8  # rows of a pressure profile
 _APART = 4  # positions over which a steepness is compared with that between neighbours
+_THINNEST = 3 * 0.05e-6  # film [m]: three rms heights of the smoothest rods
 _DOUBTED = 0.1  # relative error of the film from which a profile is doubted
 
 
@@ -62,7 +68,9 @@ class Reciprocating(Result):
     """A seal on a rod that moves out and in.
 
     `net_leak` is what one stroke out leaves outside when the next stroke in has taken
-    back what it can: zero where the stroke in could take more.
+    back what it can: zero where the stroke in could take more. Films thinner than 0.15
+    µm, three rms heights of the smoothest rods, are NaN with their leak and friction,
+    and so is a friction that would drive the rod.
     """
 
     velocity_out: Array = quantity(
@@ -222,7 +230,8 @@ def _motion(
 
 def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Reciprocating:
     """The result of both strokes."""
-    source, leaving, entering = strokes
+    said = _why_not(strokes)
+    source, leaving, entering = strokes.source, *map(_of_smooth, strokes[1:])
     more, off = leaving.film - entering.film, leaving.error + entering.error
     net = np.maximum(more, 0.0)
     net_error = np.where(more > 0, off, np.maximum(more + off, 0.0))
@@ -241,7 +250,7 @@ def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Recipr
         film_in_error=entering.error,
         net_leak_error=net_error * length * edge,
         model_error=np.full(motion.out.shape, np.nan),
-        converged=np.isfinite(more),
+        converged=np.isfinite(more + leaving.friction + entering.friction),
         extrapolated=_either(leaving.extrapolated, entering.extrapolated),
         model=model,
         plan=plan,
@@ -253,8 +262,43 @@ def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Recipr
             ("stroke", brief(length, "m")),
             ("width", brief(edge, "m")),
             *(leaving.said or entering.said),
+            *(("not known", sentence) for sentence in said),
         ),
     )
+
+
+def _of_smooth(stroke: _Carried) -> _Carried:
+    """The stroke, NaN where it is not one of a film between smooth surfaces."""
+    film = stroke.film >= _THINNEST
+    return stroke._replace(
+        film=np.where(film, stroke.film, np.nan),
+        error=np.where(film, stroke.error, np.nan),
+        friction=np.where(film & (stroke.friction >= 0), stroke.friction, np.nan),
+    )
+
+
+def _why_not(strokes: _Strokes) -> list[str]:
+    """Why there are points that are not known, each with a warning."""
+    reasons = []
+    for stroke, name in ((strokes.leaving, "out"), (strokes.entering, "in")):
+        thin = stroke.film < _THINNEST
+        if thin.any():
+            reasons.append(
+                f"the film of the stroke {name} is down to {np.nanmin(stroke.film):.2g} "
+                f"m at {int(thin.sum())} of {thin.size} points, less than three rms "
+                f"heights of the smoothest rods ({_THINNEST:.2g} m): the rod rubs on the "
+                "seal. Its friction there is about the shear stress of the real contact "
+                "times the contact, em.friction(..., adhesion=em.AdhesiveShear(...))"
+            )
+        driven = ~thin & (stroke.friction < 0)
+        if driven.any():
+            reasons.append(
+                f"the pressure in the film would drive the stroke {name} at "
+                f"{int(driven.sum())} of {thin.size} points: the rule for it fails there"
+            )
+    for reason in reasons:
+        warn(f"{reason}.", ModelWarning)
+    return reasons
 
 
 def _either(first: Array | None, second: Array | None) -> Array | None:
