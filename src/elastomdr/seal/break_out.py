@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 
 _KINDS: dict[str, type[Model]] = {k.label: k for k in (Multiscale, Persson)}
 _RTOL, _MOST = 1e-6, 1e-3  # of the area that is aimed at, and at most
+# relative bound of the real contact below which not that decides how far the coefficient
+# may be off, but what is left out of the stress: bonds that grow stronger at rest
+_FULL = 0.02
 _UNITS = {"pressure": "Pa", "time": "s", "velocity": "m/s", "temperature": "K"}
 
 
@@ -57,7 +60,9 @@ class BreakOut(Result):
     """Break-out of a rough contact after a dwell, by the shear of its real contact.
 
     `error` is numerical. `model_error` bounds what the real contact may be off; NaN
-    where the shear exceeds the pressure and would change the contact.
+    where the shear exceeds the pressure and would change the contact, and in nearly full
+    contact, which is known better than the stress: bonds that grow stronger at rest are
+    not in it.
     """
 
     pressure: Array = quantity("contact pressure", "Pa", "p", shown="MPa")
@@ -140,7 +145,8 @@ def break_out(
         material: as for `em.press`, a series.
         surface: roughness by its spectrum; where the rubber is rough too, that of the sum
             of both spectra.
-        pressure: nominal pressure [Pa]; arguments broadcast.
+        pressure: nominal pressure that contact bears [Pa], less what a fluid between
+            rubber and surface carries; arguments broadcast.
         boundary_shear: shear stress of the real contact [Pa], or an `em.AdhesiveShear`.
         time: dwell, for which the pressure has acted since it was put on at once [s];
             None for long after.
@@ -187,7 +193,9 @@ def break_out(
         "area_ratio": contact.area,
         "shear_stress": stress,
         "error": mu * contact.error,
-        "model_error": xp.where(mu > MOST_SHEAR, xp.nan, mu * contact.bound),
+        "model_error": xp.where(
+            (mu > MOST_SHEAR) | (contact.bound < _FULL), xp.nan, mu * contact.bound
+        ),
     }
     fields = {
         name: nan_unless(good, xp.broadcast_to(value, shape))
