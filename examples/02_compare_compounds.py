@@ -44,7 +44,7 @@ def main(out: Path) -> None:
         curve = em.friction(
             rubber, BALL, velocity=velocity, load=LOAD, temperature=TEMPERATURE
         )
-        illustrative = "moduli" in dict(curve.inputs)  # of no particular rubber
+        illustrative = "illustrative" in [doubt.kind for doubt in curve.doubts]
         label = f"{name} (illustrative)" if illustrative else name
         ax.semilogx(curve.velocity, curve.mu, label=label)
         slow, fast = np.exp(

@@ -80,6 +80,7 @@ _HOMES = {
     "results.curve": ("FrictionCurve", "RollingCurve"),
     "results.spectrum": ("Dissipation", "FrictionSpectrum"),
     "transient.history_result": ("Slide", "Drive", "Shear", "ForceSpectrum"),
+    "results.doubts": ("Doubt",),
     "results.friction_law": ("FrictionLaw", "load_friction"),
     "rough.results": ("LineContact", "RoughContact"),
     "tyre.traction_result": ("Traction",),

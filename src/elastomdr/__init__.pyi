@@ -48,6 +48,7 @@ from .models import Persson as Persson
 from .progress_bar import progress as progress
 from .results.curve import FrictionCurve as FrictionCurve
 from .results.curve import RollingCurve as RollingCurve
+from .results.doubts import Doubt as Doubt
 from .results.friction_law import FrictionLaw as FrictionLaw
 from .results.friction_law import load_friction as load_friction
 from .results.spectrum import Dissipation as Dissipation

@@ -66,8 +66,8 @@ def test_band_is_the_whole_uncertainty():
         ),
         (
             bound,
-            np.where(VELOCITY > 1e-2, 0.01, 0.05),
-            "numerical and model error, in part numerical only",
+            np.where(VELOCITY > 1e-2, np.nan, 0.05),
+            "numerical and model error",
         ),
         (
             np.full(VELOCITY.size, np.nan),
@@ -81,9 +81,13 @@ def test_band_is_the_whole_uncertainty():
         edges = band.get_paths()[0].vertices
         for x, mu, width in zip(VELOCITY, curve.mu, half, strict=True):
             at = edges[np.isclose(edges[:, 0], x, rtol=1e-12), 1]
+            if np.isnan(width):  # a numerical error alone would be too small
+                assert not at.size
+                continue
             assert at.max() == pytest.approx(mu + width, rel=1e-12)
             assert at.min() == pytest.approx(max(mu - width, 0.0), rel=1e-12, abs=1e-12)
-        assert f"shaded: {words}" in [t.get_text() for t in ax.texts]
+        said = " ".join(" ".join(t.get_text() for t in ax.texts).split())
+        assert f"shaded: {words}" in said
 
 
 def test_band_of_a_point_and_of_an_unknown_error():
@@ -402,9 +406,8 @@ def test_figures_name_rubbers_whose_moduli_are_illustrative():
     figure = friction("silicone-like").interactive()
     assert "moduli: illustrative" in figure.layout.title.text
     ranking = friction("silicone-like", "epdm-70").ranking()
-    said = "moduli of silicone-like: illustrative, of no particular rubber"
-    assert said in above(ranking.plot())
-    assert said in ranking.summary().splitlines()
+    assert "silicone-like: moduli: illustrative" in above(ranking.plot())
+    assert "silicone-like, illustrative: rest on moduli" in ranking.summary()
     assert "illustrative" not in friction("epdm-70", "psa-468mp").ranking().summary()
 
 

@@ -70,10 +70,11 @@ def test_points_beyond_the_range_of_the_rubber_stay_marked(tmp_path):
         tangential=em.Foundation(3e6, [], []),
     )
     np.testing.assert_array_equal(braked.extrapolated, [True, False, False, True])
-    assert "2 of 4 points beyond the range of its material" in braked.summary()
+    assert "2 of 4 points lie beyond the range of the material" in braked.summary()
     assert LAW.extrapolated is None
-    with pytest.raises(em.InputError, match="extrapolated must have the shape of mu"):
-        em.FrictionLaw([1.0, 2.0], [0.1, 0.2], extrapolated=[True])
+    wrong = em.Doubt("extrapolated", np.array([True]))
+    with pytest.raises(em.InputError, match="points of the shape of mu"):
+        em.FrictionLaw([1.0, 2.0], [0.1, 0.2], doubts=[wrong])
 
 
 def test_outside_is_refused_and_nan_where_it_cannot_be_seen():
@@ -107,7 +108,7 @@ def test_tables(tmp_path):
     lines = (tmp_path / "law.csv").read_text().splitlines()
     assert (
         lines[3]
-        == "temperature [K],pressure [Pa],velocity [m/s],friction coefficient [-]"
+        == "temperature [K],pressure [Pa],velocity [m/s],friction coefficient [-],doubts"
     )
     mixed = [*lines[:4], *np.random.default_rng(0).permutation(lines[4:])]
     (tmp_path / "mixed.csv").write_text("\n".join(mixed))

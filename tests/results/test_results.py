@@ -90,8 +90,12 @@ def test_csv_reads_back_the_same_numbers(tmp_path):
         "temperature [K]",
         "friction coefficient [-]",
     ]
-    assert (table.dtypes == [float] * 9 + [bool]).all()
-    for title, values in curve.columns().items():
+    assert (table.dtypes.iloc[:-1] == [float] * 9 + [bool]).all()
+    columns = curve.columns()
+    names = columns.pop("doubts")
+    assert (table.pop("doubts").fillna("") == names).all()
+    assert (names == np.where(curve.converged.ravel(), "", "not converged")).all()
+    for title, values in columns.items():
         np.testing.assert_allclose(table[title], values, rtol=1e-15)
     assert table["friction coefficient [-]"].isna().sum() == 3
     rows = [
@@ -101,10 +105,10 @@ def test_csv_reads_back_the_same_numbers(tmp_path):
     ]
     assert len(rows) == 1 + 99
     numbers = np.array(
-        [[float(cell or "nan") for cell in row.split(",")[:-1]] for row in rows[1:]]
+        [[float(cell or "nan") for cell in row.split(",")[:-2]] for row in rows[1:]]
     )
     # to the last bit
-    np.testing.assert_array_equal(numbers.T, list(curve.columns().values())[:-1])
+    np.testing.assert_array_equal(numbers.T, list(curve.columns().values())[:-2])
 
 
 def test_csv_header_says_what_the_numbers_are():
@@ -360,7 +364,8 @@ def test_materials_are_a_first_axis(tmp_path):
 
 
 def test_what_only_some_materials_have():
-    known = dataclasses.replace(friction_curve(), extrapolated=VELOCITY > 1.0)
+    marks = (em.Doubt("extrapolated", VELOCITY > 1.0),)
+    known = dataclasses.replace(friction_curve(), marks=marks)
     both = FrictionCurve.stack([known, friction_curve()], ["a", "b"])
     assert not both.extrapolated[1].any()
     assert "not known for b" in dict(both.inputs)["range of the data"]
@@ -406,7 +411,8 @@ def test_excel_holds_the_table_and_what_it_is(tmp_path, monkeypatch):
     book = openpyxl.load_workbook(tmp_path / "curve.xlsx")
     titles, *rows = book["result"].iter_rows(values_only=True)
     assert list(titles) == list(curve.columns())
-    for i, values in enumerate(curve.columns().values()):
+    assert "not converged" in [row[-1] for row in rows]
+    for i, values in enumerate(list(curve.columns().values())[:-2]):
         read = [np.nan if row[i] is None else row[i] for row in rows]
         np.testing.assert_allclose(
             np.array(read, dtype=float), values.astype(float), rtol=1e-15
@@ -457,7 +463,8 @@ def test_every_field_of_every_result_is_declared():
             q = f.metadata.get("quantity")
             assert q is None or (q.label and q.dims.startswith(("...", "")))
     parts = {name.partition(".")[2] for name in names}
-    assert parts == {"contact", "lines", "history", "oblique", "surface", "profile"}
+    of_some = {"contact", "lines", "history", "oblique", "surface", "profile"}
+    assert parts == {*of_some, "marks"}
 
 
 UNITS = {  # of each quantity, whatever the result

@@ -255,8 +255,8 @@ def test_a_wide_bound_says_why_and_the_advice_helps():
     steep = em.Foundation(1e6, [2e9], [1e-8])
     asked = {"velocity": 1.0, "pressure": 1e4}
     wide = em.friction(steep, road, **asked)
-    (row,) = (text for name, text in wide.inputs if name == "bound of the model")
-    assert "more than half of mu at 1 of 1 points" in row
+    (row,) = (each.words() for each in wide.doubts if each.kind == "bound")
+    assert row.startswith("1 of 1 points have a bound on the model above half of the ")
     for reason in (
         "real contact is",
         "single relaxation",
@@ -275,7 +275,7 @@ def test_a_wide_bound_says_why_and_the_advice_helps():
         better = em.friction(rubber, surface, **asked | change)
         assert float(better.model_error / better.mu) < share
     narrow = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
-    assert "bound of the model" not in dict(narrow.inputs)
+    assert "bound" not in [each.kind for each in narrow.doubts]
 
 
 @pytest.mark.parametrize("model", [em.Multiscale(), em.Persson()])

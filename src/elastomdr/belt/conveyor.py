@@ -34,8 +34,8 @@ from ..checks import (
 from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError, warned_once
-from ..material.validity import material_in_words
 from ..results.base import Result, quantity, record
+from ..results.doubts import Doubt, carried
 from ..results.words import brief, describe, in_words
 from ..surface.shapes import Cylinder
 from ..trees import Tree, fill, static
@@ -183,10 +183,7 @@ class _Side(Tree):
     resistance: Any  # [N/m]
     error: Any  # estimated error of the resistance [N/m]
     converged: Any
-    # of any of its rolls; None where the range of its cover is not known
-    extrapolated: Any
-    # what lies outside the range, in words
-    extrapolated_in_words: Any = static()
+    marks: tuple[Doubt, ...]  # of any of its rolls
     model: str = static()
     plan: Any = static()
 
@@ -263,10 +260,10 @@ def conveyor(
         coefficient=(on_carry + on_return) / weight,
         error=nan_unless(converged, loaded.error + empty.error) / weight,
         converged=converged,
-        extrapolated=_any_extrapolated(loaded, empty),
+        marks=carried((*loaded.marks, *empty.marks)),
         model=loaded.model,
         plan=loaded.plan,
-        inputs=_inputs_in_words(carry, back, loaded, empty, given),
+        inputs=_inputs_in_words(carry, back, given),
     )
 
 
@@ -313,26 +310,18 @@ def _solve_side(
     def summed(of_rolls: Any) -> Any:
         return xp.sum(xp.asarray(of_rolls) * count, axis=-1)
 
-    extrapolated = rolls.extrapolated
     return _Side(
         summed(rolls.resistance) / side.spacing,
         summed(rolls.error * rolls.normal_force) / side.spacing,
         xp.all(xp.asarray(rolls.converged), axis=-1),
-        None if extrapolated is None else np.any(extrapolated, axis=-1),
-        dict(rolls.inputs).get("extrapolated"),
+        carried(rolls.examined(), lambda points: points.any(axis=-1)),
         rolls.model,
         rolls.plan,
     )
 
 
-def _any_extrapolated(*sides: _Side) -> Any:
-    """Where a side is outside the range of its cover, of those whose range is known."""
-    known = [side.extrapolated for side in sides if side.extrapolated is not None]
-    return np.logical_or.reduce(known) if known else None
-
-
 def _inputs_in_words(
-    carry: Idlers, back: Idlers, loaded: _Side, empty: _Side, given: dict[str, Any]
+    carry: Idlers, back: Idlers, given: dict[str, Any]
 ) -> tuple[tuple[str, str], ...]:
     inputs = []
     for name, side in (("carry side", carry), ("return side", back)):
@@ -341,18 +330,9 @@ def _inputs_in_words(
         spacing = brief(side.spacing, "m")
         words = f"{cover}; {describe(side.roll)}; {rolls} every {spacing}"
         inputs.append((name, words))
-    covers = (carry.cover, back.cover)
-    inputs += dict.fromkeys(pair for x in covers for pair in material_in_words(x)[1:])
     inputs += [
         (name, brief(given[name], unit))
         for name, unit in _UNITS.items()
         if name in given
     ]
-    extrapolated = [
-        f"{name}: {side.extrapolated_in_words}"
-        for name, side in (("carry", loaded), ("return", empty))
-        if side.extrapolated_in_words
-    ]
-    if extrapolated:
-        inputs.append(("extrapolated", "; ".join(extrapolated)))
     return tuple(inputs)

@@ -44,6 +44,7 @@ from ..numerics.interpolation import halving_limit, lagrange
 from ..progress_bar import counted
 from ..results.axes import place_in_words
 from ..results.base import Result, quantity, record
+from ..results.doubts import carried
 from ..results.words import brief, in_words
 from ..verbs.rolling import rolling
 
@@ -366,7 +367,7 @@ def _without_history(
         other_states=state.others,
         converged=state.converged,
         coefficient=power / (body.velocity * body.load),
-        extrapolated=state.rolling.extrapolated,
+        marks=carried(state.rolling.examined()),
         model=state.rolling.model,
         plan=state.rolling.plan,
         inputs=_inputs_in_words(state.rolling.inputs, given),
@@ -392,11 +393,11 @@ def _with_history(
         return xp.broadcast_to(values[..., None], temperature.shape)
 
     velocity, load = over_time(body.velocity), over_time(body.load)
-    extrapolated = way.extrapolated
-    if extrapolated is not None:
-        # what was outside the range once has heated all that follows
-        since_start = np.logical_or.accumulate(extrapolated, axis=0)
-        extrapolated = np.moveaxis(since_start, 0, -1)
+
+    def since_start(points: Any) -> Any:
+        # what was to be doubted once has heated all that follows
+        return xp.moveaxis(xp.cumsum(points, axis=0) > 0, 0, -1)
+
     return HeatBuildUp(
         velocity=velocity,
         load=load,
@@ -412,7 +413,7 @@ def _with_history(
         other_states=over_time(state.others),
         converged=over_time(state.converged),
         coefficient=power / (velocity * load),
-        extrapolated=extrapolated,
+        marks=carried(way.examined(), since_start),
         model=state.rolling.model,
         plan=state.rolling.plan,
         inputs=_inputs_in_words(way.inputs, given),

@@ -1,55 +1,86 @@
-"""Which points of a steady scene use a material beyond the range of its data, and how
-that is said.
+"""Which points of a steady scene use a material beyond the range of its data: doubts of
+the rubber, which every verb hands over.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..checks import is_traced
+from ..arrays import fixed, namespace
+from ..checks import Array, is_traced
+from ..checks import known as known_values
 from ..errors import ExtrapolationWarning, warn
 from ..material.validity import Range
+from ..results.doubts import Doubt
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
+from ..trees import replaced
 
 if TYPE_CHECKING:
-    from jaxtyping import Bool, Float
+    from jaxtyping import Float
 
 # share of a rough surface's mean square slope that may lie outside the range
 _OUTSIDE = 0.1
 _CELLS = 400  # of the slope, where each wave has a temperature of its own
 
 
-class Beyond(NamedTuple):
-    """Which points lie beyond the range, None where that is not known; and a line for
-    the inputs where some do.
+def told(
+    known: Range | None, points: Any, findings: str = "", quiet: bool = False
+) -> tuple[Doubt, ...]:
+    """The doubts of points that use a material beyond its range, and of a material whose
+    moduli are illustrative; with a warning, unless `quiet` or the range is an assumption
+    only.
     """
-
-    points: Bool[np.ndarray, "..."] | None
-    said: tuple[tuple[str, str], ...]
-
-
-NOT_KNOWN = Beyond(None, ())
-
-
-def told(points: np.ndarray, findings: str, illustrative: bool) -> Beyond:
-    """Says what lies beyond, with a warning unless the range is an assumption only."""
-    if not points.any():
-        return Beyond(points, ())
-    sentence = f"{int(points.sum())} of {points.size} points lie beyond the range of the material"
+    if known is None:
+        return ()
+    extrapolated = Doubt("extrapolated", points)
     if findings:
-        sentence += f": {findings}"
-    if not illustrative:
-        warn(f"{sentence}.", ExtrapolationWarning)
-    return Beyond(points, (("extrapolated", sentence),))
+        extrapolated = replaced(extrapolated, says=f"{extrapolated.says}: {findings}")
+    if not (quiet or known.illustrative):
+        warn_of(extrapolated)
+    return extrapolated, *illustrative(known, np.shape(points))
+
+
+def beyond_sweep(points: Any, known: Range | None) -> tuple[Doubt, ...]:
+    """The doubt of points that strain the material more than its sweep of strains did;
+    none of a material of which nothing is known and nothing found.
+    """
+    says = "lie beyond the strain sweep of the material, whose last factors are held"
+    doubt = Doubt("extrapolated", points, says, "a sweep to larger strains")
+    return () if known is None and not doubt.found() else (doubt,)
+
+
+def warn_of(extrapolated: Doubt) -> None:
+    """Counts its points in a warning, where there are any that are known."""
+    points = extrapolated.points
+    if extrapolated.found() and not is_traced(points):
+        count = f"{int(np.sum(points))} of {np.size(points)} points"
+        warn(f"{count} {extrapolated.says}.", ExtrapolationWarning)
+
+
+def illustrative(known: Range | None, shape: tuple[int, ...]) -> tuple[Doubt, ...]:
+    """The doubt of all points of a material whose moduli are of no particular rubber."""
+    if known is None or not known.illustrative_moduli:
+        return ()
+    return (Doubt("illustrative", np.ones(shape, bool)),)
+
+
+def _looked_at(*values: Any) -> tuple[Any, bool, bool]:
+    """The values without derivatives, which a mask does not have; whether JAX still
+    traces them, so that they cannot be told in words; and whether it did before.
+    """
+    if not is_traced(values):
+        return values, False, False
+    plain = known_values(fixed(values))
+    return plain, is_traced(plain), True
 
 
 def steady_beyond(
     known: Range | None, reduced: Any, size: Any, temperature: Any
-) -> Beyond:
+) -> tuple[Doubt, ...]:
     """Passages at the velocities `reduced` = v a_T [m/s] of contacts of half the length
     `size` [m].
 
@@ -57,98 +88,115 @@ def steady_beyond(
     between a quarter and twice of it. A quarter is the reciprocal of the time that it
     lasts, and must be within the range too.
     """
-    if known is None or is_traced(reduced, size, temperature):
-        return NOT_KNOWN
-    rate = np.asarray(2 * reduced / size)
+    if known is None:
+        return ()
+    (reduced, size, temperature), traced, quiet = _looked_at(reduced, size, temperature)
+    with np.errstate(all="ignore"):
+        rate = reduced / size * 2
     points = known.outside(rate, temperature)
-    findings = "; ".join(known.findings(rate, temperature)) if points.any() else ""
-    return told(points, findings, known.illustrative)
+    findings = () if traced else known.findings(rate, temperature)
+    return told(known, points, "; ".join(findings), quiet)
 
 
 def held_beyond(
     known: Range | None, time: Any, temperature: Any, factor: Any
-) -> Beyond:
+) -> tuple[Doubt, ...]:
     """What is put on at once and held for a `time` [s], or without one for ever, at
     points of one shape.
     """
-    if known is None or is_traced(time, temperature, factor):
-        return NOT_KNOWN
-    with np.errstate(divide="ignore"):
-        rate = 4 * np.asarray(factor) / (np.inf if time is None else np.asarray(time))
+    if known is None:
+        return ()
+    held = np.inf if time is None else time
+    (held, temperature, factor), traced, quiet = _looked_at(held, temperature, factor)
+    xp = namespace(held, temperature, factor)
+    with np.errstate(all="ignore"):
+        rate = 4 * xp.asarray(factor) / xp.asarray(held)
     shape = np.broadcast_shapes(rate.shape, np.shape(temperature))
-    rate = np.broadcast_to(rate, shape)
-    temperatures = None if temperature is None else np.broadcast_to(temperature, shape)
-    points = known.outside(rate, temperatures)
+    rate = xp.broadcast_to(rate, shape)
+    if temperature is not None:
+        temperature = xp.broadcast_to(temperature, shape)
+    points = known.outside(rate, temperature)
     of = (
         "held for ever means a frequency"
         if time is None
         else "the time held means frequencies (a_T/t to 4 a_T/t)"
     )
-    findings = "; ".join(known.findings(rate, temperatures, of)) if points.any() else ""
-    return told(points, findings, known.illustrative)
+    findings = () if traced else known.findings(rate, temperature, of)
+    return told(known, points, "; ".join(findings), quiet)
 
 
 def excited_outside(
     known: Range | None,
     surface: RoughLine | AbstractSpectrum,
-    reduced: np.ndarray,
-    factor: Callable[[np.ndarray], np.ndarray] | None = None,
-) -> Float[np.ndarray, "..."] | None:
+    reduced: Any,
+    factor: Callable[[Any], Any] | None = None,
+) -> Float[Array, "..."] | None:
     """Share of the mean square slope that is excited, at q v a_T, beyond the
-    frequencies of the data.
+    frequencies of the data; without derivatives.
 
     `factor`, of rubber that is hotter at some wave numbers of a spectrum than at
     others: that on v a_T at wave numbers (n,), shape (points, n).
     """
     if known is None or known.omega is None:
         return None
+    (surface, reduced), _, _ = _looked_at(surface, reduced)
+    xp = namespace(surface, reduced)
     if not known.omega:
-        return np.ones(np.shape(reduced))
+        return xp.ones(np.shape(reduced))
     if factor is not None and not isinstance(surface, RoughLine):
-        ends = np.geomspace(float(surface.q_low), float(surface.q_high), _CELLS + 1)
-        q, share = np.sqrt(ends[1:] * ends[:-1]), np.diff(surface.moment(3, None, ends))
-        omega = reduced.reshape(-1, 1) * q * factor(q)
+        steps = np.linspace(0.0, 1.0, _CELLS + 1)
+        ends = surface.q_low * (surface.q_high / surface.q_low) ** steps
+        q, share = xp.sqrt(ends[1:] * ends[:-1]), xp.diff(surface.moment(3, None, ends))
+        (hotter,), _, _ = _looked_at(factor(q))
+        omega = reduced.reshape(-1, 1) * q * hotter
         beyond = (omega < known.omega[0]) | (omega > known.omega[1])
         return (beyond @ (share / share.sum())).reshape(reduced.shape)
     low, high = (frequency / reduced for frequency in known.omega)
     if isinstance(surface, RoughLine):
-        q = 2 * np.pi * np.fft.rfftfreq(surface.count, float(surface.spacing))
-        power = np.append(
-            0.0,
-            np.cumsum(np.square(q * np.abs(np.fft.rfft(np.asarray(surface.height))))),
+        q = 2 * xp.pi * xp.fft.rfftfreq(surface.count, surface.spacing)
+        power = xp.square(q * xp.abs(xp.fft.rfft(xp.asarray(surface.height))))
+        power = xp.append(xp.zeros(1), xp.cumsum(power))
+        # a flat line excites nothing
+        whole = xp.where(power[-1] == 0, 1.0, power[-1])
+        until_high = power[xp.searchsorted(q, high, "right")]
+        inside = xp.where(
+            power[-1] == 0, 1.0, (until_high - power[xp.searchsorted(q, low)]) / whole
         )
-        if power[-1] == 0:  # a flat line excites nothing
-            return np.zeros(np.shape(reduced))
-        inside = (
-            power[np.searchsorted(q, high, "right")] - power[np.searchsorted(q, low)]
-        ) / power[-1]
     else:
         inside = surface.moment(3, low, high) / surface.moment(3)
-    return np.clip(1 - inside, 0.0, 1.0)
+    return xp.clip(1 - inside, 0.0, 1.0)
 
 
 def rough_beyond(
     known: Range | None,
-    outside: np.ndarray | None,
+    outside: Any,
     temperature: Any,
     shape: tuple[int, ...],
     rise: Any = 0.0,
-) -> Beyond:
+) -> tuple[Doubt, ...]:
     """Points where more than a tenth of the slope is excited `outside`, or at a
     temperature that was not measured, with the `rise` [K] by friction or without it.
+
+    A point whose rise is not known has failed, and is not beyond the range for that.
     """
     if known is None:
-        return NOT_KNOWN
+        return ()
+    if outside is None and known.temperature is None and not known.beyond:
+        return illustrative(known, shape)
+    (outside, temperature, rise), traced, quiet = _looked_at(outside, temperature, rise)
+    xp = namespace(outside, temperature, rise)
     only, rate, temperatures = known._replace(omega=None), np.zeros((2, *shape)), None
     if temperature is not None:
-        body = np.broadcast_to(temperature, shape)
-        temperatures = np.stack([body, body + np.nan_to_num(rise)])
+        body = xp.broadcast_to(xp.asarray(temperature), shape)
+        hot = xp.broadcast_to(xp.asarray(rise), shape)
+        temperatures = xp.stack([body, body + xp.where(xp.isnan(hot), 0.0, hot)])
     points: Any = only.outside(rate, temperatures).any(axis=0)
-    findings = list(only.findings(rate, temperatures))
-    if outside is not None and (outside > _OUTSIDE).any():
+    findings = [] if traced else list(only.findings(rate, temperatures))
+    if outside is not None:
         points = points | (outside > _OUTSIDE)
-        most = f"up to {outside.max():.0%} of the mean square slope"
-        findings.append(f"{most} lies outside the measured frequencies of the material")
-    if outside is None and known.temperature is None and not known.beyond:
-        return NOT_KNOWN
-    return told(points, "; ".join(findings), known.illustrative)
+        if not traced and (outside > _OUTSIDE).any():
+            most = f"up to {outside.max():.0%} of the mean square slope"
+            findings.append(
+                f"{most} lies outside the measured frequencies of the material"
+            )
+    return told(known, points, "; ".join(findings), quiet)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
+from ..arrays import namespace
 from ..checks import Array, is_traced, significant
 from ..errors import InputError
 from ..trees import replaced
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from jaxtyping import Bool
 
 
-ILLUSTRATIVE = "illustrative, of no particular rubber"
 _ROUNDING = 1e-6  # relative, by which a frequency may lie outside and count as inside
 _KELVIN = 0.5  # by how much a temperature may: no data are closer to their own
 # A passage lasts 2a/v, 4 over the frequency 2 v/a where it dissipates most, and all
@@ -87,9 +87,10 @@ class Range(NamedTuple):
         """Which passages lie outside: frequencies 2 v a_T/a [rad/s] and temperatures
         [K], of one shape.
         """
-        outside = np.full(np.shape(rate), bool(self.beyond))
+        xp = namespace(rate, temperature)
+        outside = xp.full(np.shape(rate), bool(self.beyond))
         if self.omega == ():
-            outside |= True
+            outside = xp.ones(np.shape(rate), bool)
         elif self.omega:
             low, high = self.omega
             outside |= (SLOWEST * rate < low * (1 - _ROUNDING)) | (
@@ -214,14 +215,8 @@ def shared(one: Range | None, other: Range | None) -> Range | None:
 
 
 def material_in_words(material: Any) -> list[tuple[str, str]]:
-    """The inputs of a result that say of which rubber it is; `material` has a name and
-    a range.
-    """
-    words = [("material", getattr(material, "name", "") or "given directly")]
-    known = material.range
-    if known is not None and known.illustrative_moduli:
-        words.append(("moduli", ILLUSTRATIVE))
-    return words
+    """The inputs of a result that say of which rubber it is."""
+    return [("material", getattr(material, "name", "") or "given directly")]
 
 
 def misfit_bands(

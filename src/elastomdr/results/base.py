@@ -9,6 +9,19 @@ kinds:
 - `setting()`: what is no number and JAX does not see, such as the model's name;
 - any other: something that the result carries along, such as a `Contact`, which has
   quantities of its own.
+
+Doubts of its numbers are data (`results/doubts.py`), said once and in one place:
+
+- A verb hands over those that it finds: `marks=(Doubt("hot branch", points, says,
+  remedy), ...)`. `points` is a bool array of the shape of `converged`, all False where
+  the verb looked and found nothing; `says` follows "3 of 27 points ", "" for the usual
+  words of the kind. `call/extrapolation.py` makes those of the material.
+- Those that follow from fields are no second truth: `Result.examined` makes them of
+  `converged` and `model_error` ("not converged", "no prediction", "bound"). A class
+  with more fields of this sort overrides it, `yield from super().examined()` first.
+- What is made from results hands on theirs: `marks=carried(result.examined(), change)`,
+  where `change` takes a mask to the points of the new result.
+- Tables, files, figures, summaries, stacks and draws follow from `doubts`.
 """
 
 import dataclasses
@@ -32,12 +45,14 @@ from typing import (
 import numpy as np
 
 from .. import __version__
-from ..checks import as_float64, is_traced, require, significant
+from ..arrays import namespace
+from ..checks import as_float64, is_traced, known, require, significant
 from ..errors import InputError
 from ..files import csv_text, write_files
 from ..notebook_tables import html_figure, html_table
-from ..trees import pytree
+from ..trees import pytree, replaced
 from .axes import Axis, Curve, curves, dimensions
+from .doubts import TITLE, Doubt, carried, found, kinds_of_points, where
 
 if TYPE_CHECKING:
     import jax
@@ -55,7 +70,7 @@ else:
 T = TypeVar("T")
 _ROWS = 1_048_576  # of a sheet
 # rows of draws that are said of the first that has them: each draw has its own numbers
-_OF_A_DRAW = ("bound of the model", "heights", "direction")
+_OF_A_DRAW = ("heights", "direction")
 
 
 class Quantity(NamedTuple):
@@ -129,6 +144,28 @@ def part(cls: type[T]) -> type[T]:
     return pytree(dataclasses.dataclass(frozen=True, eq=False)(cls))
 
 
+_EXTRAPOLATED = Quantity(
+    "beyond the range of the material",
+    "",
+    "None where the range of the material is not known",
+    path="extrapolated",
+)
+# relative bound of a model from which on it is a doubt
+WIDE = 0.5
+
+
+class _Ends(NamedTuple):
+    low: np.ndarray
+    median: np.ndarray
+    high: np.ndarray
+
+
+class Band(_Ends):
+    """Lower end, median and upper end over draws, with the doubts of any of them."""
+
+    doubts: tuple[Doubt, ...] = ()
+
+
 class Origin(NamedTuple):
     """One of the results that `Result.stack` has joined."""
 
@@ -157,12 +194,7 @@ class Result:
     converged: Array = quantity(
         "converged", "", "whether the error was met; if not, the point is NaN"
     )
-    extrapolated: Array | None = quantity(
-        "beyond the range of the material",
-        "",
-        "None where the range of the material is not known",
-        default=None,
-    )
+    marks: tuple[Doubt, ...] = ()  # those that the verb found, or looked for in vain
     model: str = setting()  # its name, in words
     # what was computed and skipped, of a type for each verb; of several materials a
     # tuple
@@ -185,6 +217,9 @@ class Result:
     last: ClassVar[str] = ""
     # of the horizontal axis: "log", or "auto" where the values are spread widely
     scale: ClassVar[str] = "linear"
+    # the field that `model_error` is of, "" for the one that is shown; whether relative
+    bound_of: ClassVar[str] = ""
+    relative_bound: ClassVar[bool] = False
     # why `extrapolated` is None
     unflagged: ClassVar[str] = "not known: no point is marked as extrapolated"
     from_zero: ClassVar[bool] = True  # whether the vertical axis begins at zero
@@ -208,7 +243,7 @@ class Result:
         """What the fields of numbers are, in the order of a table; those that are None
         are left out.
         """
-        every = list(_quantities(self, ""))
+        every = [*_quantities(self, ""), _EXTRAPOLATED]
         # of each class, in the last columns
         common = ("error", "model_error", "converged", "extrapolated")
         every.sort(key=lambda q: common.index(q.path) if q.path in common else -1)
@@ -276,6 +311,46 @@ class Result:
         return curves(self.axes(), along)
 
     # ------------------------------------------------------------------------------------------
+    # doubts
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What there is to doubt in these numbers: kind, points, why, and what would
+        help. Under JAX all that was looked for, since its points are not known.
+        """
+        return found(self.examined())
+
+    @property
+    def extrapolated(self) -> Array | None:
+        """Where the material is used beyond the range of its data; None: not known."""
+        return where(self.marks, "extrapolated")
+
+    def examined(self) -> Iterator[Doubt]:
+        """All doubts that were looked for, those that hold at no point too."""
+        yield from self.marks
+        # what a compiled program has returned is read as NumPy's
+        name = self.bound_of or self.shows
+        bound, others = (
+            getattr(self, field, None) for field in ("model_error", "other_states")
+        )
+        converged, size, bound, others = known(
+            (self.converged, getattr(self, name), bound, others)
+        )
+        xp = namespace(converged, size, bound, others)
+        yield Doubt("not converged", xp.logical_not(converged))
+        if others is not None:
+            yield Doubt("hot branch", xp.logical_and(others, converged))
+        if bound is None:
+            return
+        of = f"the {type(self).__dataclass_fields__[name].metadata['quantity'].label}"
+        unknown = xp.logical_and(xp.isnan(bound), converged)
+        yield Doubt("no prediction", unknown, f"have no bound on the model for {of}")
+        if not any(doubt.kind == "bound" for doubt in self.marks):
+            half = WIDE * (1.0 if self.relative_bound else xp.abs(size))
+            wide = xp.logical_and(bound > half, converged)
+            yield Doubt("bound", wide, f"have a bound on the model above half of {of}")
+
+    # ------------------------------------------------------------------------------------------
     # materials
 
     @classmethod
@@ -324,6 +399,7 @@ class Result:
             inputs=tuple(_joined_inputs(results, unique, drawn).items()),
             origins=origins,
             drawn=drawn is not None,
+            marks=_joined_marks(results, drawn is not None),
         )
 
     def select(self, material: str) -> Self:
@@ -345,6 +421,7 @@ class Result:
             inputs=(("material", material), *inputs),
             origins=(),
             drawn=False,
+            marks=_marks_of(self.marks, i, length, missing),
         )
 
     def each_material(self) -> Iterator[Self]:
@@ -356,9 +433,9 @@ class Result:
     # ------------------------------------------------------------------------------------------
     # draws
 
-    def band(self, share: float = 0.95) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def band(self, share: float = 0.95) -> Band:
         """Of the main field of a result for draws of a material: the lower end of an
-        interval, median, upper end.
+        interval, median, upper end; with the `doubts` of any draw.
 
         Args:
             share: of the draws that lies in the interval, those below and above it
@@ -378,11 +455,13 @@ class Result:
             lambda x: (x > 0) & (x < 1),
         )
         ends = [0.5 - 0.5 * share, 0.5, 0.5 + 0.5 * share]
-        return tuple(
-            _over_draws(
+        band = Band(
+            *_over_draws(
                 lambda x: np.nanquantile(x, ends, axis=0), getattr(self, self.shows)
             )
         )
+        band.doubts = found(_of_draws(self.examined()))
+        return band
 
     def typical(self) -> Self:
         """The median over draws of every field, without an axis of materials. Raises
@@ -390,7 +469,13 @@ class Result:
         """
         self.band()
         plan = self.plan[0] if isinstance(self.plan, tuple) else self.plan
-        return dataclasses.replace(_median(self), plan=plan, origins=(), drawn=False)
+        return dataclasses.replace(
+            _median(self),
+            plan=plan,
+            origins=(),
+            drawn=False,
+            marks=_of_draws(self.marks),
+        )
 
     # ------------------------------------------------------------------------------------------
     # words
@@ -417,8 +502,18 @@ class Result:
             name = f"{dict(one.inputs)['material']}: " if self.origins else ""
             yield from ((f"{name}{key}", sentence) for key, sentence in one.outcome())
         yield self.each, self.reached()
+        for doubt in self.doubts:
+            yield doubt.kind, self._whose(doubt) + doubt.words()
         if self.extrapolated is None and "range of the data" not in dict(self.inputs):
             yield "range of the data", self.unflagged
+
+    def _whose(self, doubt: Doubt) -> str:
+        """Which materials a doubt is of, where it is not of all."""
+        if not self.origins or self.drawn:
+            return ""
+        points = np.reshape(doubt.points, (len(self.origins), -1)).any(axis=1)
+        names = np.array(self.materials)[points]
+        return "" if points.all() else f"{', '.join(names)}: "
 
     def _spread(self) -> Iterator[tuple[str, str]]:
         """Where 95 % of the draws lie, where their median is largest."""
@@ -498,10 +593,12 @@ class Result:
 
     def columns(self) -> dict[str, np.ndarray]:
         """Column title with its unit, such as "velocity [m/s]", to the values,
-        flattened in C order.
+        flattened in C order; the last one names the kinds of doubts of each point.
         """
         fields = self.fields()
         columns = {q.title: values.ravel() for q, values in fields.items()}
+        shape = np.shape(self.converged)
+        columns[TITLE] = kinds_of_points(self.doubts, shape).ravel()
         if not self.origins:
             return columns
         shape = next(iter(fields.values())).shape
@@ -589,7 +686,7 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """Field name to an array of the result's shape, in SI units; with "model",
-        "plan" and "inputs" in words.
+        "plan" and "inputs" in words, and "doubts".
         """
         values: dict[str, Any] = {"material": self.materials} if self.origins else {}
         values |= {q.key: value for q, value in self.fields().items()}
@@ -599,7 +696,8 @@ class Result:
             if isinstance(self.plan, tuple)
             else str(self.plan)
         )
-        return values | {"model": self.model, "plan": plan, "inputs": dict(self.inputs)}
+        words = {"model": self.model, "plan": plan, "inputs": dict(self.inputs)}
+        return values | words | {"doubts": self.doubts}
 
     def to_pandas(self) -> "pandas.DataFrame":
         """A pandas DataFrame of `columns()`, with model and inputs as `attrs`. Raises
@@ -636,7 +734,17 @@ class Result:
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def _attributes(self) -> dict[str, str]:
-        return {**dict(self.inputs), "model": self.model, "elastomdr": __version__}
+        said = dict.fromkeys(doubt.kind for doubt in self.doubts)
+        doubts = {
+            f"doubt, {kind}": "; ".join(
+                self._whose(doubt) + doubt.words()
+                for doubt in self.doubts
+                if doubt.kind == kind
+            )
+            for kind in said
+        }
+        about = {"model": self.model, "elastomdr": __version__}
+        return {**dict(self.inputs), **about, **doubts}
 
     # ------------------------------------------------------------------------------------------
     # figures
@@ -748,9 +856,53 @@ def _quantities(record: Any, path: str) -> Iterator[Quantity]:
 
 
 def _missing(result: Result) -> frozenset[str]:
-    """The fields that a result does not have."""
-    fields = dataclasses.fields(result)
-    return frozenset(f.name for f in fields if getattr(result, f.name) is None)
+    """The fields that a result does not have, and "extrapolated" where that is not
+    known.
+    """
+    names = [*(f.name for f in dataclasses.fields(result)), "extrapolated"]
+    return frozenset(name for name in names if getattr(result, name) is None)
+
+
+def _joined_marks(results: Sequence[Result], drawn: bool) -> tuple[Doubt, ...]:
+    """The marks of several results at the points of all; those of draws, which differ
+    in numbers only, are one of each kind, in the words of the first.
+    """
+    first: dict[tuple[str, ...], Doubt] = {}
+    columns: dict[tuple[str, ...], list[Any]] = {}
+    for i, result in enumerate(results):
+        for doubt in result.marks:
+            key = (doubt.kind,) if drawn else (doubt.kind, doubt.says, doubt.remedy)
+            if key not in first or not first[key].found():
+                first[key] = doubt
+            column = columns.setdefault(key, [None] * len(results))
+            column[i] = doubt.points if column[i] is None else column[i] | doubt.points
+    return tuple(
+        replaced(first[key], points=_stacked(TITLE, column, _given(column)))
+        for key, column in columns.items()
+    )
+
+
+def _marks_of(
+    marks: Iterable[Doubt], i: int, length: int | None, missing: frozenset[str]
+) -> tuple[Doubt, ...]:
+    """The marks of one of the results that `_joined_marks` has joined."""
+    picked = carried(
+        marks, lambda points: points[i] if length is None else points[i][..., :length]
+    )
+    looked = [d for d in picked if d.kind == "extrapolated" and d.kind not in missing]
+    kept = [d for d in picked if d.found()]
+    if looked and where(kept, "extrapolated") is None:
+        kept.append(looked[0])
+    return tuple(kept)
+
+
+def _of_draws(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
+    """What is to be doubted in a number made of all draws: what is in any of them."""
+    return carried(doubts, lambda points: np.asarray(points).any(axis=0))
+
+
+def _given(column: list[Any]) -> list[Any]:
+    return [value for value in column if value is not None]
 
 
 def _joined_inputs(
@@ -831,7 +983,7 @@ def _joined_field(f: Any, column: list[Any]) -> Any:
     """The values of one field of several records. Raises `InputError` where they do not
     fit together.
     """
-    given = [value for value in column if value is not None]
+    given = _given(column)
     if "static" in f.metadata:
         if any(value != column[0] for value in column):
             raise InputError(
@@ -904,8 +1056,13 @@ def _median(record: Any) -> Any:
                 if f.name == "converged"
                 else np.mean(value, axis=0) > 0.5
             )
+        elif f.name == "model_error":
+            # of a draw that is not foretold the median is not either
+            values[f.name] = _over_draws(lambda x: np.median(x, axis=0), value)
         elif "quantity" in f.metadata:
             values[f.name] = _over_draws(lambda x: np.nanmedian(x, axis=0), value)
+        elif f.name == "marks":
+            values[f.name] = ()
         else:
             values[f.name] = value[0] if isinstance(value, tuple) else _median(value)
     return type(record)(**values)
@@ -918,6 +1075,8 @@ def _part(record: Any, i: int, length: int | None, missing: frozenset[str]) -> A
         value = getattr(record, f.name)
         if "static" in f.metadata or value is None or f.name in missing:
             values[f.name] = None if f.name in missing else value
+        elif f.name == "marks":
+            values[f.name] = ()
         elif "quantity" in f.metadata:
             values[f.name] = (
                 value[i]

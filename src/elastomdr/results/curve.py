@@ -19,6 +19,7 @@ from ..errors import InputError
 from ..files import csv_text, write_files
 from .axes import peak
 from .base import Array, Quantity, Result, part, quantity, record, setting
+from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, gridded
 from .words import in_words
 
@@ -348,10 +349,14 @@ class FrictionCurve(AbstractCurve):
             )
         points = {
             name: fields[name]
-            for name in ("velocity", "temperature", "pressure", "extrapolated")
+            for name in ("velocity", "temperature", "pressure")
             if name in fields
         }
-        return gridded({**points, "mu": fields["cold" if cold else "mu"]})
+        doubts = carried(
+            (d for d in self.examined() if not (cold and d.kind == "hot branch")),
+            np.ravel,
+        )
+        return gridded({**points, "mu": fields["cold" if cold else "mu"]}, doubts)
 
     @in_si
     def ranking(
@@ -513,6 +518,7 @@ class Place(NamedTuple):
     ahead: float  # of the next one; NaN for the last
     # whether `ahead` exceeds both uncertainties together; None where one is not known
     significant: bool | None
+    doubts: tuple[Doubt, ...] = ()  # of mu here
 
     def words(self) -> str:
         """Friction, uncertainty and lead."""
@@ -523,7 +529,8 @@ class Place(NamedTuple):
         if np.isfinite(self.ahead):
             ahead = significant(self.ahead, 2)
             words += f"; ahead by {ahead}, {_SIGNIFICANT[self.significant]}"
-        return words
+        kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
+        return f"{words} ({kinds})" if kinds else words
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -544,6 +551,11 @@ class Ranking:
     pressure: float | None  # nominal [Pa]
     curve: FrictionCurve
 
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """Those of the places, one point each."""
+        return carried(doubt for place in self.places for doubt in place.doubts)
+
     def where(self) -> str:
         """Velocity, temperature and pressure in words."""
         known = {
@@ -555,21 +567,15 @@ class Ranking:
             in_words(name, value) for name, value in known.items() if value is not None
         )
 
-    def illustrative(self) -> str:
-        """Which rubbers have moduli of no particular one, in words; empty for none."""
-        inputs = {origin.name: dict(origin.inputs) for origin in self.curve.origins}
-        graded = {name: of["moduli"] for name, of in inputs.items() if "moduli" in of}
-        grades = ", ".join(dict.fromkeys(graded.values()))
-        return f"moduli of {', '.join(graded)}: {grades}" if graded else ""
-
     def words(self) -> Iterator[str]:
         """The lines of `summary`."""
         yield f"ranking by friction at {self.where()}"
         width = max(len(place.material) for place in self.places)
         for i, place in enumerate(self.places, 1):
             yield f"{i:>3}  {place.material:<{width}}  {place.words()}"
-        if illustrative := self.illustrative():
-            yield illustrative
+        for place in self.places:
+            for doubt in place.doubts:
+                yield f"{place.material}, {doubt.kind}: {doubt.says}"
         yield (
             "uncertainty: numerical error and misfit of the material; the model error, "
             "common to all, is left out"
@@ -592,6 +598,9 @@ class Ranking:
             "ahead of the next [-]": np.array([place.ahead for place in self.places]),
             "significant": np.array(
                 [words[place.significant] for place in self.places]
+            ),
+            TITLE: np.array(
+                [str(kinds_of_points(place.doubts, ())) for place in self.places]
             ),
         }
         header = [
@@ -636,17 +645,24 @@ def _ranked(
         name: _middle(name, np.asarray(axis)) if asked[name] is None else asked[name]
         for name, axis in axes.items()
     }
-    values = [
-        (name, float(mu(**point)), float(error(**point)) if fitted else np.nan)
+    places = [
+        Place(
+            name,
+            float(mu(**point)),
+            float(error(**point)) if fitted else np.nan,
+            np.nan,
+            None,
+            found(mu.doubts_at(**point)),
+        )
         for name, (mu, error, fitted) in laws.items()
     ]
-    values.sort(key=lambda value: -value[1] if np.isfinite(value[1]) else np.inf)
+    places.sort(key=lambda place: -place.mu if np.isfinite(place.mu) else np.inf)
 
     def coordinate(name: str) -> float | None:
         return float(point[name]) if name in point else None
 
     return Ranking(
-        tuple(_places(values)),
+        tuple(_led(places)),
         float(point["velocity"]),
         coordinate("temperature"),
         coordinate("pressure"),
@@ -654,14 +670,16 @@ def _ranked(
     )
 
 
-def _places(values: list[tuple[str, float, float]]) -> Iterator[Place]:
-    """Materials, friction and uncertainties in order, with their leads."""
-    last = "", np.nan, np.nan
-    for (name, mu, error), (_, next_mu, next_error) in pairwise([*values, last]):
-        both = np.hypot(error, next_error)
-        known = np.isfinite(both + next_mu)
-        sure = bool(mu - next_mu > both) if known else None
-        yield Place(name, mu, error, mu - next_mu, sure)
+def _led(places: list[Place]) -> Iterator[Place]:
+    """Places in order, with their leads."""
+    for place, following in pairwise([*places, None]):
+        if place is not None and following is not None:
+            ahead = place.mu - following.mu
+            both = np.hypot(place.uncertainty, following.uncertainty)
+            sure = bool(ahead > both) if np.isfinite(both + ahead) else None
+            yield place._replace(ahead=ahead, significant=sure)
+        elif place is not None:
+            yield place
 
 
 def _laws(curve: FrictionCurve) -> tuple[FrictionLaw, FrictionLaw, bool]:

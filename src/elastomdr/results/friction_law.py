@@ -15,14 +15,15 @@ from __future__ import annotations
 import csv
 import itertools
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from .. import __version__
-from ..arrays import xp
+from ..arrays import fixed, xp
 from ..checks import (
     Array,
     as_float64,
@@ -36,6 +37,16 @@ from ..checks import (
 from ..errors import InputError
 from ..files import csv_text, read_text, write_files
 from ..trees import Tree, fill, static
+from .doubts import (
+    TITLE,
+    Doubt,
+    carried,
+    found,
+    from_kinds,
+    in_words,
+    kinds_of_points,
+    where,
+)
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -48,7 +59,6 @@ _TITLES = {
     "temperature": ("temperature [K]",),
     "pressure": ("pressure [Pa]", "nominal pressure [Pa]"),
     "mu": ("friction coefficient [-]",),
-    "extrapolated": ("beyond the range of the material",),
 }
 _UNITS = {"velocity": "m/s", "temperature": "K", "pressure": "Pa"}
 # factor on velocity and pressure, names
@@ -65,15 +75,15 @@ class FrictionLaw(Tree):
     `mu` has the shape (temperature, pressure, velocity), without the axes that are not
     given. From a computed curve: `curve.law()`; from a file: `em.load_friction(path)`.
     Calling it interpolates, with derivatives (`jax.grad`) with respect to mu and to
-    where it is asked. `extrapolated` marks the points of `mu` that lie beyond the range
-    of the rubber; None where that is not known. Raises `InputError`.
+    where it is asked. `doubts` are those of the curve it is of, at the points of `mu`.
+    Raises `InputError`.
     """
 
     velocity: Float[Array, " velocities"]  # sliding velocity, ascending [m/s]
     mu: Float[Array, "..."]
     temperature: Float[Array, " temperatures"] | None  # ascending [K]
     pressure: Float[Array, " pressures"] | None  # nominal, ascending [Pa]
-    flags: tuple[bool, ...] | None = static()  # `extrapolated`, flat
+    marks: tuple[Doubt, ...] = static()  # at the points of `mu`
 
     def __init__(
         self,
@@ -81,7 +91,7 @@ class FrictionLaw(Tree):
         mu: ArrayLike,
         temperature: ArrayLike | None = None,
         pressure: ArrayLike | None = None,
-        extrapolated: ArrayLike | None = None,
+        doubts: Iterable[Doubt] = (),
     ):
         given = {"temperature": temperature, "pressure": pressure, "velocity": velocity}
         axes = {
@@ -113,26 +123,34 @@ class FrictionLaw(Tree):
                 "zero or positive and finite, or NaN",
                 lambda x: (x >= 0) & np.isfinite(x),
             )
-        flags = None if extrapolated is None else np.asarray(extrapolated) != 0
-        if flags is not None and flags.shape != shape:
-            raise InputError(
-                f"extrapolated must have the shape of mu, {shape}, got {flags.shape}."
-            )
-        fill(self, flags=None if flags is None else tuple(flags.ravel().tolist()))
+        for doubt in (doubts := tuple(doubts)):
+            if np.shape(doubt.points) != shape:
+                raise InputError(
+                    f"doubts must have points of the shape of mu, {shape}, got "
+                    f"{np.shape(doubt.points)}."
+                )
+        fill(self, marks=doubts)
 
     @property
-    def extrapolated(self) -> Bool[np.ndarray, "..."] | None:
-        """Which points of `mu` lie beyond the range of the rubber."""
-        return None if self.flags is None else np.reshape(self.flags, self.mu.shape)
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What there is to doubt in `mu`: kind, points, why, and what would help."""
+        return found(self.marks)
 
-    def extrapolated_at(self, **place: ArrayLike) -> Bool[np.ndarray, "..."] | None:
-        """Where mu at such velocities, temperatures and pressures is interpolated from a
-        point that is extrapolated; None where that is not known.
+    @property
+    def extrapolated(self) -> Bool[Array, "..."] | None:
+        """Which points of `mu` lie beyond the range of the rubber; None: not known."""
+        return where(self.marks, "extrapolated")
+
+    def doubts_at(self, **place: ArrayLike) -> tuple[Doubt, ...]:
+        """The doubts of mu at such velocities, temperatures and pressures: those of any
+        point that it is interpolated from.
         """
-        if self.extrapolated is None or is_traced(self, place):
-            return None
-        share = FrictionLaw(mu=1.0 * self.extrapolated, **self.axes())
-        return np.asarray(share(**place) > 0)
+
+        def there(points: Any) -> Any:
+            share = FrictionLaw(mu=1.0 * points, **self.axes())
+            return fixed(share(**place) > 0)
+
+        return carried(self.marks, there)
 
     @numpy_unless_traced
     def __call__(
@@ -230,8 +248,8 @@ class FrictionLaw(Tree):
             for name, values in zip(axes, points, strict=True)
         }
         columns[_TITLES["mu"][0]] = self.mu.ravel()
-        if self.extrapolated is not None:
-            columns[_TITLES["extrapolated"][0]] = self.extrapolated.ravel()
+        columns[TITLE] = kinds_of_points(self.doubts, self.mu.shape).ravel()
+        header += in_words(self.doubts)
         write_files({Path(path): csv_text(header, columns).encode()})
 
     def to_abaqus(
@@ -290,9 +308,9 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     writes it.
 
     Columns "velocity [m/s]", "friction coefficient [-]" and, if there are any,
-    "temperature [K]", "pressure [Pa]" or "nominal pressure [Pa]" and "beyond the range
-    of the material" (True, False), in any order; others are passed over, and so are
-    lines that start with #. Every combination of the values must be there once. Raises
+    "temperature [K]", "pressure [Pa]" or "nominal pressure [Pa]" and "doubts" (kinds
+    with "; " between them), in any order; others are passed over, and so are lines that
+    start with #. Every combination of the values must be there once. Raises
     `InputError`.
     """
     name = Path(path).name
@@ -319,29 +337,28 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
             )
         if columns:
             places[key] = columns[0]
+    named = rows[0].index(TITLE) if TITLE in rows[0] else None
     try:
         points = {
-            key: np.array([_number(row[i]) for row in rows[1:]])
+            key: np.array([float(row[i] or "nan") for row in rows[1:]])
             for key, i in places.items()
         }
+        kinds = [] if named is None else [row[named] for row in rows[1:]]
     except (ValueError, IndexError) as error:
         raise InputError(
             f"path: {name!r} has a cell that is missing or no number."
         ) from error
     try:
-        return gridded(points)
+        return gridded(points, from_kinds(kinds))
     except InputError as error:
         raise InputError(f"path: {name!r}: {error}") from error
 
 
-def _number(cell: str) -> float:
-    """A number, NaN for an empty cell; True is 1 and False 0."""
-    return float({"": "nan", "True": "1", "False": "0"}.get(cell, cell))
-
-
-def gridded(points: Mapping[str, np.ndarray]) -> FrictionLaw:
+def gridded(
+    points: Mapping[str, np.ndarray], doubts: Iterable[Doubt] = ()
+) -> FrictionLaw:
     """The law of points that fill a grid: "velocity", "mu" and, where known,
-    "temperature", "pressure" and "extrapolated", flat.
+    "temperature" and "pressure", flat, as are their doubts.
     """
     names = [name for name in ("temperature", "pressure", "velocity") if name in points]
     if not points["mu"].size or not all(
@@ -362,12 +379,17 @@ def gridded(points: Mapping[str, np.ndarray]) -> FrictionLaw:
             f"{' x '.join(map(str, shape))} values, {points['mu'].size} points, "
             f"{int((count == 0).sum())} missing and {int((count > 1).sum())} repeated."
         )
-    values = {}
-    for name in ("mu", "extrapolated"):
-        if name in points:
-            values[name] = np.empty(shape)
-            values[name][tuple(places)] = points[name]
-    return FrictionLaw(**values, **dict(zip(names, axes, strict=True)))
+
+    def on_grid(values: np.ndarray) -> np.ndarray:
+        grid = np.empty(shape, values.dtype)
+        grid[tuple(places)] = values
+        return grid
+
+    return FrictionLaw(
+        mu=on_grid(points["mu"]),
+        **dict(zip(names, axes, strict=True)),
+        doubts=carried(doubts, on_grid),
+    )
 
 
 def _between(
@@ -409,10 +431,16 @@ def _write(
             f"{law.mu.size} "
             "are NaN."
         )
-    lines = {"abaqus": _abaqus, "fric_coef": _fric_coef, "modelica": _modelica}[form](
-        law, units
-    )
-    write_files({Path(path): ("\n".join(lines) + "\n").encode()})
+    written, comment = {
+        "abaqus": (_abaqus, "** "),
+        "fric_coef": (_fric_coef, "C     "),
+        "modelica": (_modelica, "# "),
+    }[form]
+    first, *lines = written(law, units)
+    doubts = [
+        comment + line for each in in_words(law.doubts) for line in wrap(each, 66)
+    ]
+    write_files({Path(path): ("\n".join([first, *doubts, *lines]) + "\n").encode()})
 
 
 def _abaqus(law: FrictionLaw, units: str) -> Iterator[str]:

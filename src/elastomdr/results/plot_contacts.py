@@ -40,14 +40,12 @@ def draw_impact(result: Any, ask: Ask) -> Any:
     if not np.isfinite(time).all():
         return sketch.finish()
     fine, colour = np.linspace(time[0], time[-1], 400), sketch.colours(1)[0]
-    extrapolated = result.extrapolated
-    if extrapolated is not None:
-        extrapolated = np.broadcast_to(np.ravel(extrapolated), fine.shape)
+    doubted = np.broadcast_to(np.ravel(sketch.dotted), fine.shape)
     curve, order = Curve((), ""), np.arange(fine.size)
     smooth = CubicSpline(time, force)(fine)
     restitution = significant(float(np.ravel(result.restitution)[0]), 4)
     label = f"restitution {restitution}"
-    sketch.draw(Line(curve, order, fine, fine, smooth, colour, extrapolated), label)
+    sketch.draw(Line(curve, order, fine, fine, smooth, colour, doubted), label)
     turn = time.size // 2
     sketch.peak_mark(Peak(time[turn], force[turn], True), colour)
     if sketch.style.words and sketch.alone:
@@ -87,7 +85,7 @@ def draw_indentation(result: Any, ask: Ask) -> Any:
             y = sketch.values(key, line.curve)
             y = scale * y if key == "force" else in_unit(y, about[key].shown)
             style = {"color": line.colour, "linewidth": 0.9 * sketch.style.line}
-            plot_line(panel, since, y, line.extrapolated, **style)
+            plot_line(panel, since, y, line.dotted, **style)
         sketch.ax = panels[3] if panels else main
         sketch.draw(
             line._replace(y=scale * line.y), label=label if len(labels) > 1 else ""

@@ -11,6 +11,7 @@ import numpy as np
 from ..checks import as_float64, positive, require, significant
 from ..errors import InputError
 from .axes import Axis, Peak, peak
+from .doubts import Doubt, found
 from .plotting import (
     FAINT,
     INK,
@@ -22,8 +23,11 @@ from .plotting import (
     Sketch,
     Style,
     begin,
+    dotted,
     draw,
     frame,
+    notes_of,
+    plot_line,
 )
 from .words import in_unit, in_words
 
@@ -90,24 +94,20 @@ def _band(
     if spread is None:
         return half, half, uncertainty
     low, middle, high = spread
-    known = np.nan_to_num(half)
     uncertainty = f"95 % of the draws, and {uncertainty}"
-    return middle - low + known, high - middle + known, uncertainty
+    return middle - low + half, high - middle + half, uncertainty
 
 
 def _uncertainty(fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:
-    """Half the width of the band around each point, and what it holds."""
+    """Half the width of the band around each point, and what it holds; none at a point
+    whose bound is not known, where others have one.
+    """
     error, bound = fields["error"], fields.get("model_error")
     if bound is None:
         return error, "numerical error"
-    known = np.isfinite(bound)
-    total = error + np.where(known, bound, 0.0)
-    if not known[np.isfinite(error)].any():
-        return total, "numerical error (the model's is not known)"
-    unknown = not known[np.isfinite(error)].all()
-    return total, "numerical and model error" + (
-        ", in part numerical only" if unknown else ""
-    )
+    if not np.isfinite(bound).any():
+        return error, "numerical error (the model's is not known)"
+    return error + bound, "numerical and model error"
 
 
 def _highest(values: np.ndarray, cold: Any, points: Any) -> float:
@@ -495,13 +495,19 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
     place_of_curve = {"temperature": ranking.temperature, "pressure": ranking.pressure}
     given = {name: x for name, x in place_of_curve.items() if x is not None}
     known = [place.mu for place in ranking.places if np.isfinite(place.mu)]
+    by_material: list[tuple[str, tuple[Doubt, ...]]] = []
+    left.set_xscale("log")
     for i, place in enumerate(ranking.places):
         # as in the figure of the curve
         colour = PALETTE[ranking.curve.materials.index(place.material) % len(PALETTE)]
         law = ranking.curve.select(place.material).law()
-        left.semilogx(
+        doubts = law.doubts_at(velocity=law.velocity, **given)
+        by_material.append((place.material, found(doubts)))
+        plot_line(
+            left,
             law.velocity,
             law(law.velocity, **given),
+            dotted(doubts, law.velocity.shape),
             color=colour,
             linewidth=look.line,
             label=place.material,
@@ -531,10 +537,10 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
             fontweight="bold",
             color=INK,
         )
-    if look.words and (illustrative := ranking.illustrative()):
+    if look.words and (notes := notes_of(by_material)):
         small = {"fontsize": 0.8 * look.text, "color": FAINT}
         left.annotate(
-            textwrap.fill(illustrative, 100),
+            textwrap.fill("; ".join(notes), 100),
             (0, 1),
             (0, 0.6 * look.text),
             xycoords="axes fraction",

@@ -8,7 +8,7 @@ the legend names what the results differ in.
 
 import io
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from ..errors import InputError
 from .axes import Curve, Peak
+from .doubts import Doubt, Kind
 from .words import in_unit
 
 PALETTE = (
@@ -38,7 +39,14 @@ LOG_RATIO = 20.0
 # one
 _FEW = 12.0
 _PANEL = (5.75, 5.0)  # size of a panel beside others [inches]
-DOTTED = "dotted: outside the measured range of the material"
+_NOTES: dict[Kind, str] = {
+    "extrapolated": "dotted: outside the measured range of the material",
+    "no prediction": "no bound on the model is known (dotted where in part)",
+    "hot branch": "in part another steady state exists",
+    "bound": "in part the bound on the model exceeds half of the value",
+    "illustrative": "moduli: illustrative, of no particular rubber",
+    "estimate": "an estimate",
+}
 
 
 class Style(NamedTuple):
@@ -96,6 +104,7 @@ class Entry:
     each: str
     counted: tuple[int, int]
     labels: tuple[str, str]  # of the axes, for this result alone
+    doubts: tuple[Doubt, ...] = ()
     # artist, what the curve is, what is to see
     lines: list[tuple[Any, str, str]] = field(default_factory=list)
     extras: list[tuple[Any, str]] = field(default_factory=list)
@@ -158,11 +167,13 @@ class Sketch:
             result.each,
             result.counted(),
             labels,
+            result.doubts,
         )
         self.alone = (
             not self.canvas.entries and not self.canvas.foreign and not ask.group
         )
         self.style = self.canvas.style
+        self.dotted = dotted(result.doubts, np.shape(result.converged))
 
     def colours(self, count: int) -> list[Any]:
         """Of the curves: shades of one colour, of viridis where there is one result."""
@@ -198,13 +209,14 @@ class Sketch:
                 np.arange(x.size) if self.result.last else np.argsort(x, kind="stable")
             )
             y = in_unit(self.values(self.y, curve)[order], self.about[self.y].shown)
-            extrapolated = (
-                self.values("extrapolated", curve)[order]
-                if "extrapolated" in self.fields
-                else None
-            )
             yield Line(
-                curve, order, x[order], self.across(x[order]), y, colour, extrapolated
+                curve,
+                order,
+                x[order],
+                self.across(x[order]),
+                y,
+                colour,
+                np.atleast_1d(self.dotted[curve.place])[order],
             )
 
     def across(self, x: np.ndarray) -> np.ndarray:
@@ -215,7 +227,7 @@ class Sketch:
     def draw(
         self, line: "Line", value: str = "", marker: str | None = None, label: str = ""
     ) -> Any:
-        """Draws a curve, dotted where it is extrapolated; returns its colour.
+        """Draws a curve, dotted where it is to be doubted; returns its colour.
 
         `label` stands in the legend in place of that of the curve, `value` behind it.
         """
@@ -227,7 +239,7 @@ class Sketch:
             "zorder": 3,
         }
         handle = plot_line(
-            self.ax, line.x, line.y, line.extrapolated, color=line.colour, **style
+            self.ax, line.x, line.y, line.dotted, color=line.colour, **style
         )
         if np.isfinite(line.y).any() or value:
             self.entry.lines.append((handle, label or line.curve.label, value))
@@ -238,9 +250,6 @@ class Sketch:
         self.ax.set(xlabel=self.labels[0], ylabel=self.labels[1])
         self.set_scale()
         frame(self.ax)
-        extrapolated = self.fields.get("extrapolated")
-        if extrapolated is not None and extrapolated.any():
-            self.entry.notes.insert(0, DOTTED)
         self.canvas.entries.append(self.entry)
         _dress(self.ax, self.canvas)
         self.canvas.limits = self.ax.get_xlim(), self.ax.get_ylim()
@@ -274,7 +283,7 @@ class Line(NamedTuple):
     x: np.ndarray  # in the unit of the figure
     y: np.ndarray
     colour: Any
-    extrapolated: np.ndarray | None  # where it is; None: not known
+    dotted: np.ndarray  # where it is to be doubted
 
 
 def begin(ask: Ask, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
@@ -372,15 +381,41 @@ def saved(ax: Any, model: str = "") -> bytes:
     return buffer.getvalue()
 
 
-def plot_line(ax: Any, x: Any, y: Any, extrapolated: Any = None, **style: Any) -> Any:
-    """Draws a line, dotted where it is extrapolated; returns the line."""
-    if extrapolated is None:
-        extrapolated = np.zeros(np.shape(y), dtype=bool)
-    handle = ax.plot(x, np.where(extrapolated, np.nan, y), **style)[0]
-    if extrapolated.any():
+def dotted(doubts: Iterable[Doubt], shape: tuple[int, ...]) -> np.ndarray:
+    """Where a curve is drawn dotted: beyond the range of the material, and where a model
+    that has a bound elsewhere has none.
+    """
+    points = np.zeros(shape, bool)
+    for doubt in doubts:
+        here = np.broadcast_to(np.asarray(doubt.points), shape)
+        if doubt.kind == "extrapolated" or (
+            doubt.kind == "no prediction" and not here.all()
+        ):
+            points = points | here
+    return points
+
+
+def notes_of(results: Iterable[tuple[str, tuple[Doubt, ...]]]) -> list[str]:
+    """What a figure says of the doubts of results, with the materials that they are of
+    where these are not all; what did not converge is counted elsewhere.
+    """
+    results = list(results)
+    notes = []
+    for kind, note in _NOTES.items():
+        names = [name for name, doubts in results if kind in {d.kind for d in doubts}]
+        which = f"{', '.join(dict.fromkeys(names))}: "
+        if names:
+            notes.append(note if len(names) == len(results) else which + note)
+    return notes
+
+
+def plot_line(ax: Any, x: Any, y: Any, dotted: Any, **style: Any) -> Any:
+    """Draws a line, dotted where it says; returns the line."""
+    handle = ax.plot(x, np.where(dotted, np.nan, y), **style)[0]
+    if dotted.any():
         thin = 0.7 * style["linewidth"]
-        dotted = {**style, "color": handle.get_color(), "linewidth": thin}
-        ax.plot(x, y, ":", markerfacecolor="none", **dotted)
+        dots = {**style, "color": handle.get_color(), "linewidth": thin}
+        ax.plot(x, y, ":", markerfacecolor="none", **dots)
     return handle
 
 
@@ -472,20 +507,12 @@ def _small_print(entries: list[Entry]) -> tuple[str, str, str]:
     """Models, notes and what failed."""
     models = dict.fromkeys(entry.model for entry in entries)
     notes = dict.fromkeys(note for entry in entries for note in entry.notes)
-    notes = {**dict.fromkeys(_illustrative(entries)), **notes}
+    of_doubts = notes_of((e.inputs.get("material", ""), e.doubts) for e in entries)
+    notes = {**dict.fromkeys(of_doubts), **notes}
     counts = zip(*(entry.counted for entry in entries), strict=True)
     failed, count = map(sum, counts)
     missing = f"{failed} of {count} {entries[0].each} did not converge and are left out"
     return "; ".join(models), "; ".join(notes), missing if failed else ""
-
-
-def _illustrative(entries: list[Entry]) -> list[str]:
-    """Which rubbers have moduli that are of no particular one, in a sentence."""
-    inputs = [entry.inputs for entry in entries if "moduli" in entry.inputs]
-    if len(inputs) in (0, len(entries)):
-        return [f"moduli: {each['moduli']}" for each in inputs]
-    names = dict.fromkeys(each.get("material", "") for each in inputs)
-    return [f"moduli of {', '.join(names)}: illustrative"]
 
 
 def _names(entries: list[Entry]) -> list[str]:

@@ -30,6 +30,7 @@ from ..checks import in_float64, is_traced, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation
+from ..results.doubts import Doubt, carried
 from ..results.spectrum import FrictionSpectrum
 from ..smooth.problem import AVERAGED, BARE
 from ..surface.direction import directions
@@ -124,7 +125,7 @@ def friction_spectrum(
     beyond = rough_beyond(
         foundation.range, outside, points.full(points.temperature), points.shape
     )
-    spectrum = _packed(scene, edges, mu, error, good, beyond.points)
+    spectrum = _packed(scene, edges, mu, error, good, beyond)
     inputs = [
         *scene.inputs(("surface", surface_words(surface, scene.lines[0]))),
         ("ensemble", ensemble_words(scene.seeds, scene.lines[0].count)),
@@ -136,7 +137,7 @@ def friction_spectrum(
             f"{good.size * _directions(model.average)[0].size * len(scene.lines)} line "
             f"solutions of {scene.lines[0].count} samples, all branches carried"
         ),
-        inputs=(*inputs, *beyond.said),
+        inputs=tuple(inputs),
     )
 
 
@@ -215,7 +216,7 @@ def _packed(
     mu: np.ndarray,
     error: np.ndarray,
     good: np.ndarray,
-    extrapolated: Any,
+    beyond: tuple[Doubt, ...],
 ) -> FrictionSpectrum:
     """The numbers of the result; its last axis are the bands."""
     points, bands = scene.at, edges.size - 1
@@ -237,7 +238,7 @@ def _packed(
         mu=banded(np.where(good[:, None], mu, np.nan)),
         error=banded(np.where(good, error, np.nan)),
         converged=banded(good),
-        extrapolated=None if extrapolated is None else banded(extrapolated.ravel()),
+        marks=carried(beyond, lambda points: banded(np.ravel(points))),
         temperature=None
         if points.temperature is None
         else banded(points.full(points.temperature)),

@@ -258,29 +258,17 @@ def highest_rise(body: Any, temperature: Any) -> Any:
     return np.clip(hottest * (1 - 1e-12) - np.asarray(temperature), 0.0, HIGHEST)
 
 
-def states_in_words(
-    warm: Any, good: Any, branch: Branch, body: Any, temperature: Any
-) -> list[tuple[str, str]]:
-    """Rows for results: points with several steady states, and points without one
-    because friction makes more heat than is led away up to the highest rise.
+def states_in_words(warm: Any, body: Any, temperature: Any) -> list[tuple[str, str]]:
+    """A row for results: points without a steady state because friction makes more heat
+    than is led away up to the highest rise.
     """
-    rows, several = [], warm.several & good
-    if several.any():
-        given, other, before = "coldest", "hotter", "hot"
-        if branch == "hot":
-            given, other, before = "hottest", "colder", "cold"
-        sentence = (
-            f"{int(several.sum())} of {several.size} points have a {other} steady state, "
-            f"too (`other_states`), which rubber reaches that was {before} before; the "
-            f"{given} one is given"
-        )
-        rows.append(("branch", sentence))
+    rows = []
     if warm.runaway.any():
         highest = highest_rise(body, temperature)
         ends = np.unique(np.round((temperature + highest)[warm.runaway], 2))
         limit = " to ".join(f"{end:.6g}" for end in ends[[0, -1][: ends.size]])
         sentence = (
-            f"at {int(warm.runaway.sum())} of {several.size} points friction makes more "
+            f"at {int(warm.runaway.sum())} of {warm.runaway.size} points friction makes more "
             "heat than is led away at every temperature of the contacts up to "
             f"{limit} K"
         )

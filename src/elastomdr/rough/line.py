@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..call.extrapolation import NOT_KNOWN, excited_outside, rough_beyond
+from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.problem import Scene
-from ..checks import Array, in_float64, nan_unless, warn_unless
+from ..checks import Array, in_float64, is_traced, nan_unless, warn_unless
 from ..errors import ModelWarning, warn
 from ..models import Line as LineModel
 from ..results.curve import FrictionCurve, Lines
@@ -192,31 +192,21 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     states: list[tuple[str, str]] = []
     if warm is not None:
         temperature = points.full(points.temperature).ravel()
-        states = states_in_words(
-            warm, answer.good, call.branch, foundation, temperature
-        )
+        states = states_in_words(warm, foundation, temperature)
     _warn_of_failed(points, answer, states)
     spread, far = _model_bounds(scene, surface, model, answer)
-    outside = (
-        None
-        if points.traced
-        else excited_outside(foundation.range, surface, answer.reduced)
-    )
+    outside = excited_outside(foundation.range, surface, answer.reduced)
     inputs = _inputs(scene, surface, model, heat, solver.largest, outside)
-    beyond = (
-        NOT_KNOWN
-        if points.traced
-        else rough_beyond(
-            foundation.range, outside, points.temperature, points.shape, answer.rise()
-        )
+    beyond = rough_beyond(
+        foundation.range, outside, points.temperature, points.shape, answer.rise()
     )
     curve = _packed(scene, surface, answer, spread, far)
     return dataclasses.replace(
         curve,
         model=_model(scene, model.average, heat),
         plan=_plan(scene, call, model),
-        inputs=(*inputs, *states, *beyond.said),
-        extrapolated=beyond.points,
+        inputs=(*inputs, *states),
+        marks=beyond,
         outside=outside,
     )
 
@@ -346,7 +336,7 @@ def _inputs(
         rows += [("heat", heat.words())]
     if points.foundation.softening is not None:
         rows += [SOFTENING_LEFT_OUT]
-    if outside is not None:
+    if outside is not None and not is_traced(outside):
         rows += [excited_beyond(outside)]
     return rows
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..call.extrapolation import Beyond, excited_outside, rough_beyond
+from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
@@ -15,6 +15,7 @@ from ..checks import in_float64, is_traced, warn_unless
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..models import seeds_of
+from ..results.doubts import Doubt, carried
 from ..smooth.problem import BARE
 from ..surface.rough_line import RoughLine
 from .branch_reduction import point_laws
@@ -127,7 +128,7 @@ def _checked(surface: Any, model: Any, points: tuple[Any, ...]) -> Line:
 
 
 def _packed(
-    scene: RoughScene, surface: Any, field: _Field, beyond: Beyond
+    scene: RoughScene, surface: Any, field: _Field, beyond: tuple[Doubt, ...]
 ) -> LineContact:
     """The result: one error, one flag at every sample."""
     (line,) = scene.lines
@@ -149,12 +150,10 @@ def _packed(
         share=share,
         error=np.full(height.size, error),
         converged=np.full(height.size, bool(field.line.converged[0])),
-        extrapolated=None
-        if beyond.points is None
-        else np.full(height.size, beyond.points),
+        marks=carried(beyond, lambda points: np.full(height.size, points)),
         model=BARE + scene.rule,
         plan=f"one periodic state of {height.size} samples",
-        inputs=(*inputs, *beyond.said),
+        inputs=tuple(inputs),
     )
 
 

@@ -25,8 +25,6 @@ import numpy as np
 
 from ..arrays import on_jax, xp
 from ..call.extrapolation import (
-    NOT_KNOWN,
-    Beyond,
     excited_outside,
     held_beyond,
     rough_beyond,
@@ -51,6 +49,7 @@ from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
 from ..models import Line, seeds_of, whole_number
+from ..results.doubts import Doubt
 from ..results.words import brief
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
@@ -137,7 +136,7 @@ def press(
     )
     contact = _packed(points, surface, model, lines, solved, traced)
     warn_unless(solved.good, "points")
-    beyond = NOT_KNOWN if traced else _beyond(foundation, surface, points)
+    beyond = _beyond(foundation, surface, points)
     inputs = [
         *material_in_words(foundation),
         (
@@ -157,9 +156,9 @@ def press(
         contact,
         thermal=_times(good, conductance, conductivity, "conductivity", False),
         electrical=_times(good, conductance, resistivity, "resistivity", True),
-        extrapolated=beyond.points,
+        marks=beyond,
         model="MDR line of the interface" + rule,
-        inputs=(*inputs, *beyond.said),
+        inputs=tuple(inputs),
     )
 
 
@@ -501,18 +500,18 @@ def _times(good: Any, conductance: Any, values: Any, name: str, inverse: bool) -
     return nan_unless(good, conductance / xp.sum(each if inverse else 1 / each))
 
 
-def _beyond(foundation: Foundation, surface: Any, points: _Points) -> Beyond:
+def _beyond(foundation: Foundation, surface: Any, points: _Points) -> tuple[Doubt, ...]:
     """Points beyond the data of the material: in sliding by frequency of excitation, at
     rest by 1/t.
     """
     if foundation.range is None:
-        return NOT_KNOWN
+        return ()
     if points.velocity is not None:
         outside = excited_outside(
             foundation.range, surface, points.velocity * points.factor
         )
         return rough_beyond(foundation.range, outside, points.temperature, points.shape)
-    factor = np.broadcast_to(points.factor, points.shape)
+    factor = xp.broadcast_to(xp.asarray(points.factor), points.shape)
     return held_beyond(foundation.range, points.time, points.temperature, factor)
 
 

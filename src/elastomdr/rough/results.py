@@ -165,6 +165,7 @@ class RoughContact(Result):
     across: ClassVar[str] = "pressure"
     shows: ClassVar[str] = "conductance"
     error_of: ClassVar[str] = "the conductance, relative"
+    relative_bound: ClassVar[bool] = True
     from_zero: ClassVar[bool] = False
     scale: ClassVar[str] = "auto"
     coordinates: ClassVar[tuple[str, ...]] = (

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, namespace
-from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
+from ..arrays import fixed, namespace, xp
+from ..call.extrapolation import beyond_sweep, excited_outside, rough_beyond, warn_of
 from ..call.problem import Scene, rough_scene
 from ..checks import (
     is_traced,
@@ -26,7 +26,9 @@ from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import Range, misfit
 from ..models import Multiscale, SurfaceFriction, SurfaceModel
+from ..results.base import WIDE
 from ..results.curve import FrictionCurve
+from ..results.doubts import Doubt
 from ..results.words import brief
 from ..smooth.softening import LINEAR
 from ..surface.lay import lay_of
@@ -175,16 +177,10 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     if not scene.traced:
         if heat is not None:
             states = states_in_words(
-                answer.warmed(),
-                answer.hot.good,
-                call.branch,
-                foundation,
-                scene.full(scene.temperature).ravel(),
+                answer.warmed(), foundation, scene.full(scene.temperature).ravel()
             )
         _warn_of_failed(answer.hot, states, rtol)
-    outside = (
-        None if scene.traced else _outside(foundation.range, surface, scene, answer)
-    )
+    outside = _outside(foundation.range, surface, scene, answer)
     of_data = (
         np.zeros(())
         if scene.traced
@@ -192,42 +188,33 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     )
     strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
     turned = _turned(foundation, scene, surface, model, answer)
-    beyond = (
-        NOT_KNOWN
-        if scene.traced
-        else rough_beyond(
-            foundation.range, outside, scene.temperature, scene.shape, answer.hottest()
-        )
+    marks = rough_beyond(
+        foundation.range, outside, scene.temperature, scene.shape, answer.hottest()
     )
-    rows = beyond.said
-    if softened is not None and not scene.traced:
-        beyond = _strained_beyond(
-            softened, surface, beyond, scene.shape, foundation.range
-        )
-        rows += beyond.said[-1:]
+    if softened is not None:
+        marks += _strained_beyond(softened, surface, scene)
     label = _label(surface)
     inputs = _inputs(scene, label, surface, heat, answer, strained, of_data, outside)
     inputs += turned.rows + states
     curve = _packed(scene, surface, model, answer, strained, turned, of_data)
-    if not scene.traced and curve.model_error is not None:
-        inputs += _wide_bound(
-            curve, model, foundation, surface, answer, strained, turned
-        )
     curve = dataclasses.replace(
         curve,
         model=curve.model + _hot(model, heat),
         plan=_plan(foundation, scene, surface, model, heat, label),
-        inputs=(*inputs, *rows),
-        extrapolated=beyond.points,
+        inputs=tuple(inputs),
+        marks=marks,
         outside=outside,
     )
     if heat is not None:
         curve = _with_heat(curve, heat, scene, answer)
-    if adhesion is None:
+    if adhesion is not None:
+        curve = _with_adhesion(
+            curve, adhesion, heat, scene, surface, model, answer, strained, turned
+        )
+    if scene.traced or curve.model_error is None:
         return curve
-    return _with_adhesion(
-        curve, adhesion, heat, scene, surface, model, answer, strained, turned
-    )
+    wide = _wide_bound(curve, model, foundation, surface, answer, strained, turned)
+    return dataclasses.replace(curve, marks=(*curve.marks, *wide))
 
 
 def _solved(
@@ -335,7 +322,7 @@ def _heated_by_scale(
 
 def _outside(
     known: Range | None, surface: AbstractSpectrum, scene: Scene, answer: _Answer
-) -> np.ndarray | None:
+) -> Any:
     """Share of the slope outside the measured frequencies, at the temperatures that the
     rubber has there.
     """
@@ -343,7 +330,7 @@ def _outside(
         return excited_outside(known, surface, answer.reduced)
     warm = answer.by_scale.warmed
 
-    def factor(q: np.ndarray) -> np.ndarray:
+    def factor(q: Any) -> Any:
         return warm.factors(warm.at(q))[0]
 
     return excited_outside(known, surface, scene.reduced, factor)
@@ -387,7 +374,7 @@ def _inputs(
     if np.any(of_data):
         share = f"at most {np.max(of_data):.0%} of mu, part of the error"
         rows += [("material against its data", share)]
-    if outside is not None:
+    if outside is not None and not is_traced(outside):
         rows += [excited_beyond(outside)]
     return rows
 
@@ -400,12 +387,12 @@ def _wide_bound(
     answer: _Answer,
     strained: _Strained,
     turned: _Turned,
-) -> list[tuple[str, str]]:
+) -> tuple[Doubt, ...]:
     """Where the bound of the model exceeds half of mu: why, and what would lower it."""
     bound, mu = (abs(np.asarray(x).ravel()) for x in (curve.model_error, curve.mu))
-    wide = bound > 0.5 * mu
+    wide = bound > WIDE * mu
     if not wide.any():
-        return []
+        return ()
     area = answer.hot.area
     reasons = model.why_wide(
         foundation, surface, answer.reduced.ravel()[wide], area[wide]
@@ -423,8 +410,10 @@ def _wide_bound(
         share = np.broadcast_to(width, wide.shape)[wide] / bound[wide]
         if (share > _NAMED).any():
             reasons.append(reason)
-    many = f"more than half of mu at {int(wide.sum())} of {wide.size} points"
-    return [("bound of the model", "; ".join([many, *reasons]))]
+    says = "; ".join(
+        ["have a bound on the model above half of the friction coefficient", *reasons]
+    )
+    return (Doubt("bound", wide.reshape(np.shape(curve.mu)), says),)
 
 
 def _wide_by_skewness(surface: AbstractSpectrum) -> str:
@@ -751,24 +740,19 @@ def _softening_words(
 
 
 def _strained_beyond(
-    softened: Softened, surface: Any, beyond: Beyond, shape: tuple[int, ...], known: Any
-) -> Beyond:
+    softened: Softened, surface: AbstractSpectrum, scene: Scene
+) -> tuple[Doubt, ...]:
     """All points, where the surface strains the rubber more than its sweep did."""
-    strain, last = (
-        float(softened.strain(surface.q_high)),
-        float(softened.softening.strain[-1]),
+    strain, last = fixed(
+        (softened.strain(surface.q_high), softened.softening.strain[-1])
     )
-    if strain <= last * (1 + 1e-9):
-        return beyond._replace(said=())
-    description = (
-        f"strains up to {strain:.2g} on a sweep that ends at {last:.2g}, whose last "
-        "factors are held"
-    )
-    return told(
-        np.ones(shape, dtype=bool),
-        description,
-        known is not None and known.illustrative,
-    )
+    points = xp.full(scene.shape, strain > last * (1 + 1e-9))
+    known = scene.foundation.range
+    doubts = beyond_sweep(points, known)
+    if not scene.traced and not (known is not None and known.illustrative):
+        for doubt in doubts:
+            warn_of(doubt)
+    return doubts
 
 
 def surface_plan(call: RoughCall, model: SurfaceModel) -> SurfacePlan:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from ..arrays import fixed, numpy_unless_traced, xp
-from ..call.extrapolation import NOT_KNOWN, held_beyond
+from ..call.extrapolation import held_beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -181,13 +181,10 @@ def break_out(
     stress = _largest_stress(shear, given)
     mu = stress * contact.area / given["pressure"]
     good = xp.broadcast_to(contact.good, shape)
-    traced = is_traced(surface, shear, relative_pressure, *given.values())
-    beyond = NOT_KNOWN
-    if not traced:
-        warn_unless(good, "points")
-        factor = np.broadcast_to(factor, shape)
-        temperatures = given["temperature"]
-        beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
+    warn_unless(good, "points")
+    factor = xp.broadcast_to(factor, shape)
+    temperatures = given["temperature"]
+    beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
     numbers = {
         "mu": mu,
         "area_ratio": contact.area,
@@ -203,10 +200,10 @@ def break_out(
     }
     return BreakOut(
         **broadcast(**given, **fields, converged=good),
-        extrapolated=beyond.points,
+        marks=beyond,
         model=f"{chosen.words()}; its shear at once",
         plan="real contact of an elastic body with the creep of the dwell",
-        inputs=(*_in_words(foundation, surface, shear, given), *beyond.said),
+        inputs=tuple(_in_words(foundation, surface, shear, given)),
     )
 
 

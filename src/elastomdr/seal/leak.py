@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import numpy_unless_traced, xp
-from ..call.extrapolation import NOT_KNOWN, held_beyond
+from ..call.extrapolation import held_beyond
 from ..call.problem import check_carries
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -149,6 +149,7 @@ class Leak(Result):
     shows: ClassVar[str] = "rate"
     scale: ClassVar[str] = "auto"
     error_of: ClassVar[str] = "the rate, relative"
+    relative_bound: ClassVar[bool] = True
     from_zero: ClassVar[bool] = False
     coordinates: ClassVar[tuple[str, ...]] = (
         "time",
@@ -399,20 +400,18 @@ def leak(
     else:
         flow = _along(pressed, seal, seal.pressure_at, given)
     good = xp.broadcast_to(flow.good, shape)
-    beyond = NOT_KNOWN
-    if not is_traced(soft, *given.values()):
-        warn_unless(good, "points")
-        factor = np.broadcast_to(factor, shape)
-        temperatures = given["temperature"]
-        beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
+    warn_unless(good, "points")
+    factor = xp.broadcast_to(xp.asarray(factor), shape)
+    temperatures = given["temperature"]
+    beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
     return Leak(
         **_fields(given, flow, good, shape),
-        extrapolated=beyond.points,
+        marks=beyond,
         slip_estimated=given["outlet_pressure"] is not None
         and not flow.slips_by_itself,
         model=_model_in_words(given, flow),
         plan=flow.work,
-        inputs=(*_inputs_in_words(foundation, surface, given, seal), *beyond.said),
+        inputs=tuple(_inputs_in_words(foundation, surface, given, seal)),
     )
 
 

@@ -45,6 +45,7 @@ from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
 from ..numerics.interpolation import halving_limit
 from ..results.base import Array, Result, part, quantity, record
+from ..results.doubts import Doubt, where
 from ..results.words import brief, describe, in_unit, span
 from ..rough.adhesion import AdhesiveShear
 from ..smooth.problem import SmoothCall
@@ -312,7 +313,7 @@ class _Solved(NamedTuple):
     profile: Array | None = None
     imbalance: float = np.nan
     half: float = np.nan  # half-width of the dry contact [m]
-    beyond: bool | None = None  # whether the asperities use the material extrapolated
+    beyond: bool = False  # whether the asperities use the material extrapolated
     good: bool = False
 
 
@@ -489,7 +490,7 @@ def _group(
             _profile(by_grid[-1], scales[i]),
             by_grid[-1].imbalance,
             scales[i].half,
-            None if beyond is None else bool(beyond[i]),
+            bool(beyond[i]),
             True,
         )
     return out
@@ -600,10 +601,12 @@ def _at_rest(layer: Layer, held: float | None) -> Layer:
 
 def _rubbing(
     scene: _Scene, points: Array, scales: list[_Scales], rough: Roughness | None
-) -> tuple[list[Rubbing | None], Array | None]:
-    """Friction of the asperities at each point; None on smooth surfaces."""
+) -> tuple[list[Rubbing | None], Array]:
+    """Friction of the asperities at each point, None on smooth surfaces, and whether it
+    is beyond the data of the rubber.
+    """
     if rough is None or scene.surface is None:
-        return [None] * points.size, None
+        return [None] * points.size, np.zeros(points.size, bool)
     u_rubber, u_counter = MOTIONS[scene.rubber]
     # a rolling contact presses its asperities for as long as it passes
     slide = abs(u_counter - u_rubber) or 1.0
@@ -823,15 +826,15 @@ def _packed(
         model_error=np.full(dims, np.nan),
         profile=FilmProfile(*profile),
         converged=good.reshape(dims),
-        extrapolated=beyond[0],
+        marks=beyond,
         model=model,
         plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
-        inputs=(*inputs, *beyond[1]),
+        inputs=tuple(inputs),
     )
 
 
-def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Array | None, Any]:
-    """Points beyond the data of the material, and a line that says so."""
+def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Doubt, ...]:
+    """Points beyond the data of the material, by the rubber or by its asperities."""
     known = scene.material.range
     shape = scene.velocity.shape
     with warnings.catch_warnings():
@@ -846,11 +849,10 @@ def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Array | None, Any]:
             rubber = steady_beyond(
                 known, scene.velocity * scene.factor, half, scene.temperature
             )
-    if rubber.points is None:
-        return None, ()
-    points = np.broadcast_to(rubber.points, shape) | np.array(
-        [bool(each.beyond) for each in solved]
+    if not rubber:
+        return ()
+    points = where(rubber, "extrapolated") | np.array([each.beyond for each in solved])
+    points = np.broadcast_to(points, shape).reshape(scene.dims)
+    return told(
+        known, points, "frequencies or times of the rubber, or of its asperities"
     )
-    quantities = "frequencies or times of the rubber, or of its asperities"
-    flagged = told(points, quantities, known.illustrative)
-    return points.reshape(scene.dims), flagged.said

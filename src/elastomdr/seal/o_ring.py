@@ -35,7 +35,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from ..arrays import fixed, is_traced, numpy_unless_traced, xp
-from ..call.extrapolation import NOT_KNOWN, Beyond, held_beyond
+from ..call.extrapolation import held_beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -54,6 +54,7 @@ from ..material.shift import thermal_factors
 from ..material.tabulated import needs_series
 from ..material.validity import material_in_words
 from ..results.base import Array, Result, quantity, record
+from ..results.doubts import Doubt
 from ..results.words import brief, in_unit, span
 
 if TYPE_CHECKING:
@@ -158,6 +159,7 @@ class ORing(Result):
     scale: ClassVar[str] = "auto"
     shows: ClassVar[str] = "pressure"
     error_of: ClassVar[str] = "the arithmetic"
+    bound_of: ClassVar[str] = "line_load"
     coordinates: ClassVar[tuple[str, ...]] = (
         "time",
         "squeeze",
@@ -293,9 +295,7 @@ def o_ring(
     load, width = _load_and_width(*size, formula)
     ends = [_load_and_width(*size, name)[0] for name in ("held", "free")]
     off = xp.maximum(*(xp.abs(end - load) for end in ends))
-    beyond = NOT_KNOWN
-    if not is_traced(young, given["diameter"], given["squeeze"]):
-        beyond = _extrapolated(solid, given["time"], given["temperature"], shape)
+    beyond = _extrapolated(solid, given["time"], given["temperature"], shape)
     fields: dict[str, Any] = {
         **given,
         "line_load": load,
@@ -308,10 +308,10 @@ def o_ring(
     }
     return ORing(
         **broadcast(**fields),
-        extrapolated=beyond.points,
+        marks=beyond,
         model=FORMULAS[formula],
         plan="closed form",
-        inputs=(*_inputs_in_words(solid, given | further), *beyond.said),
+        inputs=tuple(_inputs_in_words(solid, given | further)),
     )
 
 
@@ -468,7 +468,7 @@ def _small_strain(squeeze: Any) -> Any:
 
 def _extrapolated(
     material: Prony, time: Any, temperature: Any, shape: tuple[int, ...]
-) -> Beyond:
+) -> tuple[Doubt, ...]:
     """Which points lie outside the range of the material, with a warning."""
     time_factor = (
         1.0 if temperature is None else thermal_factors(material, temperature)[0]
@@ -477,7 +477,7 @@ def _extrapolated(
         material.range,
         time,
         temperature,
-        np.broadcast_to(time_factor, shape),
+        xp.broadcast_to(xp.asarray(time_factor), shape),
     )
 
 

@@ -47,6 +47,7 @@ from ..errors import InputError, ModelWarning, warn, warned_once
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
 from ..results.base import Array, Result, quantity, record
+from ..results.doubts import Doubt, carried
 from ..results.words import brief, in_unit, span
 from ..surface.shapes import Cylinder
 from .lubricated import lubricated
@@ -120,7 +121,7 @@ class _Carried(NamedTuple):
     film: Array  # h_0/2 [m]
     friction: Array  # per width [N/m]
     error: Array  # of the film [m]
-    extrapolated: Array | None = None  # where the rubber is beyond its data
+    doubts: tuple[Doubt, ...] = ()  # of the film
     said: tuple[tuple[str, str], ...] = ()
 
 
@@ -251,7 +252,7 @@ def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Recipr
         net_leak_error=net_error * length * edge,
         model_error=np.full(motion.out.shape, np.nan),
         converged=np.isfinite(more + leaving.friction + entering.friction),
-        extrapolated=_either(leaving.extrapolated, entering.extrapolated),
+        marks=carried((*leaving.doubts, *entering.doubts)),
         model=model,
         plan=plan,
         inputs=(
@@ -299,11 +300,6 @@ def _why_not(strokes: _Strokes) -> list[str]:
     for reason in reasons:
         warn(f"{reason}.", ModelWarning)
     return reasons
-
-
-def _either(first: Array | None, second: Array | None) -> Array | None:
-    """Where one of both is so; None where that is not known."""
-    return None if first is None or second is None else first | second
 
 
 def _of_profile(profile: Any, motion: _Motion) -> _Strokes:
@@ -419,13 +415,12 @@ def _under_ring(
         time=time,
     )
     film = np.asarray(film_of_ring.flow / velocity)
-    kept = ("material", "moduli", "extrapolated")
-    remarks = tuple(line for line in film_of_ring.inputs if line[0] in kept)
+    remarks = tuple(line for line in film_of_ring.inputs if line[0] == "material")
     return _Carried(
         film,
         np.asarray(film_of_ring.mu * load),
         np.asarray(film_of_ring.error / film_of_ring.mu * film),
-        film_of_ring.extrapolated,
+        tuple(film_of_ring.marks),
         remarks,
     )
 

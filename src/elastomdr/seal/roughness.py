@@ -175,7 +175,7 @@ def rubbing(
     velocity: Array,
     largest: float,
     temperature: float | None,
-) -> tuple[list[Rubbing], Array | None]:
+) -> tuple[list[Rubbing], Array]:
     """Friction by `em.Multiscale` at each velocity [m/s], up to about the `largest`
     pressure [Pa]; and at which the material is extrapolated.
     """
@@ -209,7 +209,9 @@ def rubbing(
         )
     ]
     beyond: Any = sliding.extrapolated
-    return out, None if beyond is None else np.asarray(np.any(beyond, axis=1))
+    if beyond is None:
+        return out, np.zeros(len(out), bool)
+    return out, np.asarray(np.any(beyond, axis=1))
 
 
 def _compared(

@@ -15,6 +15,7 @@ from ..call.several_materials import over_materials
 from ..checks import Array, is_traced, nan_unless, numpy_unless_traced, warn_unless
 from ..errors import InputError
 from ..material.relaxation import Relaxation
+from ..results.doubts import carried
 from ..results.spectrum import Dissipation
 from ..surface.direction import directions
 from ..surface.shapes import Cylinder
@@ -138,9 +139,7 @@ def _shares(scene: SmoothScene) -> Dissipation:
         normal_force=spread(solved.normal_force),
         error=spread(nan_unless(good, missing.reshape(scene.shape))),
         converged=spread(good),
-        extrapolated=None
-        if solved.extrapolated is None
-        else spread(solved.extrapolated),
+        marks=carried(solved.marks, spread),
         model=scene.plan.model,
         plan=scene.plan,
         inputs=solved.inputs,
@@ -181,9 +180,7 @@ def _on_layer(call: SmoothCall) -> Dissipation:
         normal_force=spread(steady.normal_force),
         error=spread(nan_unless(good, missing)),
         converged=spread(good),
-        extrapolated=None
-        if steady.extrapolated is None
-        else spread(steady.extrapolated),
+        marks=carried(steady.marks, spread),
         model=rolled.model,
         plan=rolled.plan,
         inputs=steady.inputs,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, xp
-from ..call.extrapolation import steady_beyond
+from ..arrays import compiled, fixed, xp
+from ..call.extrapolation import beyond_sweep, steady_beyond
 from ..call.model_choice import of_smooth
 from ..call.problem import Asked, Scene, check_rtol, hint_at_metres, steady_scene
 from ..checks import Array, is_traced, nan_unless, require, warn_unless
@@ -16,6 +16,7 @@ from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..results.curve import Contact
+from ..results.doubts import Doubt
 from ..results.words import describe
 from ..surface.direction import BARE_LINE
 from ..surface.lines import AbstractLines, SingleLine, Strips
@@ -90,8 +91,7 @@ class Steady(NamedTuple):
     depth: Float[Array, "..."]
     contact: Contact
     converged: Bool[Array, "..."]
-    # whether the material is used beyond its range; None: that is not known
-    extrapolated: Bool[Array, "..."] | None
+    marks: tuple[Doubt, ...]
     inputs: tuple[tuple[str, str], ...]
     # effective strain of the contact, where the material softens
     strain: Float[Array, "..."] | None = None
@@ -145,8 +145,8 @@ def packed(
         depth=shaped(solved.depth),
         contact=contact,
         converged=solved.good.reshape(points.shape),
-        extrapolated=beyond.points,
-        inputs=tuple(inputs) + beyond.said,
+        marks=beyond,
+        inputs=tuple(inputs),
     )
 
 
@@ -287,20 +287,17 @@ def solve(scene: SmoothScene) -> Steady:
         size,
         scene.temperature,
     )
-    beyond_sweep = None
-    if softening is not None and soft is not None and not traced:
-        beyond_sweep = np.asarray(good & softening.outside(soft.strain)).reshape(
-            scene.shape
-        )
-        inputs += softened_words(soft, np.asarray(good), beyond_sweep)
+    if softening is not None and soft is not None:
+        outside = fixed(xp.asarray(good & softening.outside(soft.strain)))
+        beyond += beyond_sweep(outside.reshape(scene.shape), scene.foundation.range)
+        if not traced:
+            inputs += softened_words(soft, np.asarray(good))
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         **fields,
         converged=good.reshape(scene.shape),
-        extrapolated=beyond.points
-        if beyond.points is None or beyond_sweep is None
-        else beyond.points | beyond_sweep,
-        inputs=inputs + beyond.said,
+        marks=beyond,
+        inputs=inputs,
         strain=strain,
         linear=linear,
     )

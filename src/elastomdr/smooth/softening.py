@@ -154,9 +154,7 @@ def _traced_factor(alone: Plan) -> Any:
     return implicit(search, equation, lambda _, points: (points[0], None))
 
 
-def softened_words(
-    soft: Softened, good: np.ndarray, beyond: np.ndarray
-) -> tuple[tuple[str, str], ...]:
+def softened_words(soft: Softened, good: np.ndarray) -> tuple[tuple[str, str], ...]:
     """What softening has done, for results."""
     if not good.any():
         return ()
@@ -168,9 +166,4 @@ def softened_words(
         f"effective strain {ends[0]}; storage modulus times {ends[1]}, loss modulus "
         f"times {ends[2]}"
     )
-    if beyond.any():
-        sentence += (
-            f"; {int(beyond.sum())} points beyond the strain sweep, where the factors "
-            "are held"
-        )
     return (("softening", sentence),)

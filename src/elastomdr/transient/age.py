@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ..call.extrapolation import NOT_KNOWN, Beyond, told
+from ..call.extrapolation import told
 from ..checks import is_traced, numpy_unless_traced, significant
 from ..material.validity import Range
+from ..results.doubts import Doubt
 from ..surface.disc import disc_under
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
@@ -34,13 +35,13 @@ def history_beyond(
     *,
     slid: Any = None,
     at_once: bool = True,
-) -> Beyond:
+) -> tuple[Doubt, ...]:
     """Instants [s] along the last axis of depths [m] or loads [N] `pressed`, and
     displacements [m] `slid`, all of the shape of `time`. `at_once`: whether what is put
     on at once at the first instant is looked at there.
     """
     if known is None or is_traced(time, pressed, slid, temperature, factor):
-        return NOT_KNOWN
+        return ()
     ages = _ages(known, factor)
     young, old = np.zeros((2, *np.shape(time)), bool)
     for where, t, f in zip(
@@ -60,7 +61,7 @@ def sliding_beyond(
     body: RoughLine | AbstractLines,
     depth: Any,
     course: Any,
-) -> Beyond:
+) -> tuple[Doubt, ...]:
     """Instants of a body that slides, `depth` [m] deep, under a `course` of depths [m]
     or loads [N, or N/m].
 
@@ -70,7 +71,7 @@ def sliding_beyond(
     """
     known, time, position = history.range, history.time, history.position
     if known is None or history.traced or is_traced(body, depth, history.factor):
-        return NOT_KNOWN
+        return ()
     size = np.broadcast_to(_half_length(body, depth), time.shape)
     ages = _ages(known, history.factor)
     way = np.abs(np.diff(position))
@@ -138,7 +139,7 @@ def _instants(
     old: np.ndarray,
     ages: tuple[float, float],
     temperature: Any,
-) -> Beyond:
+) -> tuple[Doubt, ...]:
     none = np.zeros(young.shape)
     temperatures = (
         None if temperature is None else np.broadcast_to(temperature, young.shape)
@@ -158,4 +159,4 @@ def _instants(
     )
     findings += ["the data determine the loss modulus nowhere"] if nowhere else []
     findings += elsewhere.findings(none, temperatures)
-    return told(points, "; ".join(findings), known.illustrative)
+    return told(known, points, "; ".join(findings))

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import arrays, xp
-from ..call.extrapolation import Beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     is_traced,
@@ -22,6 +21,7 @@ from ..checks import (
     warn_unless,
 )
 from ..errors import InputError
+from ..results.doubts import Doubt
 from ..results.words import brief
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine, spline_coefficients
@@ -153,7 +153,7 @@ def drive(
         inputs.append(("track", describe_line(track)))
     deep = solution.seen.depth
     beyond = sliding_beyond(history, body.over, deep, deep)
-    inputs = (*inputs, *history.inputs, *beyond.said)
+    inputs = (*inputs, *history.inputs)
     return _pack(history, solution, mounts["tangential"], body, plan, inputs, beyond)
 
 
@@ -350,7 +350,7 @@ def _pack(
     body: SlidingBody,
     plan: SlidePlan,
     inputs: tuple[tuple[str, str], ...],
-    beyond: Beyond,
+    beyond: tuple[Doubt, ...],
 ) -> Drive:
     warn_unless(solution.good, "instants", f" to rtol={history.rtol:g}")
 
@@ -382,5 +382,5 @@ def _pack(
         model=body.model,
         plan=plan,
         inputs=inputs,
-        extrapolated=beyond.points,
+        marks=beyond,
     )

@@ -9,6 +9,7 @@ import numpy as np
 from ..checks import in_si, is_traced, plain, positive, significant
 from ..errors import InputError
 from ..results.base import Array, Quantity, Result, quantity, record, setting
+from ..results.doubts import carried
 from ..results.words import span
 
 if TYPE_CHECKING:
@@ -171,9 +172,10 @@ def force_spectrum(
         stride = values.size / half  # of the frequencies that the halves have
         near = np.arange(1, amplitude.size + 1) / stride
         error = np.interp(near, np.arange(1, half // 2 + 1), abs(second - first))
-    beyond = motion.extrapolated
-    if beyond is not None:
-        beyond = np.full(amplitude.shape, np.asarray(beyond)[later].any())
+
+    def in_any(points: Any) -> Any:
+        return np.full(amplitude.shape, np.asarray(points)[later].any())
+
     kind = "of whole periods" if period is not None else "with a Hann window"
     return ForceSpectrum(
         frequency=np.fft.rfftfreq(values.size, step)[1:],
@@ -182,7 +184,7 @@ def force_spectrum(
         error=error,
         mean=np.asarray(values.mean()),
         converged=np.ones(amplitude.size, bool),
-        extrapolated=beyond,
+        marks=carried(motion.examined(), in_any),
         per_length=motion.per_length,
         shows_density=period is None,
         model=motion.model,

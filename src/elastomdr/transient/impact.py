@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..call.extrapolation import NOT_KNOWN, Beyond, told
+from ..call.extrapolation import told
 from ..call.problem import check_rtol, hint_at_metres
 from ..checks import (
     as_float64,
@@ -26,6 +26,7 @@ from ..material.relaxation import Relaxation
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
 from ..results.base import Array, Origin, Result, distinct, quantity, record
+from ..results.doubts import Doubt
 from ..results.words import brief, describe, span
 from .impact_motion import Body, Impacts, impacts
 from .layer_disc import incompressible_enough, of_layer
@@ -202,9 +203,7 @@ def _pack(
         return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
     duration = shaped(nan_unless(solution.timed, motion.duration))
-    beyond = NOT_KNOWN
-    if not is_traced(motion.restitution):
-        beyond = _beyond(scene, duration)
+    beyond = () if is_traced(motion.restitution) else _beyond(scene, duration)
     history = History(
         series(motion.time),
         series(motion.depth),
@@ -231,8 +230,8 @@ def _pack(
         temperature=scene.temperature,
         model=scene.model,
         plan="velocities as the grid, extrapolated in the number of steps",
-        inputs=scene.inputs + beyond.said,
-        extrapolated=beyond.points,
+        inputs=scene.inputs,
+        marks=beyond,
         origins=_origins(scene) if scene.many else (),
     )
 
@@ -281,14 +280,16 @@ def _origins(scene: "_Scene") -> tuple[Origin, ...]:
     names = distinct(
         [f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)]
     )
-    rest = [pair for pair in scene.inputs if pair[0] not in ("material", "moduli")]
-    words = [
-        (("material", name), *material_in_words(foundation)[1:], *rest)
-        for name, foundation in zip(names, scene.foundations, strict=True)
-    ]
+    rest = [pair for pair in scene.inputs if pair[0] != "material"]
     return tuple(
-        Origin(name, scene.model, inputs, frozenset(), None)
-        for name, inputs in zip(names, words, strict=True)
+        Origin(
+            name,
+            scene.model,
+            (("material", name), *rest),
+            frozenset({"extrapolated"} if foundation.range is None else ()),
+            None,
+        )
+        for name, foundation in zip(names, scene.foundations, strict=True)
     )
 
 
@@ -411,10 +412,10 @@ def _columns(
     return rates, moduli, viscosity
 
 
-def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
+def _beyond(scene: _Scene, duration: np.ndarray) -> tuple[Doubt, ...]:
     """An impact counts as a passage as long as its contact."""
     if all(foundation.range is None for foundation in scene.foundations):
-        return NOT_KNOWN
+        return ()
     points = np.zeros(
         (len(scene.foundations), duration.size // len(scene.foundations)), bool
     )
@@ -446,11 +447,16 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
                 "the contact time means frequencies (a_T/t to 4 a_T/t)",
             )
             illustrative &= known.illustrative
-    return told(
-        points.reshape(scene.shape),
-        "; ".join(dict.fromkeys(findings)),
-        illustrative,
+    ranges = [each.range for each in scene.foundations if each.range is not None]
+    of_range = ranges[0]._replace(illustrative=illustrative, illustrative_moduli=False)
+    every = told(
+        of_range, points.reshape(scene.shape), "; ".join(dict.fromkeys(findings))
     )
+    assumed = np.zeros(points.shape, bool)
+    for i, foundation in enumerate(scene.foundations):
+        known = foundation.range
+        assumed[i] = known is not None and known.illustrative_moduli
+    return *every, Doubt("illustrative", assumed.reshape(scene.shape))
 
 
 def _law_at(

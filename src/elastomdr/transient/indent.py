@@ -254,11 +254,8 @@ def indent(
         surface=Elements(law, disc, course) if adhesion is None else None,
         model=_model(law, disc, adhesion),
         plan=solution.plan,
-        inputs=(
-            *_inputs(foundation, shape, course, gamma, law_temperature, rtol),
-            *beyond.said,
-        ),
-        extrapolated=beyond.points,
+        inputs=tuple(_inputs(foundation, shape, course, gamma, law_temperature, rtol)),
+        marks=beyond,
     )
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import arrays, fixed, mapped, on_jax, on_numpy, xp
-from ..call.extrapolation import Beyond
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -31,6 +30,7 @@ from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import material_in_words, shared
 from ..numerics.quadrature import gauss_unit
 from ..numerics.root import bisect
+from ..results.doubts import Doubt
 from ..results.words import brief, describe
 from ..surface.disc import contact_measure, disc_under
 from ..surface.shapes import AbstractShape, FlatPunch
@@ -155,12 +155,12 @@ def shear(
         converged=good,
         model=LAYER if per_area else HALF_SPACE,
         plan="marched element by element",
-        inputs=(*_inputs(laws, shape, name, given, mu, cut), *beyond.said),
-        extrapolated=beyond.points,
+        inputs=tuple(_inputs(laws, shape, name, given, mu, cut)),
+        marks=beyond,
     )
 
 
-def _beyond(laws: tuple[Foundation, Foundation], given: History) -> Beyond:
+def _beyond(laws: tuple[Foundation, Foundation], given: History) -> tuple[Doubt, ...]:
     """Instants beyond the range of both laws."""
     moved = given.displacement
     return history_beyond(

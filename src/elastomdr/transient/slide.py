@@ -115,8 +115,8 @@ def slide(
         per_length=body.per_length,
         model=body.model,
         plan=plan,
-        inputs=(*body.words, *history.inputs, *beyond.said),
-        extrapolated=beyond.points,
+        inputs=(*body.words, *history.inputs),
+        marks=beyond,
     )
 
 

@@ -33,6 +33,7 @@ from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.shift import same_thermal, thermal_factors
 from ..material.validity import material_in_words, shared
+from ..results.doubts import Doubt, carried
 from ..results.friction_law import FrictionLaw
 from ..results.words import brief, describe
 from ..smooth.cylinder import cylinder_pressure
@@ -103,14 +104,14 @@ class _Scene(NamedTuple):
         force: Any,
         contact: Contact,
         converged: Any,
-    ) -> tuple[Any, Any]:
+    ) -> tuple[Any, tuple[Doubt, ...]]:
         """Coulomb's coefficient of each contact, from the law where there is one, and
-        where it is extrapolated there (None: not known); without creepage at the law's
-        lowest velocity, which decides nothing there.
+        its doubts there; without creepage at the law's lowest velocity, which decides
+        nothing there.
         """
         law, shape = self.law, self.shape
         if law is None:
-            return self.friction, None
+            return self.friction, ()
         given = {}
         if "temperature" in law.axes():
             if temperature is None:
@@ -130,7 +131,7 @@ class _Scene(NamedTuple):
             xp.stack(xp.broadcast_arrays(xp.abs(self.creepage), velocity)), axis=0
         )
         given["velocity"] = xp.where(sliding > 0, sliding, law.velocity[0])
-        return law(**given), law.extrapolated_at(**given)
+        return law(**given), law.doubts_at(**given)
 
     def words(self, friction: Any) -> list[tuple[str, str]]:
         """Creepage and friction as inputs of the result."""
@@ -302,7 +303,7 @@ def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
         softens=False,
     )
     solution = solve(steady)
-    friction, beyond = scene.friction_in(
+    friction, doubts = scene.friction_in(
         solution.velocity,
         steady.temperature,
         solution.normal_force,
@@ -317,7 +318,7 @@ def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
         solution,
         creepage=xp.broadcast_to(scene.creepage, steady.shape),
         friction=xp.broadcast_to(friction, steady.shape),
-        beyond=beyond,
+        doubts=doubts,
         pulled=pulled,
         converged=converged,
         temperature=steady.temperature,
@@ -412,18 +413,18 @@ def _packed(
     *,
     creepage: Any,
     friction: Any,
-    beyond: Any,
+    doubts: tuple[Doubt, ...],
     pulled: Any,
     converged: Any,
     **settings: Any,
 ) -> Traction:
     """The result of a brush: `pulled` has force, stick and error without signs,
-    `beyond` says where the friction law is extrapolated.
+    `doubts` are those of a friction law.
     """
     force = nan_unless(converged, xp.sign(creepage) * pulled.force)
     inputs = list(solution.inputs)
     place = [name for name, _ in inputs].index("relative tolerance")
-    inputs[place:place] = [*scene.words(friction), *_beyond_in_words(beyond)]
+    inputs[place:place] = scene.words(friction)
     return Traction(
         velocity=solution.velocity,
         creepage=creepage,
@@ -438,26 +439,15 @@ def _packed(
         contact=solution.contact,
         error=nan_unless(converged, pulled.error / solution.normal_force),
         converged=converged,
-        extrapolated=_either(solution.extrapolated, beyond, force.shape),
+        marks=_at_points((*solution.marks, *doubts), force.shape),
         inputs=tuple(inputs),
         **settings,
     )
 
 
-def _either(rubber: Any, beyond: Any, shape: tuple[int, ...]) -> Any:
-    """Where the rubber or the friction law is extrapolated; None where neither knows."""
-    if beyond is None:
-        return rubber
-    beyond = np.broadcast_to(beyond, shape)
-    return beyond if rubber is None else rubber | beyond
-
-
-def _beyond_in_words(beyond: Any) -> list[tuple[str, str]]:
-    """What is said of a friction law that is extrapolated."""
-    if beyond is None or not beyond.any():
-        return []
-    words = f"at {int(beyond.sum())} of {beyond.size} points beyond the range of its material"
-    return [("friction law", words)]
+def _at_points(doubts: tuple[Doubt, ...], shape: tuple[int, ...]) -> tuple[Doubt, ...]:
+    """The doubts of rubber and friction law at the points of the result."""
+    return carried(doubts, lambda points: xp.broadcast_to(points, shape))
 
 
 def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
@@ -498,7 +488,7 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         SmoothCall("rolling", layer, scene.shape, asked, scene.model, scene.rtol)
     )
     solution, half = rolled.steady, np.asarray(contacts.half)
-    friction, beyond = scene.friction_in(
+    friction, doubts = scene.friction_in(
         solution.velocity,
         rolled.temperature,
         solution.normal_force,
@@ -527,7 +517,7 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         solution,
         creepage=creepage,
         friction=friction,
-        beyond=beyond,
+        doubts=doubts,
         pulled=_pulled(sheared, float(scene.shape.length), points),
         converged=solution.converged,
         temperature=rolled.temperature,
@@ -588,7 +578,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
     load, modulus = _checked_half_plane(foundation, scene)
     shape: Any = scene.shape
     half = carter(modulus, shape.radius, load / shape.length, 1.0, 0.0)[2]
-    friction, beyond = scene.friction_in(
+    friction, doubts = scene.friction_in(
         scene.velocity, scene.temperature, load, Contact(half, half), True
     )
     if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
@@ -618,7 +608,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
         contact=Contact(half, half),
         error=zero,
         converged=xp.ones(ratio.shape, bool),
-        extrapolated=_either(None, beyond, ratio.shape),
+        marks=_at_points(doubts, ratio.shape),
         temperature=None,
         model=CARTER,
         plan="closed form",
@@ -628,7 +618,6 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
             ("load", brief(load, "N")),
             ("velocity", brief(velocity, "m/s")),
             *scene._replace(creepage=creepage).words(friction),
-            *_beyond_in_words(beyond),
         ),
     )
 

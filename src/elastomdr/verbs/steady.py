@@ -37,7 +37,7 @@ class SteadyContact(NamedTuple):
             "error": solution.error,
             "model_error": solution.model_error,
             "converged": solution.converged,
-            "extrapolated": solution.extrapolated,
+            "marks": solution.marks,
             "temperature": self.temperature,
             "strain": solution.strain,
             "linear": solution.linear,

@@ -1,0 +1,215 @@
+"""Doubts are data: each kind, made by a call that has it, is found in whatever is made
+from that call.
+"""
+
+import dataclasses
+from typing import Any
+
+import jax
+import numpy as np
+import pandas as pd
+import pytest
+
+import elastomdr as em
+
+ROAD = em.SelfAffine(0.8, rms_slope=1.2, q_low=1e3, q_high=1e5)
+BALL = em.Sphere(5e-3)
+V = np.geomspace(1e-3, 1.0, 5)
+
+
+def rubber(**given):
+    return em.Prony(1e6, [4e6, 8e6], [1e-3, 1e-5], name="rubber", **given)
+
+
+def no_prediction():
+    """Shear that is so strong that the bound ends: tau A/p > 1 at some points."""
+    shear = em.AdhesiveShear(1e7, 1e-2, 0.5)
+    return em.friction(rubber(), ROAD, velocity=V, pressure=1e5, adhesion=shear)
+
+
+def extrapolated():
+    known = rubber(range={"omega": (1.0, 1e4)})
+    return em.friction(known, ROAD, velocity=V, pressure=3e5)
+
+
+def illustrative():
+    made_up = em.load_material("silicone-like")
+    return em.friction(made_up, ROAD, velocity=V, pressure=3e5, temperature=293.15)
+
+
+def wide_bound():
+    """Beyond the peak of a single relaxation."""
+    steep = em.Prony(1e6, [1e9], [1e-3])
+    return em.friction(steep, ROAD, velocity=V, pressure=1e5)
+
+
+def several_states():
+    """The fold of issue 47: near it a second, hotter state exists."""
+    g0 = 8e5
+    times = np.geomspace(1e-10, 10, 12)
+    moduli = g0 * np.geomspace(400, 0.2, 12)
+    tread = em.Prony(g0, moduli, times, shift=em.WLF(8.9, 101.6, 293.15))
+    road = em.SelfAffine(0.8, rms_slope=0.8, q_low=1e3, q_high=1e5)
+    return em.friction(
+        tread,
+        road,
+        velocity=np.array([0.01, 0.03, 0.045, 0.048]),
+        pressure=3e5,
+        temperature=263.0,
+        heat=em.Heat(0.25, 1.8e6),
+        adhesion=em.AdhesiveShear(4e7, 1e-4, 0.4, shift=em.Arrhenius(1.5e5, 293.15)),
+        model=em.Persson(),
+    )
+
+
+MADE = {
+    "no prediction": no_prediction,
+    "extrapolated": extrapolated,
+    "illustrative": illustrative,
+    "bound": wide_bound,
+    "hot branch": several_states,
+}
+
+
+def kinds(doubts):
+    return {doubt.kind for doubt in doubts}
+
+
+def points(doubts, kind):
+    return np.any([d.points for d in doubts if d.kind == kind], axis=0)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("kind", MADE)
+def test_a_doubt_is_found_in_all_that_is_made_of_a_curve(kind, tmp_path):
+    curve = MADE[kind]()
+    where = points(curve.doubts, kind)
+    assert where.shape == curve.mu.shape
+    assert where.any()
+    law = curve.law()
+    np.testing.assert_array_equal(np.ravel(points(law.doubts, kind)), where.ravel())
+    given = {name: axis[0] for name, axis in law.axes().items()}
+    at = law.doubts_at(**{**given, "velocity": law.velocity})
+    np.testing.assert_array_equal(points(at, kind), where)
+    assert kind in curve.summary()
+    assert any(line.startswith(f"{kind}: ") for line in curve.header())
+    curve.to_csv(tmp_path / "curve.csv")
+    table = pd.read_csv(tmp_path / "curve.csv", comment="#")
+    found = table["doubts"].fillna("").str.contains(kind)
+    np.testing.assert_array_equal(found, where)
+    law.to_csv(tmp_path / "law.csv")
+    for name in ("curve", "law"):
+        again = em.load_friction(tmp_path / f"{name}.csv")
+        np.testing.assert_array_equal(points(again.doubts, kind).ravel(), where)
+    law.to_abaqus(tmp_path / "a.inp")
+    law.to_fric_coef(tmp_path / "a.f")
+    law.to_modelica(tmp_path / "a.txt")
+    for name in ("a.inp", "a.f", "a.txt"):
+        assert f"doubt, {kind}" in (tmp_path / name).read_text()
+    assert f"doubt, {kind}" in curve.to_xarray().attrs
+    assert f"doubt, {kind}" in curve.to_pandas().attrs
+    assert kind in kinds(curve.to_dict()["doubts"])
+    notes = " ".join(text.get_text() for text in curve.plot().texts)
+    assert _NOTED[kind] in " ".join(notes.split())
+
+
+_NOTED = {
+    "no prediction": "no bound on the model is known",
+    "extrapolated": "dotted: outside the measured range",
+    "illustrative": "moduli: illustrative",
+    "bound": "the bound on the model exceeds half",
+    "hot branch": "in part another steady state exists",
+}
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("kind", MADE)
+def test_traction_has_the_doubts_of_its_law(kind):
+    curve = MADE[kind]()
+    braked = em.traction(
+        em.Foundation(4e6, [], []),
+        BALL,
+        velocity=10.0,
+        creepage=curve.velocity / 10.0,
+        friction=em.FrictionLaw(curve.velocity, curve.mu, doubts=curve.doubts),
+        load=1.0,
+        tangential=em.Foundation(3e6, [], []),
+    )
+    np.testing.assert_array_equal(
+        points(braked.doubts, kind), points(curve.doubts, kind)
+    )
+    assert kind in braked.summary()
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_ranking_has_the_doubts_of_each_place(tmp_path):
+    sure = rubber(range={"omega": (1e-9, 1e15)})
+    beyond = em.Prony(2e6, [8e6], [1e-3], name="beyond", range={"omega": (1.0, 2.0)})
+    curve = em.friction([sure, beyond], ROAD, velocity=V, pressure=3e5)
+    ranking = curve.ranking()
+    of = {place.material: kinds(place.doubts) for place in ranking.places}
+    assert of == {"rubber": set(), "beyond": {"extrapolated"}}
+    assert kinds(ranking.doubts) == {"extrapolated"}
+    assert "(extrapolated)" in ranking.summary()
+    ranking.to_csv(tmp_path / "ranking.csv")
+    table = pd.read_csv(tmp_path / "ranking.csv", comment="#")
+    doubts = dict(zip(table["material"], table["doubts"].fillna(""), strict=True))
+    assert doubts == {"rubber": "", "beyond": "extrapolated"}
+    left = ranking.plot()
+    styles = {line.get_linestyle() for line in left.get_lines()[:-1]}
+    assert ":" in styles
+    assert kinds(curve.select("rubber").doubts) == set()
+    assert kinds(curve.select("beyond").doubts) == {"extrapolated"}
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_band_has_the_doubts_of_any_draw():
+    """A bound that one of three draws does not have is none of their median."""
+    curves = [no_prediction() for _ in range(3)]
+    first: Any = curves[0].model_error
+    known = np.where(np.isnan(first), 0.1, first)
+    curves[1:] = [dataclasses.replace(each, model_error=known) for each in curves[1:]]
+    drawn = type(curves[0]).stack(curves, ["rubber"] * 3, ("3 draws", "moduli"))
+    lost = np.isnan(first)
+    assert lost.any()
+    np.testing.assert_array_equal(points(drawn.band().doubts, "no prediction"), lost)
+    typical = drawn.typical()
+    np.testing.assert_array_equal(points(typical.doubts, "no prediction"), lost)
+    np.testing.assert_array_equal(np.isnan(typical.model_error), lost)
+    low, median, high = drawn.band()
+    assert (low <= median).all()
+    assert (median <= high).all()
+
+
+def test_masks_exist_under_jit():
+    known = rubber(range={"omega": (1.0, 1e4)})
+    with pytest.warns(em.ExtrapolationWarning):
+        plain: Any = em.friction(known, ROAD, velocity=V, pressure=3e5)
+    with pytest.warns(em.ExtrapolationWarning):
+        ball: Any = em.friction(known, BALL, velocity=V, load=1.0)
+    with jax.enable_x64(True):
+        found = jax.jit(lambda v: em.friction(known, ROAD, velocity=v, pressure=3e5))(V)
+        on_ball = jax.jit(lambda v: em.friction(known, BALL, velocity=v, load=1.0))(V)
+    assert plain.extrapolated.any()
+    assert not plain.extrapolated.all()
+    np.testing.assert_array_equal(found.extrapolated, plain.extrapolated)
+    np.testing.assert_array_equal(on_ball.extrapolated, ball.extrapolated)
+    assert kinds(found.doubts) == kinds(plain.doubts)
+
+
+def test_what_did_not_converge_is_a_doubt():
+    curve = no_prediction()
+    failed: Any = dataclasses.replace(
+        curve, converged=np.array([True, False, True, True, True])
+    )
+    np.testing.assert_array_equal(
+        points(failed.doubts, "not converged"), ~failed.converged
+    )
+
+
+def test_doubts_are_equal_by_value():
+    one, other = (em.Doubt("bound", np.array([True, False])) for _ in range(2))
+    assert one == other
+    assert hash(one) == hash(other)
+    assert one != em.Doubt("bound", np.array([True, True]))
+    assert "above half" in one.says
