@@ -230,6 +230,7 @@ def test_limits():
     assert found.percolates.tolist() == [True, False]
     assert found.rate[1] == 0
     assert found.area_ratio[1] > 0.99
+    assert found.mean_gap[1] == 0
 
 
 def test_maps_in_three_dimensions():

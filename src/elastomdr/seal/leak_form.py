@@ -53,7 +53,9 @@ _STEEP = 0.3, 1.4  # D of the maps
 def gap_of(ideal: Any, form: Form = FORM) -> Any:
     """The mean gap from that of Persson's theory, both over the rms height."""
     xp = namespace(ideal)
-    return form.share * xp.maximum(ideal, 1e-300) ** (1 - form.bend)
+    open_ = ideal > 0
+    gap = form.share * xp.where(open_, ideal, 1.0) ** (1 - form.bend)
+    return xp.where(open_, gap, 0.0)
 
 
 def factor(gap: Any, area: Any, steep: Any, form: Form = FORM) -> Any:
