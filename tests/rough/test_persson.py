@@ -64,3 +64,14 @@ def test_light_contact():
     )
     np.testing.assert_allclose([got.spread, got.mu], exact, rtol=1e-5)
     assert got.error < 1e-5 * got.mu
+
+
+def test_elastic_rubber_loses_nothing():
+    """Zero, not what underflow leaves of it."""
+    road = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e4, q_high=1e6)
+    for model in (em.Persson(), em.Multiscale()):
+        curve = em.friction(
+            em.Prony(1e6, [], []), road, velocity=[1e-3, 1.0], pressure=1e5, model=model
+        )
+        assert (curve.mu == 0).all()
+        assert curve.converged.all()

@@ -235,7 +235,7 @@ def tables(
     frequency = np.exp(step * np.arange(first - lags + 2, first + count + 1))
 
     def average(values: np.ndarray, kernel: np.ndarray = plain) -> np.ndarray:
-        return np.log(np.maximum(np.convolve(values, kernel, "valid"), 1e-300))
+        return _log(np.convolve(values, kernel, "valid"))
 
     value = modulus(frequency)
     stiffness = average(abs(value) ** 2)
@@ -252,8 +252,13 @@ def moduli_table(modulus: Any, low: float, high: float, step: float) -> Tables:
     last = int(np.ceil(np.log(high) / step)) + 3
     value = modulus(np.exp(step * np.arange(first, last + 1)))
     columns = (value.imag, abs(value) ** 2)
-    cubics = [_cubics(np.log(np.maximum(y, 1e-300))) for y in columns]
+    cubics = [_cubics(_log(y)) for y in columns]
     return Tables(step, first + 1, np.stack(cubics))
+
+
+def _log(values: np.ndarray) -> np.ndarray:
+    """Logarithms; of zero, which an elastic solid loses, one whose exponential is zero."""
+    return np.where(values > 0, np.log(np.maximum(values, 1e-300)), -800.0)
 
 
 def _cubics(y: np.ndarray) -> np.ndarray:
