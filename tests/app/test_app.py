@@ -837,8 +837,9 @@ def test_charts_of_a_fit():
     """Isotherms are switched off by their temperature; texts are plain; the points can
     be saved.
     """
-    from elastomdr.app.chart import drawn, plain
+    from elastomdr.app.chart import drawn
     from elastomdr.fit.figures import draw_master, draw_shifts
+    from elastomdr.results.chart import plain
 
     assert plain(r"Reduced time $t/a_T$ [s]") == "Reduced time t/a_T [s]"
     dma = em.read_dma(SAMPLE / "dma.csv")

@@ -181,9 +181,8 @@ def test_figures_have_their_files():
         if path.relative_to(SOURCE).as_posix() in (
             "results/plotting.py",
             "results/plot_contacts.py",
-            "results/plot_interactive.py",
             "fit/figures.py",
-            "app/chart.py",
+            "results/chart.py",
         ):
             continue
         assert not [module for module in imports(path) if module[0] == "matplotlib"], (

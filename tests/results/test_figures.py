@@ -382,13 +382,28 @@ def test_a_figure_to_point_at_has_the_same_curves():
         load=1.0,
         temperature=np.array([[283.15], [303.15]]),
     )
-    figure = curve.interactive(title="Balls")
+    points = {"velocity": [0.1], "mu": [0.2], "temperature": [303.15]}
+    figure = curve.interactive(title="Balls", measured=points)
     curves = [trace for trace in figure.data if trace.mode == "lines"]
     np.testing.assert_array_equal([trace.y for trace in curves], curve.mu)
     assert [trace.name[:5] for trace in curves] == ["10 °C", "30 °C"]
     assert figure.layout.xaxis.type == "log"
     assert figure.layout.xaxis.title.text == "Sliding velocity [m/s]"
     assert figure.layout.title.text.split("<br>")[0] == "Balls"
+    (measured,) = (each for each in figure.data if each.name == "measured, 30 °C")
+    assert (measured.mode, measured.marker.symbol) == ("markers", "circle-open")
+    assert (measured.x, measured.y) == ((0.1,), (0.2,))
+    assert sum(bool(trace.showlegend) for trace in figure.data) == 3
+    spectrum = em.friction_spectrum(
+        em.load_material("epdm-70"),
+        em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e5),
+        velocity=0.1,
+        pressure=3e5,
+        temperature=293.15,
+    )
+    (steps,) = spectrum.interactive().data
+    per_decade = np.ravel(spectrum.mu) / np.log10(spectrum.width)
+    np.testing.assert_allclose(steps.y, np.repeat(per_decade, 2))
 
 
 def test_figures_name_rubbers_whose_moduli_are_illustrative():

@@ -18,7 +18,8 @@ from nicegui import events, ui
 import elastomdr as em
 
 from ..errors import InputError
-from .chart import Chart, Drawn
+from ..results.chart import Chart
+from .chart import Drawn
 from .scene import CancelledError
 from .security import MOST_BYTES
 from .session import DRAWING, Session
