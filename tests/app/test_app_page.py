@@ -524,7 +524,7 @@ def test_a_reading_of_a_curve():
         pressure=3e5,
         temperature=293.15,
     )
-    known = np.array([0.01, np.nan, 0.02])
+    known = np.array([0.01, np.nan, 0.001])
     result = dataclasses.replace(result, model_error=known)
     (first,) = _readings(result, 0.1)
     assert first == f"µ = {result.mu[0]:.3g} ± {result.error[0] + 0.01:.2g}"
@@ -532,6 +532,65 @@ def test_a_reading_of_a_curve():
     assert between.endswith("without a bound of the model")
     (beyond,) = _readings(result, 1e3)
     assert beyond.endswith("without a bound of the model, extrapolated")
+
+
+def sheared():
+    """Where the shear exceeds the pressure of the contact, there is no prediction."""
+    return em.friction(
+        em.load_material("epdm-70"),
+        em.SelfAffine(0.8, rms_slope=0.7, q_low=1257.0, q_high=125663.0),
+        velocity=np.geomspace(1e-3, 1.0, 5),
+        pressure=3e5,
+        temperature=np.array([[293.15], [313.15]]),
+        adhesion=em.AdhesiveShear(8e6, 1e-2, 0.1),
+    )
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ModelWarning")
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
+def test_no_number_with_a_part_of_its_uncertainty():
+    """Where no bound of the model is known, the numerical error alone is none."""
+    from elastomdr.app.cards import cards
+
+    result = sheared()
+    assert np.isnan(result.model_error[:, 0]).all()
+    *tops, sure, surer = cards(result)
+    for i, top in enumerate(tops):
+        assert top.number == f"{result.mu[i, 0]:.3g}"
+        assert "no bound of the model is known here" in top.notes
+    assert sure.number == "not known"
+    count = int(np.isnan(result.model_error).sum())
+    assert f"no bound of the model: {count} of 10 points" in sure.notes
+    assert "Measured friction" in " ".join(surer.notes)
+
+
+def test_every_kind_of_doubt_is_on_the_cards():
+    """By the curve that has it, and with how many points have it and what would help."""
+    from elastomdr.app.cards import cards
+
+    road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1257.0, q_high=125663.0)
+    result = em.friction(
+        em.load_material("epdm-70"),
+        road,
+        velocity=[0.1, 0.2],
+        pressure=3e5,
+        temperature=np.array([[293.15], [313.15]]),
+    )
+    assert not result.doubts
+    points = np.array([[True, True], [False, False]])
+    kinds = "extrapolated", "hot branch", "bound", "estimate", "illustrative"
+    doubts = tuple(
+        em.Doubt(kind, points, f"are {kind}", f"no {kind}") for kind in kinds
+    )
+    cold, warm, sure, surer = cards(dataclasses.replace(result, marks=doubts))
+    said = " ".join(cold.notes)
+    for word in ("not measured", "hotter state", "above half", "an estimate"):
+        assert word in said
+    assert len(warm.notes) == 1  # its place
+    assert sum("2 of 4 points" in note for note in sure.notes) == len(kinds)
+    for kind in kinds[1:]:
+        assert f"No {kind}." in surer.notes
+    assert "Moduli measured at more temperatures and frequencies." in surer.notes
 
 
 def test_the_slider_of_the_temperature_shows_tenths():
@@ -594,7 +653,7 @@ def test_seals(tmp_path):
     _, cold, *_ = cards(ring)
     assert cold.title == "Mean pressure at 20 °C"
     assert cold.number.startswith(f"{alone.pressure / 1e6:.3g} MPa ± ")
-    assert cold.notes == ("after 10 years",)
+    assert cold.notes == ("after 10 years", "the rubber was not measured here")
     held = em.o_ring(rubber, **squeezed, time=300.0, temperature=293.15)
     out = em.reciprocating(
         rubber,

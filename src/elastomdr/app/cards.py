@@ -19,6 +19,24 @@ from .words import with_signs
 
 _MOST = 4  # curves that get a card
 _AS_SHOWN = {"Pa": ("MPa", 1e-6), "m^3": ("mm³", 1e9)}  # units, and SI ones in them
+_UNKNOWN = "no prediction"
+_HERE = {  # what a doubt of one value is called
+    _UNKNOWN: "no bound of the model is known here",
+    "extrapolated": "the rubber was not measured here",
+    "hot branch": "a second, hotter state exists here",
+    "bound": "the bound of the model is above half of it",
+    "estimate": "an estimate",
+}
+_KINDS = {  # and one of several, where its kind alone does not say it
+    _UNKNOWN: "no bound of the model",
+    "bound": "bound of the model above half of the value",
+    "hot branch": "a second, hotter state",
+    "illustrative": "illustrative moduli",
+}
+_REMEDIES = {  # in place of the doubt's own, which stands behind its points
+    _UNKNOWN: "",  # a measured value, which is said where the bound is wide as well
+    "extrapolated": "moduli measured at more temperatures and frequencies",
+}
 _FINE = 0.02  # relative uncertainty from which on a number needs nothing surer
 
 
@@ -40,13 +58,17 @@ class _Top(NamedTuple):
     slow: bool  # whether it is at the low end of the axis
     error: float  # numerical; with what the rubber's fit misses where `_knows_fit`
     model_error: float  # NaN where it is not known
-    extrapolated: bool
+    doubts: tuple[em.Doubt, ...]
 
     @property
     def spread(self) -> float:
-        """The uncertainty that is known."""
-        bound = self.model_error
-        return self.error + (bound if np.isfinite(bound) else 0.0)
+        """The uncertainty; NaN where no bound of the model is known."""
+        return self.error + self.model_error
+
+    def doubted(self) -> Iterator[str]:
+        """What there is to doubt in the value, in short."""
+        kinds = dict.fromkeys(doubt.kind for doubt in self.doubts)
+        return (_HERE[kind] for kind in kinds if kind in _HERE)
 
     def share(self, uncertainty: float) -> float:
         """Relative to the value; 0 where that is 0, as of elastic bodies."""
@@ -69,7 +91,7 @@ def cards(result: Any) -> list[Card]:
         Card(
             " ".join(filter(None, (_title(result, top), top.name))),
             f"{_number(result, top.y)}{_in_brackets(result, top)}",
-            (top.place,) if top.place else (),
+            tuple(filter(None, (top.place, *top.doubted()))),
         )
         for top in tops[:_MOST]
     ]
@@ -131,8 +153,8 @@ def _first(ranking: Any) -> Card:
         None: "whether its lead is significant is not known",
     }[best.significant]
     number = f"{best.material}: {significant(best.mu, 3)}{known}"
-    where = ranking.where()
-    return Card("Most friction", number, (f"at {where}", lead))
+    kinds = dict.fromkeys(map(_called, best.doubts))
+    return Card("Most friction", number, (f"at {ranking.where()}", lead, *kinds))
 
 
 def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
@@ -155,7 +177,6 @@ def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
         return None
     i = int(np.flatnonzero((x == top.x) & (y == top.y))[0])
     error, bound = _errors(result)
-    beyond = result.extrapolated
     return _Top(
         with_signs(f"at {curve.label}") if curve.label else "",
         _place(axis, top, x),
@@ -164,7 +185,7 @@ def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
         top.x == np.nanmin(x),
         float(along(error)[i]),
         float(along(bound)[i]),
-        beyond is not None and bool(along(beyond)[i]),
+        tuple(doubt for doubt in result.doubts if along(doubt.points)[i]),
     )
 
 
@@ -196,7 +217,8 @@ def _place(axis: Axis, top: Any, x: np.ndarray) -> str:
     slow = top.x == np.nanmin(x)
     velocity = axis.quantity.unit == "m/s"
     name = "velocity" if velocity else axis.name
-    where = f"at {in_words(name, top.x, axis.quantity.unit)}"
+    value = float(significant(top.x, 3)) if velocity else top.x  # not of kelvins
+    where = f"at {in_words(name, value, axis.quantity.unit)}"
     if top.inside:
         return where
     return f"{where}, the {'lowest' if slow else 'highest'} {name} computed"
@@ -210,7 +232,7 @@ def _duration(seconds: float) -> str:
 
 
 def _in_brackets(result: Any, top: _Top) -> str:
-    """The uncertainty behind a number, where it can be seen in its digits."""
+    """The uncertainty behind a number, where it is known and can be seen in its digits."""
     if top.share(top.spread) < 0.1 * _FINE:
         return ""
     if isinstance(result, em.Leak):
@@ -222,25 +244,32 @@ def _in_brackets(result: Any, top: _Top) -> str:
 
 def _how_sure(result: Any, tops: list[_Top]) -> Card:
     """The largest relative uncertainty of the values, with its parts."""
-    worst = max(tops, key=lambda top: top.share(top.spread))
-    of_error = _percent(worst, worst.error)
-    notes = [f"computation {of_error}", "uncertainty of the rubber: not computed"]
+    error = _percent(max(top.share(top.error) for top in tops))
+    notes = [f"computation {error}", "uncertainty of the rubber: not computed"]
     if _knows_fit(result):
-        notes = [f"computation and fit of the rubber {of_error}"]
-    if np.isnan(worst.model_error):
+        notes = [f"computation and fit of the rubber {error}"]
+    bound = max(top.share(top.model_error) for top in tops)
+    unknown = sum(np.isnan(top.model_error) for top in tops)
+    closed = any(np.isinf(top.model_error) for top in tops)
+    if getattr(result, "model_error", None) is None:
         notes.append("model: no bound is known here")
-    elif np.isinf(worst.model_error):
+    elif closed:
         notes.append("model: the channels may as well be closed")
-    elif not isinstance(result, em.Leak):
-        notes.append(f"model at most {_percent(worst, worst.model_error)}")
-    if any(top.extrapolated for top in tops):
-        notes.append("in part outside the measured range of the rubber")
-    known = any(np.isfinite(top.model_error) for top in tops)
-    number = _percent(worst, worst.spread)
-    number = number if number.startswith("below") else f"± {number}"
+    elif unknown < len(tops) and not isinstance(result, em.Leak):
+        notes.append(f"model at most {_percent(bound)}")
+    for doubt in result.doubts:
+        points = f"{int(doubt.points.sum())} of {doubt.points.size} points"
+        notes.append(f"{_called(doubt)}: {points}")
+    most = max(top.share(top.spread) for top in tops)
+    number = f"± {_percent(most)}".replace("± below", "below")
     if isinstance(result, em.Leak):
-        number = f"a factor of {significant(1 + worst.share(worst.spread), 2)}"
-    return Card("How sure", number if known else "not known", tuple(notes))
+        number = f"a factor of {significant(1 + most, 2)}"
+    return Card("How sure", "not known" if unknown or closed else number, tuple(notes))
+
+
+def _called(doubt: em.Doubt) -> str:
+    """What a doubt of several values is called."""
+    return _KINDS.get(doubt.kind, doubt.kind)
 
 
 def _knows_fit(result: Any) -> bool:
@@ -250,9 +279,8 @@ def _knows_fit(result: Any) -> bool:
     return FITTED in dict(result.inputs)
 
 
-def _percent(top: _Top, uncertainty: float) -> str:
-    share = 100 * top.share(uncertainty)
-    return f"{significant(share, 2)} %" if share >= 0.1 else "below 0.1 %"
+def _percent(share: float) -> str:
+    return f"{significant(100 * share, 2)} %" if share >= 1e-3 else "below 0.1 %"
 
 
 def _surer(result: Any, axis: Axis, tops: list[_Top]) -> Card:
@@ -262,8 +290,8 @@ def _surer(result: Any, axis: Axis, tops: list[_Top]) -> Card:
 
 
 def _ways(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
-    if any(top.extrapolated for top in tops):
-        yield "Moduli measured at more temperatures and frequencies."
+    remedies = (_REMEDIES.get(doubt.kind, doubt.remedy) for doubt in result.doubts)
+    yield from (f"{r[0].upper()}{r[1:]}." for r in dict.fromkeys(remedies) if r)
     if axis.name == "velocity" and isinstance(result, AbstractCurve):
         if any(not top.inside and not top.slow for top in tops):
             yield "Higher velocities: a peak may lie beyond the highest."

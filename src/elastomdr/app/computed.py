@@ -235,7 +235,7 @@ class ComputedStage:
         scene = self._session.scenes[self._key]
         scene["measured"] = names[0]
         scene["temperature"] = await worked(
-            DRAWING, _with_measured, scene, self._session.folder.path / names[0]
+            COMPUTING, _with_measured, scene, self._session.folder.path / names[0]
         )
         self._draw_form()
         await self.compute()
@@ -365,7 +365,13 @@ class ComputedStage:
         if key != self._key:
             return
         cards.show(self._cards, cards.cards(computation.result))
-        self._notes.show(computation.warnings)
+        warned = computation.warnings
+        doubts = (
+            f"{doubt.kind.capitalize()}: {doubt.words()}."
+            for doubt in computation.curve.doubts
+            if not any(doubt.says in warning for warning in warned)
+        )
+        self._notes.show([*warned, *map(spoken, doubts)])
         summary = "\n".join(
             filter(None, (computation.result.summary(), computation.more))
         )
@@ -402,6 +408,7 @@ class ComputedStage:
                     "friction": f"{place.mu:.3f}",
                     "uncertainty": spread,
                     "lead": ahead,
+                    "doubts": ", ".join(dict.fromkeys(d.kind for d in place.doubts)),
                 }
             )
         with self._table.classes("scroll"):

@@ -23,7 +23,7 @@ from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
 from .chart import Drawn, drawn
 from .form import Form
 from .scene import CancelledError
-from .session import COMPUTING, DRAWING, Session
+from .session import COMPUTING, Session
 from .shifts import ShiftEditor
 from .stage import (
     BUTTON,
@@ -296,7 +296,7 @@ class RubberStage:
                 self._busy.progress,
                 kind="fit",
             )
-            fitted.figures = await worked(DRAWING, figures, fitted.fit)
+            fitted.figures = await worked(COMPUTING, figures, fitted.fit)
         except InputError as error:
             self._ask(_for_form(str(error)), asked)
             return

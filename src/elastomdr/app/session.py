@@ -13,8 +13,8 @@ from .scene import Done
 from .security import Folder
 
 _MOST = 20  # sessions that are kept although no page shows them
-# One thread computes, so that warnings belong to what is computed; another
-# one draws meanwhile.
+# One thread computes and does all that hears or silences warnings, which Python keeps for
+# all threads together, so that they belong to what is computed; another one draws.
 COMPUTING = ThreadPoolExecutor(1, "compute")
 DRAWING = ThreadPoolExecutor(1, "draw")
 

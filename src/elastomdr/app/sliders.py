@@ -2,7 +2,7 @@
 the velocity is where these are read.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from ..checks import significant
 from ..cli.units import Length, Pressure, Temperature
 from ..errors import InputError
 from ..results.axes import place_in_words
+from ..results.doubts import Kind, where
 from ..results.words import in_words
 from .scene import Done
 from .stage import Slider, length
@@ -23,6 +24,8 @@ _WAVES = {"longest": (1e-4, 0.1), "shortest": (1e-7, 2e-3)}  # [m]
 _PRESSURES = (0.01e6, 10e6)  # [Pa]
 _TEMPERATURES = (233.15, 393.15)  # [K]
 _VELOCITIES = (1e-7, 100.0)  # [m/s]
+# doubts that are said of a reading; what has no bound is said in place of one
+_SAID: tuple[Kind, ...] = ("extrapolated", "hot branch", "bound", "estimate")
 
 
 class Sliders:
@@ -102,34 +105,33 @@ def _readings(result: em.FrictionCurve, velocity: float) -> Iterator[str]:
     """Friction of each curve at a velocity, of each point where that is the only one."""
     axis, curves = result.curves()
     bound = np.nan if result.model_error is None else result.model_error
-    beyond = False if result.extrapolated is None else result.extrapolated
+    found: dict[str, Any] = {kind: where(result.doubts, kind) for kind in _SAID}
+    marks = {kind: points for kind, points in found.items() if points is not None}
     fields = np.broadcast_arrays(
-        result.velocity, result.mu, result.error + bound, beyond
+        result.velocity, result.mu, result.error + bound, *marks.values()
     )
     for curve in curves:
-        x, mu, half, outside = (np.atleast_1d(each[curve.place]) for each in fields)
+        x, *rows = (np.atleast_1d(each[curve.place]) for each in fields)
         if np.ptp(x) > 0:
-            there = [
-                float(np.interp(np.log(velocity), np.log(x), values))
-                for values in (mu, half, outside)
-            ]
-            yield _reading(curve.label, *there)
+            values = [float(np.interp(np.log(velocity), np.log(x), y)) for y in rows]
+            yield _reading(curve.label, values, marks)
             continue
         for i in range(x.size):
             place = place_in_words(axis, i) if x.size > 1 else ""
             name = ", ".join(filter(None, (curve.label, place)))
-            yield _reading(name, float(mu[i]), float(half[i]), float(outside[i]))
+            yield _reading(name, [float(y[i]) for y in rows], marks)
 
 
-def _reading(name: str, mu: float, half: float, outside: float) -> str:
-    """Friction with its uncertainty, and what there is to doubt in it."""
+def _reading(name: str, values: Sequence[float], marks: Iterable[str]) -> str:
+    """Friction, its uncertainty, and how far each kind of doubt holds there."""
+    mu, half, *shares = values
     name = f"{name}: " if name else ""
     if np.isnan(mu):
         return f"{name}did not converge"
     known = np.isfinite(half)
     spread = f"± {significant(half, 2)}" if known else "without a bound of the model"
-    mark = ", extrapolated" if outside else ""
-    return f"{name}µ = {significant(mu, 3)} {spread}{mark}"
+    doubted = (f", {kind}" for kind, share in zip(marks, shares, strict=True) if share)
+    return f"{name}µ = {significant(mu, 3)} {spread}{''.join(doubted)}"
 
 
 def _place(slider: Slider, quantity: Any, value: Any) -> None:
