@@ -1,11 +1,10 @@
 """The kinds of scenes of each command, and reading a file as one of them."""
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, closest
-from ..files import read_text
+from ..files import read_toml
 from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
 from .scene import Scene
 from .schema import decode, keys_of
@@ -21,8 +20,6 @@ from .steady import (
     WarmingScene,
     WheelTraction,
 )
-
-_MOST_BYTES = 10_000_000  # a scene is a page of text; what is larger is some other file
 
 # Of each command, the kind that a scene is by default last.
 KINDS: dict[str, tuple[type[Scene], ...]] = {
@@ -51,7 +48,7 @@ def read_scene(verb: str, path: Path) -> Scene:
 def read_content(path: Path) -> dict[str, Any]:
     """What a TOML file holds. Raises `InputError` where it cannot be read."""
     try:
-        return tomllib.loads(read_text(path, _MOST_BYTES))
+        return read_toml(path)
     except OSError as error:
         raise InputError(
             f"the scene cannot be read: {error.strerror or error}."
@@ -61,7 +58,7 @@ def read_content(path: Path) -> dict[str, Any]:
         raise InputError(
             f"the scene must be UTF-8 text, which line {line} is not: save it as UTF-8."
         ) from error
-    except (ValueError, RecursionError) as error:  # not TOML, no valid path
+    except ValueError as error:  # not TOML, no valid path
         raise InputError(f"the scene is not valid TOML: {error}.") from error
 
 

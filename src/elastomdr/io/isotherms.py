@@ -19,7 +19,7 @@ from .columns import named_columns, understand
 from .data import COLDEST, Dma, describe_list, in_strain_sweep, untold
 from .quantities import QUANTITIES, lacking
 from .sheets import Row
-from .tables import Head, Table
+from .tables import Head, Table, refuse_many
 
 _STEP = (
     r"(step|schritt|segment|interval|intervall|block|set|sweep|(mess)?abschnitt)"
@@ -76,7 +76,7 @@ def isotherms(
     """
     parts = [
         isotherm
-        for step in _steps(table)
+        for step in _steps(name, table)
         for condition in _by_condition(step)
         for isotherm in _beside(name, condition)
     ]
@@ -91,7 +91,7 @@ def isotherms(
     return complete or [table]
 
 
-def _steps(table: Table) -> list[Table]:
+def _steps(name: str, table: Table) -> list[Table]:
     """A table for each number in a column of steps; or the table."""
     for head in table.heads:
         if not re.fullmatch(_STEP, head.title.strip(), re.IGNORECASE):
@@ -103,13 +103,11 @@ def _steps(table: Table) -> list[Table]:
             and (steps == np.round(steps)).all()
             and np.isfinite(numbers).all()
         ):
-            rows = {
-                step: [
-                    row for row, n in zip(table.rows, numbers, strict=True) if n == step
-                ]
-                for step in steps
-            }
-            return [table._replace(rows=rows[step]) for step in steps]
+            refuse_many(name, steps.size)
+            rows: dict[float, list[Row]] = {step: [] for step in steps.tolist()}
+            for row, step in zip(table.rows, numbers.tolist(), strict=True):
+                rows[step].append(row)
+            return [table._replace(rows=own) for own in rows.values()]
     return [table]
 
 

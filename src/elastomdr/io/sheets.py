@@ -19,13 +19,15 @@ from ..files import read_bytes
 
 _PATIENCE = 60  # seconds for a spreadsheet
 _LONGEST_LINE = 2_000_000  # characters
+_MOST_LINES = 10_000_000
+_LONGEST_CELL = 2000  # characters that are looked at: the rest is a remark
 _MOST_CELLS = 25_000_000  # of a text: a map of 5000 by 5000 points
 _EXPECTED = set(
     "°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022"
 )
 _CLOCK = re.compile(r"(\d{1,5}):([0-5]\d):([0-5]\d(?:[.,]\d*)?)")  # hh:mm:ss
 # a number, whatever its comma and point mean
-_MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")
+_MARKED = re.compile(r"[+-]?(?=[.,]*\d)[\d.,]+([eEdD][+-]?\d+)?")
 
 
 class Row(NamedTuple):
@@ -123,11 +125,17 @@ def _column(column: Any) -> np.ndarray:
 def _frame_cell(value: Any) -> str:
     if isinstance(value, (int, float, np.number)):
         return "" if np.isnan(value) else repr(float(value))
-    return "" if value is None else str(value).strip()
+    return "" if value is None else str(value).strip()[:_LONGEST_CELL]
 
 
 def cut(name: str, content: str) -> Sheet:
     """A text as a sheet, cut at the separator that suits most of its lines."""
+    # more lines and their cells would take a hundred times the memory of the text
+    if content.count("\n") > _MOST_LINES:
+        raise InputError(
+            f"path must be a text of {_MOST_LINES:,} lines at most, got "
+            f"{content.count(chr(10)):,} in {name!r}."
+        )
     # blanks between thousands
     content = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", content).replace(
         "\u2212", "-"
@@ -145,10 +153,16 @@ def cut(name: str, content: str) -> Sheet:
             f"path must be a text of {_MOST_CELLS:,} cells at most, got "
             f"{content.count(mark):,} in {name!r}."
         )
-    if mark == " ":
-        rows = [Row(i, line.split()) for i, line in enumerate(lines, start=1)]
-    else:
-        rows = [Row(i, _cells(line, mark)) for i, line in enumerate(lines, start=1)]
+    rows = [
+        Row(i, line.split() if mark == " " else _cells(line, mark))
+        for i, line in enumerate(lines, start=1)
+        if line and not line.isspace()
+    ]
+    if longest > _LONGEST_CELL:
+        rows = [
+            row._replace(cells=[cell[:_LONGEST_CELL] for cell in row.cells])
+            for row in rows
+        ]
     if (
         (mark != "," and "," in content)
         or '"' in content
@@ -304,7 +318,7 @@ def _cells(line: str, separator: str) -> list[str]:
         )
     except csv.Error:
         cells = line.split(separator)
-    return [cell.strip() for cell in cells] if line.strip() else []
+    return [cell.strip() for cell in cells]
 
 
 def _spreadsheet(path: Path, name: str) -> list[Row]:
@@ -340,7 +354,10 @@ def _spreadsheet(path: Path, name: str) -> list[Row]:
     for title, sheet in json.loads(read.stdout).items():
         rows += [
             Row(1, [title]),
-            *(Row(i, cells) for i, cells in enumerate(sheet, start=1)),
+            *(
+                Row(i, [cell[:_LONGEST_CELL] for cell in cells])
+                for i, cells in enumerate(sheet, start=1)
+            ),
         ]
         rows.append(Row(0, []))
     return rows

@@ -283,7 +283,8 @@ def _from_text(path: Path, pixel_size: Any, layout: _Layout) -> list[Scan]:
             raise
     heads = [] if table is None else layout.chosen(table.heads)
     if table is None or (pixel_size is None and len(heads) not in (2, 3)):
-        if _can_read_instruments():
+        titled = table is not None and any(head.title for head in table.heads)
+        if _can_read_instruments() and not titled:
             with contextlib.suppress(InputError):
                 return [_from_instrument(path, pixel_size, layout)]
         got = (

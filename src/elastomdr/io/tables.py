@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from ..units.registry import is_unit
 from .sheets import Row, Sheet, number, seconds, with_points
 
@@ -29,6 +30,8 @@ _COPY = re.compile(r"(.*\S)\.\d+")
 _HOLES = ("nan", "na", "n/a", "null", "none", "-", "--")  # cells without a value
 # of a table with titles; a wider one is a matrix, and its titles are not looked at
 MOST_COLUMNS = 2000
+_MOST_TABLES = 5000  # in a file
+_HIGHEST = 200  # rows above a table among which its titles are
 _LONGEST_LINE = 5000  # characters of a line of titles that is cut at blanks
 
 
@@ -103,11 +106,21 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
         if rows:
             before = _table(sheet, above, rows, before)
             complete.append(before)
+            refuse_many(sheet.name, len(complete))
             above, rows = [], []
         above.append(row)
         if not row.line:  # the end of a sheet
             above, before = [], None
     return complete
+
+
+def refuse_many(name: str, count: int) -> None:
+    """Raises `InputError` for more tables than a measurement has."""
+    if count > _MOST_TABLES:
+        raise InputError(
+            f"path must be a file with {_MOST_TABLES:,} tables (or steps) at most, got "
+            f"more in {name!r}."
+        )
 
 
 def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
@@ -213,7 +226,7 @@ def _header(
     where there are none.
     """
     units: list[str] = []
-    for row in reversed(above):
+    for row in reversed(above[-_HIGHEST:]):
         cells = _titles(sheet, row, width)
         if not cells or any(np.isfinite(number(cell)) for cell in cells):
             continue

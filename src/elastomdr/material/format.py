@@ -3,13 +3,12 @@ writing; see materials/README.md.
 """
 
 import sys
-import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, closest
-from ..files import read_text, write_files
+from ..files import read_toml, write_files
 
 GRADES = ("measured", "published fit", "fitted here", "estimated", "illustrative")
 
@@ -108,7 +107,7 @@ def read_document(path: Path) -> dict[str, Any]:
     `InputError`, one line with the path.
     """
     try:
-        document = tomllib.loads(read_text(path))
+        document = read_toml(path)
     except OSError as error:
         raise InputError(
             f"{path}: cannot be read ({error.strerror or error})."
@@ -120,7 +119,7 @@ def read_document(path: Path) -> dict[str, Any]:
             "UTF-8."
         ) from error
     # tomllib's own error is a ValueError and says line and column
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise InputError(
             f"{path}: not valid TOML: {' '.join(str(error).split())}."
         ) from error
