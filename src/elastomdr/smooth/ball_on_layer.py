@@ -490,32 +490,8 @@ def _mean_of_traced(
     averaged: bool,
     rtol: float,
 ) -> tuple[_Mean, float]:
-    """`_mean` under a transformation of JAX, every direction of every point a line of
-    its own; and how far a series is from a table of moduli.
-    """
-    count = velocity.shape[0]
-    rule, flat = _rule(rtol)
-    cosines, weights = rule.cosines, rule.weights
-    if not averaged:
-        cosines = weights = flat = np.ones(1)
-    slowed = (velocity[:, None] * cosines).reshape(-1)
-    solved, misfit = _of_traced(material, shape, slowed, xp.repeat(load, cosines.size))
-    table = Slid(*(field.reshape(count, -1) for field in solved))
-    mean = _Mean(
-        table.mu @ weights,
-        table.depth @ flat,
-        Slid(*(field[:, 0] for field in table)),
-        xp.zeros(count),
-        xp.all(table.converged, axis=1),
-    )
-    return mean, misfit
-
-
-def _of_traced(
-    material: Layer, shape: AbstractShape, velocity: Array, load: Array
-) -> tuple[Slid, float]:
-    """Lines at velocities and loads under a transformation of JAX, and how far a series
-    is from a table of moduli.
+    """`_mean` under a transformation of JAX, and how far a series is from a table of
+    moduli.
     """
     tables: list[Any] = [c.material for c in material.covers if _is_table(c)]
     foundations: list[Any] = [surface_foundation(x) for x in tables]
@@ -523,13 +499,13 @@ def _of_traced(
     # series for tables are fitted outside of JAX
     kept = material if tables else None
     shared = as_doubles((None if tables else material, shape))
-    fields = _with_slopes(kept)(shared, as_doubles((velocity, load)))
-    mu, load, depth, leading, trailing, lowest = fields
-    solved = Slid(mu, load, depth, leading, trailing, xp.isfinite(mu), lowest)
-    wide = (
-        solved.leading + solved.trailing < _TRACED_REACH * material.covers[0].thickness
+    mean_of = _with_slopes(kept, averaged, float(rtol))
+    mu, depth, along, leading, trailing, error, good = mean_of(
+        shared, as_doubles((velocity, load))
     )
-    return solved._replace(converged=solved.converged & wide), misfit
+    wide = leading + trailing < _TRACED_REACH * material.covers[0].thickness
+    line = Slid(along, load, depth, leading, trailing, good > 0, good)
+    return _Mean(mu, depth, line, error, (good > 0) & wide), misfit
 
 
 def _is_table(cover: Layer) -> bool:
@@ -537,29 +513,32 @@ def _is_table(cover: Layer) -> bool:
 
 
 @functools.lru_cache(8)
-def _with_slopes(kept: Layer | None) -> Any:
-    """The fields of `Slid` but `converged`, as a function of (material, shape) and of
-    (velocity, load): numbers from NumPy, derivatives from the two equations of a line.
-    The material is `kept` where that is given.
+def _with_slopes(kept: Layer | None, averaged: bool, rtol: float) -> Any:
+    """mu, the depth, and mu and the edges of the line along the motion, as a function of
+    (material, shape) and of (velocity, load): numbers of `_mean`, derivatives from the
+    two equations of the line in every direction; its error, and where it is good. The
+    material is `kept` where that is given.
     """
-
-    def search(shared: Any, points: Any) -> Slid:
-        material, (velocity, load) = kept or shared[0], points
-        on, _ = _traced_line(material, shared[1])
-        lines = _lines(material, on.shape, load, "load", _FLOOR)
-        begun, slopes = _begun(on, velocity, load, _radius(lines, velocity, load))
-        return _with_neighbours(on, velocity, load, begun, _CLOSE, slopes)[0]
+    rule, flat = _rule(rtol)
+    cosines, weights = rule.cosines, rule.weights
+    if not averaged:
+        cosines = weights = flat = np.ones(1)
 
     def numbers(shared: Any, points: Any) -> tuple[Array, ...]:
-        solved = search(shared, points)
-        return tuple(
-            np.where(solved.converged, field, np.nan)
-            for field in (*solved[:5], solved.lowest)
-        )
+        lines = _lines(kept or shared[0], shared[1], points[1], "load", rtol)
+        mean = _mean(lines, points[0], points[1], averaged)
+        line = mean.line
+        edges = line.mu, line.leading, line.trailing
+        return mean.mu, mean.depth, *edges, mean.error, mean.good
 
     def edges(shared: Any, points: Any) -> tuple[Array, None]:
-        _, _, _, leading, trailing, _ = numbers(shared, points)
-        return np.log(np.stack([leading, trailing])), None
+        velocity, load = points
+        on, _ = _traced_line(kept or shared[0], shared[1])
+        lines = _lines(kept or shared[0], shared[1], load, "load", _FLOOR)
+        begun, slopes = _begun(on, velocity, load, _radius(lines, velocity, load))
+        line = _with_neighbours(on, velocity, load, begun, _CLOSE, slopes)[0]
+        logs = np.log(np.stack([line.leading, line.trailing]))
+        return np.where(line.converged, logs, np.nan), None
 
     def equation(logs: Array, _: None, shared: Any, points: Any) -> Array:
         on = _traced_line(kept or shared[0], shared[1])[0]
@@ -570,16 +549,21 @@ def _with_slopes(kept: Layer | None) -> Any:
 
     logs_of = implicit(edges, equation, two, coupled=True)
 
-    def line(shared: Any, points: Any) -> tuple[Array, ...]:
-        leading, trailing = xp.exp(logs_of(shared, points))
+    def mean(shared: Any, points: Any) -> tuple[Array, ...]:
+        velocity, load = points
+        slowed = (velocity[:, None] * cosines).reshape(-1)
+        each = slowed, xp.repeat(load, cosines.size)
+        leading, trailing = xp.exp(logs_of(shared, each))
         on, _ = _traced_line(kept or shared[0], shared[1])
-        solved = line_between(on, points[0], leading, trailing)
-        mu = solved.force / solved.load
-        return mu, solved.load, solved.depth, leading, trailing
+        line = line_between(on, slowed, leading, trailing)
+        fields = line.force / line.load, line.depth, leading, trailing
+        mu, depth, leading, trailing = (
+            field.reshape(-1, cosines.size) for field in fields
+        )
+        along = mu[:, 0], leading[:, 0], trailing[:, 0]
+        return mu @ weights, depth @ flat, *along
 
-    return numbers_with_slopes(
-        numbers, ((line, 5),), lambda _, points: (points[0],) * 6
-    )
+    return numbers_with_slopes(numbers, ((mean, 5),), lambda _, x: (x[0],) * 7)
 
 
 def _traced_line(material: Layer, shape: AbstractShape) -> tuple[Sliding, float]:
