@@ -258,24 +258,22 @@ def highest_rise(body: Any, temperature: Any) -> Any:
     return np.clip(hottest * (1 - 1e-12) - np.asarray(temperature), 0.0, HIGHEST)
 
 
-def states_in_words(warm: Any, body: Any, temperature: Any) -> list[tuple[str, str]]:
-    """A row for results: points without a steady state because friction makes more heat
-    than is led away up to the highest rise.
+def why_no_state(runaway: Any, body: Any, temperature: Any) -> list[tuple[str, str]]:
+    """A row for results with points at which friction makes more heat than is led away
+    up to the highest rise.
     """
-    rows = []
-    if warm.runaway.any():
-        highest = highest_rise(body, temperature)
-        ends = np.unique(np.round((temperature + highest)[warm.runaway], 2))
-        limit = " to ".join(f"{end:.6g}" for end in ends[[0, -1][: ends.size]])
-        sentence = (
-            f"at {int(warm.runaway.sum())} of {warm.runaway.size} points friction makes more "
-            "heat than is led away at every temperature of the contacts up to "
-            f"{limit} K"
+    if not runaway.any():
+        return []
+    highest = highest_rise(body, temperature)
+    ends = np.unique(np.round((temperature + highest)[runaway], 2))
+    limit = " to ".join(f"{end:.6g}" for end in ends[[0, -1][: ends.size]])
+    sentence = (
+        f"at {int(runaway.sum())} of {runaway.size} points friction makes more heat than "
+        f"is led away at every temperature of the contacts up to {limit} K"
+    )
+    if (highest[runaway] < HIGHEST).any():
+        sentence += (
+            ", where the shift law of the material ends; with a law that goes on, such as "
+            "em.WLF, there is an answer, which is extrapolated"
         )
-        if (highest[warm.runaway] < HIGHEST).any():
-            sentence += (
-                ", where the shift law of the material ends; with a law that goes on, "
-                "such as em.WLF, there is an answer, which is extrapolated"
-            )
-        rows.append((NO_STATE, sentence))
-    return rows
+    return [(NO_STATE, sentence)]

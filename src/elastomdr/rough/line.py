@@ -28,7 +28,7 @@ from .ensemble import (
     solutions,
 )
 from .flash import SETTLED, Warm, warmed
-from .heat import NO_STATE, Branch, Heat, states_in_words
+from .heat import NO_STATE, Branch, Heat, why_no_state
 from .line_derivatives import traced_mean_of_lines
 from .line_problem import RoughScene, factor, load_level, missed, set_up
 from .periodic import Job, Line, solve_lines
@@ -192,7 +192,7 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     states: list[tuple[str, str]] = []
     if warm is not None:
         temperature = points.full(points.temperature).ravel()
-        states = states_in_words(warm, foundation, temperature)
+        states = why_no_state(warm.runaway, foundation, temperature)
     _warn_of_failed(points, answer, states)
     spread, far = _model_bounds(scene, surface, model, answer)
     outside = excited_outside(foundation.range, surface, answer.reduced)

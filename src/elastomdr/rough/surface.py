@@ -36,7 +36,7 @@ from ..surface.spectrum import AbstractSpectrum
 from ..surface.topography import skewness_bound
 from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
-from .heat import NO_STATE, Heat, check_heat, states_in_words
+from .heat import NO_STATE, Heat, check_heat, why_no_state
 from .local_modulus import Local, Softened
 from .problem import RoughCall
 
@@ -176,9 +176,8 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     states: list[tuple[str, str]] = []
     if not scene.traced:
         if heat is not None:
-            states = states_in_words(
-                answer.warmed(), foundation, scene.full(scene.temperature).ravel()
-            )
+            temperature = scene.full(scene.temperature).ravel()
+            states = why_no_state(answer.warmed().runaway, foundation, temperature)
         _warn_of_failed(answer.hot, states, rtol)
     outside = _outside(foundation.range, surface, scene, answer)
     of_data = (
