@@ -91,7 +91,8 @@ def _points(number: int, spectrum: em.SelfAffine, kept: dict[str, Any]) -> Maps:
     over = flows / gap[..., None] ** 3
     height = spectrum.rms_height
     theories = [
-        model.leak(spectrum, level).flow / height**3 for model in THEORIES.values()
+        model.leak(spectrum, level[None]).flow[0] / height**3
+        for model in THEORIES.values()
     ]
     return Maps(
         np.full(level.size, number),

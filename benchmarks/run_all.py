@@ -42,6 +42,7 @@ SCRIPTS = (
     "budget",
     "rough_press",
     "leak_fit",
+    "leak_surfaces",
     "lubricated",
     "robustness/rough_scenes",
     "topography",

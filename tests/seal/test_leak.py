@@ -12,9 +12,18 @@ from scipy.special import erf
 
 import elastomdr as em
 from elastomdr.rough.psd_integrals import nodes
-from elastomdr.seal.gap_maps import channels, effective_medium, flow, narrowest
+from elastomdr.seal.gap_maps import (
+    channels,
+    effective_medium,
+    flow,
+    narrowest,
+    pressed,
+)
 from elastomdr.seal.leak_theories import _medium
 from elastomdr.seal.persson_gap import contact_of, mean_gap
+from elastomdr.surface.lay import Lay
+from elastomdr.surface.spectrum import rough_map
+from elastomdr.surface.topography import MeasuredSurface
 
 RUBBER = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))  # in shear
 ROUGH = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e4, q_high=1.6e5)
@@ -355,3 +364,77 @@ def test_a_leak_that_was_nowhere_found_is_drawn():
         found, rate=unknown, model_error=unknown, converged=np.zeros(3, bool)
     )
     assert nowhere.png().startswith(b"\x89PNG")
+
+
+def measured(peklenik=1.0, skewness=0.0, error=0.0):
+    """A measured surface with a lay on all scales and a skewness."""
+    log_g = np.full(ROUGH.q.size, np.log(peklenik))
+    return MeasuredSurface(
+        q=ROUGH.q, c=ROUGH.c, relative_error=0 * ROUGH.q,
+        measured_height=ROUGH.rms_height, skewness=skewness, skewness_error=error,
+        report=("read from a file",),
+        lay=Lay(ROUGH.q, log_g, 0 * log_g, 0.0) if peklenik > 1 else None,
+    )  # fmt: skip
+
+
+LIGHT = {**SCENE, "pressure": 1e5, "pressure_drop": 1e3}
+
+
+def test_lay_and_skewness_are_in_the_bound_and_said():
+    plain = em.leak(RUBBER, measured(), **LIGHT)
+    assert plain.model_error == em.leak(RUBBER, ROUGH, **LIGHT).model_error
+    assert not plain.doubts
+    for surface, word in (
+        (measured(3.0), "a lay, along which"),
+        (measured(skewness=-0.8), "heights of skewness -0.80"),
+        (measured(error=0.4), "heights of skewness 0.00"),
+    ):
+        found = em.leak(RUBBER, surface, **LIGHT)
+        assert found.rate == plain.rate
+        assert found.model_error > 2 * plain.model_error
+        (doubt,) = found.doubts
+        assert doubt.kind == "bound"
+        assert word in doubt.says
+        assert word in found.summary()
+        assert "read from a file" in found.summary()
+    # beyond what was tried, and where channels across may be closed
+    assert np.isnan(em.leak(RUBBER, measured(8.0), **LIGHT).model_error)
+    assert np.isnan(em.leak(RUBBER, measured(skewness=1.5), **LIGHT).model_error)
+    closed = em.leak(RUBBER, measured(4.0), **{**LIGHT, "pressure": 2e5})
+    assert closed.model_error == np.inf
+    with jax.enable_x64(True):
+        traced = jax.jit(
+            lambda p: em.leak(RUBBER, measured(3.0), **{**LIGHT, "pressure": p})
+        )(1e5)
+    one = em.leak(RUBBER, measured(3.0), **LIGHT)
+    assert traced.model_error == pytest.approx(float(one.model_error), rel=1e-9)
+    assert [doubt.kind for doubt in traced.doubts] == ["bound"]
+
+
+def test_maps_along_and_across_a_lay_are_within_the_bound():
+    """Of 3 to 1, and of worn summits; by gaps in three dimensions."""
+    level = 0.02 * float(ROUGH.rms_slope)
+    for seed in (1, 2):
+        options = {"periods": 2, "points": 128}
+        laid, side = rough_map(measured(3.0), seed, **options)
+        w = flow(pressed(laid, side, level).gap).conductance
+        rubber = em.Foundation(1.0, [], [])
+        scene = {
+            "pressure": level,
+            "pressure_drop": 1e-6,
+            "viscosity": 1.0,
+            "length": 1.0,
+        }
+        found = em.leak(rubber, measured(3.0), **scene)
+        off = np.abs(np.log(np.array(w) / (12 * float(found.conductance))))
+        assert (off > np.log1p(em.leak(rubber, ROUGH, **scene).model_error)).all()
+        assert (off < np.log1p(found.model_error)).all()
+
+
+def test_maps_of_a_measured_surface_have_a_bound():
+    """Gaussian maps whose two axes are taken as one medium."""
+    model = em.HalfSpace(cells=64, seeds=1)
+    assert em.leak(RUBBER, measured(), model=model, **LIGHT).model_error is None
+    for surface in (measured(2.0), measured(skewness=-0.5)):
+        found = em.leak(RUBBER, surface, model=model, **LIGHT)
+        assert 0.5 < found.model_error < np.inf

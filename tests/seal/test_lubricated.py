@@ -371,7 +371,7 @@ def test_a_film_thinner_than_any_rod_is_smooth_is_not_known():
     """Of 6 nm, whose shear is a thousandth of that of a real contact."""
     speed = np.array([1e-4, 1e-3, 0.3])
     motion = STROKES | {"velocity_out": speed, "velocity_in": 0.3, "viscosity": 0.1}
-    with pytest.warns(em.ModelWarning, match="the film of the stroke out is down to"):
+    with pytest.warns(em.ModelWarning, match="film of the stroke out of 1.5e-08 m"):
         found = em.reciprocating(RUBBER, o_ring=RING, **motion)
     for name in ("film_out", "friction_out", "net_leak", "work", "error"):
         known = np.isfinite(getattr(found, name)).tolist()
@@ -379,6 +379,9 @@ def test_a_film_thinner_than_any_rod_is_smooth_is_not_known():
     assert np.isfinite(found.film_in).all()
     assert np.isfinite(found.friction_in).all()
     assert found.converged.tolist() == [False, False, True]
+    doubt = next(d for d in found.doubts if "three rms heights" in d.says)
+    assert doubt.kind == "no prediction"
+    assert doubt.points.tolist() == [True, True, False]
     assert "less than three rms heights of the smoothest rods" in found.summary()
     oils = {"velocity_in": speed, "viscosity": 0.1 * 0.3 / speed}  # the same eta U
     thick = em.reciprocating(RUBBER, o_ring=RING, **motion | oils)

@@ -913,6 +913,15 @@ def _of_lay(surface: AbstractSpectrum, area: Any) -> Any:
     return _PER_LAY * stretch * xp.sqrt(-xp.log(xp.clip(area, 1e-300, 1.0)))
 
 
+def bound_of_heights(surface: AbstractSpectrum, area: Any) -> Any:
+    """What skewness and lay of a measured surface add to a relative bound, of friction
+    or of the real contact.
+    """
+    xp = namespace(area)
+    of_both = (_of_skewness(surface, area), _of_lay(surface, area))
+    return sum(xp.expm1(each) for each in of_both)
+
+
 def _model_error(
     model: SurfaceModel,
     scene: Scene,
@@ -938,8 +947,7 @@ def _model_error(
     bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:
         return None
-    bound = bound + namespace(area).expm1(_of_skewness(road, area))
-    bound = bound + namespace(area).expm1(_of_lay(road, area))
+    bound = bound + bound_of_heights(road, area)
     if not of_area:
         bound = abs(hysteresis.mu) * bound
     return answer.field(scene.shape, bound + of_strain)

@@ -280,7 +280,7 @@ def uneven(pressed: Pressed, seal: Uneven) -> Flow:
     open_ = flux[0] > 0
     whole = np.where(open_, flux[0], 1.0)
     model_error = None
-    if not fine.slips_by_itself:
+    if not fine.exact:
         bounded = len(flux) > 1
         model_error = _within(*flux[1:]) if bounded else np.full(open_.shape, np.nan)
     fluid = _march(fine, cells, log_flux)[:, 0]  # (boundaries, points)
@@ -331,6 +331,7 @@ class _Table(NamedTuple):
     said: str
     work: str
     slips_by_itself: bool
+    exact: bool  # whether there is nothing to bound
 
 
 def _tables(pressed: Pressed, peak: Array) -> tuple[_Table, _Table]:
@@ -372,6 +373,7 @@ def _tables(pressed: Pressed, peak: Array) -> tuple[_Table, _Table]:
             gaps.said,
             gaps.work,
             gaps.slip is not None,
+            gaps.model_error is None,
         )
 
     return table(1), table(2)
@@ -416,13 +418,15 @@ def _fluxes(table: _Table, cells: _Cells, guess: Array | None) -> tuple[Array, A
     # where the fluid has not opened the hardest place
     last = np.array([table.x[np.argmax(each >= each[-1])] for each in table.flow])
     open_ = bears < last[:flows, None]
+    begin = np.zeros(open_.shape)
     if guess is None:
         place = np.maximum(cells.pressure.mean(0) - 0.5 * cells.drop, table.x[1])
         slope = np.gradient(table.flow[0], table.x)
         length = cells.width * len(cells.pressure)
         mean = np.interp(place, table.x, slope) * cells.drop / length
-        guess = np.log(np.maximum(mean, 1e-300))
-    begin = np.zeros(open_.shape) + guess
+        begin = begin + np.log(np.maximum(mean, 1e-300))
+    else:
+        begin = begin + guess
 
     def residual(log_flux: Array) -> Array:
         inlet = _march(table, cells, log_flux)[0]

@@ -38,6 +38,7 @@ from ..results.base import Array, Result, quantity, record
 from ..results.words import brief, span
 from ..rough.adhesion import MOST_SHEAR, AdhesiveShear
 from ..rough.local_modulus import Local
+from ..rough.surface import bound_of_heights
 from .leak import BOTH, pressed_bodies, softness
 
 if TYPE_CHECKING:
@@ -225,6 +226,7 @@ def _contact(
         one, surface, xp.ones_like(flat), flat, Local(None), _RTOL, None
     )
     bound = model.bound(one, surface, xp.ones_like(flat), solved.area, of_area=True)
+    bound = bound + bound_of_heights(*fixed((surface, solved.area)))
     error = solved.area_error / xp.where(solved.area > 0, solved.area, 1.0)
     # its friction is zero: what has to settle is the area
     good = solved.good & (fixed(error) <= _MOST)

@@ -38,6 +38,7 @@ from ..models import GapFlow
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import Grid, grid_of
 from ..surface.spectrum import rough_map
+from .leak_form import of_heights
 
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
 
@@ -321,6 +322,7 @@ def leak(
         "longest waves to a side"
     )
     error = _scatter(flows) + _of_cells(area.mean(0), surface, grid)
+    of_surface = of_heights(surface, area.mean(0))
     return GapFlow(
         flow=w.reshape(shape),
         slip=slip.reshape(shape),
@@ -328,7 +330,8 @@ def leak(
         critical_gap=_mean_of_open(critical)[: shape[1]],
         area=area.mean(0).reshape(shape),
         error=error.reshape(shape),
-        model_error=None,
+        # maps are Gaussian, and a lay makes their axes differ
+        model_error=np.expm1(of_surface).reshape(shape) if of_surface.any() else None,
         good=good.reshape(shape),
         said="Reynolds' equation on gaps in three dimensions (no reduction)",
         work=work,

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..arrays import numpy_unless_traced, xp
+from ..arrays import fixed, numpy_unless_traced, xp
 from ..call.extrapolation import held_beyond
 from ..call.problem import check_carries
 from ..call.several_materials import over_materials
@@ -40,9 +40,11 @@ from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
 from ..models import HalfSpace, Model, Multiscale, as_model
-from ..results.base import Array, Result, quantity, record, setting
+from ..results.base import WIDE, Array, Result, quantity, record, setting
+from ..results.doubts import Doubt
 from ..results.words import brief, in_unit, span
 from ..surface.spectrum import as_spectrum
+from ..surface.topography import skewness_of
 from . import gas
 from .along import AlongSeal, Flow, Fluid, Pressed, Uneven, even, uneven
 from .gas import check_absolute, check_gas
@@ -353,7 +355,9 @@ def leak(
         within a factor of 1 + `model_error` of three dimensions at 95 % of the points,
         by the bounds at the pressures that contact bears along the seal; infinite where
         all of these have a real contact of 0.38 or more, at which channels may as well be
-        closed, NaN for the theories.
+        closed, NaN for the theories. Lay and skewness of a measured surface, which the
+        model does not know, are in the bound, up to a Peklenik number of 5 and a skewness
+        of 1, beyond which it is NaN.
 
     Raises:
         InputError: for values that are not positive, a pressure drop that is not below
@@ -404,9 +408,10 @@ def leak(
     factor = xp.broadcast_to(xp.asarray(factor), shape)
     temperatures = given["temperature"]
     beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
+    fields = _fields(given, flow, good, shape)
     return Leak(
-        **_fields(given, flow, good, shape),
-        marks=beyond,
+        **fields,
+        marks=(*beyond, *_wide_by_heights(surface, fields["model_error"], good)),
         slip_estimated=given["outlet_pressure"] is not None
         and not flow.slips_by_itself,
         model=_model_in_words(given, flow),
@@ -676,6 +681,36 @@ def _fields(
     }
 
 
+def _heights_in_words(surface: Any) -> list[str]:
+    """What a measured surface has that the model does not know."""
+    remarks, skewness = [], getattr(surface, "skewness", 0.0)
+    if getattr(surface, "lay", None) is not None:
+        remarks.append(
+            "the surface has a lay, along which more flows and across which less, through "
+            "channels that close earlier: the rate is that of its mean spectrum"
+        )
+    if skewness_of(surface):
+        error = getattr(surface, "skewness_error", 0.0)
+        remarks.append(
+            f"heights of skewness {skewness:.2f} +- {error:.2f} where the model has "
+            "Gaussian ones: past worn summits less flows, past peaks more"
+        )
+    return remarks
+
+
+def _wide_by_heights(surface: Any, model_error: Any, good: Any) -> tuple[Doubt, ...]:
+    """Where the bound is wide, of a surface whose lay or skewness is a part of it."""
+    remarks = _heights_in_words(surface)
+    if not remarks or model_error is None:
+        return ()
+    says = "; ".join(
+        ["have a bound on the model above half of the leak rate", *remarks]
+    )
+    remedy = "a measured leak, or a surface without lay and with Gaussian heights"
+    wide = fixed((model_error > WIDE) & good)
+    return (Doubt("bound", wide, says, remedy),)
+
+
 def _inputs_in_words(
     foundation: Foundation, surface: Any, given: dict[str, Any], seal: _Seal
 ) -> list[tuple[str, str]]:
@@ -692,6 +727,8 @@ def _inputs_in_words(
     ]
     if seal.said:
         inputs.append(("profile", seal.said))
+    inputs += [("as read", remark) for remark in getattr(surface, "report", ())]
+    inputs += [("heights", remark) for remark in _heights_in_words(surface)]
     if _of_rubber(foundation, given)["temperature"] is not given["temperature"]:
         inputs.append(("rubber", "without a shift law, the same at every temperature"))
     return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]

@@ -231,7 +231,7 @@ def _motion(
 
 def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Reciprocating:
     """The result of both strokes."""
-    said = _why_not(strokes)
+    no_film = _no_film(strokes)
     source, leaving, entering = strokes.source, *map(_of_smooth, strokes[1:])
     more, off = leaving.film - entering.film, leaving.error + entering.error
     net = np.maximum(more, 0.0)
@@ -252,7 +252,7 @@ def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Recipr
         net_leak_error=net_error * length * edge,
         model_error=np.full(motion.out.shape, np.nan),
         converged=np.isfinite(more + leaving.friction + entering.friction),
-        marks=carried((*leaving.doubts, *entering.doubts)),
+        marks=carried((*leaving.doubts, *entering.doubts, *no_film)),
         model=model,
         plan=plan,
         inputs=(
@@ -263,7 +263,6 @@ def _packed(motion: _Motion, strokes: _Strokes, model: str, plan: str) -> Recipr
             ("stroke", brief(length, "m")),
             ("width", brief(edge, "m")),
             *(leaving.said or entering.said),
-            *(("not known", sentence) for sentence in said),
         ),
     )
 
@@ -278,28 +277,32 @@ def _of_smooth(stroke: _Carried) -> _Carried:
     )
 
 
-def _why_not(strokes: _Strokes) -> list[str]:
-    """Why there are points that are not known, each with a warning."""
-    reasons = []
+def _no_film(strokes: _Strokes) -> list[Doubt]:
+    """Where a stroke is not that of a film, and why, each with a warning."""
+    doubts = []
     for stroke, name in ((strokes.leaving, "out"), (strokes.entering, "in")):
         thin = stroke.film < _THINNEST
         if thin.any():
-            reasons.append(
-                f"the film of the stroke {name} is down to {np.nanmin(stroke.film):.2g} "
-                f"m at {int(thin.sum())} of {thin.size} points, less than three rms "
-                f"heights of the smoothest rods ({_THINNEST:.2g} m): the rod rubs on the "
-                "seal. Its friction there is about the shear stress of the real contact "
-                "times the contact, em.friction(..., adhesion=em.AdhesiveShear(...))"
+            says = (
+                f"have a film of the stroke {name} of {np.nanmin(stroke.film):.2g} m or "
+                "more, less than three rms heights of the smoothest rods "
+                f"({_THINNEST:.2g} m): the rod rubs on the seal, and they are NaN"
             )
+            remedy = (
+                "the shear stress of the real contact, em.friction(..., "
+                "adhesion=em.AdhesiveShear(...))"
+            )
+            doubts.append(Doubt("no prediction", thin, says, remedy))
         driven = ~thin & (stroke.friction < 0)
         if driven.any():
-            reasons.append(
-                f"the pressure in the film would drive the stroke {name} at "
-                f"{int(driven.sum())} of {thin.size} points: the rule for it fails there"
+            says = (
+                f"have a pressure in the film that would drive the stroke {name}: the "
+                "rule for it fails, and friction is NaN"
             )
-    for reason in reasons:
-        warn(f"{reason}.", ModelWarning)
-    return reasons
+            doubts.append(Doubt("no prediction", driven, says, "a profile of the seal"))
+    for doubt in doubts:
+        warn(f"{doubt.words()}.", ModelWarning)
+    return doubts
 
 
 def _of_profile(profile: Any, motion: _Motion) -> _Strokes:
