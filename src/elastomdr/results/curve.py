@@ -17,7 +17,6 @@ from .. import __version__
 from ..checks import in_si, significant
 from ..errors import InputError
 from ..files import csv_text, write_files
-from .axes import peak
 from .base import Array, Quantity, Result, part, quantity, record, setting
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, gridded
@@ -142,19 +141,19 @@ class AbstractCurve(Result):
         model's error.
         """
         fields = {q.key: value for q, value in self.fields().items()}
-        _, every = self.curves()
+        axis, every = self.curves()
+        name, key = "velocity", "velocity"
+        if axis.quantity is not None:
+            name, key = axis.name, axis.quantity.key
+        shape = fields["error"].shape
+        some = [doubt for doubt in self.doubts if not np.all(doubt.points)]
+        of_points = fields[key], fields[self.shows], kinds_of_points(some, shape)
         for curve in every[:_LISTED]:
-            velocity, value, beyond = (
-                np.atleast_1d(
-                    fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[
-                        curve.place
-                    ]
-                )
-                for k in ("velocity", self.shows, "extrapolated")
-            )
             yield (
                 "at " + curve.label if curve.label else "result",
-                self._extremes(velocity, value, beyond),
+                self._extremes(
+                    name, *(np.atleast_1d(each[curve.place]) for each in of_points)
+                ),
             )
         if len(every) > _LISTED:
             yield "...", f"and {len(every) - _LISTED} more curves"
@@ -192,32 +191,32 @@ class AbstractCurve(Result):
         )
 
     def _extremes(
-        self, velocity: np.ndarray, value: np.ndarray, beyond: np.ndarray
+        self, along: str, x: np.ndarray, value: np.ndarray, kinds: np.ndarray
     ) -> str:
-        order = np.argsort(velocity, kind="stable")
+        """The largest value and those at both ends, where along a curve, and by the
+        kinds of doubts there that not all points have.
+        """
+        order = np.argsort(x, kind="stable")
         order = order[np.isfinite(value[order])]
-        velocity, value, beyond = velocity[order], value[order], beyond[order]
-        top = peak(velocity, value)
-        if top is None:
+        if not order.size:
             return "no point converged"
+        x, value, kinds = x[order], value[order], kinds[order]
 
-        def point(i: Any) -> str:
-            mark = " (extrapolated)" if beyond[i] else ""
-            place = in_words("velocity", float(velocity[i]))
-            return f"{significant(float(value[i]))} at {place}{mark}"
+        def point(i: int) -> str:
+            mark = f" ({kinds[i]})" if kinds[i] else ""
+            return f"{significant(value[i])} at {in_words(along, float(x[i]))}{mark}"
 
-        if np.ptp(velocity) == 0:
-            return f"{self.symbol} = " + " to ".join(
-                dict.fromkeys(point(i) for i in (value.argmin(), value.argmax()))
-            )
-        low, high = point(0), point(-1)
-        largest = f"{top.kind} {self.symbol} = {point(value.argmax())}"
-        if top.inside:
-            return f"{largest}; ends: {low}, {high}"
-        highest = top.x == velocity[-1]
+        top, last = int(value.argmax()), value.size - 1
+        if np.ptp(x) == 0:
+            ends = map(point, (int(value.argmin()), top))
+            return f"{self.symbol} = " + " to ".join(dict.fromkeys(ends))
+        if 0 < top < last:
+            ends = f"ends: {point(0)}, {point(last)}"
+            return f"peak {self.symbol} = {point(top)}; {ends}"
+        end = "highest" if top == last else "lowest"
         return (
-            f"{largest}, the {'highest' if highest else 'lowest'} velocity computed; no "
-            f"peak inside the range; at the other end {low if highest else high}"
+            f"largest {self.symbol} = {point(top)}, the {end} {along} computed; no peak "
+            f"inside the range; at the other end {point(last - top)}"
         )
 
 
