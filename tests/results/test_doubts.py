@@ -213,3 +213,95 @@ def test_doubts_are_equal_by_value():
     assert hash(one) == hash(other)
     assert one != em.Doubt("bound", np.array([True, True]))
     assert "above half" in one.says
+
+
+SCENE = {"velocity": V, "pressure": 3e5, "temperature": 293.15}
+TREAD = em.Prony(
+    1e6, [4e6, 8e6], [1e-3, 1e-5], shift=em.WLF(8.9, 101.6, 293.15), name="tread"
+)
+
+
+class TestUncertainty:
+    """Shares of mu, against the same call with that part changed by hand."""
+
+    def test_parts_are_those_of_the_same_call_with_one_thing_changed(self):
+        shear = em.AdhesiveShear(5e5, 1e-2, 0.1)
+        curve = em.friction(TREAD, ROAD, adhesion=shear, **SCENE)
+        found = curve.uncertainty()
+        names = ["numerical", "model", "rubber", "road", "shear law", "temperature"]
+        assert [part.source for part in found] == names
+        roads = [ROAD.ended(q) for q in (2e5, 5e4)]
+        ends = [em.friction(TREAD, road, adhesion=shear, **SCENE).mu for road in roads]
+        apart = np.max(np.abs(np.array(ends) / curve.mu - 1), axis=0)
+        np.testing.assert_allclose(found["road"].share, apart, rtol=2e-3)
+        ends = [
+            em.friction(TREAD, ROAD, adhesion=shear, **SCENE | {"temperature": t}).mu
+            for t in (291.15, 295.15)
+        ]
+        apart = np.max(np.abs(np.array(ends) / curve.mu - 1), axis=0)
+        np.testing.assert_allclose(found["temperature"].share, apart, atol=2e-4)
+        stronger = em.AdhesiveShear(6e5, 1e-2, 0.1)
+        more = em.friction(TREAD, ROAD, adhesion=stronger, **SCENE).mu
+        np.testing.assert_allclose(
+            found["shear law"].share, more / curve.mu - 1, rtol=1e-9
+        )
+        np.testing.assert_array_equal(
+            found["model"].share, curve.model_error / curve.mu
+        )
+        assert np.isnan(found["rubber"].share).all()
+        with pytest.raises(em.InputError, match="source must be one of numerical"):
+            _ = found["weather"]
+
+    def test_what_matters_most_comes_first(self):
+        curve = em.friction(TREAD, ROAD, **SCENE)
+        first, second, *rest = curve.uncertainty().surer()
+        assert {first.source, second.source} == {"rubber", "shear law"}  # not known
+        shares = [part.largest for part in rest]
+        assert shares == sorted(shares, reverse=True)
+        assert min(shares) > 0.02
+
+    def test_no_bound_is_not_a_small_one(self):
+        """Where the model has no bound its share is not known, and in front."""
+        curve = no_prediction()
+        part = curve.uncertainty()["model"]
+        np.testing.assert_array_equal(
+            np.isnan(part.share), points(curve.doubts, "no prediction")
+        )
+        assert np.isnan(part.largest)
+        assert "where it is known" in part.words()
+
+    def test_draws_are_the_part_of_the_rubber(self):
+        curves = [
+            em.friction(em.Prony(g, [4e6], [1e-3]), ROAD, velocity=V, pressure=3e5)
+            for g in (0.9e6, 1e6, 1.1e6)
+        ]
+        drawn = type(curves[0]).stack(curves, ["x"] * 3, ("3 draws of x", "moduli"))
+        low, median, high = drawn.band()
+        share = drawn.uncertainty()["rubber"].share
+        np.testing.assert_allclose(share, 0.5 * (high - low) / median)
+        several = type(curves[0]).stack(curves, ["a", "b", "c"])
+        with pytest.raises(em.InputError, match="material must be chosen"):
+            several.uncertainty()
+        assert several.select("b").uncertainty()["road"].share.shape == V.shape
+
+    def test_a_ball_has_no_road(self):
+        curve = em.friction(TREAD, BALL, velocity=V, load=1.0, temperature=293.15)
+        names = ["numerical", "model", "rubber", "temperature"]
+        assert [part.source for part in curve.uncertainty()] == names
+
+    def test_beyond_a_shift_law_a_share_is_not_known(self):
+        law = em.ShiftTable([290.0, 293.0, 300.0], [0.1, 0.0, -0.2])
+        tread = em.Prony(1e6, [4e6], [1e-3], shift=law)
+        at = {"velocity": V, "pressure": 3e5, "temperature": 291.0}
+        part = em.friction(tread, ROAD, **at).uncertainty()["temperature"]
+        assert np.isnan(part.share).all()
+
+
+def test_a_pressure_far_above_the_modulus_is_warned_of():
+    """300 MPa typed in place of 0.3."""
+    with pytest.warns(em.ModelWarning, match="3e\\+08 Pa are .* times the modulus"):
+        curve = em.friction(rubber(), ROAD, velocity=V, pressure=3e8)
+    assert points(curve.doubts, "estimate").all()
+    assert "estimate" not in kinds(
+        em.friction(rubber(), ROAD, velocity=V, pressure=3e5).doubts
+    )

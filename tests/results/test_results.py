@@ -218,7 +218,7 @@ def test_summary_finds_the_peak_and_the_ends():
         "peak mu = 0.5 at 0.01 m/s; ends: 0.0001 at 1e-06 m/s, 0.0001 at 100 m/s"
         in text
     )
-    assert "33, all converged; largest estimated error of mu: 1e-09" in text
+    assert "33, all converged; error of the computation of mu, at most: 1e-09" in text
     assert MODEL in text
     rising = friction_curve(velocity=np.geomspace(1e-5, 1e-3, 5)).summary()
     assert "largest mu = 0.0990" in rising

@@ -40,6 +40,7 @@ def full_contact(material, surface, velocity, pressure):
 
 
 @pytest.mark.parametrize("model", ["multiscale", "persson"])
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 def test_full_contact_is_the_closed_form(model):
     curve = em.friction(SOLID, ROAD, velocity=0.05, pressure=1e9, model=model)
     assert curve.area_ratio == pytest.approx(1.0, abs=1e-9)

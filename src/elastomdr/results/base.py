@@ -53,6 +53,7 @@ from ..notebook_tables import html_figure, html_table
 from ..trees import pytree, replaced
 from .axes import Axis, Curve, curves, dimensions
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points, where
+from .uncertainty import Again
 
 if TYPE_CHECKING:
     import jax
@@ -199,6 +200,8 @@ class Result:
     # what was computed and skipped, of a type for each verb; of several materials a
     # tuple
     plan: Any = setting()
+    # the call once more, where a verb has one (`results.uncertainty.Again`); likewise
+    again: Again | tuple[Again | None, ...] | None = setting(default=None)
     # name and value of each argument, in words
     inputs: tuple[tuple[str, str], ...] = setting()
     # the materials along the first axis, if that is theirs
@@ -344,6 +347,9 @@ class Result:
             return
         of = f"the {type(self).__dataclass_fields__[name].metadata['quantity'].label}"
         unknown = xp.logical_and(xp.isnan(bound), converged)
+        told = where(self.marks, "no prediction")
+        if told is not None:
+            unknown = xp.logical_and(unknown, xp.logical_not(told))
         yield Doubt("no prediction", unknown, f"have no bound on the model for {of}")
         if not any(doubt.kind == "bound" for doubt in self.marks):
             half = WIDE * (1.0 if self.relative_bound else xp.abs(size))
@@ -396,6 +402,7 @@ class Result:
             list(results),
             model="; ".join(dict.fromkeys(r.model for r in results)),
             plan=tuple(r.plan for r in results),
+            again=tuple(r.again for r in results),
             inputs=tuple(_joined_inputs(results, unique, drawn).items()),
             origins=origins,
             drawn=drawn is not None,
@@ -418,6 +425,7 @@ class Result:
             _part(self, i, length, missing),
             model=model,
             plan=self.plan[i] if isinstance(self.plan, tuple) else self.plan,
+            again=self.again[i] if isinstance(self.again, tuple) else self.again,
             inputs=(("material", material), *inputs),
             origins=(),
             drawn=False,
@@ -472,6 +480,7 @@ class Result:
         return dataclasses.replace(
             _median(self),
             plan=plan,
+            again=self.again[0] if isinstance(self.again, tuple) else self.again,
             origins=(),
             drawn=False,
             marks=_of_draws(self.marks),
@@ -550,7 +559,7 @@ class Result:
             unit = next(q.unit for q in self.quantities() if q.path == "error")
             largest = significant(float(np.fmax.reduce(error, axis=None)), 2)
             sentence += (
-                f"; largest estimated error of {self.error_of}: "
+                f"; error of the computation of {self.error_of}, at most: "
                 f"{largest}{'' if unit == '-' else f' {unit}'}"
             )
         return sentence

@@ -20,6 +20,14 @@ from ..files import csv_text, write_files
 from .base import Array, Quantity, Result, part, quantity, record, setting
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, gridded
+from .uncertainty import (
+    FACTOR,
+    KELVIN,
+    STRESS,
+    Part,
+    Uncertainty,
+    largest_change,
+)
 from .words import in_words
 
 if TYPE_CHECKING:
@@ -356,6 +364,99 @@ class FrictionCurve(AbstractCurve):
             np.ravel,
         )
         return gridded({**points, "mu": fields["cold" if cold else "mu"]}, doubts)
+
+    def uncertainty(self) -> Uncertainty:
+        """What mu rests on, part by part: numerical, model, rubber, road, shear law,
+        temperature; how much of mu each may change, and what would lower that.
+
+        By convention the shortest wave of a road is taken off by a factor of two each
+        way, the shear stress by 20 %, the temperature by 2 K each way: mu is computed
+        again for road and temperature, so that this takes up to four times as long as
+        the curve. Of draws the rubber's part is half of the interval of 95 % of them.
+        Raises `InputError` for several materials that are no draws.
+        """
+        if self.origins and not self.drawn:
+            raise InputError(
+                "material must be chosen for an uncertainty: .select(name), one of "
+                f"{self.materials}."
+            )
+        if not self.drawn:
+            return Uncertainty(tuple(self._parts()))
+        low, median, high = self.band()
+        drawn = Part(
+            "rubber",
+            0.5 * (high - low) / np.abs(median),
+            f"95 % of {len(self.origins)} draws",
+            "a fit of more measurements",
+        )
+        parts = self.typical()._parts()
+        return Uncertainty(
+            tuple(drawn if part.source == "rubber" else part for part in parts)
+        )
+
+    def _parts(self) -> Iterator[Part]:
+        mu = np.asarray(self.mu, dtype=float)
+        unknown = np.full(mu.shape, np.nan)
+
+        def share(absolute: Any) -> np.ndarray:
+            return np.asarray(absolute) / np.where(mu == 0, np.nan, np.abs(mu))
+
+        again = self.again
+
+        def off(**one_way: float) -> np.ndarray | None:
+            if again is None or isinstance(again, tuple):
+                return None
+            return again.mu(**one_way)
+
+        fitted = FITTED in dict(self.inputs)
+        yield Part(
+            "numerical",
+            share(self.error),
+            "error of the computation"
+            + (" and what the fit of the rubber misses" if fitted else ""),
+            "a smaller rtol" + (" and a closer fit of the moduli" if fitted else ""),
+        )
+        yield Part(
+            "model",
+            share(0.0 * mu if self.model_error is None else self.model_error),
+            "its bound" if self.model_error is not None else "exact by definition",
+            "a measured value to compare with",
+        )
+        yield Part(
+            "rubber",
+            unknown,
+            "not computed",
+            "draws of a fit, em.fit.material(...).draws(n), in place of the material",
+        )
+        if self.pressure is not None:
+            yield Part(
+                "road",
+                share(largest_change(mu, off(shorter=FACTOR), off(shorter=1 / FACTOR))),
+                "shortest wave off by a factor of two; else as it is given",
+                "a cutoff calibrated by measured friction, elastomdr calibrate",
+            )
+        if self.adhesion is not None:
+            of_mu = float(np.nanmean(share(self.adhesion)))
+            yield Part(
+                "shear law",
+                STRESS * share(self.adhesion),
+                f"shear stress off by {STRESS:.0%}; it makes {of_mu:.0%} of mu",
+                "a shear law fitted to measured friction, em.fit.adhesion",
+            )
+        elif self.pressure is not None:
+            yield Part(
+                "shear law",
+                unknown,
+                "no shear of the real contact is in mu",
+                "adhesion=em.AdhesiveShear(...) where the road is dry",
+            )
+        if self.temperature is not None:
+            yield Part(
+                "temperature",
+                share(largest_change(mu, off(kelvin=KELVIN), off(kelvin=-KELVIN))),
+                f"off by {KELVIN:g} K",
+                "the measured temperature of the rubber",
+            )
 
     @in_si
     def ranking(

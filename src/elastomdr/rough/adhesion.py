@@ -34,6 +34,7 @@ from ..checks import (
 from ..errors import InputError
 from ..material.shift import AbstractShift
 from ..results.curve import FrictionCurve
+from ..results.doubts import Doubt
 from ..results.words import in_words
 from ..surface.shapes import Cylinder
 from ..trees import Tree, fill
@@ -191,11 +192,8 @@ def sheared(
         error=curve.error + added * error,
         model_error=_bounded(curve.model_error, added, bound),
         model=curve.model + _ADDED.format(area=area),
-        inputs=(
-            *curve.inputs,
-            ("adhesion", adhesion.words()),
-            *_no_prediction(curve, added),
-        ),
+        inputs=(*curve.inputs, ("adhesion", adhesion.words())),
+        marks=(*curve.marks, *_no_prediction(curve, added)),
         **more,
     )
 
@@ -212,31 +210,26 @@ def _bounded(model_error: Any, added: Any, bound: Any) -> Any:
     return xp.where(added > MOST_SHEAR, xp.nan, total)
 
 
-def _no_prediction(curve: FrictionCurve, added: Any) -> tuple[tuple[str, str], ...]:
-    """In words, where the shear exceeds the pressure, and from which real contact
-    on.
-    """
+def _no_prediction(curve: FrictionCurve, added: Any) -> tuple[Doubt, ...]:
+    """Where the shear exceeds the pressure, and from which real contact on."""
     if is_traced(added):
         return ()
     over = np.asarray(added > MOST_SHEAR)
     if not over.any():
         return ()
-    sentence = (
-        f"{int(over.sum())} of {over.size} points: the shear of the contact exceeds "
-        "its pressure"
-    )
+    says = "have no bound on the model: the shear of the contact exceeds its pressure"
     if curve.area_ratio is not None:
         least = (curve.area_ratio[over] / added[over]).min()
-        sentence += (
+        says += (
             f", from a real contact of {significant(float(least), 2)} on, p over the "
             "shear stress"
         )
     most = significant(float(added[over].max()))
-    sentence += (
+    says += (
         f"; it is up to {most} times that and would change the contact, which the sum "
         "leaves out"
     )
-    return (("no prediction", f"{sentence}; model_error is NaN there"),)
+    return (Doubt("no prediction", over, says, "measured friction"),)
 
 
 def on_contact(

@@ -42,6 +42,8 @@ from .problem import RoughCall
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-4  # share of real contact below which it probably is
+# pressure over the modulus at the longest waves from which on it is warned of
+_FAR = 10.0
 _HOT = (
     "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 )
@@ -190,6 +192,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     marks = rough_beyond(
         foundation.range, outside, scene.temperature, scene.shape, answer.hottest()
     )
+    marks += _too_much(scene, surface)
     if softened is not None:
         marks += _strained_beyond(softened, surface, scene)
     label = _label(surface)
@@ -837,6 +840,31 @@ def _doubt_unit(hysteresis: SurfaceFriction, pressure: np.ndarray) -> None:
             f"{1e6 * pressure[least]:g}.",
             ModelWarning,
         )
+
+
+def _too_much(scene: Scene, surface: AbstractSpectrum) -> tuple[Doubt, ...]:
+    """Where a pressure exceeds the modulus that the rubber has at the longest waves; with
+    a warning where it does so by far, since it may be given in another unit.
+    """
+    asked = scene.full(scene.value) / scene.vertical, scene.reduced * surface.q_low
+    pressure, omega, body = known(fixed((*asked, scene.foundation)))
+    modulus = abs(body.complex_modulus(omega))
+    points = pressure > modulus
+    if not is_traced(points):
+        most = int(np.argmax(pressure / modulus))
+        given, at_most = np.ravel(pressure)[most], np.ravel(modulus)[most]
+        if given > _FAR * at_most:
+            warn(
+                f"pressure is taken in Pa: {given:g} Pa are {given / at_most:.0f} times "
+                f"the modulus of the rubber at the longest waves, {at_most:.2g} Pa. "
+                "Rubber is not linear there.",
+                ModelWarning,
+            )
+    says = (
+        "have a pressure above the modulus of the rubber at the longest waves, where "
+        "rubber is not linear, as it is taken here"
+    )
+    return (Doubt("estimate", points, says, "a pressure as it occurs"),)
 
 
 def _misfit(

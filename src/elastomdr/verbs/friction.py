@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ..call.model_choice import (
     hint_at_line,
@@ -14,7 +19,8 @@ from ..call.model_choice import (
 )
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
-from ..checks import numpy_unless_traced
+from ..checks import is_traced, numpy_unless_traced
+from ..errors import InputError
 from ..progress_bar import reporter
 from ..results.curve import FrictionCurve
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
@@ -29,6 +35,75 @@ from .steady import in_64_bits_where, steady_contact
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number, Store
     from ..call.types import Indenter, Materials, ModelLike, Surface
+
+
+_ROUGHLY = 1e-4  # relative error of what only tells how uncertain a number is
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Again:
+    """A call of `friction` once more, as `results.uncertainty.Again`."""
+
+    call: RoughCall | SmoothCall
+    solve: Callable[[Any], FrictionCurve]
+
+    def mu(self, shorter: float = 1.0, kelvin: float = 0.0) -> np.ndarray | None:
+        """mu with a shortest wave that is shorter by a factor, or rubber that is
+        `kelvin` warmer; None where that has no answer.
+        """
+        given, rtol = self.call.asked, max(self.call.rtol, _ROUGHLY)
+        if kelvin:
+            warmer = np.asarray(given.temperature, dtype=float) + kelvin
+            given = dataclasses.replace(given, temperature=warmer)
+        call = dataclasses.replace(self.call, asked=given, rtol=rtol)
+        try:
+            if isinstance(call, RoughCall):
+                surface: Any = call.surface
+                if shorter != 1:
+                    surface = surface.ended(surface.q_high * shorter)
+                call = dataclasses.replace(
+                    call, surface=surface, progress=None, store=None
+                )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                return np.asarray(_once_more(self.solve, call).mu)
+        except InputError:  # beyond a shift law, or shorter than the longest wave
+            return None
+
+
+@numpy_unless_traced
+def _once_more(
+    solve: Callable[[Any], FrictionCurve], call: RoughCall | SmoothCall
+) -> FrictionCurve:
+    return solve(call)
+
+
+def _repeatable(
+    call: RoughCall | SmoothCall, solve: Callable[[Any], FrictionCurve]
+) -> FrictionCurve:
+    """The curve of a call, with the call itself unless JAX traces it."""
+    curve = solve(call)
+    if is_traced(curve.mu):
+        return curve
+    return dataclasses.replace(curve, again=_Again(call, solve))
+
+
+def _on_smooth(adhesion: AdhesiveShear | None, call: SmoothCall) -> FrictionCurve:
+    """Friction of a smooth body."""
+    if isinstance(call.shape, AbstractShape):
+        chosen = of_smooth(call.model, "friction", call.shape.label)
+        if not chosen.on_line:
+            return chosen.smooth_friction(call, adhesion)
+    contact = steady_contact(call)
+    solution = contact.solution
+    curve = FrictionCurve(
+        mu=solution.mu,
+        friction_force=solution.friction_force,
+        **contact.common_fields(),
+    )
+    if adhesion is None:
+        return curve
+    return on_contact(curve, adhesion, call.shape, contact.layer)
 
 
 def _has_large_program(material: Any, shape: Any, named: dict[str, Any]) -> bool:
@@ -139,36 +214,22 @@ def friction(
         road_model.check_adhesion(adhesion)
         hint_at_line(model, shape, asked)
         tell = reporter("friction on a rough surface", progress)
-        return road_model.rough_friction(
-            RoughCall(
-                solid,
-                shape,
-                asked,
-                rtol,
-                skip,
-                heat,
-                adhesion,
-                strain_share,
-                tell,
-                store,
-                branch,
-            )
+        rough = RoughCall(
+            solid,
+            shape,
+            asked,
+            rtol,
+            skip,
+            heat,
+            adhesion,
+            strain_share,
+            tell,
+            store,
+            branch,
         )
+        return _repeatable(rough, road_model.rough_friction)
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there
-    call = SmoothCall("friction", solid, body, asked, model, rtol, skip)
-    if isinstance(shape, AbstractShape):
-        chosen = of_smooth(model, "friction", shape.label)
-        if not chosen.on_line:
-            return chosen.smooth_friction(call, adhesion)
-    contact = steady_contact(call)
-    solution = contact.solution
-    curve = FrictionCurve(
-        mu=solution.mu,
-        friction_force=solution.friction_force,
-        **contact.common_fields(),
-    )
-    if adhesion is None:
-        return curve
-    return on_contact(curve, adhesion, shape, contact.layer)
+    smooth = SmoothCall("friction", solid, body, asked, model, rtol, skip)
+    return _repeatable(smooth, partial(_on_smooth, adhesion))
