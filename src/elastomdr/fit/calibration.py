@@ -20,6 +20,7 @@ from scipy.special import stdtrit
 
 from ..arrays import as_numpy, keep_compiled_code
 from ..call.model_choice import hint_at_line, is_rough, of_rough
+from ..call.problem import Asked
 from ..checks import as_float64, in_si, one_of, positive, require
 from ..errors import (
     ConvergenceWarning,
@@ -459,8 +460,10 @@ def _road_model(
 ) -> Any:
     """The model of a surface, fine enough for every cutoff that the search may reach."""
     finer = 10.0 ** min(spread["q_high"], 1.0) if "q_high" in spread else 1.0
-    pressed = {name: scene.get(name) for name in ("pressure", "load", "depth")}
-    hint_at_line(scene.get("model"), shape, **pressed)
+    load, depth, pressure = (scene.get(name) for name in ("load", "depth", "pressure"))
+    velocity: Any = scene.get("velocity")
+    asked = Asked(velocity, load, depth, pressure)
+    hint_at_line(scene.get("model"), shape, asked)
     model = of_rough(scene.get("model"), shape, scene.get("pressure"))
     model = model.for_changes(shape, finer)
     doubt = None if scene.get("pressure") is None else model.doubt(shape)
