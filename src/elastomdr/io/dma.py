@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from .columns import (
     refuse_wide,
     taken,
     understand_table,
+    unit_of,
     with_sign,
 )
 from .data import KINDS, Dma, FitWarning, join
@@ -43,6 +45,11 @@ if TYPE_CHECKING:
 
 # ratio of the largest to the smallest stress (or strain) that counts as held
 _CONSTANT = 1.05
+_STEP = 0.25  # change from row to row that ends a step, less being a drift
+_FEWEST_HELD = 5  # rows
+_BACK = 0.25  # share by which a compliance falls, or a modulus rises, after its step
+_RINGING = 0.1  # share of rows up to which this is the ringing of an instrument
+_APART = 0.5  # [K], within which two temperatures are one
 _ALONE = "if it was not measured, give storage_only=True (--storage-only)"
 
 
@@ -214,6 +221,8 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
     ]
     measurements: list[Dma] = []
     used: list[Table] = []
+    refused: list[_NoStep] = []
+    before = -np.inf  # when the step before ended
     not_understood: tuple[list[str], str] | None = None
     for table in parts:
         columns = understand_table(name, options.columns, table, QUANTITIES)
@@ -225,8 +234,23 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
             if used:
                 _refuse_rows_below(name, table, used[-1])
             continue
-        measurements.append(_measurement(name, layout, table, columns, options))
+        try:
+            measurement = _measurement(name, layout, table, columns, options)
+            _refuse_second_step(name, measurement, table, measurements, used, before)
+        except _NoStep as error:
+            refused.append(error)
+            before = max(before, error.ended)
+            continue
+        before = _ended(measurement)
+        measurements.append(measurement)
         used.append(table)
+    if refused and not measurements:
+        raise refused[-1]
+    if refused:
+        left = (f"{name}: {error.why}: left out." for error in refused)
+        measurements[0] = replace(
+            measurements[0], warnings=(*measurements[0].warnings, *left)
+        )
     if not measurements:
         known, lack = not_understood or ([], "there are no columns of moduli")
         raise InputError(missing(name, known, lack, parts))
@@ -238,6 +262,63 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
             "into a column."
         )
     return measurements
+
+
+class _NoStep(InputError):
+    """Rows over time that are no response to one step of stress or strain."""
+
+    def __init__(self, name: str, why: str, advice: str, ended: float = -np.inf):
+        super().__init__(f"{name}: {why}: {advice}." if advice else f"{name}: {why}.")
+        self.why = why
+        self.ended = ended  # their last time [s]
+
+
+def _ended(measurement: Dma) -> float:
+    """The last time after a step; none of what has none."""
+    timed = not measurement.omega.size and measurement.response != "storage"
+    return float(measurement.time.max()) if timed else -np.inf
+
+
+def _refuse_second_step(
+    name: str,
+    measurement: Dma,
+    table: Table,
+    others: Sequence[Dma],
+    used: Sequence[Table],
+    before: float,
+) -> None:
+    """Raises `_NoStep` for a step of stress or strain that remembers one before it in
+    the file, which ended at `before` [s].
+    """
+    if _ended(measurement) == -np.inf:
+        return
+    line = table.rows[0].line
+    kelvin = measurement.time_temperature[0]
+    above = [
+        one
+        for one, rows in zip(others, used, strict=True)
+        if one.response == measurement.response and rows.rows[-1].line < line
+    ]
+    apart = [abs(one.time_temperature[0] - kelvin) > _APART for one in above]
+    if measurement.time.min() > before > 0:
+        on = f"the times from line {line} on count on from the step before"
+        advice = "write seconds since their own step"
+        if apart and apart[-1]:
+            raise InputError(f"{name}: {on}, at another temperature: {advice}.")
+        # the same step with other intervals goes on where it was
+        if (
+            not above
+            or measurement.relaxation[0] * (1 - _BACK) > above[-1].relaxation[-1]
+        ):
+            raise _NoStep(name, on, advice, _ended(measurement))
+    elif measurement.response == "creep" and not all(apart):
+        raise _NoStep(
+            name,
+            f"the rows from line {line} on are a second creep at one temperature, "
+            "which remembers the first",
+            "give it alone, in a file of its own",
+            _ended(measurement),
+        )
 
 
 def _lack(table: Table, columns: Understood, specimen: Specimen) -> str:
@@ -312,12 +393,19 @@ def _measurement(
     table = table._replace(fixed=table.fixed | columns.constants)
     kind = _kind(name, table, chosen, options.kind, layout)
     chosen, turned = with_sign(name, table, chosen)
+    response, rest = "", ()
+    if needed[0] == "time":
+        beside = {one.role: one for one in reversed(columns.all)} | chosen
+        table, response, rest = _while_held(name, table, beside, needed[1], options)
     values, good, bad = measured(name, table, chosen, units)
     if not good.any():
-        raise InputError(
-            f"{name}: no row below {next(iter(chosen.values())).title!r} is a "
-            f"measurement ({bad[0]})."
+        why = (
+            f"no row below {next(iter(chosen.values())).title!r} is a measurement "
+            f"({bad[0]})"
         )
+        if needed[0] == "time":
+            raise _NoStep(name, why, "")
+        raise InputError(f"{name}: {why}.")
     for role in needed:
         if role not in values:
             values[role] = np.full(int(good.sum()), table.fixed.get(role, np.nan))
@@ -330,6 +418,7 @@ def _measurement(
         "units": written,
         "warnings": (
             *turned,
+            *rest,
             *left_out(name, bad, "bad_rows and in the master curve's table"),
         ),
         "bad_rows": tuple(bad),
@@ -338,7 +427,7 @@ def _measurement(
         "columns": (columns_taken,),
     }
     if needed[0] == "time":
-        return _over_time(name, values, needed, options.specimen, common)
+        return _over_time(name, values, response, options.specimen, common)
     return _over_frequency(name, values, needed[1:-2], options.specimen, common)
 
 
@@ -418,15 +507,16 @@ def _timed(
 def _over_time(
     name: str,
     values: dict[str, np.ndarray],
-    needed: tuple[str, ...],
+    response: str,
     specimen: Specimen,
     common: dict[str, Any],
 ) -> Dma:
-    """Relaxation or creep; of stress and strain over time the one that was held
-    decides.
-    """
+    """Relaxation or creep."""
     ramp = specimen.ramp or 0.0
-    modulus, response = _response(name, values, needed[1])
+    if "stress" in values:
+        modulus = values["stress"] / values["strain"]
+    else:
+        modulus = 1 / values["creep"] if response == "creep" else values["relaxation"]
     time, temperature = values["time"], values["temperature"]
     if ramp and response == "creep":
         raise InputError(f"ramp must be left out for creep, got {ramp:g} s ({name}).")
@@ -452,28 +542,138 @@ def _over_time(
     )
 
 
-def _response(
-    name: str, values: dict[str, np.ndarray], measured_as: str
-) -> tuple[np.ndarray, str]:
-    """The modulus over time, and whether it is that of relaxation or of creep."""
-    if measured_as == "relaxation":
-        return values["relaxation"], "relaxation"
-    if measured_as == "creep":
-        return 1 / values["creep"], "creep"
-    stress_held, strain_held = (
-        np.nanmax(values[role]) < _CONSTANT * np.nanmin(values[role])
-        for role in ("stress", "strain")
+def _while_held(
+    name: str,
+    table: Table,
+    columns: Mapping[str, Column],
+    measured_as: str,
+    options: _Options,
+) -> tuple[Table, str, tuple[str, ...]]:
+    """The rows of a table over time while the stress (creep) or the strain (relaxation)
+    is held, which of both it is, and what is left out, in words.
+
+    What is held is looked for whatever the titles of the other columns say: compliance
+    and modulus are columns of flow curves and ramps too. Raises `InputError`.
+    """
+    count = len(table.rows)
+    time = np.arange(float(count))
+    if "time" in columns:
+        time = columns["time"].of(table, unit_of(name, columns["time"], options.units))
+    responses = {"stress": "creep", "strain": "relaxation"}
+    numbers = {
+        response: table.column(columns[role].place)
+        if role in columns
+        else np.ones(count)
+        for role, response in responses.items()
+        if measured_as not in ("creep", "relaxation") or response == measured_as
+        if (role in columns and not columns[role].log) or role in table.fixed
+    }
+    kept = [np.flatnonzero(~np.isfinite(time))]  # named later as no measurement
+    found: set[str] = set()
+    for curve in _curves(time):
+        late = curve[time[curve] > (options.specimen.ramp or 0.0)]
+        held = {
+            response: rows
+            for response, values in numbers.items()
+            if (rows := late[_run(values[late])]).size
+        }
+        if not numbers:
+            values = table.column(columns[measured_as].place)[late]
+            held = {measured_as: late[: _turn(values, measured_as)]}
+        if len(held) == 1:
+            ((response, rows),) = held.items()
+            found.add(response)
+            kept += [np.setdiff1d(curve, late), rows]
+        elif not found:
+            ended = float(np.nanmax(time, initial=0.0))
+            raise _NoStep(name, *_not_held([*numbers], bool(held), table), ended)
+        else:  # what follows remembers this
+            break
+    if len(found) > 1:
+        raise _NoStep(name, *_not_held([*numbers], False, table))
+    (response,) = found
+    places = np.sort(np.concatenate(kept))
+    if places.size == count:
+        return table, response, ()
+    line = table.rows[int(np.setdiff1d(np.arange(count), places)[0])].line
+    why = (
+        f"{'stress' if response == 'creep' else 'strain'} is not held there"
+        if numbers
+        else f"{measured_as} turns back there, as after another step"
     )
-    if stress_held == strain_held:
-        raise InputError(
-            f"{name}: stress and strain "
-            f"{'are both constant' if stress_held else 'both vary'} over time, which "
-            "is neither creep nor relaxation: give the one that was held, as "
-            "columns={'stress': '0.1 MPa'} (--column 'stress=0.1 MPa') or "
-            "columns={'strain': '1 %'} (--column 'strain=1 %')."
+    remark = f"{name}: {count - places.size} rows (line {line} on) left out: {why}."
+    rows = [table.rows[i] for i in places]
+    return table._replace(rows=rows), response, (remark,)
+
+
+def _curves(time: np.ndarray) -> list[np.ndarray]:
+    """The rows of each curve, by ascending time: where it turns the next one begins."""
+    rows = np.flatnonzero(np.isfinite(time))
+    along = np.sign(np.diff(time[rows]))
+    if (along < 0).sum() > (along > 0).sum():  # the last time first
+        return [curve[::-1] for curve in np.split(rows, np.flatnonzero(along > 0) + 1)]
+    return np.split(rows, np.flatnonzero(along < 0) + 1)
+
+
+def _not_held(runs: Sequence[str], held: bool, table: Table) -> tuple[str, str]:
+    """Why rows over time are no response to one step, and what to do, in words."""
+    if len(runs) > 1:
+        said = "are both constant" if held else "both vary"
+        what = f"stress and strain {said}"
+        advice = (
+            "give the one that was held, as columns={'stress': '0.1 MPa'} (--column "
+            "'stress=0.1 MPa') or columns={'strain': '1 %'} (--column 'strain=1 %')"
         )
-    modulus = values["stress"] / values["strain"]
-    return modulus, "creep" if stress_held else "relaxation"
+    elif "creep" in runs:
+        what, advice = "the stress is not held", "leave out the rows while it changes"
+    else:
+        what = "the strain is not held"
+        advice = (
+            "leave out the rows while it changes, or give the duration of its ramp, as "
+            "ramp=2.0 (--ramp '2 s')"
+        )
+    line = table.rows[0].line
+    return (
+        f"{what} over time from line {line} on, which is neither creep nor relaxation",
+        advice,
+    )
+
+
+def _run(numbers: np.ndarray) -> slice:
+    """The numbers, from about the first on, over which numbers hold; none where they do
+    not, or drift.
+
+    The first of them may still be on their way; the last is before a step.
+    """
+    few = min(_FEWEST_HELD, numbers.size)
+    for start in range(min(few, numbers.size // 4) + 1):
+        level = numbers[start] if numbers.size else 0.0
+        if not level > 0:
+            continue
+        off = np.abs(numbers[start:] / level - 1)
+        away = np.flatnonzero(off > _CONSTANT - 1)
+        if not away.size:
+            return slice(start, numbers.size)
+        if away[0] >= few and off[away[0]] > _STEP:
+            return slice(start, start + int(away[0]))
+    return slice(0, 0)
+
+
+def _turn(numbers: np.ndarray, response: str) -> int:
+    """How many rows there are before a compliance falls, or a modulus rises, by more
+    than noise and ringing do.
+    """
+    known = np.where(np.isfinite(numbers), numbers, 0.0)
+    if response == "creep":
+        back = known < (1 - _BACK) * np.maximum.accumulate(known)
+    else:
+        known = np.where(known > 0, known, np.inf)
+        largest = known[np.isfinite(known)].max(initial=0.0)
+        back = known > np.minimum.accumulate(known) + _BACK * largest
+        back &= np.isfinite(known)
+    if back.sum() <= _RINGING * numbers.size:
+        return numbers.size
+    return int(np.argmax(back))
 
 
 def _scale(name: str, specimen: Specimen) -> float:

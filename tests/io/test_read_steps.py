@@ -1,0 +1,244 @@
+"""Creep and relaxation are responses to one step of stress or strain that is held: this
+is tested, whatever the titles say.
+"""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.fit import FitWarning
+
+from .cases import twins
+
+SHEAR = {"kind": "shear", "temperature": 296.15}
+EQUILIBRIUM, BRANCH, TAU = 1e5, 2e5, 20.0  # [Pa, Pa, s]
+STRESS = 5000.0  # [Pa]
+TIME = np.geomspace(0.5, 300, 25)
+
+
+def compliance(t):
+    """J(t) of the standard solid."""
+    stiff = EQUILIBRIUM + BRANCH
+    retarded = TAU * stiff / EQUILIBRIUM
+    share = np.exp(-np.maximum(t, 0) / retarded) * (1 / stiff - 1 / EQUILIBRIUM)
+    return np.where(t > 0, 1 / EQUILIBRIUM + share, 0.0)
+
+
+def relaxation(t):
+    return EQUILIBRIUM + BRANCH * np.exp(-np.asarray(t) / TAU)
+
+
+def table(titles, *columns, mark=","):
+    rows = zip(*columns, strict=True)
+    return "\n".join([titles, *(mark.join(f"{x:.8g}" for x in row) for row in rows)])
+
+
+HEAD = "Meas. Pts.\tTime\tShear Stress\tStrain\tCreep Compliance\tTorque\n"
+UNITS = "\t[s]\t[Pa]\t[%]\t[1/Pa]\t[µNm]"
+
+
+def interval(number, time, stress, strain):
+    """An interval of a rheometer's export; J is 0 where nothing is held."""
+    j = np.where(stress > 0, strain / np.maximum(stress, 1.0), 0.0)
+    columns = np.arange(1, time.size + 1), time, stress, 100 * strain, j, 0.02 * stress
+    body = table(HEAD + UNITS, *columns, mark="\t")
+    return f"Interval:\t{number}\nNumber of Data Points:\t{time.size}\n\n{body}\n\n"
+
+
+def rheometer(*intervals):
+    return (
+        "Data Series Information\nName:\trubber A creep recovery 1\nNumber of "
+        f"Intervals:\t{len(intervals)}\n\n"
+        + "".join(interval(i, *one) for i, one in enumerate(intervals, 1))
+    )
+
+
+CREEP = (TIME, np.full(25, STRESS), STRESS * compliance(TIME))
+LATER = 300 + TIME
+RECOVERED = STRESS * (compliance(LATER) - compliance(TIME))
+RECOVERY = (LATER, np.zeros(25), RECOVERED)
+AGAIN = (600 + TIME, np.full(25, STRESS), RECOVERED[-1] + STRESS * compliance(TIME))
+
+
+def holds_first_creep(dma, rtol=1e-5):
+    assert dma.response == "creep"
+    np.testing.assert_allclose(dma.time, TIME, rtol=rtol)
+    np.testing.assert_allclose(1 / dma.relaxation, compliance(TIME), rtol=rtol)
+
+
+def test_creep_followed_by_recovery(tmp_path):
+    made, *shared = twins(
+        tmp_path, "creep_then_recovery.txt", rheometer(CREEP, RECOVERY)
+    )
+    with pytest.warns(FitWarning, match=r"stress is not held.*from line 4\d on.*left"):
+        holds_first_creep(em.read_dma(made, **SHEAR))
+    for path in shared:
+        with pytest.warns(
+            FitWarning, match="stress is not held over time from line 41"
+        ):
+            dma = em.read_dma(path, **SHEAR)
+        assert dma.time.size == 25
+        assert 1 / dma.relaxation[-1] == pytest.approx(3.77e-6, rel=2e-3)
+
+
+@pytest.mark.parametrize("restarts", [False, True])
+def test_of_cycles_the_first_creep_is_read(tmp_path, restarts):
+    """The second creep has the recovery of the first in it."""
+    again = (TIME, *AGAIN[1:]) if restarts else AGAIN
+    file = tmp_path / "cycles.txt"
+    file.write_text(rheometer(CREEP, RECOVERY, again))
+    said = "a second creep at one temperature" if restarts else "count on from the step"
+    with pytest.warns(FitWarning) as caught:
+        holds_first_creep(em.read_dma(file, **SHEAR))
+    for one, word in zip(caught, ("is not held", said), strict=True):
+        assert word in str(one.message)
+
+
+def test_cycles_in_one_table(tmp_path):
+    columns = [np.concatenate(of) for of in zip(CREEP, RECOVERY, AGAIN, strict=True)]
+    file = tmp_path / "cycles.csv"
+    file.write_text(table("time [s],stress [Pa],strain [-]", *columns))
+    with pytest.warns(FitWarning, match=r"50 rows \(line 27 on\) left out: stress is"):
+        holds_first_creep(em.read_dma(file, **SHEAR))
+    # a compliance alone: it falls where the stress is taken away
+    file.write_text(table("time [s],J(t) [1/Pa]", columns[0], columns[2] / STRESS))
+    with pytest.warns(FitWarning, match=r"left out: creep turns back"):
+        dma = em.read_dma(file, **SHEAR)
+    assert 25 <= dma.time.size <= 35  # elastic recovery is a third of it
+    np.testing.assert_allclose(1 / dma.relaxation[:25], compliance(TIME), rtol=1e-5)
+
+
+def ramped(t):
+    """Strain under a stress that rises as 50 Pa/s t: int_0^t J ds times the rate."""
+    stiff = EQUILIBRIUM + BRANCH
+    retarded = TAU * stiff / EQUILIBRIUM
+    grown = retarded * -np.expm1(-t / retarded) * (1 / stiff - 1 / EQUILIBRIUM)
+    return 50.0 * (t / EQUILIBRIUM + grown)
+
+
+@pytest.mark.parametrize("count", [30, 400])
+@pytest.mark.parametrize("spaced", [np.geomspace, np.linspace])
+def test_a_ramp_of_stress_is_no_creep(tmp_path, spaced, count):
+    """Read as creep it has half of G'' at 0.2 rad/s, with residuals of 0.13 %."""
+    t = spaced(0.5, 200, count)
+    stress, strain = 50 * t, ramped(t)
+    titles = (
+        "time [s],shear stress [Pa],shear strain [%],creep compliance J [1/Pa]",
+        "time [s],shear stress [Pa],shear strain [%],relaxation modulus G(t) [Pa]",
+    )
+    for title, last in zip(titles, (strain / stress, stress / strain), strict=True):
+        text = table(title, t, stress, 100 * strain, last)
+        for path in twins(tmp_path, "stress_ramp_with_compliance.csv", text):
+            with pytest.raises(
+                em.InputError, match="is not held over time from line 2"
+            ):
+                em.read_dma(path, **SHEAR)
+
+
+def test_a_compliance_and_a_stress_that_is_not_held(tmp_path):
+    """A flow curve, without a strain: the stress alone says it."""
+    file = tmp_path / "flow.csv"
+    t = np.linspace(1, 100, 50)
+    columns = t, np.repeat(np.linspace(100, 1000, 25), 2), compliance(t)
+    file.write_text(table("time [s],stress [Pa],compliance [1/Pa]", *columns))
+    with pytest.raises(em.InputError, match="the stress is not held"):
+        em.read_dma(file, **SHEAR)
+
+
+def test_of_stairs_the_first_step_is_read(tmp_path):
+    t = np.arange(1.0, 41.0)
+    stress = np.where(t <= 20, 1000.0, 2000.0)
+    strain = 1000 * compliance(t) + 1000 * compliance(t - 20)
+    file = tmp_path / "stairs.csv"
+    columns = t, stress, strain, strain / stress
+    file.write_text(
+        table("time [s],stress [Pa],strain [-],compliance [1/Pa]", *columns)
+    )
+    with pytest.warns(FitWarning, match=r"20 rows \(line 22 on\) left out: stress"):
+        dma = em.read_dma(file, **SHEAR)
+    np.testing.assert_allclose(1 / dma.relaxation, compliance(t[:20]), rtol=1e-6)
+
+
+def test_a_second_step_of_strain_is_left_out(tmp_path):
+    t = np.arange(1.0, 41.0)
+    modulus = relaxation(t) + np.where(t > 20, relaxation(t - 20), 0.0)
+    strain = np.where(t <= 20, 0.01, 0.02)
+    file = tmp_path / "steps.csv"
+    for titles, columns in (
+        ("time [s],strain [-],relaxation modulus [Pa]", (t, strain, modulus)),
+        ("time [s],G(t) [Pa]", (t, modulus)),
+    ):
+        file.write_text(table(titles, *columns))
+        with pytest.warns(FitWarning, match=r"20 rows \(line 22 on\) left out"):
+            dma = em.read_dma(file, **SHEAR)
+        np.testing.assert_allclose(dma.relaxation, relaxation(t[:20]), rtol=1e-6)
+
+
+def test_intervals_of_one_step_are_one_relaxation(tmp_path):
+    """A rheometer samples fast, then slowly, while the strain is held."""
+    fast, slow = np.linspace(0.1, 5, 20), np.linspace(6, 100, 20)
+    file = tmp_path / "relaxation.txt"
+    parts = [
+        f"Interval:\t{i}\n\n"
+        + table(
+            "Time\tStrain\tRelaxation Modulus\n[s]\t[%]\t[Pa]",
+            t,
+            0 * t + 1,
+            relaxation(t),
+            mark="\t",
+        )
+        for i, t in enumerate((fast, slow), 1)
+    ]
+    file.write_text("\n\n".join(parts))
+    dma = em.read_dma(file, **SHEAR)
+    np.testing.assert_allclose(dma.relaxation, relaxation(dma.time), rtol=1e-6)
+    assert dma.time.size == 40
+
+
+def test_times_that_count_on_at_another_temperature_are_refused(tmp_path):
+    t = np.linspace(1, 100, 20)
+    parts = [
+        f"T = {20 + 20 * i} degC\n"
+        + table("time [s],G(t) [Pa]", t + 200 * i, relaxation(t))
+        for i in range(3)
+    ]
+    file = tmp_path / "relaxation.csv"
+    file.write_text("\n".join(parts))
+    with pytest.raises(
+        em.InputError, match=r"line 25 on count on.*another temperature"
+    ):
+        em.read_dma(file, kind="shear")
+
+
+def test_stress_that_settles_is_held(tmp_path):
+    """Two rows on the way up, and noise of a per cent, are no other test."""
+    t = np.geomspace(0.1, 100, 40)
+    stress = 1000 * (1 + 0.01 * np.sin(np.arange(40)))
+    stress[:2] = 300, 800
+    file = tmp_path / "creep.csv"
+    columns = t, stress, 1000 * compliance(t), compliance(t)
+    file.write_text(
+        table("time [s],stress [Pa],strain [-],compliance [1/Pa]", *columns)
+    )
+    with pytest.warns(FitWarning, match=r"2 rows \(line 2 on\) left out"):
+        dma = em.read_dma(file, **SHEAR)
+    np.testing.assert_allclose(1 / dma.relaxation, compliance(t[2:]), rtol=1e-6)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_isotherms_of_creep_in_one_table_have_stresses_of_their_own(tmp_path, way):
+    """Also with the last time first; a row without a time is named as it was."""
+    curves = [
+        (t := TIME[::way], 0 * t + 20.0 * i, 0 * t + 1000.0 / (i + 1), compliance(t))
+        for i in range(3)
+    ]
+    text = table(
+        "time [s],T [degC],stress [Pa],compliance [1/Pa]",
+        *(np.concatenate(of) for of in zip(*curves, strict=True)),
+    )
+    file = tmp_path / "creep.csv"
+    file.write_text(text + "\n,40,333.3,1e-6")
+    with pytest.warns(FitWarning, match=r"1 row left out: line 77: time.*not a number"):
+        dma = em.read_dma(file, kind="shear")
+    assert dma.time.size == 75
+    np.testing.assert_allclose(1 / dma.relaxation, compliance(dma.time), rtol=1e-6)
