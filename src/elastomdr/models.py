@@ -85,14 +85,22 @@ class Model:
         """`em.plan` of a rough line or surface."""
         self._refuse("one of friction")
 
-    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
+    def leak(
+        self,
+        surface: AbstractSpectrum,
+        relative_pressure: Array,
+        direction: float | None = None,
+    ) -> GapFlow:
         """Gaps of a surface and the flow through them, for `em.leak`;
-        `relative_pressure` is the pressure over E*, shape (rows, points).
+        `relative_pressure` is the pressure over E*, shape (rows, points), `direction`
+        that of the flow to a lay [rad], if it is known.
         """
         self._refuse(_OF_LEAKS)
 
     # of a leak: pressures along a seal by which its model is asked, 2^n + 1
     leak_nodes: ClassVar[int] = 17
+    # whether a leak is computed in its direction to a lay
+    leak_turns: ClassVar[bool] = False
 
     def closes_at(self) -> float:
         """The real contact area over nominal area from which on nothing flows."""
@@ -458,10 +466,15 @@ class Multiscale(_ClosedIntegrals):
 
         return waves_of_multiscale(modulus, nodes, velocity, pressure, table, local)
 
-    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
+    def leak(
+        self,
+        surface: AbstractSpectrum,
+        relative_pressure: Array,
+        direction: float | None = None,
+    ) -> GapFlow:
         from .seal.leak_form import leak
 
-        return leak(surface, relative_pressure)
+        return leak(surface, relative_pressure, direction)
 
     def closes_at(self) -> float:
         from .seal.leak_form import FORM
@@ -629,14 +642,19 @@ class HalfSpace(SurfaceModel):
         differs = any(getattr(surface, name, None) for name in others)
         return 0.0 * area if differs and not self.on_map(surface) else None
 
-    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
+    def leak(
+        self,
+        surface: AbstractSpectrum,
+        relative_pressure: Array,
+        direction: float | None = None,
+    ) -> GapFlow:
         from .seal.gap_maps import leak
 
-        return leak(
-            self.cells, self.periods, seeds_of(self.seeds), surface, relative_pressure
-        )
+        maps = (self.cells, self.periods, seeds_of(self.seeds))
+        return leak(*maps, surface, relative_pressure, direction)
 
     leak_nodes: ClassVar[int] = 5  # each is a contact in three dimensions
+    leak_turns: ClassVar[bool] = True
 
     def closes_at(self) -> float:
         return 0.5  # beyond what maps reach

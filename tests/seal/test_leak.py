@@ -431,6 +431,33 @@ def test_maps_along_and_across_a_lay_are_within_the_bound():
         assert (off < np.log1p(found.model_error)).all()
 
 
+def test_direction_to_a_lay():
+    """Maps lie in it; of others it is in the bound."""
+    ways = 0.0, 0.5, np.pi / 2
+    lay, scene = measured(2.0), {**LIGHT, "pressure": 5e4}
+    found = [em.leak(RUBBER, lay, direction=way, **scene) for way in ways]
+    either = em.leak(RUBBER, lay, **scene)
+    bounds = [float(each.model_error) for each in found]
+    assert bounds[0] < bounds[2] <= either.model_error
+    assert bounds[0] > em.leak(RUBBER, ROUGH, direction=0.0, **scene).model_error
+    assert found[0].rate == either.rate
+    assert "to the lay" in found[2].summary()
+    maps = [
+        em.leak(
+            RUBBER, lay, direction=way, model=em.HalfSpace(cells=128, seeds=2), **scene
+        )
+        for way in ways
+    ]
+    rates = [float(each.rate) for each in maps]
+    assert rates[0] > rates[1] > rates[2]
+    assert maps[0].model_error is None
+    for truth, form in zip(maps, found, strict=True):
+        off = abs(np.log(float(truth.rate / form.rate)))
+        assert off < np.log1p(form.model_error)
+    with pytest.raises(em.InputError, match="direction must be finite"):
+        em.leak(RUBBER, lay, direction=np.nan, **scene)
+
+
 def test_maps_of_a_measured_surface_have_a_bound():
     """Gaussian maps whose two axes are taken as one medium."""
     model = em.HalfSpace(cells=64, seeds=1)

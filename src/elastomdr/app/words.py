@@ -171,6 +171,8 @@ _LABELS = _TABLES | {
     "walls",
     "viscosity": "Viscosity η [mPa·s]",
     "density": "Density ρ [kg/m³]|gives the mass rate as well",
+    "leak.direction": "Direction of the flow [°]|to the lay of a ground or turned surface: 0 "
+    "along it",
     "leak.length": "Contact length along the flow [mm]|a profile and an O-ring have their "
     "own",
     "leak.width": "Contact width across the flow [m]|1 m where nothing is given",

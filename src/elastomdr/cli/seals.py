@@ -14,6 +14,7 @@ from .scene import OfBodies, Scene, body, load, on_axes
 from .schema import Positive, Several, Sweep, Table, Text, given, named
 from .steady import OfDraws
 from .units import (
+    Angle,
     Density,
     Duration,
     Force,
@@ -93,6 +94,10 @@ class Leak(Table):
     ] = None
     time: Annotated[
         Several[Duration] | None, "since it was pressed; by default long after"
+    ] = None
+    direction: Annotated[
+        Angle | None,
+        "of the flow, to the lay of a measured surface: 0 along its grooves",
     ] = None
     model: Annotated[
         Literal["multiscale", "critical constriction", "effective medium", "half-space"]

@@ -83,6 +83,7 @@ class Pressed(NamedTuple):
     soft: Any  # 1/E* [1/Pa]
     drop: Any  # dp [Pa]
     fluid: Fluid
+    direction: float | None  # of the flow to a lay [rad], if it is known
 
 
 class Flow(NamedTuple):
@@ -154,7 +155,8 @@ def _rule(count: int) -> _Rule:
 def _asked(pressed: Pressed, relative_pressure: Any) -> GapFlow:
     """The model's answers at pressures over E* (rows, ...), in their shape."""
     rows, *dims = relative_pressure.shape
-    gaps = pressed.model.leak(pressed.surface, relative_pressure.reshape(rows, -1))
+    flat = relative_pressure.reshape(rows, -1)
+    gaps = pressed.model.leak(pressed.surface, flat, pressed.direction)
     shaped = {
         name: x.reshape((*x.shape[:-1], *dims)) for name, x in _arrays(gaps).items()
     }

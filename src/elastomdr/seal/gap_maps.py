@@ -37,8 +37,10 @@ from ..errors import InputError
 from ..models import GapFlow
 from ..rough.half_space import area_of, solve, waves
 from ..rough.random_maps import Grid, grid_of
+from ..surface.lay import lay_of
 from ..surface.spectrum import rough_map
-from .leak_form import of_heights
+from ..surface.topography import skewness_of
+from .leak_form import of_heights, of_skewness
 
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
 
@@ -291,17 +293,28 @@ def leak(
     seeds: Any,
     surface: Any,
     relative_pressure: Any,
+    direction: float | None,
 ) -> GapFlow:
-    """The answers of `em.HalfSpace` at pressures over E*, (rows, points)."""
+    """The answers of `em.HalfSpace` at pressures over E*, (rows, points).
+
+    On a surface with a lay the maps lie in the `direction` of the flow, which is that
+    along their first axis; without one both axes are taken as one medium.
+    """
     if is_traced(surface, relative_pressure):
         raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
     grid = grid_of(surface, cells, periods)
     flat, shape = np.ravel(relative_pressure), relative_pressure.shape
-    flows, slips = np.full((2, len(seeds), 2, flat.size), np.nan)
+    turned = direction is not None and lay_of(surface) is not None
+    axes = 1 if turned else 2
+    flows, slips = np.full((2, len(seeds), axes, flat.size), np.nan)
     gap, critical, area = (np.full((len(seeds), flat.size), np.nan) for _ in range(3))
     for i, seed in enumerate(seeds):
         heights, side = rough_map(
-            surface, seed, periods=grid.periods, points=grid.cells
+            surface,
+            seed,
+            periods=grid.periods,
+            points=grid.cells,
+            direction=direction or 0.0,
         )
         start = None
         for j in np.argsort(flat):
@@ -309,7 +322,8 @@ def leak(
             start = contact.pressure if contact.settled else None
             if contact.settled:
                 through = flow(contact.gap)
-                flows[i, :, j], slips[i, :, j] = through.conductance, through.slip
+                flows[i, :, j] = through.conductance[:axes]
+                slips[i, :, j] = through.slip[:axes]
                 gap[i, j], area[i, j] = contact.gap.mean(), contact.area
                 if j < shape[1]:  # of the first row
                     critical[i, j] = narrowest(contact.gap)
@@ -323,6 +337,8 @@ def leak(
     )
     error = _scatter(flows) + _of_cells(area.mean(0), surface, grid)
     of_surface = of_heights(surface, area.mean(0))
+    if turned:
+        of_surface = of_skewness(skewness_of(surface), area.mean(0))
     return GapFlow(
         flow=w.reshape(shape),
         slip=slip.reshape(shape),
@@ -330,7 +346,7 @@ def leak(
         critical_gap=_mean_of_open(critical)[: shape[1]],
         area=area.mean(0).reshape(shape),
         error=error.reshape(shape),
-        # maps are Gaussian, and a lay makes their axes differ
+        # maps are Gaussian, and a lay makes both axes differ
         model_error=np.expm1(of_surface).reshape(shape) if of_surface.any() else None,
         good=good.reshape(shape),
         said="Reynolds' equation on gaps in three dimensions (no reduction)",

@@ -32,6 +32,8 @@ from ..checks import (
     not_negative,
     only_one,
     positive,
+    require,
+    scalar,
     warn_unless,
 )
 from ..element.law import Foundation, as_foundation
@@ -43,6 +45,7 @@ from ..models import HalfSpace, Model, Multiscale, as_model
 from ..results.base import WIDE, Array, Result, quantity, record, setting
 from ..results.doubts import Doubt
 from ..results.words import brief, in_unit, span
+from ..surface.lay import lay_of
 from ..surface.spectrum import as_spectrum
 from ..surface.topography import skewness_of
 from . import gas
@@ -302,6 +305,7 @@ def leak(
     molar_mass: ArrayLike | None = None,
     time: ArrayLike | None = None,
     temperature: ArrayLike | None = None,
+    direction: float | None = None,
     model: Multiscale
     | CriticalConstriction
     | EffectiveMedium
@@ -344,6 +348,9 @@ def leak(
         temperature: temperature [K], for a material with a shift law, and with
             molar_mass, where it is that of the gas; a rubber without a shift law is then
             the same at every temperature. The viscosity is that given.
+        direction: of the flow, as an angle to the lay of a measured surface [rad]: 0
+            along the grooves, pi/2 across. `em.HalfSpace()` computes that flow; by others
+            it is what `model_error` holds of the lay, without it of both ways.
         model: `em.Multiscale()` by default, a form that was fitted to maps; to compare
             with, `em.CriticalConstriction()` and `em.EffectiveMedium()`;
             `em.HalfSpace()` solves Reynolds' equation on maps of gaps.
@@ -398,7 +405,8 @@ def leak(
     shape = broadcast_shape(**given)
     soft, factor = softness(foundation, **_of_rubber(foundation, given))
     gas_or_liquid = Fluid() if given["outlet_pressure"] is None else gas.gas_of(given)
-    pressed = Pressed(chosen, surface, soft, given["pressure_drop"], gas_or_liquid)
+    way = None if direction is None else _angle(direction)
+    pressed = Pressed(chosen, surface, soft, given["pressure_drop"], gas_or_liquid, way)
     if seal.pressure_at is None:
         flow = even(pressed, given["pressure"], given["length"])
     else:
@@ -411,13 +419,25 @@ def leak(
     fields = _fields(given, flow, good, shape)
     return Leak(
         **fields,
-        marks=(*beyond, *_wide_by_heights(surface, fields["model_error"], good)),
+        marks=(*beyond, *_wide_by_heights(pressed, fields["model_error"], good)),
         slip_estimated=given["outlet_pressure"] is not None
         and not flow.slips_by_itself,
         model=_model_in_words(given, flow),
         plan=flow.work,
-        inputs=tuple(_inputs_in_words(foundation, surface, given, seal)),
+        inputs=tuple(_inputs_in_words(foundation, pressed, given, seal)),
     )
+
+
+def _angle(direction: Any) -> float:
+    """The direction of the flow [rad]. Raises `InputError`."""
+    if is_traced(direction):
+        raise InputError(
+            "direction must be a plain number under jax.jit, grad and vmap: bounds alone "
+            "depend on it."
+        )
+    angle: Any = scalar("direction", direction)
+    require("direction", angle, "finite [rad]", np.isfinite)
+    return float(angle)
 
 
 class _Seal(NamedTuple):
@@ -681,10 +701,12 @@ def _fields(
     }
 
 
-def _heights_in_words(surface: Any) -> list[str]:
+def _heights_in_words(pressed: Pressed) -> list[str]:
     """What a measured surface has that the model does not know."""
-    remarks, skewness = [], getattr(surface, "skewness", 0.0)
-    if getattr(surface, "lay", None) is not None:
+    surface, remarks = pressed.surface, []
+    skewness = getattr(surface, "skewness", 0.0)
+    turned = pressed.model.leak_turns and pressed.direction is not None
+    if lay_of(surface) is not None and not turned:
         remarks.append(
             "the surface has a lay, along which more flows and across which less, through "
             "channels that close earlier: the rate is that of its mean spectrum"
@@ -698,9 +720,11 @@ def _heights_in_words(surface: Any) -> list[str]:
     return remarks
 
 
-def _wide_by_heights(surface: Any, model_error: Any, good: Any) -> tuple[Doubt, ...]:
+def _wide_by_heights(
+    pressed: Pressed, model_error: Any, good: Any
+) -> tuple[Doubt, ...]:
     """Where the bound is wide, of a surface whose lay or skewness is a part of it."""
-    remarks = _heights_in_words(surface)
+    remarks = _heights_in_words(pressed)
     if not remarks or model_error is None:
         return ()
     says = "; ".join(
@@ -712,8 +736,9 @@ def _wide_by_heights(surface: Any, model_error: Any, good: Any) -> tuple[Doubt, 
 
 
 def _inputs_in_words(
-    foundation: Foundation, surface: Any, given: dict[str, Any], seal: _Seal
+    foundation: Foundation, pressed: Pressed, given: dict[str, Any], seal: _Seal
 ) -> list[tuple[str, str]]:
+    surface, direction = pressed.surface, pressed.direction
     words = "" if is_traced(surface) else f", {surface.words()}"
     inputs = [
         *material_in_words(foundation),
@@ -728,7 +753,10 @@ def _inputs_in_words(
     if seal.said:
         inputs.append(("profile", seal.said))
     inputs += [("as read", remark) for remark in getattr(surface, "report", ())]
-    inputs += [("heights", remark) for remark in _heights_in_words(surface)]
+    if direction is not None:
+        known = "" if lay_of(surface) is not None else ": no lay is known"
+        inputs.append(("direction", f"{brief(direction, 'rad')} to the lay{known}"))
+    inputs += [("heights", remark) for remark in _heights_in_words(pressed)]
     if _of_rubber(foundation, given)["temperature"] is not given["temperature"]:
         inputs.append(("rubber", "without a shift law, the same at every temperature"))
     return inputs if given["time"] is not None else [*inputs, ("relaxed", "completely")]

@@ -53,6 +53,8 @@ _STEEP = 0.3, 1.4  # D of the maps
 # What a lay and a skewness of the heights change, and up to which Peklenik number and
 # skewness that was tried: benchmarks/leak_surfaces.py.
 _LAY, _MOST_LAY = (1.1, 0.55, 3.0), 5.0
+_ACROSS = 1e-6  # cos^2 of a direction to the lay that is across it
+_ALONG = 1.05, 6.5  # of the flow along a lay alone
 _EARLIER = 1.15  # power of the Peklenik number with which channels close earlier
 _SKEWED, _MOST_SKEWED = (1.7, 3.2), 1.0
 _WORN = 0.4  # by how much less contact closes channels, over the skewness
@@ -107,9 +109,12 @@ def _near(area: Any, closes: Any) -> Any:
     return np.where(sure, -np.log1p(-np.where(sure, part_closed, 0.0)), np.inf)
 
 
-def of_lay(log_peklenik: Any, area: Any) -> Any:
+def of_lay(log_peklenik: Any, area: Any, direction: float | None = None) -> Any:
     """Bound on |ln w/w_0| by a lay, w_0 being the flow without: along it more flows,
     across it less, and channels across close earlier. NaN beyond what was tried.
+
+    In a `direction` to the lay, w = w_along cos^2 + w_across sin^2 lies between ln(cos^2
+    e^along + sin^2) and the less far of ln cos^2 and -across.
     """
     stretch = np.abs(log_peklenik)
     constant, grows, near = _LAY
@@ -117,6 +122,14 @@ def of_lay(log_peklenik: Any, area: Any) -> Any:
     log = stretch * (
         slope + near * _near(area, FORM.closes * np.exp(-_EARLIER * stretch))
     )
+    if direction is not None:
+        constant, near = _ALONG
+        along = stretch * (constant + near * _near(area, FORM.closes))
+        square = max(float(np.cos(direction)) ** 2, 1e-300)
+        more = np.logaddexp(np.log(square) + along, np.log(max(1 - square, 1e-300)))
+        # a channel across is as good as none
+        less = -np.log(square) if square > _ACROSS else np.inf
+        log = np.maximum(more, np.minimum(log, less))
     return np.where(stretch <= np.log(_MOST_LAY), log, np.nan)
 
 
@@ -130,16 +143,16 @@ def of_skewness(skewness: Any, area: Any) -> Any:
     return np.where(np.abs(skewness) <= _MOST_SKEWED, log, np.nan)
 
 
-def of_heights(surface: Any, area: Any) -> Any:
+def of_heights(surface: Any, area: Any, direction: float | None = None) -> Any:
     """Both of a surface; zero of one that is isotropic and Gaussian."""
     log, lay = 0.0 * area, lay_of(surface)
     if lay is not None:
-        log = log + of_lay(np.mean(np.abs(lay.log_peklenik)), area)
+        log = log + of_lay(np.mean(np.abs(lay.log_peklenik)), area, direction)
     skewness = skewness_of(surface)
     return log + of_skewness(skewness, area) if skewness else log
 
 
-def bound(surface: Any, area: Any) -> Any:
+def bound(surface: Any, area: Any, direction: float | None = None) -> Any:
     """w is within a factor of 1 + this of three dimensions, for 95 % of the points of
     the maps.
 
@@ -152,17 +165,19 @@ def bound(surface: Any, area: Any) -> Any:
         np.log10(np.maximum(x, 1.0))
         for x in (ratio / _RATIOS[1], _RATIOS[0] / ratio, _LEAST / area)
     )
-    return np.expm1(log_bound(area) * (1 + beyond) + of_heights(surface, area))
+    return np.expm1(
+        log_bound(area) * (1 + beyond) + of_heights(surface, area, direction)
+    )
 
 
-def leak(surface: Any, relative_pressure: Any) -> GapFlow:
+def leak(surface: Any, relative_pressure: Any, direction: float | None) -> GapFlow:
     """The answers at pressures over E*, (rows, points)."""
     if is_traced(surface, relative_pressure):
         shared, points = as_doubles((surface, relative_pressure))
         counts = cell_counts(known(fixed(surface)), _TRACED)
-        numbers = _with_slopes(counts)(shared, points)
+        numbers = _with_slopes(counts, direction)(shared, points)
     else:
-        numbers = _numbers(surface, relative_pressure)
+        numbers = _numbers(surface, relative_pressure, direction)
     flow, gap, area, critical, error, model_error = numbers
     return GapFlow(
         flow=flow,
@@ -176,7 +191,9 @@ def leak(surface: Any, relative_pressure: Any) -> GapFlow:
     )
 
 
-def _numbers(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
+def _numbers(
+    surface: Any, relative_pressure: Any, direction: float | None
+) -> tuple[Any, ...]:
     """Flow, gap, area, critical gap of the first row, relative error of the flow and its
     bound.
     """
@@ -188,7 +205,9 @@ def _numbers(surface: Any, relative_pressure: Any) -> tuple[Any, ...]:
         flow, gap = _flow_and_gap(contacts, surface.rms_height)
         less, _ = _flow_and_gap(contact_of(coarse, batch), surface.rms_height)
         error = np.abs(flow - less) / np.where(flow > 0, flow, 1.0)
-        parts.append((flow, gap, contacts.area, error, bound(surface, contacts.area)))
+        parts.append(
+            (flow, gap, contacts.area, error, bound(surface, contacts.area, direction))
+        )
     flow, gap, area, error, model_error = (
         np.concatenate(columns).reshape(relative_pressure.shape)
         for columns in zip(*parts, strict=True)
@@ -208,7 +227,9 @@ def _flow_and_gap(contacts: Contact, rms_height: Any) -> tuple[Any, Any]:
 
 
 @functools.lru_cache(64)
-def _with_slopes(counts: tuple[int, ...]) -> Callable[..., tuple[Any, ...]]:
+def _with_slopes(
+    counts: tuple[int, ...], direction: float | None
+) -> Callable[..., tuple[Any, ...]]:
     """`_numbers` under a transformation of JAX, with derivatives of flow, gap and
     area.
     """
@@ -224,4 +245,5 @@ def _with_slopes(counts: tuple[int, ...]) -> Callable[..., tuple[Any, ...]]:
         each = (relative_pressure,) * 3
         return (*each, relative_pressure[0], *each[:2])
 
-    return numbers_with_slopes(_numbers, ((formula, 3),), like)
+    numbers = functools.partial(_numbers, direction=direction)
+    return numbers_with_slopes(numbers, ((formula, 3),), like)

@@ -49,7 +49,12 @@ class LeakTheory(Model, ABC):
     def flow(self, contacts: Contact) -> Array:
         """w [m^3] at each point."""
 
-    def leak(self, surface: AbstractSpectrum, relative_pressure: Array) -> GapFlow:
+    def leak(
+        self,
+        surface: AbstractSpectrum,
+        relative_pressure: Array,
+        direction: float | None = None,
+    ) -> GapFlow:
         if is_traced(surface, relative_pressure):
             raise InputError("model must be em.Multiscale() under jit, grad and vmap.")
         fine, coarse = (nodes(surface, count) for count in (2 * PER_DECADE, PER_DECADE))
