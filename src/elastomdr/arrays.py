@@ -260,6 +260,8 @@ def is_traced(*trees: Any) -> bool:
 
 def _holds(tree: Any, tracer: type) -> bool:
     """Whether a tree that is none of ours holds a tracer."""
+    if hasattr(type(tree), "__next__"):  # JAX warns of what can be read only once
+        return False
     import jax
 
     return any(isinstance(leaf, tracer) for leaf in jax.tree.leaves(tree))

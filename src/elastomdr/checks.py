@@ -7,6 +7,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+import reprlib
 import sys
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
@@ -363,7 +364,9 @@ def only_one(**arguments: Any) -> str:
         return given[0]
     *names, last = arguments
     got = " and ".join(
-        f"{name}={arguments[name]}" if np.ndim(arguments[name]) == 0 else name
+        f"{name}={arguments[name]}"
+        if isinstance(arguments[name], float | int)
+        else name
         for name in given
     )
     either = " or ".join(filter(None, (", ".join(names), last)))
@@ -394,18 +397,34 @@ def plain(name: str, value: Any) -> float:
     return float(scalar(name, value))
 
 
+def is_whole(value: Any) -> bool:
+    """Whether a value is a whole number, and no flag."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def whole_number(name: str, value: Any, least: int, most: int | None = None) -> None:
+    """Raises `InputError` unless `value` is a whole number from `least` to `most`."""
+    if not is_whole(value) or value < least or (most is not None and value > most):
+        accepted = f"{least} or more" if most is None else f"{least} to {most}"
+        raise InputError(
+            f"{name} must be a whole number, {accepted}, got {reprlib.repr(value)}."
+        )
+
+
 def one_of(name: str, value: Any, *accepted: str) -> None:
     """Raises `InputError` unless a value is one of some texts."""
-    if value not in accepted:
+    if not isinstance(value, str) or value not in accepted:
         *first, last = map(repr, accepted)
-        raise InputError(f"{name} must be {', '.join(first)} or {last}, got {value!r}.")
+        raise InputError(
+            f"{name} must be {', '.join(first)} or {last}, got {reprlib.repr(value)}."
+        )
 
 
 def are_texts(**values: Any) -> None:
     """Raises `InputError` for what is no text."""
     for name, value in values.items():
         if not isinstance(value, str):
-            raise InputError(f"{name} must be a text, got {value!r}.")
+            raise InputError(f"{name} must be a text, got {reprlib.repr(value)}.")
 
 
 def untraced(name: str, value: Any, why: str) -> None:

@@ -6,6 +6,7 @@ import codecs
 import errno
 import os
 import re
+import reprlib
 import stat
 import tempfile
 import tomllib
@@ -21,6 +22,15 @@ _MOST_TOML = 5_000_000  # bytes of a scene or a material
 _DEEPEST = 10  # parts of a dotted key
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
 _DEEP_KEY = re.compile(rf"(?<![\w\"'-]){_PART}(?:\.[ \t]*+{_PART}){{{_DEEPEST}}}")
+
+
+def as_path(path: Any, name: str = "path") -> Path:
+    """A path from its name; raises `InputError` for what is none."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise InputError(
+            f"{name} must be the name of a file, got {reprlib.repr(path)}."
+        )
+    return Path(path)
 
 
 def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:

@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, NoReturn
 
-from .checks import is_traced
+from .checks import is_traced, is_whole, whole_number
 from .errors import InputError, closest
 from .units.arguments import constructor_in_si
 
@@ -687,14 +687,6 @@ def as_model(model: Any, kinds: dict[str, type[Model]] = KINDS) -> Model | None:
     raise InputError(f"model must be {listed}; got {model!r}.{hint}")
 
 
-def whole_number(name: str, value: Any, least: int, most: int | None = None) -> None:
-    """Raises `InputError` unless `value` is a whole number from `least` to `most`."""
-    is_whole = hasattr(value, "__index__") and not isinstance(value, bool)
-    if not is_whole or value < least or (most is not None and value > most):
-        accepted = f"{least} or more" if most is None else f"{least} to {most}"
-        raise InputError(f"{name} must be a whole number, {accepted}, got {value!r}.")
-
-
 def seeds_of(seeds: Any) -> tuple[int, ...]:
     """The seeds of an ensemble: that many from 0 on, or those given. Raises
     `InputError`.
@@ -711,9 +703,7 @@ def seeds_of(seeds: Any) -> tuple[int, ...]:
         else ()
     )
     each = tuple(listed)
-    whole = all(
-        hasattr(s, "__index__") and not isinstance(s, bool) and s >= 0 for s in each
-    )
+    whole = all(is_whole(seed) and seed >= 0 for seed in each)
     if not each or not whole or len(set(each)) != len(each) or len(each) > _MOST_LINES:
         raise InputError(
             f"seeds must be a whole number from 1 to {_MOST_LINES}, or the seeds "

@@ -162,8 +162,13 @@ def reporter(
     doing: str, also: Callable[[int, int], None] | None
 ) -> Callable[[int, int], None]:
     """A function of the steps done and their total, which hands them on to `also`;
-    after the last of them only the time is shown.
+    after the last of them only the time is shown. Raises `InputError`.
     """
+    if also is not None and not callable(also):
+        raise InputError(
+            "progress must be a function of the points done and of all of them, got "
+            f"{also!r}."
+        )
 
     def report(done: int, total: int) -> None:
         bar = _bar.get()

@@ -19,6 +19,15 @@ def write(folder, text):
     return folder / "rig.csv"
 
 
+def test_a_unit_of_pressures_that_the_file_does_not_name(tmp_path):
+    rows = [
+        f"{v},{mu},{p}" for v, mu, p in zip(V, MU, (0.1, 0.2, 0.3, 0.4), strict=True)
+    ]
+    file = write(tmp_path, "\n".join(["velocity [m/s],mu,pressure", *rows]))
+    found = em.read_friction(file, pressure_unit="bar")
+    np.testing.assert_allclose(found.pressure, [1e4, 2e4, 3e4, 4e4])
+
+
 @pytest.mark.parametrize(
     ("titles", "velocity", "temperature", "join"),
     [

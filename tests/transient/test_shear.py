@@ -320,7 +320,7 @@ def test_gradient():
         ({"time": [0.0, 0.0]}, "time must be ascending"),
         ({"displacement": [1.0, 2.0]}, "as long as time"),
         ({"tangential": None}, "tangential must be given"),
-        ({"elements": 1}, "elements must be a positive whole number"),
+        ({"elements": 1}, "elements must be a whole number, 2 to 1000000"),
         ({"load": -1.0}, "load must be zero or positive"),
     ],
 )

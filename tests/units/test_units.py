@@ -12,6 +12,7 @@ PSI = POUND * GRAVITY / INCH**2
 
 # What each unit is in SI: factor, and offset.
 FACTORS = {
+    "pressure": {"Pa": 1, "kPa": 1e3, "MPa": 1e6, "bar": 1e5, "N/mm^2": 1e6},
     "modulus": {
         "Pa": 1,
         "kPa": 1e3,
@@ -108,6 +109,7 @@ OTHERS = {
     "kg": 1,
     "l": 1e-3,
     "cP": 1e-3,
+    "St": 1e-4,
     **{name: 1 for name in ("m", "N", "K", "s", "Pa", "Hz", "J", "W", "rad", "mol")},
 }
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import fixed, on_numpy, xp
+from ..call.problem import check_rtol
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -249,6 +250,7 @@ def heat_build_up(
     ignored = ConvergenceWarning if heat is None else Warning
     sets = _SETS if heat is None else _SETS_WITH_HISTORY
     with counted("rolling resistance while it warms up", sets) as count:
+        rtol = check_rtol(rtol)
         body = _Body(foundation, shape, **points, model=model, rtol=rtol, count=count)
         state = _steady_state(body, highest, ignored)
         if not is_traced(foundation, shape, *given.values()):

@@ -21,7 +21,7 @@ def is_rough(shape: Any) -> TypeGuard[RoughLine | AbstractSpectrum]:
 
 def only_rough(heat: Any = None, direction: Any = None, branch: Any = "cold") -> None:
     """Refuses for an indenter what belongs to a rough surface. Raises `InputError`."""
-    if branch != "cold":
+    if not isinstance(branch, str) or branch != "cold":
         raise InputError(
             "branch belongs to heat= on a rough surface; an indenter's friction has "
             f"one temperature, got {branch!r}."

@@ -9,7 +9,7 @@ import diffrax
 import jax
 import jax.numpy as jnp
 
-from ..checks import Array
+from ..checks import Array, whole_number
 from ..errors import InputError
 from ..material.relaxation import AbstractRelaxation
 from .contact_step import Elements, advance, coefficients
@@ -56,6 +56,9 @@ class ContactStep(diffrax.AbstractSolver):
     interpolation_cls: ClassVar[Callable[..., diffrax.LocalLinearInterpolation]] = (
         diffrax.LocalLinearInterpolation
     )
+
+    def __check_init__(self) -> None:
+        whole_number("samples", self.samples, 1)
 
     # `Any` below: terms, instants and jumps are typed by diffrax.AbstractSolver.
     def order(self, terms: Any) -> int:

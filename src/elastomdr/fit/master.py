@@ -7,7 +7,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -592,9 +591,9 @@ class MasterCurve(AbstractFindings):
         """Writes the shifted data, one row per point, with the shifts in header lines
         that start with "# ".
         """
-        from ..files import write_files
+        from ..files import as_path, write_files
 
-        write_files({Path(path): master_csv(self).encode()})
+        write_files({as_path(path): master_csv(self).encode()})
 
 
 @in_si

@@ -14,14 +14,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from ..checks import as_float64, in_si, positive
+from ..checks import as_float64, in_si, one_of, positive
 from ..errors import InputError
-from ..files import write_files
+from ..files import as_path, write_files
 from ..io.data import Dma, lists
 from ..material.softening import Softening
 from ..trees import fill, static
@@ -125,7 +124,7 @@ class SofteningFit(Softening):
         """Writes the measured factors as comma-separated text, the findings in header
         lines.
         """
-        write_files({Path(path): softening_csv(self.sweeps).encode()})
+        write_files({as_path(path): softening_csv(self.sweeps).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws the factors over strain with the measured points, in a style of
@@ -195,8 +194,7 @@ def softening(
 
     Source: G. Kraus, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75.
     """
-    if form not in ("kraus", "table"):
-        raise InputError(f"form must be 'kraus' or 'table', got {form!r}.")
+    one_of("form", form, "kraus", "table")
     data, told = _data(strain_sweep)
     p, spread, sigma = _fitted(data)
     freedom = max(data.values.size - p.size, 1)

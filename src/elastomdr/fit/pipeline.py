@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import __version__
-from ..checks import in_si, scalar, significant
+from ..checks import are_texts, in_si, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, FitWarning, strains
 from ..material.library import load_material, material_info, save_material
@@ -695,6 +695,7 @@ def from_hardness(
     (56 + 7.62336 S)/(0.137505 (254 - 2.54 S)) MPa, here the relaxation modulus after 3
     s at 23 degC.
     """
+    are_texts(name=name)
     hardness = float(scalar("shore_a", shore_a))
     if not _SHORE[0] <= hardness <= _SHORE[1]:
         raise InputError(

@@ -362,7 +362,7 @@ def plain_card(material: Prony) -> str:
     Returns:
         The lines of the table.
     """
-    needs_series("material", material, "a table of relaxation times")
+    _check_series(material, "a table of relaxation times")
     symbol = "G" if material.kind == "shear" else "E"
     lines = [f"# {note}" for note in (material.name or "unnamed", *_describe(material))]
     lines.append(f"# {symbol}(t) = {symbol}_inf + sum_k {symbol}_k exp(-t/tau_k)")
@@ -375,11 +375,15 @@ def plain_card(material: Prony) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _parts(material: Prony) -> tuple[str, float, np.ndarray, list[str]]:
-    """Name, instantaneous modulus as given, relative parts, and notes for a card."""
-    needs_series("material", material, "a card of Prony terms")
+def _check_series(material: Any, purpose: str) -> None:
+    needs_series("material", material, purpose)
     if not isinstance(material, Prony):
         raise InputError(f"material must be a Prony, got {type(material).__name__}.")
+
+
+def _parts(material: Prony) -> tuple[str, float, np.ndarray, list[str]]:
+    """Name, instantaneous modulus as given, relative parts, and notes for a card."""
+    _check_series(material, "a card of Prony terms")
     if float(material.viscosity) > 0:
         raise InputError(
             "viscosity must be 0 for a card of Prony terms, got "

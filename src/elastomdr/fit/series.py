@@ -8,7 +8,6 @@ import itertools
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
@@ -392,9 +391,9 @@ class PronyFit(AbstractFindings):
         """Writes the series, one row per term, with residuals and warnings in header
         lines that start with "# ".
         """
-        from ..files import write_files
+        from ..files import as_path, write_files
 
-        write_files({Path(path): prony_csv(self).encode()})
+        write_files({as_path(path): prony_csv(self).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws data, series and band against frequency on `ax`, or on a new figure, in
@@ -600,7 +599,7 @@ class _Measured(NamedTuple):
 
 def _checked_options(equilibrium: Any, balance: Any) -> float | None:
     """The balance. Raises `InputError`."""
-    if equilibrium not in (None, True, False):
+    if not isinstance(equilibrium, bool | None):
         raise InputError(
             "equilibrium must be True, False or None (the data decide), got "
             f"{equilibrium!r}."

@@ -15,14 +15,13 @@ import functools
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
 from ..checks import as_float64, in_si, plain, positive, require
 from ..errors import InputError
-from ..files import write_files
+from ..files import as_path, write_files
 from ..io.data import MeasuredFriction
 from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
@@ -133,7 +132,7 @@ class AdhesionFit(AbstractFindings):
         """Writes the points with both parts as comma-separated text, the findings in
         header lines.
         """
-        write_files({Path(path): adhesion_csv(self).encode()})
+        write_files({as_path(path): adhesion_csv(self).encode()})
 
     def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
         """Draws measured friction with the fitted sum and hysteresis alone, in a style

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..checks import as_float64, in_kelvin, in_si, positive, scalar
+from ..checks import as_float64, in_kelvin, in_si, one_of, positive, scalar
 from ..errors import InputError
 from ..notebook_tables import html_table
 
@@ -342,8 +342,7 @@ def _each(lists: Any) -> tuple[str, ...]:
 
 
 def _kind(kind: Any) -> Kind:
-    if kind not in KINDS:
-        raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
+    one_of("kind", kind, *KINDS)
     return kind
 
 
@@ -370,8 +369,8 @@ def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None
 
 
 def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
-    in_kelvin("temperature", value, COLDEST)
     array = _positive("temperature", value)
+    in_kelvin("temperature", array, COLDEST)
     if array.size == 1:
         return np.full(like.size, array[0])
     _same("temperature", array, "omega", like)

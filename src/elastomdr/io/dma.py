@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..checks import in_si, plain, positive
+from ..checks import in_si, one_of, plain, positive
 from ..errors import InputError, warn
 from .columns import (
     Column,
@@ -121,8 +121,8 @@ def read_dma(
         InputError: for what cannot be read, what is ambiguous, and units that nobody
             gives; it says what to give.
     """
-    if kind is not None and kind not in KINDS:
-        raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
+    if kind is not None:
+        one_of("kind", kind, *KINDS)
     if columns is not None and not isinstance(columns, Mapping):
         raise InputError(
             f"columns must be a dict such as {{'storage': 'Modulus 1'}}, got "

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..checks import in_kelvin, plain
+from ..checks import as_float64, in_kelvin
 from ..errors import InputError
 from ..units.registry import to_si
 from .columns import named_columns, understand
@@ -352,10 +352,12 @@ def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
             _warned(isotherm) if lacks else isotherm
             for isotherm, lacks in zip(parts, without, strict=True)
         ]
-    given = [
-        float(plain("temperature", one))
-        for one in (temperature if np.ndim(temperature) else [temperature])
-    ]
+    given = np.atleast_1d(as_float64("temperature", temperature))
+    if given.ndim > 1 or not given.size:
+        raise InputError(
+            "temperature must be one, or a list of them, got an array of the shape "
+            f"{given.shape}."
+        )
     in_kelvin("temperature", given, COLDEST)
     count = sum(without)
     if not count:
@@ -370,7 +372,7 @@ def with_given_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
             f"temperature must be one number, or one for each of the {count} "
             f"isotherms without, got {len(given)}."
         )
-    left = iter(given * count if len(given) == 1 else given)
+    left = iter(np.broadcast_to(given, count).tolist())
     return [
         _with_temperature(isotherm, next(left), "as given") if lacks else isotherm
         for isotherm, lacks in zip(parts, without, strict=True)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..files import read_bytes
+from ..files import as_path, read_bytes
 
 _PATIENCE = 60  # seconds for a spreadsheet
 _LONGEST_LINE = 2_000_000  # characters
@@ -52,14 +52,14 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
 
     Raises `InputError` for what cannot be read.
     """
-    path = Path(path)
+    path = as_path(path)
     name = path.name or str(path)
     try:
         raw = read_bytes(path)
     except (OSError, ValueError) as error:
         reason = (
             "is a folder: give the files in it"
-            if path.is_dir()
+            if isinstance(error, IsADirectoryError)
             else getattr(error, "strerror", None) or error
         )
         raise InputError(

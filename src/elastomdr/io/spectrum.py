@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..checks import in_si, plain, positive
+from ..checks import in_si, one_of, plain, positive
 from ..errors import InputError
 from ..surface.spectrum import check_convention
 from ..surface.topography import MeasuredSpectrum, from_spectrum
@@ -74,10 +74,8 @@ def read_spectrum(
         InputError: for what cannot be read or is ambiguous, with file, line and value.
     """
     check_convention(convention)
-    if wave_number not in (None, ANGULAR, CYCLES):
-        raise InputError(
-            f"wave_number must be {ANGULAR!r} or {CYCLES!r}, got {wave_number!r}."
-        )
+    if wave_number is not None:
+        one_of("wave_number", wave_number, ANGULAR, CYCLES)
     cutoffs = [
         None if wave is None else 2 * np.pi / _wave(key, wave)
         for key, wave in (("longest", longest), ("shortest", shortest))

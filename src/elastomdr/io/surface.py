@@ -10,6 +10,7 @@ import importlib.util
 import io
 import itertools
 import os
+import reprlib
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..checks import in_si, plain, positive
+from ..checks import as_float64, in_si, plain, positive, untraced
 from ..errors import InputError, warn
 from ..files import read_bytes
 from ..surface.topography import MeasuredSurface, Scan, surface
@@ -120,13 +121,18 @@ def read_surface(
     if shortest is not None:
         shortest = plain("shortest", shortest)
         positive("shortest", shortest)
-    units = [unit] if isinstance(unit, str) or unit is None else list(unit)
+    units: list[Any] = list(unit) if isinstance(unit, (list, tuple)) else [unit]
     for one in units if unit is not None else []:
         if not (isinstance(one, str) and to_si(one, "length")):
             raise InputError(
                 f"unit must be a unit of length such as {usual('length')}, or one for "
                 f"each column, got {unit!r}."
             )
+    if columns is not None and not isinstance(columns, (list, tuple)):
+        raise InputError(
+            "columns must be a list of numbers from 1 or of titles, got "
+            f"{reprlib.repr(columns)}."
+        )
     layout = _Layout(units, None if columns is None else list(columns))
     sources: list[Any] = (
         list(path_or_heights) if isinstance(path_or_heights, (list, tuple)) else []
@@ -244,13 +250,10 @@ def _even(
             f"pixel_size must be given with {source_words}: the distance of neighbouring "
             "points [m], got None."
         )
-    sizes = [
-        plain("pixel_size", size)
-        for size in (pixel_size if np.ndim(pixel_size) else [pixel_size])
-    ]
-    for size in sizes:
-        positive("pixel_size", size)
-    if len(sizes) not in (1, height.ndim):
+    untraced("pixel_size", pixel_size, "a scan is read as numbers")
+    sizes = np.atleast_1d(as_float64("pixel_size", pixel_size)).tolist()
+    positive("pixel_size", sizes)
+    if len(sizes) not in (1, height.ndim) or np.ndim(sizes) > 1:
         raise InputError(
             "pixel_size must be one number [m] or one for each direction, got "
             f"{len(sizes)}."
@@ -279,7 +282,7 @@ def _from_text(path: Path, pixel_size: Any, layout: _Layout) -> list[Scan]:
         table = main_table(read_sheet(path), 2 if pixel_size is None else 1)
     except InputError:
         table = None
-        if not path.is_file():
+        if not os.path.isfile(path):  # False also of what is no name
             raise
     heads = [] if table is None else layout.chosen(table.heads)
     if table is None or (pixel_size is None and len(heads) not in (2, 3)):

@@ -9,11 +9,13 @@ import importlib.metadata
 import importlib.util
 import math
 import os
+import reprlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, closest
+from ..files import as_path
 from .format import (
     SHIFT_KEYS,
     VERTICAL_KEYS,
@@ -155,6 +157,8 @@ def save_material(
             "material must hold concrete numbers to be saved, got values that JAX "
             "traces."
         )
+    if info is not None and not isinstance(info, Mapping):
+        raise InputError(f"info must be a dict, got {reprlib.repr(info)}.")
     info = info or {}
     known = material.range
     cited: dict[str, dict[str, str]] = {}
@@ -184,7 +188,8 @@ def save_material(
         "source": info.get("source", cited or None),
     }
     write_document(
-        {key: value for key, value in document.items() if value is not None}, Path(path)
+        {key: value for key, value in document.items() if value is not None},
+        as_path(path),
     )
 
 
@@ -205,7 +210,7 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
             "material must be a name in the library or a path, got "
             f"{brief(name_or_path)}."
         )
-    name = os.fspath(name_or_path)
+    name = os.fspath(as_path(name_or_path, "name_or_path"))
     path = Path(name)
     if (
         isinstance(name_or_path, os.PathLike)

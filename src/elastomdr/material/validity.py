@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 
 from ..arrays import namespace
-from ..checks import Array, is_traced, significant
+from ..checks import Array, is_traced, significant, whole_number
 from ..errors import InputError
 from ..trees import replaced
 
@@ -321,14 +321,7 @@ class Draws(list[T]):
 def check_draws(n: Any, seed: Any) -> None:
     """Raises `InputError` unless they are whole numbers, of draws at least two."""
     for name, value, least in (("n", n, 2), ("seed", seed, 0)):
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, (int, np.integer))
-            or value < least
-        ):
-            raise InputError(
-                f"{name} must be a whole number, {least} or more, got {value!r}."
-            )
+        whole_number(name, value, least)
 
 
 def drawn_from_misfit(material: Any, n: int, seed: int) -> Draws:

@@ -571,7 +571,7 @@ def layer_sliding(
     `InputError` as well for a constant bulk modulus, and for two covers.
     """
     asked = Asked(velocity, load, depth, temperature=temperature)
-    foundation, cover = foundation_of(material), cover_of(material)
+    cover, foundation = cover_of(material), foundation_of(material)
     return slide(foundation, shape, asked, points, cover, _LAYER_MODEL)
 
 

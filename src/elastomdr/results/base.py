@@ -31,7 +31,6 @@ import os
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from pathlib import Path
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -48,7 +47,7 @@ from .. import __version__
 from ..arrays import namespace
 from ..checks import as_float64, is_traced, known, require, significant
 from ..errors import InputError
-from ..files import csv_text, write_files
+from ..files import as_path, csv_text, write_files
 from ..notebook_tables import html_figure, html_table
 from ..trees import pytree, replaced
 from .axes import Axis, Curve, curves, dimensions
@@ -650,13 +649,13 @@ class Result:
         when it is complete, or not at all. Raises `InputError` where it cannot be
         written, and for a name that ends in .xlsx.
         """
-        if Path(path).suffix.lower() in (".xlsx", ".xls"):
+        if as_path(path).suffix.lower() in (".xlsx", ".xls"):
             raise InputError(
                 f"path must not be that of a workbook, got {str(path)!r}: for one "
                 "use "
                 "to_excel."
             )
-        write_files({Path(path): self.csv().encode()})
+        write_files({as_path(path): self.csv().encode()})
 
     def to_excel(self, path: str | os.PathLike[str]) -> None:
         """Writes an Excel workbook: the table, then what went in and came out, then
@@ -665,7 +664,7 @@ class Result:
         Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and
         where it cannot be written.
         """
-        if Path(path).suffix.lower() != ".xlsx":
+        if as_path(path).suffix.lower() != ".xlsx":
             raise InputError(
                 f"path must end in .xlsx, got {str(path)!r}: for a table of text "
                 "use "
@@ -691,7 +690,7 @@ class Result:
         book["result"].freeze_panes = "A2"
         buffer = io.BytesIO()
         book.save(buffer)
-        write_files({Path(path): buffer.getvalue()})
+        write_files({as_path(path): buffer.getvalue()})
 
     def to_dict(self) -> dict[str, Any]:
         """Field name to an array of the result's shape, in SI units; with "model",

@@ -8,7 +8,6 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, significant
 from ..errors import InputError
-from ..files import csv_text, write_files
+from ..files import as_path, csv_text, write_files
 from .base import Array, Quantity, Result, part, quantity, record, setting
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, gridded
@@ -708,7 +707,7 @@ class Ranking:
             self.where(),
             *list(self.words())[1 + len(self.places) :],
         ]
-        write_files({Path(path): csv_text(header, columns).encode()})
+        write_files({as_path(path): csv_text(header, columns).encode()})
 
     def plot(self, style: Style | None = None, *, title: str | None = None) -> Axes:
         """Draws friction against velocity at this temperature and the ranking beside

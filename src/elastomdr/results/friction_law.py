@@ -16,7 +16,6 @@ import csv
 import itertools
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -35,7 +34,7 @@ from ..checks import (
     require,
 )
 from ..errors import InputError
-from ..files import csv_text, read_text, write_files
+from ..files import as_path, csv_text, read_text, write_files
 from ..trees import Tree, fill, static
 from .doubts import (
     TITLE,
@@ -123,6 +122,9 @@ class FrictionLaw(Tree):
                 "zero or positive and finite, or NaN",
                 lambda x: (x >= 0) & np.isfinite(x),
             )
+        is_list = isinstance(doubts, (list, tuple))
+        if not is_list or not all(isinstance(doubt, Doubt) for doubt in doubts):
+            raise InputError(f"doubts must be a list of Doubt, got {doubts!r:.80}.")
         for doubt in (doubts := tuple(doubts)):
             if np.shape(doubt.points) != shape:
                 raise InputError(
@@ -250,7 +252,7 @@ class FrictionLaw(Tree):
         columns[_TITLES["mu"][0]] = self.mu.ravel()
         columns[TITLE] = kinds_of_points(self.doubts, self.mu.shape).ravel()
         header += in_words(self.doubts)
-        write_files({Path(path): csv_text(header, columns).encode()})
+        write_files({as_path(path): csv_text(header, columns).encode()})
 
     def to_abaqus(
         self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m"
@@ -313,18 +315,18 @@ def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
     start with #. Every combination of the values must be there once. Raises
     `InputError`.
     """
-    name = Path(path).name
+    name = as_path(path).name
     try:
         lines = [
             line
             for line in read_text(path).split("\n")
             if line.strip() and not line.lstrip().startswith("#")
         ]
-    except (OSError, ValueError) as error:
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
+    except (OSError, ValueError, csv.Error) as error:
         raise InputError(
             f"path must be a text file that can be read, got {name!r}: {error}."
         ) from error
-    rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
     places = {}
     for key, titles in _TITLES.items():
         columns = [
@@ -440,7 +442,7 @@ def _write(
     doubts = [
         comment + line for each in in_words(law.doubts) for line in wrap(each, 66)
     ]
-    write_files({Path(path): ("\n".join([first, *doubts, *lines]) + "\n").encode()})
+    write_files({as_path(path): ("\n".join([first, *doubts, *lines]) + "\n").encode()})
 
 
 def _abaqus(law: FrictionLaw, units: str) -> Iterator[str]:

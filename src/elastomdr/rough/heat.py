@@ -18,6 +18,7 @@ from ..checks import (
     is_traced,
     not_negative,
     numpy_unless_traced,
+    one_of,
     positive,
     scalar,
 )
@@ -218,8 +219,7 @@ def check_heat(
     """Raises `InputError` unless flash temperature can be found, by scale or one for
     all, or is not asked for.
     """
-    if branch not in get_args(Branch):
-        raise InputError(f"branch must be 'cold' or 'hot', got {branch!r}.")
+    one_of("branch", branch, *get_args(Branch))
     if heat is None:
         if branch != "cold":
             raise InputError(f"branch={branch!r} needs heat=em.Heat(...).")

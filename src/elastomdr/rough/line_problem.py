@@ -8,10 +8,10 @@ import numpy as np
 
 from ..arrays import namespace
 from ..call.problem import Scene, rough_scene
-from ..checks import is_traced, positive, scalar
+from ..checks import is_traced, positive, scalar, whole_number
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
-from ..models import Line, seeds_of, whole_number
+from ..models import Line, seeds_of
 from ..results.words import brief
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import MOST

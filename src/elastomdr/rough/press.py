@@ -43,12 +43,13 @@ from ..checks import (
     require,
     scalar,
     warn_unless,
+    whole_number,
 )
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
-from ..models import Line, seeds_of, whole_number
+from ..models import Line, seeds_of
 from ..results.doubts import Doubt
 from ..results.words import brief
 from ..surface.rough_line import RoughLine

@@ -43,6 +43,7 @@ from ..checks import (
     broadcast_shape,
     in_kelvin,
     not_negative,
+    one_of,
     positive,
     require,
 )
@@ -276,9 +277,7 @@ def o_ring(
     compared with finite elements (`docs/seal.md`).
     """
     solid = _checked_material(material)
-    if formula not in FORMULAS:
-        known = ", ".join(map(repr, FORMULAS))
-        raise InputError(f"formula must be one of {known}, got {formula!r}.")
+    one_of("formula", formula, *FORMULAS)
     given = _checked(diameter, squeeze, time, temperature, _LARGEST_SQUEEZE[formula])
     further = _checked_groove(given, fluid_pressure, groove_width)
     young, plane = (

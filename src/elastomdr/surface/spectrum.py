@@ -46,10 +46,10 @@ from ..checks import (
     possible,
     require,
     scalar,
+    whole_number,
 )
 from ..errors import InputError, closest
 from ..material.validity import Draws, check_draws
-from ..models import whole_number
 from ..results.words import length_in_words
 from ..trees import Tree, fill, static
 from .lay import Lay, lay_of

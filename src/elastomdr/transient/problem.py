@@ -27,6 +27,7 @@ from ..checks import (
     not_negative,
     only_one,
     scalar,
+    whole_number,
 )
 from ..element.law import Foundation, as_foundation, half_space
 from ..errors import InputError
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 _TRACED = 1024  # elements and steps of the coarser level under a transformation
 
 _FEWEST = 4  # steps between two instants
+MOST_ELEMENTS = 1_000_000  # that may be asked for, of a contact or of steps
 # change of a rate, relative to the larger of both, from which it counts as abrupt
 _ABRUPT = 0.3
 _HALVINGS = 40  # of the first step after an abrupt change, at most
@@ -170,10 +172,8 @@ def given_history(
     else:
         finite("depth", value)
     rtol = check_rtol(rtol, "1e-6", "1e-1")
-    if elements is not None and (not isinstance(elements, int) or elements < 16):
-        raise InputError(
-            f"elements must be a whole number, 16 at least, got {elements!r}."
-        )
+    if elements is not None:
+        whole_number("elements", elements, 16, MOST_ELEMENTS)
     law, temperature, factor = at_temperature(body.foundation, temperature)
     unit = "m" if control == "depth" else "N/m" if body.per_length else "N"
     inputs = [

@@ -23,6 +23,7 @@ from ..checks import (
     require,
     scalar,
     warn_unless,
+    whole_number,
 )
 from ..element.law import Foundation
 from ..errors import InputError
@@ -36,7 +37,7 @@ from ..surface.disc import contact_measure, disc_under
 from ..surface.shapes import AbstractShape, FlatPunch
 from .age import history_beyond
 from .history_result import Shear
-from .problem import both_laws, standing
+from .problem import MOST_ELEMENTS, both_laws, standing
 from .refinement import beside
 from .shear_motion import History, Scene, Sheared, line, panels, shear_history
 
@@ -388,9 +389,7 @@ def _divided(history: History, parts: int) -> History:
 def _count(name: str, given: Any, usual: int, least: int) -> int:
     if given is None:
         return usual
-    whole = isinstance(given, (int, np.integer)) and not isinstance(given, bool)
-    if not whole or given < least:
-        raise InputError(f"{name} must be a positive whole number, got {given!r}.")
+    whole_number(name, given, least, MOST_ELEMENTS)
     return int(given)
 
 

@@ -39,8 +39,8 @@ from ..results.words import brief, describe
 from ..smooth.cylinder import cylinder_pressure
 from ..smooth.problem import Contact, SmoothCall, SmoothScene, Steady, set_up, solve
 from ..surface.lines import SingleLine
-from ..surface.shapes import AbstractShape, Cylinder
-from ..transient.problem import both_laws
+from ..surface.shapes import Cylinder
+from ..transient.problem import both_laws, check_shape
 from ..trees import replaced
 from .brush import (
     LayerContact,
@@ -209,7 +209,8 @@ def traction(
 
     Source: Popov & Hess 2015, ch. 5; Carter 1926.
     """
-    if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
+    check_shape(shape)
+    if shape.rolling_radius is None:
         raise InputError(
             "shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a "
             f"{shape.label}."

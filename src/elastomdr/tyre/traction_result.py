@@ -16,7 +16,6 @@ MF-Tyre 5.2, without shifts).
 
 import os
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, positive
 from ..errors import InputError
-from ..files import write_files
+from ..files import as_path, write_files
 from ..results.base import Array, Quantity, Result, quantity, record
 from ..results.curve import Contact
 from ..results.words import span
@@ -196,7 +195,7 @@ class Traction(Result):
         positive("radius", radius)
         positive("width", width)
         content = _property_file(_fitted(self, temperature), radius, width)
-        write_files({Path(path): content.encode()})
+        write_files({as_path(path): content.encode()})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The largest traction and the rolling loss."""

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
+import reprlib
 from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, TypeVar
 
@@ -195,23 +197,45 @@ def arguments_in_si(
     SI units.
     """
     inner = inspect.unwrap(function)
-    code = inner.__code__
-    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
-    known = frozenset(names)
-    open_ended = bool(code.co_flags & inspect.CO_VARKEYWORDS)
+    parameters = inspect.signature(inner).parameters
+    variable = {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}
+    known = {
+        name: each for name, each in parameters.items() if each.kind not in variable
+    }
+    names = tuple(known)
+    open_ended = any(
+        each.kind is inspect.Parameter.VAR_KEYWORD for each in parameters.values()
+    )
+    # of those that cannot be None
+    defaults = {
+        name: each.default
+        for name, each in known.items()
+        if each.default is not None
+        and not re.search("None|Any|Optional|_empty", str(each.annotation))
+    }
+    flags = {name for name, each in known.items() if isinstance(each.default, bool)}
 
     def to_numbers(args: Any, kwargs: Any) -> tuple[Any, Any]:
-        if not open_ended and not kwargs.keys() <= known:
+        if not open_ended and not kwargs.keys() <= known.keys():
             word = next(name for name in kwargs if name not in known)
             accepted = [name for name in names if name not in ("self", "cls")]
             called = inner.__qualname__.removesuffix(".__init__")
             hint = closest(word, accepted) or f" Arguments are {', '.join(accepted)}."
             raise TypeError(f"{called}() has no argument {word!r}.{hint}")
-        if not any(map(carries_unit, args)) and not any(
-            map(carries_unit, kwargs.values())
-        ):
-            return args, kwargs
         of = {**dict(zip(names, args, strict=False)), **kwargs}
+        carried = False
+        for name, value in of.items():
+            if value is None:
+                if name in defaults:
+                    raise _missing(name, defaults[name], inner)
+            elif name in flags and type(value).__name__ not in ("bool", "bool_"):
+                raise InputError(
+                    f"{name} must be True or False, got {reprlib.repr(value)}."
+                )
+            else:
+                carried = _has_unit(name, value) or carried
+        if not carried and not any(map(carries_unit, args[len(names) :])):
+            return args, kwargs
         given = [number_in_si(name, of[name], inner, of) for name in names[: len(args)]]
         named = {
             name: number_in_si(name, value, inner, of) for name, value in kwargs.items()
@@ -219,6 +243,29 @@ def arguments_in_si(
         return (*given, *args[len(given) :]), named
 
     return to_numbers
+
+
+def _missing(name: str, default: Any, function: Any) -> InputError:
+    """What is raised for None where a value is needed."""
+    if default is not inspect.Parameter.empty:
+        return InputError(
+            f"{name} must not be None: {default!r} is meant where it is left out."
+        )
+    unit = _ELSEWHERE.get(f"{function.__qualname__} {name}", UNITS.get(name, ""))
+    unit = f" [{unit}]" if unit and isinstance(unit, str) else ""
+    return InputError(f"{name} must be given{unit}, got None.")
+
+
+def _has_unit(name: str, value: Any) -> bool:
+    """Whether an argument carries a unit. Raises `InputError` for a list in itself, and
+    for what can be read only once.
+    """
+    if hasattr(type(value), "__next__"):
+        raise InputError(f"{name} must be a list or an array, got {value!r}.")
+    try:
+        return carries_unit(value)
+    except RecursionError as error:
+        raise InputError(f"{name} must not be a list that holds itself.") from error
 
 
 def number_in_si(

@@ -12,6 +12,7 @@ KINDS = {
     "frequency": ("rad/s", "Hz kHz mHz rad/s"),
     "angular frequency": ("rad/s", "rad/s"),
     "modulus": ("Pa", "Pa kPa MPa GPa"),
+    "pressure": ("Pa", "Pa kPa MPa bar"),
     "temperature": ("K", "degC K degF"),
     "time": ("s", "s ms min h"),
     "angle": ("rad", "deg rad"),

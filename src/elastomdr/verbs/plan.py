@@ -13,7 +13,7 @@ from ..call.model_choice import (
 )
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
-from ..checks import numpy_unless_traced
+from ..checks import numpy_unless_traced, one_of
 from ..errors import InputError
 from ..rough.adhesion import AdhesiveShear, check_adhesion
 from ..rough.heat import Heat
@@ -57,8 +57,7 @@ def plan(
     `em.HalfSpace` on a smooth body it is a line of text. Of a list of materials it is a
     tuple of plans, one for each.
     """
-    if quantity not in ("friction", "rolling"):
-        raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
+    one_of("quantity", quantity, "friction", "rolling")
     check_adhesion(adhesion, temperature)
     solid: Any = material  # `over_materials` has taken a list apart
     asked = Asked(velocity, load, depth, pressure, temperature, direction)
