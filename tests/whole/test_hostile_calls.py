@@ -557,6 +557,12 @@ OTHERS |= {"ContactStep"}  # of diffrax, whose classes look at their fields
 OTHERS |= {"drive", "calibrate", "adhesion", "material", "friction_spectrum"}
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """Names of files are hostile values, too."""
+    monkeypatch.chdir(tmp_path)
+
+
 def test_every_public_call_is_here():
     called = {name.split(" ")[0].rpartition(".")[2] for name in CALLS}
     names = {*em.__all__, *em.fit.__all__, *em.reference.__all__} - OTHERS - called
