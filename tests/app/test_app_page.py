@@ -443,8 +443,9 @@ def test_stop(tmp_path):
         await until(lambda: ended)
         assert not stage._busy.on
         assert not stage._picture.shown
-        stage._computed_as_asked = lambda content: content
-        assert await stage._busy.during(COMPUTING, stage._computed, "next") == "next"
+        stage._computed_as_asked = lambda content: SimpleNamespace(content=content)
+        done = await stage._busy.during(COMPUTING, stage._computed, "next")
+        assert done.content == "next"
 
     from elastomdr.app.session import COMPUTING
 
@@ -509,7 +510,7 @@ def test_one_velocity_and_three_temperatures():
     ]
     (said,) = (words for key, words in result.outcome() if key == "result")
     assert said.count("(extrapolated)") == 1
-    assert said.endswith("(extrapolated)")  # the largest, of the coldest
+    assert "at 0 degC (extrapolated)" in said
 
 
 @pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
@@ -562,6 +563,68 @@ def test_no_number_with_a_part_of_its_uncertainty():
     count = int(np.isnan(result.model_error).sum())
     assert f"no bound of the model: {count} of 10 points" in sure.notes
     assert "Measured friction" in " ".join(surer.notes)
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ModelWarning")
+def test_what_dominates_comes_first():
+    """The road where its shortest wave decides; a shear that is assumed."""
+    from elastomdr.app.cards import cards
+
+    road = em.SelfAffine(0.8, rms_slope=0.7, q_low=1257.0, q_high=125663.0)
+    given = {"velocity": np.geomspace(0.01, 1.0, 5), "pressure": 3e5}
+    rubber = em.load_material("epdm-70")
+    result = em.friction(rubber, road, temperature=293.15, **given)
+    *_, sure, surer = cards(result, result.uncertainty())
+    at_peak = result.uncertainty()["road"].share[result.mu.argmax()]
+    assert sure.number == f"± {100 * at_peak:.2g} % by the road"
+    assert sure.notes[0].startswith(f"road {100 * at_peak:.2g} %: shortest wave")
+    assert surer.notes[0].startswith("The shortest wave")
+    assert "rubber: not computed" in sure.notes
+    assert "The adhesive shear of the real contact, where the road is dry." in (
+        surer.notes
+    )
+    *_, sure, surer = cards(sheared(), sheared().uncertainty())
+    assert sure.number == "not known"
+    assert "model: no bound is known here" in sure.notes
+    assert "A shear law fitted to measured friction." in surer.notes
+
+
+def test_cards_and_readings_of_draws_are_of_their_median(tmp_path):
+    from elastomdr.app.cards import cards
+    from elastomdr.app.sliders import _readings
+
+    content = {
+        "material": "epdm-70",
+        "temperature": "20 degC",
+        "uncertainty": 4,
+        "surface": {
+            "shape": "self_affine",
+            "hurst": 0.8,
+            "rms_slope": 0.7,
+            "longest": "5 mm",
+            "shortest": "50 um",
+            "cutoff_error": 0.2,
+        },
+        "contact": {"pressure": "0.3 MPa", "velocity": ["0.1 m/s", "1 m/s"]},
+    }
+    done = compute("friction", content, Folder(tmp_path))
+    assert done.result.drawn
+    assert done.judges
+    done.judge()
+    assert not done.judges
+    low, middle, high = done.result.band()
+    top, sure, _ = cards(done.shown, done.parts)
+    i = middle.argmax()
+    half = 0.5 * (high - low)[i]
+    spread = half + done.shown.model_error[i]
+    assert top.number == f"{middle[i]:.3g} ± {spread:.2g}"
+    share = 100 * half / middle[i]
+    assert f"rubber {share:.2g} %: 95 % of 4 draws" in sure.notes
+    _, sure, _ = cards(done.shown)
+    assert f"computation and draws {share:.2g} %" in sure.notes
+    (reading,) = _readings(done.shown, 0.1)
+    assert reading.startswith(f"µ = {middle[0]:.3g} ")
 
 
 def test_every_kind_of_doubt_is_on_the_cards():

@@ -41,7 +41,8 @@ SHOWN = """() => {
         notes: texts('.note, .alert, .q-field--error .q-field__messages'),
         said: texts('.sliders + .about'),
         table: texts('.right td'),
-        busy: seen('.busy').length + panel.querySelectorAll('button.disabled').length,
+        busy: seen('.busy').length + panel.querySelectorAll('button.disabled').length
+            + panel.innerText.includes('is being computed'),
         charts: seen('.chart').map(e => {
             const option = getElement(Number(e.id.slice(1))).chart?.getOption();
             return (option?.series ?? []).flatMap(s => (s.data ?? []).map(p => p[1]));

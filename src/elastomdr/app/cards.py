@@ -2,22 +2,30 @@
 surer.
 """
 
+import asyncio
 from collections.abc import Iterator
 from typing import Any, NamedTuple
+from weakref import WeakSet
 
 import numpy as np
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 import elastomdr as em
 
 from ..checks import significant
+from ..errors import InputError
 from ..results.axes import Axis, Curve, peak
 from ..results.base import Result
 from ..results.curve import FITTED, AbstractCurve
+from ..results.uncertainty import Part, Uncertainty
 from ..results.words import in_words
+from .scene import CancelledError, Done
+from .session import COMPUTING
+from .stage import Busy
 from .words import with_signs
 
 _MOST = 4  # curves that get a card
+_LONG = 4  # lines from which on a card is a wide one
 _AS_SHOWN = {"Pa": ("MPa", 1e-6), "m^3": ("mm³", 1e9)}  # units, and SI ones in them
 _UNKNOWN = "no prediction"
 _HERE = {  # what a doubt of one value is called
@@ -37,6 +45,16 @@ _REMEDIES = {  # in place of the doubt's own, which stands behind its points
     _UNKNOWN: "",  # a measured value, which is said where the bound is wide as well
     "extrapolated": "moduli measured at more temperatures and frequencies",
 }
+_LOWER = {  # what lowers a part of the uncertainty, by its source
+    "numerical": "A fit closer to the moduli, or a smaller relative tolerance.",
+    "model": "Measured friction, to compare with: drop it on the friction screen.",
+    "rubber": "The uncertainty of the rubber: draws of its fit, under “More”.",
+    "road": "The shortest wave that the rubber feels, found from measured friction.",
+    "shear law": "A shear law fitted to measured friction.",
+    "temperature": "The measured temperature of the rubber.",
+}
+_NOT_KNOWN = "not known"
+AWAITED = "what road, shear and temperature change is being computed"
 _FINE = 0.02  # relative uncertainty from which on a number needs nothing surer
 
 
@@ -59,6 +77,7 @@ class _Top(NamedTuple):
     error: float  # numerical; with what the rubber's fit misses where `_knows_fit`
     model_error: float  # NaN where it is not known
     doubts: tuple[em.Doubt, ...]
+    place_in_result: int  # in its arrays, flattened
 
     @property
     def spread(self) -> float:
@@ -76,8 +95,12 @@ class _Top(NamedTuple):
         return known / abs(self.y) if self.y else 0.0
 
 
-def cards(result: Any) -> list[Card]:
-    """The cards of a result; none of several materials at once."""
+def cards(
+    result: Any, parts: Uncertainty | None = None, *, awaited: bool = False
+) -> list[Card]:
+    """The cards of a result; none of several materials at once. With what its
+    uncertainty consists of, where that is known or `awaited`.
+    """
     if hasattr(result, "places"):  # a ranking
         return [_first(result)]
     if not isinstance(result, Result) or result.materials:
@@ -102,7 +125,25 @@ def cards(result: Any) -> list[Card]:
         notes += (f"{failed} without a converged point",) if failed else ()
         curve = "curve" if more == 1 else "curves"
         shown.append(Card(f"And {more} more {curve}", "", notes))
-    return [*shown, _how_sure(result, tops), _surer(result, axis, tops)]
+    notes, ways = _how_sure(result, tops), list(_ends(result, axis, tops))
+    number = _whole(result, tops)
+    if parts is None:
+        ways += _ways(result, tops)
+    else:
+        ranked = _ranked(parts, tops)
+        notes = list(_parts(ranked))
+        if number != _NOT_KNOWN:
+            share, largest = ranked[0]
+            number = f"± {_percent(share)} by the {largest.source}"
+        matter = (_way(result, part) for share, part in ranked if not share <= _FINE)
+        ways = [*matter, *ways]
+    notes += [*_counted(result), *[AWAITED] * awaited]
+    ways = list(dict.fromkeys(ways)) or ["Nothing: the uncertainty is small."]
+    return [
+        *shown,
+        Card("How sure", number, tuple(notes)),
+        Card("What would make it surer", "", tuple(ways)),
+    ]
 
 
 def _title(result: Any, top: _Top) -> str:
@@ -128,17 +169,62 @@ def _number(result: Any, value: float) -> str:
     return f"{significant(scale * value, 3)} {unit}".rstrip(" -")
 
 
-def show(place: Any, new_cards: list[Card]) -> None:
-    """Shows cards in the place of the ones before."""
-    place.clear()
-    with place:
-        for card in new_cards:
-            with ui.element("section").classes("result"):
-                ui.label(with_signs(card.title)).classes("about")
-                if card.number:
-                    ui.label(with_signs(card.number)).classes("number")
-                for note in card.notes:
-                    ui.label(with_signs(note)).classes("about")
+_JUDGING: WeakSet[Busy] = WeakSet()  # what computes uncertainties, of all pages
+
+
+def make_way() -> None:
+    """Lets what is asked for be computed before the uncertainty of what is shown."""
+    for each in _JUDGING:
+        each.stop()
+
+
+class Cards:
+    """A place for the cards of a result; what its uncertainty consists of is computed
+    once they are shown.
+    """
+
+    def __init__(self) -> None:
+        self._place = ui.element("div").classes("results")
+        self._judging = Busy()
+        self._done: Done | None = None
+        _JUDGING.add(self._judging)
+
+    def show(self, done: Done | None, *, judged: bool = True) -> None:
+        """Shows the cards of a result in the place of those before."""
+        self._judging.stop()
+        self._done = done
+        awaited = done is not None and done.judges and judged
+        self._draw(awaited)
+        if done is not None and awaited:
+            background_tasks.create(self._judge(done), name="judge a result")
+
+    async def _judge(self, done: Done) -> None:
+        while self._done is done and done.judges:
+            if self._judging.on:
+                await asyncio.sleep(0.01)
+                continue
+            try:
+                await self._judging.during(COMPUTING, done.judge, quiet=True)
+            except CancelledError:
+                continue  # behind what is asked for
+            except InputError:
+                break  # the cards say what is known without
+        if self._done is done:
+            self._draw(False)
+
+    def _draw(self, awaited: bool) -> None:
+        done = self._done
+        drawn = [] if done is None else cards(done.shown, done.parts, awaited=awaited)
+        self._place.clear()
+        with self._place:
+            for card in drawn:
+                wide = "result" if len(card.notes) < _LONG else "result wide"
+                with ui.element("section").classes(wide):
+                    ui.label(with_signs(card.title)).classes("about")
+                    if card.number:
+                        ui.label(with_signs(card.number)).classes("number")
+                    for note in card.notes:
+                        ui.label(with_signs(note)).classes("about")
 
 
 def _first(ranking: Any) -> Card:
@@ -186,6 +272,7 @@ def _top(result: Any, axis: Axis, curve: Curve) -> _Top | None:
         float(along(error)[i]),
         float(along(bound)[i]),
         tuple(doubt for doubt in result.doubts if along(doubt.points)[i]),
+        int(along(np.arange(result.error.size).reshape(result.error.shape))[i]),
     )
 
 
@@ -242,29 +329,67 @@ def _in_brackets(result: Any, top: _Top) -> str:
     return f" ± {significant(scale * top.spread, 2)}"
 
 
-def _how_sure(result: Any, tops: list[_Top]) -> Card:
-    """The largest relative uncertainty of the values, with its parts."""
+def _how_sure(result: Any, tops: list[_Top]) -> list[str]:
+    """The parts of the largest relative uncertainty of the values."""
     error = _percent(max(top.share(top.error) for top in tops))
     notes = [f"computation {error}", "uncertainty of the rubber: not computed"]
     if _knows_fit(result):
         notes = [f"computation and fit of the rubber {error}"]
-    bound = max(top.share(top.model_error) for top in tops)
-    unknown = sum(np.isnan(top.model_error) for top in tops)
-    closed = any(np.isinf(top.model_error) for top in tops)
+    if "drawn" in dict(result.inputs):
+        notes = [f"computation and draws {error}"]
     if getattr(result, "model_error", None) is None:
         notes.append("model: no bound is known here")
-    elif closed:
+    elif any(np.isinf(top.model_error) for top in tops):
         notes.append("model: the channels may as well be closed")
-    elif unknown < len(tops) and not isinstance(result, em.Leak):
-        notes.append(f"model at most {_percent(bound)}")
+    elif not isinstance(result, em.Leak):
+        known = [top.model_error / abs(top.y) for top in tops if top.y]
+        bound = max((share for share in known if np.isfinite(share)), default=0.0)
+        notes += [f"model at most {_percent(bound)}"] * bool(np.isfinite(known).any())
+    return notes
+
+
+def _whole(result: Any, tops: list[_Top]) -> str:
+    """The largest relative uncertainty of the values, where that of all is known."""
+    if not all(np.isfinite(top.model_error) for top in tops):
+        return _NOT_KNOWN
+    most = max(top.share(top.spread) for top in tops)
+    if isinstance(result, em.Leak):
+        return f"a factor of {significant(1 + most, 2)}"
+    return f"± {_percent(most)}".replace("± below", "below")
+
+
+def _counted(result: Any) -> Iterator[str]:
+    """The doubts, and of how many points each is."""
     for doubt in result.doubts:
         points = f"{int(doubt.points.sum())} of {doubt.points.size} points"
-        notes.append(f"{_called(doubt)}: {points}")
-    most = max(top.share(top.spread) for top in tops)
-    number = f"± {_percent(most)}".replace("± below", "below")
-    if isinstance(result, em.Leak):
-        number = f"a factor of {significant(1 + most, 2)}"
-    return Card("How sure", "not known" if unknown or closed else number, tuple(notes))
+        yield f"{_called(doubt)}: {points}"
+
+
+def _ranked(parts: Uncertainty, tops: list[_Top]) -> list[tuple[float, Part]]:
+    """How much of the values each part may change, the largest first, then those that
+    are not known (NaN).
+    """
+    places = [top.place_in_result for top in tops]
+    shares = [(float(np.max(np.ravel(part.share)[places])), part) for part in parts]
+    return sorted(shares, key=lambda pair: -np.nan_to_num(pair[0], nan=-1.0))
+
+
+def _parts(ranked: list[tuple[float, Part]]) -> Iterator[str]:
+    """What the values rest on."""
+    for share, part in ranked:
+        if np.isfinite(share):
+            yield f"{part.source} {_percent(share)}: {part.assumed}"
+        elif part.source == "model":
+            yield "model: no bound is known here"
+        else:
+            yield f"{part.source}: {part.assumed}"
+
+
+def _way(result: Any, part: Part) -> str:
+    """What would lower a part, in the words of the page."""
+    if part.source == "shear law" and result.adhesion is None:
+        return "The adhesive shear of the real contact, where the road is dry."
+    return _LOWER.get(part.source, part.remedy)
 
 
 def _called(doubt: em.Doubt) -> str:
@@ -283,13 +408,8 @@ def _percent(share: float) -> str:
     return f"{significant(100 * share, 2)} %" if share >= 1e-3 else "below 0.1 %"
 
 
-def _surer(result: Any, axis: Axis, tops: list[_Top]) -> Card:
-    """What would make the values surer, what matters most first."""
-    ways = list(_ways(result, axis, tops)) or ["Nothing: the uncertainty is small."]
-    return Card("What would make it surer", "", tuple(ways))
-
-
-def _ways(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
+def _ends(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
+    """What the doubts ask for, and peaks at the end of what was computed."""
     remedies = (_REMEDIES.get(doubt.kind, doubt.remedy) for doubt in result.doubts)
     yield from (f"{r[0].upper()}{r[1:]}." for r in dict.fromkeys(remedies) if r)
     if axis.name == "velocity" and isinstance(result, AbstractCurve):
@@ -297,6 +417,10 @@ def _ways(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
             yield "Higher velocities: a peak may lie beyond the highest."
         if any(not top.inside and top.slow for top in tops):
             yield "Lower velocities: a peak may lie below the lowest."
+
+
+def _ways(result: Any, tops: list[_Top]) -> Iterator[str]:
+    """What else would make the values surer, what matters most first."""
     if isinstance(result, em.ORing):
         yield "Whether the groove keeps the ring at its length: choose held or free."
         return
@@ -305,12 +429,15 @@ def _ways(result: Any, axis: Axis, tops: list[_Top]) -> Iterator[str]:
     unknown = any(not np.isfinite(top.model_error) for top in tops)
     if unknown or bound > max(_FINE, error):
         yield (
-            "Measured friction, to compare with: drop it on the friction screen."
+            _LOWER["model"]
             if result.shows == "mu" and isinstance(result, AbstractCurve)
             else "A measured value, to compare with."
         )
     if not _knows_fit(result):
         yield "The uncertainty of the rubber, which is not computed here: draws of a fit."
     if error > _FINE:
-        closer = "A fit closer to the moduli, or a" if _knows_fit(result) else "A"
-        yield f"{closer} smaller relative tolerance."
+        yield (
+            _LOWER["numerical"]
+            if _knows_fit(result)
+            else "A smaller relative tolerance."
+        )

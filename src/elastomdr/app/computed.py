@@ -16,7 +16,7 @@ import elastomdr as em
 from ..cli.units import Temperature
 from ..errors import InputError
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
-from . import cards
+from .cards import Cards, make_way
 from .form import Form
 from .scene import (
     COMPUTED,
@@ -106,7 +106,7 @@ class ComputedStage:
             with ui.element("div").classes("right"):
                 self._old = mark_of_age()
                 self._unfitted = ui.label().classes("alert").props("role=alert")
-                self._cards = ui.element("div").classes("results")
+                self._cards = Cards()
                 self._sliders = (
                     Sliders(session.scenes["friction"], self._slid)
                     if screen.key == "friction"
@@ -258,7 +258,7 @@ class ComputedStage:
     def _clear(self) -> None:
         """Takes away what has been computed of something else."""
         self._old.visible = False
-        cards.show(self._cards, [])
+        self._cards.show(None)
         if self._sliders is not None:
             self._sliders.read(None)
         self._notes.show(())
@@ -298,6 +298,7 @@ class ComputedStage:
             return await self.compute(quiet=True)
         if self._busy.on:
             return
+        make_way()
         try:
             computation = await self._busy.during(
                 COMPUTING, self._computed_as_asked, roughly(self.content()), quiet=True
@@ -306,7 +307,7 @@ class ComputedStage:
         except (InputError, CancelledError):
             return  # what is computed when the slider rests says what is wrong
         self._old.visible = False
-        cards.show(self._cards, cards.cards(computation.result))
+        self._cards.show(computation, judged=False)
         self._picture.show(figure)
         if self._sliders is not None:
             self._sliders.read(computation)
@@ -318,6 +319,7 @@ class ComputedStage:
         if self._busy.on:
             return
         self._session.touch()
+        make_way()
         self.form.clear_errors()
         if not quiet:
             self._clear()
@@ -346,7 +348,7 @@ class ComputedStage:
     def _computed(self, content: dict[str, Any]) -> Done:
         start = time.thread_time()
         computation = self._computed_as_asked(content)
-        self._seconds = time.thread_time() - start
+        self._seconds = computation.seconds = time.thread_time() - start
         return computation
 
     def _computed_as_asked(self, content: dict[str, Any]) -> Done:
@@ -364,7 +366,7 @@ class ComputedStage:
         figure = await worked(DRAWING, computation.figure)
         if key != self._key:
             return
-        cards.show(self._cards, cards.cards(computation.result))
+        self._cards.show(computation)
         warned = computation.warnings
         doubts = (
             f"{doubt.kind.capitalize()}: {doubt.words()}."

@@ -2,6 +2,7 @@
 tables and its figure; a slip curve with the friction of its own rubber on the road.
 """
 
+import dataclasses
 import inspect
 import io
 import json
@@ -11,7 +12,7 @@ import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +27,13 @@ from ..cli.kinds import decoded
 from ..cli.scene import models_by_name
 from ..cli.schema import named
 from ..errors import InputError
+from ..results.base import Result
+from ..results.uncertainty import Uncertainty
 from .chart import Drawn, drawn
 from .security import Folder
 from .words import spoken
 
+_JUDGED = 10.0  # seconds up to which what takes four times as long is computed as well
 _FILES = (
     "file",
     "measured",
@@ -57,6 +61,8 @@ class Done:
     more: str = ""  # what is said below the summary
     # files that it was computed with and that the page may replace, as they were
     made: dict[str, bytes] = field(default_factory=dict, repr=False)
+    parts: Uncertainty | None = None  # what its uncertainty consists of
+    seconds: float = 0.0  # of processor time that it took
 
     def belongs_to(self, asked: dict[str, Any], folder: Folder) -> bool:
         """Whether it has been computed of this, with the files as they are now."""
@@ -68,6 +74,31 @@ class Done:
     def figure(self) -> Drawn:
         """The figure, with the table of the result as its numbers."""
         return drawn(self.result.plot(**self.plot_options), self.csv)
+
+    @cached_property
+    def shown(self) -> Any:
+        """What cards and readings show: of draws their median, with half of the
+        interval that holds 95 % of them as part of the error.
+        """
+        result = self.result
+        if not isinstance(result, Result) or not result.drawn:
+            return result
+        low, _, high = result.band()
+        typical = result.typical()
+        return dataclasses.replace(typical, error=typical.error + 0.5 * (high - low))
+
+    @property
+    def judges(self) -> bool:
+        """Whether there is more to know of its uncertainty, which takes some time."""
+        can = isinstance(self.result, em.FrictionCurve)
+        several = can and bool(self.result.origins) and not self.result.drawn
+        return can and not several and self.parts is None and self.seconds < _JUDGED
+
+    def judge(self) -> None:
+        """Computes what its uncertainty consists of."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of points that are not shown
+            self.parts = self.result.uncertainty()
 
     @property
     def curve(self) -> Any:

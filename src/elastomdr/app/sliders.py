@@ -84,7 +84,7 @@ class Sliders:
         self._values.visible = computation is not None
         if computation is None:
             return
-        velocity = np.unique(np.asarray(computation.result.velocity))
+        velocity = np.unique(np.asarray(computation.shown.velocity))
         low, high = float(velocity[0]), float(velocity[-1])
         middle = float(np.sqrt(low * high))
         inside = float(np.clip(self._velocity.value, low, high))
@@ -97,7 +97,7 @@ class Sliders:
     def _read(self, velocity: float) -> None:
         if self._done is None:
             return
-        readings = "; ".join(_readings(self._done.result, velocity))
+        readings = "; ".join(_readings(self._done.shown, velocity))
         self._values.text = with_signs(f"At {_velocity(velocity)}: {readings}")
 
 

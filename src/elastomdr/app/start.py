@@ -8,7 +8,7 @@ from typing import Any
 
 from nicegui import ui
 
-from . import cards
+from .cards import Cards
 from .chart import Drawn
 from .scene import CancelledError, Done, compute
 from .security import Folder
@@ -91,7 +91,7 @@ class StartStage:
             "lead"
         ).props("role=heading aria-level=2")
         self._busy = Busy()
-        self._cards = ui.element("div").classes("results")
+        self._cards = Cards()
         self._picture = Picture("the friction of the example", "example")
         self._change = ui.button("Change the example", on_click=self._taken).props(
             f"{BUTTON} outline"
@@ -106,7 +106,7 @@ class StartStage:
             computation = await self._busy.during(COMPUTING, example)
         except CancelledError:
             return
-        cards.show(self._cards, cards.cards(computation.result))
+        self._cards.show(computation)
         self._picture.show(await worked(DRAWING, _figure))
 
     async def _taken(self) -> None:
