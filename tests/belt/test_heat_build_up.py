@@ -122,6 +122,7 @@ def test_axes_in_any_order(power):
         "coefficient",
         "error",
         "other_states",
+        "model_error",
     )
     fields = {
         name: np.broadcast_to(x, (2, 2, 3))

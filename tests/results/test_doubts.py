@@ -135,8 +135,11 @@ def test_traction_has_the_doubts_of_its_law(kind):
         load=1.0,
         tangential=em.Foundation(3e6, [], []),
     )
-    np.testing.assert_array_equal(
-        points(braked.doubts, kind), points(curve.doubts, kind)
+    # beside its own, that all elements have one friction coefficient
+    where = points(curve.doubts, kind)
+    assert any(
+        doubt.kind == kind and np.array_equal(doubt.points, where)
+        for doubt in braked.doubts
     )
     assert kind in braked.summary()
 

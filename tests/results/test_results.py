@@ -516,7 +516,9 @@ UNITS = {  # of each quantity, whatever the result
 }
 OTHERS = {
     "Shear.error": "N",
+    "Shear.model_error": "N",
     "ForceSpectrum.error": "N",
+    "ForceSpectrum.model_error": "N",
     "ORing.error": "N/m",
     "ORing.model_error": "N/m",
     "Leak.conductance": "m^3/(Pa s)",
@@ -525,6 +527,7 @@ OTHERS = {
     "Reciprocating.error": "m",
     "Reciprocating.work": "J",
     "HeatBuildUp.error": "K",
+    "HeatBuildUp.model_error": "K",
     "HeatBuildUp.load": "N",
     "RoughContact.conductance": "1/m",
     "LineContact.force": "N/m",

@@ -21,7 +21,13 @@ FORCE = 5 + 2 * np.cos(2 * np.pi * 20 * TIME) + 0.3 * np.sin(2 * np.pi * 70 * TI
 
 def motion(force=FORCE, time=TIME):
     return dataclasses.replace(
-        SLIDE, time=time, normal_force=force, friction_force=0.1 * force
+        SLIDE,
+        time=time,
+        normal_force=force,
+        friction_force=0.1 * force,
+        mu=0.1 + 0 * force,
+        model_error=0 * force,
+        converged=force == force,
     )
 
 

@@ -2,6 +2,9 @@
 limits.
 """
 
+import importlib.util
+from pathlib import Path
+
 import jax
 import numpy as np
 import pytest
@@ -571,3 +574,47 @@ class TestSlip:
     def test_bad_input(self, changes, message):
         with pytest.raises(em.InputError, match=message):
             elastic(**changes)
+
+
+def traction_map():
+    """`benchmarks/traction_map.py`, which shares no tangential contact with the
+    package.
+    """
+    path = Path(__file__).parents[2] / "benchmarks" / "traction_map.py"
+    spec = importlib.util.spec_from_file_location("traction_map", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_model_error_of_a_ball_reaches_three_dimensions():
+    """On an elastic half-space the brush pulls less than all places together do, at
+    small creepage by Kalker's factor (2 - nu) C_11/4, 1.95 for nu = 1/2.
+    """
+    zeta = np.array([0.004, 0.1, 0.3, 0.6])
+    exact = traction_map().ball(0.5, zeta, cells=16)
+    rubber, ball = em.Prony(1e6, [], []), em.Paraboloid(0.1)
+    given = {"velocity": 1.0, "friction": 0.8, "load": 5.0}
+    half = float(em.traction(rubber, ball, creepage=0.0, **given).contact.leading)
+    # zeta = xi R G*/(2 a mu E*), E* = 4G, G* = 8G/3
+    found = em.traction(
+        rubber, ball, creepage=zeta * 2 * half * 0.8 * 1.5 / 0.1, **given
+    )
+    np.testing.assert_allclose(
+        found.coefficient, 0.8 * (1 - (1 - zeta) ** 3), rtol=1e-6
+    )
+    apart = 0.8 * exact - found.coefficient
+    np.testing.assert_allclose(0.8 * exact[0] / found.coefficient[0], 1.95, rtol=0.05)
+    # the first is 4 % high on so few cells
+    assert (np.abs(apart[1:]) <= found.model_error[1:]).all()
+    assert (apart[1:3] > 0.5 * found.model_error[1:3]).all()
+
+
+def test_model_error_of_a_strip_reaches_plane_strain():
+    rows = traction_map().drawn_layers(seed=5, scenes=4, cells=40)
+    width, _, brush, bound, exact = rows.T
+    assert width.max() > 10 * width.min()
+    assert (np.abs(brush - exact) <= bound).all()
+    assert bound.max() < 0.121

@@ -249,6 +249,7 @@ def _motion(time, velocity, friction, normal):
         dissipated=zero,
         imbalance=zero,
         error=zero,
+        model_error=zero,
         converged=np.ones(time.size, bool),
         per_length=True,
         model="",

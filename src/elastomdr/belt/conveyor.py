@@ -139,10 +139,14 @@ class Conveyor(Result):
         "resistance over weight", "-", "of goods and of both strands of the belt"
     )
     error: Array = quantity("estimated error of the coefficient", "-")
+    model_error: Array = quantity(
+        "bound on the error of the model", "-", "of the coefficient; NaN: not known"
+    )
 
     title: ClassVar[str] = "Indentation rolling resistance of a belt conveyor"
     shows: ClassVar[str] = "power"
     error_of: ClassVar[str] = "the coefficient"
+    bound_of: ClassVar[str] = "coefficient"
     coordinates: ClassVar[tuple[str, ...]] = (
         "velocity",
         "temperature",
@@ -182,6 +186,7 @@ class _Side(Tree):
 
     resistance: Any  # [N/m]
     error: Any  # estimated error of the resistance [N/m]
+    model_error: Any  # bound on the model's, as of `em.rolling` [N/m]
     converged: Any
     marks: tuple[Doubt, ...]  # of any of its rolls
     model: str = static()
@@ -259,6 +264,8 @@ def conveyor(
         power=(on_carry + on_return) * speed,
         coefficient=(on_carry + on_return) / weight,
         error=nan_unless(converged, loaded.error + empty.error) / weight,
+        model_error=nan_unless(converged, loaded.model_error + empty.model_error)
+        / weight,
         converged=converged,
         marks=carried((*loaded.marks, *empty.marks)),
         model=loaded.model,
@@ -313,6 +320,7 @@ def _solve_side(
     return _Side(
         summed(rolls.resistance) / side.spacing,
         summed(rolls.error * rolls.normal_force) / side.spacing,
+        summed(xp.asarray(rolls.model_error) * rolls.normal_force) / side.spacing,
         xp.all(xp.asarray(rolls.converged), axis=-1),
         carried(rolls.examined(), lambda points: points.any(axis=-1)),
         rolls.model,

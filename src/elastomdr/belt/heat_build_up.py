@@ -112,6 +112,11 @@ class HeatBuildUp(Result):
     other_states: Array = quantity(
         "other steady states", "", "hotter ones, of a body that was hot before"
     )
+    model_error: Array = quantity(
+        "bound on the error of the model",
+        "K",
+        "of the temperature; NaN: one temperature for the whole body has none",
+    )
 
     title: ClassVar[str] = "Heat build-up by rolling resistance"
     figure: ClassVar[str] = "plot_curves.draw_heat_build_up"
@@ -364,6 +369,7 @@ def _without_history(
         conductance=body.conductance,
         steady=state.temperature,
         error=state.error,
+        model_error=state.error + xp.nan,
         temperature=state.temperature,
         power=power,
         other_states=state.others,
@@ -409,6 +415,7 @@ def _with_history(
         settling=over_time(heat / state.stiffness),
         steady=over_time(state.temperature),
         error=over_time(state.error) + error,
+        model_error=over_time(state.error) + xp.nan,
         temperature=temperature,
         power=power,
         time=xp.broadcast_to(instants, temperature.shape),

@@ -77,6 +77,11 @@ class Stability(Result):
         "-",
         "by the differences; NaN for fewer than five velocities together",
     )
+    model_error: Array = quantity(
+        "bound on the error of the model",
+        "-",
+        "of the damping ratio; NaN: that friction follows at once has none",
+    )
     slowest: Array = quantity(
         "slowest velocity that friction follows", "m/s", "lambda sqrt(k/m)", dims=""
     )
@@ -266,6 +271,7 @@ def stability(
         ratio=ratio,
         follows=everywhere > slowest,
         error=fixed(_slope_error(x, secants, dF_dlnV) / v / critical_damping),
+        model_error=xp.full(slope.shape, xp.nan),
         converged=xp.isfinite(ratio),
         slowest=slowest,
         model=MODEL,

@@ -377,10 +377,11 @@ def _pack(
         dissipated=shown(seen.work - seen.stored + seen.damped),
         imbalance=shown(_missing(seen)[0]),
         error=shown(solution.error),
+        model_error=body.bound.at(solution.shown),
         converged=solution.good,
         per_length=body.per_length,
         model=body.model,
         plan=plan,
         inputs=inputs,
-        marks=beyond,
+        marks=(*beyond, *body.bound.marks(solution.shown)),
     )

@@ -29,6 +29,9 @@ class AbstractHistory(Result):
     """
 
     time: Array = quantity("time", "s")
+    model_error: Array = quantity(
+        "bound on the error of the model", "-", "of what `error` is of; NaN: not known"
+    )
 
     across: ClassVar[str] = "time"
     from_zero: ClassVar[bool] = False
@@ -46,6 +49,7 @@ class _OverSurface(AbstractHistory):
     per_length: bool = setting()  # whether forces and energies are per metre of line
 
     error_of: ClassVar[str] = "mu"
+    bound_of: ClassVar[str] = "mu"
 
     def describe(self, q: Quantity) -> Quantity:
         """Forces and energies of a rough line are per metre of it."""
@@ -103,6 +107,9 @@ class ForceSpectrum(Result):
     amplitude: Array = quantity("amplitude", "N", "of a wave of this frequency")
     density: Array = quantity("power density", "N^2/Hz", "one-sided")
     error: Array = quantity("estimated error of the amplitude", "N")
+    model_error: Array = quantity(
+        "bound on the error of the model", "N", "of the amplitude; NaN: not known"
+    )
     mean: float | Array = quantity("mean force", "N", dims="")
     per_length: bool = setting(default=False)
     shows_density: bool = setting(default=False)  # whether a window was used
@@ -182,6 +189,7 @@ def force_spectrum(
         amplitude=amplitude,
         density=density,
         error=error,
+        model_error=np.full(amplitude.shape, np.nan),
         mean=np.asarray(values.mean()),
         converged=np.ones(amplitude.size, bool),
         marks=carried(motion.examined(), in_any),
@@ -532,6 +540,9 @@ class Shear(AbstractHistory):
         "of the work, elastic energy; the rest heats the rubber",
     )
     error: Array = quantity("estimated error of the tangential force", "N")
+    model_error: Array = quantity(
+        "bound on the error of the model", "N", "of the force; NaN: not known"
+    )
 
     title: ClassVar[str] = "Tangential loading with friction"
     across: ClassVar[str] = "displacement"

@@ -31,7 +31,7 @@ from ..results.words import brief, describe, span
 from .impact_motion import Body, Impacts, impacts
 from .layer_disc import incompressible_enough, of_layer
 from .oblique_impact import History, Oblique, Slips, check_oblique, solve_oblique
-from .problem import check_shape, standing
+from .problem import SPRINGS, Bound, bound_on, check_shape, standing
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -83,6 +83,9 @@ class Impact(Result):
     history: History
     oblique: Oblique | None = None  # where a tangential velocity was given
     error: Array = quantity("estimated error of the restitution", "-", "absolute")
+    model_error: Array = quantity(
+        "bound on the error of the model", "-", "of the restitution; NaN: not known"
+    )
     stuck: Array = quantity("stuck", "", "the body never comes back")
 
     title: ClassVar[str] = "Impact"
@@ -213,6 +216,8 @@ def _pack(
     oblique = None
     if slips is not None:
         oblique = solve_oblique(slips, scene, shape, history, solution)
+    bounds = {bound_on(f, Bound()) for f in scene.foundations}
+    bound = SPRINGS if SPRINGS in bounds else Bound()
     energy = 0.5 * scene.body.mass * scene.body.velocity**2
     return Impact(
         mass=scene.mass,
@@ -225,13 +230,14 @@ def _pack(
         history=history,
         oblique=oblique,
         error=nan_unless(good, solution.error).reshape(scene.shape),
+        model_error=bound.at(good).reshape(scene.shape),
         stuck=solution.stuck.reshape(scene.shape),
         converged=good.reshape(scene.shape),
         temperature=scene.temperature,
         model=scene.model,
         plan="velocities as the grid, extrapolated in the number of steps",
         inputs=scene.inputs,
-        marks=beyond,
+        marks=(*beyond, *bound.marks(good)),
         origins=_origins(scene) if scene.many else (),
     )
 

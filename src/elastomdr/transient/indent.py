@@ -40,7 +40,7 @@ from .age import history_beyond
 from .history_result import AbstractHistory
 from .indentation_route import Course, Indented, indent_under, indent_with_adhesion
 from .layer_disc import LayerDisc, incompressible_enough, of_layer
-from .problem import at_temperature, check_shape
+from .problem import Bound, at_temperature, bound_on, check_shape, unknown
 from .surface_fields import Elements
 
 if TYPE_CHECKING:
@@ -58,6 +58,10 @@ RULE = (
     "rule, for contact that only recedes)"
 )
 LAYER = "independent springs (exact for them; rubber of that thickness: em.layer)"
+ADHESION = unknown(
+    "adhesion acts at the very edge (JKR), where real bonds reach further, and on "
+    "viscoelastic rubber the rule of the edge is an upper limit of the pull-off"
+)
 FINITE = (
     "rubber of finite thickness on a rigid base (exact: normal contact, small slopes, "
     "no friction)"
@@ -109,6 +113,7 @@ class Indentation(AbstractHistory):
     across: ClassVar[str] = "depth"
     shows: ClassVar[str] = "force"
     error_of: ClassVar[str] = "force or depth, relative"
+    relative_bound: ClassVar[bool] = True
 
     @in_float64
     def pressure(self, r: ArrayLike, time: Number) -> np.ndarray:
@@ -236,6 +241,8 @@ def indent(
         factor,
     )
 
+    bound = ADHESION if adhesion is not None else bound_on(foundation, Bound())
+
     def known(field: Any) -> Any:
         return nan_unless(shown, field)
 
@@ -249,13 +256,14 @@ def indent(
         locked=known(solution.locked),
         dissipated=known(solution.heat + solution.locked),
         error=solution.error,
+        model_error=bound.at(shown),
         converged=solution.converged,
         temperature=law_temperature,
         surface=Elements(law, disc, course) if adhesion is None else None,
         model=_model(law, disc, adhesion),
         plan=solution.plan,
         inputs=tuple(_inputs(foundation, shape, course, gamma, law_temperature, rtol)),
-        marks=beyond,
+        marks=(*beyond, *bound.marks(shown)),
     )
 
 

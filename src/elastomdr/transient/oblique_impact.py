@@ -79,6 +79,9 @@ class Oblique:
     error: Array = quantity(
         "estimated error of the tangential velocity at separation", "m/s"
     )
+    model_error: Array = quantity(
+        "bound on the error of the model of slip", "m/s", "NaN: not known"
+    )
     tangential_mass: Array = quantity("tangential mass", "kg", "m_t")
 
 
@@ -200,6 +203,7 @@ def solve_oblique(
         velocity=shaped(best.velocity),
         force=shaped(best.force),
         error=shaped(error),
+        model_error=xp.full(scene.shape, xp.nan),
         tangential_mass=moved.tangential_mass.reshape(scene.shape),
     )
 

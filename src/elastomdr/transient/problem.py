@@ -24,6 +24,7 @@ from ..checks import (
     finite,
     in_kelvin,
     is_traced,
+    nan_unless,
     not_negative,
     only_one,
     scalar,
@@ -35,6 +36,7 @@ from ..material.prony import Prony
 from ..material.relaxation import Relaxation, scaled
 from ..material.shift import thermal_factors
 from ..material.validity import Range, material_in_words
+from ..results.doubts import Doubt
 from ..results.words import brief, describe
 from ..smooth.passage import Control
 from ..smooth.problem import BARE, LAYER, contact
@@ -58,6 +60,50 @@ LINE = (
     "bare MDR line under a rough line (forces and friction; no real contact area; no "
     "direction average)"
 )
+
+
+class Bound(NamedTuple):
+    """How far a model is at most from three dimensions: 0 where it is exact, NaN where
+    that is not known, for this reason.
+    """
+
+    size: Any = 0.0
+    why: str = ""  # "springs stand for a layer"
+    remedy: str = ""
+
+    def at(self, computed: Array) -> Array:
+        """At the points that are computed; NaN elsewhere."""
+        return nan_unless(computed, self.size + 0.0 * computed)
+
+    def marks(self, computed: Array) -> tuple[Doubt, ...]:
+        """The doubt in a result for which it is not known."""
+        if not self.why:
+            return ()
+        says = f"have no bound on the model: {self.why}"
+        return (Doubt("no prediction", computed != 0, says, self.remedy),)
+
+
+def unknown(why: str, remedy: str = "") -> Bound:
+    """No bound is established."""
+    return Bound(np.nan, why, remedy)
+
+
+SPRINGS = unknown(
+    "springs stand for a layer", "em.layer(material, thickness), the layer itself"
+)
+STEADY_LINE = unknown(
+    "the bare line overstates steady friction of a half-space by up to a factor of 2, "
+    "and what it does to a history is not known",
+    "em.friction for steady sliding",
+)
+ROUGH_LINE = unknown("a rough line is no surface")
+
+
+def bound_on(foundation: Foundation, on_half_space: Bound) -> Bound:
+    """Of a model that is exact on what is given directly."""
+    if foundation.slab is not None:
+        return SPRINGS
+    return on_half_space if foundation.per_area is False else Bound()
 
 
 class SlidePlan(NamedTuple):
@@ -85,6 +131,13 @@ class SlidingBody(NamedTuple):
     per_length: bool  # whether loads and forces are per metre of line
     model: str
     words: tuple[tuple[str, str], ...]
+
+    @property
+    def bound(self) -> Bound:
+        """Of the model."""
+        if self.per_length:
+            return ROUGH_LINE
+        return bound_on(self.foundation, STEADY_LINE)
 
 
 def sliding_body(material: Any, shape: Any) -> SlidingBody:

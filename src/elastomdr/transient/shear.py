@@ -37,7 +37,7 @@ from ..surface.disc import contact_measure, disc_under
 from ..surface.shapes import AbstractShape, FlatPunch
 from .age import history_beyond
 from .history_result import Shear
-from .problem import MOST_ELEMENTS, both_laws, standing
+from .problem import MOST_ELEMENTS, both_laws, bound_on, standing, unknown
 from .refinement import beside
 from .shear_motion import History, Scene, Sheared, line, panels, shear_history
 
@@ -47,6 +47,10 @@ if TYPE_CHECKING:
 
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "independent springs with Coulomb friction"
+SLIP = unknown(
+    "Cattaneo and Mindlin let all elements slip against the motion of the body, which "
+    "a surface does not quite do"
+)
 # instants put between the first two: down to 1e-12 of the time between them
 _EARLY = 18
 # of the largest force: the edges between which elements are summed are not known to
@@ -145,7 +149,7 @@ def shear(
     good = numpy.isfinite(sheared.force) & numpy.isfinite(sheared.normal_force) & inside
     reason = "The contact is wider there than the body or the grid."
     warn_unless(good, "instants", reason=reason)
-    beyond = _beyond(laws, given)
+    beyond, bound = _beyond(laws, given), bound_on(laws[0], SLIP)
     fields = {key: nan_unless(good, x) for key, x in sheared._asdict().items()}
     del fields["missed"]
     return Shear(
@@ -153,11 +157,12 @@ def shear(
         displacement=given.displacement,
         **fields,
         error=nan_unless(good, error),
+        model_error=bound.at(good),
         converged=good,
         model=LAYER if per_area else HALF_SPACE,
         plan="marched element by element",
         inputs=tuple(_inputs(laws, shape, name, given, mu, cut)),
-        marks=beyond,
+        marks=(*beyond, *bound.marks(good)),
     )
 
 

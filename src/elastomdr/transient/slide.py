@@ -94,6 +94,7 @@ def slide(
     solution, plan = solve(body.over, history)
     seen = solution.seen
     beyond = sliding_beyond(history, body.over, seen.depth, history.value)
+    bound = body.bound
     warn_unless(solution.good, "points", f" to rtol={history.rtol:g}")
 
     def shown(field: Any) -> Any:
@@ -111,12 +112,13 @@ def slide(
         stored=shown(seen.stored),
         dissipated=shown(seen.work - seen.stored),
         error=shown(solution.error),
+        model_error=bound.at(solution.shown),
         converged=solution.good,
         per_length=body.per_length,
         model=body.model,
         plan=plan,
         inputs=(*body.words, *history.inputs),
-        marks=beyond,
+        marks=(*beyond, *bound.marks(solution.shown)),
     )
 
 

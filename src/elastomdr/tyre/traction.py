@@ -5,6 +5,7 @@ it.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -40,7 +41,7 @@ from ..smooth.cylinder import cylinder_pressure
 from ..smooth.problem import Contact, SmoothCall, SmoothScene, Steady, set_up, solve
 from ..surface.lines import SingleLine
 from ..surface.shapes import Cylinder
-from ..transient.problem import both_laws, check_shape
+from ..transient.problem import Bound, both_laws, bound_on, check_shape, unknown
 from ..trees import replaced
 from .brush import (
     LayerContact,
@@ -73,10 +74,20 @@ ON_LAYER = (
     "brush with the shear stiffness of the layer at one wave, pressure exact; rolling "
     "loss: "
 )
+VISCOELASTIC = unknown(
+    "elements side by side, which on elastic rubber pull up to a third of mu less than "
+    "a half-space under a ball, and 12 % of mu less than a layer under a cylinder"
+)
+ONE_VELOCITY = unknown("all elements have the friction of one sliding velocity")
+ENDS = unknown("plane strain leaves out the ends of the cylinder")
 CARTER = (
     "Carter's elastic half-plane (exact for equal bodies, or an incompressible one on "
     "a rigid one)"
 )
+
+
+# of the traction coefficient, without its sign, and the friction coefficient
+_BoundAt = Callable[[Any, Any], Bound]
 
 
 class _Scene(NamedTuple):
@@ -196,18 +207,22 @@ def traction(
             slip, and for what `em.rolling` refuses.
 
     Exact for a row of springs (brush) and for a cylinder on an elastic half-space
-    (Carter). On a half-space traction is that of the MDR line, whose initial slope is
-    higher, by 10 % for an elastic sphere with nu = 0.25 (Kalker 1967). A friction law
+    (Carter). On a half-space traction is that of the MDR line, which pulls less: on an
+    elastic one its slope at small creepage is 1.70 to 1.95 times too low (nu = 0 to
+    1/2, Kalker 1967), and it is up to a third of mu F_N below in between. A friction
+    law
     taken at one sliding velocity leaves out that elements near the leading edge slide
     more slowly than the body, and those near the trailing edge faster.
 
     On an `em.layer`, in numbers only, the normal problem is exact and the tangential
     one a brush whose elements have the stiffness of the layer at one wave
     (`elastomdr.tyre.brush`): exact in a contact much wider than the layer is
-    thick; on a thick elastic layer right for small and large creepage, and up to 8 % of
-    mu F_N below Carter's in between.
+    thick; on an elastic incompressible layer right for large creepage, up to 8 % of mu
+    F_N below Carter's where the layer is thick, and up to 12 % where half the contact
+    is two to four times as long as the layer is thick. `model_error` is a bound where
+    the rubber is elastic, NaN else.
 
-    Source: Popov & Hess 2015, ch. 5; Carter 1926.
+    Source: Popov & Hess 2015, ch. 5; Carter 1926; Kalker 1967.
     """
     check_shape(shape)
     if shape.rolling_radius is None:
@@ -322,6 +337,7 @@ def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
         doubts=doubts,
         pulled=pulled,
         converged=converged,
+        bound=_of_line(normal, sheared, scene, tangential),
         temperature=steady.temperature,
         model=BRUSH + steady.plan.model,
         plan=steady.plan,
@@ -408,6 +424,52 @@ def _pull(
     return Tractions(*(xp.asarray(x).reshape(steady.shape) for x in pulled)), missed
 
 
+def _of_line(
+    normal: Foundation, sheared: Foundation, scene: _Scene, tangential: Any
+) -> _BoundAt:
+    """Of a row of elements: exact where it was asked for as such, under one friction
+    coefficient.
+    """
+    if scene.law is not None:
+        return lambda *_: ONE_VELOCITY
+    elastic = _is_elastic(normal.law()) and _is_elastic(sheared.law())
+    if normal.per_area is False and elastic and tangential is None:
+        return _of_a_ball
+    return lambda *_: bound_on(normal, VISCOELASTIC)
+
+
+def _of_a_ball(coefficient: Array, friction: Array) -> Bound:
+    """Of the brush on an elastic half-space: three dimensions pull more, at small
+    creepage 1.70 to 1.95 times as much (Kalker's C_11 for nu from 0 to 1/2), and at
+    most mu. `benchmarks/traction_map.py`.
+    """
+    size = xp.minimum(0.96 * coefficient, friction - coefficient)
+    return Bound(xp.maximum(size, 0.0))
+
+
+def _of_a_strip(coefficient: Array, friction: Array) -> Bound:
+    """Of the brush on an elastic incompressible layer, in plane strain; drawn and
+    covered by `benchmarks/traction_map.py`.
+    """
+    most = xp.minimum(0.12 * friction, 1.03 * friction - coefficient)
+    return Bound(xp.minimum(most, 0.25 * coefficient))
+
+
+def _on_strip(layer: Layer, law: Relaxation, scene: _Scene) -> _BoundAt:
+    """Of the brush on a layer."""
+    if scene.law is not None:
+        return lambda *_: ONE_VELOCITY
+    if _is_elastic(law) and float(layer.squeeze()) == 0:
+        return _of_a_strip
+    return lambda *_: VISCOELASTIC
+
+
+def _is_elastic(law: Relaxation) -> bool:
+    """Whether a law is known to be elastic."""
+    viscosity = law.viscosity
+    return not (law.moduli.size or is_traced(viscosity) or float(viscosity) != 0)
+
+
 def _packed(
     scene: _Scene,
     solution: Any,
@@ -417,6 +479,7 @@ def _packed(
     doubts: tuple[Doubt, ...],
     pulled: Any,
     converged: Any,
+    bound: _BoundAt,
     **settings: Any,
 ) -> Traction:
     """The result of a brush: `pulled` has force, stick and error without signs,
@@ -426,11 +489,14 @@ def _packed(
     inputs = list(solution.inputs)
     place = [name for name, _ in inputs].index("relative tolerance")
     inputs[place:place] = scene.words(friction)
+    coefficient = force / solution.normal_force
+    model = bound(abs(coefficient), friction)
+    doubts = (*solution.marks, *doubts, *model.marks(converged))
     return Traction(
         velocity=solution.velocity,
         creepage=creepage,
         friction=friction,
-        coefficient=force / solution.normal_force,
+        coefficient=coefficient,
         force=force,
         stick=nan_unless(converged, pulled.stick),
         slip_power=abs(force * creepage) * solution.velocity,
@@ -439,8 +505,9 @@ def _packed(
         depth=solution.depth,
         contact=solution.contact,
         error=nan_unless(converged, pulled.error / solution.normal_force),
+        model_error=model.at(converged),
         converged=converged,
-        marks=_at_points((*solution.marks, *doubts), force.shape),
+        marks=_at_points(doubts, force.shape),
         inputs=tuple(inputs),
         **settings,
     )
@@ -459,12 +526,7 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
     and one b_T their moduli.
     """
     law = normal.law()
-    elastic = (
-        not law.moduli.size
-        and not is_traced(law.viscosity)
-        and float(law.viscosity) == 0
-    )
-    if elastic and sheared.shift is not None:
+    if _is_elastic(law) and sheared.shift is not None:
         normal = replaced(normal, shift=sheared.shift)
     if (sheared.shift is not None or sheared.vertical is not None) and not same_thermal(
         normal, sheared
@@ -521,6 +583,7 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         doubts=doubts,
         pulled=_pulled(sheared, float(scene.shape.length), points),
         converged=solution.converged,
+        bound=_on_strip(layer, law, scene),
         temperature=rolled.temperature,
         model=ON_LAYER + rolled.model,
         plan=rolled.plan,
@@ -608,8 +671,9 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
         depth=zero + xp.nan,
         contact=Contact(half, half),
         error=zero,
+        model_error=ENDS.at(zero == 0),
         converged=xp.ones(ratio.shape, bool),
-        marks=_at_points(doubts, ratio.shape),
+        marks=_at_points((*doubts, *ENDS.marks(zero == 0)), ratio.shape),
         temperature=None,
         model=CARTER,
         plan="closed form",

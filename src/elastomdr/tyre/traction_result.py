@@ -21,7 +21,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..checks import in_si, positive
+from ..checks import in_si, positive, significant
 from ..errors import InputError
 from ..files import as_path, write_files
 from ..results.base import Array, Quantity, Result, quantity, record
@@ -119,6 +119,11 @@ class Traction(Result):
     error: Array = quantity(
         "estimated error of the traction coefficient", "-", "at its contact size"
     )
+    model_error: Array = quantity(
+        "bound on the error of the model",
+        "-",
+        "of the traction coefficient; NaN: not known",
+    )
 
     title: ClassVar[str] = "Traction"
     figure: ClassVar[str] = "plot_curves.draw_traction"
@@ -198,10 +203,16 @@ class Traction(Result):
         write_files({as_path(path): content.encode()})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """The largest traction and the rolling loss."""
-        good = np.asarray(self.converged)
+        """The largest traction, how far its model is from a surface, and the rolling
+        loss.
+        """
+        good, bound = np.asarray(self.converged), np.asarray(self.model_error)
         if good.any():
             yield "traction coefficient", span(np.asarray(self.coefficient)[good])
+        if (bound > 0).any():
+            most = significant(float(np.nanmax(bound)), 2)
+            yield "model error", f"at most {most} of the traction coefficient"
+        if good.any():
             yield "rolling resistance", span(np.asarray(self.rolling)[good])
 
 
