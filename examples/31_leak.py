@@ -4,7 +4,8 @@ Teaches: `em.o_ring` gives pressure and width of the contact, to whose pressure 
 the oil is added, since it presses on the ring; `em.leak` gives what flows through the
 channels that the roughness of the face leaves open, where contact bears what the oil
 between does not. The rate falls over decades while real contact grows towards 42 %,
-where channels close; the band is how far the model may be off. Rubber relaxes while it creeps into the roughness: the leak changes little in years.
+where channels close; the band is how far the model may be off. Rubber relaxes while it
+creeps into the roughness: the leak changes little in years.
 
 Inputs: `epdm-70` at 20 degC, whose data end after eight minutes, so that what is later
 is extrapolated (dotted); an O-ring of 5 mm on a turned face, H = 0.8, wavelengths of
