@@ -18,6 +18,8 @@ from .errors import InputError
 
 _MOST_BYTES = 200_000_000
 _LINK = "It is a link: remove it, or name the file behind it"
+# where a cell begins: = and @ always, signs where something is called or piped
+_FORMULA = re.compile(r"((?:^|[,;\t])\s*)(?=[=@]|[+-][^,;\t]*[(|!])")
 _MOST_TOML = 5_000_000  # bytes of a scene or a material
 _DEEPEST = 10  # parts of a dotted key
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
@@ -160,24 +162,29 @@ def csv_text(header: Iterable[str], columns: Mapping[str, Any]) -> str:
     per entry of the columns.
 
     Numbers have as many digits, up to 17, as it takes to read back the same float64;
-    NaN is an empty cell.
+    NaN is an empty cell. No text is a formula of a spreadsheet.
     """
     values = [
         column.tolist() if hasattr(column, "tolist") else list(column)
         for column in columns.values()
     ]
-    lines = [f"# {' '.join(line.split())}" for line in header]
+    lines = [no_formula(f"# {' '.join(line.split())}") for line in header]
     lines += [
-        ",".join(columns),
+        ",".join(map(_cell, columns)),
         *(",".join(map(_cell, row)) for row in zip(*values, strict=True)),
     ]
     return "\n".join(lines) + "\n"
 
 
+def no_formula(line: str) -> str:
+    """A line with an apostrophe before each cell that a spreadsheet would compute."""
+    return _FORMULA.sub(r"\1'", line)
+
+
 def _cell(value: Any) -> str:
     if isinstance(value, float):
         return "" if value != value else repr(float(value))
-    entry = str(value)
+    entry = no_formula(str(value))
     return (
         f'"{entry.replace(chr(34), 2 * chr(34))}"'
         if set(entry) & set(',"\n')

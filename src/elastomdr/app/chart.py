@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
+from ..files import no_formula
 from ..results.chart import Chart, charts
 
 
@@ -45,5 +46,5 @@ def points(charts: list[Chart]) -> bytes:
         for series in chart.options["series"]:
             if series["type"] in ("line", "scatter"):
                 for point in series["data"]:
-                    write.writerow([series["name"], *point])
+                    write.writerow([no_formula(series["name"]), *point])
     return buffer.getvalue().encode()

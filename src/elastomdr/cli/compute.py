@@ -17,7 +17,7 @@ from typing import Any
 import elastomdr as em
 
 from ..errors import InputError, warn
-from ..files import write_files
+from ..files import no_formula, write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .scene import Scene, models_by_name
@@ -48,9 +48,7 @@ def run(options: argparse.Namespace) -> int:
             with models_by_name(), em.progress(f"{scene.called()} of {path.name}"):
                 result = _computed(scene, arguments, folder / f".{stem}.parts")
                 results = [result] + ([] if beside is None else [em.rolling(**beside)])
-        notes = f"# scene: {path.name}\n" + (
-            f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
-        )
+        notes = _notes(path, scene)
         files: dict[str, Callable[[Path], object]] = {
             f"{stem}.csv": lambda to: _write_table(result, to, notes),
             f"{stem}.png": lambda to: _write_figure(_drawn(results, shown), to),
@@ -228,6 +226,13 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
     return contact if contact.converged.all() else None
 
 
+def _notes(path: Path, scene: Any) -> str:
+    """What stands above the header of a table."""
+    lines = [f"# scene: {path.name}"]
+    lines += [f"# title: {' '.join(scene.title.split())}"] if scene.title else []
+    return "".join(f"{no_formula(line)}\n" for line in lines)
+
+
 def _write_table(result: Any, path: Path, notes: str) -> None:
     result.to_csv(path)
     path.write_text(notes + path.read_text(encoding="utf-8"), encoding="utf-8")
@@ -330,9 +335,7 @@ def run_compare(options: argparse.Namespace) -> int:
                 curve = _computed(scene, arguments, parts)
             with named("[compare]"):
                 ranking = curve.ranking(**scene.compare.place())
-        notes = f"# scene: {path.name}\n" + (
-            f"# title: {' '.join(scene.title.split())}\n" if scene.title else ""
-        )
+        notes = _notes(path, scene)
         files: dict[str, Callable[[Path], object]] = {
             f"{path.stem}-compare.csv": lambda to: _write_table(ranking, to, notes),
             f"{path.stem}-compare.png": lambda to: _write_figure(

@@ -275,15 +275,16 @@ def _write_table(dataset: Any, path: Path, header: list[str]) -> None:
         return
     import io
 
-    buffer = io.BytesIO()
-    frame.columns = titles
-    import pandas
+    import openpyxl
 
-    with pandas.ExcelWriter(buffer, engine="openpyxl") as book:
-        frame.to_excel(book, sheet_name="result", index=False)
-        pandas.DataFrame(header, columns=["inputs"]).to_excel(
-            book, sheet_name="inputs", index=False
-        )
+    from ..results.base import fill_sheet
+
+    book, buffer = openpyxl.Workbook(), io.BytesIO()
+    book.remove(book.worksheets[0])
+    rows = frame.itertuples(index=False)
+    fill_sheet(book.create_sheet("result"), [titles, *map(list, rows)])
+    fill_sheet(book.create_sheet("inputs"), [["inputs"], *([line] for line in header)])
+    book.save(buffer)
     write_files({path: buffer.getvalue()})
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from .. import __version__
 from ..checks import as_float64, in_si, positive
 from ..errors import InputError, warn
-from ..files import csv_text
+from ..files import csv_text, no_formula
 from ..io.data import FitWarning
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
@@ -364,7 +364,8 @@ def plain_card(material: Prony) -> str:
     """
     _check_series(material, "a table of relaxation times")
     symbol = "G" if material.kind == "shear" else "E"
-    lines = [f"# {note}" for note in (material.name or "unnamed", *_describe(material))]
+    notes = (material.name or "unnamed", *_describe(material))
+    lines = [no_formula(f"# {note}") for note in notes]
     lines.append(f"# {symbol}(t) = {symbol}_inf + sum_k {symbol}_k exp(-t/tau_k)")
     lines.append(f"# {symbol}_inf [Pa]: {float(material.equilibrium):.10g}")
     lines.append(f"tau [s],{symbol} [Pa]")

@@ -686,7 +686,7 @@ class Result:
             ("inputs", [["elastomdr", __version__], *map(list, self.findings())]),
             ("columns", [["column", "field", "unit", "meaning"], *meanings]),
         ):
-            _fill_sheet(book.create_sheet(name), lines)
+            fill_sheet(book.create_sheet(name), lines)
         book["result"].freeze_panes = "A2"
         buffer = io.BytesIO()
         book.save(buffer)
@@ -957,7 +957,7 @@ def _joined_inputs(
     return inputs
 
 
-def _fill_sheet(sheet: Any, lines: list[list[Any]]) -> None:
+def fill_sheet(sheet: Any, lines: list[list[Any]]) -> None:
     """Writes lines into a sheet of Excel; what is not known is an empty cell, and no
     text is a formula.
     """
