@@ -27,6 +27,34 @@ def test_the_modulus_is_that_of_gent(shore, modulus):
     assert [float(x) for x in misfit(rubber, 1.0, 1e3)] == [1.0, 1.0]  # a factor of two
 
 
+@pytest.mark.parametrize("like", em.materials())
+def test_like_each_material_of_the_library(like):
+    """Those without a shift law are known at 23 degC as they are."""
+    if not isinstance(em.load_material(like), em.Prony):
+        with pytest.raises(em.InputError, match="like must be a Prony"):
+            em.fit.from_hardness(70, like=like)
+        return
+    rubber = em.fit.from_hardness(70, like=like)
+    read = rubber if rubber.shift is None else rubber.at(296.15)
+    assert float(read.tensile().relaxation(3.0)) == pytest.approx(5.520e6, rel=1e-3)
+
+
+def test_like_a_material_that_is_known_elsewhere_only():
+    cold = em.Prony(
+        1e6,
+        [1e6],
+        [1.0],
+        name="cold",
+        range=em.load_material("nbr-linder").range._replace(
+            temperature=(253.15, 263.15)
+        ),
+    )
+    with pytest.raises(
+        em.InputError, match=r"like must be known at 23 degC.*cold has no"
+    ):
+        em.fit.from_hardness(70, like=cold)
+
+
 def test_refusals():
     for shore, like, said in (
         (95, "sbr-gum-like", "between 20 and 90"),

@@ -681,7 +681,7 @@ def from_hardness(
     Args:
         shore_a: hardness [Shore A], 20 to 90.
         like: the material whose spectrum, shift law and Poisson's ratio it has: a name
-            in the library, a file, or one.
+            in the library, a file, or one; one without a shift law is known at 23 degC.
         name: name of the material.
 
     Returns:
@@ -708,10 +708,16 @@ def from_hardness(
             "like must be a Prony series, or the name of one in the library, got "
             f"{like!r:.80}."
         )
-    factor = _gent(hardness) / float(
-        np.asarray(other.at(_TEMPERATURE).tensile().relaxation(_READ))
-    )
     known = other.range if other.range is not None else Range(None, None)
+    read = other.at(_TEMPERATURE) if other.shift is not None else other
+    coldest, hottest = known.temperature or (_TEMPERATURE, _TEMPERATURE)
+    if other.shift is None and not coldest <= _TEMPERATURE <= hottest:
+        raise InputError(
+            "like must be known at 23 degC, where hardness is read: "
+            f"{other.name or 'it'} has no shift law, and is known from "
+            f"{coldest - 273.15:.4g} to {hottest - 273.15:.4g} degC."
+        )
+    factor = _gent(hardness) / float(np.asarray(read.tensile().relaxation(_READ)))
     low, high = known.omega or (
         0.1 / float(other.times.max()),
         10 / float(other.times.min()),
