@@ -13,6 +13,7 @@ import pytest
 import elastomdr as em
 from elastomdr.fit import FitWarning
 
+from .cases import twins
 from .dma_files import KNOWN, LAYOUTS, eplexor_xlsx, isotherms, measure, plain_csv, q800
 
 ROWS = measure(KNOWN, np.array([-10.0, 0.0, 20.0]), np.geomspace(0.1, 50, 6))
@@ -622,6 +623,122 @@ def test_shift_lists(titles, write):
     np.testing.assert_allclose(shift.temperature, celsius[::-1] + 273.15, rtol=1e-14)
     np.testing.assert_allclose(shift.log10_a_table, log10_a[::-1], atol=1e-12)
     np.testing.assert_allclose(shift.reference, 293.15)
+
+
+ABOVE = {
+    "bare": ",-20,,0,,20,,40,\nw,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n",
+    "label": "T,-20,,0,,20,,40,\nw,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n",
+    "unit": "T [degC],-20,,0,,20,,40,\nw,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n",
+    "blanks": "-20 0 20 40\nw Gp Gpp Gp Gpp Gp Gpp Gp Gpp\n",
+    "behind": ",-20 degC,,0 degC,,20 degC,,40 degC,\nw,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n",
+}
+
+
+@pytest.mark.parametrize("kind", ABOVE)
+def test_temperatures_above_titles(tmp_path, kind):
+    """36 points at four temperatures; one isotherm was all that the advice kept."""
+    omega = np.geomspace(0.628319, 314.159, 9)
+    celsius = np.array([-20.0, 0.0, 20.0, 40.0])
+    columns = [
+        np.geomspace(a, b, 9) * (1 - 0.01 * celsius[i // 2])
+        for i in range(8)
+        for a, b in [((1e6, 4e6), (2e5, 9e5))[i % 2]]
+    ]
+    mark = " " if kind == "blanks" else ","
+    rows = [
+        mark.join(f"{x:.9g}" for x in row) for row in np.column_stack([omega, *columns])
+    ]
+    text = ABOVE[kind] + "\n".join(rows)
+    units = {"frequency_unit": "rad/s", "modulus_unit": "Pa", "kind": "shear"}
+    name = "temperatures_above_titles.csv"
+    for path in twins(tmp_path, name, text) if kind == "bare" else [tmp_path / name]:
+        path.exists() or path.write_text(text)
+        if kind not in ("unit", "behind"):
+            with pytest.raises(
+                em.InputError,
+                match=r"line 1, -20, 0, 20 and 40, may be the temperatures of the 4",
+            ):
+                em.read_dma(path, **units)
+        dma = em.read_dma(
+            path,
+            temperature_unit=None if kind in ("unit", "behind") else "degC",
+            **units,
+        )
+        np.testing.assert_allclose(dma.temperature, np.repeat(celsius, 9) + 273.15)
+        np.testing.assert_allclose(dma.omega, np.tile(omega, 4), rtol=1e-5)
+    if kind != "bare":
+        np.testing.assert_allclose(dma.storage, np.concatenate(columns[::2]), rtol=1e-8)
+
+
+def test_isotherms_side_by_side_without_temperatures_are_asked_for_them(write):
+    rows = np.column_stack(
+        [np.geomspace(1, 100, 9), *np.geomspace(1e6, 4e6, 36).reshape(4, 9)]
+    )
+    file = write(table("w [rad/s],G' [Pa],G'' [Pa],G' [Pa],G'' [Pa]", rows))
+    with pytest.raises(
+        em.InputError, match="side by side need their temperatures above"
+    ):
+        em.read_dma(file, kind="shear")
+
+
+def test_vertical_factors_beside_shift_factors_are_warned_of(tmp_path):
+    """And the advice finds them: isotherms made with b_T of 1.3, 1.15, 1, 0.9."""
+    celsius, b = np.array([-20.0, 0.0, 20.0, 40.0]), np.array([1.3, 1.15, 1.0, 0.9])
+    rubber = em.Prony(6e5, [2e7, 4e6, 8e5], [1e-4, 1e-2, 1.0], kind="shear")
+    law = em.Arrhenius(8e4, 293.15)
+    log10_a = np.asarray(law.log10_a(celsius + 273.15))
+    shifts = "T [C],aT,bT\n" + "\n".join(
+        f"{t:g},{10**a:.6g},{f:g}" for t, a, f in zip(celsius, log10_a, b, strict=True)
+    )
+    hertz = np.geomspace(0.1, 50, 9)
+    points = []
+    for t, a, f in zip(celsius, log10_a, b, strict=True):
+        moduli = f * rubber.complex_modulus(2 * np.pi * hertz * 10**a)
+        points += [
+            f"{t:g},{x:.6g},{m.real / 1e6:.6g},{m.imag / 1e6:.6g}"
+            for x, m in zip(hertz, moduli, strict=True)
+        ]
+    isotherms = "T [C],f [Hz],G' [MPa],G'' [MPa]\n" + "\n".join(points)
+    both = zip(
+        twins(tmp_path, "isotherms_with_bT.csv", isotherms),
+        twins(tmp_path, "shifts_with_bT.csv", shifts),
+        strict=True,
+    )
+    for data, factors in both:
+        with pytest.warns(FitWarning, match=r"column 3 'bT' is passed over.*0.1139"):
+            shift = em.read_shifts(factors)
+        dma = em.read_dma(data, kind="shear")
+        given = em.VerticalTable(celsius + 273.15, b)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", FitWarning)  # of where the data end
+            fit = em.fit.material(dma, 293.15, shift=shift, vertical=given)
+        assert max(fit.misfit.values()) < 1e-3
+        np.testing.assert_allclose(fit.material.vertical.b(celsius + 273.15), b)
+        with pytest.raises(em.InputError, match=r"1 at the reference.*got 1.15"):
+            em.fit.material(dma, 273.15, shift=shift, vertical=given)
+        em.save_material(fit.material, tmp_path / "kept.toml")
+        kept = em.load_material(tmp_path / "kept.toml").vertical
+        np.testing.assert_allclose(kept.b(celsius + 273.15), b)
+    (tmp_path / "plain.csv").write_text(
+        shifts.replace("1.3", "1").replace("1.15", "1").replace("0.9", "1")
+    )
+    em.read_shifts(tmp_path / "plain.csv")
+
+
+def test_a_unit_of_levels_beside_moduli_is_passed_over(tmp_path):
+    """`dB re 1e-6 m` in the row of units ended every reader in a traceback."""
+    hertz = np.tile(np.geomspace(0.1, 50, 9), 4)
+    celsius = np.repeat([-20.0, 0.0, 20.0, 40.0], 9)
+    rows = [
+        f"{t:g},{f:.6g},{30 + f:.6g},{3 + f:.6g},90"
+        for t, f in zip(celsius, hertz, strict=True)
+    ]
+    text = "T,f,G',G'',level\nC,Hz,MPa,MPa,dB re 1e-6 m\n" + "\n".join(rows)
+    for path in twins(tmp_path, "dma_unit_row_db.csv", text):
+        dma = em.read_dma(path, kind="shear")
+        assert dma.size == 36
+        np.testing.assert_allclose(dma.temperature, celsius + 273.15)
+        np.testing.assert_allclose(dma.omega, 2 * np.pi * hertz, rtol=1e-5)
 
 
 def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(

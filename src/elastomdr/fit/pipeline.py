@@ -21,7 +21,12 @@ from ..errors import InputError
 from ..io.data import Dma, FitWarning, strains
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
-from ..material.shift import EntropicVertical, ShiftTable, VerticalTable
+from ..material.shift import (
+    AbstractVertical,
+    EntropicVertical,
+    ShiftTable,
+    VerticalTable,
+)
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import (
     Draws,
@@ -250,6 +255,7 @@ def _vertical(fit: MaterialFit, change: np.ndarray) -> Any:
 _STEPS = 3  # of a fit: shifts, vertical shifts, series
 # chance that there are no vertical shifts above which the material has none
 _OPEN = 0.05
+_UNITY = 1e-3  # by which b_T may differ from 1 at the reference temperature
 _MISSED = 0.1  # misfit of the data as measured that is worth a warning
 
 
@@ -489,7 +495,7 @@ def material(
     reference: float | None = None,
     *,
     shift: AbstractShift | Literal["universal"] | None = None,
-    vertical: bool | None = None,
+    vertical: bool | AbstractVertical | None = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
@@ -516,7 +522,9 @@ def material(
         shift: a shift law that is known, as for `master_curve`; the material carries
             it.
         vertical: True or False with or without vertical shifts; None lets the data
-            choose.
+            choose. A law that is known, such as an `em.VerticalTable` of the factors
+            beside the shift factors of a file, is 1 at `reference`, and the material
+            carries it.
         terms: number of terms of the series, as for `prony`.
         equilibrium: whether there is an equilibrium modulus, as for `prony`.
         balance: weight of the storage modulus, as for `prony`.
@@ -549,21 +557,28 @@ def material(
         "name": name or _default_name(dma),
         "citation": citation or f"Measured data: {dma.source or 'arrays'}",
     }
+    if not isinstance(vertical, (bool, AbstractVertical, type(None))):
+        raise InputError(
+            "vertical must be True, False, None or a law of vertical shifts such as "
+            f"em.VerticalTable, got {vertical!r:.80}."
+        )
+    law_given = vertical if isinstance(vertical, AbstractVertical) else None
+    asked = None if isinstance(vertical, AbstractVertical) else vertical
     report_step = reporter("fitting the material", progress)
     with warnings.catch_warnings():
         # the doubts that remain are listed below
         warnings.simplefilter("ignore", FitWarning)
         free = master_curve(
-            dma,
+            dma if law_given is None else _lowered(dma, law_given),
             reference,
-            vertical is not False,
+            law_given is None and asked is not False,
             shift=shift,
             temperature_error=temperature_error,
         )
         report_step(1, _STEPS)
-        master = _shifted(free, vertical)
+        master = free if law_given is not None else _shifted(free, asked)
         report_step(2, _STEPS)
-        fit = _fitted(master, law, series, description)
+        fit = _fitted(master, law, series, description, law_given)
         report_step(3, _STEPS)
     fit = replace(fit, warnings=(*fit.warnings, *_misses(fit)))
     tell(warning for warning in fit.warnings if warning not in dma.warnings)
@@ -576,13 +591,49 @@ def _default_name(dma: Dma) -> str:
     return re.sub(r"[^\w.-]+", "-", stem).strip("-.").lower() or "rubber"
 
 
+def _lowered(dma: Dma, law: AbstractVertical) -> Dma:
+    """The measurement with its moduli over b_T."""
+    b, b_timed = _lift(law, dma.temperature), _lift(law, dma.time_temperature)
+    return replace(
+        dma,
+        storage=dma.storage / b,
+        loss=dma.loss / b,
+        relaxation=dma.relaxation / b_timed,
+    )
+
+
 def _fitted(
-    master: MasterCurve, law: LawName, series: dict[str, Any], description: str
+    master: MasterCurve,
+    law: LawName,
+    series: dict[str, Any],
+    description: str,
+    vertical: AbstractVertical | None = None,
 ) -> MaterialFit:
-    """Series and shift law of a master curve; `series` are the options of `prony`."""
+    """Series and shift law of a master curve; `series` are the options of `prony`,
+    `vertical` a law by which its moduli were divided.
+    """
     dma = master.dma  # of one strain
+    if vertical is not None:
+        at_reference = float(vertical.b(master.reference))
+        if abs(at_reference - 1) > _UNITY:
+            raise InputError(
+                "vertical must be 1 at the reference temperature, "
+                f"{master.reference - 273.15:.4g} degC, got {at_reference:.4g}: give "
+                "its reference temperature, or divide its factors by that."
+            )
+        dma = replace(
+            dma,
+            storage=dma.storage * _lift(vertical, dma.temperature),
+            loss=dma.loss * _lift(vertical, dma.temperature),
+            relaxation=dma.relaxation * _lift(vertical, dma.time_temperature),
+        )
     chosen, shift = shift_law(master, law)
-    fit = prony(master, shift=shift, vertical=vertical_law(master), **series)
+    fit = prony(
+        master,
+        shift=shift,
+        vertical=vertical_law(master) if vertical is None else vertical,
+        **series,
+    )
     return MaterialFit(
         with_misfit(fit.material, dma),
         master,

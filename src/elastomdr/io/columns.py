@@ -321,7 +321,8 @@ def choose(
                 f"{name}: columns {first.place + 1} {first.title!r} and "
                 f"{column.place + 1} {column.title!r} both hold {column.role} and "
                 f"differ; name one, as columns={{{column.role!r}: N}} (--column "
-                f"{column.role}=N), N being {first.place + 1} or {column.place + 1}."
+                f"{column.role}=N), N being {first.place + 1} or {column.place + 1}; "
+                "isotherms side by side need their temperatures above them, as '-20 degC'."
             )
     return {role: _by_the_clock(name, column, table) for role, column in chosen.items()}
 

@@ -217,7 +217,7 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
     parts = [
         isotherm
         for table in tables
-        for isotherm in isotherms(name, table, options.columns)
+        for isotherm in isotherms(name, table, options.columns, options.units)
     ]
     measurements: list[Dma] = []
     used: list[Table] = []

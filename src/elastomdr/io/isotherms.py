@@ -18,7 +18,7 @@ from ..units.registry import to_si
 from .columns import named_columns, understand
 from .data import COLDEST, Dma, describe_list, in_strain_sweep, untold
 from .quantities import QUANTITIES, lacking
-from .sheets import Row
+from .sheets import Row, number
 from .tables import Head, Table, refuse_many
 
 _STEP = (
@@ -68,17 +68,20 @@ _CONDITION_ROLES = ("frequency", "temperature", "time")
 
 
 def isotherms(
-    name: str, table: Table, columns: Mapping[str, Any] | None
+    name: str,
+    table: Table,
+    columns: Mapping[str, Any] | None,
+    units: Mapping[str, str],
 ) -> list[Table]:
     """The isotherms in a table, each with the temperature that stands in its titles or
     above it; of those side by side only the ones with all the columns that the user
-    names.
+    names. `units` are the user's, for numbers without one.
     """
     parts = [
         isotherm
         for step in _steps(name, table)
         for condition in _by_condition(step)
-        for isotherm in _beside(name, condition)
+        for isotherm in _beside(name, condition, units)
     ]
     users = named_columns(name, columns, table, QUANTITIES)[0].keys()
     if len(parts) < 2 or not users:
@@ -156,7 +159,7 @@ def _decimal(digits: str) -> float:
     return float(digits.replace(",", "."))
 
 
-def _beside(name: str, table: Table) -> list[Table]:
+def _beside(name: str, table: Table, units: Mapping[str, str]) -> list[Table]:
     """A table for each isotherm where the same columns repeat; or the table."""
     columns = [
         column for head in table.heads if (column := understand(head, QUANTITIES))
@@ -174,12 +177,14 @@ def _beside(name: str, table: Table) -> list[Table]:
     heads = {head.place: head for head in table.heads}
     shared = [heads[column.place] for column in columns[:once]]
     isotherms = []
-    for start, end in zip(starts, [*starts[1:], _LAST], strict=True):
+    bare = _bare(name, table, len(starts), units) if without else []
+    for i, (start, end) in enumerate(zip(starts, [*starts[1:], _LAST], strict=True)):
         own_heads = [
             heads[column.place] for column in columns if start <= column.place < end
         ]
         first = 0 if start == starts[0] else start
         above = _between(name, table, first, end) if without else {}
+        above = above or ({"temperature": bare[i]} if bare else {})
         rows = [row for row in table.rows if _has_cell(row, own_heads)]
         isotherms.append(
             table._replace(
@@ -213,6 +218,34 @@ def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
             "theirs."
         )
     return {"temperature": min(temperatures)} if temperatures else {}
+
+
+def _bare(name: str, table: Table, count: int, units: Mapping[str, str]) -> list[float]:
+    """The temperatures [K] of `count` isotherms side by side from a row of as many
+    numbers right above their titles; empty where there is none. Raises `InputError`
+    where nobody gives their unit.
+    """
+    for row in reversed(table.above):
+        cells = [cell for cell in row.cells if cell]
+        numbers = [x for cell in cells if np.isfinite(x := number(cell))]
+        if len(numbers) != count or len(cells) > count + 1:
+            continue
+        label = "" if len(cells) == count else cells[0]
+        column = understand(Head(0, label, ""), QUANTITIES) if label else None
+        if label and (column is None or column.role != "temperature"):
+            continue
+        unit = (column.unit if column else "") or units.get("temperature", "")
+        si = to_si(unit, "temperature") if unit else None
+        if si is None:
+            listed = describe_list(np.array(numbers), "")
+            raise InputError(
+                f"{name}: line {row.line}, {listed.strip()}, may be the temperatures "
+                f"of the {count} isotherms below: give their unit, as "
+                "temperature_unit='degC' (--temperature-unit degC), or write it behind "
+                "each."
+            )
+        return [x * si[0] + si[1] for x in numbers]
+    return []
 
 
 def _rate_above(table: Table) -> dict[str, float]:

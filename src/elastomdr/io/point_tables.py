@@ -57,9 +57,11 @@ _FRICTION = (
         ),
     ),
 )
+_VERTICAL = 1e-3  # of log10 b_T, below which moduli are not shifted
 _SHIFTS = (
     _TEMPERATURE,
     Quantity("shift", "ratio", (r"a_?t?|shift ?factors?|verschiebungsfaktor(en)?",)),
+    Quantity("vertical", "ratio", (r"b_?t?|vertical shift( ?factors?)?",), valid=""),
 )
 
 
@@ -151,16 +153,27 @@ def read_shifts(
         temperature_unit: unit of the temperatures, where the file has none.
 
     Returns:
-        The list as a law; between its temperatures it is interpolated.
+        The list as a law; between its temperatures it is interpolated. Vertical factors
+        b_T beside it are passed over, with a warning.
 
     Raises:
         InputError: for what cannot be read, and units that nobody gives.
     """
     units = checked_units(temperature=temperature_unit)
     # nobody's log a_T is ln
-    name, _, values, bad, _ = read_columns(
+    name, chosen, values, bad, _ = read_columns(
         path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
     )
+    known = values.get("vertical", np.ones(1))
+    known = np.log10(known[np.isfinite(known)])
+    if (np.abs(known) > _VERTICAL).any():
+        warn(
+            f"{name}: column {chosen['vertical'].place + 1} "
+            f"{chosen['vertical'].title!r} is passed over: log10 b_T from "
+            f"{known.min():.4f} to {known.max():.4f} is no part of a shift law. "
+            "Give it to em.fit.material as vertical=em.VerticalTable(temperature, b_T).",
+            FitWarning,
+        )
     if bad:
         raise InputError(f"{name}: {'; '.join(bad[:3])}.")
     order = np.argsort(values["temperature"])

@@ -103,6 +103,8 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
                 holed.insert(0, above.pop())
             rows += [*holed, row]
             continue
+        if len(rows) == 1 and row.line and _is_above_titles(rows[0], before, above):
+            above, rows = [*above, *rows], []
         if rows:
             before = _table(sheet, above, rows, before)
             complete.append(before)
@@ -112,6 +114,14 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
         if not row.line:  # the end of a sheet
             above, before = [], None
     return complete
+
+
+def _is_above_titles(row: Row, before: Table | None, above: list[Row]) -> bool:
+    """Whether a single row of numbers stands above titles, such as temperatures of the
+    columns below: its first cell holds none, or nothing is above it.
+    """
+    at_first = np.isfinite(number(row.cells[0]))
+    return not at_first or (before is None and not above)
 
 
 def refuse_many(name: str, count: int) -> None:
