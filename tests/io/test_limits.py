@@ -119,3 +119,21 @@ def test_long_words_and_texts_in_toml_are_read(tmp_path):
     file.write_text("x = 1 # " + "a" * 6_000_000)
     with pytest.raises(em.InputError, match="6 MB, more than 5 MB"):
         read_content(file)
+
+
+@pytest.mark.parametrize("title", ["[" * N, "x [mm], " + "[" * N, "p" * N])
+def test_a_profile_of_pressures(tmp_path, title):
+    file = tmp_path / "lip.csv"
+    file.write_text(title + "\n1,2\n")
+    started = time.process_time()
+    with pytest.raises(em.InputError, match="must begin with a title line") as raised:
+        em.reciprocating(
+            profile=file, velocity_out=0.1, velocity_in=0.1, stroke=0.1, viscosity=0.03
+        )
+    assert time.process_time() - started < 1.0
+    assert len(str(raised.value)) < 1000
+    file.write_bytes(b"x [mm], p [MPa]\n" + b"\n" * 11_000_000)
+    with pytest.raises(em.InputError, match="11 MB, more than 10 MB"):
+        em.reciprocating(
+            profile=file, velocity_out=0.1, velocity_in=0.1, stroke=0.1, viscosity=0.03
+        )

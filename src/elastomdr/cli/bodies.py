@@ -170,7 +170,7 @@ def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
             if rows or titles:
                 raise InputError(
                     f"file {shown(file)}, line {i}, must be two numbers, r and z, "
-                    f"got {line!r}."
+                    f"got {line[:200]!r}."
                 ) from error
             titles = True
     return [r for r, _ in rows], [z for _, z in rows]

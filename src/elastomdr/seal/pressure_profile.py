@@ -11,11 +11,13 @@ import numpy as np
 
 from ..checks import Array, as_float64, require
 from ..errors import InputError, ModelWarning, warn
+from ..files import read_text
 
 # what no seal has: a wider contact [m], and a lower pressure at its highest [Pa]
 _WIDEST, _LOWEST = 0.1, 1e3
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "um": 1e-6}
 _PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5}
+_MOST_BYTES = 10_000_000  # of a file of a profile
 
 
 def pressure_profile(profile: Any, fewest: int) -> tuple[Array, Array]:
@@ -66,15 +68,15 @@ def _doubt_units(x: Array, pressure: Array) -> None:
 def _read(path: Path) -> tuple[Array, Array]:
     """A file of two columns with units in its title line. Raises `InputError`."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+        lines = read_text(path, _MOST_BYTES).splitlines()
+    except (OSError, ValueError) as error:
         raise InputError(f"profile must be a text file, got {path}: {error}.") from None
     title, *lines = [line for line in lines if line.strip()] or [""]
-    units = re.findall(r"\[([^\]]*)\]", title)
+    units = re.findall(r"\[([^\[\]]*)\]", title)
     if len(units) != 2 or units[0] not in _LENGTHS or units[1] not in _PRESSURES:
         raise InputError(
             f"profile {path} must begin with a title line such as 'position [mm], "
-            f"pressure [MPa]', got {title or 'an empty file'!r}."
+            f"pressure [MPa]', got {title[:200] or 'an empty file'!r}."
         )
     separator = next((mark for mark in ";\t" if mark in title), ",")
     if separator != ",":  # a comma is then one of decimals
