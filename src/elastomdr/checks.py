@@ -7,7 +7,6 @@ from __future__ import annotations
 import functools
 import math
 import re
-import reprlib
 import sys
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
@@ -168,12 +167,13 @@ def as_float64(name: str, value: Any) -> Array:
         array = np.asarray(value)
     except ValueError as error:
         raise InputError(
-            f"{name} must be a number or an array of numbers, got {value!r}."
+            argument=name, got=value, accepted="a number or an array of numbers"
         ) from error
     if array.dtype.kind not in "fiu":
         raise InputError(
-            f"{name} must be a number or an array of numbers in SI units, got "
-            f"{value!r}."
+            argument=name,
+            got=value,
+            accepted="a number or an array of numbers in SI units",
         )
     return np.array(array, dtype=np.float64)
 
@@ -195,7 +195,7 @@ def require(
             if array.ndim
             else float(array)
         )
-        raise InputError(f"{name} must be {accepted}, got {float(first):g}.")
+        raise InputError(argument=name, got=float(first), accepted=accepted)
 
 
 # beyond them products of a few numbers leave the range of float64
@@ -255,8 +255,11 @@ def in_kelvin(name: str, value: Any, coldest: float = 60.0) -> None:
     low = float(array[np.isfinite(array)].min(initial=np.inf))
     if -273.15 < low < coldest:
         raise InputError(
-            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} "
-            f"degC is {low + 273.15:.6g} K ({low:g}degC on the command line)."
+            argument=name,
+            got=low,
+            accepted=f"in kelvin, {coldest:g} at least",
+            hint=f"{low:g} degC is {low + 273.15:.6g} K ({low:g}degC on the command "
+            "line)",
         )
     positive(name, value)
 
@@ -407,7 +410,7 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     if not is_whole(value) or value < least or (most is not None and value > most):
         accepted = f"{least} or more" if most is None else f"{least} to {most}"
         raise InputError(
-            f"{name} must be a whole number, {accepted}, got {reprlib.repr(value)}."
+            argument=name, got=value, accepted=f"a whole number, {accepted}"
         )
 
 
@@ -415,16 +418,15 @@ def one_of(name: str, value: Any, *accepted: str) -> None:
     """Raises `InputError` unless a value is one of some texts."""
     if not isinstance(value, str) or value not in accepted:
         *first, last = map(repr, accepted)
-        raise InputError(
-            f"{name} must be {', '.join(first)} or {last}, got {reprlib.repr(value)}."
-        )
+        words = f"{', '.join(first)} or {last}"
+        raise InputError(argument=name, got=value, accepted=words)
 
 
 def are_texts(**values: Any) -> None:
     """Raises `InputError` for what is no text."""
     for name, value in values.items():
         if not isinstance(value, str):
-            raise InputError(f"{name} must be a text, got {reprlib.repr(value)}.")
+            raise InputError(argument=name, got=value, accepted="a text")
 
 
 def untraced(name: str, value: Any, why: str) -> None:

@@ -5,6 +5,7 @@ what is accepted.
 import contextlib
 import difflib
 import os
+import reprlib
 import sys
 import warnings
 from collections.abc import Iterable, Iterator
@@ -15,7 +16,29 @@ _PACKAGE = os.path.dirname(__file__) + os.sep
 class InputError(ValueError):
     """Raised for input that has no meaning: it names the argument, the value and what
     is accepted.
+
+    Args:
+        said: the whole sentence; by default "ARGUMENT must be ACCEPTED, got GOT: HINT."
+        argument: its name, also an attribute of the error; "" where the sentence has it.
+        got: the value that is refused, likewise.
+        accepted: what is accepted, in words, likewise.
+        hint: what to do, in words, likewise.
     """
+
+    def __init__(
+        self,
+        said: str = "",
+        *,
+        argument: str = "",
+        got: object = None,
+        accepted: str = "",
+        hint: str = "",
+    ):
+        self.argument, self.got = argument, got
+        self.accepted, self.hint = accepted, hint
+        value = f"{got:g}" if isinstance(got, float) else reprlib.repr(got)
+        reason = f": {hint}" if hint else ""
+        super().__init__(said or f"{argument} must be {accepted}, got {value}{reason}.")
 
 
 class ConvergenceWarning(UserWarning):

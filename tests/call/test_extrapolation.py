@@ -13,6 +13,7 @@ from elastomdr.cli.main import main
 from elastomdr.errors import InputError
 from elastomdr.material.validity import Range, shared
 from elastomdr.results.base import Result
+from elastomdr.trees import replaced
 
 LAW = em.WLF(6.0, 110.0, 293.15)
 LIMITS = {"omega": (1.0, 1e3), "temperature": (273.15, 313.15)}
@@ -640,6 +641,24 @@ def test_every_result_says_where_it_is_extrapolated(name):
     assert "range of the data" not in found.summary()
     assert "extrapolated" in [doubt.kind for doubt in found.doubts]
     assert "beyond the range of the material" in found.csv()
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_every_result_says_that_its_rubber_is_illustrative(name):
+    """In every class of results: at all points, in summary, table and attributes."""
+    made_up = replaced(RUBBER, range=RUBBER.range._replace(illustrative_moduli=True))
+    found = OUTSIDE[name](made_up)
+    (doubt,) = (each for each in found.doubts if each.kind == "illustrative")
+    assert doubt.points.shape == np.shape(found.converged)
+    assert doubt.points.all()
+    assert "of no particular rubber" in found.summary()
+    assert all("illustrative" in kinds for kinds in found.columns()["doubts"])
+    flags = found.to_xarray()["doubts"]
+    bit = flags.attrs["flag_masks"][
+        flags.attrs["flag_meanings"].split().index("illustrative")
+    ]
+    assert (flags.values & bit == bit).all()
 
 
 @pytest.mark.filterwarnings("ignore")

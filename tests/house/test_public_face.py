@@ -3,6 +3,7 @@
 import ast
 import importlib
 import inspect
+import pickle
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -112,3 +113,22 @@ def test_any_in_a_public_signature_is_defended():
     assert count > 1000
     assert not bare, "not annotated at all"
     assert found == DEFENDED
+
+
+def test_errors_have_what_they_say_as_attributes():
+    """Argument, value and what is accepted; also after a way through pickle, as from a
+    worker of Dask.
+    """
+    with pytest.raises(em.InputError) as raised:
+        em.friction(
+            em.Prony(1e6, [1e6], [1.0]), em.Sphere(-1.0), velocity=1.0, load=1.0
+        )
+    for error in (raised.value, pickle.loads(pickle.dumps(raised.value))):
+        assert str(error) == "radius must be positive and finite, got -1."
+        assert (error.argument, error.got) == ("radius", -1.0)
+        assert (error.accepted, error.hint) == ("positive and finite", "")
+    with pytest.raises(em.InputError) as raised:
+        em.load_material("epdm-70").at(20.0)
+    assert raised.value.argument == "temperature"
+    assert raised.value.hint.startswith("20 degC is 293.15 K")
+    assert str(em.InputError("a sentence")) == "a sentence"

@@ -1191,3 +1191,17 @@ def test_no_cluster_there(tmp_path, capsys):
     status, told = command(tmp_path, capsys, SCENE, "--scheduler", "nonsense")
     assert status == 2
     assert "--scheduler must be the address" in told.err
+
+
+@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")
+def test_a_store_has_the_doubts_of_each_point(tmp_path):
+    rubber = em.Prony(1e6, [4e6], [1e-3], name="rubber", range={"omega": (1.0, 1e3)})
+    axes = {"velocity": [1e-3, 1e-2, 0.1, 1.0]}
+    fixed = {"material": rubber, "shape": em.Sphere(5e-3), "load": 1.0}
+    found = em.sweep(em.friction, axes, store=str(tmp_path / "s.zarr"), **fixed)
+    named = found["doubts"].attrs["flag_meanings"].split()
+    bit = found["doubts"].attrs["flag_masks"][named.index("extrapolated")]
+    one = em.friction(**fixed, **axes)
+    assert one.extrapolated.any()
+    assert not one.extrapolated.all()
+    np.testing.assert_array_equal(found["doubts"].values & bit == bit, one.extrapolated)

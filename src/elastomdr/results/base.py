@@ -51,7 +51,7 @@ from ..files import as_path, csv_text, write_files
 from ..notebook_tables import html_figure, html_table
 from ..trees import pytree, replaced
 from .axes import Axis, Curve, curves, dimensions
-from .doubts import TITLE, Doubt, carried, found, kinds_of_points, where
+from .doubts import FLAGS, TITLE, Doubt, carried, flags, found, kinds_of_points, where
 from .uncertainty import Again
 
 if TYPE_CHECKING:
@@ -739,6 +739,7 @@ class Result:
                     {"description": q.meaning} if q.meaning else {}
                 )
                 data[q.key] = ((*leading, *series.split()), values, about)
+        data[TITLE] = names, flags(self.doubts, np.shape(self.converged)), FLAGS
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def _attributes(self) -> dict[str, str]:

@@ -140,6 +140,23 @@ def kinds_of_points(doubts: Iterable[Doubt], shape: tuple[int, ...]) -> np.ndarr
     return names.astype(str)
 
 
+# attributes of an array of flags, by the CF conventions: one bit for each kind
+FLAGS: dict[str, Any] = {
+    "long_name": "doubts",
+    "flag_masks": [1 << bit for bit in range(len(KINDS))],
+    "flag_meanings": " ".join(kind.replace(" ", "_") for kind in KINDS),
+}
+
+
+def flags(doubts: Iterable[Doubt], shape: tuple[int, ...]) -> np.ndarray:
+    """The kinds of each point as bits, which `FLAGS` names."""
+    bits = np.zeros(shape, np.uint8)
+    for mask, kind in zip(FLAGS["flag_masks"], KINDS, strict=True):
+        if (points := where(doubts, kind)) is not None:
+            bits |= np.where(points, np.uint8(mask), np.uint8(0))
+    return bits
+
+
 def from_kinds(names: Sequence[str]) -> tuple[Doubt, ...]:
     """The doubts of points whose kinds a table names, as `kinds_of_points` writes them."""
     of_points = [name.split("; ") for name in names]

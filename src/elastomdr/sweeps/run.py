@@ -23,6 +23,8 @@ import numpy as np
 from .. import __version__
 from ..checks import in_si, warn_of_failed
 from ..errors import ConvergenceWarning, InputError, warn
+from ..results.base import Quantity
+from ..results.doubts import FLAGS, TITLE, flags
 from .grid import Grid, grid, positional
 from .identity import modules_of_the_user
 from .lock import Alone
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     import xarray
     from distributed import Client
 
-    from ..results.base import Quantity, Result
+    from ..results.base import Result
 
 _NEEDED = ("dask", "distributed", "filelock", "fsspec", "tqdm", "xarray", "zarr")
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
@@ -482,6 +484,7 @@ def _call(
         result = asked.call(*by_position, **by_name)
     axes = [axis.name for axis in asked.axes]
     fields = {q: values for q, values in result.fields().items() if q.key not in axes}
+    fields[_DOUBTS] = flags(result.doubts, np.shape(result.converged))
     for q, values in fields.items():
         if values.shape != expected:
             raise InputError(
@@ -493,10 +496,15 @@ def _call(
 
 def _empty(dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
     """What stands in a chunk where nothing was computed."""
-    return np.zeros(shape, bool) if dtype.kind == "b" else np.full(shape, np.nan)
+    return np.full(shape, np.nan) if dtype.kind == "f" else np.zeros(shape, dtype)
 
 
-def _attributes(q: Quantity) -> dict[str, str]:
+_DOUBTS = Quantity(TITLE, "", path=TITLE, key=TITLE)
+
+
+def _attributes(q: Quantity) -> dict[str, Any]:
+    if q is _DOUBTS:
+        return FLAGS
     about = {"long_name": q.label, "units": q.unit, "description": q.meaning}
     return {key: words for key, words in about.items() if words}
 
