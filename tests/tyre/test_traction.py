@@ -618,3 +618,23 @@ def test_model_error_of_a_strip_reaches_plane_strain():
     assert width.max() > 10 * width.min()
     assert (np.abs(brush - exact) <= bound).all()
     assert bound.max() < 0.121
+
+
+def test_isotropic_brush_without_side_slip():
+    """k = 3e7 Pa/m under parabolic pressure, half-length 6 cm, 16 cm wide: psi = 4 k a^2
+    b sigma/(3 mu F_N), F_x = mu F_N (3 psi - 3 psi^2 + psi^3), 949.80037 N.
+    """
+    half, width, radius, load = 0.06, 0.16, 0.3, 4000.0
+    stiffness = 1.5 * load * radius / (width * half**3)  # p = K (a^2 - x^2)/(2 R)
+    found = em.traction(
+        em.Foundation(stiffness, [], []),
+        em.Cylinder(radius, width),
+        velocity=10.0,
+        creepage=0.03,
+        friction=1.0,
+        load=load,
+        tangential=em.Foundation(3e7, [], []),
+    )
+    np.testing.assert_allclose(found.contact.leading, half, rtol=1e-9)
+    np.testing.assert_allclose(found.force, 949.8003701759999, rtol=1e-6)
+    assert float(found.model_error) == 0
