@@ -450,8 +450,11 @@ def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
     if count <= _FEW:
         parts = [_block(block, per_area, rtol) for block in blocks]
     else:  # a thread has its own setting
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
+        pool = ThreadPoolExecutor(os.cpu_count())
+        try:
             parts = list(pool.map(lambda b: on_jax(_block, b, per_area, rtol), blocks))
+        finally:  # an interrupt does not wait for the blocks that are under way
+            pool.shutdown(wait=False, cancel_futures=True)
     return mapped(lambda *pieces: np.concatenate(pieces, axis=-1), *parts)
 
 
