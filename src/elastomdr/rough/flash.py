@@ -8,10 +8,10 @@ interpolated, shows where
     dT = mu(v a_T(T_0 + dT)) p v r(v, v a_T),
     r the flash temperature per heat flux,
 
-has its roots. The smallest is taken, which is stable and the state that cold rubber
-reaches: where mu rises with dT (on the glassy side of the peak) there may be others.
-The line is then solved at that temperature itself, and the root moved by what the curve
-was wrong, until both agree.
+has its roots. The smallest is stable, and the state that cold rubber reaches; where mu
+rises with dT (on the glassy side of the peak) there may be others, of which hot rubber
+keeps the largest. The curve goes on while mu rises. The line is then solved at that
+temperature itself, and the root moved by what the curve was wrong, until both agree.
 
 **The flash temperature per heat flux** (sources as in `rough.heat`). Rubber is heated
 in its volume where it is deformed: a wave q of the surface to the depth 1/2q, by exp(-2

@@ -128,6 +128,13 @@ class _Answer(NamedTuple):
         """
         return self.warm if self.by_scale is None else self.by_scale
 
+    def longest(self, scene: Scene) -> Any:
+        """v a_T of the longest waves, flat: at the temperature of the body, where each
+        length scale has one of its own.
+        """
+        reduced = self.reduced if self.by_scale is None else scene.reduced
+        return reduced.ravel()
+
     def hottest(self) -> Any:
         """The largest rise of temperature at which moduli are taken [K], in the shape
         of the call; zero without heat.
@@ -185,7 +192,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     of_data = (
         np.zeros(())
         if scene.traced
-        else _misfit(foundation, surface, answer.reduced.ravel())
+        else _misfit(foundation, surface, answer.longest(scene), answer.reduced.ravel())
     )
     strained = _strained(softened, foundation, surface, model, scene, answer, rtol)
     turned = _turned(foundation, scene, surface, model, answer)
@@ -868,18 +875,18 @@ def _too_much(scene: Scene, surface: AbstractSpectrum) -> tuple[Doubt, ...]:
 
 
 def _misfit(
-    foundation: Any, surface: AbstractSpectrum, reduced: np.ndarray
+    foundation: Any, surface: AbstractSpectrum, cold: np.ndarray, reduced: np.ndarray
 ) -> np.ndarray:
     """Relative change of mu for what a material misses of the data that it was fitted
     to; 0 where that is not known.
 
     Friction scales with the loss modulus, and in light contact with the reciprocal of the
-    storage modulus: both root mean squares, over the frequencies from q_low v a_T to
-    q_high v a_T, or over all of the data where those lie beyond them.
+    storage modulus: both root mean squares, over the frequencies from q_low v a_T, at the
+    temperature of the body, to q_high v a_T, at that of the contact, or over all of the
+    data where those lie beyond them.
     """
-    within = np.hypot(
-        *misfit(foundation, surface.q_low * reduced, surface.q_high * reduced)
-    )
+    ends = surface.q_low * cold, surface.q_high * reduced
+    within = np.hypot(*misfit(foundation, np.minimum(*ends), np.maximum(*ends)))
     whole = np.nan_to_num(np.hypot(*misfit(foundation, 0.0, np.inf)))
     return np.where(np.isfinite(within), within, whole)
 
