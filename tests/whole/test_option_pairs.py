@@ -212,9 +212,10 @@ def test_gradients_are_differences(scene, pair):
     for i, step in enumerate(steps):
         values = [coefficient(scene, pair, at + n * step) for n in (-2, -1, 1, 2)]
         change = float(np.dot([1, -8, 8, -1], values)) / (12 * step[i])
-        # moduli are read from tables, of fourth order too
+        # those of a road are integrals over 24 cells a decade, without ends where
+        # moduli soften from one piece of a sweep to the next
         assert float(slopes[i]) * at[i] == pytest.approx(
-            change * at[i], abs=3e-4 * main, rel=1e-4
+            change * at[i], abs=3e-5 * main, rel=3e-4
         ), i
 
 

@@ -43,7 +43,7 @@ _SMALLEST = 60
 _STEP = np.log(10.0) / 32  # of log frequency in the tables of a material
 _REACH = 21.0  # how far below a frequency in log the average over the angles looks
 _ANGLES = 400  # nodes over the angle, midpoints in log tan(phi/2), of the tables
-_DIRECT = 48  # the same, where each frequency has an average of its own
+_DIRECT = 128  # the same, where each frequency has an average of its own
 
 
 class Nodes(NamedTuple):
