@@ -24,7 +24,7 @@ from elastomdr.cli.bodies import Measured
 from elastomdr.cli.kinds import decoded
 from elastomdr.cli.main import main
 from elastomdr.cli.schema import keys_of, tables_of
-from elastomdr.cli.steady import SurfaceContact, SurfaceFriction
+from elastomdr.cli.steady import SurfaceContact, SurfaceFrictionScene
 
 from .simulated import simulated, until
 
@@ -113,19 +113,22 @@ def test_texts_of_fields():
         assert not {"u", "*", "^"} & set(shown)
         assert typed(Measured, "pixel_size", shown) == text
     assert spoken("5 +- 1 um") == "5 ± 1 µm"
-    assert typed(SurfaceFriction, "temperature", "0, 20 °C") == ["0 degC", "20 degC"]
+    assert typed(SurfaceFrictionScene, "temperature", "0, 20 °C") == [
+        "0 degC",
+        "20 degC",
+    ]
     assert typed(SurfaceContact, "velocity", "1 mm/s") == "1 mm/s"
     assert typed(SurfaceContact, "pressure", "0.1 MPa, 0.3 MPa") == [
         "0.1 MPa",
         "0.3 MPa",
     ]
-    assert typed(SurfaceFriction, "temperature", "-20, 0; 20 degC") == [
+    assert typed(SurfaceFrictionScene, "temperature", "-20, 0; 20 degC") == [
         "-20 degC",
         "0 degC",
         "20 degC",
     ]
     # one text, for the scene to refuse
-    assert typed(SurfaceFriction, "temperature", "10,5 degC") == "10,5 degC"
+    assert typed(SurfaceFrictionScene, "temperature", "10,5 degC") == "10,5 degC"
     assert typed(SurfaceContact, "seeds", "1, 2") == [1, 2]
     assert typed(SurfaceContact, "gamma", "0.5") == 0.5
     assert typed(SurfaceContact, "gamma", "a half") == "a half"

@@ -277,7 +277,7 @@ def _whole(asked: Any, folder: Folder) -> Any:
     """
     if isinstance(asked, kinds.Measured):
         return msgspec.structs.replace(asked, shortest=None).make(folder.path)
-    if not isinstance(asked, kinds.Spectrum) or asked.file is None:
+    if not isinstance(asked, kinds.SpectrumTable) or asked.file is None:
         return None
     return msgspec.structs.replace(asked, longest=None, shortest=None).make(folder.path)
 

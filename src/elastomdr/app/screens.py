@@ -12,9 +12,9 @@ from ..cli.seals import (
 )
 from ..cli.steady import (
     ConveyorScene,
-    Rolling,
+    RollingScene,
     SurfaceComparison,
-    SurfaceFriction,
+    SurfaceFrictionScene,
     WarmingScene,
     WheelTraction,
 )
@@ -75,10 +75,10 @@ FRICTION = Screen(
     {
         "friction": Kind(
             "friction",
-            SurfaceFriction,
+            SurfaceFrictionScene,
             only=tuple(
                 key
-                for key in SurfaceFriction.__struct_fields__
+                for key in SurfaceFrictionScene.__struct_fields__
                 if key not in ("surface", "title", "other", "layer", "roller")
             ),
             first=_FIRST,
@@ -105,7 +105,7 @@ ROLLING = Screen(
     "A cover under a roll, a wheel, a belt.",
     "Compute",
     {
-        "rolling": Kind("rolling", Rolling, "Rolling resistance", first=_ROLLING),
+        "rolling": Kind("rolling", RollingScene, "Rolling resistance", first=_ROLLING),
         "heat_build_up": Kind(
             "rolling", WarmingScene, "Temperature of a wheel", first=_ROLLING
         ),

@@ -44,34 +44,36 @@ class Shape(Table, tag_field="shape"):
 
     def make(self, folder: Path) -> Any:
         """The body; files are looked for in `folder`."""
-        return getattr(em, type(self).__name__)(*msgspec.structs.astuple(self))
+        return getattr(em, type(self).__name__.removesuffix("Table"))(
+            *msgspec.structs.astuple(self)
+        )
 
 
-class Sphere(Shape, tag="sphere"):
+class SphereTable(Shape, tag="sphere"):
     """A sphere."""
 
     radius: Annotated[Length, "radius"]
 
 
-class Paraboloid(Shape, tag="paraboloid"):
+class ParaboloidTable(Shape, tag="paraboloid"):
     """A paraboloid of revolution."""
 
     radius: Annotated[Length, "radius of curvature at the apex"]
 
 
-class Cone(Shape, tag="cone"):
+class ConeTable(Shape, tag="cone"):
     """A cone."""
 
     slope: Annotated[Positive, "rise of its side over the distance from the axis"]
 
 
-class FlatPunch(Shape, tag="flat_punch"):
+class FlatPunchTable(Shape, tag="flat_punch"):
     """A cylinder on its flat end."""
 
     radius: Annotated[Length, "radius"]
 
 
-class PowerLaw(Shape, tag="power_law"):
+class PowerLawTable(Shape, tag="power_law"):
     """A body of revolution of height coefficient times r to the exponent."""
 
     exponent: Annotated[Positive, "exponent"]
@@ -96,7 +98,7 @@ class PowerLaw(Shape, tag="power_law"):
         return em.PowerLaw(self.exponent, coefficient)
 
 
-class Profile(Shape, tag="profile"):
+class ProfileTable(Shape, tag="profile"):
     """A body of revolution given by points of its profile."""
 
     unit: Annotated[Text, 'unit of length of the points, such as "mm"']
@@ -132,7 +134,7 @@ class Profile(Shape, tag="profile"):
         )
 
 
-class Cylinder(Shape, tag="cylinder"):
+class CylinderTable(Shape, tag="cylinder"):
     """A cylinder that lies on a layer: a roller, a wheel."""
 
     radius: Annotated[Length, "radius"]
@@ -141,8 +143,23 @@ class Cylinder(Shape, tag="cylinder"):
     ]
 
 
-OfRevolution = Sphere | Paraboloid | Cone | FlatPunch | PowerLaw | Profile
-AnyShape = Sphere | Paraboloid | Cone | FlatPunch | PowerLaw | Profile | Cylinder
+OfRevolution = (
+    SphereTable
+    | ParaboloidTable
+    | ConeTable
+    | FlatPunchTable
+    | PowerLawTable
+    | ProfileTable
+)
+AnyShape = (
+    SphereTable
+    | ParaboloidTable
+    | ConeTable
+    | FlatPunchTable
+    | PowerLawTable
+    | ProfileTable
+    | CylinderTable
+)
 
 
 def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
@@ -179,7 +196,7 @@ def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
 _OF_LINE = ("equivalent_length", "seed", "periods", "samples")
 
 
-class Surface(Table, tag_field="shape"):
+class SurfaceTable(Table, tag_field="shape"):
     """A rough surface."""
 
     equivalent_length: Annotated[
@@ -249,7 +266,7 @@ class Surface(Table, tag_field="shape"):
         return surface.line(**options), float(length)
 
 
-class SelfAffine(Surface, tag="self_affine"):
+class SelfAffineTable(SurfaceTable, tag="self_affine"):
     """A self-affine surface between two wavelengths."""
 
     hurst: Annotated[float, "Hurst exponent"]
@@ -289,7 +306,7 @@ class SelfAffine(Surface, tag="self_affine"):
         return em.SelfAffine(self.hurst, **numbers, **given(self, *keys))
 
 
-class Spectrum(Surface, tag="spectrum"):
+class SpectrumTable(SurfaceTable, tag="spectrum"):
     """A surface by its power spectrum, a table of wave numbers and C."""
 
     convention: Annotated[
@@ -337,7 +354,7 @@ class Spectrum(Surface, tag="spectrum"):
             )
 
 
-class Measured(Surface, tag="file"):
+class Measured(SurfaceTable, tag="file"):
     """A measured profile or map."""
 
     file: Annotated[Text, "the heights, in a table or a format of SurfaceTopography"]
@@ -367,23 +384,23 @@ class Measured(Surface, tag="file"):
             return em.read_surface(folder / self.file, detrend=self.detrend, **options)
 
 
-AnySurface = SelfAffine | Spectrum | Measured
+AnySurface = SelfAffineTable | SpectrumTable | Measured
 
 
-class Road(Table):
+class RoadTable(Table):
     """What conducts the heat of the counterface."""
 
     conductivity: Annotated[Conductivity, "thermal conductivity"]
     heat_capacity: Annotated[VolumeCapacity, "heat capacity per volume"]
 
 
-class Heat(Table):
+class HeatTable(Table):
     """Flash temperature: the rubber is heated by its friction."""
 
     conductivity: Annotated[Conductivity, "thermal conductivity of the rubber"]
     heat_capacity: Annotated[VolumeCapacity, "heat capacity of the rubber per volume"]
     road: Annotated[
-        Road | None,
+        RoadTable | None,
         (
             "the counterface that takes its share of the heat; without it, none flows "
             "there"

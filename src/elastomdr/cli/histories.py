@@ -150,7 +150,7 @@ class Sine(Program, tag="sine"):
         )
 
 
-class Points(Table):
+class PointsTable(Table):
     """A history by its points, straight between them."""
 
     time: Annotated[
@@ -200,7 +200,7 @@ class _Indentation(OfBodies):
     temperature: Annotated[One[Temperature] | None, "temperature of the rubber"] = None
     adhesion: Annotated[SurfaceEnergy | None, "work of adhesion"] = None
     indenter: Annotated[AnyShape, "the rigid body"]
-    history: Annotated[Program | Points, "load or depth against time"]
+    history: Annotated[Program | PointsTable, "load or depth against time"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[history]"):
@@ -212,7 +212,7 @@ class _Indentation(OfBodies):
         )
 
 
-class Indentation(_Indentation):
+class IndentationScene(_Indentation):
     """Indentation under a history of depth or load with a name."""
 
     history: Annotated[Hold | Ramp | Triangle | Sine, "load or depth against time"]
@@ -221,7 +221,7 @@ class Indentation(_Indentation):
 class IndentationByPoints(_Indentation):
     """Indentation under a history of depth or load given by points."""
 
-    history: Annotated[Points, "load or depth against time"]
+    history: Annotated[PointsTable, "load or depth against time"]
 
     @classmethod
     def fits(cls, content: dict[str, Any]) -> bool:
@@ -238,7 +238,7 @@ class Thrown(Table):
     velocity: Annotated[Sweep[Velocity], "its velocity at touch"]
 
 
-class Impact(OfBodies):
+class ImpactScene(OfBodies):
     """Impact of a body and its rebound."""
 
     mark: ClassVar[str] = "impact"
@@ -313,7 +313,7 @@ class SurfaceStage(Stage):
     ] = None
 
 
-class Drive(Table):
+class DriveTable(Table):
     """A drive that pulls the body through a spring and a damper; the stages are its
     way.
     """
@@ -332,7 +332,7 @@ class Drive(Table):
         return em.Mount(self.mass, self.stiffness, self.damping or 0.0)
 
 
-class SurfaceDrive(Drive):
+class SurfaceDrive(DriveTable):
     """A drive of the body for which the line of a surface stands."""
 
     normal_force: Annotated[
@@ -355,7 +355,7 @@ class BodySlide(OfBodies):
     indenter: Annotated[AnyShape, "the rigid body"]
     stage: Annotated[list[BodyStage], msgspec.Meta(min_length=1), "the stages"]
     drive: Annotated[
-        Drive | None, "what pulls the body, where it is pulled through a spring"
+        DriveTable | None, "what pulls the body, where it is pulled through a spring"
     ] = None
     numerics: Annotated[StageNumerics, "how exactly it is computed"] = StageNumerics()
 

@@ -11,7 +11,7 @@ import msgspec
 
 from .kinds import KINDS
 from .schema import accepted, is_list, keys_of, tables_of
-from .sweep import Sweep
+from .sweep import SweepTable
 
 
 class Key(NamedTuple):
@@ -97,7 +97,7 @@ def as_markdown() -> str:
         "Beside the keys of friction, rolling or impact:",
         "",
     ]
-    section = _section("[sweep]", Sweep)
+    section = _section("[sweep]", SweepTable)
     lines += [
         f"`{section.title}` {section.about}",
         "",

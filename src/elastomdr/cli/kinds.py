@@ -5,7 +5,13 @@ from typing import Any
 
 from ..errors import InputError, closest
 from ..files import read_toml
-from .histories import BodySlide, Impact, Indentation, IndentationByPoints, SurfaceSlide
+from .histories import (
+    BodySlide,
+    ImpactScene,
+    IndentationByPoints,
+    IndentationScene,
+    SurfaceSlide,
+)
 from .scene import Scene
 from .schema import decode, keys_of
 from .seals import BreakOutScene, LeakScene, LubricatedScene, RingScene, StrokeScene
@@ -13,22 +19,22 @@ from .steady import (
     BodyComparison,
     BodyFriction,
     ConveyorScene,
-    Rolling,
+    RollingScene,
     SurfaceComparison,
-    SurfaceFriction,
-    Traction,
+    SurfaceFrictionScene,
+    TractionScene,
     WarmingScene,
     WheelTraction,
 )
 
 # Of each command, the kind that a scene is by default last.
 KINDS: dict[str, tuple[type[Scene], ...]] = {
-    "friction": (SurfaceFriction, BodyFriction),
-    "rolling": (WarmingScene, ConveyorScene, Rolling),
-    "indent": (IndentationByPoints, Indentation),
-    "impact": (Impact,),
+    "friction": (SurfaceFrictionScene, BodyFriction),
+    "rolling": (WarmingScene, ConveyorScene, RollingScene),
+    "indent": (IndentationByPoints, IndentationScene),
+    "impact": (ImpactScene,),
     "slide": (SurfaceSlide, BodySlide),
-    "traction": (WheelTraction, Traction),
+    "traction": (WheelTraction, TractionScene),
     "leak": (LeakScene,),
     "lubricated": (LubricatedScene,),
     "o_ring": (RingScene,),

@@ -50,7 +50,7 @@ _AXES = (
 )
 
 
-class Layer(Table):
+class LayerTable(Table):
     """The rubber is a layer of any thickness on a rigid base."""
 
     thickness: Annotated[Length, "thickness"]
@@ -111,7 +111,7 @@ def models_by_name() -> Iterator[None]:
         ) from error
 
 
-class Contact(Table):
+class ContactTable(Table):
     """How a body is pressed on and how fast it moves, and what the contact is computed
     with.
     """
@@ -162,7 +162,8 @@ class Contact(Table):
         option of another model.
         """
         options = given(
-            self, *(key for key in keys_of(Contact) if key not in ("velocity", "model"))
+            self,
+            *(key for key in keys_of(ContactTable) if key not in ("velocity", "model")),
         )
         if self.model is None and not options:
             return {}
@@ -249,7 +250,7 @@ class OfBodies(Scene):
         Text | None,
         "the second body, where it is no rigid one: two half-spaces in contact",
     ] = None
-    layer: Annotated[Layer | None, "the rubber is a layer on a rigid base"] = None
+    layer: Annotated[LayerTable | None, "the rubber is a layer on a rigid base"] = None
 
     def __post_init__(self) -> None:
         if self.other is not None and self.layer is not None:

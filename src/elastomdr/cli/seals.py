@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import elastomdr as em
 
 from ..errors import InputError
-from .bodies import AnySurface, Cylinder
+from .bodies import AnySurface, CylinderTable
 from .scene import OfBodies, Scene, body, load, on_axes
 from .schema import Positive, Several, Sweep, Table, Text, given, named
 from .steady import OfDraws
@@ -54,7 +54,7 @@ class Ring(Table):
         return given(self, *Ring.__struct_fields__)
 
 
-class Leak(Table):
+class LeakTable(Table):
     """How the seal is pressed, and what flows through it."""
 
     pressure: Annotated[
@@ -112,7 +112,7 @@ class LeakScene(OfDraws):
     mark: ClassVar[str] = "leak"
     call: ClassVar[str] = "leak"
     surface: Annotated[AnySurface, "the roughness"]
-    leak: Annotated[Leak, "how it is pressed, and what flows"]
+    leak: Annotated[LeakTable, "how it is pressed, and what flows"]
     o_ring: Annotated[
         Ring | None, "presses with Hertz' ellipse, in place of pressure or profile"
     ] = None
@@ -121,7 +121,7 @@ class LeakScene(OfDraws):
         _without_rtol(self, "a leak")
         with named("[surface]"):
             surface = self.surface.drawn(folder, self.uncertainty)
-        leak = given(self.leak, *Leak.__struct_fields__)
+        leak = given(self.leak, *LeakTable.__struct_fields__)
         if self.leak.profile is not None:
             leak["profile"] = folder / self.leak.profile
         if self.o_ring is None:
@@ -145,7 +145,7 @@ class LeakScene(OfDraws):
         return {"surface": surface, "o_ring": ring} | rest
 
 
-class Lubricated(Table):
+class LubricatedTable(Table):
     """How the bodies are pressed together and move, and what is between them."""
 
     velocity: Annotated[Sweep[Velocity], "velocity of what moves"]
@@ -173,11 +173,11 @@ class LubricatedScene(OfBodies):
 
     mark: ClassVar[str] = "lubricated"
     call: ClassVar[str] = "lubricated"
-    indenter: Annotated[Cylinder, "the cylinder; its radius is that of the gap"]
+    indenter: Annotated[CylinderTable, "the cylinder; its radius is that of the gap"]
     surface: Annotated[
         AnySurface | None, "roughness of the counterface; without it, it is smooth"
     ] = None
-    lubricated: Annotated[Lubricated, "how it is pressed and moved"]
+    lubricated: Annotated[LubricatedTable, "how it is pressed and moved"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         _without_rtol(self, "a film")
@@ -185,7 +185,7 @@ class LubricatedScene(OfBodies):
         if self.surface is not None:
             with named("[surface]"):
                 arguments["surface"] = self.surface.drawn(folder, None)
-        keys = Lubricated.__struct_fields__
+        keys = LubricatedTable.__struct_fields__
         return on_axes(arguments | self.common(folder) | given(self.lubricated, *keys))
 
 
@@ -236,7 +236,7 @@ class StrokeScene(RingScene):
         return on_axes({"material": ring["material"], "o_ring": o_ring} | stroke)
 
 
-class BreakOut(Table):
+class BreakOutTable(Table):
     """How the seal is pressed and for how long it rests, and what holds it."""
 
     pressure: Annotated[Several[Pressure], "nominal pressure of rubber and surface"]
@@ -252,7 +252,9 @@ class BreakOutScene(Scene):
     mark: ClassVar[str] = "break_out"
     call: ClassVar[str] = "break_out"
     surface: Annotated[AnySurface, "the roughness"]
-    break_out: Annotated[BreakOut, "how it is pressed and rests, and what holds it"]
+    break_out: Annotated[
+        BreakOutTable, "how it is pressed and rests, and what holds it"
+    ]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         _without_rtol(self, "a break-out")
@@ -262,7 +264,7 @@ class BreakOutScene(Scene):
         return on_axes(
             {"material": rubber, "surface": surface}
             | given(self, "temperature")
-            | given(self.break_out, *BreakOut.__struct_fields__)
+            | given(self.break_out, *BreakOutTable.__struct_fields__)
         )
 
 

@@ -12,8 +12,15 @@ import msgspec
 import elastomdr as em
 
 from ..errors import InputError
-from .bodies import Adhesion, AnyShape, AnySurface, Cylinder, Heat, OfRevolution
-from .scene import Contact, Layer, OfBodies, Scene, body, load, on_axes
+from .bodies import (
+    Adhesion,
+    AnyShape,
+    AnySurface,
+    CylinderTable,
+    HeatTable,
+    OfRevolution,
+)
+from .scene import ContactTable, LayerTable, OfBodies, Scene, body, load, on_axes
 from .schema import (
     Draws,
     Instants,
@@ -42,7 +49,7 @@ from .units import (
 )
 
 
-class BodyContact(Contact):
+class BodyContact(ContactTable):
     """How the body is pressed on and how fast it moves."""
 
     one_of: ClassVar[tuple[str, ...]] = ("load", "depth")
@@ -59,7 +66,7 @@ class BodyContact(Contact):
     }
 
 
-class SurfaceContact(Contact):
+class SurfaceContact(ContactTable):
     """How the surface is pressed on and how fast it slides."""
 
     one_of: ClassVar[tuple[str, ...]] = ("pressure", "load", "depth")
@@ -115,7 +122,7 @@ class OfDraws(OfBodies):
             return materials[0].draws(self.uncertainty)
 
 
-class Rolling(OfDraws):
+class RollingScene(OfDraws):
     """Rolling resistance of a body."""
 
     call: ClassVar[str] = "rolling"
@@ -130,7 +137,7 @@ class Rolling(OfDraws):
         )
 
 
-class BodyFriction(Rolling):
+class BodyFriction(RollingScene):
     """Friction of a body."""
 
     call: ClassVar[str] = "friction"
@@ -157,14 +164,14 @@ class Roller(Table):
     velocity: Annotated[Sweep[Velocity], "velocity of rolling"]
 
 
-class SurfaceFriction(OfDraws):
+class SurfaceFrictionScene(OfDraws):
     """Friction of a rough surface."""
 
     mark: ClassVar[str] = "surface"
     call: ClassVar[str] = "friction"
     surface: Annotated[AnySurface, "the rough surface"]
     contact: Annotated[SurfaceContact, "how it is pressed on and moved"]
-    heat: Annotated[Heat | None, "flash temperature"] = None
+    heat: Annotated[HeatTable | None, "flash temperature"] = None
     adhesion: Annotated[
         Adhesion | None, "adhesive shear on the area of real contact"
     ] = None
@@ -222,7 +229,7 @@ class Compare(Table):
         return given(self, "velocity", "temperature", "pressure")
 
 
-class SurfaceComparison(SurfaceFriction):
+class SurfaceComparison(SurfaceFrictionScene):
     """Materials ranked by friction on a rough surface."""
 
     roller: Annotated[None, "of elastomdr friction"] = None
@@ -235,14 +242,14 @@ class BodyComparison(BodyFriction):
     compare: Annotated[Compare, "where they are ranked"] = Compare()
 
 
-class WarmingContact(Contact):
+class WarmingContact(ContactTable):
     """How the body is pressed on and how fast it rolls."""
 
     one_of: ClassVar[tuple[str, ...]] = ("load",)
     load: Annotated[Several[Force], "normal force"]
 
 
-class HeatBuildUp(Table):
+class HeatBuildUpTable(Table):
     """A rolling body that its own resistance heats."""
 
     ambient: Annotated[Several[Temperature], "temperature of the surroundings"]
@@ -273,7 +280,7 @@ class WarmingScene(OfBodies):
     temperature: Annotated[None, "the body finds its own"] = None
     indenter: Annotated[AnyShape, "the rigid body"]
     contact: Annotated[WarmingContact, "how it is pressed on and moved"]
-    heat_build_up: Annotated[HeatBuildUp, "what heats and cools it"]
+    heat_build_up: Annotated[HeatBuildUpTable, "what heats and cools it"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         import numpy as np
@@ -299,7 +306,7 @@ class ConveyorContact(Table):
     velocity: Annotated[Sweep[Velocity], "velocity of the belt"]
 
 
-class Conveyor(Table):
+class ConveyorTable(Table):
     """A belt conveyor: roll and cover of the scene on the carry side, one roll in a set
     on the return side.
     """
@@ -325,10 +332,10 @@ class ConveyorScene(Scene):
 
     mark: ClassVar[str] = "conveyor"
     call: ClassVar[str] = "conveyor"
-    indenter: Annotated[Cylinder, "one roll of the carry side"]
-    layer: Annotated[Layer, "the cover that it dents"]
+    indenter: Annotated[CylinderTable, "one roll of the carry side"]
+    layer: Annotated[LayerTable, "the cover that it dents"]
     contact: Annotated[ConveyorContact, "how fast the belt runs"]
-    conveyor: Annotated[Conveyor, "the belt"]
+    conveyor: Annotated[ConveyorTable, "the belt"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         belt, roll, layer = self.conveyor, self.indenter, self.layer
@@ -355,7 +362,7 @@ class ConveyorScene(Scene):
         return sides | on_axes(options | {"velocity": self.contact.velocity})
 
 
-class TractionContact(Contact):
+class TractionContact(ContactTable):
     """How the body is pressed on, how fast it rolls and how much it slips."""
 
     one_of: ClassVar[tuple[str, ...]] = ("slip", "creepage")
@@ -396,7 +403,7 @@ class _Traction(Scene):
         )
 
 
-class Traction(_Traction):
+class TractionScene(_Traction):
     """Traction of a ball on a half-space."""
 
     indenter: Annotated[OfRevolution, "the ball"]
@@ -423,7 +430,7 @@ class WheelTraction(_Traction):
     """Traction of a wheel."""
 
     mark: ClassVar[str] = "structure"
-    indenter: Annotated[Cylinder, "the wheel"]
+    indenter: Annotated[CylinderTable, "the wheel"]
     structure: Annotated[Structure, "what carries the load"]
     layer: Annotated[Tread, "the tread, which is sheared"]
 

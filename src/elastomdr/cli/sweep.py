@@ -31,7 +31,7 @@ _ARRAYS = (
 )
 
 
-class Sweep(Table):
+class SweepTable(Table):
     """What is varied besides the lists that the scene has: materials, temperatures,
     pressures, velocities.
     """
@@ -51,7 +51,7 @@ class Sweep(Table):
 class _Sweeping(Table):
     """What a scene of a sweep has more than others."""
 
-    sweep: Annotated[Sweep, "what is varied"]
+    sweep: Annotated[SweepTable, "what is varied"]
 
 
 @dataclass(frozen=True)
