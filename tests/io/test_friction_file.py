@@ -174,3 +174,17 @@ def test_more_titles(tmp_path, titles, velocity):
         np.testing.assert_allclose(found.velocity, V, rtol=1e-9)
         np.testing.assert_allclose([found.mu, found.temperature], [MU, T])
         assert found.report == ()
+
+
+def test_a_row_alone_above_others_is_read_once(tmp_path):
+    """One row, a remark, the others; and one row alone above a remark."""
+    head, first, *rest = (
+        "velocity [m/s],mu",
+        *(f"{v},{mu}" for v, mu in zip(V, MU, strict=True)),
+    )
+    file = write(tmp_path, "\n".join([head, first, "# warm now", *rest]))
+    found = em.read_friction(file, temperature=293.15)
+    np.testing.assert_allclose(found.velocity, V)
+    file = write(tmp_path, "\n".join(["sample," + head, "A," + first, "# end", ""]))
+    found = em.read_friction(file, temperature=293.15)
+    np.testing.assert_allclose(found.velocity, V[:1])

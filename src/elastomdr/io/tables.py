@@ -103,25 +103,16 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
                 holed.insert(0, above.pop())
             rows += [*holed, row]
             continue
-        if len(rows) == 1 and row.line and _is_above_titles(rows[0], before, above):
-            above, rows = [*above, *rows], []
+        single = rows[:] if len(rows) == 1 else []  # or numbers above titles
         if rows:
             before = _table(sheet, above, rows, before)
             complete.append(before)
             refuse_many(sheet.name, len(complete))
-            above, rows = [], []
+            above, rows = single, []
         above.append(row)
         if not row.line:  # the end of a sheet
             above, before = [], None
     return complete
-
-
-def _is_above_titles(row: Row, before: Table | None, above: list[Row]) -> bool:
-    """Whether a single row of numbers stands above titles, such as temperatures of the
-    columns below: its first cell holds none, or nothing is above it.
-    """
-    at_first = np.isfinite(number(row.cells[0]))
-    return not at_first or (before is None and not above)
 
 
 def refuse_many(name: str, count: int) -> None:
@@ -146,7 +137,11 @@ def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
         # as wide as the table: a row that holds no numbers
         between = table.above if rows else []
         rows += [
-            *(row for row in between if len(row.cells) == len(best.heads)),
+            *(
+                row
+                for row in between
+                if len(row.cells) == len(best.heads) and row.line != rows[-1].line
+            ),
             *table.rows,
         ]
     return best._replace(rows=rows)
