@@ -198,7 +198,8 @@ def _refuse_what_takes_too_long(history: GivenHistory, cut: Cut) -> None:
         fraction * float(np.ptp(x)) for x in (history.time, history.position)
     )
     raise InputError(
-        f"time and position must be those of a shorter motion, got one of {steps:.2g} "
+        "time and position (a scene's stages) must be those of a shorter motion, got "
+        f"one of {steps:.2g} "
         f"steps of {cut.elements * cut.strips * across:.2g} elements, which would take "
         f"{steps * (size + _STEP) / _WORK * _MINUTES:.2g} minutes or more: the first "
         f"{significant(lasts, 2)} s of it (if all of it is like that, over "

@@ -163,7 +163,8 @@ def _steps(history: GivenHistory, spacing: float | None) -> tuple[Timeline, Any]
         way = float(np.abs(np.diff(history.position)).sum())
         if not way <= _STEPS * spacing:
             raise InputError(
-                f"position must be a way of at most {_STEPS * spacing:.3g} m, which are "
+                "position (a scene's stages) must be a way of at most "
+                f"{_STEPS * spacing:.3g} m, which are "
                 f"{_STEPS:g} elements as wide as the contact asks for, got {way:.3g} m: "
                 "for steady sliding take em.friction(..., model=em.Line())."
             )
