@@ -137,6 +137,13 @@ def test_not_known_and_why(name):
     assert np.isnan(found.to_dict()["model_error"]).all()
 
 
+def test_a_rough_line_is_no_surface():
+    found = em.friction(RUBBER, LINE, velocity=[0.01, 1.0], load=1.0)
+    assert found.converged.all()
+    assert np.isnan(found.model_error).all()
+    assert "no prediction" in {doubt.kind for doubt in found.doubts}
+
+
 def test_materials_side_by_side_have_their_own():
     both = indent([RUBBER, em.springs(NEARLY, 5e-3)], BALL)
     assert (both.model_error[0] == 0).all()

@@ -288,7 +288,7 @@ def _packed(
         model="",
         plan="",
         inputs=(),
-        model_error=None if on_line else field(mean.mu * far),
+        model_error=field(mean.mu * far),
         lines=Lines(
             field(mean.share),
             None if mean.scatter is None else field(mean.scatter),
