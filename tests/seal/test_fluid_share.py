@@ -181,11 +181,27 @@ def test_an_even_profile_is_an_even_pressure():
         np.testing.assert_allclose(found.model_error, even.model_error, rtol=1e-3)
         np.testing.assert_allclose(found.area_ratio, even.area_ratio, rtol=1e-6)
         if given:
-            np.testing.assert_allclose(found.knudsen, even.knudsen, rtol=1e-3)
+            np.testing.assert_allclose(found.knudsen, even.knudsen, rtol=3e-3)
         x = LENGTH * np.array([0.0, 0.3, 0.8, 1.0])
         np.testing.assert_allclose(
             found.fluid_pressure(1.0 + x), even.fluid_pressure(x), atol=500.0
         )
+
+
+def test_little_gas_near_a_vacuum_and_near_closing():
+    """Drops far below the pressure, and that far above the pressure behind the seal:
+    nothing is lost in differences.
+    """
+    x, pressure = np.array([0.0, LENGTH]), np.array([4.4e5, 4.4e5])
+    gas = {"outlet_pressure": 1.0, "mean_free_path": 0.0}
+    for drop in (1.0, 1e2):
+        found = em.leak(
+            RUBBER, TURNED, profile=(x, pressure), pressure_drop=drop, **SEAL, **gas
+        )
+        assert found.rate == pytest.approx(
+            float(leak(4.4e5, drop, **gas).rate), rel=2e-3
+        )
+        assert (np.diff(found.profile.fluid_pressure) < 0).all()
 
 
 def test_two_ribs_hold_the_fluid_between_them():

@@ -16,7 +16,9 @@ A pressure p that is even along the seal separates,
 by Clenshaw's and Curtis' rule over log(p - p_f), up to where channels close. Else the
 seal is cut into cells of an even p, in which the same holds: from the outlet on,
 
-    G(s) = int_0^s [w (1 + (p - s')/p_2) + l_2 S] ds',    G(p - p_f) falls by q dx a cell.
+    G(s) = int_0^s [w (1 + p_m/p_2) + l_2 S] ds',    G(p - p_f) falls by q dx a cell,
+
+p_m being the mean of p_f in the cell by w.
 
 Where G would fall below zero the fluid carries all of p and lifts the rubber; upstream
 its pressure stays, as long as it is above p. A place that is closed until the fluid opens
@@ -46,6 +48,8 @@ _CELLS = 64  # of a seal whose pressure is not even
 _RANGE = np.log(1e5), 9.0  # of log z/(1 - z), below the largest pressure, and at most
 _SPACING = 4.0  # of that, times the number of intervals of a model
 _FINE = 256  # places in _SPACING where it is interpolated
+_WIDE = 0.05  # change of what contact bears in a cell, above which w counts its places
+_ROUNDS = 3  # for the mean pressure of a gas in a cell
 _SETTLED = 1e-9  # change of log q
 
 
@@ -295,8 +299,8 @@ def uneven(pressed: Pressed, seal: Uneven) -> Flow:
         )
 
     faint = passed(fine.faint).sum(0)
-    viscous = (1 + cells.expands * cells.pressure) * passed(fine.flow[0])
-    viscous = (viscous - cells.expands * passed(fine.moment[0])).sum(0)
+    middles = 0.5 * (fluid[1:] + fluid[:-1])
+    viscous = ((1 + cells.expands * middles) * passed(fine.flow[0])).sum(0)
     hardest = _asked(pressed, downstream.max(0)[None])
     places = np.linspace(0.0, 1.0, _CELLS + 1)
     x = seal.start[:, None] + seal.length[:, None] * places
@@ -325,10 +329,10 @@ class _Table(NamedTuple):
     """
 
     x: Array
-    flow: Array  # int_0 w ds
-    moment: Array  # int_0 s w ds
-    slip: Array  # int_0 S ds, of the first alone
-    faint: Array  # int_0 w^(2/3) ds
+    flow: Array  # int w ds, from the last s down and so negative
+    moment: Array  # int s w ds
+    slip: Array  # int S ds, of the first alone
+    faint: Array  # int w^(2/3) ds
     error: float  # relative, of w
     said: str
     work: str
@@ -382,11 +386,13 @@ def _tables(pressed: Pressed, peak: Array) -> tuple[_Table, _Table]:
 
 
 def _integrals(x: Array, values: Array) -> Array:
-    """From 0 to 0 and to each of x, before the first of which values are even."""
+    """From the last of x to 0 and to each of x, before the first of which values are
+    even: near closing, where they are small, with all of their digits.
+    """
     parts = 0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(x)
-    first = values[..., :1] * x[0]
-    parts = np.concatenate([np.zeros_like(first), first, parts], axis=-1)
-    return np.cumsum(parts, axis=-1)
+    first, last = values[..., :1] * x[0], np.zeros_like(values[..., :1])
+    parts = np.concatenate([last, parts[..., ::-1], first], axis=-1)
+    return -np.cumsum(parts, axis=-1)[..., ::-1]
 
 
 class _Cells(NamedTuple):
@@ -448,24 +454,18 @@ def _march(table: _Table, cells: _Cells, log_flux: Array) -> Array:
     path = cells.path * (row == 0)
     fluid = np.zeros((count + 1, *log_flux.shape))
     last = table.x.size - 1
-    for i in reversed(range(count)):
-        pressure = cells.pressure[i]
-        more = 1 + cells.expands * pressure
+    liquid = not np.any(cells.expands)
 
-        def integral(number: Array, more: Array = more) -> Array:
-            return (
-                more * table.flow[row, number]
-                - cells.expands * table.moment[row, number]
-                + path * table.slip[number]
-            )
-
-        bears = pressure - fluid[i + 1]
+    def passed(bears: Array, more: Array) -> Array:
+        """What contact bears at the inlet of a cell at whose outlet it bears this."""
         left = np.clip(np.searchsorted(table.x, bears) - 1, 0, last - 1)
-        fraction = np.clip(
-            (bears - table.x[left]) / (table.x[left + 1] - table.x[left]), 0.0, 1.0
-        )
+        fraction = (bears - table.x[left]) / (table.x[left + 1] - table.x[left])
+
+        def integral(number: Array) -> Array:
+            return more * table.flow[row, number] + path * table.slip[number]
+
         low, high = integral(left), integral(left + 1)
-        wanted = low + fraction * (high - low) - falls
+        wanted = low + np.clip(fraction, 0.0, 1.0) * (high - low) - falls
         # the interval that holds what is wanted
         first, end = np.zeros_like(left), left + 1
         for _ in range(int(last).bit_length()):
@@ -474,9 +474,29 @@ def _march(table: _Table, cells: _Cells, log_flux: Array) -> Array:
             first, end = np.where(above, middle, first), np.where(above, end, middle)
         low, high = integral(first), integral(first + 1)
         fraction = (wanted - low) / np.where(high > low, high - low, 1.0)
-        remains = table.x[first] + np.clip(fraction, 0.0, 1.0) * (
-            table.x[first + 1] - table.x[first]
+        width = table.x[first + 1] - table.x[first]
+        return table.x[first] + np.clip(fraction, 0.0, 1.0) * width
+
+    def mean(pressure: Array, bears: Array, remains: Array) -> Array:
+        """The fluid's pressure within a cell, as w counts it."""
+        flow, moment = (
+            np.stack(
+                [
+                    np.interp(bears[k], table.x, y) - np.interp(remains[k], table.x, y)
+                    for k, y in enumerate(each)
+                ]
+            )
+            for each in (table.flow[: len(row)], table.moment[: len(row)])
         )
+        wide = (bears - remains > _WIDE * bears) & (flow > 0)
+        weighed = moment / np.where(wide, flow, 1.0)
+        return pressure - np.where(wide, weighed, 0.5 * (bears + remains))
+
+    for i in reversed(range(count)):
+        pressure, bears = cells.pressure[i], cells.pressure[i] - fluid[i + 1]
+        remains = passed(bears, 1 + cells.expands * fluid[i + 1])
+        for _ in range(0 if liquid else _ROUNDS):
+            remains = passed(bears, 1 + cells.expands * mean(pressure, bears, remains))
         fluid[i] = np.where(bears > 0, pressure - remains, fluid[i + 1])
     return fluid
 
