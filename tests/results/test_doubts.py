@@ -124,14 +124,15 @@ _NOTED = {
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("kind", MADE)
-def test_traction_has_the_doubts_of_its_law(kind):
+def test_traction_has_the_doubts_of_its_law(kind, tmp_path):
     curve = MADE[kind]()
+    law = em.FrictionLaw(curve.velocity, curve.mu, doubts=curve.doubts)
     braked = em.traction(
         em.Foundation(4e6, [], []),
         BALL,
         velocity=10.0,
         creepage=curve.velocity / 10.0,
-        friction=em.FrictionLaw(curve.velocity, curve.mu, doubts=curve.doubts),
+        friction=law,
         load=1.0,
         tangential=em.Foundation(3e6, [], []),
     )
@@ -142,6 +143,17 @@ def test_traction_has_the_doubts_of_its_law(kind):
         for doubt in braked.doubts
     )
     assert kind in braked.summary()
+    more = np.geomspace(curve.velocity[0], curve.velocity[-1], 12) / 10.0
+    em.traction(
+        em.Foundation(4e6, [], []),
+        BALL,
+        velocity=10.0,
+        creepage=more,
+        friction=law,
+        load=1.0,
+        tangential=em.Foundation(3e6, [], []),
+    ).to_tir(tmp_path / "a.tir", radius=0.3, width=0.2)
+    assert f"$ doubt, {kind}: " in (tmp_path / "a.tir").read_text()
 
 
 @pytest.mark.filterwarnings("ignore")

@@ -164,25 +164,13 @@ class AbstractCurve(Result):
             )
         if len(every) > _LISTED:
             yield "...", f"and {len(every) - _LISTED} more curves"
-        if "model_error" in fields and np.isfinite(fields[self.shows]).any():
-            computed = np.isfinite(fields[self.shows])
-            yield (
-                "model error",
-                self._model_error(
-                    fields["model_error"][computed], fields[self.shows][computed]
-                ),
-            )
+        bound = fields.get("model_error", np.zeros(0))
+        known = np.isfinite(bound)
+        if known.any():
+            words = self._model_error(bound[known], fields[self.shows][known])
+            yield "model error", words
 
     def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
-        unknown = int(np.isnan(bound).sum())
-        if unknown == bound.size:
-            return "not known here: no bound is established for this model and contact"
-        if unknown:
-            known = np.isfinite(bound)
-            return (
-                f"{self._model_error(bound[known], value[known])}; not known at "
-                f"{unknown} of {bound.size} points"
-            )
         worst = int(np.nanargmax(bound))
         if bound[worst] == 0:
             return "none, the model is exact by definition"
@@ -368,7 +356,7 @@ class FrictionCurve(AbstractCurve):
         """What mu rests on, part by part: numerical, model, rubber, road, shear law,
         temperature; how much of mu each may change, and what would lower that.
 
-        By convention the shortest wave of a road is taken off by a factor of two each
+        By convention the shortest wave of a road is changed by a factor of two each
         way, the shear stress by 20 %, the temperature by 2 K each way: mu is computed
         again for road and temperature, so that this takes up to four times as long as
         the curve. Of draws the rubber's part is half of the interval of 95 % of them.

@@ -3,7 +3,7 @@ change, and what would lower that.
 
 Numerical error and bound of the model are those of the curve. Of the others nobody says
 how uncertain they are; by convention, which each row names, the shortest wave of a road
-is taken off by a factor of two, a shear stress by 20 %, a temperature by 2 K.
+may be a factor of two longer or shorter, a shear stress 20 % off, a temperature 2 K.
 """
 
 from __future__ import annotations

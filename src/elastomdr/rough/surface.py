@@ -42,7 +42,7 @@ from .problem import RoughCall
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-4  # share of real contact below which it probably is
-# pressure over the modulus at the longest waves from which on it is warned of
+# pressure over the modulus at the longest waves from which on there is a warning
 _FAR = 10.0
 _HOT = (
     "; rubber at the flash temperature of its contacts (moving sources by length scale)"

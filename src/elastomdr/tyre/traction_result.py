@@ -15,7 +15,7 @@ MF-Tyre 5.2, without shifts).
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -26,6 +26,7 @@ from ..errors import InputError
 from ..files import as_path, write_files
 from ..results.base import Array, Quantity, Result, quantity, record
 from ..results.curve import Contact
+from ..results.doubts import in_words
 from ..results.words import span
 
 COEFFICIENTS = ("PCX1", "PDX1", "PEX1", "PKX1", "PDX2", "PEX2", "PKX2")
@@ -199,7 +200,8 @@ class Traction(Result):
         """
         positive("radius", radius)
         positive("width", width)
-        content = _property_file(_fitted(self, temperature), radius, width)
+        formula = _fitted(self, temperature)
+        content = _property_file(formula, radius, width, in_words(self.doubts))
         write_files({as_path(path): content.encode()})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
@@ -309,8 +311,10 @@ def _is_at(temperature: float, temperatures: Any) -> np.ndarray:
     return equal
 
 
-def _property_file(formula: MagicFormula, radius: float, width: float) -> str:
-    """The text of a .tir file."""
+def _property_file(
+    formula: MagicFormula, radius: float, width: float, doubts: Iterable[str]
+) -> str:
+    """The text of a .tir file, the doubts of its curve among the comments."""
     zero = ("PDX3", "PEX3", "PEX4", "PKX3", "PHX1", "PHX2", "PVX1", "PVX2")
     scaling = ("LFZO", "LCX", "LMUX", "LEX", "LKX", "LHX", "LVX")
     tables: dict[str, dict[str, Any]] = {
@@ -345,6 +349,7 @@ def _property_file(formula: MagicFormula, radius: float, width: float) -> str:
         "worst; driving is its mirror image",
         "$ without lateral force, moments, vertical stiffness and rim: add those of your "
         "tyre",
+        *(f"$ {line}" for line in doubts),
     ]
     for name, values in tables.items():
         lines.append(f"[{name}]")
