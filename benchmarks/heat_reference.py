@@ -21,7 +21,7 @@ from scipy.special import erf, erfinv, i0e, k0e
 from elastomdr.element.law import surface_foundation
 from elastomdr.material.shift import thermal_factors
 from elastomdr.models import Persson
-from elastomdr.rough.multiscale import _EXCESS, FORM
+from elastomdr.rough.multiscale import FORM
 
 STEPS = 300  # of t, for the whole way
 PER_DECADE = 12  # wave numbers in depth
@@ -246,7 +246,7 @@ class Point:
         rate = at.power * stiffness / (8 * p**2)
         until = cumulative_simpson(rate, x=at.log_q, initial=0)
         multiscale = not isinstance(self.model, Persson)
-        stiffer = self.stiffer(at.log_q, rise) if multiscale else 0.0
+        stiffer = self.stiffer(at.log_q, rise) if multiscale else np.zeros_like(rise)
         share = self.shares(until, stiffer)
         last = float(share[-1])
         area = last + last**3 * (1 - last) / 4 if multiscale else last
@@ -264,23 +264,41 @@ class Point:
         )
         there = self.stiffer(ahead, np.interp(ahead, at.log_q, rise))
         later = self.shares(np.exp(log_until(ahead)), there)
-        own = 2 * rate * later**FORM.power * (1 + (1 - last) ** 1.5)
-        source, grown = 2 * rate * share**1.5, at.q / at.q[-1]
-        once = cumulative_simpson(source * grown, x=at.log_q, initial=0)
-        twice = cumulative_simpson(once, x=at.log_q, initial=0)
+        own = 2 * rate * later ** (4 / 3)
+        source = 2 * rate * np.exp(stiffer) * share**0.6
+        below = cumulative_simpson(at.power, x=at.log_q, initial=0)
+        distance = cumulative_simpson(below, x=at.log_q, initial=0)
+        distance[1:] /= below[1:]
+        steep = np.zeros_like(share)
+        steep[1:] = FORM.further * (1 - share[1:] ** 0.25) / distance[1:]
+        fine = source * steep / (1 + steep**8) ** 0.125
+        of_edges = fading = 0.0
+        x = np.linspace(0, np.log(BEYOND), 401)
+        for part, fall in (
+            (6 * fine, 2),
+            (4 * source - 16 * fine, 4),
+            (6 * fine, 6),
+        ):
+            grown = (at.q / at.q[-1]) ** fall
+            until_q = cumulative_simpson(part * grown, x=at.log_q, initial=0)
+            of_edges = of_edges + until_q / grown
+            fading = fading + until_q[-1] * np.exp(-fall * x)
         spread = 0.25 / erfinv(last) ** 2 if last < 1 else 0.5 * until[-1]
         whole = last * (1 + 2 * spread) - 1
         whole += 2 * np.sqrt(spread / np.pi) * np.exp(-0.25 / spread)
-        whole *= 1 + _EXCESS * (1 - last) ** 2
+        height = at.power / simpson(at.power, x=at.log_q)
+        mean = simpson(height * at.log_q, x=at.log_q)
+        width = np.sqrt(simpson(height * (at.log_q - mean) ** 2, x=at.log_q))
+        more = FORM.excess - FORM.stiffer * stiffer[-1] * np.sqrt(last)
+        more -= FORM.narrow * (1 - last**0.25) * np.exp(-width)
+        whole *= np.exp((1 - last) ** 1.5 * more)
         of_own = simpson(own, x=at.log_q)
         own *= min(1.0, whole / of_own)
         level = max(whole - of_own, 0.0) / simpson(source, x=at.log_q)
-        each = 2 * p * (own + level * twice / grown) * drag / stiffness
-        x = np.linspace(0, np.log(BEYOND), 401)
+        each = 2 * p * (own + level * of_edges) * drag / stiffness
         beyond = self.averages(
             at.q[-1] * np.exp(x), rise[-1], self.softer[-1], self.lossier[-1]
         )
-        fading = np.exp(-x) * (twice[-1] + once[-1] * x)
         edges = 2 * p * level * simpson(fading * beyond[0] / beyond[1], x=x)
         return each, edges, shear, share, area
 

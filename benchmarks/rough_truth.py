@@ -3,6 +3,7 @@ to and judges by.
 
     python benchmarks/rough_truth.py --seed 1 --minutes 60
     python benchmarks/rough_truth.py --seed 2 --minutes 60 --light --largest 2048
+    python benchmarks/rough_truth.py --seed 3 --minutes 60 --cells --largest 512
 
 Scene number i of a seed (with its --largest) is always the same scene, so a run that
 was broken off goes on where it stopped, and two seeds may run side by side into two
@@ -15,6 +16,12 @@ eight summits (four where more than 30 % touches), on two grids, of which the fi
 gives the shortest wave eight cells, or four where eight would be too many. Friction
 is divided by that of full contact on the same map, which takes off most of what the
 waves of one map miss, and extrapolated in the size of the cells.
+
+With --cells scenes are drawn by what friction depends on: number i falls into the cell
+i of (slope of the loss at q_high) x (real contact), ratios begin at 2, and there are
+solids with a loss that is small, or grows with frequency without end, beside the
+rubbers. A point that moves by more than a tenth from one grid to the next is solved
+again on cells half as large, where that is not more than --largest.
 
 Units: E*(0) = 1, q_low or the wave number of the roll-off = 1, rms slope = 1: friction
 goes with the rms slope and depends on p/(E* rms slope).
@@ -33,6 +40,7 @@ from common import RESULTS
 import elastomdr as em
 from elastomdr.rough import half_space, multiscale
 from elastomdr.rough import random_maps as maps
+from elastomdr.rough.psd_integrals import direct
 from elastomdr.surface.spectrum import rough_map
 
 FILE = RESULTS / "rough_truth.json"
@@ -59,7 +67,11 @@ CONTACT = (
     (0.05, 0.3, 0.28, 0.12),
     (0.3, 0.99, 0.2, 0.08),
 )
-PATIENCE = 240  # seconds of the processor for one contact
+# Cells of --cells: slopes dlog(drag)/dlog q at q_high, and real contact
+SLOPES = {"falling": (-1.01, -0.25), "flat": (-0.25, 0.4), "rising": (0.4, 1.01)}
+CELLS = (0.003, 0.01, 0.05, 0.25, 0.75, 0.99)
+WIDE_RATIOS = (2, 2, 4, 4, 4, 8, 8, 8, 16, 16, 16, 32, 32, 64, 128)
+MOVED = 0.1  # of mu, from a grid half as fine, above which a point is solved again
 # Of the change of mu from a grid half as fine, the part that is left: of first order in
 # the cells 1, of second 1/3. Seven scenes from 2 to 16 cells per wave lie between.
 LEFT = 0.5
@@ -91,9 +103,25 @@ def materials() -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
 
 
 MATERIALS = materials()
+# Of --cells beside these: losses small beside the storage modulus of 1, which fall, stay
+# and grow with frequency at all that waves see, and one that goes on growing.
+SMALL = {"small falling": -1, "small flat": 0, "small rising": 1}
+VISCOUS = "kelvin-voigt"
 
 
 def rubber(name: str) -> em.Foundation:
+    if name == VISCOUS:
+        return em.Foundation(1.0, [], [], viscosity=1.0)
+    if name in SMALL:
+        slope = SMALL[name]
+        if slope:  # one relaxation far below or above the waves, whose loss is 1e-3
+            return (
+                em.Foundation(1.0, [1e-3 * 1e4], [1e-4])
+                if slope > 0
+                else (em.Foundation(1.0, [1e-3], [1e4]))
+            )
+        times = np.geomspace(1e-16, 1e16, 97)
+        return em.Foundation(1.0, np.full(97, 1e-4), times)
     moduli, times, _ = MATERIALS[name]
     return em.Foundation(1.0, moduli, times)
 
@@ -144,8 +172,22 @@ def draw(rng: np.random.Generator, largest: int, light: bool) -> dict[str, Any] 
     place = rng.uniform(-half, half)
     if kind == "roll-off" and ratio < 4 * numbers[1]:
         return None
-    surface, material = surface_of(kind, numbers, ratio), rubber(name)
+    surface = surface_of(kind, numbers, ratio)
     velocity = 10**place / np.sqrt(float(surface.q_low) * float(surface.q_high))
+    return on_grid(kind, numbers, ratio, name, velocity, area, largest)
+
+
+def on_grid(
+    kind: str,
+    numbers: tuple[float, ...],
+    ratio: int,
+    name: str,
+    velocity: float,
+    area: float,
+    largest: int,
+) -> dict[str, Any] | None:
+    """The scene with its pressure, and the grid that it is solved on."""
+    surface, material = surface_of(kind, numbers, ratio), rubber(name)
     pressure = pressure_for(area, material, surface, velocity)
     one = maps.Grid(4 * ratio, 1, 2 * np.pi / float(surface.q_low))
     at = np.array([velocity]), np.array([pressure])
@@ -166,6 +208,49 @@ def draw(rng: np.random.Generator, largest: int, light: bool) -> dict[str, Any] 
     }
 
 
+def slope_of_loss(material: em.Foundation, surface: Any, velocity: float) -> float:
+    """dlog(drag)/dlog q at q_high, drag as in `rough.psd_integrals`."""
+    near = velocity * float(surface.q_high) * np.exp([-0.05, 0.05])
+    low, high = np.log(direct(material.complex_modulus, near).drag)
+    return float(high - low) / 0.1
+
+
+def draw_in_cell(
+    rng: np.random.Generator, number: int, largest: int, light: bool
+) -> dict[str, Any] | None:
+    """The scene of this number of --cells, and its grid; with --light of less than 5 %
+    contact.
+    """
+    least, most = list(SLOPES.values())[number % 3]
+    contact = number // 3 % (2 if light else len(CELLS) - 1)
+    weights = np.array([weight for *_, weight in SURFACES])
+    names = [
+        *MATERIALS,
+        *5 * [VISCOUS, *SMALL],
+        *3 * [n for n in MATERIALS if "one" in n],
+    ]
+    while True:
+        kind, numbers, _ = SURFACES[
+            int(rng.choice(len(SURFACES), p=weights / weights.sum()))
+        ]
+        ratio, name = int(rng.choice(WIDE_RATIOS)), str(rng.choice(names))
+        if kind == "roll-off" and ratio < 4 * numbers[1]:
+            continue
+        half = MATERIALS[name][2] / 2 + 1.5 if name in MATERIALS else 1.5
+        place = rng.uniform(-half, half) if name not in SMALL else 0.0
+        surface, material = surface_of(kind, numbers, ratio), rubber(name)
+        middle = float(
+            surface.q_high
+            if name == VISCOUS
+            else np.sqrt(float(surface.q_low) * float(surface.q_high))
+        )
+        velocity = 10**place / middle
+        if least <= slope_of_loss(material, surface, velocity) < most:
+            break
+    area = float(np.exp(rng.uniform(*np.log(CELLS[contact : contact + 2]))))
+    return on_grid(kind, numbers, ratio, name, velocity, area, largest)
+
+
 def pressure_for(
     area: float, material: em.Foundation, surface: Any, velocity: float
 ) -> float:
@@ -182,11 +267,14 @@ def pressure_for(
 
 
 def solve(
-    scene: dict[str, Any], rng: np.random.Generator, surface: Any = None
+    scene: dict[str, Any],
+    rng: np.random.Generator,
+    surface: Any = None,
+    patience: float = 240.0,
 ) -> dict[str, Any]:
     """The scene with friction over that in full contact, and real contact, of each map
-    on both grids; None where a contact did not settle. Of the `surface` in the scene,
-    or of that given.
+    on both grids; None where a contact did not settle, within `patience` seconds of the
+    processor. Of the `surface` in the scene, or of that given.
     """
     if surface is None:
         kind, *numbers = scene["surface"]
@@ -205,7 +293,7 @@ def solve(
         try:
             pair, start = [], None
             for grid in (heights[::2, ::2], heights):
-                signal.setitimer(signal.ITIMER_PROF, PATIENCE)
+                signal.setitimer(signal.ITIMER_PROF, patience)
                 contact = half_space.solve(
                     modulus, grid, (side, side), **at, start=start, double=False
                 )
@@ -256,6 +344,12 @@ def truth(values: list[list[float]]) -> tuple[float, float]:
     return mean, float(np.hypot(max(scatter, 0.004 * mean), 0.5 * moved)) / mean
 
 
+def moved(values: list[list[float]]) -> float:
+    """By how much a mean over the maps changed from the coarser grid to the finer."""
+    coarse, fine = np.array(values).T
+    return abs(float(np.mean(fine / coarse - 1)))
+
+
 def main() -> None:
     options = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     options.add_argument("--seed", type=int, required=True)
@@ -264,6 +358,10 @@ def main() -> None:
         "--largest", type=int, default=1024, help="cells to a side of the largest grid"
     )
     options.add_argument("--light", action="store_true", help="more of light contact")
+    options.add_argument("--cells", action="store_true", help="by slope and contact")
+    options.add_argument(
+        "--patience", type=float, default=240.0, help="seconds for one contact"
+    )
     options.add_argument("--file", type=Path, default=FILE)
     asked = options.parse_args()
     points = json.loads(asked.file.read_text()) if asked.file.exists() else []
@@ -274,11 +372,24 @@ def main() -> None:
         if (asked.seed, i) in done:
             continue
         rng = np.random.default_rng([asked.seed, i])
-        scene = draw(rng, asked.largest, asked.light)
+        scene = (
+            draw_in_cell(rng, i, asked.largest, asked.light)
+            if asked.cells
+            else draw(rng, asked.largest, asked.light)
+        )
         if scene is None:
             continue
         start = time.process_time()
-        point = {"number": [asked.seed, i], **solve(scene, rng)}
+        solved = solve(scene, rng, patience=asked.patience)
+        while asked.cells and solved["mu"] and moved(solved["mu"]) > MOVED:
+            finer = {**scene, "per_wave": 2 * solved["per_wave"]}
+            if finer["per_wave"] * finer["periods"] * finer["ratio"] > asked.largest:
+                break
+            again = solve(finer, rng, patience=asked.patience)
+            if not again["mu"]:
+                break
+            solved = again
+        point = {"number": [asked.seed, i], **solved}
         points.append(point)
         rows = ",\n".join(json.dumps(p) for p in points)
         asked.file.write_text(f"[\n{rows}\n]\n")

@@ -302,11 +302,9 @@ class _ClosedIntegrals(SurfaceModel):
         area: Array,
         of_area: bool = False,
     ) -> Array | None:
-        from .rough.multiscale import bound, contrast, steepness
+        from .rough.multiscale import bound, felt
 
-        ratio = surface.q_high / surface.q_low
-        of = foundation, surface, velocity
-        return bound(self, area, ratio, contrast(*of), steepness(*of), of_area)
+        return bound(self, area, felt(foundation, surface, velocity), of_area)
 
     def why_wide(
         self,
@@ -317,7 +315,9 @@ class _ClosedIntegrals(SurfaceModel):
     ) -> list[str]:
         from .rough.multiscale import why_wide
 
-        return why_wide(foundation, surface, velocity, area)
+        if self.bound_terms(False) is None:
+            return []
+        return why_wide(foundation, surface, velocity)
 
     def contact(self, stress_variance: Array, stiffer: Array) -> Array:
         from .rough.multiscale import contact

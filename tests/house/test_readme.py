@@ -313,16 +313,17 @@ def test_theory_has_the_constants_of_multiscale():
     def row(numbers, digits=""):
         return " | ".join(format(value, digits) for value in numbers) + " |"
 
-    assert "| " + row([*FORM, multiscale._EXCESS], ".4f") in text
+    assert "| " + row(FORM, ".3f") in text
     assert "$\\mu$ by Multiscale | " + row(multiscale._BOUND["multiscale"], "g") in text
     assert "stored | " + row(multiscale._BOUND["persson"], "g") in text
     assert "relative | " + row(multiscale._AREA_BOUND, "g") in text
     low, high = multiscale._RATIOS
     for number in (
         rf"{multiscale._DRIFT:g}\,\log_{{10}}^+\frac{{q_\mathrm{{high}}/q_\mathrm{{low}}}}{{{high:g}}}",
-        rf"\frac{{{low:g}}}{{q_\mathrm{{high}}/q_\mathrm{{low}}}}",
+        f"a ratio of cutoffs below {low:g}",
         rf"{{{multiscale._CONTRAST:g}\,|E^*(",
-        rf"\frac{{{multiscale._AREA:g}}}{{A}}",
+        f"$10^{np.log10(multiscale._MOST_CONTRAST):g}$ times",
+        f"the power {multiscale._MOST_SLOPE:g} of $q$",
         rf"e^{{{surface._PER_SKEWNESS:g}\,\hat s",
         rf"e^{{{surface._PER_LAY:g}\,\overline",
     ):

@@ -14,7 +14,7 @@ from elastomdr.cli.main import main
 from elastomdr.fit.report import abaqus_card, plain_card
 from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
-from elastomdr.rough.multiscale import _EXCESS, FORM
+from elastomdr.rough.multiscale import FORM
 
 STRAIN, STORAGE, LOSS = (
     [1e-3, 1e-2, 0.1, 1.0],
@@ -263,16 +263,31 @@ def integrals(velocity, pressure, share, factors):
     later = in_contact(np.interp(ahead, edges, plain), np.exp(ahead))[1]
     end, last = (x[0] for x in in_contact(plain[-1:], np.array([1e5])))
     whole = last * (1 + 2 * end) + 2 * np.sqrt(end / np.pi) * np.exp(-0.25 / end) - 1
-    whole *= 1 + _EXCESS * (1 - last) ** 2
-    own = 2 * rate * later**form.power * (1 + (1 - last) ** 1.5)
-    source = 2 * rate * shares**1.5
+    stiffer = np.log(
+        np.divide(*(averages(1e5 * np.exp([x]))[1] for x in (form.finer, 0)))
+    )
+    width = np.sqrt(np.cov(np.log(q), aweights=power, ddof=0))
+    more = form.excess - form.stiffer * stiffer[0] * np.sqrt(last)
+    more -= form.narrow * (1 - last**0.25) * np.exp(-width)
+    whole *= np.exp((1 - last) ** 1.5 * more)
+    own = 2 * rate * later ** (4 / 3)
     of_own = own.sum() * step
     own *= min(1.0, whole / of_own)
+    source = 2 * rate * averages(q * np.exp(form.finer))[1] / averages(q)[1]
+    source *= shares**0.6
     level = max(0.0, whole - of_own) / (source.sum() * step)
+    below = np.cumsum(power) - 0.5 * power
+    distance = (np.cumsum(below) - 0.5 * below) * step / below
+    steep = form.further * (1 - shares**0.25) / distance
+    fine = source * steep / (1 + steep**8) ** 0.125
     # far beyond q_high, whose rubber is strained as at q_high
     count = q.size + int(np.log(3e3) / step)
     lag = step * np.arange(count)
-    spectrum = level * np.convolve(source, lag * np.exp(-lag))[:count] * step
+    near, far = 4 * np.exp(-4 * lag), 6 * np.exp(-2 * lag) * (1 - np.exp(-2 * lag)) ** 2
+    near[0] /= 2  # of half a step
+    spectrum = np.convolve(source - fine, near)[:count]
+    spectrum += np.convolve(fine, far)[:count]
+    spectrum *= level * step
     spectrum[: q.size] += own
     strained = np.full(count, share * np.sqrt(slope[-1]))
     strained[: q.size] = strain

@@ -57,13 +57,7 @@ def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(m
     # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of
     # 30 apart, as in three dimensions.
     a, b, _ = _AREA_BOUND
-    reduced = SCENE["velocity"] * RUBBER.shift.a(SCENE["temperature"])
-    high, low = (
-        abs(RUBBER.complex_modulus(q * reduced)) for q in (ROAD.q_high, ROAD.q_low)
-    )
-    partial = 4 * bare.area_ratio * (1 - bare.area_ratio)
-    elastic = 1 + partial * np.maximum(1 - np.log2(high / low), 0)
-    off = (a - b * np.log(bare.area_ratio)) * elastic
+    off = a - b * np.log(bare.area_ratio)
     off = np.expm1(np.sqrt(1 - bare.area_ratio) * off)
     bound = np.where(shear > 1, np.nan, bare.model_error + shear * off)
     assert both.model_error == pytest.approx(bound, rel=1e-10, nan_ok=True)

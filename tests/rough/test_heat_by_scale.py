@@ -280,7 +280,7 @@ def test_limits_of_temperature():
 
 def test_a_profile_far_from_that_of_cold_rubber(reference):
     """Cold, the finest waves would be heated by thousands of kelvins; the one steady
-    state is 185 K hot.
+    state is 144 K hot.
     """
     tread = em.load_material("tread-passenger-synthetic")
     road = em.SelfAffine(
@@ -294,7 +294,7 @@ def test_a_profile_far_from_that_of_cold_rubber(reference):
         reference.Point(tread, road, velocity=v, **given).solve().contact_rise
         for v in velocity
     ]
-    assert max(second) == pytest.approx(185, abs=10)
+    assert max(second) == pytest.approx(144, abs=10)
     np.testing.assert_allclose(curve.contact_rise, second, rtol=5e-4)
     assert not curve.other_states.any()
 
@@ -410,7 +410,7 @@ def test_branches_under_jit():
             for branch in ("cold", "hot")
         ]
 
-    velocity = np.array([0.018, 0.0949])
+    velocity = np.array([0.015, 0.0949])
     with jax.enable_x64(True):
         traced = jax.jit(both)(velocity)
     for one, plain in zip(traced, both(velocity), strict=True):

@@ -98,6 +98,53 @@ def test_light_contact_carries_load_by_its_area():
     assert curve.mu[1] / curve.mu[0] == pytest.approx(1, abs=0.03)
 
 
+@pytest.mark.parametrize("pressure", [1e4, 3e5, 1e6, 4e6])
+@pytest.mark.parametrize(
+    "solid",
+    [
+        em.KelvinVoigt(2.5e5, 30.0),
+        em.StandardSolid(2.5e5, 2.5e4, 1e-6),
+        em.StandardSolid(2.5e5, 2.5e6, 1e-2),
+        SOLID,
+    ],
+)
+def test_full_contact_is_never_exceeded(solid, pressure):
+    road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=3.2e4)
+    curve = em.friction(solid, road, velocity=[1e-3, 1e-2, 0.1], pressure=pressure)
+    most = [
+        full_contact(surface_foundation(solid), road, v, pressure)
+        for v in curve.velocity
+    ]
+    assert (curve.mu <= 1.002 * np.array(most)).all()
+
+
+def test_a_loss_in_proportion_to_the_frequency():
+    """Below its peak a standard solid was 8 times too high, 25 % too low at half
+    contact, and above full contact near it.
+    """
+    solid = em.StandardSolid(2.5e5, 2.5e4, 1e-6)
+    road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=3.2e4)
+    curve = em.friction(solid, road, velocity=1e-2, pressure=5e3)
+    maps = em.HalfSpace(cells=512, seeds=2, periods=4)
+    truth = em.friction(solid, road, velocity=1e-2, pressure=5e3, model=maps)
+    assert curve.mu == pytest.approx(float(truth.mu), rel=0.25)
+    assert abs(curve.mu - truth.mu) < curve.model_error
+
+
+@pytest.mark.parametrize("solid", [em.KelvinVoigt(2.5e5, 30.0), SOLID])
+def test_the_tail_does_not_depend_on_where_it_is_cut(monkeypatch, solid):
+    """What edges make falls as q^-2 beyond q_high, loss grows as q at most."""
+    given = {"velocity": 1e-3, "pressure": [1e4, 1e5, 1e6], "rtol": 1e-8}
+    whole = em.friction(solid, ROAD, **given)
+    points, weights = multiscale.gauss(24)
+    half = 0.5 * np.log(300.0)
+    monkeypatch.setattr(multiscale, "_PAST", half * (points + 1))
+    monkeypatch.setattr(multiscale, "_PAST_WEIGHT", half * weights)
+    np.testing.assert_allclose(
+        em.friction(solid, ROAD, **given).mu, whole.mu, rtol=0.01
+    )
+
+
 def test_small_loss_gives_friction_in_proportion():
     def solid(loss):
         return em.Foundation(1e6, [1e6 * loss], [1e-3])
@@ -183,15 +230,20 @@ def test_a_point_does_not_depend_on_those_beside_it(model):
                 heat=heat,
                 **{key: given[key][i] for key in given},
             )
+            # rounds end where temperatures change by 1e-8, and that may be one apart
+            same = 1e-12 if heat is None else 1e-6
             for name in ("mu", "area_ratio", "model_error"):
                 assert getattr(together, name)[i] == pytest.approx(
-                    getattr(alone, name), rel=1e-12, abs=0
+                    getattr(alone, name), rel=same, abs=0
                 )
 
 
 def test_bound_covers_and_widens():
-    def bound(area, ratio=64.0, contrast=100.0):
-        return multiscale.bound(em.Multiscale(), np.asarray(area), ratio, contrast)
+    usual = multiscale.Felt(64.0, 100.0, 0.3, 0.2)
+
+    def bound(area, **change):
+        felt = usual._replace(**change)
+        return multiscale.bound(em.Multiscale(), np.asarray(area), felt)
 
     area = np.array([1.0, 0.9, 0.1, 0.01])
     inside = bound(area)
@@ -200,33 +252,37 @@ def test_bound_covers_and_widens():
     assert (inside < 0.3).all()
     # each decade of the cutoff ratio adds as much as friction may drift
     largest = multiscale._RATIOS[1]
-    far = np.log1p(bound(area, 100 * largest)) - np.log1p(bound(area, largest))
+    far = np.log1p(bound(area, ratio=100 * largest)) - np.log1p(
+        bound(area, ratio=largest)
+    )
     np.testing.assert_allclose(far, 2 * multiscale._DRIFT, rtol=1e-9)
     assert (bound(area[1:], contrast=1e4) > 1.5 * inside[1:]).all()
-    assert np.isnan(multiscale.bound(em.Persson(gamma=1.0), area, 64.0, 100.0)).all()
-    # below the least contact in three dimensions it is wider by a factor
-    a, b, _ = multiscale.bound_terms("multiscale", of_area=False)
-    least = multiscale._AREA
-    np.testing.assert_allclose(
-        np.log1p(bound(least / 100)),
-        3 * np.sqrt(1 - least / 100) * (a - b * np.log(least / 100)),
-        rtol=1e-9,
-    )
+    assert np.isnan(multiscale.bound(em.Persson(gamma=1.0), area, usual)).all()
+    # where nothing like it was solved there is none
+    for change in (
+        {"ratio": 1.9},
+        {"contrast": 1.1e5},
+        {"slope": 1.2},
+        {"slope": -1.2},
+    ):
+        assert np.isnan(bound(area, **change)).all()
+    # mu hardly depends on the pressure in light contact, and so does its distance
+    assert bound(1e-4) < 1.5 * bound(1e-2)
     curve = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
     assert 0 < curve.model_error < 0.3 * curve.mu
 
 
 @pytest.mark.parametrize(
-    ("hurst", "ratio", "power", "area", "low"),
+    ("hurst", "ratio", "power", "area", "truth"),
     [
-        (0.7, 16.0, 0.02, (0.21, 0.39, 0.70), (0.084, 0.082, 0.034)),
-        (0.75, 24.0, 0.03, (0.24, 0.45), (0.075, 0.069)),
+        (0.7, 16.0, 0.02, (0.21, 0.39, 0.70), (9.49e-3, 8.66e-3, 6.69e-3)),
+        (0.75, 24.0, 0.03, (0.24, 0.45), (1.404e-2, 1.251e-2)),
     ],
 )
-def test_bound_of_nearly_elastic_solids(hurst, ratio, power, area, low):
-    """E ~ (i w)^power on two surfaces that no fit has seen. `low` is ln(mu_3D/mu) by
-    `em.HalfSpace(cells=256, 512, 1024, seeds=4, periods=4)`, extrapolated in the cells,
-    and by one grid of 8 cells a wave and 3 seeds: minutes each.
+def test_bound_of_nearly_elastic_solids(hurst, ratio, power, area, truth):
+    """E ~ (i w)^power on two surfaces that no fit has seen. `truth` is mu at these real
+    contacts by `em.HalfSpace(cells=256, 512, 1024, seeds=4, periods=4)`, extrapolated in
+    the cells, and by one grid of 8 cells a wave and 3 seeds: minutes each.
     """
     omega = np.geomspace(1e-14, 1e14, 281)
     modulus = 3e6 * (1j * omega) ** power
@@ -235,48 +291,72 @@ def test_bound_of_nearly_elastic_solids(hurst, ratio, power, area, low):
     curve = em.friction(
         solid, road, velocity=0.3, pressure=np.geomspace(1e5, 4e6, 30), rtol=1e-3
     )
+    mu = np.exp(np.interp(area, curve.area_ratio, np.log(curve.mu)))
     bound = np.interp(area, curve.area_ratio, curve.model_error / curve.mu)
-    assert np.all(np.log1p(bound) > low)
-    assert np.all(bound < 0.12)
+    assert np.all(abs(np.log(mu / truth)) < np.log1p(bound))
+    assert np.all(bound < 0.07)
 
 
 def test_bound_of_a_road():
-    """Five decades: what the figures of docs/accuracy.md promise."""
+    """4 and 4.8 decades: what the figures of docs/accuracy.md promise."""
     tread = em.load_material("tread-passenger-synthetic")
-    road = em.SelfAffine(0.8, rms_slope=1.3, q_low=1e3, q_high=1e8)
-    curve = em.friction(
-        tread, road, velocity=1e-3, temperature=293.15, pressure=[5e6, 3e7]
-    )
-    assert (curve.area_ratio > 0.01).all()
-    assert (curve.model_error < 0.2 * curve.mu).all()
+    for decades in (4.0, 4.8):
+        road = em.SelfAffine(0.8, rms_slope=1.3, q_low=1e3, q_high=10 ** (3 + decades))
+        curve = em.friction(
+            tread, road, velocity=1e-3, temperature=293.15, pressure=[3e5, 5e6, 3e7]
+        )
+        assert (curve.area_ratio[1:] > 0.01).all()
+        share = curve.model_error / curve.mu
+        print(decades, curve.area_ratio, share)
+        assert (share[1:] < 0.15).all()
+        assert share[0] < 0.2
 
 
 def test_a_wide_bound_says_why_and_the_advice_helps():
     road = em.SelfAffine(0.8, rms_slope=1.3, q_low=1e3, q_high=6e7)
-    steep = em.Foundation(1e6, [2e9], [1e-8])
+    steep = em.Foundation(1e3, [2e9], [1e-8])
     asked = {"velocity": 1.0, "pressure": 1e4}
     wide = em.friction(steep, road, **asked)
     (row,) = (each.words() for each in wide.doubts if each.kind == "bound")
     assert row.startswith("1 of 1 points have a bound on the model above half of the ")
-    for reason in (
-        "real contact is",
-        "single relaxation",
-        "times from q_low",
-        "decade",
-    ):
+    for reason in ("single relaxation", "times from q_low", "decade"):
         assert reason in row
     # each piece of advice by itself makes it smaller
     share = float(wide.model_error / wide.mu)
     broad = em.Foundation(1e6, np.full(10, 2e8), np.geomspace(1e-10, 1e-1, 10))
-    for rubber, surface, change in (
-        (steep, road.ended(6e5), {}),
-        (steep, road, {"pressure": 1e7}),
-        (broad, road, {}),
-    ):
-        better = em.friction(rubber, surface, **asked | change)
+    for rubber, surface in ((steep, road.ended(6e5)), (broad, road)):
+        better = em.friction(rubber, surface, **asked)
         assert float(better.model_error / better.mu) < share
     narrow = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
     assert "bound" not in [each.kind for each in narrow.doubts]
+
+
+@pytest.mark.parametrize(
+    ("solid", "road", "reason"),
+    [
+        (SOLID, em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1.5e3), "or more"),
+        (
+            em.Foundation(1e5, [2e11], [1e-8]),
+            em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1e9),
+            "beyond 100000 no bound is known",
+        ),
+        (
+            em.TabulatedModulus(
+                np.geomspace(1e-3, 1e9, 60),
+                np.full(60, 1e6),
+                1e5 * np.geomspace(1e-3, 1e9, 60) ** -1.5,
+            ),
+            ROAD,
+            "changes as q^1.5",
+        ),
+    ],
+)
+def test_where_nothing_like_it_was_solved_there_is_no_bound(solid, road, reason):
+    curve = em.friction(solid, road, velocity=0.1, pressure=1e5, rtol=1e-4)
+    assert curve.converged
+    assert np.isnan(curve.model_error)
+    (row,) = (x.words() for x in curve.doubts if x.kind == "no prediction")
+    assert reason in row
 
 
 @pytest.mark.parametrize("model", [em.Multiscale(), em.Persson()])
@@ -303,6 +383,30 @@ def test_gradients_are_differences(model):
         step = 1e-6 * value * np.array([1, -1, 1, 1, 1, -1, 1, 1, 1]) / slopes
         difference = compiled(ones + step)[0] - compiled(ones - step)[0]
     assert 2 * slopes @ step == pytest.approx(float(difference), rel=2e-4)
+
+
+@pytest.mark.parametrize("hurst", [0.8, 0.5])
+def test_each_derivative_is_a_difference(hurst):
+    """By every parameter by itself, to 1e-5 of the largest; without a knot at q_high
+    e^-a that by q_high was up to 1.8 % off.
+    """
+
+    def mu(x, rtol=1e-6):
+        material = em.Foundation(
+            x[0] * 1e6, x[1] * np.array([3e6, 8e6]), x[2] * np.array([1e-3, 1e-2])
+        )
+        road = em.SelfAffine(
+            hurst * x[3], rms_slope=0.4 * x[4], q_low=1e3 * x[5], q_high=2e4 * x[6]
+        )
+        given = {"velocity": 0.1 * x[7], "pressure": 1e5 * x[8], "rtol": rtol}
+        return em.friction(material, road, **given).mu
+
+    with jax.enable_x64(True):
+        slopes = np.asarray(jax.grad(mu)(np.ones(9)))
+    steps = 1e-4 * np.eye(9)
+    ends = [[float(mu(1 + s * step, 3e-9)) for s in (1, -1)] for step in steps]
+    differences = np.diff(ends)[:, 0] / -2e-4
+    np.testing.assert_allclose(slopes, differences, rtol=0, atol=1e-5 * slopes.max())
 
 
 def test_derivatives_by_temperature_and_a_tabulated_spectrum():
@@ -563,9 +667,8 @@ def test_the_page_says_how_smooth_losses_of_rubber_are(name):
     low, high = material.range.omega
     ends = multiscale._NEAR_END
     omega = np.geomspace(low / ends[0], high / ends[-1], 40)
-    steep = multiscale.steepness(
-        surface_foundation(material), ROAD, omega / ROAD.q_high
-    )
+    felt = multiscale.felt(surface_foundation(material), ROAD, omega / ROAD.q_high)
+    steep = felt.steep
     page = " ".join((DOCS / "accuracy.md").read_text(encoding="utf-8").split())
     said = re.search(rf"`{name}` (?:has )?([\d.]+) to (\d\.\d+)", page)
     assert said
@@ -573,13 +676,14 @@ def test_the_page_says_how_smooth_losses_of_rubber_are(name):
     assert [said[1], said[2]] == found
 
 
-def test_the_pages_agree_on_where_the_constants_come_from():
-    """They are those of the record, which a fit to all of its points is not."""
+def test_the_pages_agree_with_the_record():
+    """The table of docs/accuracy.md, and the constants, which a new fit is not."""
     record = json.loads((TRUTH.parent / "rough_fit.json").read_text())
     assert record["constants"] == multiscale.FORM._asdict()
     anew = [record["fitted anew"][name] for name in multiscale.FORM._fields]
     assert not np.allclose(anew, multiscale.FORM, rtol=1e-3)
-    for page in ("accuracy.md", "theory.md"):
-        text = " ".join((DOCS / page).read_text(encoding="utf-8").split())
-        assert "rounded from a fit to fewer points" in text
-        assert "fitted to all points" not in text
+    page = (DOCS / "accuracy.md").read_text(encoding="utf-8")
+    rows = [list(row.values()) for row in record["left out"][:15]]
+    for start, slope in ((0, "falling"), (5, "flat"), (10, "rising")):
+        cells = (f"{100 * r[3]:.1f} % ({r[1]})" for r in rows[start : start + 5])
+        assert f"| {slope} | " + " | ".join(cells) + " |" in page

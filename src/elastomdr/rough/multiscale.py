@@ -7,18 +7,25 @@ Both ask how much of the pressure's variance each wave has. With w = q v, and `d
     mu = 2 p int D drag/stiffness dlog q,    int D dlog q = <p^2>/p^2 - 1.
 
 In full contact D is F = q^4 C stiffness/(4 p^2). Multiscale has two parts of it: what
-is left of each wave's own pressure, and what the edges of its contacts make, which is
-found at higher wave numbers, beyond q_high too,
+is left of each wave's own pressure, and what the edges of its contacts make at higher
+wave numbers x q, beyond q_high too, where F_s is F with the stiffness at q e^s v,
 
-    D = F P(q e^a)^n (1 + (1 - P_high)^(3/2))
-        + N int_(q' < q) F P^(3/2) ln(q/q') (q'/q) dlog q'.
+    D = F P(q e^a)^(4/3) + N int_(q' < q) F_s P^(3/5) K(q/q') dlog q',
+    K(x) = (1 - u) 4 x^-4 + 6 u x^-2 (1 - x^-2)^2,   int K dlog x = 1,
+    u = U/(1 + U^8)^(1/8),   U = t (1 - P^(1/4))/l.
 
-N follows from a sum rule: on maps in three dimensions the variance of the pressure is
-that of Persson's distribution, within some per cent for any rubber and surface,
+The less of a wave is in contact, the finer are its contacts, and the further up is what
+they make: u grows from 0 to 1, soonest where little stands below that breaks contacts
+up; l(q') is the mean of ln(q'/q'') over q''^4 C below q'. All of it falls as x^-2, as
+the pressure of a contact with a sharp edge does. N follows from a sum rule,
 
-    int D dlog q = (P (1 + 2 G) + 2 sqrt(G/pi) exp(-1/(4 G)) - 1) (1 + e (1 - P)^2)
+    int D dlog q = (P (1 + 2 G) + 2 sqrt(G/pi) exp(-1/(4 G)) - 1)
+                   exp((1 - P)^(3/2) [e - f r sqrt(P) - b (1 - P^(1/4)) exp(-w)])
 
-at q_high; where the first part alone is more than that, it is held to it and N is zero.
+with P and G at q_high: the variance of Persson's distribution of pressures, and what
+maps in three dimensions have more or less. r is the log of how much stiffer contacts
+are there, w the standard deviation of log q over q^4 C. Where a wave's own part alone
+is more than that, it is held to it and N is zero.
 P(q) = erf(1/(2 sqrt G)) is the share of contact where waves up to q are
 seen: Persson's with S inside (gamma, G_0) where moduli do not depend on the frequency.
 Where they do, contacts are finer than their wave and feel a higher one,
@@ -59,6 +66,7 @@ from .psd_integrals import (
     cell_counts,
     direct,
     factor,
+    faded_to,
     integral_to,
     nodes,
     read,
@@ -70,7 +78,7 @@ from .psd_integrals import (
 
 _BATCH = 64  # points that are held in memory at once
 _FINEST = 32 * PER_DECADE
-_TRACED = 24  # cells per decade where JAX traces a value
+_TRACED = 64  # cells per decade where JAX traces a value
 _BEYOND = 3e3  # how far beyond q_high the waves of contact edges are followed
 _LINEAR = Local()
 
@@ -81,13 +89,15 @@ class Form(NamedTuple):
     gamma: float
     finer: float  # s
     ahead: float  # a
-    power: float  # n
+    further: float  # t
+    excess: float  # e
+    stiffer: float  # f
+    narrow: float  # b
 
 
 # Fitted to three-dimensional maps by benchmarks/rough_fit.py, which says how far the
 # form is from them, and how far a new fit is from these.
-FORM = Form(gamma=0.52, finer=0.42, ahead=1.29, power=1.38)
-_EXCESS = 0.06  # e, from the variance of the pressure on the same maps
+FORM = Form(0.52, 0.42, 1.34, 0.57, 0.265, 0.865, 0.82)
 
 
 class ContactAndFriction(NamedTuple):
@@ -185,11 +195,12 @@ def _in_batches(
     return tuple(np.concatenate(columns)[back] for columns in zip(*out, strict=True))
 
 
-def bends(spectrum: Any, local: Local) -> tuple[float, ...]:
+def bends(spectrum: Any, local: Local) -> list[Any]:
     """Wave numbers at which an integrand may bend: where P(q e^a) becomes that at
-    q_high, and where factors of the moduli do.
+    q_high, and where factors of the moduli do, if nothing is traced.
     """
-    return (float(spectrum.q_high) * np.exp(-FORM.ahead), *local.bends())
+    held = [spectrum.q[-1] * np.exp(-FORM.ahead)]
+    return held if is_traced(spectrum, local) else [*held, *local.bends()]
 
 
 def table_of(
@@ -379,21 +390,27 @@ def waves_of_multiscale(
     )
 
     full = 2 * rate  # F
-    lost = (1 - share_end)[:, None, None]
-    of_wave = full * later_shares**form.power * (1 + lost**1.5)
-    # ln(q/q') (q'/q) is q'/q twice, one after the other
-    source = full * shares**1.5
-    grown = wave_nodes.q / wave_nodes.end
-    once = integral_to(source * grown, wave_nodes.weight)
-    of_edges = integral_to(once, wave_nodes.weight) / grown
-    # beyond q_high nothing is added: what is there goes on to fade
-    once_end, twice_end = summed(source * grown)[:, None], summed(once)[:, None]
-    fading = np.exp(-_PAST) * (twice_end + once_end * _PAST)
+    of_wave = full * later_shares ** (4 / 3)
+    source = full * xp.exp(stiffer) * shares**0.6
+    below = integral_to(wave_nodes.power, wave_nodes.weight)
+    distance = integral_to(below, wave_nodes.weight) / below  # l
+    steep = form.further * (1 - shares**0.25) / distance
+    fine = source * steep / (1 + steep**8) ** 0.125
+    of_edges = fading = 0.0
+    for part, fall in ((6 * fine, 2), (4 * source - 16 * fine, 4), (6 * fine, 6)):  # K
+        at_nodes, at_end = faded_to(part, wave_nodes, fall)
+        of_edges += at_nodes
+        fading += at_end[:, None] * np.exp(-fall * _PAST)
 
-    whole = _variance(spread, share_end) * (1 + _EXCESS * (1 - share_end) ** 2)
+    height = wave_nodes.power / summed(wave_nodes.power)
+    spread_of_waves = summed(height * wave_nodes.log**2) - (
+        summed(height * wave_nodes.log) ** 2
+    )  # w^2
+    more = form.excess - form.stiffer * each_point(stiffer_end) * share_end**0.5
+    more -= form.narrow * (1 - share_end**0.25) * xp.exp(-(spread_of_waves**0.5))
+    whole = _variance(spread, share_end) * xp.exp((1 - share_end) ** 1.5 * more)
     of_own = summed(of_wave)
     of_wave = of_wave * xp.minimum(whole / of_own, 1.0)[:, None, None]
-    # what F P^(3/2) makes at all higher waves is as much together
     edge_strength = xp.maximum(whole - of_own, 0.0) / summed(source)  # N
     spectrum = of_wave + edge_strength[:, None, None] * of_edges  # D
     lossy = each_point(wave_nodes.weight * on.drag / on.stiffness)
@@ -574,7 +591,7 @@ def _with_slopes(
     def integrals(shared: Any, points: Any) -> tuple[Any, Any]:
         foundation, surface, local = _put_together(shared, points)
         velocity, pressure = points[:2]
-        wave_nodes = nodes(surface, _TRACED, counts=counts)
+        wave_nodes = nodes(surface, _TRACED, bends(surface, local), counts)
         modulus = foundation.complex_modulus
         return _evaluate(modulus, wave_nodes, velocity, pressure, model, None, local)
 
@@ -610,20 +627,50 @@ def table_error(
 
 
 # |ln(mu/mu_3D)| <= sqrt(1 - A) (a - b ln A) (1 + c m^2) for 95 % of the points in three
-# dimensions, each predicted without its surface or its material, those of smooth and
-# those of steep losses by themselves: benchmarks/rough_fit.py
-_BOUND = {"multiscale": (0.051, 0.0141, 1.5), "persson": (0.117, 0.166, 0.0)}
-_AREA_BOUND = (0.0324, 0.0243, 0.0)  # of the real contact area, alike
-# of these points: cutoff ratios, largest contrast, least contact
-_RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.003
-# of ln(mu/mu_3D), by which it may grow with each decade of the cutoff ratio beyond: the
-# slope found at the same contact, -0.023 +- 0.010, and 1.5 of its standard errors
-_DRIFT = 0.0375
-# contrast below which solids count as nearly elastic: at half contact, where friction in
-# three dimensions is up to 8 % higher, the bound of a constant modulus is twice as wide
-_TWOFOLD = 2.0
+# dimensions of each slope of the loss and each contact, each predicted without its
+# surface or its material: benchmarks/rough_fit.py
+_BOUND = {"multiscale": (0.052, 0.006, 2.75), "persson": (0.205, 0.0195, 2.5)}
+_AREA_BOUND = (0.05, 0.021, 0.0)  # of the real contact area, alike
+# of these points: cutoff ratios, largest contrast; and of those that may be bounded
+_RATIOS, _CONTRAST = (2.0, 256.0), 1000.0
+_MOST_CONTRAST, _MOST_SLOPE = 1e5, 1.05
+# of ln(mu/mu_3D), by which it may grow with each decade of the cutoff ratio beyond: that
+# found at the same contact is less
+_DRIFT = 0.009
 _SMOOTH = 0.6  # m, up to which losses are those of rubber, not of one relaxation
 _NEAR_END = np.geomspace(0.1, 2.0, 7)  # wave numbers over q_high whose losses count
+
+
+class Felt(NamedTuple):
+    """What the distance from three dimensions depends on beside the contact."""
+
+    ratio: Any  # q_high/q_low
+    contrast: Any  # |E*| at q_high v over that at q_low v
+    # m, the rms of dlog(Im E*/|E*|^2)/dlog q over the waves about q_high: small for
+    # rubber with a broad spectrum, 1 beyond the peak of a single relaxation
+    steep: Any
+    slope: Any  # dlog(Im E*)/dlog q, the mean over the same waves
+
+
+def felt(foundation: Any, surface: Any, velocity: Any) -> Felt:
+    """`Felt` at velocities [m/s]."""
+    modulus = foundation.complex_modulus(
+        velocity[..., None] * (surface.q_high * _NEAR_END)
+    )
+    low, high = (
+        abs(foundation.complex_modulus(velocity * q))
+        for q in (surface.q_low, surface.q_high)
+    )
+    xp = namespace(modulus)
+    step = np.log(_NEAR_END[1] / _NEAR_END[0])
+    loss = xp.diff(xp.log(xp.maximum(modulus.imag, 1e-300)), axis=-1) / step
+    of_size = xp.diff(xp.log(xp.abs(modulus)), axis=-1) / step
+    return Felt(
+        surface.q_high / surface.q_low,
+        high / low,
+        xp.sqrt(xp.mean((loss - 2 * of_size) ** 2, axis=-1)),
+        xp.mean(loss, axis=-1),
+    )
 
 
 def bound_terms(label: str, of_area: bool) -> tuple[float, float, float]:
@@ -631,90 +678,68 @@ def bound_terms(label: str, of_area: bool) -> tuple[float, float, float]:
     return _AREA_BOUND if of_area else _BOUND[label]
 
 
-def contrast(foundation: Any, surface: Any, velocity: Any) -> Any:
-    """|E*| at q_high v over that at q_low v."""
-    high, low = (
-        abs(foundation.complex_modulus(q * velocity))
-        for q in (surface.q_high, surface.q_low)
-    )
-    return high / low
-
-
-def steepness(foundation: Any, surface: Any, velocity: Any) -> Any:
-    """m, the rms of dlog(Im E*/|E*|^2)/dlog q over the waves about q_high: small for
-    rubber with a broad spectrum, 1 beyond the peak of a single relaxation.
-    """
-    q = surface.q_high * _NEAR_END
-    modulus = foundation.complex_modulus(velocity[..., None] * q)
-    xp = namespace(modulus)
-    lost = xp.log(xp.maximum(modulus.imag, 1e-300) / xp.abs(modulus) ** 2)
-    slopes = xp.diff(lost, axis=-1) / np.diff(np.log(_NEAR_END))
-    return xp.sqrt(xp.mean(slopes**2, axis=-1))
-
-
-def bound(
-    model: Any,
-    area: Any,
-    ratio: Any,
-    contrast: Any,
-    steep: Any = 0.0,
-    of_area: bool = False,
-) -> Any:
+def bound(model: Any, area: Any, felt: Felt, of_area: bool = False) -> Any:
     """Bound on mu's relative distance from three dimensions, for 95 % of points alike,
     or `of_area` on A's.
 
     Beyond the largest cutoff ratio in three dimensions what friction may drift is
-    added, decade by decade. Where the ratio is smaller, the contrast of the moduli
-    larger or the real contact less than there, the rest is wider by a factor: 1 + log10
-    of how many times, all three added, and what partial contact of nearly elastic
-    solids adds. NaN where it is not known for the options of the model.
+    added, decade by decade. Where the contrast of the moduli is larger than there, the
+    rest is wider by a factor of 1 + log10 of how many times. NaN where nothing like it
+    was solved, or it is not known for the options of the model.
     """
     terms = model.bound_terms(of_area)
     if terms is None:
         return area + np.nan
     a, b, c = terms
-    xp = namespace(area, ratio, contrast, steep)
+    xp = namespace(area, *felt)
 
     def decades(x: Any) -> Any:
         return xp.log10(xp.maximum(x, 1.0))
 
-    least = xp.maximum(area, 1e-300)
-    beyond = (
-        decades(_RATIOS[0] / ratio)
-        + decades(contrast / _CONTRAST)
-        + decades(_AREA / least)
+    inside = xp.sqrt(1 - xp.minimum(area, 1.0))
+    inside = inside * (a - b * xp.log(xp.maximum(area, 1e-300)))
+    inside = inside * (1 + c * felt.steep**2)
+    inside = inside * (1 + decades(felt.contrast / _CONTRAST))
+    whole = xp.expm1(inside + _DRIFT * decades(felt.ratio / _RATIOS[1]))
+    solved = (
+        (felt.ratio >= _RATIOS[0])
+        & (felt.contrast <= _MOST_CONTRAST)
+        & (xp.abs(felt.slope) <= _MOST_SLOPE)
     )
-    inside = xp.sqrt(1 - xp.minimum(area, 1.0)) * (a - b * xp.log(least))
-    inside = inside * (1 + c * steep**2)
-    constant = xp.maximum(1 - xp.log(contrast) / np.log(_TWOFOLD), 0.0)
-    partial = 4 * least * xp.maximum(1 - least, 0.0)
-    beyond = beyond + xp.minimum(constant, 1.0) * partial
-    return xp.expm1(inside * (1 + beyond) + _DRIFT * decades(ratio / _RATIOS[1]))
+    return xp.where(solved, whole, np.nan)
 
 
-def why_wide(foundation: Any, surface: Any, velocity: Any, area: Any) -> list[str]:
-    """What makes the bound wide at points, and what would make it smaller, in words."""
+def why_wide(foundation: Any, surface: Any, velocity: Any) -> list[str]:
+    """What makes the bound wide at points, or leaves them without one, and what would
+    make it smaller, in words.
+    """
+    found = felt(foundation, surface, velocity)
     reasons = []
-    if (least := float(np.min(area))) < _AREA:
-        reasons.append(
-            f"real contact is {100 * least:.2g} % and less than the {100 * _AREA:g} % "
-            "down to which three dimensions were solved: a lower q_high, a higher "
-            "pressure or warmer rubber has more"
-        )
-    if (steep := float(np.max(steepness(foundation, surface, velocity)))) > _SMOOTH:
+    if (steep := float(np.max(found.steep))) > _SMOOTH:
         reasons.append(
             f"the losses change as q^{steep:.1f} at the shortest waves, as beyond the "
             "peak of a single relaxation: a spectrum of relaxation times that is fitted "
             "to measured moduli has less"
         )
-    if (rise := float(np.max(contrast(foundation, surface, velocity)))) > _CONTRAST:
+    if (slope := float(np.max(np.abs(found.slope)))) > _MOST_SLOPE:
+        reasons.append(
+            f"the loss modulus changes as q^{slope:.1f} at the shortest waves, by a "
+            f"power of {_MOST_SLOPE:g} at most in three dimensions: no bound is known"
+        )
+    if (rise := float(np.max(found.contrast))) > _CONTRAST:
         reasons.append(
             f"|E*| rises {rise:.2g} times from q_low to q_high, {_CONTRAST:g} times in "
-            "three dimensions: cutoffs that are nearer have less"
+            f"three dimensions, beyond {_MOST_CONTRAST:g} no bound is known: cutoffs "
+            "that are nearer have less"
         )
-    if (ratio := float(surface.q_high / surface.q_low)) > _RATIOS[1]:
+    if (ratio := float(found.ratio)) > _RATIOS[1]:
         reasons.append(
             f"the cutoffs are a factor of {ratio:.2g} apart, up to {_RATIOS[1]:g} in "
             f"three dimensions: {100 * _DRIFT:.0f} % more for each decade beyond"
+        )
+    if ratio < _RATIOS[0]:
+        reasons.append(
+            f"the cutoffs are a factor of {ratio:.2g} apart, {_RATIOS[0]:g} or more in "
+            "three dimensions: no bound is known"
         )
     return reasons

@@ -34,7 +34,7 @@ import numpy as np
 
 from ..arrays import namespace
 from ..numerics.interpolation import even_cubics, hermite, interval_of
-from ..numerics.quadrature import gauss
+from ..numerics.quadrature import gauss, gauss_unit
 
 PER_DECADE = 32  # cells of log q that a solution begins with
 _COARSEST = PER_DECADE // 4  # and those of the coarser of two that it is compared with
@@ -86,7 +86,7 @@ def nodes(
     """Nodes over a spectrum, in `per_decade` cells of even width in log q.
 
     Cells end at the points of the spectrum, and at the wave numbers `bends`, where an
-    integrand may bend (not where q is traced). `counts`: as `cell_counts` gives them.
+    integrand may bend. `counts`: as `cell_counts` gives them.
     """
     xp = namespace(spectrum.q, spectrum.c)
     log_c = xp.log(xp.asarray(spectrum.c))
@@ -101,12 +101,16 @@ def nodes(
     start[: number[0]], end[: number[0]] = first[:-1], first[1:]
     width = xp.diff(log_q)
     low, high = (log_q[piece] + width[piece] * share for share in (start, end))
-    if xp is np and len(bends):
-        bend_places = _with_between(np.sort(np.log(bends)) - log_low, per_decade)
-        bend_places = bend_places[(bend_places > low[0]) & (bend_places < high[-1])]
-        ends = np.union1d(np.append(low, high[-1]), bend_places)
+    if len(bends):
+        places = xp.log(xp.stack(bends)) - log_low
+        if xp is np:
+            places = _with_between(np.sort(places), per_decade)
+        # of no width, at q_high, where they lie elsewhere
+        places = xp.where((places > low[0]) & (places < high[-1]), places, high[-1])
+        ends = xp.concatenate([low, high[-1:], places])
+        ends = np.unique(ends) if xp is np else xp.sort(ends)
         low, high = ends[:-1], ends[1:]
-        piece = np.searchsorted(log_q[1:-1], 0.5 * (low + high))
+        piece = xp.searchsorted(log_q[1:-1], 0.5 * (low + high))
     steep = xp.diff(log_c) / width
     intercept = (log_c[:-1] - steep * log_q[:-1])[piece][:, None]
     slope = steep[piece][:, None]
@@ -184,6 +188,31 @@ def integral_to(rate: Any, weight: Any) -> Any:
     )
     # A rate that grows many times within a cell would take the first node below zero.
     return xp.clip(inside, before[..., None], (before + whole)[..., None])
+
+
+def faded_to(source: Any, wave_nodes: Nodes, power: int) -> tuple[Any, Any]:
+    """int (q'/q)^power dlog q' of a `source` over the waves q' < q, at each node
+    (..., cells, 2) and at q_high (...): the source is linear within a cell, the power
+    exact.
+    """
+    xp = namespace(source, wave_nodes.weight)
+    points, weights, _ = gauss_unit(4)
+    half = wave_nodes.weight[:, :1]
+    middle = wave_nodes.log.mean(-1) - wave_nodes.log_end
+    grown = xp.exp(power * middle)
+    off = np.sqrt(1 / 3)
+
+    def within_cell(end: float) -> Any:  # up to there, from -1 to 1
+        at = (end + 1) * points - 1
+        each = xp.exp(power * half * at) * weights * (end + 1) * half
+        first, second = ((each * (0.5 + s * at / off / 2)).sum(-1) for s in (-1, 1))
+        return (source[..., 0] * first + source[..., 1] * second) * grown
+
+    whole, *nodes = (within_cell(end) for end in (1.0, -off, off))
+    before = xp.cumsum(whole, -1) - whole
+    inside = xp.stack([before + x for x in nodes], -1)
+    fall = xp.exp(power * (wave_nodes.log_end - wave_nodes.log))
+    return inside * fall, whole.sum(-1)
 
 
 @functools.lru_cache(maxsize=8)

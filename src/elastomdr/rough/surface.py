@@ -397,15 +397,24 @@ def _wide_bound(
     strained: _Strained,
     turned: _Turned,
 ) -> tuple[Doubt, ...]:
-    """Where the bound of the model exceeds half of mu: why, and what would lower it."""
+    """Where the bound of the model exceeds half of mu: why, and what would lower it; and
+    why there is none.
+    """
     bound, mu = (abs(np.asarray(x).ravel()) for x in (curve.model_error, curve.mu))
-    wide = bound > WIDE * mu
+    area, reduced = answer.hot.area, answer.reduced.ravel()
+
+    def doubt(kind: Any, points: Any, words: str, reasons: list[str]) -> Doubt:
+        return Doubt(kind, points.reshape(curve.mu.shape), "; ".join([words, *reasons]))
+
+    wide, unknown = bound > WIDE * mu, np.isnan(bound) & np.isfinite(mu)
+    doubts: list[Doubt] = []
+    if unknown.any():
+        reasons = model.why_wide(foundation, surface, reduced[unknown], area[unknown])
+        words = "have no bound on the model for the friction coefficient"
+        doubts.append(doubt("no prediction", unknown, words, reasons))
     if not wide.any():
-        return ()
-    area = answer.hot.area
-    reasons = model.why_wide(
-        foundation, surface, answer.reduced.ravel()[wide], area[wide]
-    )
+        return tuple(doubts)
+    reasons = model.why_wide(foundation, surface, reduced[wide], area[wide])
     widths = (
         (strained.of_mu, _WIDE_BY_STRAIN),
         (mu * np.expm1(_of_skewness(surface, area)), _wide_by_skewness(surface)),
@@ -419,10 +428,8 @@ def _wide_bound(
         share = np.broadcast_to(width, wide.shape)[wide] / bound[wide]
         if (share > _NAMED).any():
             reasons.append(reason)
-    says = "; ".join(
-        ["have a bound on the model above half of the friction coefficient", *reasons]
-    )
-    return (Doubt("bound", wide.reshape(np.shape(curve.mu)), says),)
+    words = "have a bound on the model above half of the friction coefficient"
+    return (*doubts, doubt("bound", wide, words, reasons))
 
 
 def _wide_by_skewness(surface: AbstractSpectrum) -> str:

@@ -435,10 +435,10 @@ def _conduction(
     """Kernels on cells of q, for `count` stations; `cells` as `cell_counts` gives
     them, where the spectrum is traced.
     """
-    bent, decades = (), sum(cells or ()) / per_decade
+    decades = sum(cells or ()) / per_decade
     if cells is None:
-        bent = bends(problem.spectrum, problem.local)
         decades = _decades(problem.spectrum)
+    bent = bends(problem.spectrum, problem.local)
     wave_nodes = nodes(problem.spectrum, per_decade, bent, cells)
     ends = _ends(problem.spectrum)
     log_q = log_stations(count, ends)
