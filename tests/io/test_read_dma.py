@@ -11,6 +11,7 @@ import polars as pl
 import pytest
 
 import elastomdr as em
+from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
 
 from .cases import twins
@@ -681,8 +682,8 @@ def test_isotherms_side_by_side_without_temperatures_are_asked_for_them(write):
         em.read_dma(file, kind="shear")
 
 
-def test_vertical_factors_beside_shift_factors_are_warned_of(tmp_path):
-    """And the advice finds them: isotherms made with b_T of 1.3, 1.15, 1, 0.9."""
+def test_vertical_factors_beside_shift_factors(tmp_path, capsys):
+    """A warning says how to give them, and the command uses them: isotherms made with b_T of 1.3, 1.15, 1, 0.9."""
     celsius, b = np.array([-20.0, 0.0, 20.0, 40.0]), np.array([1.3, 1.15, 1.0, 0.9])
     rubber = em.Prony(6e5, [2e7, 4e6, 8e5], [1e-4, 1e-2, 1.0], kind="shear")
     law = em.Arrhenius(8e4, 293.15)
@@ -719,6 +720,15 @@ def test_vertical_factors_beside_shift_factors_are_warned_of(tmp_path):
         em.save_material(fit.material, tmp_path / "kept.toml")
         kept = em.load_material(tmp_path / "kept.toml").vertical
         np.testing.assert_allclose(kept.b(celsius + 273.15), b)
+        # the command takes both from the file
+        out = tmp_path / "out"
+        command = ["fit", data, "--reference", "20degC", "--shift", factors]
+        assert main([*map(str, command), "--kind", "shear", "--out", str(out)]) == 0
+        said = capsys.readouterr().out
+        assert "table in the material, by up to 30 %" in said
+        (fitted,) = out.glob("*.toml")
+        law = em.load_material(fitted).vertical
+        np.testing.assert_allclose(law.b(celsius + 273.15), b)
     (tmp_path / "plain.csv").write_text(
         shifts.replace("1.3", "1").replace("1.15", "1").replace("0.9", "1")
     )

@@ -15,7 +15,7 @@ from nicegui import background_tasks, ui
 
 import elastomdr as em
 
-from ..cli.fit import SIZES, law_of, size_of, strain_of
+from ..cli.fit import SIZES, law_of, size_of, strain_of, vertical_of
 from ..cli.schema import Several, Table, Text, decode
 from ..cli.units import Temperature
 from ..errors import InputError
@@ -389,11 +389,13 @@ def calculate(
         # all of them are in the summary
         warnings.simplefilter("ignore", em.fit.FitWarning)
         dma = _read(asked, session)
+        if asked.vertical is None:
+            options["vertical"] = _of_shift(vertical_of, asked.shift, session)
         fit = em.fit.material(
             dma,
             asked.reference,
             name=asked.name or "",
-            shift=_law(asked.shift, session),
+            shift=_of_shift(law_of, asked.shift, session),
             progress=progress,
             **options,
         )
@@ -448,12 +450,16 @@ def figures(fit: Any) -> dict[str, Drawn]:
     return drawings
 
 
-def _law(typed: str | None, session: Session) -> Any:
-    """A shift law as it is typed; a file of factors must be one that was dropped."""
+def _of_shift(
+    laws: Callable[[str | None], Any], typed: str | None, session: Session
+) -> Any:
+    """A law by a shift law as it is typed; a file of factors must be one that was
+    dropped.
+    """
     if typed is None or "(" in typed or typed.strip() == "universal":
-        return law_of(typed)
+        return laws(typed)
     session.folder.check([typed.strip()])
-    return law_of(str(session.folder.path / typed.strip()))
+    return laws(str(session.folder.path / typed.strip()))
 
 
 def in_fields(message: str) -> str:

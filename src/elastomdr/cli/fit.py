@@ -15,6 +15,7 @@ from . import DONE, NOT_CONVERGED
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 SIZES = {"area": "area", "length": "length", "ramp": "time"}
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
+_LAW = re.compile(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", re.IGNORECASE)
 _LAWS = {
     "wlf": "WLF(8.9, 101.6, 20degC)",
     "vft": "VFT(1000, -100degC, 20degC)",
@@ -206,12 +207,15 @@ def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
         )
         if options.strain is not None:
             dma = dma.at_strain(strain_of(options.strain))
+        fitted = {key: getattr(options, key) for key in _FITTED}
+        if options.vertical is None:
+            fitted["vertical"] = vertical_of(options.shift)
         return em.fit.material(
             dma,
             reference,
             name=options.name or "",
             shift=law_of(options.shift),
-            **{key: getattr(options, key) for key in _FITTED},
+            **fitted,
         )
 
 
@@ -252,13 +256,22 @@ def _kelvin(name: str, option: str | None) -> Any:
     return temperatures if len(temperatures) > 1 else temperatures[0]
 
 
+def vertical_of(option: str | None) -> Any:
+    """The vertical factors in the file of a shift law, where it has any."""
+    from ..io.point_tables import vertical_factors
+
+    if option is None or option.strip() == "universal" or _LAW.fullmatch(option):
+        return None
+    return vertical_factors(option)
+
+
 def law_of(option: str | None) -> Any:
     """A shift law from its name and constants, or from a file; "universal" as it is."""
     import elastomdr as em
 
     if option is None or option.strip() == "universal":
         return option and option.strip()
-    match = re.fullmatch(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", option, re.IGNORECASE)
+    match = _LAW.fullmatch(option)
     if match is None:
         return em.read_shifts(option)
     name, parts = match[1].lower(), [piece.strip() for piece in match[2].split(",")]

@@ -290,7 +290,7 @@ class MaterialFit(AbstractFindings):
             if self.law == "none"
             else f"{self.law} in the material",
         )
-        yield "vertical shift", _lifted(self.material.vertical)
+        yield "vertical shift", _lifted(self.material.vertical, self.master.temperature)
         yield from (
             (name, value) for name, value in self.prony.findings() if name != "warning"
         )
@@ -385,7 +385,7 @@ class MaterialFit(AbstractFindings):
             del sources["shift"]
         if self.material.vertical is not None:
             sources["vertical"] = fitted | {
-                "note": f"{_lifted(self.material.vertical).capitalize()}."
+                "note": f"{_lifted(self.material.vertical, self.master.temperature).capitalize()}."
             }
         return {
             "description": self.description,
@@ -683,7 +683,7 @@ def _misses(fit: MaterialFit) -> Iterator[str]:
         )
 
 
-def _lifted(law: Any) -> str:
+def _lifted(law: Any, temperature: np.ndarray) -> str:
     """A law of vertical shifts in words."""
     if law is None:
         return "none: the data ask for none, or none were looked for"
@@ -691,7 +691,7 @@ def _lifted(law: Any) -> str:
         return "entropy elasticity, moduli as the temperature"
     return (
         "table in the material, by up to "
-        f"{100 * float(np.abs(law.factor[1:-1] - 1).max()):.2g} %"
+        f"{100 * float(np.abs(_lift(law, temperature) - 1).max()):.2g} %"
     )
 
 

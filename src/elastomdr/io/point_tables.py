@@ -10,7 +10,7 @@ import numpy as np
 
 from ..checks import in_kelvin, in_si, plain
 from ..errors import InputError, warn
-from ..material.shift import ShiftTable
+from ..material.shift import ShiftTable, VerticalTable
 from .columns import Quantity, checked_units, left_out, read_columns
 from .data import COLDEST, FitWarning, MeasuredFriction
 
@@ -159,22 +159,45 @@ def read_shifts(
     Raises:
         InputError: for what cannot be read, and units that nobody gives.
     """
+    shift, vertical, title = _both_shifts(path, columns, temperature_unit)
+    if vertical is not None:
+        known = np.log10(vertical.factor)
+        warn(
+            f"{os.path.basename(path)}: column {title} is passed over: log10 b_T from "
+            f"{known.min():.4f} to {known.max():.4f} is no part of a shift law. "
+            "Give it to em.fit.material as vertical=em.VerticalTable(temperature, b_T).",
+            FitWarning,
+        )
+    return shift
+
+
+def vertical_factors(path: str | os.PathLike[str]) -> VerticalTable | None:
+    """The vertical factors b_T beside the shift factors of a file, where it has any
+    that are not 1.
+    """
+    return _both_shifts(path, None, None)[1]
+
+
+def _both_shifts(
+    path: str | os.PathLike[str],
+    columns: dict[str, str | int] | None,
+    temperature_unit: str | None,
+) -> tuple[ShiftTable, VerticalTable | None, str]:
+    """Shift factors, vertical ones, and the column of these in words."""
     units = checked_units(temperature=temperature_unit)
     # nobody's log a_T is ln
     name, chosen, values, bad, _ = read_columns(
         path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
     )
-    known = values.get("vertical", np.ones(1))
-    known = np.log10(known[np.isfinite(known)])
-    if (np.abs(known) > _VERTICAL).any():
-        warn(
-            f"{name}: column {chosen['vertical'].place + 1} "
-            f"{chosen['vertical'].title!r} is passed over: log10 b_T from "
-            f"{known.min():.4f} to {known.max():.4f} is no part of a shift law. "
-            "Give it to em.fit.material as vertical=em.VerticalTable(temperature, b_T).",
-            FitWarning,
-        )
     if bad:
         raise InputError(f"{name}: {'; '.join(bad[:3])}.")
     order = np.argsort(values["temperature"])
-    return ShiftTable(values["temperature"][order], np.log10(values["shift"][order]))
+    temperature = values["temperature"][order]
+    shift = ShiftTable(temperature, np.log10(values["shift"][order]))
+    factor = values.get("vertical", np.ones(order.size))[order]
+    known = np.isfinite(factor)
+    if known.sum() < 2 or not (np.abs(np.log10(factor[known])) > _VERTICAL).any():
+        return shift, None, ""
+    column = chosen["vertical"]
+    vertical = VerticalTable(temperature[known], factor[known])
+    return shift, vertical, f"{column.place + 1} {column.title!r}"
