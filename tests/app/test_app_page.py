@@ -452,6 +452,38 @@ def test_stop(tmp_path):
     simulated(tmp_path, act)
 
 
+def test_an_uncertainty_gives_way(tmp_path, monkeypatch):
+    """What is asked for does not wait for it; it is computed afterwards."""
+    from elastomdr.app import cards
+    from elastomdr.app.session import COMPUTING
+    from elastomdr.app.stage import worked
+
+    begun = []
+
+    def judge(done):
+        begun.append(done)
+        while begun.count(done) < 2:
+            pass
+
+    def is_left(done):
+        """Of friction; the example of the first screen is not looked at."""
+        return len(done.content["contact"]["velocity"]) == 2 and begun.count(done) < 2
+
+    monkeypatch.setattr(cards.Done, "judge", judge)
+    monkeypatch.setattr(cards.Done, "judges", property(is_left))
+
+    async def act(user, page, opened):
+        friction = page.screen("Friction")
+        friction.form.set("[contact] velocity", "1, 10")
+        await friction.compute()
+        await until(lambda: begun)
+        assert await worked(COMPUTING, len, "four") == 4
+        await until(lambda: len(begun) == 2)
+        await until(lambda: not friction._cards._judging.on)
+
+    simulated(tmp_path, act)
+
+
 def test_cards_of_friction_that_is_zero():
     """An elastic body: nothing is divided by its friction."""
     from elastomdr.app.cards import cards

@@ -5,7 +5,6 @@ surer.
 import asyncio
 from collections.abc import Iterator
 from typing import Any, NamedTuple
-from weakref import WeakSet
 
 import numpy as np
 from nicegui import background_tasks, ui
@@ -169,15 +168,6 @@ def _number(result: Any, value: float) -> str:
     return f"{significant(scale * value, 3)} {unit}".rstrip(" -")
 
 
-_JUDGING: WeakSet[Busy] = WeakSet()  # what computes uncertainties, of all pages
-
-
-def make_way() -> None:
-    """Lets what is asked for be computed before the uncertainty of what is shown."""
-    for each in _JUDGING:
-        each.stop()
-
-
 class Cards:
     """A place for the cards of a result; what its uncertainty consists of is computed
     once they are shown.
@@ -185,9 +175,8 @@ class Cards:
 
     def __init__(self) -> None:
         self._place = ui.element("div").classes("results")
-        self._judging = Busy()
+        self._judging = Busy(gives_way=True)
         self._done: Done | None = None
-        _JUDGING.add(self._judging)
 
     def show(self, done: Done | None, *, judged: bool = True) -> None:
         """Shows the cards of a result in the place of those before."""

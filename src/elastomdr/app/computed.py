@@ -16,7 +16,7 @@ import elastomdr as em
 from ..cli.units import Temperature
 from ..errors import InputError
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
-from .cards import Cards, make_way
+from .cards import Cards
 from .form import Form
 from .scene import (
     COMPUTED,
@@ -298,7 +298,6 @@ class ComputedStage:
             return await self.compute(quiet=True)
         if self._busy.on:
             return
-        make_way()
         try:
             computation = await self._busy.during(
                 COMPUTING, self._computed_as_asked, roughly(self.content()), quiet=True
@@ -319,7 +318,6 @@ class ComputedStage:
         if self._busy.on:
             return
         self._session.touch()
-        make_way()
         self.form.clear_errors()
         if not quiet:
             self._clear()

@@ -20,7 +20,6 @@ from ..cli.schema import Several, Table, Text, decode
 from ..cli.units import Temperature
 from ..errors import InputError
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
-from .cards import make_way
 from .chart import Drawn, drawn
 from .form import Form
 from .scene import CancelledError
@@ -283,7 +282,6 @@ class RubberStage:
         if self._busy.on:
             return
         self._session.touch()
-        make_way()
         self.form.clear_errors()
         self._clear()
         self._button.disable()

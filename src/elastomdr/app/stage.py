@@ -12,6 +12,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, TypeVar
+from weakref import WeakSet
 
 from nicegui import events, ui
 
@@ -22,7 +23,7 @@ from ..results.chart import Chart
 from .chart import Drawn
 from .scene import CancelledError
 from .security import MOST_BYTES
-from .session import DRAWING, Session
+from .session import COMPUTING, DRAWING, Session
 from .words import spoken
 
 # where the wheel has them; a checkout has them among its examples
@@ -41,7 +42,14 @@ _TOOK: dict[str, float] = {}
 
 async def worked(pool: Executor, call: Callable[..., T], *arguments: Any) -> T:
     """The result of a call that is made in a thread of its own."""
+    _make_way(pool)
     return await asyncio.get_running_loop().run_in_executor(pool, call, *arguments)
+
+
+def _make_way(pool: Executor) -> None:
+    """Stops what gives way to all else that is to be computed."""
+    for each in _GIVES_WAY if pool is COMPUTING else ():
+        each.stop()
 
 
 class _Work:
@@ -73,10 +81,13 @@ class _Work:
 
 class Busy:
     """Shows that something is computed, since when and how long it may still take, and
-    stops it.
+    stops it; what `gives_way` is stopped by all else that is to be computed.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, gives_way: bool = False) -> None:
+        self._gives_way = gives_way
+        if gives_way:
+            _GIVES_WAY.add(self)
         self._work: _Work | None = None
         self._stopping: asyncio.Future[None] | None = None
         self._began = self._share = self._took = 0.0
@@ -115,6 +126,8 @@ class Busy:
         """The result of a call that is made in a thread of its own; of the same `kind`
         are those that take about the same time; `quiet` shows nothing.
         """
+        if not self._gives_way:
+            _make_way(pool)
         loop = asyncio.get_running_loop()
         self._work, self._stopping = _Work(), loop.create_future()
         self._began, self._share = time.monotonic(), 0.0
@@ -148,6 +161,9 @@ class Busy:
         self._bar.value = spent / whole if known else 0.0
         left = f", about {whole - spent:.0f} s left" if known else ""
         self._text.text = f"{spent:.0f} s{left}" if spent > _LONG else ""
+
+
+_GIVES_WAY: WeakSet[Busy] = WeakSet()
 
 
 class Latest:
