@@ -603,12 +603,14 @@ def _code(height: np.ndarray) -> tuple[float, int]:
         usual = _is_usual_code(value)
         if (count < 2 and not usual) or not rest.size:
             continue
-        levels, often = np.unique(rest, return_counts=True)
-        if levels.size < _FEWEST_LEVELS:
-            continue
         far = np.abs(rest - value).min() > np.ptp(rest) * (_USUAL if usual else 1.0)
+        if not far and count < _FREQUENT * height.size:
+            continue
+        levels, often = np.unique(rest, return_counts=True)
         frequent = count >= max(_FREQUENT * height.size, _OFTEN * often.max())
-        if far or (frequent and (usual or _ends_type(value, levels))):
+        if levels.size >= _FEWEST_LEVELS and (
+            far or (frequent and (usual or _ends_type(value, levels)))
+        ):
             return float(value), count
     return 0.0, 0
 
