@@ -533,7 +533,7 @@ class RollingCurve(AbstractCurve):
     title: ClassVar[str] = "Rolling resistance"
     shows: ClassVar[str] = "coefficient"
     symbol: ClassVar[str] = "coefficient"
-    error_of: ClassVar[str] = "coefficient"
+    error_of: ClassVar[str] = "the coefficient"
 
 
 @record

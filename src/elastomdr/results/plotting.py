@@ -40,11 +40,11 @@ LOG_RATIO = 20.0
 _FEW = 12.0
 _PANEL = (5.75, 5.0)  # size of a panel beside others [inches]
 _NOTES: dict[Kind, str] = {
+    "illustrative": "moduli: illustrative, of no particular rubber",
     "extrapolated": "dotted: outside the measured range of the material",
     "no prediction": "no bound on the model is known (dotted where in part)",
     "hot branch": "in part another steady state exists",
     "bound": "in part the bound on the model exceeds half of the value",
-    "illustrative": "moduli: illustrative, of no particular rubber",
     "estimate": "an estimate",
 }
 
