@@ -35,7 +35,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arrays import fixed, is_traced, xp
+from ..arrays import compiled, fixed, is_traced, xp
 from ..checks import Array
 from ..models import GapFlow, Model
 from ..numerics.interpolation import hermite, monotone_slopes
@@ -175,35 +175,55 @@ def _arrays(gaps: GapFlow) -> dict[str, Any]:
     }
 
 
-def even(pressed: Pressed, pressure: Any, length: Any) -> Flow:
-    """A seal that is pressed evenly."""
-    rule, fluid = _rule(pressed.model.leak_nodes), pressed.fluid
-    slope = pressed.surface.rms_slope
-    closed = fixed(closing_pressure(pressed.model.closes_at()) * slope)
-    dry = pressure * pressed.soft
-    shape = np.broadcast_shapes(*map(np.shape, (dry, pressed.drop, *fluid)))
-    share = xp.broadcast_to(pressed.drop / pressure, shape)
+class _Line(NamedTuple):
+    """An even seal, from the outlet to the inlet: (rows, ...) but for the last two."""
+
+    x: Any  # what contact bears, over E*
+    fluid: Any  # p_f [Pa]
+    falls: Any  # dp_f over the whole drop and dt, t of the rule
+    span: Any  # of log x
+    share: Any  # the drop over the pressure
+
+
+@compiled("count")
+def _line(
+    count: int, pressure: Any, dry: Any, drop: Any, fluid: Fluid, closed: Any
+) -> _Line:
+    """Where contact is asked for, of `count` nodes; `dry` is p/E*."""
+    shape = np.broadcast_shapes(*map(np.shape, (dry, drop, *fluid)))
+    share = xp.broadcast_to(drop / pressure, shape)
     dry = xp.broadcast_to(dry, shape)
     inlet = dry * (1 - share)
     opens = inlet < closed
     span = xp.where(dry < closed, -xp.log1p(-share), xp.log(closed / inlet))
     span = xp.where(opens, span, 0.0)
-    rows = (-1, *(1,) * len(shape))
-    x = xp.where(opens, inlet, dry) * xp.exp(span * rule.nodes.reshape(rows))
-    every = _asked(pressed, xp.concatenate([dry[None], x]))
-    gaps: Any = every._replace(
-        **{name: y[1:] for name, y in _arrays(every).items() if name != "critical_gap"}
-    )
-    fluid_pressure = pressure * (1 - x / dry)
+    nodes = _rule(count).nodes.reshape(-1, *(1,) * len(shape))
+    x = xp.where(opens, inlet, dry) * xp.exp(span * nodes)
     # dp_f is p/E* times d log x, and by a share of the drop
-    falls = span * (x / dry) / share
-    mean = gaps.flow > 0
-    third = xp.where(mean, gaps.flow, 1.0) ** (1 / 3)
-    viscous = falls * gaps.flow * (1 + fluid.expands * fluid_pressure)
-    faint = falls * xp.where(mean, third**2, 0.0)
-    slips = 6 * faint if gaps.slip is None else falls * gaps.slip
-    flux = viscous + fluid.path * slips
-    weights = rule.weights.reshape(rows)
+    return _Line(x, pressure * (1 - x / dry), span * (x / dry) / share, span, share)
+
+
+class _Whole(NamedTuple):
+    """Integrals along an even seal."""
+
+    flux: Any  # (rows, ...)
+    through: Any
+    slip: Any
+    error: Any
+    model_error: Any
+
+
+@compiled()
+def _whole(
+    line: _Line, fluid: Fluid, flow: Any, slip: Any, error: Any, model_error: Any
+) -> _Whole:
+    """Of the answers of a model at the nodes of a line."""
+    rule, rows = _rule(len(flow)), (-1, *(1,) * (flow.ndim - 1))
+    weights, coarser = rule.weights.reshape(rows), rule.coarse.reshape(rows)
+    expanded = line.falls * (1 + fluid.expands * line.fluid)
+    viscous, open_ = expanded * flow, flow > 0
+    faint = line.falls * xp.where(open_, xp.where(open_, flow, 1.0) ** (2 / 3), 0.0)
+    flux = viscous + fluid.path * (6 * faint if slip is None else line.falls * slip)
 
     def over(values: Any) -> Any:
         return (weights * values).sum(0)
@@ -211,34 +231,58 @@ def even(pressed: Pressed, pressure: Any, length: Any) -> Flow:
     through = over(flux)
     flows = through > 0
     whole = xp.where(flows, through, 1.0)
-    coarse = (rule.coarse.reshape(rows) * flux).sum(0)
-    erring = xp.where(flux > 0, flux * gaps.error, 0.0)
-    error = over(erring) / whole + abs(through - coarse) / whole
-    error = xp.where(flows, error, every.error[0])
-    model_error = gaps.model_error
+    off = over(xp.where(flux > 0, flux * error, 0.0))
+    off = off + abs(through - (coarser * flux).sum(0))
     if model_error is not None:
         unknown = xp.isnan(model_error).any(0)
-        expanded = falls * (1 + fluid.expands * fluid_pressure)
-        least, most = (over(expanded * w) for w in _bounds(gaps.flow, model_error))
+        least, most = (over(expanded * w) for w in _bounds(flow, model_error))
         model_error = xp.where(unknown, xp.nan, _within(over(viscous), least, most))
+    return _Whole(
+        flux,
+        through,
+        fluid.path * over(faint) / xp.where(flows, over(viscous), 1.0),
+        xp.where(flows, off / whole, error[0]),
+        model_error,
+    )
+
+
+def even(pressed: Pressed, pressure: Any, length: Any) -> Flow:
+    """A seal that is pressed evenly."""
+    model, fluid = pressed.model, pressed.fluid
+    closed = fixed(closing_pressure(model.closes_at()) * pressed.surface.rms_slope)
+    dry = pressure * pressed.soft
+    line = _line(model.leak_nodes, pressure, dry, pressed.drop, fluid, closed)
+    dry = xp.broadcast_to(dry, line.x.shape[1:])
+    every = _asked(pressed, xp.concatenate([dry[None], line.x]))
+    slip, bounds = every.slip, every.model_error
+    whole = _whole(
+        line,
+        fluid,
+        every.flow[1:],
+        None if slip is None else slip[1:],
+        every.error[1:],
+        None if bounds is None else bounds[1:],
+    )
     profile = None
-    if not is_traced(x, length):
-        passed = np.moveaxis(flux, 0, -1) @ rule.until.T / whole[..., None]
-        left = (1 - share)[..., None] * np.exp(span[..., None] * rule.places)
+    if not is_traced(line.x, length):
+        rule, through = _rule(model.leak_nodes), whole.through
+        passed = np.moveaxis(whole.flux, 0, -1) @ rule.until.T
+        passed = passed / np.where(through > 0, through, 1.0)[..., None]
+        left = (1 - line.share)[..., None] * np.exp(line.span[..., None] * rule.places)
         profile = _even_profile(pressure, pressed.drop, length, passed, 1 - left)
     return Flow(
-        through,
+        whole.through,
         every.gap[0],
         every.area[0],
         every.critical_gap,
-        xp.zeros(shape),
-        fluid.path * over(faint) / xp.where(flows, over(viscous), 1.0),
-        error,
-        model_error,
+        xp.zeros(line.x.shape[1:]),
+        whole.slip,
+        whole.error,
+        whole.model_error,
         every.good.all(0),
-        gaps.said,
-        gaps.work,
-        gaps.slip is not None,
+        every.said,
+        every.work,
+        slip is not None,
         profile,
     )
 
