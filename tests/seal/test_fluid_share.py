@@ -481,3 +481,18 @@ def test_scene_of_a_profile(tmp_path):
     alone = em.leak(rubber, FACE, profile=given, time=60.0, temperature=293.15, **OIL)
     assert found.rate == pytest.approx(float(alone.rate), rel=1e-12)
     assert found.lifted > 0
+
+
+def test_lengths_of_a_seal_under_one_pressure():
+    """They were refused by NumPy where the pressure is a single number."""
+    given = {"pressure": 3e5, "pressure_drop": 1e5, "viscosity": 1e-3}
+    rubber = em.Prony(1e6, [2e6], [1e-2])
+    road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1e5)
+    lengths = [[1e-3, 2e-3, 4e-3]]
+    found = em.leak(rubber, road, length=lengths, **given)
+    alone = em.leak(rubber, road, length=2e-3, **given)
+    assert found.rate.shape == (1, 3)
+    np.testing.assert_allclose(found.rate[0, 1], alone.rate, rtol=1e-12)
+    np.testing.assert_allclose(
+        found.fluid_pressure([5e-4])[0, 1], alone.fluid_pressure([5e-4]), rtol=1e-12
+    )

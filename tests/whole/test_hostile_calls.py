@@ -485,6 +485,7 @@ def cases():
         for name, (call, given) in CALLS.items()
         for argument in arguments(call, given)
         for value in HOSTILE
+        if (argument, value) != ("load", "10**18") or name[:9] != "reference"  # minutes
     ]
 
 
@@ -524,7 +525,7 @@ def outcome(name, argument, value):
     if not isinstance(converged, np.ndarray) or not hasattr(result, "mu"):
         return ""
     # a body without a load has no coefficient
-    is_known = np.isfinite(result.mu[converged]) | (value == "0")
+    is_known = np.isfinite(result.mu) | ~converged | (value == "0")
     return "" if is_known.all() else "converged to what is not finite"
 
 

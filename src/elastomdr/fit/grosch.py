@@ -16,10 +16,10 @@ from ..arrays import one_thread
 from ..checks import (
     as_float64,
     broadcast_shape,
+    finite,
     in_kelvin,
     in_si,
     positive,
-    require,
     scalar,
 )
 from ..errors import InputError
@@ -204,7 +204,8 @@ def friction_master(
     elif error is not None and error != "relative":
         raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
     v, t, friction, *sizes = _checked_data(**given)
-    number, temperatures = group(t, float(scalar("tolerance", tolerance)))
+    finite("tolerance", scalar("tolerance", tolerance))
+    number, temperatures = group(t, float(tolerance))
     if temperatures.size < 2 or friction.size < 8:
         raise InputError(
             "temperature must have two values at least, and mu eight points, got "
@@ -232,7 +233,7 @@ def _checked_data(**given: Any) -> list[np.ndarray]:
         if name in ("velocity", "error"):
             positive(name, array)
     in_kelvin("temperature", arrays["temperature"])
-    require("mu", arrays["mu"], "finite", np.isfinite)
+    finite("mu", arrays["mu"])
     return [np.broadcast_to(array, shape).ravel() for array in arrays.values()]
 
 

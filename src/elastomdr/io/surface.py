@@ -225,15 +225,17 @@ def _scans(source: Any, pixel_size: Any, layout: _Layout) -> list[Scan]:
             "unit goes with a file, as columns do; heights of an array are in metres, got "
             f"unit={layout.units!r}, columns={layout.columns!r}."
         )
-    if np.iscomplexobj(source):
-        raise InputError("heights must be real numbers [m], got complex ones.")
     try:
-        height = np.ma.filled(np.ma.asarray(source, dtype=np.float64), np.nan)
-    except (TypeError, ValueError) as error:
+        is_complex = np.iscomplexobj(source)
+        numbers = np.float64 if not is_complex else np.complex128
+        height = np.ma.filled(np.ma.asarray(source, dtype=numbers), np.nan)
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             "path_or_heights must be a path, heights [m] or a list of these, got "
             f"{type(source).__name__}."
         ) from error
+    if is_complex:
+        raise InputError("heights must be real numbers [m], got complex ones.")
     if height.ndim not in (1, 2):
         raise InputError(
             f"heights must have the shape (n,) or (n_x, n_y), got {height.shape}."

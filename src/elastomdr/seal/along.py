@@ -296,6 +296,10 @@ def _even_profile(
     pressure, drop, length, _ = np.broadcast_arrays(
         pressure[..., None], drop[..., None], length[..., None], passed[..., :1]
     )
+    passed, fluid_share = (
+        np.broadcast_to(each, (*pressure.shape[:-1], each.shape[-1]))
+        for each in (passed, fluid_share)
+    )
     flows = passed[..., -1:] > 0
     # of nodes that are few the integral may fall back a little
     passed = np.clip(np.maximum.accumulate(passed, axis=-1), 0.0, 1.0)

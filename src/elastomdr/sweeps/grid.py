@@ -12,7 +12,7 @@ import numpy as np
 
 from ..call.model_choice import is_rough
 from ..call.several_materials import RTOL
-from ..checks import is_traced
+from ..checks import as_float64, is_traced
 from ..errors import InputError
 from ..material.validity import Draws
 from ..results.base import distinct
@@ -240,6 +240,8 @@ def _checked_values(name: str, values: Any) -> list[Any]:
 
 def _check_fixed(name: str, value: Any, arrays: tuple[str, ...]) -> None:
     """Raises `InputError` for several values of what is no axis."""
+    if name in arrays and isinstance(value, (list, tuple)):
+        value = as_float64(name, value)
     if name in arrays and np.ndim(value):
         raise InputError(
             f"{name} must be one value or an axis, got an array of the shape "

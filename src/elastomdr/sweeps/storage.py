@@ -29,6 +29,7 @@ class Files:
         that fsspec knows.
         """
         given = os.fspath(store) if isinstance(store, (str, os.PathLike)) else ""
+        given = "" if "\0" in str(given) else given
         self.folder: Path | None = None  # None of object storage
         if "://" in str(given):
             self._filesystem, self._root = _opened(str(given))
