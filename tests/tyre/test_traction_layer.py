@@ -84,3 +84,23 @@ def test_full_slip_no_creepage_and_sign():
 def test_refused(layer, body, match):
     with pytest.raises(em.InputError, match=match):
         em.traction(layer, body, velocity=1.0, creepage=0.1, friction=0.5, load=1.0)
+
+
+def test_bound_of_an_elastic_layer_from_stick_to_full_slip():
+    """A quarter of the pull at small creepage, 0.12 mu at most, and near full slip what
+    is left of mu, within 0.03 mu.
+    """
+    found = em.traction(
+        em.layer(em.Prony(1e6, [], []), 5e-3),
+        ROLL,
+        velocity=1.0,
+        creepage=[1e-5, 8e-3, 1.0],
+        friction=0.4,
+        load=300.0,
+    )
+    small, middle, large = found.coefficient
+    assert 0.5 * 0.4 < middle < 0.9 * 0.4
+    assert large > 0.98 * 0.4
+    np.testing.assert_allclose(
+        found.model_error, [0.25 * small, 0.12 * 0.4, 1.03 * 0.4 - large], rtol=1e-12
+    )
