@@ -151,8 +151,10 @@ def _mode(target: Path) -> int | None:
 
 def _write_into(target: Path, content: bytes) -> None:
     """Raises `OSError` for a pipe that nobody reads, rather than wait."""
-    handle = os.open(target, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0))
-    os.set_blocking(handle, True)
+    at_once = getattr(os, "O_NONBLOCK", 0)  # which Windows lacks
+    handle = os.open(target, os.O_WRONLY | at_once)
+    if at_once:
+        os.set_blocking(handle, True)
     with os.fdopen(handle, "wb") as file:
         file.write(content)
 
