@@ -256,7 +256,9 @@ def draw(
 def check(
     table: Path, law: em.FrictionLaw, modulus: float, top: tuple, formula: tuple
 ) -> None:
-    kelvin, pressure, velocity, mu = np.loadtxt(table, delimiter=",", skiprows=4).T
+    rows = [row for row in table.read_text().splitlines() if not row.startswith("#")]
+    columns = np.loadtxt(rows[1:], delimiter=",", usecols=range(4)).T
+    kelvin, pressure, velocity, mu = columns
     axes = [np.unique(kelvin), np.log(np.unique(pressure)), np.log(np.unique(velocity))]
     lookup = RegularGridInterpolator(axes, mu.reshape([axis.size for axis in axes]))
     slide = SLIP * SPEED

@@ -44,11 +44,15 @@ def told(
     return extrapolated, *illustrative(known, np.shape(points))
 
 
-def beyond_sweep(points: Any, known: Range | None) -> tuple[Doubt, ...]:
-    """The doubt of points that strain the material more than its sweep of strains did;
-    none of a material of which nothing is known and nothing found.
+def beyond_sweep(
+    points: Any, known: Range | None, strains: str = ""
+) -> tuple[Doubt, ...]:
+    """The doubt of points that strain the material more than its sweep of strains did,
+    by which `strains` in words; none of a material of which nothing is known and
+    nothing found.
     """
     says = "lie beyond the strain sweep of the material, whose last factors are held"
+    says += strains and f": {strains}"
     doubt = Doubt("extrapolated", points, says, "a sweep to larger strains")
     return () if known is None and not doubt.found() else (doubt,)
 

@@ -763,8 +763,11 @@ def _strained_beyond(
         (softened.strain(surface.q_high), softened.softening.strain[-1])
     )
     points = xp.full(scene.shape, strain > last * (1 + 1e-9))
-    known = scene.foundation.range
-    doubts = beyond_sweep(points, known)
+    known, strains = scene.foundation.range, ""
+    if not is_traced(strain, last):
+        ends = float(strain), float(last)
+        strains = "up to {:.2g} on a sweep that ends at {:.2g}".format(*ends)
+    doubts = beyond_sweep(points, known, strains)
     if not scene.traced and not (known is not None and known.illustrative):
         for doubt in doubts:
             warn_of(doubt)
