@@ -47,6 +47,7 @@ def test_a_lay_of_peklenik_number_one_is_none():
     np.testing.assert_array_equal(turned.direction, [0.4, 0.4])
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 @pytest.mark.parametrize("model", [em.Multiscale(), em.HalfSpace(seeds=2, cells=64)])
 def test_full_contact_is_the_closed_form_in_all_directions(model):
     """Where Im E* goes with the frequency, mu goes with int W cos^2 phi dphi, the mean
