@@ -22,7 +22,7 @@ one_core()
 import elastomdr as em  # noqa: E402
 from elastomdr.material.relaxation import Relaxation  # noqa: E402
 from elastomdr.surface.lines import SingleLine  # noqa: E402
-from elastomdr.transient.body_motion import Scene, run  # noqa: E402
+from elastomdr.transient.body_motion import MotionScene, run  # noqa: E402
 from elastomdr.transient.body_over_line import indenter  # noqa: E402
 from elastomdr.transient.problem import Steps  # noqa: E402
 
@@ -110,7 +110,7 @@ def sliding() -> tuple[list[dict], float]:
                 1.0,
             )
             given = Steps(*map(jnp.asarray, (h, x, load)))
-            seen, _ = run(Scene(law, surface), given, balance=False)
+            seen, _ = run(MotionScene(law, surface), given, balance=False)
         normal, drag, depth, work = (
             np.asarray(a) for a in (seen.normal, seen.drag, seen.depth, seen.work)
         )

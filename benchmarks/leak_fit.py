@@ -29,7 +29,7 @@ from scipy.optimize import least_squares
 import elastomdr as em
 from elastomdr.rough.psd_integrals import PER_DECADE, nodes
 from elastomdr.seal.gap_maps import effective_medium
-from elastomdr.seal.leak_form import FORM, Form, factor, gap_of, log_bound
+from elastomdr.seal.leak_form import FORM, LeakForm, factor, gap_of, log_bound
 from elastomdr.seal.persson_gap import contact_of, mean_gap
 
 BANDS = ((0.0, 0.05), (0.05, 0.15), (0.15, 0.25), (0.25, 0.3), (0.3, 0.35), (0.35, 0.4))
@@ -138,7 +138,7 @@ def on_fine_cells(maps: Maps, cells: float) -> Maps:
     return maps._replace(flow=maps.flow * more, over_gap=maps.over_gap * more)
 
 
-def fitted(maps: Maps, some: np.ndarray) -> Form:
+def fitted(maps: Maps, some: np.ndarray) -> LeakForm:
     """The constants from the points `some`."""
     columns = np.stack([np.ones(some.sum()), -np.log(maps.ideal[some])], -1)
     wanted = np.log(maps.gap / maps.ideal)[some]
@@ -153,10 +153,10 @@ def fitted(maps: Maps, some: np.ndarray) -> Form:
         return (np.log(np.maximum(own, LEAST)) - truth) / spread
 
     power, grows, leans = least_squares(off, [2.5, 0.5, 0.0], loss="soft_l1").x
-    return Form(np.exp(level), bend, power, grows, leans)
+    return LeakForm(np.exp(level), bend, power, grows, leans)
 
 
-def flow_of(maps: Maps, form: Form) -> np.ndarray:
+def flow_of(maps: Maps, form: LeakForm) -> np.ndarray:
     gap = gap_of(maps.ideal, form)
     return gap**3 * factor(gap, maps.area, maps.steep, form)
 
@@ -216,7 +216,7 @@ def main() -> None:
     of_even, of_odd, of_all = (fitted(maps, s) for s in (even, ~even, even | ~even))
     forms = {"even": of_even, "odd": of_odd, "all": of_all, "in leak_form": FORM}
     record["constants"] = table(
-        ("fitted to", *Form._fields),
+        ("fitted to", *LeakForm._fields),
         [(name, *(round(float(x), 4) for x in form)) for name, form in forms.items()],
     )
     flow = np.where(even, flow_of(maps, of_odd), flow_of(maps, of_even))

@@ -24,7 +24,7 @@ from common import RESULTS
 
 import elastomdr as em
 from elastomdr.rough.multiscale import contact
-from elastomdr.rough.random_maps import Grid, summits
+from elastomdr.rough.random_maps import MapGrid, summits
 from elastomdr.seal.gap_maps import flow, pressed
 from elastomdr.surface.spectrum import rough_map
 
@@ -60,7 +60,7 @@ def levels() -> np.ndarray:
     return np.interp(AREAS, area, level)
 
 
-def grid_of(spectrum: em.SelfAffine, waves: int) -> Grid | None:
+def grid_of(spectrum: em.SelfAffine, waves: int) -> MapGrid | None:
     """A map of about so many shortest waves to a side; None where they are fewer than
     two of the longest, or one where that is far in the roll-off.
     """
@@ -69,10 +69,10 @@ def grid_of(spectrum: em.SelfAffine, waves: int) -> Grid | None:
     if periods < least:
         return None
     cells = 32 * int(np.ceil(periods * spectrum.q_high / 8 - 1e-9))
-    return Grid(cells, periods, 2 * np.pi * periods)
+    return MapGrid(cells, periods, 2 * np.pi * periods)
 
 
-def carried(spectrum: em.SelfAffine, grid: Grid) -> np.ndarray:
+def carried(spectrum: em.SelfAffine, grid: MapGrid) -> np.ndarray:
     """Which of the levels enough summits carry."""
     level = levels()
     modulus = lambda omega: np.ones(np.shape(omega), complex)  # noqa: E731
@@ -81,7 +81,7 @@ def carried(spectrum: em.SelfAffine, grid: Grid) -> np.ndarray:
 
 
 def on_maps(
-    spectrum: em.SelfAffine, grid: Grid, level: np.ndarray, maps: int
+    spectrum: em.SelfAffine, grid: MapGrid, level: np.ndarray, maps: int
 ) -> dict[str, Any]:
     """A surface at levels, lightest first, on maps of one size."""
     rms = spectrum.rms_height
@@ -108,7 +108,7 @@ def on_maps(
     }
 
 
-def left(spectrum: em.SelfAffine, waves: int) -> tuple[Grid | None, np.ndarray]:
+def left(spectrum: em.SelfAffine, waves: int) -> tuple[MapGrid | None, np.ndarray]:
     """Maps of a size, and the levels that smaller ones do not carry."""
     done = np.zeros(AREAS.size, bool)
     for size in MAPS:

@@ -57,7 +57,7 @@ def scene_of(spectrum: Any, name: str, area: float) -> dict[str, Any] | None:
     ratio = float(spectrum.q_high)
     velocity = 1 / np.sqrt(ratio)
     pressure = solved.pressure_for(area, material, spectrum, velocity)
-    one = maps.Grid(maps.SAMPLES * int(ratio), 1, 2 * np.pi)
+    one = maps.MapGrid(maps.SAMPLES * int(ratio), 1, 2 * np.pi)
     at = np.array([velocity]), np.array([pressure])
     carried = maps.summits(material.complex_modulus, spectrum, *at, one)[0]
     periods = int(np.ceil(np.sqrt(8 / carried)))

@@ -189,7 +189,7 @@ def on_grid(
     """The scene with its pressure, and the grid that it is solved on."""
     surface, material = surface_of(kind, numbers, ratio), rubber(name)
     pressure = pressure_for(area, material, surface, velocity)
-    one = maps.Grid(4 * ratio, 1, 2 * np.pi / float(surface.q_low))
+    one = maps.MapGrid(4 * ratio, 1, 2 * np.pi / float(surface.q_low))
     at = np.array([velocity]), np.array([pressure])
     carried = maps.summits(material.complex_modulus, surface, *at, one)[0]
     periods = int(np.ceil(np.sqrt((4 if area > 0.3 else 8) / carried)))
@@ -317,7 +317,7 @@ def solve(
     }
 
 
-def _variance(on: half_space.Waves, pressure: Any, heights: Any) -> float:
+def _variance(on: half_space.MapWaves, pressure: Any, heights: Any) -> float:
     """Of the pressure on the finer grid, over that in full contact."""
     full = np.fft.irfft2(np.fft.rfft2(heights) * on.inverse, heights.shape)
     return float(np.var(pressure) / np.var(full))

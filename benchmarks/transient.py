@@ -58,7 +58,7 @@ def main() -> None:
     import jax.numpy as jnp
 
     from elastomdr.material.relaxation import Relaxation
-    from elastomdr.transient.body_motion import Scene, run
+    from elastomdr.transient.body_motion import MotionScene, run
     from elastomdr.transient.body_over_line import rough
     from elastomdr.transient.problem import Steps
 
@@ -84,7 +84,7 @@ def main() -> None:
 
         def ours(surface=surface) -> np.ndarray:
             options = {"viscous": False, "balance": False}
-            return np.asarray(run(Scene(law, surface), steps, **options)[0].depth)
+            return np.asarray(run(MotionScene(law, surface), steps, **options)[0].depth)
 
         first, loop = timed(ours).wall, compiled_loop(height)
         turns = [(timed(ours), timed(loop)) for _ in range(5)]

@@ -330,7 +330,7 @@ def fori_loop(
     return state
 
 
-def fixed(tree: R) -> R:
+def stop_gradient(tree: R) -> R:
     """`jax.lax.stop_gradient`."""
     if _mode.numpy:
         return tree
@@ -348,7 +348,7 @@ def arrays(tree: Any) -> Any:
     return jax.tree.map(jax.numpy.asarray, tree)
 
 
-def each(function: Callable[[Any], Any], over: Any) -> Any:
+def lax_map(function: Callable[[Any], Any], over: Any) -> Any:
     """`jax.lax.map`: the results of a function of each entry along the first axis,
     stacked; one array each.
     """
@@ -359,39 +359,11 @@ def each(function: Callable[[Any], Any], over: Any) -> Any:
     return np.stack([function(entry) for entry in over])
 
 
-def scan(step: Callable[[Any, Any], Any], state: Any, over: Any) -> Any:
-    """`jax.lax.scan` over named tuples of arrays or None: the states after each entry
-    of `over`, stacked.
-
-    An array of `over` with one entry along its first axis serves every step.
-    """
-    length = max(x.shape[0] for x in over if x is not None)
-    if not _mode.numpy:
-        import jax
-
-        over = jax.tree.map(
-            lambda x: jax.numpy.broadcast_to(x, (length, *x.shape[1:])), over
-        )
-        return jax.lax.scan(lambda before, x: (step(before, x),) * 2, state, over)[1]
-    states = []
-    for i in range(length):
-        state = step(
-            state,
-            type(over)(
-                *(None if x is None else x[min(i, x.shape[0] - 1)] for x in over)
-            ),
-        )
-        states.append(state)
-    return type(state)(
-        *(None if x[0] is None else np.stack(x) for x in zip(*states, strict=True))
-    )
-
-
-def in_steps(
+def scan(
     step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, over: Any
 ) -> tuple[Any, Any]:
-    """`jax.lax.scan` over a tuple of arrays, or tuples of them: the last carry, and
-    what each step leaves, stacked.
+    """`jax.lax.scan` over a tuple of arrays or None, or tuples of them: the last carry,
+    and what each step leaves, stacked.
     """
     if not _mode.numpy:
         import jax
@@ -401,7 +373,7 @@ def in_steps(
     for entry in entries(over):
         carry, kept = step(carry, entry)
         outputs.append(kept)
-    return carry, mapped(lambda *x: np.stack(x), *outputs)
+    return carry, tree_map(lambda *x: np.stack(x), *outputs)
 
 
 def cond(
@@ -415,7 +387,7 @@ def cond(
     return true(*given) if condition else false(*given)
 
 
-def mapped(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
+def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
     """`jax.tree.map`; on NumPy for tuples of arrays, tuples and None."""
     if not _mode.numpy:
         import jax
@@ -425,7 +397,7 @@ def mapped(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
         return None
     if not isinstance(tree, tuple):
         return function(tree, *trees)
-    parts = [mapped(function, *parts) for parts in zip(tree, *trees, strict=True)]
+    parts = [tree_map(function, *parts) for parts in zip(tree, *trees, strict=True)]
     return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
 
 

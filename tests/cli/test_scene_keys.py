@@ -14,14 +14,14 @@ from elastomdr.cli.units import (
     USUAL,
     InputError,
     Length,
-    Quantity,
+    SceneQuantity,
     Temperature,
     Velocity,
 )
 from elastomdr.models import KINDS as MODELS
 
 
-def quantities(kind=Quantity):
+def quantities(kind=SceneQuantity):
     return [
         kind,
         *(below for child in kind.__subclasses__() for below in quantities(child)),

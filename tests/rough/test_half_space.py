@@ -237,10 +237,10 @@ def test_cells_that_do_not_resolve_are_refused():
 def test_summits_grow_with_the_cell_and_the_load():
     at = {"velocity": np.array([0.1]), "pressure": np.array([1e5])}
     small = maps.summits(
-        SOLID.complex_modulus, ROAD, *at.values(), maps.Grid(32, 1, SIDE / 2)
+        SOLID.complex_modulus, ROAD, *at.values(), maps.MapGrid(32, 1, SIDE / 2)
     )
     large = maps.summits(
-        SOLID.complex_modulus, ROAD, *at.values(), maps.Grid(128, 4, 2 * SIDE)
+        SOLID.complex_modulus, ROAD, *at.values(), maps.MapGrid(128, 4, 2 * SIDE)
     )
     assert large == pytest.approx(16 * small)
     heavy = maps.summits(
@@ -248,7 +248,7 @@ def test_summits_grow_with_the_cell_and_the_load():
         ROAD,
         np.array([0.1]),
         np.array([1e9]),
-        maps.Grid(128, 4, 2 * SIDE),
+        maps.MapGrid(128, 4, 2 * SIDE),
     )
     assert heavy == pytest.approx(16)
 

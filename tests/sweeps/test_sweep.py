@@ -898,13 +898,13 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
                 )
             )
         small(monkeypatch, 1)
-        keep = store.Store.keep
+        keep = store.ZarrStore.keep
 
         def loses(*given):
             client.sync(cluster.scheduler.close)
             keep(*given)
 
-        monkeypatch.setattr(store.Store, "keep", loses)
+        monkeypatch.setattr(store.ZarrStore, "keep", loses)
         with pytest.raises(
             ConnectionError,
             match=r"cluster was lost.* the same call goes on from there",

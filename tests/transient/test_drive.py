@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 import elastomdr as em
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import march, refinement
-from elastomdr.transient.body_motion import Mount, Scene, run
+from elastomdr.transient.body_motion import MotionScene, Mount, run
 from elastomdr.transient.body_over_line import indenter
 from elastomdr.transient.problem import even_steps
 
@@ -320,7 +320,7 @@ def ball(samples, spacing):
         SingleLine(em.Paraboloid(0.01)), -2e-3 + 0.3 * spacing, spacing, 600, 1.0
     )
     law = jax.tree.map(jnp.asarray, RUBBER.law())
-    scene = Scene(law, surface, Mount(0.02, 5e3, 1.0), Mount(0.02, 1e3, 0.5))
+    scene = MotionScene(law, surface, Mount(0.02, 5e3, 1.0), Mount(0.02, 1e3, 0.5))
     time = np.linspace(0, 4e-3, 5)
     given = (0.4 * time, np.full(5, 10.0), 1e-3, 0)
     steps, instants = even_steps(time, *given, samples)

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 import elastomdr as em
 from elastomdr.element.contact_step import contact_step, rest
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.transient.impact_motion import Body, grid, march
+from elastomdr.transient.impact_motion import Striker, grid, march
 
 from .bouncing import BALL, DM, KELVIN_VOIGT, E, M, R, V, impact, kelvin_voigt
 
@@ -71,7 +71,7 @@ def test_converges_with_the_square_of_the_steps():
     """One grid alone, without extrapolation: an error that is a series in n^-2."""
     with jax.enable_x64(True):
         viscosity = np.array([E * 0.5 * DM / V])
-        body = Body(
+        body = Striker(
             BALL,
             np.zeros((1, 1)),
             np.full((1, 1), E),

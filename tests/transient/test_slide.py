@@ -11,7 +11,7 @@ import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import body_motion
-from elastomdr.transient.body_motion import Scene, run
+from elastomdr.transient.body_motion import MotionScene, run
 from elastomdr.transient.body_over_line import indenter
 from elastomdr.transient.march import settle
 from elastomdr.transient.problem import Steps, cut, timeline
@@ -75,7 +75,7 @@ def steady_error(body, depth, spacing, exact):
     x = 0.93 * spacing * np.arange(1, steps + 1)
     surface = indenter(SingleLine(body), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
     seen, _ = run(
-        Scene(law, surface),
+        MotionScene(law, surface),
         Steps(np.full(steps, 0.93 * spacing / v), x, np.full(steps, depth)),
         control="depth",
         balance=False,
@@ -205,7 +205,10 @@ def test_one_compiled_program_serves_all_levels(monkeypatch):
         monkeypatch.setattr("elastomdr.transient.march._PIECE", work)
         surface = indenter(SingleLine(BALL), -2e-3, 4e-5, count, 1.0)
         seen, _ = run(
-            Scene(RUBBER.law(), surface), steps, np.arange(0, 200, 3), balance=False
+            MotionScene(RUBBER.law(), surface),
+            steps,
+            np.arange(0, 200, 3),
+            balance=False,
         )
         ends.append(seen)
     for exact, found in zip(*ends, strict=True):

@@ -10,7 +10,7 @@ import pytest
 import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.rough_line import spline, spline_coefficients
-from elastomdr.transient.body_motion import Scene, run
+from elastomdr.transient.body_motion import MotionScene, run
 from elastomdr.transient.body_over_line import rough
 from elastomdr.transient.problem import Steps
 
@@ -117,7 +117,7 @@ def test_energy_is_stored_or_lost_in_the_branches():
     x = np.cumsum(np.full(64, 7e-6))
     depth = 1e-5 + 1e-6 * np.sin(np.arange(64.0))
     steps = Steps(*map(jnp.asarray, (h, x, depth)))
-    seen, _ = run(Scene(law, surface), steps, control="depth", balance=False)
+    seen, _ = run(MotionScene(law, surface), steps, control="depth", balance=False)
     u = np.stack(
         [
             np.zeros(96),
@@ -177,7 +177,8 @@ def test_a_branch_far_faster_than_the_step_does_nothing():
         for e in (1e9, 0.0)
     )
     found, expected = (
-        run(Scene(law, surface), steps, balance=False)[0] for law in (stiff, plain)
+        run(MotionScene(law, surface), steps, balance=False)[0]
+        for law in (stiff, plain)
     )
     np.testing.assert_allclose(found.drag[5:], expected.drag[5:], rtol=1e-4)
     np.testing.assert_allclose(found.depth, expected.depth, rtol=1e-4)

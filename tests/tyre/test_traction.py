@@ -136,7 +136,7 @@ def test_march_agrees():
     """The force from the march of one element, which knows neither the slip boundary
     nor the closed forms.
     """
-    from elastomdr.tyre.brush import Rolling, _march
+    from elastomdr.tyre.brush import RollingContact, _march
 
     points = {
         "velocity": np.array([0.1, 1.0, 10.0]),
@@ -149,7 +149,7 @@ def test_march_agrees():
         from elastomdr.surface.lines import SingleLine
 
         edges = found.contact.leading, found.contact.trailing
-        rolling = Rolling(
+        rolling = RollingContact(
             em.half_space(RUBBER).law(),
             em.half_space(RUBBER, tangential=True).law(),
             SingleLine(BALL),
@@ -261,7 +261,7 @@ def test_dashpot_under_the_load():
 def test_kelvin_tread_that_never_slips():
     """F_x = xi (G l^2/2 + eta v l), whichever way it is integrated."""
     from elastomdr.surface.lines import SingleLine
-    from elastomdr.tyre.brush import Rolling, _march
+    from elastomdr.tyre.brush import RollingContact, _march
 
     xi, damping = 0.01, 2e3
     tread = em.Foundation.kelvin(G, damping)
@@ -278,7 +278,7 @@ def test_kelvin_tread_that_never_slips():
     )
     with jax.enable_x64(True):
         one = jax.numpy.ones(1)
-        rolling = Rolling(
+        rolling = RollingContact(
             NORMAL.law(),
             tread.law(),
             SingleLine(BALL),
@@ -299,13 +299,13 @@ def test_traction_before_slip_is_that_of_a_ramp():
     dashpot and a branch.
     """
     from elastomdr.surface.lines import SingleLine
-    from elastomdr.tyre.brush import Rolling, _ramp
+    from elastomdr.tyre.brush import RollingContact, _ramp
 
     xi, v, damping = 0.02, 3.0, 1.5e3
     tread, s = em.Foundation(G, [3 * G], [1e-4], damping), v * 1e-4
     r = A * np.array([1e-9, 0.3, 2.0])
     one = np.ones(3)
-    rolling = Rolling(
+    rolling = RollingContact(
         NORMAL.law(),
         tread.law(),
         SingleLine(BALL),

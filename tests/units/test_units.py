@@ -138,7 +138,7 @@ def by_parts(unit):
 @pytest.mark.parametrize("si", units.USUAL)
 def test_units_of_the_command_line(si):
     """Each unit that is converted without a library, from its prefixes and powers."""
-    kind = type("Kind", (units.Quantity,), {"unit": si})
+    kind = type("Kind", (units.SceneQuantity,), {"unit": si})
     for unit in units.USUAL[si]:
         offset = 273.15 if unit == "degC" else 0.0
         np.testing.assert_allclose(

@@ -13,7 +13,7 @@ from elastomdr.element.episode import energies, follow, pressed, recovery_modes
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
 from elastomdr.transient import indentation_route as control
-from elastomdr.transient.body_motion import Scene, run
+from elastomdr.transient.body_motion import MotionScene, run
 from elastomdr.transient.body_over_line import indenter
 from elastomdr.transient.problem import Steps
 
@@ -223,7 +223,7 @@ def test_sliding_on_a_partial_contact_converges_with_the_square_of_the_step():
                 1.0,
             )
             steps = Steps(*map(jnp.asarray, (h, x, load)))
-            seen, _ = run(Scene(law, surface), steps, balance=False)
+            seen, _ = run(MotionScene(law, surface), steps, balance=False)
         normal, drag, depth, work = (
             np.asarray(a) for a in (seen.normal, seen.drag, seen.depth, seen.work)
         )

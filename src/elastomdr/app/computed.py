@@ -17,7 +17,7 @@ from ..cli.units import Temperature
 from ..errors import InputError
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
 from .cards import Cards
-from .form import Form
+from .form import TableForm
 from .scene import (
     COMPUTED,
     CancelledError,
@@ -196,7 +196,7 @@ class ComputedStage:
             only = kind.only or tuple(
                 key for key in kind.table.__struct_fields__ if key not in hidden
             )
-            self.form = Form(
+            self.form = TableForm(
                 kind.table,
                 session.scenes[self._key],
                 only=only,

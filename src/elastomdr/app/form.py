@@ -11,7 +11,7 @@ import msgspec
 from nicegui import ui
 
 from ..cli.schema import Several, Sweep, accepted, is_list, keys_of, tables_of
-from ..cli.units import Quantity
+from ..cli.units import SceneQuantity
 from . import words
 
 _SPAN = re.compile(r"(.+?)\s+to\s+(.+?)\s*[,;]\s*(\d+)(?:\s*points?)?", re.IGNORECASE)
@@ -57,13 +57,13 @@ class Leaf(NamedTuple):
         return any(kind in (int, float) for kind in self._innermost())
 
     @property
-    def quantity(self) -> type[Quantity] | None:
+    def quantity(self) -> type[SceneQuantity] | None:
         """What it measures, None for a number or a text."""
         return next(
             (
                 k
                 for k in self._innermost()
-                if isinstance(k, type) and issubclass(k, Quantity)
+                if isinstance(k, type) and issubclass(k, SceneQuantity)
             ),
             None,
         )
@@ -169,7 +169,7 @@ def _with_unit(parts: list[str], unit: str = "") -> list[str]:
 Choices = Mapping[str, Callable[[], Mapping[str, str] | Sequence[str]]]
 
 
-class Form:
+class TableForm:
     """Fields for the keys of a table; what is typed goes into `content`, which is what
     a scene file holds.
 

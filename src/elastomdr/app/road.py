@@ -17,7 +17,7 @@ from ..cli.schema import Table, decode
 from ..errors import InputError
 from ..results.plot_contacts import draw_cutoffs
 from .chart import drawn
-from .form import Form
+from .form import TableForm
 from .scene import CancelledError
 from .security import Folder
 from .session import DRAWING, Session
@@ -75,7 +75,7 @@ class RoadStage:
                     ("Use sample road", self._sample),
                 )
                 self._reading, self._busy = Busy(), Busy()
-                self.form = Form(
+                self.form = TableForm(
                     Road,
                     self._content,
                     first=_FIRST,

@@ -21,7 +21,7 @@ from ..cli.units import Temperature
 from ..errors import InputError
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
 from .chart import Drawn, drawn
-from .form import Form
+from .form import TableForm
 from .scene import CancelledError
 from .session import COMPUTING, Session
 from .shifts import ShiftEditor
@@ -215,7 +215,7 @@ class RubberStage:
                     multiple=True,
                 )
                 choices = {"data": self._files}
-                self.form = Form(
+                self.form = TableForm(
                     Fit,
                     session.rubber,
                     first=_FIRST,

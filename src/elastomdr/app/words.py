@@ -5,7 +5,7 @@ scene files stand in the exported scene only.
 import re
 from collections.abc import Iterable
 
-from ..cli.units import Quantity
+from ..cli.units import SceneQuantity
 from ..errors import InputError
 
 # By key, or by table and key where a key means different things. After a bar, what
@@ -218,7 +218,7 @@ _ANY_TABLE = "|".join(map(re.escape, _TABLES))
 _SIGNS = {"°C": "degC", "µm": "um", "·": "*", "³": "^3"}
 
 
-def label(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
+def label(path: tuple[str, ...], quantity: type[SceneQuantity] | None = None) -> str:
     """What the field of a key is called, with symbol and unit; `quantity` is what it
     measures, such as a force or a force per length.
     """
@@ -247,7 +247,7 @@ def hint(path: tuple[str, ...], meaning: str) -> str:
     return "" if explanation.rstrip(".") in word else spoken(meaning)
 
 
-def unit(path: tuple[str, ...], quantity: type[Quantity] | None = None) -> str:
+def unit(path: tuple[str, ...], quantity: type[SceneQuantity] | None = None) -> str:
     """The unit in the label, as scene files spell it, empty where there is none."""
     return _unit_of(label(path, quantity))
 

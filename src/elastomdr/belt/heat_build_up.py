@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, xp
+from ..arrays import on_numpy, stop_gradient, xp
 from ..call.problem import check_rtol
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -318,14 +318,14 @@ def _steady_state(body: _Body, highest: float, ignored: type[Warning]) -> _Stead
         xp.clip(guess, low, high), ambient + width / 2, highest - width / 2
     )
     around = body.roll(xp.stack([middle - width / 2, middle, middle + width / 2])).power
-    stiffness = conductance - fixed((around[2] - around[0]) / width)
+    stiffness = conductance - stop_gradient((around[2] - around[0]) / width)
     guess = middle + (around[1] - conductance * (middle - ambient)) / stiffness
-    guess = fixed(xp.clip(xp.where(xp.isfinite(guess), guess, low), low, high))
+    guess = stop_gradient(xp.clip(xp.where(xp.isfinite(guess), guess, low), low, high))
     at_guess = body.roll(guess, ignored)
     heating = conductance * (guess - ambient)
-    step = (at_guess.power - heating) / fixed(stiffness)
+    step = (at_guess.power - heating) / stop_gradient(stiffness)
     steady = guess + step
-    error = fixed(
+    error = stop_gradient(
         _NEWTON_REMAINDER * abs(step)
         + at_guess.error
         / at_guess.coefficient
@@ -342,7 +342,7 @@ def _steady_state(body: _Body, highest: float, ignored: type[Warning]) -> _Stead
         nan_unless(converged, xp.asarray(steady)),
         nan_unless(converged, xp.asarray(error)),
         converged,
-        fixed(stiffness),
+        stop_gradient(stiffness),
         at_guess,
         others & converged,
     )
@@ -452,7 +452,9 @@ def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any, An
     above; Newton's method may leave them.
     """
     body = body._replace(rtol=max(body.rtol, _SCAN_RTOL))
-    temperature, power, _ = map(fixed, _powers(body, low, high, count, _SCAN_STEP))
+    temperature, power, _ = map(
+        stop_gradient, _powers(body, low, high, count, _SCAN_STEP)
+    )
     # NaN ends the search, and the point is found not to be met
     cools = ~(power - body.conductance * (temperature - body.ambient) > 0)
     others = (cools[1:-1] & ~cools[2:]).any(axis=0)
@@ -536,7 +538,7 @@ def _history(
     power = xp.asarray(xp.moveaxis(way.power, 0, -1))
     # The temperature follows the power: its rise by no larger a part.
     rise = fine - xp.asarray(ambient)[..., None]
-    error = fixed(abs(fine - coarse) + xp.asarray(off)[..., None] * rise)
+    error = stop_gradient(abs(fine - coarse) + xp.asarray(off)[..., None] * rise)
     return *(nan_unless(known, x) for x in (fine, power, error)), way
 
 

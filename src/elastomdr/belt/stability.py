@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..arrays import fixed, is_traced, numpy_unless_traced, xp
+from ..arrays import is_traced, numpy_unless_traced, stop_gradient, xp
 from ..checks import (
     Array,
     as_float64,
@@ -270,7 +270,7 @@ def stability(
         slope=slope,
         ratio=ratio,
         follows=everywhere > slowest,
-        error=fixed(_slope_error(x, secants, dF_dlnV) / v / critical_damping),
+        error=stop_gradient(_slope_error(x, secants, dF_dlnV) / v / critical_damping),
         model_error=xp.full(slope.shape, xp.nan),
         converged=xp.isfinite(ratio),
         slowest=slowest,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import fixed, namespace
+from ..arrays import namespace, stop_gradient
 from ..checks import Array, is_traced
 from ..checks import known as known_values
 from ..errors import ExtrapolationWarning, warn
@@ -78,7 +78,7 @@ def _looked_at(*values: Any) -> tuple[Any, bool, bool]:
     """
     if not is_traced(values):
         return values, False, False
-    plain = known_values(fixed(values))
+    plain = known_values(stop_gradient(values))
     return plain, is_traced(plain), True
 
 

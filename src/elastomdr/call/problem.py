@@ -50,7 +50,7 @@ class Asked:
     direction: ArrayLike | None = None  # of sliding, to the lay of a surface [rad]
 
 
-class Scene(NamedTuple):
+class SteadyScene(NamedTuple):
     """The points of a steady call as float64; JAX arrays where traced, else NumPy's."""
 
     foundation: Any
@@ -96,7 +96,7 @@ def steady_scene(
     body: Any,
     asked: Asked,
     *one_of: Literal["load", "depth", "pressure"],
-) -> Scene:
+) -> SteadyScene:
     """Checks and broadcasts; `one_of` names what may be given, load or depth by
     default. Raises `InputError`.
 
@@ -124,7 +124,7 @@ def steady_scene(
     if temperature is not None and not is_traced(velocity, factor):
         _check_shift(temperature, velocity, factor)
     traced = is_traced(foundation, body, velocity, value, temperature, direction)
-    scene = Scene(
+    scene = SteadyScene(
         foundation, name, shape, velocity, value, temperature, None, None, traced
     )
     return scene._replace(
@@ -140,7 +140,7 @@ def rough_scene(
     rtol: Any,
     asked: Asked,
     *one_of: Literal["load", "depth", "pressure"],
-) -> Scene:
+) -> SteadyScene:
     """The scene of a rough line or surface, which has conditions of its own. Raises
     `InputError`.
     """

@@ -30,7 +30,7 @@ from .units import (
     Length,
     MolarEnergy,
     Pressure,
-    Quantity,
+    SceneQuantity,
     Temperature,
     Velocity,
     VolumeCapacity,
@@ -87,7 +87,7 @@ class PowerLawTable(Shape, tag="power_law"):
         if self.exponent != 1 or isinstance(coefficient, str):
 
             class Coefficient(
-                Quantity,
+                SceneQuantity,
                 what=f"in m^{power}",
                 unit=f"m**({power})",
                 example=f"100 m^{power}",

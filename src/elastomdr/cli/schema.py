@@ -23,7 +23,7 @@ from typing import (
 import msgspec
 
 from ..errors import InputError, closest
-from .units import Quantity, shown
+from .units import SceneQuantity, shown
 
 T = TypeVar("T")
 _PATH = re.compile(r"(.*?)(?: - at `\$(.*)`)?", re.DOTALL)
@@ -181,7 +181,7 @@ def accepted(kind: Any) -> str:
         )
     if _is_table(kind):
         return f"a table with the keys {', '.join(keys_of(kind))}"
-    if isinstance(kind, type) and issubclass(kind, Quantity):
+    if isinstance(kind, type) and issubclass(kind, SceneQuantity):
         return f'{kind.what} with its unit, such as "{kind.example}"'
     if kind in (None, type(None)):
         return "left out"

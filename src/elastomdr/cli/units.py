@@ -86,7 +86,7 @@ _DEGREES = {
 }
 
 
-class Quantity(float):
+class SceneQuantity(float):
     """A number in SI units, read from a text with its unit."""
 
     what: ClassVar[str]  # in words, such as "a length"
@@ -173,38 +173,40 @@ class Quantity(float):
         return float(exact + _ZERO.get(unit, 0))
 
 
-class Length(Quantity, what="a length", unit="m", example="5 mm"): ...
+class Length(SceneQuantity, what="a length", unit="m", example="5 mm"): ...
 
 
 class Depth(Length, example="0.1 mm", sign=""): ...
 
 
-class Force(Quantity, what="a force", unit="N", example="10 N"): ...
+class Force(SceneQuantity, what="a force", unit="N", example="10 N"): ...
 
 
 class Push(Force, sign=""): ...
 
 
-class LineLoad(Quantity, what="a force per length", unit="N/m", example="1 N/mm"): ...
+class LineLoad(
+    SceneQuantity, what="a force per length", unit="N/m", example="1 N/mm"
+): ...
 
 
 class LinePush(LineLoad, sign=""): ...
 
 
-class Pressure(Quantity, what="a pressure", unit="Pa", example="0.3 MPa"): ...
+class Pressure(SceneQuantity, what="a pressure", unit="Pa", example="0.3 MPa"): ...
 
 
 class PushPressure(Pressure, sign=""): ...
 
 
-class Velocity(Quantity, what="a velocity", unit="m/s", example="0.1 m/s"): ...
+class Velocity(SceneQuantity, what="a velocity", unit="m/s", example="0.1 m/s"): ...
 
 
 class Speed(Velocity, sign=""): ...
 
 
 class Temperature(
-    Quantity,
+    SceneQuantity,
     what="a temperature",
     unit="K",
     example="20 degC",
@@ -212,7 +214,7 @@ class Temperature(
 ): ...
 
 
-class Duration(Quantity, what="a time", unit="s", example="10 s"): ...
+class Duration(SceneQuantity, what="a time", unit="s", example="10 s"): ...
 
 
 class Pause(Duration, sign="zero or positive"): ...
@@ -221,17 +223,19 @@ class Pause(Duration, sign="zero or positive"): ...
 class Instant(Duration, sign=""): ...
 
 
-class Frequency(Quantity, what="a frequency", unit="Hz", example="10 Hz"): ...
+class Frequency(SceneQuantity, what="a frequency", unit="Hz", example="10 Hz"): ...
 
 
-class WaveNumber(Quantity, what="a wave number", unit="1/m", example="1e3 1/m"): ...
+class WaveNumber(
+    SceneQuantity, what="a wave number", unit="1/m", example="1e3 1/m"
+): ...
 
 
-class Angle(Quantity, what="an angle", unit="rad", example="90 deg", sign=""): ...
+class Angle(SceneQuantity, what="an angle", unit="rad", example="90 deg", sign=""): ...
 
 
 class Viscosity(
-    Quantity,
+    SceneQuantity,
     what="a dynamic viscosity (a kinematic one times the density)",
     unit="Pa*s",
     example="0.1 Pa*s",
@@ -239,44 +243,50 @@ class Viscosity(
 
 
 class KinematicViscosity(
-    Quantity, what="a kinematic viscosity", unit="m^2/s", example="46 cSt"
+    SceneQuantity, what="a kinematic viscosity", unit="m^2/s", example="46 cSt"
 ): ...
 
 
 class MolarMass(
-    Quantity, what="a molar mass", unit="kg/mol", example="28.97 g/mol"
+    SceneQuantity, what="a molar mass", unit="kg/mol", example="28.97 g/mol"
 ): ...
 
 
-class Density(Quantity, what="a density", unit="kg/m^3", example="870 kg/m^3"): ...
+class Density(SceneQuantity, what="a density", unit="kg/m^3", example="870 kg/m^3"): ...
 
 
 class SurfaceEnergy(
-    Quantity, what="an energy per area", unit="J/m^2", example="50 mJ/m^2"
+    SceneQuantity, what="an energy per area", unit="J/m^2", example="50 mJ/m^2"
 ): ...
 
 
-class Mass(Quantity, what="a mass", unit="kg", example="5 kg"): ...
+class Mass(SceneQuantity, what="a mass", unit="kg", example="5 kg"): ...
 
 
-class LineMass(Quantity, what="a mass per length", unit="kg/m", example="28 kg/m"): ...
+class LineMass(
+    SceneQuantity, what="a mass per length", unit="kg/m", example="28 kg/m"
+): ...
 
 
 class LoadedMass(LineMass, example="120 kg/m", sign="zero or positive"): ...
 
 
 class Stiffness(
-    Quantity, what="a stiffness", unit="N/m", example="5 kN/m", sign="zero or positive"
+    SceneQuantity,
+    what="a stiffness",
+    unit="N/m",
+    example="5 kN/m",
+    sign="zero or positive",
 ): ...
 
 
 class AreaStiffness(
-    Quantity, what="a stiffness per area", unit="Pa/m", example="80 MPa/m"
+    SceneQuantity, what="a stiffness per area", unit="Pa/m", example="80 MPa/m"
 ): ...
 
 
 class Damping(
-    Quantity,
+    SceneQuantity,
     what="a damping",
     unit="N*s/m",
     example="20 N*s/m",
@@ -285,12 +295,12 @@ class Damping(
 
 
 class Conductivity(
-    Quantity, what="a thermal conductivity", unit="W/(m*K)", example="0.2 W/(m*K)"
+    SceneQuantity, what="a thermal conductivity", unit="W/(m*K)", example="0.2 W/(m*K)"
 ): ...
 
 
 class VolumeCapacity(
-    Quantity,
+    SceneQuantity,
     what="a heat capacity per volume",
     unit="J/(m^3*K)",
     example="2e6 J/(m^3*K)",
@@ -298,15 +308,17 @@ class VolumeCapacity(
 
 
 class Conductance(
-    Quantity, what="a thermal conductance", unit="W/K", example="1.2 W/K"
+    SceneQuantity, what="a thermal conductance", unit="W/K", example="1.2 W/K"
 ): ...
 
 
-class HeatCapacity(Quantity, what="a heat capacity", unit="J/K", example="1 kJ/K"): ...
+class HeatCapacity(
+    SceneQuantity, what="a heat capacity", unit="J/K", example="1 kJ/K"
+): ...
 
 
 class MolarEnergy(
-    Quantity, what="an energy per mole", unit="J/mol", example="80 kJ/mol"
+    SceneQuantity, what="an energy per mole", unit="J/mol", example="80 kJ/mol"
 ): ...
 
 
@@ -317,7 +329,7 @@ def shown(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def _by_pint(number: float, unit: str, kind: type[Quantity]) -> float:
+def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
     registry = _registry()
     usual = USUAL.get(kind.unit, {})
     try:

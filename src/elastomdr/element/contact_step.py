@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..arrays import mapped, on_numpy, xp
+from ..arrays import on_numpy, tree_map, xp
 from ..checks import Array
 from ..material.relaxation import AbstractRelaxation
 from ..numerics.decay import phi1, phi2
@@ -157,7 +157,7 @@ def coefficients_of_steps(
     axis of each field.
     """
     c = coefficients(law, h, viscous=viscous)
-    return mapped(
+    return tree_map(
         lambda x: xp.moveaxis(xp.broadcast_to(x, (*x.shape[:-1], h.size)), -1, 0)[
             ..., None
         ],

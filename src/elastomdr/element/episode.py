@@ -38,7 +38,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, mapped, on_numpy, while_loop, xp
+from ..arrays import on_numpy, stop_gradient, tree_map, while_loop, xp
 from ..checks import Array, numpy_unless_traced, possible
 from ..material.relaxation import Relaxation, kelvin_and_gaps
 from ..numerics.decay import phi1, phi2
@@ -56,7 +56,7 @@ _BLUR = 1e-12  # of a force: below it its sign may be one of rounding
 _NEAREST = 1e-60
 
 
-class Touching(NamedTuple):
+class EpisodeState(NamedTuple):
     """State of n elements: `f` where in contact, `m` where free (the other is not
     looked at).
     """
@@ -69,25 +69,25 @@ class Touching(NamedTuple):
     heat: Float[Array, " n"]  # turned into heat by branches and dashpot, likewise
 
 
-def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> Touching:
+def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> EpisodeState:
     """Elements at rest until a surface at w is pressed on them at once: glassy where w
     > 0, untouched elsewhere.
     """
     u = xp.maximum(w, 0.0)
     glassy = law.equilibrium + xp.sum(law.moduli)
     m = xp.zeros((modes.rate.size, w.size))
-    return Touching(
+    return EpisodeState(
         w > 0, u, law.moduli[:, None] * u, m, 0.5 * glassy * u**2, xp.zeros_like(u)
     )
 
 
-def force(law: Relaxation, state: Touching, v: Any) -> Float[Array, " n"]:
+def force(law: Relaxation, state: EpisodeState, v: Any) -> Float[Array, " n"]:
     """q of each element while the surface moves at rate v."""
     q = law.equilibrium * state.u + law.viscosity * v + xp.sum(state.f, axis=0)
     return xp.where(state.contact, q, 0.0)
 
 
-def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Array]:
+def energies(law: Relaxation, modes: Modes, state: EpisodeState) -> tuple[Array, Array]:
     """Elastic energy of the elements in contact, and of those that are free, each zero
     for the others.
     """
@@ -104,11 +104,11 @@ def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Arr
 def follow(
     law: Relaxation,
     modes: Modes,
-    state: Touching,
+    state: EpisodeState,
     w: Float[Array, " n"],
     v: Any,
     h: Any,
-) -> Touching:
+) -> EpisodeState:
     """The state after a time h in which the surface moves from w to w + v h. Exact;
     differentiable in both modes.
     """
@@ -134,7 +134,7 @@ def follow(
     again = _of_those(lost, _recovery_loss, modes, let_go, rest - stay)
     recovered = xp.where(was_free, recovered, 0.0) + xp.where(lost, again, 0.0)
     contact = touched & ~lost
-    return Touching(
+    return EpisodeState(
         contact=contact,
         u=xp.where(contact, u_end, xp.sum(m, axis=0)),
         f=f_end,
@@ -161,7 +161,7 @@ def _of_those(where: Array, function: Callable[..., Any], *given: Any) -> Any:
         x[..., here] if isinstance(x, np.ndarray) and x.shape[-1:] == (count,) else x
         for x in given
     )
-    return mapped(placed, function(*chosen_given))
+    return tree_map(placed, function(*chosen_given))
 
 
 def _decayed(modes: Modes, m: Array, t: Array) -> Array:
@@ -170,15 +170,15 @@ def _decayed(modes: Modes, m: Array, t: Array) -> Array:
 
 
 def _until_met(
-    modes: Modes, state: Touching, w: Array, v: Any, h: Any
+    modes: Modes, state: EpisodeState, w: Array, v: Any, h: Any
 ) -> tuple[Array, Array]:
     """The time for which an element is free, and whether it is touched then."""
 
     def meeting(m: Array, w: Array) -> tuple[Array, Array]:
         # The search is on numbers; a Newton step from its end carries the derivatives.
-        met, wait = _meeting(*fixed((modes, m, w, v, h)))
+        met, wait = _meeting(*stop_gradient((modes, m, w, v, h)))
         gap, closing = _gap(modes, m, w, v, wait)
-        closing = fixed(xp.where(closing < 0, closing, -xp.inf))
+        closing = stop_gradient(xp.where(closing < 0, closing, -xp.inf))
         return met, xp.where(met, wait - gap / closing, h)
 
     met, wait = _of_those(~state.contact, meeting, state.m, w)
@@ -189,12 +189,12 @@ def _until_pulled(
     law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
 ) -> tuple[Array, Array]:
     """The time for which an element stays in contact, and whether it is let go then."""
-    lost, at_once = _is_lost(*fixed((law, u, f, v, rest)), touched)
+    lost, at_once = _is_lost(*stop_gradient((law, u, f, v, rest)), touched)
 
     def parting(u: Array, f: Array, rest: Array, sought: Array) -> Array:
-        stay = _parting(*fixed((law, u, f, v, rest)), sought)
+        stay = _parting(*stop_gradient((law, u, f, v, rest)), sought)
         pull, falling = _pull(law, u, f, v, stay)
-        falling = fixed(xp.where(falling < 0, falling, -xp.inf))
+        falling = stop_gradient(xp.where(falling < 0, falling, -xp.inf))
         polished = xp.clip(stay - pull / falling, 0.0, rest)
         return xp.where(stay > 0, polished, 0.0)
 

@@ -13,7 +13,14 @@ import numpy as np
 from ..io.data import Dma, describe_list
 from .report import TWO_SIGMA
 from .shifting import LN10, AtReference, Joint
-from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE, Points, closest_passive
+from .spectrum import (
+    CHANNELS,
+    LOSS,
+    RELAXATION,
+    STORAGE,
+    MeasuredPoints,
+    closest_passive,
+)
 from .terms import Data, SlowEnd
 
 Facts = dict[str, Any]  # what a sentence has to name
@@ -74,7 +81,7 @@ class JudgedShifts:
     log_reduced: np.ndarray  # ln of the reduced angular frequency, or of 1/t, per point
 
     @property
-    def points(self) -> Points:
+    def points(self) -> MeasuredPoints:
         return self.joint.shifts.points
 
     @property

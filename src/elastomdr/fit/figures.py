@@ -14,7 +14,7 @@ from ..results.plotting import (
     FAINT,
     INK,
     PALETTE,
-    Ask,
+    DrawAsk,
     begin,
     below,
     crowded,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..io.data import Dma
     from ..material.prony import Prony
     from .laws import LawFit
-    from .report import Band, RelaxationBand
+    from .report import DynamicBand, RelaxationBand
 
 _BLUE, _RED, _BAND = PALETTE[0], PALETTE[4], "#e08214"
 # standard deviation of log10 b_T below which a fit had no vertical shifts to find
@@ -65,7 +65,7 @@ class MeasuredModuli(Protocol):
     @property
     def relaxation(self) -> np.ndarray: ...
 
-    def band(self, omega: ArrayLike) -> Band: ...
+    def band(self, omega: ArrayLike) -> DynamicBand: ...
 
     def relaxation_band(self, time: ArrayLike) -> RelaxationBand: ...
 
@@ -731,7 +731,7 @@ def _axes(ax: Any, style: str | None, panels: Any = None) -> Any:
     """The axes that were given, or new ones, with room for the temperatures beside
     them.
     """
-    ax, canvas = begin(Ask(ax, style), panels)
+    ax, canvas = begin(DrawAsk(ax, style), panels)
     if canvas.own_figure and canvas.style.words:
         figure = ax.figure
         figure.set_size_inches(7.4, 4.6)

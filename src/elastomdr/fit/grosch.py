@@ -28,7 +28,7 @@ from .isotherms import alike, group
 from .laws import LawFit, fit_laws, locate
 from .report import TWO_SIGMA, AbstractFindings, of_shifts, tell
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
-from .spectrum import STORAGE, Points, Posterior, Prior, infer
+from .spectrum import STORAGE, MeasuredPoints, Posterior, Prior, infer
 
 if TYPE_CHECKING:
     from jaxtyping import Float, Int
@@ -213,7 +213,9 @@ def friction_master(
         )
     reference = _checked_reference(reference, temperatures, tolerance)
     zero = np.zeros(friction.size)
-    points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
+    points = MeasuredPoints(
+        np.full(friction.size, STORAGE), np.log(v), friction, number, zero
+    )
     size = sizes[0] if known else np.ones(friction.size)
     fit = _infer(points, temperatures, size, known)
     if isinstance(error, str):
@@ -255,7 +257,7 @@ def _checked_reference(
     return reference
 
 
-class _Fit(NamedTuple):
+class _FrictionFit(NamedTuple):
     """Spline and shifts of the curve."""
 
     posterior: Posterior  # of the coefficients of the spline, then slopes of log10 a_T
@@ -264,8 +266,8 @@ class _Fit(NamedTuple):
 
 
 def _infer(
-    points: Points, temperatures: np.ndarray, size: np.ndarray, known: bool
-) -> _Fit:
+    points: MeasuredPoints, temperatures: np.ndarray, size: np.ndarray, known: bool
+) -> _FrictionFit:
     """Spline and slopes; the noise of each point is `size`, times a factor to be found
     where that is not `known`.
     """
@@ -319,7 +321,7 @@ def _infer(
     if count_alike > 1:
         posterior = infer_with(temper=count_alike)
     posterior = posterior._replace(residuals=posterior.residuals * size)
-    return _Fit(posterior, spline, anchor)
+    return _FrictionFit(posterior, spline, anchor)
 
 
 def _spline_over(reduced: np.ndarray) -> _Spline:
@@ -341,9 +343,9 @@ def _first_coefficients(
 
 
 def _packed(
-    points: Points,
+    points: MeasuredPoints,
     temperatures: np.ndarray,
-    fit: _Fit,
+    fit: _FrictionFit,
     reference: float,
     size: np.ndarray,
 ) -> FrictionMaster:

@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..io.data import SAME_STRAIN, Dma, in_strain_sweep, strains, untold
 from ..material.shift import AbstractShift
 from .laws import log10_a
-from .spectrum import LOSS, RELAXATION, STORAGE, Points, closest_passive
+from .spectrum import LOSS, RELAXATION, STORAGE, MeasuredPoints, closest_passive
 
 # --------------------------------------------------------------------------------------
 # Long measurements, such as ramps of temperature that are written every second,
@@ -137,7 +137,7 @@ _BIN = 4.0
 class Isotherms(NamedTuple):
     """Points and the temperature of each isotherm, ascending."""
 
-    points: Points
+    points: MeasuredPoints
     temperature: np.ndarray  # mean temperature of each isotherm [K]
     deviation: np.ndarray  # of each point's temperature from that mean [K]
 
@@ -177,7 +177,7 @@ def isotherms(
         """Values of the points for storage, loss and relaxation."""
         return np.concatenate([values[:n], values])
 
-    points = Points(
+    points = MeasuredPoints(
         np.repeat([STORAGE, LOSS, RELAXATION], [n, n, dma.time.size]),
         np.concatenate([rate, rate, -np.log(dma.time)]),
         np.log(np.concatenate([dma.storage, dma.loss, dma.relaxation])),
@@ -243,7 +243,7 @@ def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.nda
     return number, mean
 
 
-def curves(points: Points) -> list[np.ndarray]:
+def curves(points: MeasuredPoints) -> list[np.ndarray]:
     """Indices of each isotherm's points of each channel, in order of frequency."""
     sorted_indices = []
     for i in np.unique(points.isotherm):
@@ -258,7 +258,7 @@ def curves(points: Points) -> list[np.ndarray]:
     return sorted_indices
 
 
-def own_noise(points: Points) -> np.ndarray:
+def own_noise(points: MeasuredPoints) -> np.ndarray:
     """Standard deviation of ln(modulus) about a smooth curve through each isotherm
     alone, per channel; NaN if unknown.
     """
@@ -281,7 +281,7 @@ def own_noise(points: Points) -> np.ndarray:
         return np.sqrt(squares / np.where(freedom > 0, freedom, np.nan))
 
 
-def alike(points: Points, residuals: np.ndarray) -> float:
+def alike(points: MeasuredPoints, residuals: np.ndarray) -> float:
     """How many neighbours along an isotherm carry the information of one point, since
     their residuals are alike.
 
@@ -293,7 +293,7 @@ def alike(points: Points, residuals: np.ndarray) -> float:
     return count if count > _ALIKE else 1.0
 
 
-def _correlation(points: Points, residuals: np.ndarray) -> float:
+def _correlation(points: MeasuredPoints, residuals: np.ndarray) -> float:
     pairs = [
         (
             residuals[indices][1:] @ residuals[indices][:-1],

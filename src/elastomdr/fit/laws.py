@@ -126,7 +126,7 @@ def fit_laws(
     return fits
 
 
-class Form(NamedTuple):
+class LawForm(NamedTuple):
     """A law in parameters that may take any value."""
 
     value: Callable[[np.ndarray, Any], Any]  # parameters, temperature [K] -> log10 a_T
@@ -136,7 +136,7 @@ class Form(NamedTuple):
     constants: Callable[[np.ndarray], tuple[Any, dict[str, float]]]
 
 
-def forms(reference: float, lowest: float) -> dict[str, Form]:
+def forms(reference: float, lowest: float) -> dict[str, LawForm]:
     """The laws about `reference` [K]; their poles are below `lowest` [K]."""
     room = reference - lowest + POLE
 
@@ -167,21 +167,21 @@ def forms(reference: float, lowest: float) -> dict[str, Form]:
         return Arrhenius(energy, reference), {"energy": energy}
 
     return {
-        "Arrhenius": Form(
+        "Arrhenius": LawForm(
             arrhenius, [float(np.log(1e5))], [(5.0, 16.0)], arrhenius_constants
         ),
-        "WLF": Form(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], wlf_constants),
-        "VFT": Form(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], vft_constants),
+        "WLF": LawForm(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], wlf_constants),
+        "VFT": LawForm(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], vft_constants),
     }
 
 
-def _at_bound(form: Form, p: np.ndarray) -> bool:
+def _at_bound(form: LawForm, p: np.ndarray) -> bool:
     low, high = np.array(form.limits).T
     return bool(((p - low < _AT_BOUND) | (high - p < _AT_BOUND)).any())
 
 
 def fit_form(
-    form: Form, temperature: np.ndarray, value: np.ndarray, covariance: np.ndarray
+    form: LawForm, temperature: np.ndarray, value: np.ndarray, covariance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Generalised least squares, with the law's own error grown until chi squared
     matches the freedom left.
@@ -211,7 +211,7 @@ def fit_form(
     return p, spread, float(misfit)
 
 
-def derivatives(form: Form, p: np.ndarray, temperature: np.ndarray) -> np.ndarray:
+def derivatives(form: LawForm, p: np.ndarray, temperature: np.ndarray) -> np.ndarray:
     """The derivatives of a law with respect to its parameters, from a step along the
     imaginary axis: exact.
     """
@@ -251,7 +251,7 @@ _STRANGE = 100.0  # distance of a reference that makes one think of a unit mixed
 _USUAL_POLE = 150.0
 
 
-class Place(NamedTuple):
+class ReferencePlace(NamedTuple):
     """The state at a reference temperature, seen from the isotherms."""
 
     # of the reference temperature, in the frame of the isotherms' shifts [decades]
@@ -271,7 +271,7 @@ def locate(
     log10_a: np.ndarray,
     covariance: np.ndarray,
     reference: float,
-) -> Place:
+) -> ReferencePlace:
     """log10 a_T at `reference` [K] from that of isotherms at ascending temperatures
     [K], with its uncertainty.
 
@@ -283,7 +283,7 @@ def locate(
     centre = int(np.argmin(np.abs(temperature - reference)))
     distance = float(abs(temperature[centre] - reference))
     if n == 1 or distance < 1e-9:  # there is nothing to bend
-        return Place(float(near @ log10_a), near, near, 0.0, 0.0)
+        return ReferencePlace(float(near @ log10_a), near, near, 0.0, 0.0)
     change = np.eye(n)
     change[:, centre] -= 1
     value, spread = change @ log10_a, change @ covariance @ change.T
@@ -292,7 +292,7 @@ def locate(
     p, of_p, misfit = fit_form(form, temperature, value, spread)
     precision = np.linalg.inv(spread + misfit**2 * np.eye(n))
 
-    def bend(form: Form, p: np.ndarray) -> float:
+    def bend(form: LawForm, p: np.ndarray) -> float:
         return float(form.value(p, reference) - near @ form.value(p, temperature))
 
     located = float(near @ log10_a) + bend(form, p)
@@ -302,7 +302,7 @@ def locate(
     by_value = by_p @ of_p @ derivatives(form, p, temperature).T @ precision
     weights = near + by_value @ change
     if temperature[0] <= reference <= temperature[-1]:
-        return Place(located, weights, near, 0.0, 0.0)
+        return ReferencePlace(located, weights, near, 0.0, 0.0)
     if n > 2:
         arrhenius = known["Arrhenius"]
         q = fit_form(arrhenius, temperature, value, spread)[0]
@@ -328,7 +328,7 @@ def locate(
     half = 1.96 * float(np.sqrt(max(step @ covariance @ step, 0.0) + variance))
     pole = float(temperature[0]) - float(np.exp(p[1])) - POLE if n > 2 else 0.0
     _check_reach(temperature, reference, distance, pole, half)
-    return Place(located, weights, near, variance, half)
+    return ReferencePlace(located, weights, near, variance, half)
 
 
 def _chance(arrhenius: np.ndarray, other: np.ndarray, precision: np.ndarray) -> float:
@@ -360,12 +360,12 @@ def _check_reach(
     )
 
 
-def of_law(log10_a: float, temperature: np.ndarray, reference: float) -> Place:
+def of_law(log10_a: float, temperature: np.ndarray, reference: float) -> ReferencePlace:
     """The place of a reference temperature that a given law has at `log10_a`: nothing
     about it is uncertain.
     """
     near = _interpolation(temperature, reference)
-    return Place(log10_a, near, near, 0.0, 0.0)
+    return ReferencePlace(log10_a, near, near, 0.0, 0.0)
 
 
 def _interpolation(temperature: np.ndarray, reference: float) -> np.ndarray:

@@ -33,7 +33,7 @@ from .laws import LawFit, given_law, law_about, words
 from .report import (
     TWO_SIGMA,
     AbstractFindings,
-    Band,
+    DynamicBand,
     RelaxationBand,
     dynamic_band,
     of_shifts,
@@ -521,7 +521,7 @@ class MasterCurve(AbstractFindings):
             else _assemble(self.dma, joint, self.reference, self.ambiguous, self.given)
         )
 
-    def band(self, omega: ArrayLike) -> Band:
+    def band(self, omega: ArrayLike) -> DynamicBand:
         """The smooth curve through the data with its 95 % intervals, at angular
         frequencies [rad/s], any shape.
 

@@ -93,7 +93,7 @@ def of_shifts(
 # --------------------------------------------------------------------------------------
 
 
-class Band(NamedTuple):
+class DynamicBand(NamedTuple):
     """Storage and loss modulus at the reference temperature with their 95 % intervals;
     every array as `omega`.
     """
@@ -128,7 +128,7 @@ def dynamic_band(
     window: tuple[float, float],
     omega: Any,
     series: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None,
-) -> Band:
+) -> DynamicBand:
     """The smooth curve of a joint fit, or a `series` through it, whose interval grows
     by its distance to the curve.
     """
@@ -147,7 +147,7 @@ def dynamic_band(
     parts = [half for value in values for half in np.split(value, 2)]
     inside = _check_outside(flat, window, "frequencies")
     ordered = (*parts[0::2], *parts[1::2], inside)
-    return Band(omega, *(bound.reshape(omega.shape) for bound in ordered))
+    return DynamicBand(omega, *(bound.reshape(omega.shape) for bound in ordered))
 
 
 def relaxation_band(

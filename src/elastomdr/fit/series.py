@@ -24,7 +24,7 @@ from .master import MasterCurve
 from .report import (
     TWO_SIGMA,
     AbstractFindings,
-    Band,
+    DynamicBand,
     RelaxationBand,
     dynamic_band,
     relaxation_band,
@@ -32,7 +32,7 @@ from .report import (
     tell,
 )
 from .shifting import AtReference, Joint, at_reference, curve, join
-from .spectrum import LOSS, RELAXATION, STORAGE, Points
+from .spectrum import LOSS, RELAXATION, STORAGE, MeasuredPoints
 from .terms import (
     Data,
     Met,
@@ -99,7 +99,7 @@ def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
     if not (data.points.channel == LOSS).any():
         noise[LOSS] = noise[RELAXATION]
     weights = np.minimum((noise[LOSS] / std) ** 2, 1.0) * data.alike
-    more = Points(
+    more = MeasuredPoints(
         np.full(rate.size, LOSS),
         rate,
         value,
@@ -107,7 +107,9 @@ def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
         np.zeros(rate.size),
     )
     return Data(
-        Points(*(np.concatenate(both) for both in zip(data.points, more, strict=True))),
+        MeasuredPoints(
+            *(np.concatenate(both) for both in zip(data.points, more, strict=True))
+        ),
         noise,
         np.concatenate([data.weights, weights]),
         data.alike,
@@ -116,7 +118,7 @@ def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
 
 
 def known_range(
-    points: Points,
+    points: MeasuredPoints,
     joint: Joint,
     state: AtReference,
     loss: Callable[[np.ndarray], np.ndarray],
@@ -241,7 +243,7 @@ def _half(
     return TWO_SIGMA * np.hypot(std, np.log(loss(np.exp(rate))) - value)
 
 
-def _grid(points: Points) -> np.ndarray:
+def _grid(points: MeasuredPoints) -> np.ndarray:
     """ln(omega) where relaxation says something and no dynamic modulus does."""
     relaxed = points.log_rate[points.channel == RELAXATION]
     if not relaxed.size:
@@ -338,7 +340,7 @@ class PronyFit(AbstractFindings):
         """
         return np.asarray(self.material.relaxation(time))
 
-    def band(self, omega: ArrayLike) -> Band:
+    def band(self, omega: ArrayLike) -> DynamicBand:
         """Storage and loss modulus of the series with 95 % intervals, at angular
         frequencies [rad/s], any shape.
 
@@ -573,7 +575,7 @@ class _Measured(NamedTuple):
             given = tuple(getattr(given, name) for name in names)
         return cls(*lists(names[:3], given[:3]), *lists(names[3:], given[3:]))
 
-    def points(self) -> Points:
+    def points(self) -> MeasuredPoints:
         """All values, one after the other. Raises `InputError` for too few of them."""
         n, slow = self.omega.size, self.time.size
         if 2 * n + slow < 3:
@@ -582,7 +584,7 @@ class _Measured(NamedTuple):
                 f"at least, got {n}."
             )
         log_omega = np.log(self.omega)
-        points = Points(
+        points = MeasuredPoints(
             np.repeat([STORAGE, LOSS, RELAXATION], [n, n, slow]),
             np.concatenate([log_omega, log_omega, -np.log(self.time)]),
             np.log(np.concatenate([self.storage, self.loss, self.relaxation])),
@@ -739,7 +741,7 @@ def _equilibrium_interval(
     return max(min(equilibrium - half, end.low), 0.0), max(equilibrium + half, end.end)
 
 
-def _smooth(points: Points) -> tuple[Joint, AtReference]:
+def _smooth(points: MeasuredPoints) -> tuple[Joint, AtReference]:
     """The smooth spectrum through data of one temperature."""
     shifts = join(points, np.array([293.15]), np.zeros(1), "none")
     count = alike(points, shifts.posterior.residuals)

@@ -143,7 +143,7 @@ class AdhesionFit(AbstractFindings):
         return draw_adhesion(self, ax, style)
 
 
-class _Points(NamedTuple):
+class _FittedPoints(NamedTuple):
     """What is fitted: flat, points that count for nothing left out."""
 
     log_v: np.ndarray  # log10 of the velocity
@@ -248,7 +248,7 @@ def adhesion(
         and np.ptp(temperature[used]) > _SAME
     ):
         warm = (1 / temperature - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
-    every = _Points(np.log10(data["velocity"]), warm, mu, *_between(computed))
+    every = _FittedPoints(np.log10(data["velocity"]), warm, mu, *_between(computed))
     points = _chosen(every, used)
     if points.mu.size <= len(points.names):
         raise InputError(
@@ -409,7 +409,7 @@ def _between(
     return parts, (float(np.log(q[0])), float(np.log(q[-1])))
 
 
-def _chosen(every: _Points, used: np.ndarray) -> _Points:
+def _chosen(every: _FittedPoints, used: np.ndarray) -> _FittedPoints:
     def parts(log_q: Any) -> Any:
         return tuple(x[used] for x in every.parts(log_q))
 
@@ -449,11 +449,11 @@ def _sizes(
     return True, given[used]
 
 
-def _chi(points: _Points, p: np.ndarray, size: np.ndarray) -> float:
+def _chi(points: _FittedPoints, p: np.ndarray, size: np.ndarray) -> float:
     return float((((points.mu - points.model(p)[0]) / size) ** 2).sum())
 
 
-def _search(points: _Points, size: np.ndarray) -> tuple[np.ndarray, bool]:
+def _search(points: _FittedPoints, size: np.ndarray) -> tuple[np.ndarray, bool]:
     """Least squares from the best of many starts, in which the stress follows from all
     else.
     """
@@ -479,7 +479,7 @@ def _search(points: _Points, size: np.ndarray) -> tuple[np.ndarray, bool]:
 
 
 def _descend(
-    points: _Points, size: np.ndarray, p: np.ndarray, held: int | None = None
+    points: _FittedPoints, size: np.ndarray, p: np.ndarray, held: int | None = None
 ) -> tuple[np.ndarray, bool]:
     """Least squares from `p`, the parameter of number `held` as it is."""
     from scipy.optimize import least_squares
@@ -507,7 +507,7 @@ def _descend(
 
 
 def _intervals(
-    points: _Points,
+    points: _FittedPoints,
     size: np.ndarray,
     p: np.ndarray,
     chi: float,
@@ -537,7 +537,7 @@ def _intervals(
 
 
 def _end(
-    points: _Points,
+    points: _FittedPoints,
     size: np.ndarray,
     p: np.ndarray,
     i: int,
@@ -592,7 +592,7 @@ _IN_UNITS: dict[str, Callable[[float], float]] = {
 }
 
 
-def _estimate(points: _Points, p: np.ndarray, bounds: Any) -> _Estimate:
+def _estimate(points: _FittedPoints, p: np.ndarray, bounds: Any) -> _Estimate:
     """Parameters and intervals from those of the search."""
     values = {
         name: float(_IN_UNITS[name](x)) for name, x in zip(points.names, p, strict=True)
@@ -611,7 +611,7 @@ def _estimate(points: _Points, p: np.ndarray, bounds: Any) -> _Estimate:
 
 
 def _packed(
-    points: _Points,
+    points: _FittedPoints,
     data: dict[str, Any],
     computed: dict[float, Any],
     used: np.ndarray,
@@ -669,7 +669,7 @@ def _packed(
 
 
 def _level(
-    every: _Points,
+    every: _FittedPoints,
     computed: dict[float, Any],
     used: np.ndarray,
     p: np.ndarray,

@@ -12,7 +12,7 @@ from ..material.shift import AbstractShift
 from .isotherms import Isotherms, alike, own_noise
 from .laws import (
     LawFit,
-    Place,
+    ReferencePlace,
     fit_laws,
     locate,
     log10_a,
@@ -25,7 +25,7 @@ from .spectrum import (
     LOSS,
     PER_DECADE,
     SETTLED,
-    Points,
+    MeasuredPoints,
     Posterior,
     Prediction,
     Prior,
@@ -91,7 +91,7 @@ class Shifts(NamedTuple):
     log_times: np.ndarray  # ln tau_k at the anchor's temperature
     temperature: np.ndarray  # of the isotherms, ascending [K]
     anchor: int
-    points: Points
+    points: MeasuredPoints
 
     @property
     def size(self) -> int:
@@ -184,7 +184,7 @@ def _held(rows: np.ndarray, target: np.ndarray) -> Prior:
 
 
 def join(
-    points: Points,
+    points: MeasuredPoints,
     temperature: np.ndarray,
     first_guess: np.ndarray,
     vertical: Lift,
@@ -340,7 +340,7 @@ def _begin(start: np.ndarray, shifts: Shifts, near: Shifts) -> None:
     )
 
 
-def _anchor(points: Points, guess: np.ndarray) -> int:
+def _anchor(points: MeasuredPoints, guess: np.ndarray) -> int:
     """The isotherm nearest to the middle of the reduced frequencies."""
     reduced = points.log_rate + LN10 * guess[points.isotherm]
     middle = 0.5 * (reduced.min() + reduced.max())
@@ -349,7 +349,7 @@ def _anchor(points: Points, guess: np.ndarray) -> int:
 
 
 def _first_spectrum(
-    points: Points, reduced: np.ndarray, log_times: np.ndarray
+    points: MeasuredPoints, reduced: np.ndarray, log_times: np.ndarray
 ) -> np.ndarray:
     """ln H_k from the loss modulus, H = (2/pi) G'' per unit of ln tau, or from
     relaxation, H = -dG/d(ln t).
@@ -388,7 +388,7 @@ def _first_spectrum(
     )
 
 
-def guess_shifts(points: Points, temperature: np.ndarray) -> np.ndarray:
+def guess_shifts(points: MeasuredPoints, temperature: np.ndarray) -> np.ndarray:
     """log10 a_i to begin with, from neighbours in temperature: the shift that makes
     both one smooth curve.
     """
@@ -400,7 +400,7 @@ def guess_shifts(points: Points, temperature: np.ndarray) -> np.ndarray:
     return guess
 
 
-def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
+def _pair(points: MeasuredPoints, cold: int, warm: int, gap: float) -> float:
     """log10(a_cold/a_warm) by least squares of polynomials in ln omega, one per
     channel, over a grid of shifts.
     """
@@ -450,7 +450,7 @@ _EVEN = 0.02
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
 
-class Doubt(NamedTuple):
+class ShiftDirection(NamedTuple):
     """One direction of uncertainty of log10 a_T that the posterior does not contain,
     one standard deviation long.
     """
@@ -470,7 +470,7 @@ class Joint(NamedTuple):
 
     shifts: Shifts
     # of the choice of shift model, and of gaps between isotherms
-    doubts: tuple[Doubt, ...]
+    doubts: tuple[ShiftDirection, ...]
     # by which the covariance has grown since residuals along an isotherm resemble each
     # other
     inflation: float
@@ -492,7 +492,7 @@ class AtReference(NamedTuple):
     covariance: np.ndarray  # of log10_a
     ln_b: np.ndarray
     ln_b_std: np.ndarray
-    place: Place  # of the reference temperature among the isotherms
+    place: ReferencePlace  # of the reference temperature among the isotherms
     # takes the unknowns to ln b at the reference temperature
     ln_b_by_unknowns: np.ndarray
     laws: dict[str, LawFit]
@@ -540,7 +540,7 @@ def fit_jointly(
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
     lifted, unlifted = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
     difference = (unlifted - unlifted[shifts.anchor]) - (lifted - lifted[shifts.anchor])
-    choice = Doubt(np.sqrt(weight) * difference, 0.0, (np.inf, np.inf))
+    choice = ShiftDirection(np.sqrt(weight) * difference, 0.0, (np.inf, np.inf))
     return Joint(
         shifts,
         (choice, *_gaps(shifts)),
@@ -630,7 +630,7 @@ def without_vertical(joint: Joint) -> Joint:
     plain = join(plain.points, plain.temperature, x, "none", temper, near=plain)
     x = plain.horizontal(plain.posterior.mean)[0]
     difference = (lifted - lifted[plain.anchor]) - (x - x[plain.anchor])
-    choice = Doubt(
+    choice = ShiftDirection(
         np.sqrt(1 - joint.weight) * difference, 0.0, (np.inf, np.inf), of_law=False
     )
     return Joint(
@@ -674,7 +674,7 @@ def entropic(joint: Joint) -> Joint | None:
     here = shifts.horizontal(shifts.posterior.mean)[0]
     difference = (x - x[shifts.anchor]) - (here - here[shifts.anchor])
     other = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
-    choice = Doubt(np.sqrt(other) * difference, 0.0, (np.inf, np.inf))
+    choice = ShiftDirection(np.sqrt(other) * difference, 0.0, (np.inf, np.inf))
     return joint._replace(
         shifts=shifts,
         doubts=() if law else (choice, *_gaps(shifts)),
@@ -832,7 +832,7 @@ def moved(
     )
 
 
-def _gaps(shifts: Shifts) -> Iterator[Doubt]:
+def _gaps(shifts: Shifts) -> Iterator[ShiftDirection]:
     """What rests on the smoothness of the spectrum alone: the steps between isotherms
     that do not overlap.
     """
@@ -846,11 +846,11 @@ def _gaps(shifts: Shifts) -> Iterator[Doubt]:
     for i in range(shifts.size - 1):
         size = _GAP * ((low[: i + 1].min() - high[i + 1 :].max()) / LN10 - _BRIDGED)
         if size > 0 and i < shifts.anchor:
-            yield Doubt(
+            yield ShiftDirection(
                 np.where(numbers <= i, size, 0.0), size, (high[i + 1 :].max(), np.inf)
             )
         elif size > 0:
-            yield Doubt(
+            yield ShiftDirection(
                 np.where(numbers > i, size, 0.0), size, (-np.inf, low[: i + 1].min())
             )
 

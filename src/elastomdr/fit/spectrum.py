@@ -39,7 +39,7 @@ _LARGEST = 700.0  # of an exponent: exp(700) is still a float64
 _FAR = 1e150
 
 
-class Points(NamedTuple):
+class MeasuredPoints(NamedTuple):
     """Measured values, one row each, whatever they are of."""
 
     channel: np.ndarray  # STORAGE, LOSS or RELAXATION
@@ -319,7 +319,7 @@ Model = Callable[[np.ndarray], tuple[np.ndarray, Callable[[], np.ndarray]]]
 Wary = Callable[[np.ndarray], np.ndarray]
 
 
-class _Place(NamedTuple):
+class _SearchPoint(NamedTuple):
     """Unknowns, and the model there."""
 
     p: np.ndarray
@@ -358,7 +358,7 @@ def infer(
     pulls = [prior.pull() for prior in priors]
     members = [np.flatnonzero(group == g) for g in range(noise.size)]
     value, jacobian = model(start)
-    place, converged = _Place(start, data - value, jacobian()), False
+    place, converged = _SearchPoint(start, data - value, jacobian()), False
     factor = covariance = np.eye(start.size)
     for _ in range(_ROUNDS):
         # its transpose is itself, in the order of LAPACK
@@ -403,7 +403,7 @@ def _outlier_weights(residuals: np.ndarray) -> np.ndarray:
 
 
 def _evidence(
-    place: _Place,
+    place: _SearchPoint,
     weights: np.ndarray,
     sigma: np.ndarray,
     temper: float,
@@ -483,9 +483,9 @@ def _climb(
     scale: np.ndarray,
     precision: np.ndarray,
     pull: np.ndarray,
-    place: _Place,
+    place: _SearchPoint,
     least: float,
-) -> tuple[_Place, bool]:
+) -> tuple[_SearchPoint, bool]:
     """Damped Gauss-Newton to the most probable unknowns, and whether they are
     reached.
     """
@@ -515,7 +515,7 @@ def _climb(
             if damping > 1e8:
                 return place, True
         gain = now - new
-        place, now = _Place(trial, data - value, jacobian()), new
+        place, now = _SearchPoint(trial, data - value, jacobian()), new
         if calm:
             damping = max(damping / 8, 1e-9)
         if gain < least:
@@ -599,7 +599,9 @@ _FLAT = 1e-3  # least -d(ln G)/d(ln t)
 _STEEPEST = 0.8
 
 
-def hidden(points: Points, reduced: np.ndarray, log_times: np.ndarray) -> np.ndarray:
+def hidden(
+    points: MeasuredPoints, reduced: np.ndarray, log_times: np.ndarray
+) -> np.ndarray:
     """Which relaxation times are too short for relaxation data to see; none for other
     data.
 
@@ -619,7 +621,7 @@ def skewed(std: np.ndarray) -> np.ndarray:
 
 
 def early(
-    points: Points, reduced: np.ndarray, log_times: np.ndarray, size: int
+    points: MeasuredPoints, reduced: np.ndarray, log_times: np.ndarray, size: int
 ) -> list[Prior]:
     """The expectation of ln H_k (the first of `size` unknowns) at times too short to be
     seen; none for other data.

@@ -14,7 +14,7 @@ from .spectrum import (
     LOSS,
     RELAXATION,
     STORAGE,
-    Points,
+    MeasuredPoints,
     Posterior,
     Prior,
     closest_passive,
@@ -60,7 +60,7 @@ _ROUGHLY = 0.1
 class Data(NamedTuple):
     """What a series is compared with."""
 
-    points: Points
+    points: MeasuredPoints
     noise: np.ndarray  # standard deviation of ln(value) per channel
     # per point: 1, less for an outlier, more where several points are gathered in one
     weights: np.ndarray
@@ -205,13 +205,13 @@ def _gathered(data: Data) -> Data:
 
     channel = np.rint(mean(points.channel.astype(float))).astype(int)
     zero = np.zeros(total.size)
-    gathered = Points(
+    gathered = MeasuredPoints(
         channel, mean(points.log_rate), mean(points.log_value), zero.astype(int), zero
     )
     return data._replace(points=gathered, weights=total, measured=None)
 
 
-def _levels_off(points: Points, series: Terms) -> bool:
+def _levels_off(points: MeasuredPoints, series: Terms) -> bool:
     """Whether the slow end of the data is that of a solid, so that its equilibrium
     modulus is more than a guess.
 
@@ -351,7 +351,7 @@ def _climb(
 
 
 def _model(
-    points: Points, p: np.ndarray, solid: bool
+    points: MeasuredPoints, p: np.ndarray, solid: bool
 ) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
     """ln of what a series predicts, and its Jacobian."""
     n = (p.size - solid) // 2
@@ -409,7 +409,7 @@ _LEAST_NOISE = 0.002
 
 
 def weigh(
-    noise: np.ndarray, points: Points, balance: float | None
+    noise: np.ndarray, points: MeasuredPoints, balance: float | None
 ) -> tuple[np.ndarray, bool]:
     """Standard deviations that the kinds of modulus are weighed with, and whether the
     moduli contradict each other.
@@ -449,7 +449,7 @@ class Met(NamedTuple):
         return float(np.hypot(self.storage, self.loss))
 
 
-def trade_off(points: Points) -> tuple[Met, ...]:
+def trade_off(points: MeasuredPoints) -> tuple[Met, ...]:
     """Of all passive materials those closest to storage and loss modulus, by the weight
     of the storage modulus.
     """
@@ -485,7 +485,7 @@ def verdict(met: tuple[Met, ...], storage: float, loss: float) -> str:
     )
 
 
-def _scatter(points: Points) -> np.ndarray:
+def _scatter(points: MeasuredPoints) -> np.ndarray:
     """Standard deviation of ln(value) about the line between its neighbours in
     frequency, by channel, or NaN.
     """
@@ -532,14 +532,14 @@ class SlowEnd(NamedTuple):
     kind: str  # of the modulus that is followed: "storage" or "relaxation"
 
 
-class _Line(NamedTuple):
+class _SlowLine(NamedTuple):
     value: float  # ln(modulus) at its slow end
     slope: float  # d(ln modulus)/d(ln rate)
     slope_std: float
     value_std: float
 
 
-def slow_end(points: Points, noise: np.ndarray) -> SlowEnd:
+def slow_end(points: MeasuredPoints, noise: np.ndarray) -> SlowEnd:
     """What may still relax below the data; `noise` is the standard deviation of
     ln(modulus) per channel.
     """
@@ -558,7 +558,9 @@ def slow_end(points: Points, noise: np.ndarray) -> SlowEnd:
     )
 
 
-def _from_loss(points: Points, noise: np.ndarray, start: float) -> tuple[float, float]:
+def _from_loss(
+    points: MeasuredPoints, noise: np.ndarray, start: float
+) -> tuple[float, float]:
     storage, loss = (
         _line(points, which, noise[which], start) for which in (STORAGE, LOSS)
     )
@@ -571,7 +573,7 @@ def _from_loss(points: Points, noise: np.ndarray, start: float) -> tuple[float, 
 
 
 def _from_relaxation(
-    points: Points, noise: np.ndarray, start: float
+    points: MeasuredPoints, noise: np.ndarray, start: float
 ) -> tuple[float, float]:
     last, before = (
         _line(points, RELAXATION, noise[RELAXATION], start + by) for by in (0.0, _LN10)
@@ -589,7 +591,9 @@ def _from_relaxation(
     return (end * (sure - most * 10 ** (-power / 2) / power) if power > 0 else 0.0), end
 
 
-def _line(points: Points, channel: int, noise: float, start: float) -> _Line:
+def _line(
+    points: MeasuredPoints, channel: int, noise: float, start: float
+) -> _SlowLine:
     """A straight line through ln(modulus) over the decade from ln(rate) `start` on."""
     indices = np.flatnonzero(
         (points.channel == channel) & (points.log_rate >= start - 1e-9)
@@ -599,7 +603,7 @@ def _line(points: Points, channel: int, noise: float, start: float) -> _Line:
     indices = indices[: max(inside, _FEWEST)]
     u = points.log_rate[indices] - start
     if np.unique(u).size < 2:
-        return _Line(
+        return _SlowLine(
             float(points.log_value[indices].mean()) if indices.size else 0.0,
             0.0,
             np.inf,
@@ -610,6 +614,6 @@ def _line(points: Points, channel: int, noise: float, start: float) -> _Line:
     p = inverse @ design.T @ points.log_value[indices]
     off = points.log_value[indices] - design @ p
     size = max(noise, float(np.sqrt(off @ off / max(u.size - 2, 1))))
-    return _Line(
+    return _SlowLine(
         float(p[0]), float(p[1]), *(size * np.sqrt(np.diag(inverse))[::-1]).tolist()
     )

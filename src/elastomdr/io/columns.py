@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import InputError, closest
 from ..units.registry import KINDS, is_unit, to_si, usual
 from .sheets import number, read_sheet
-from .tables import MOST_COLUMNS, Head, Table, clean, listed, main_table, splits
+from .tables import MOST_COLUMNS, Head, TitledTable, clean, listed, main_table, splits
 
 LOGS = {"log10": 10.0, "ln": np.e}
 _DECADIC = r"log[\s_]?10|log[\s_]?\(10\)|log₁₀|lg"
@@ -29,7 +29,7 @@ _NUMBER_WITH_UNIT = re.compile(r"([+-]?\d[\d.]*(?:[eE][+-]?\d+)?)\s*([^\d\s\[].*
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ColumnKind:
     """What a column may hold: `titles` are regular expressions, the preferred ones
     first.
     """
@@ -59,7 +59,7 @@ class Column(NamedTuple):
     """A column that is understood."""
 
     place: int
-    quantity: Quantity
+    quantity: ColumnKind
     title: str
     unit: str  # as it is written; "" where none is
     rank: int
@@ -73,7 +73,7 @@ class Column(NamedTuple):
     def role(self) -> str:
         return self.quantity.role
 
-    def of(self, table: Table, unit: str) -> np.ndarray:
+    def of(self, table: TitledTable, unit: str) -> np.ndarray:
         """The numbers of the column in SI."""
         # of a user's Hz
         kinds = [
@@ -106,7 +106,7 @@ def logarithm(title: str) -> tuple[str, str]:
 
 
 @functools.lru_cache(maxsize=4096)
-def understand(head: Head, quantities: tuple[Quantity, ...]) -> Column | None:
+def understand(head: Head, quantities: tuple[ColumnKind, ...]) -> Column | None:
     """The column below a title; None where the title is none of the quantities."""
     log, title = logarithm(clean(head.title))
     below = head.below.strip("[]() ")
@@ -177,8 +177,8 @@ class Understood(NamedTuple):
 def understand_table(
     name: str,
     columns: Mapping[str, Any] | None,
-    table: Table,
-    quantities: tuple[Quantity, ...],
+    table: TitledTable,
+    quantities: tuple[ColumnKind, ...],
 ) -> Understood:
     """What the columns of a table are, a user's word before its titles. Raises
     `InputError`.
@@ -198,8 +198,8 @@ def understand_table(
 def named_columns(
     name: str,
     columns: Mapping[str, Any] | None,
-    table: Table,
-    quantities: tuple[Quantity, ...],
+    table: TitledTable,
+    quantities: tuple[ColumnKind, ...],
 ) -> tuple[dict[str, Column], dict[str, float]]:
     """The columns, and the numbers for all rows [SI], that a user names for roles;
     those not in the table are left out.
@@ -238,9 +238,9 @@ def named_columns(
 def _named_column(
     name: str,
     head: Head,
-    quantity: Quantity,
+    quantity: ColumnKind,
     unit: str,
-    quantities: tuple[Quantity, ...],
+    quantities: tuple[ColumnKind, ...],
 ) -> Column:
     """The column that a user names for a quantity, in the user's unit, if there is
     one. Raises `InputError`.
@@ -266,7 +266,7 @@ def _named_column(
     return column._replace(unit=unit, known=True, users=True)
 
 
-def _column_without_role(head: Head, quantity: Quantity) -> Column:
+def _column_without_role(head: Head, quantity: ColumnKind) -> Column:
     """A column whose title does not say that it holds the quantity, with the unit that
     stands there.
     """
@@ -286,7 +286,7 @@ def _column_without_role(head: Head, quantity: Quantity) -> Column:
 
 
 def choose(
-    name: str, columns: Sequence[Column], table: Table, units: Mapping[str, str]
+    name: str, columns: Sequence[Column], table: TitledTable, units: Mapping[str, str]
 ) -> dict[str, Column]:
     """One column for each role: the preferred title, of these the first with fewest
     holes.
@@ -327,7 +327,7 @@ def choose(
     return {role: _by_the_clock(name, column, table) for role, column in chosen.items()}
 
 
-def _by_the_clock(name: str, column: Column, table: Table) -> Column:
+def _by_the_clock(name: str, column: Column, table: TitledTable) -> Column:
     """A column of times, in seconds where they are written as hh:mm:ss.
 
     Raises `InputError` for times of day, which do not tell when the test began.
@@ -348,7 +348,7 @@ def _by_the_clock(name: str, column: Column, table: Table) -> Column:
 
 
 def with_sign(
-    name: str, table: Table, chosen: Mapping[str, Column]
+    name: str, table: TitledTable, chosen: Mapping[str, Column]
 ) -> tuple[dict[str, Column], tuple[str, ...]]:
     """The columns, those turned whose numbers are negative nearly everywhere, and what
     was turned in words.
@@ -374,7 +374,10 @@ def with_sign(
 
 
 def measured(
-    name: str, table: Table, chosen: Mapping[str, Column], units: Mapping[str, str]
+    name: str,
+    table: TitledTable,
+    chosen: Mapping[str, Column],
+    units: Mapping[str, str],
 ) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
     """The numbers of the good rows by role [SI], which rows these are, and what is
     wrong with each of the others.
@@ -409,7 +412,7 @@ def measured(
     return kept, good, bad
 
 
-def _rows_of_wrong_width(table: Table) -> dict[int, str]:
+def _rows_of_wrong_width(table: TitledTable) -> dict[int, str]:
     """What is wrong with rows cut at blanks that lack a cell, or have numbers behind
     their last one.
     """
@@ -423,7 +426,7 @@ def _rows_of_wrong_width(table: Table) -> dict[int, str]:
     }
 
 
-def _cell(table: Table, row: int, place: int) -> str:
+def _cell(table: TitledTable, row: int, place: int) -> str:
     cells = table.rows[row].cells
     return cells[place] if place < len(cells) else ""
 
@@ -450,7 +453,7 @@ def _check_limits(
 
 def read_columns(
     path: Any,
-    quantities: tuple[Quantity, ...],
+    quantities: tuple[ColumnKind, ...],
     required: Sequence[str],
     columns: Any,
     units: Mapping[str, str],
@@ -511,7 +514,7 @@ def checked_units(**given: Any) -> dict[str, str]:
 
 def refuse_contradiction(
     name: str,
-    table: Table,
+    table: TitledTable,
     chosen: Mapping[str, Column],
     columns: Sequence[Column],
     units: Mapping[str, str],
@@ -548,7 +551,7 @@ def refuse_contradiction(
     )
 
 
-def refuse_wide(name: str, tables: Sequence[Table]) -> None:
+def refuse_wide(name: str, tables: Sequence[TitledTable]) -> None:
     """Raises `InputError` for a table with more columns than a measurement has."""
     widest = max((len(table.heads) for table in tables), default=0)
     if widest > MOST_COLUMNS:
@@ -599,7 +602,9 @@ def unit_of(name: str, column: Column, units: Mapping[str, str]) -> str:
     return unit
 
 
-def taken(table: Table, chosen: Mapping[str, Column], units: Mapping[str, str]) -> str:
+def taken(
+    table: TitledTable, chosen: Mapping[str, Column], units: Mapping[str, str]
+) -> str:
     """In words, which columns are read as what, in which unit, and which are passed
     over.
     """
@@ -705,7 +710,9 @@ def _place(wanted: str, heads: Sequence[Head]) -> tuple[int | None, str, str]:
     return by_title, unit, log
 
 
-def _si(column: Column, table: Table, units: Mapping[str, str]) -> np.ndarray | None:
+def _si(
+    column: Column, table: TitledTable, units: Mapping[str, str]
+) -> np.ndarray | None:
     """The numbers of a column in SI, None where its unit is not known."""
     kind = (
         "frequency"
@@ -735,7 +742,7 @@ def _differ(one: np.ndarray, other: np.ndarray, kind: str) -> bool:
     )
 
 
-def _rank(quantity: Quantity, name: str) -> int | None:
+def _rank(quantity: ColumnKind, name: str) -> int | None:
     """The rank of a name, also of one that is said twice, in words and as a symbol:
     "Storage modulus (E')".
     """
@@ -752,7 +759,7 @@ def _rank(quantity: Quantity, name: str) -> int | None:
     return None
 
 
-def _letter(quantity: Quantity, name: str) -> str:
+def _letter(quantity: ColumnKind, name: str) -> str:
     """ "G" or "E", where the name of a modulus says which it is."""
     if quantity.kind == "viscosity":
         return "G"
@@ -778,7 +785,7 @@ def _letter(quantity: Quantity, name: str) -> str:
 
 
 def missing(
-    name: str, recognised: Sequence[str], needed: str, tables: Sequence[Table]
+    name: str, recognised: Sequence[str], needed: str, tables: Sequence[TitledTable]
 ) -> str:
     """What is missing in a file, in words, and how to name it."""
     table = max(tables, key=lambda one: len(one.rows), default=None)

@@ -36,7 +36,7 @@ from .isotherms import (
 )
 from .quantities import QUANTITIES, lacking, needed_roles
 from .sheets import is_frame, read_sheet, sheet_of_frame
-from .tables import Format, Table, format_of
+from .tables import Format, TitledTable, format_of
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Frame, Kind
@@ -220,7 +220,7 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
         for isotherm in isotherms(name, table, options.columns, options.units)
     ]
     measurements: list[Dma] = []
-    used: list[Table] = []
+    used: list[TitledTable] = []
     refused: list[_NoStep] = []
     before = -np.inf  # when the step before ended
     not_understood: tuple[list[str], str] | None = None
@@ -282,9 +282,9 @@ def _ended(measurement: Dma) -> float:
 def _refuse_second_step(
     name: str,
     measurement: Dma,
-    table: Table,
+    table: TitledTable,
     others: Sequence[Dma],
-    used: Sequence[Table],
+    used: Sequence[TitledTable],
     before: float,
 ) -> None:
     """Raises `_NoStep` for a step of stress or strain that remembers one before it in
@@ -321,7 +321,7 @@ def _refuse_second_step(
         )
 
 
-def _lack(table: Table, columns: Understood, specimen: Specimen) -> str:
+def _lack(table: TitledTable, columns: Understood, specimen: Specimen) -> str:
     """What is missing to make a measurement of a table, in words; empty where nothing
     is.
     """
@@ -343,7 +343,7 @@ def _lack(table: Table, columns: Understood, specimen: Specimen) -> str:
     return f"{lack}; {_ALONE}"
 
 
-def _refuse_rows_below(name: str, table: Table, before: Table) -> None:
+def _refuse_rows_below(name: str, table: TitledTable, before: TitledTable) -> None:
     """Raises `InputError` for rows, below a table that is read, whose titles are not
     understood: as wide, they may belong to it.
     """
@@ -385,7 +385,11 @@ def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Col
 
 
 def _measurement(
-    name: str, layout: Format, table: Table, columns: Understood, options: _Options
+    name: str,
+    layout: Format,
+    table: TitledTable,
+    columns: Understood,
+    options: _Options,
 ) -> Dma:
     """The measurement in a table. Raises `InputError`."""
     units = options.units
@@ -432,7 +436,7 @@ def _measurement(
 
 
 def _chosen(
-    name: str, table: Table, columns: Understood, options: _Options
+    name: str, table: TitledTable, columns: Understood, options: _Options
 ) -> tuple[dict[str, Column], tuple[str, ...]]:
     """One column for each role that is needed, and these roles. Raises `InputError`."""
     candidates = [
@@ -544,11 +548,11 @@ def _over_time(
 
 def _while_held(
     name: str,
-    table: Table,
+    table: TitledTable,
     columns: Mapping[str, Column],
     measured_as: str,
     options: _Options,
-) -> tuple[Table, str, tuple[str, ...]]:
+) -> tuple[TitledTable, str, tuple[str, ...]]:
     """The rows of a table over time while the stress (creep) or the strain (relaxation)
     is held, which of both it is, and what is left out, in words.
 
@@ -615,7 +619,7 @@ def _curves(time: np.ndarray) -> list[np.ndarray]:
     return np.split(rows, np.flatnonzero(along < 0) + 1)
 
 
-def _not_held(runs: Sequence[str], held: bool, table: Table) -> tuple[str, str]:
+def _not_held(runs: Sequence[str], held: bool, table: TitledTable) -> tuple[str, str]:
     """Why rows over time are no response to one step, and what to do, in words."""
     if len(runs) > 1:
         said = "are both constant" if held else "both vary"
@@ -687,7 +691,7 @@ def _scale(name: str, specimen: Specimen) -> float:
     return specimen.length / specimen.area
 
 
-def _is_strain(table: Table, column: Column) -> bool:
+def _is_strain(table: TitledTable, column: Column) -> bool:
     """Whether a column of strain is wanted: in a unit of strain, or, without one,
     different from row to row.
     """
@@ -732,7 +736,7 @@ def _unit_in_words(column: Column, units: dict[str, str]) -> str:
 
 def _kind(
     name: str,
-    table: Table,
+    table: TitledTable,
     chosen: Mapping[str, Column],
     kind: str | None,
     layout: Format,

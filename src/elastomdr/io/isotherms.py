@@ -19,7 +19,7 @@ from .columns import named_columns, understand
 from .data import COLDEST, Dma, describe_list, in_strain_sweep, untold
 from .quantities import QUANTITIES, lacking
 from .sheets import Row, number
-from .tables import Head, Table, refuse_many
+from .tables import Head, TitledTable, refuse_many
 
 _STEP = (
     r"(step|schritt|segment|interval|intervall|block|set|sweep|(mess)?abschnitt)"
@@ -69,10 +69,10 @@ _CONDITION_ROLES = ("frequency", "temperature", "time")
 
 def isotherms(
     name: str,
-    table: Table,
+    table: TitledTable,
     columns: Mapping[str, Any] | None,
     units: Mapping[str, str],
-) -> list[Table]:
+) -> list[TitledTable]:
     """The isotherms in a table, each with the temperature that stands in its titles or
     above it; of those side by side only the ones with all the columns that the user
     names. `units` are the user's, for numbers without one.
@@ -94,7 +94,7 @@ def isotherms(
     return complete or [table]
 
 
-def _steps(name: str, table: Table) -> list[Table]:
+def _steps(name: str, table: TitledTable) -> list[TitledTable]:
     """A table for each number in a column of steps; or the table."""
     for head in table.heads:
         if not re.fullmatch(_STEP, head.title.strip(), re.IGNORECASE):
@@ -114,7 +114,7 @@ def _steps(name: str, table: Table) -> list[Table]:
     return [table]
 
 
-def _by_condition(table: Table) -> list[Table]:
+def _by_condition(table: TitledTable) -> list[TitledTable]:
     """A table for each temperature or frequency that stands in titles, as in "E' (-40
     degC) [MPa]"; or the table.
     """
@@ -159,7 +159,9 @@ def _decimal(digits: str) -> float:
     return float(digits.replace(",", "."))
 
 
-def _beside(name: str, table: Table, units: Mapping[str, str]) -> list[Table]:
+def _beside(
+    name: str, table: TitledTable, units: Mapping[str, str]
+) -> list[TitledTable]:
     """A table for each isotherm where the same columns repeat; or the table."""
     columns = [
         column for head in table.heads if (column := understand(head, QUANTITIES))
@@ -201,7 +203,7 @@ def _has_cell(row: Row, heads: Sequence[Head]) -> bool:
     return any(row.cells[h.place : h.place + 1] not in ([], [""]) for h in heads)
 
 
-def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
+def _between(name: str, table: TitledTable, first: int, end: int) -> dict[str, float]:
     """The temperature in the text above some columns. Raises `InputError` where there
     are two.
     """
@@ -220,7 +222,9 @@ def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
     return {"temperature": min(temperatures)} if temperatures else {}
 
 
-def _bare(name: str, table: Table, count: int, units: Mapping[str, str]) -> list[float]:
+def _bare(
+    name: str, table: TitledTable, count: int, units: Mapping[str, str]
+) -> list[float]:
     """The temperatures [K] of `count` isotherms side by side from a row of as many
     numbers right above their titles; empty where there is none. Raises `InputError`
     where nobody gives their unit.
@@ -248,7 +252,7 @@ def _bare(name: str, table: Table, count: int, units: Mapping[str, str]) -> list
     return []
 
 
-def _rate_above(table: Table) -> dict[str, float]:
+def _rate_above(table: TitledTable) -> dict[str, float]:
     """The frequency [rad/s] in the last line above a table that says one and nothing
     else.
     """

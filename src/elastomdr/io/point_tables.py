@@ -11,10 +11,10 @@ import numpy as np
 from ..checks import in_kelvin, in_si, plain
 from ..errors import InputError, warn
 from ..material.shift import ShiftTable, VerticalTable
-from .columns import Quantity, checked_units, left_out, read_columns
+from .columns import ColumnKind, checked_units, left_out, read_columns
 from .data import COLDEST, FitWarning, MeasuredFriction
 
-_TEMPERATURE = Quantity(
+_TEMPERATURE = ColumnKind(
     "temperature",
     "temperature",
     (r"t|temp\.?|temperature|temperatur",),
@@ -22,7 +22,7 @@ _TEMPERATURE = Quantity(
     limits=(COLDEST, 800.0),
 )
 _FRICTION = (
-    Quantity(
+    ColumnKind(
         "velocity",
         "velocity",
         (
@@ -31,7 +31,7 @@ _FRICTION = (
         option="velocity_unit",
         limits=(1e-12, 1e3),
     ),
-    Quantity(
+    ColumnKind(
         "mu",
         "ratio",
         (
@@ -42,13 +42,13 @@ _FRICTION = (
         limits=(0.0, 8.0),
     ),
     _TEMPERATURE,
-    Quantity(
+    ColumnKind(
         "pressure",
         "modulus",
         (r"p|(nominal |contact |mean )?pressure|druck|flächenpressung",),
         option="pressure_unit",
     ),
-    Quantity(
+    ColumnKind(
         "error",
         "ratio",
         (
@@ -60,8 +60,8 @@ _FRICTION = (
 _VERTICAL = 1e-3  # of log10 b_T, below which moduli are not shifted
 _SHIFTS = (
     _TEMPERATURE,
-    Quantity("shift", "ratio", (r"a_?t?|shift ?factors?|verschiebungsfaktor(en)?",)),
-    Quantity("vertical", "ratio", (r"b_?t?|vertical shift( ?factors?)?",), valid=""),
+    ColumnKind("shift", "ratio", (r"a_?t?|shift ?factors?|verschiebungsfaktor(en)?",)),
+    ColumnKind("vertical", "ratio", (r"b_?t?|vertical shift( ?factors?)?",), valid=""),
 )
 
 

@@ -2,18 +2,18 @@
 of them together are a measurement.
 """
 
-from .columns import Quantity
+from .columns import ColumnKind
 from .data import COLDEST
 
 _POLYMERS = (1e3, 3e10)  # [Pa], between which the largest modulus of a file lies
 QUANTITIES = (
-    Quantity(
+    ColumnKind(
         "frequency",
         "frequency",
         (r"f|freq\.?|frequency|frequenz|주파수",),
         option="frequency_unit",
     ),
-    Quantity(
+    ColumnKind(
         "frequency",
         "angular frequency",
         (
@@ -21,7 +21,7 @@ QUANTITIES = (
         ),
         option="frequency_unit",
     ),
-    Quantity(
+    ColumnKind(
         "temperature",
         "temperature",
         (
@@ -33,8 +33,10 @@ QUANTITIES = (
         option="temperature_unit",
         limits=(COLDEST, 800.0),
     ),
-    Quantity("time", "time", (r"(?-i:t)|(step )?time|zeit|시간",), option="time_unit"),
-    Quantity(
+    ColumnKind(
+        "time", "time", (r"(?-i:t)|(step )?time|zeit|시간",), option="time_unit"
+    ),
+    ColumnKind(
         "storage",
         "modulus",
         (
@@ -45,7 +47,7 @@ QUANTITIES = (
         option="modulus_unit",
         limits=_POLYMERS,
     ),
-    Quantity(
+    ColumnKind(
         "loss",
         "modulus",
         (
@@ -56,21 +58,21 @@ QUANTITIES = (
         option="modulus_unit",
         signed=True,
     ),
-    Quantity(
+    ColumnKind(
         "absolute",
         "modulus",
         (r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|(complex|dynamic) modulus|komplexer modul",),
         option="modulus_unit",
         limits=_POLYMERS,
     ),
-    Quantity(
+    ColumnKind(
         "phase",
         "angle",
         (r"phase ?angle|phase|delta|δ|phasenwinkel",),
         valid="between 0 and 90 deg",
         signed=True,
     ),
-    Quantity(
+    ColumnKind(
         "tangent",
         "ratio",
         (
@@ -79,7 +81,7 @@ QUANTITIES = (
         limits=(0.0, 3.0),
         signed=True,
     ),
-    Quantity(
+    ColumnKind(
         "relaxation",
         "modulus",
         (
@@ -89,7 +91,7 @@ QUANTITIES = (
         option="modulus_unit",
         limits=_POLYMERS,
     ),
-    Quantity(
+    ColumnKind(
         "strain",
         "strain",
         (
@@ -100,17 +102,17 @@ QUANTITIES = (
         valid="",
         limits=(1e-8, 5.0),
     ),
-    Quantity(
+    ColumnKind(
         "viscosity",
         "viscosity",
         (r"\|?(eta|η|h)\*\|?|complex viscosity|komplexe viskosität|eta_?(abs|star)",),
     ),
-    Quantity(
+    ColumnKind(
         "viscosity_real",
         "viscosity",
         (r"(eta|η|h)(_?1|'|_?prime)|(dynamic|real|storage) viscosity",),
     ),
-    Quantity(
+    ColumnKind(
         "viscosity_imaginary",
         "viscosity",
         (
@@ -118,19 +120,19 @@ QUANTITIES = (
         ),
         signed=True,
     ),
-    Quantity(
+    ColumnKind(
         "compliance",
         "compliance",
         (r"\|[jd]\*\|?|[jd]\*|[jd]_?abs|(complex|dynamic) compliance",),
     ),
-    Quantity(
+    ColumnKind(
         "compliance_storage",
         "compliance",
         (
             r"[jd](_?1|'|_?(prime|stor|storage))|storage compliance|speichernachgiebigkeit",
         ),
     ),
-    Quantity(
+    ColumnKind(
         "compliance_loss",
         "compliance",
         (
@@ -138,7 +140,7 @@ QUANTITIES = (
         ),
         signed=True,
     ),
-    Quantity(
+    ColumnKind(
         "creep",
         "compliance",
         (
@@ -146,25 +148,25 @@ QUANTITIES = (
             r"kriechnachgiebigkeit|creep|[jd]_?(creep|t)|(?-i:[JD])",
         ),
     ),
-    Quantity(
+    ColumnKind(
         "stiffness",
         "stiffness",
         (
             r"\|?k\*\|?|k_?(abs|dyn)|((dynamic|complex) )?stiffness|(dynamische )?steifigkeit",
         ),
     ),
-    Quantity(
+    ColumnKind(
         "stiffness_storage",
         "stiffness",
         (r"k(_?1|'|_?(prime|stor|storage))|(storage|elastic) stiffness",),
     ),
-    Quantity(
+    ColumnKind(
         "stiffness_loss",
         "stiffness",
         (r"k(_?2|''|_?(pp|dprime|double_?prime|loss))|(loss|viscous) stiffness",),
         signed=True,
     ),
-    Quantity(
+    ColumnKind(
         "stress",
         "modulus",
         (r"((shear|tensile) )?stress( \u03c3| sigma)?|(schub)?spannung|\u03c3|sigma",),

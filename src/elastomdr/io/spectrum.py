@@ -21,7 +21,7 @@ from ..surface.topography import MeasuredSpectrum, from_spectrum
 from ..units.registry import is_level, to_si
 from .columns import logarithm
 from .sheets import read_sheet
-from .tables import Head, Table, clean, listed, main_table, splits
+from .tables import Head, TitledTable, clean, listed, main_table, splits
 
 if TYPE_CHECKING:
     from .._types import Convention
@@ -107,7 +107,7 @@ def read_spectrum(
 
 
 def _densities(
-    table: Table, head: Head, convention: str, c_unit: str | None, name: str
+    table: TitledTable, head: Head, convention: str, c_unit: str | None, name: str
 ) -> np.ndarray:
     """C [m^4 or m^3]. Raises `InputError` for a unit that the convention excludes."""
     wanted = "m^4" if convention.startswith("2d") else "m^3"
@@ -124,7 +124,11 @@ def _densities(
 
 
 def _wave_numbers(
-    table: Table, head: Head, wave_number: str | None, q_unit: str | None, name: str
+    table: TitledTable,
+    head: Head,
+    wave_number: str | None,
+    q_unit: str | None,
+    name: str,
 ) -> np.ndarray:
     """q [rad/m]; NaN where there is no number, infinite for a wavelength of 0."""
     unit, counts = _unit_and_meaning(head, wave_number, q_unit, name)
@@ -259,7 +263,7 @@ def _given(
     )
 
 
-def _columns(table: Table, columns: Any, name: str) -> tuple[Head, Head]:
+def _columns(table: TitledTable, columns: Any, name: str) -> tuple[Head, Head]:
     count = len(table.heads)
     if columns is None and count != 2:
         raise InputError(
@@ -297,7 +301,11 @@ def _columns(table: Table, columns: Any, name: str) -> tuple[Head, Head]:
 
 
 def _rows(
-    table: Table, heads: tuple[Head, Head], q: np.ndarray, c: np.ndarray, name: str
+    table: TitledTable,
+    heads: tuple[Head, Head],
+    q: np.ndarray,
+    c: np.ndarray,
+    name: str,
 ) -> np.ndarray:
     """Which rows hold two numbers. Raises `InputError` for what no spectrum holds, with
     line and value.

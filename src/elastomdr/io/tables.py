@@ -45,7 +45,7 @@ class Head(NamedTuple):
     below: str
 
 
-class Table(NamedTuple):
+class TitledTable(NamedTuple):
     """Rows of numbers below titles; titles are empty where there are none."""
 
     heads: list[Head]
@@ -82,7 +82,7 @@ class Table(NamedTuple):
         )
 
 
-def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
+def tables(sheet: Sheet, fewest: int = 2) -> list[TitledTable]:
     """All runs of rows with `fewest` numbers or more, the titles of each from the text
     above it.
 
@@ -90,10 +90,10 @@ def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
     belongs to the run. A run without titles of its own has those of the run before it,
     if that is as wide.
     """
-    complete: list[Table] = []
+    complete: list[TitledTable] = []
     above: list[Row] = []
     rows: list[Row] = []
-    before: Table | None = None
+    before: TitledTable | None = None
     for row in [*sheet.rows, Row(0, [])]:
         if row.line and not any(row.cells):
             continue
@@ -124,7 +124,7 @@ def refuse_many(name: str, count: int) -> None:
         )
 
 
-def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
+def main_table(sheet: Sheet, fewest: int = 2) -> TitledTable | None:
     """The table with most rows, and those below it without titles of their own, for
     files that hold one table.
     """
@@ -193,8 +193,8 @@ def _short(title: str) -> str:
 
 
 def _table(
-    sheet: Sheet, above: list[Row], rows: list[Row], before: Table | None
-) -> Table:
+    sheet: Sheet, above: list[Row], rows: list[Row], before: TitledTable | None
+) -> TitledTable:
     width = Counter(len(row.cells) for row in islice(rows, 400)).most_common(1)[0][0]
     # columns up to the last one that holds anything: lines may end with separators
     filled = width
@@ -221,7 +221,7 @@ def _table(
         ]
     if len(heads) < width:
         rows = [row._replace(cells=row.cells[: len(heads)]) for row in rows]
-    return Table(heads, rows, above, width if sheet.separator == " " else 0)
+    return TitledTable(heads, rows, above, width if sheet.separator == " " else 0)
 
 
 def _header(
@@ -377,7 +377,7 @@ class Format:
     name: str
     # regular expression, found in the first lines of a file, or in its name
     signature: str
-    tables: Callable[[Sheet], list[Table]]
+    tables: Callable[[Sheet], list[TitledTable]]
     # "shear" or "tensile", where the format says it and the titles do not
     kind: str = ""
     shifted: bool = False  # whether files of it are master curves
@@ -396,7 +396,7 @@ def format_of(sheet: Sheet) -> Format:
     return next(one for one in FORMATS if one.recognises(sheet))
 
 
-def _q800(sheet: Sheet) -> list[Table]:
+def _q800(sheet: Sheet) -> list[TitledTable]:
     """TA Instruments Q800: titles in the lines Sig1, Sig2, ..., numbers below
     StartOfData.
     """
@@ -417,10 +417,12 @@ def _q800(sheet: Sheet) -> list[Table]:
     rows = with_points(rows, "\t")
     # -1, -2: marks of events
     rows = [row for row in rows if len(row.cells) > 1 and not number(row.cells[0]) < 0]
-    return [Table([Head(i, title, "") for i, title in enumerate(titles)], rows, [])]
+    return [
+        TitledTable([Head(i, title, "") for i, title in enumerate(titles)], rows, [])
+    ]
 
 
-def _reptate(sheet: Sheet) -> list[Table]:
+def _reptate(sheet: Sheet) -> list[TitledTable]:
     """RepTate: parameters in the first line ("T=-10;Mw=33.6;"), titles and units at
     tabs, numbers at blanks.
     """
@@ -457,7 +459,7 @@ def _reptate(sheet: Sheet) -> list[Table]:
         for i, title in enumerate(heads)
         if not (master and title.startswith("T"))
     ]
-    return [Table(read, rows, [], fixed=fixed)]
+    return [TitledTable(read, rows, [], fixed=fixed)]
 
 
 # RepTate's columns and units

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import compiled, fixed, on_numpy, xp
+from ..arrays import compiled, on_numpy, stop_gradient, xp
 from ..checks import (
     Array,
     alike,
@@ -397,9 +397,11 @@ def secular_roots(
     # Where the last root is infinite it is sought with a constant that puts it at a
     # finite place, and masked below: an infinity on the way would turn the derivatives
     # of all roots into NaN.
-    stand_in = fixed(xp.sum(weights) / xp.maximum(poles[-1], _SMALLEST))
+    stand_in = stop_gradient(xp.sum(weights) / xp.maximum(poles[-1], _SMALLEST))
     constants = xp.where(finite, constant, stand_in)
-    fixed_poles, fixed_weights, fixed_constants = fixed((poles, weights, constants))
+    fixed_poles, fixed_weights, fixed_constants = stop_gradient(
+        (poles, weights, constants)
+    )
     top = fixed_poles[-1] + xp.sum(fixed_weights) / fixed_constants[-1]
     upper = xp.append(fixed_poles[1:], top)
     width = upper - fixed_poles
@@ -445,7 +447,9 @@ def _polished(
     gap = (origin[:, None] - poles[None, :]) + distance[:, None]
     residual = xp.sum(weights / _away_from_zero(gap), axis=1) - constants
     step = residual / xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
-    step = step - fixed(xp.where(xp.abs(step) < 0.1 * xp.abs(distance), 0.0, step))
+    step = step - stop_gradient(
+        xp.where(xp.abs(step) < 0.1 * xp.abs(distance), 0.0, step)
+    )
     gap = gap + step[:, None]
     slope = xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
     return origin + distance + step, slope, gap

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import fixed, namespace, xp
+from ..arrays import namespace, stop_gradient, xp
 from ..checks import Array, argmax, numpy_unless_traced
 
 if TYPE_CHECKING:
@@ -153,13 +153,13 @@ def peak(values: Array, last: Any) -> tuple[Array, Array]:
     largest one.
     """
     half = _NEAR // 2
-    first = xp.clip(argmax(fixed(values)) - half, 0, last + 1 - _NEAR)
+    first = xp.clip(argmax(stop_gradient(values)) - half, 0, last + 1 - _NEAR)
     near = first[None] + xp.arange(_NEAR)[:, None]
     rows = xp.take_along_axis(values, near, axis=0)
     # of powers of x, the nodes being at -1 ... 1
     coefficients = xp.einsum("ij,j...->i...", xp.asarray(_TO_POWERS), rows)
-    known, powers = fixed(coefficients), np.arange(_NEAR)[:, None]
-    x = argmax(fixed(rows)) / half - 1.0
+    known, powers = stop_gradient(coefficients), np.arange(_NEAR)[:, None]
+    x = argmax(stop_gradient(rows)) / half - 1.0
     for _ in range(5):
         slope = xp.sum((powers * known)[1:] * x ** (powers[1:] - 1), axis=0)
         bends = (powers * (powers - 1) * known)[2:] * x ** (powers[2:] - 2)

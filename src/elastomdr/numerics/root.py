@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from ..arrays import fixed, fori_loop, on_numpy, while_loop, xp
+from ..arrays import fori_loop, on_numpy, stop_gradient, while_loop, xp
 from ..checks import Array
 
 _CLOSE = 3e-4  # change of x from which one more Newton step is at rounding
@@ -32,9 +32,9 @@ def root(
 
     x, settled = search(residual, guess, close, slope)
     value, slope = jax.jvp(residual, (x,), (xp.ones_like(x),))
-    step = value / fixed(slope)
+    step = value / stop_gradient(slope)
     converged = settled & (xp.abs(step) < 10 * _CLOSE)
-    return x - xp.where(converged, step, step - fixed(step)), converged
+    return x - xp.where(converged, step, step - stop_gradient(step)), converged
 
 
 def search(
@@ -91,10 +91,10 @@ def search(
         0,
         residual(guess),
     )
-    state = fixed(state)
+    state = stop_gradient(state)
     state = while_loop(lambda s: ~xp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
     x, slope, _, _, settled, _, value = state
-    return fixed((x, settled & (xp.abs(value) < 10 * _CLOSE * slope)))
+    return stop_gradient((x, settled & (xp.abs(value) < 10 * _CLOSE * slope)))
 
 
 def bisect(

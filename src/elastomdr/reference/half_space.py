@@ -48,7 +48,7 @@ from .kernel import (
     sliding_kernel,
     work_against,
 )
-from .points import NOT_COMPARED, Points, points_of
+from .points import NOT_COMPARED, ReferencePoints, points_of
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -102,7 +102,7 @@ class _BodyContact(NamedTuple):
         )
 
 
-class _Problem(NamedTuple):
+class _CellProblem(NamedTuple):
     """A body under a load or at a depth, its lengths in `unit` [m], but those of the
     shape, and its stresses in the relaxed modulus.
     """
@@ -199,11 +199,11 @@ def slide(
     shape: Any,
     asked: Asked,
     points: int,
-    cover: Cover | None,
+    cover: CoverOfCells | None,
     model: str,
 ) -> FrictionCurve:
     """One isolated body; `cover` is None on a half-space, or what a layer changes
-    (`Cover`).
+    (`CoverOfCells`).
     """
     if not isinstance(shape, AbstractShape) or isinstance(shape, (Cylinder, FlatPunch)):
         raise InputError(
@@ -251,7 +251,7 @@ def grid_words(points: int) -> str:
 
 
 def _point(
-    shape: AbstractShape, law: Relaxation, scene: Points, cover: Any, i: int
+    shape: AbstractShape, law: Relaxation, scene: ReferencePoints, cover: Any, i: int
 ) -> tuple[_BodyContact, float]:
     """A point on the full grid, and how far mu may be off for the grid."""
     value, velocity = scene.value[i : i + 1], scene.velocity[i : i + 1]
@@ -263,7 +263,7 @@ def _point(
     # over cells hold in any units.
     law, given = scaled(law, 1 / stiff), float(value[0]) / size
     by_depth = scene.control == "depth"
-    problem = _Problem(
+    problem = _CellProblem(
         shape,
         size,
         law,
@@ -284,7 +284,7 @@ def _point(
 
 
 def _near_contact(
-    problem: _Problem, lead: float
+    problem: _CellProblem, lead: float
 ) -> tuple[np.ndarray | None, _BodyContact]:
     """The window in which the contact lies, and the contact there on coarse cells; None
     where it does not settle.
@@ -301,7 +301,11 @@ def _near_contact(
 
 
 def _on_fine_cells(
-    problem: _Problem, lead: float, window: np.ndarray, rough: _BodyContact, cells: int
+    problem: _CellProblem,
+    lead: float,
+    window: np.ndarray,
+    rough: _BodyContact,
+    cells: int,
 ) -> tuple[_BodyContact, float]:
     """The contact on `cells` to a side close around that of a first window, and how far
     its mu may be off, from half and from three eighths as many cells.
@@ -352,7 +356,7 @@ def _seen(
 
 
 def _solved(
-    problem: _Problem, window: np.ndarray, start: np.ndarray, lead: float
+    problem: _CellProblem, window: np.ndarray, start: np.ndarray, lead: float
 ) -> _BodyContact:
     """The contact in a window from window[0] to window[1] along the motion, and
     window[2] to either side, on the cells of `start`, which says where it begins.
@@ -403,7 +407,7 @@ def _solved(
 
 
 def _kernel(
-    problem: _Problem, h: float, width: float, count: int, lead: float
+    problem: _CellProblem, h: float, width: float, count: int, lead: float
 ) -> Kernel:
     """The influence of a cell, of a layer less than that of a half-space."""
     across, cover = (np.arange(count) * width)[None], problem.cover
@@ -521,7 +525,7 @@ def _metres(sides: np.ndarray) -> str:
     return f"{brief(sides[0], 'm')} by {brief(sides[1], 'm')}"
 
 
-class Cover(Tree):
+class CoverOfCells(Tree):
     """What a layer changes in the half-space's cells."""
 
     near: np.ndarray  # Chebyshev coefficients of n on panels of y
@@ -598,7 +602,7 @@ def friction_on_cells(
     return curve if adhesion is None else on_cells(curve, adhesion)
 
 
-def cover_of(material: Layer) -> Cover:
+def cover_of(material: Layer) -> CoverOfCells:
     """The kernel of a layer. Raises `InputError` for one that depends on time."""
     if not isinstance(material, Layer):
         raise InputError(f"material must be an em.layer(...), got {material!r}.")
@@ -615,7 +619,7 @@ def cover_of(material: Layer) -> Cover:
             )
         )
     squeeze = float(np.asarray(material.squeeze()))
-    return Cover(
+    return CoverOfCells(
         *_tables(squeeze, material.bonded),
         squeeze,
         float(material.thickness),

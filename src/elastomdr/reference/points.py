@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..call.problem import Asked, Scene, steady_scene
+from ..call.problem import Asked, SteadyScene, steady_scene
 from ..checks import as_float64, broadcast_shape, in_kelvin, positive
 from ..element.law import Foundation
 from ..errors import InputError
@@ -22,10 +22,10 @@ NOT_COMPARED = (
 )
 
 
-class Points(NamedTuple):
+class ReferencePoints(NamedTuple):
     """The points of a call, flattened."""
 
-    steady: Scene
+    steady: SteadyScene
     control: Control
     value: Float[np.ndarray, " n"]  # load over b_T [N], or depth [m]
     # b_T, by which forces are larger than those of the foundation's law
@@ -45,7 +45,7 @@ class Points(NamedTuple):
         return np.where(good, numbers, np.nan).reshape(self.steady.shape)
 
 
-def points_of(foundation: Foundation, asked: Asked, points: Any) -> Points:
+def points_of(foundation: Foundation, asked: Asked, points: Any) -> ReferencePoints:
     """Checks and flattens. Raises `InputError`."""
     if (
         isinstance(points, bool)
@@ -68,7 +68,7 @@ def points_of(foundation: Foundation, asked: Asked, points: Any) -> Points:
             "for ever."
         )
     control: Control = "depth" if steady.name == "depth" else "load"
-    return Points(
+    return ReferencePoints(
         steady,
         control,
         steady.at_reference(),

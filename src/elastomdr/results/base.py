@@ -776,11 +776,11 @@ class Result:
             title: instead of the quantity and the material.
             label: of this result in the legend.
         """
-        from .plotting import Ask
+        from .plotting import DrawAsk
 
         module, function = self._figure().split(".")
         drawing = importlib.import_module(f".{module}", __package__)
-        return self._draw(getattr(drawing, function), Ask(ax, style, title, label))
+        return self._draw(getattr(drawing, function), DrawAsk(ax, style, title, label))
 
     def _figure(self) -> str:
         """What draws this result, as "module.function" of this room."""

@@ -134,14 +134,16 @@ class AbstractCurve(Result):
                 if known, "temperature" [K], lists of the same length.
         """
         from .plot_curves import draw_curve
-        from .plotting import Ask
+        from .plotting import DrawAsk
 
         if self.drawn:
-            ask = Ask(ax, style, title, label)
+            ask = DrawAsk(ax, style, title, label)
             return draw_curve(
                 self.typical(), ask, measured=measured, spread=self.band()
             )
-        return self._draw(draw_curve, Ask(ax, style, title, label), measured=measured)
+        return self._draw(
+            draw_curve, DrawAsk(ax, style, title, label), measured=measured
+        )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Largest coefficient and where, both ends, and the largest bound on the
@@ -594,7 +596,7 @@ class PerssonCurve(AbstractCurve):
     title: ClassVar[str] = "Friction by Persson's theory"
 
 
-class Place(NamedTuple):
+class Ranked(NamedTuple):
     """A material in a ranking."""
 
     material: str
@@ -632,7 +634,7 @@ class Ranking:
     illustrative one, it is not known.
     """
 
-    places: tuple[Place, ...]
+    places: tuple[Ranked, ...]
     velocity: float  # [m/s]
     temperature: float | None  # [K]
     pressure: float | None  # nominal [Pa]
@@ -733,7 +735,7 @@ def _ranked(
         for name, axis in axes.items()
     }
     places = [
-        Place(
+        Ranked(
             name,
             float(mu(**point)),
             float(error(**point)) if fitted else np.nan,
@@ -757,7 +759,7 @@ def _ranked(
     )
 
 
-def _led(places: list[Place]) -> Iterator[Place]:
+def _led(places: list[Ranked]) -> Iterator[Ranked]:
     """Places in order, with their leads."""
     for place, following in pairwise([*places, None]):
         if place is not None and following is not None:

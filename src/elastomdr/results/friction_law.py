@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import __version__
-from ..arrays import fixed, xp
+from ..arrays import stop_gradient, xp
 from ..checks import (
     Array,
     as_float64,
@@ -150,7 +150,7 @@ class FrictionLaw(Tree):
 
         def there(points: Any) -> Any:
             share = FrictionLaw(mu=1.0 * points, **self.axes())
-            return fixed(share(**place) > 0)
+            return stop_gradient(share(**place) > 0)
 
         return carried(self.marks, there)
 

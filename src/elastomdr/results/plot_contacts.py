@@ -10,9 +10,9 @@ from .plotting import (
     LIGHT,
     LOG_RATIO,
     PALETTE,
-    Ask,
     Canvas,
-    Line,
+    DrawAsk,
+    DrawnLine,
     Sketch,
     draw,
     frame,
@@ -27,7 +27,7 @@ _WAVE_NUMBER = "Wave number q [rad/m]"
 _SPECTRUM = "Spectrum C(q), <h²> = ∫C d²q [m⁴]"
 
 
-def draw_impact(result: Any, ask: Ask) -> Any:
+def draw_impact(result: Any, ask: DrawAsk) -> Any:
     """Draws the force of one impact against time."""
     from scipy.interpolate import CubicSpline
 
@@ -45,7 +45,7 @@ def draw_impact(result: Any, ask: Ask) -> Any:
     smooth = CubicSpline(time, force)(fine)
     restitution = significant(float(np.ravel(result.restitution)[0]), 4)
     label = f"restitution {restitution}"
-    sketch.draw(Line(curve, order, fine, fine, smooth, colour, doubted), label)
+    sketch.draw(DrawnLine(curve, order, fine, fine, smooth, colour, doubted), label)
     turn = time.size // 2
     sketch.peak_mark(Peak(time[turn], force[turn], True), colour)
     if sketch.style.words and sketch.alone:
@@ -61,7 +61,7 @@ def draw_impact(result: Any, ask: Ask) -> Any:
     return sketch.finish()
 
 
-def draw_indentation(result: Any, ask: Ask) -> Any:
+def draw_indentation(result: Any, ask: DrawAsk) -> Any:
     """Draws depth, force and radius against time and the force against the depth; on
     given axes the last alone.
     """
@@ -135,7 +135,7 @@ def _force_unit(force: Any, ax: Any) -> tuple[str, float]:
     )
 
 
-def draw_line_contact(result: Any, ask: Ask) -> Any:
+def draw_line_contact(result: Any, ask: DrawAsk) -> Any:
     """Draws the line and the rubber's surface, with what touches in colour."""
     sketch = Sketch(result, ask)
     ax, about, extras = sketch.ax, sketch.about, sketch.entry.extras
@@ -170,7 +170,7 @@ def draw_line_contact(result: Any, ask: Ask) -> Any:
     return sketch.finish()
 
 
-def draw_rough_contact(result: Any, ask: Ask, x: str = "", y: str = "") -> Any:
+def draw_rough_contact(result: Any, ask: DrawAsk, x: str = "", y: str = "") -> Any:
     """Draws a field of a rough contact, both axes logarithmic where they are spread
     widely, its error as a band.
     """
@@ -183,7 +183,7 @@ def draw_rough_contact(result: Any, ask: Ask, x: str = "", y: str = "") -> Any:
     }
     relative = known.get(y) == "error"
 
-    def band(sketch: Sketch, line: Line) -> None:
+    def band(sketch: Sketch, line: DrawnLine) -> None:
         if y not in known:
             return
         error = sketch.along_line(sketch.fields[known[y]], line)
@@ -203,7 +203,7 @@ def draw_rough_contact(result: Any, ask: Ask, x: str = "", y: str = "") -> Any:
 
 
 def draw_surface(
-    line: Any, spectrum: Any = None, axes: Any = None, name: str = "Line"
+    line: Any, spectrum: Any = None, axes: Any = None, name: str = "DrawnLine"
 ) -> Any:
     """Draws the heights of a line (left) and a spectrum (right); returns the two
     matplotlib Axes.

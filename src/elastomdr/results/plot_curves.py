@@ -18,8 +18,8 @@ from .plotting import (
     LIGHT,
     PALETTE,
     RED,
-    Ask,
-    Line,
+    DrawAsk,
+    DrawnLine,
     Sketch,
     Style,
     begin,
@@ -39,7 +39,9 @@ _WITHOUT_CURVE = "s^Dv<>"
 _UNSTABLE = "#c03030"
 
 
-def draw_curve(result: Any, ask: Ask, measured: Any = None, spread: Any = None) -> Any:
+def draw_curve(
+    result: Any, ask: DrawAsk, measured: Any = None, spread: Any = None
+) -> Any:
     """Draws a coefficient against velocity, its largest value marked, the whole
     uncertainty as a band.
 
@@ -118,7 +120,7 @@ def _highest(values: np.ndarray, cold: Any, points: Any) -> float:
 
 
 def _draw_thin(
-    sketch: Sketch, line: Line, values: np.ndarray, dashes: str, colour: Any
+    sketch: Sketch, line: DrawnLine, values: np.ndarray, dashes: str, colour: Any
 ) -> None:
     sketch.ax.plot(
         line.x,
@@ -131,7 +133,7 @@ def _draw_thin(
 
 
 def _draw_parts(
-    sketch: Sketch, line: Line, hysteresis: np.ndarray, colour: Any, single: bool
+    sketch: Sketch, line: DrawnLine, hysteresis: np.ndarray, colour: Any, single: bool
 ) -> None:
     """Hysteresis below and adhesive shear above it, as areas under a single curve, as a
     line under several.
@@ -152,7 +154,7 @@ def _draw_parts(
 
 
 def _draw_band(
-    sketch: Sketch, line: Line, down: np.ndarray, up: np.ndarray, colour: Any
+    sketch: Sketch, line: DrawnLine, down: np.ndarray, up: np.ndarray, colour: Any
 ) -> None:
     """The uncertainty, of a single point as a bar."""
     if line.x.size > 1:
@@ -164,7 +166,7 @@ def _draw_band(
     sketch.ax.errorbar(line.x, line.y, [down, up], fmt="none", **style)
 
 
-def _write_above(sketch: Sketch, line: Line, top: Peak, label: str) -> None:
+def _write_above(sketch: Sketch, line: DrawnLine, top: Peak, label: str) -> None:
     """Labels the peak so that the text stays inside the figure."""
     scale = np.log if sketch.along else np.asarray
     first, last = scale(line.x[0]), scale(line.x[-1])
@@ -183,7 +185,7 @@ def _write_above(sketch: Sketch, line: Line, top: Peak, label: str) -> None:
     )
 
 
-def _peak_in_words(top: Peak | None, line: Line, axis: Axis | None) -> str:
+def _peak_in_words(top: Peak | None, line: DrawnLine, axis: Axis | None) -> str:
     """The largest value and where it is, along the velocity or an `axis` of something
     else.
     """
@@ -236,7 +238,7 @@ def as_measured(measured: Any) -> dict[str, np.ndarray]:
 
 
 def _draw_measured(
-    sketch: Sketch, points: dict[str, np.ndarray], lines: list[Line]
+    sketch: Sketch, points: dict[str, np.ndarray], lines: list[DrawnLine]
 ) -> None:
     """Draws points in the colour of the curve at their temperature, in black where
     there is none.
@@ -312,7 +314,7 @@ def grouped(temperature: np.ndarray) -> list[float]:
     return [float(run.mean()) for run in runs if run.size]
 
 
-def draw_traction(result: Any, ask: Ask) -> Any:
+def draw_traction(result: Any, ask: DrawAsk) -> Any:
     """Draws traction against creepage or slip, as it was given; dashed what a contact
     has that slips all over.
     """
@@ -320,7 +322,7 @@ def draw_traction(result: Any, ask: Ask) -> Any:
     friction = np.asarray(result.friction)
     constant = np.isfinite(friction).all() and np.ptp(friction) == 0
 
-    def full_slip(sketch: Sketch, line: Line) -> None:
+    def full_slip(sketch: Sketch, line: DrawnLine) -> None:
         most = sketch.along_line(sketch.fields["friction"], line)
         if sketch.along and np.isfinite(most).all() and np.ptp(most) > 0:
             limit = np.where(line.x == 0, np.nan, np.sign(line.x) * most)
@@ -342,12 +344,12 @@ def draw_traction(result: Any, ask: Ask) -> Any:
     return ax
 
 
-def draw_break_out(result: Any, ask: Ask, y: str) -> Any:
+def draw_break_out(result: Any, ask: DrawAsk, y: str) -> Any:
     """Draws the break-out coefficient or the real contact against the dwell, the whole
     uncertainty as a band: that of both is relatively the same.
     """
 
-    def band(sketch: Sketch, line: Line) -> None:
+    def band(sketch: Sketch, line: DrawnLine) -> None:
         half, uncertainty = _uncertainty(sketch.fields)
         around = sketch.along_line(half / sketch.fields["mu"], line) * line.y
         _draw_band(sketch, line, around, around, line.colour)
@@ -357,13 +359,13 @@ def draw_break_out(result: Any, ask: Ask, y: str) -> Any:
     return draw(result, ask, y=y, also=band)
 
 
-def draw_heat_build_up(result: Any, ask: Ask) -> Any:
+def draw_heat_build_up(result: Any, ask: DrawAsk) -> Any:
     """Draws temperature against time, with the steady one dotted, or the steady one
     against velocity.
     """
     over_time = result.time is not None
 
-    def steady(sketch: Sketch, line: Line) -> None:
+    def steady(sketch: Sketch, line: DrawnLine) -> None:
         if over_time:
             temperature = in_unit(sketch.values("steady", line.curve)[0], "°C")
             sketch.ax.axhline(
@@ -374,7 +376,7 @@ def draw_heat_build_up(result: Any, ask: Ask) -> Any:
     return draw(result, ask, x="time" if over_time else "velocity", also=steady)
 
 
-def draw_stability(result: Any, ask: Ask) -> Any:
+def draw_stability(result: Any, ask: DrawAsk) -> Any:
     """Draws the damping ratio against velocity; dotted where friction does not follow,
     shaded where swings grow.
     """
@@ -411,7 +413,7 @@ def draw_stability(result: Any, ask: Ask) -> Any:
     return sketch.finish()
 
 
-def draw_dissipation(result: Any, ask: Ask) -> Any:
+def draw_dissipation(result: Any, ask: DrawAsk) -> Any:
     """Draws shares against relaxation time, one line per point that converged."""
     sketch = Sketch(result, ask)
     for line in sketch.lines():
@@ -428,7 +430,7 @@ def draw_dissipation(result: Any, ask: Ask) -> Any:
     return sketch.finish()
 
 
-def draw_friction_spectrum(result: Any, ask: Ask, colour: Any = None) -> Any:
+def draw_friction_spectrum(result: Any, ask: DrawAsk, colour: Any = None) -> Any:
     """Draws the part of mu per decade of frequency as steps: the area under a line is
     its friction coefficient.
     """
@@ -454,7 +456,7 @@ def draw_friction_spectrum(result: Any, ask: Ask, colour: Any = None) -> Any:
     return sketch.finish()
 
 
-def draw_force_spectrum(result: Any, ask: Ask) -> Any:
+def draw_force_spectrum(result: Any, ask: DrawAsk) -> Any:
     """Draws the amplitudes of a force as a spectrum of lines, or its density as a
     curve.
     """
@@ -488,7 +490,7 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
     panels: dict[str, Any] = {"nrows": 1, "ncols": 2, "width_ratios": (1.4, 1.0)}
     if style is not None:
         panels = {"nrows": 2, "ncols": 1, "height_ratios": (1.4, 1.0)}
-    left, canvas = begin(Ask(None, style), panels)
+    left, canvas = begin(DrawAsk(None, style), panels)
     right, look = canvas.panels[1], canvas.style
     if look.words:
         left.figure.set_size_inches(look.wide, look.size[1])

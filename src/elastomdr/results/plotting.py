@@ -82,7 +82,7 @@ STYLES = {
 }
 
 
-class Ask(NamedTuple):
+class DrawAsk(NamedTuple):
     """How a result is to be drawn."""
 
     ax: Any = None
@@ -100,7 +100,7 @@ class Entry:
     title: str
     model: str
     inputs: dict[str, str]
-    asked: Ask
+    asked: DrawAsk
     each: str
     counted: tuple[int, int]
     labels: tuple[str, str]  # of the axes, for this result alone
@@ -132,7 +132,7 @@ class Sketch:
     def __init__(
         self,
         result: Any,
-        ask: Ask,
+        ask: DrawAsk,
         x: str = "",
         y: str = "",
         panels: dict[str, Any] | None = None,
@@ -195,7 +195,7 @@ class Sketch:
         """A field along a curve."""
         return np.atleast_1d(self.fields[key][curve.place])
 
-    def lines(self) -> Iterator["Line"]:
+    def lines(self) -> Iterator["DrawnLine"]:
         """The curves, each with ascending x, in the units of the figure."""
         for curve, colour in zip(
             self.curves, self.colours(len(self.curves)), strict=True
@@ -209,7 +209,7 @@ class Sketch:
                 np.arange(x.size) if self.result.last else np.argsort(x, kind="stable")
             )
             y = in_unit(self.values(self.y, curve)[order], self.about[self.y].shown)
-            yield Line(
+            yield DrawnLine(
                 curve,
                 order,
                 x[order],
@@ -225,7 +225,11 @@ class Sketch:
         return in_unit(x, about.shown if about else "")
 
     def draw(
-        self, line: "Line", value: str = "", marker: str | None = None, label: str = ""
+        self,
+        line: "DrawnLine",
+        value: str = "",
+        marker: str | None = None,
+        label: str = "",
     ) -> Any:
         """Draws a curve, dotted where it is to be doubted; returns its colour.
 
@@ -264,7 +268,7 @@ class Sketch:
         elif self.along and self.result.scale == "auto":
             _logarithmic_if_wide(self.ax)
 
-    def along_line(self, values: Any, line: "Line") -> np.ndarray:
+    def along_line(self, values: Any, line: "DrawnLine") -> np.ndarray:
         """Values of the result's shape at the points of a line."""
         return np.atleast_1d(values[line.curve.place])[line.order]
 
@@ -274,7 +278,7 @@ class Sketch:
         )
 
 
-class Line(NamedTuple):
+class DrawnLine(NamedTuple):
     """A curve to draw."""
 
     curve: Curve
@@ -286,7 +290,7 @@ class Line(NamedTuple):
     dotted: np.ndarray  # where it is to be doubted
 
 
-def begin(ask: Ask, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
+def begin(ask: DrawAsk, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
     """The axes to draw on, new ones where none are given, and what has been drawn
     there. Raises `InputError`.
 
@@ -338,10 +342,10 @@ def begin(ask: Ask, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
 
 def draw(
     result: Any,
-    ask: Ask,
+    ask: DrawAsk,
     x: str = "",
     y: str = "",
-    also: Callable[[Sketch, Line], None] | None = None,
+    also: Callable[[Sketch, DrawnLine], None] | None = None,
 ) -> Any:
     """Draws one field over another, one line per further index, and what `also` adds to
     each line.

@@ -106,10 +106,10 @@ class FrictionSpectrum(Result):
         `Result.plot`.
         """
         from .plot_curves import draw_friction_spectrum
-        from .plotting import Ask
+        from .plotting import DrawAsk
 
         return self._draw(
-            draw_friction_spectrum, Ask(ax, style, title, label), colour=colour
+            draw_friction_spectrum, DrawAsk(ax, style, title, label), colour=colour
         )
 
     def outcome(self) -> Iterator[tuple[str, str]]:

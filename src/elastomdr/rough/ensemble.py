@@ -20,7 +20,7 @@ from ..surface.direction import (
 )
 from ..surface.rough_line import RoughLine
 from ..surface.spectrum import PERIODS, synthesise
-from .periodic import ROUNDING, Line
+from .periodic import ROUNDING, SolvedLine
 
 # least relative error asked of the direction average: contacts that come and go leave
 # kinks in mu(v)
@@ -43,7 +43,7 @@ class Mean(NamedTuple):
     scatter: Array | None  # standard error of mu
 
 
-class Ask(NamedTuple):
+class LinePoints(NamedTuple):
     """The points of a call, flattened."""
 
     velocity: np.ndarray  # times a_T [m/s]
@@ -53,13 +53,15 @@ class Ask(NamedTuple):
     skip: bool
 
 
-Solver = Callable[[list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[Line]]
+Solver = Callable[
+    [list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[SolvedLine]
+]
 # Points of several lines at once, each a line with its velocities, its line loads or
 # depths, and which they are.
 
 
 def mean_of_lines(
-    ask: Ask, lines: list[RoughLine], average: bool, solved: Solver
+    ask: LinePoints, lines: list[RoughLine], average: bool, solved: Solver
 ) -> Mean:
     """Mean over the lines, which are solved together."""
     if not average:
@@ -103,7 +105,7 @@ class _Run(NamedTuple):
     good: np.ndarray
 
 
-def _bare(line: Line) -> _Run:
+def _bare(line: SolvedLine) -> _Run:
     return _Run(
         line.mu,
         line.error + line.cost * line.mu,
@@ -114,7 +116,9 @@ def _bare(line: Line) -> _Run:
     )
 
 
-def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[_Run]:
+def _averaged_by_depth(
+    ask: LinePoints, lines: list[RoughLine], solved: Solver
+) -> list[_Run]:
     """With the depth given, each point has its own load and so its own directions."""
     rule = directions(max(ask.rtol, AVERAGE))
     slowed = ask.velocity[:, None] * rule.cosines
@@ -152,7 +156,9 @@ def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list
     return runs
 
 
-def _averaged_by_load(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[_Run]:
+def _averaged_by_load(
+    ask: LinePoints, lines: list[RoughLine], solved: Solver
+) -> list[_Run]:
     """Points of one load share a line curve."""
     grids = _grids(ask)
     speeds, loads = _lanes(ask, grids)
@@ -161,13 +167,13 @@ def _averaged_by_load(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[
 
 
 def _average_of(
-    ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]], every: Line
+    ask: LinePoints, grids: list[tuple[SharedGrid, np.ndarray]], every: SolvedLine
 ) -> _Run:
     """One line's average, from its points themselves and then the nodes of each load's
     curve.
     """
     start, tail = ask.velocity.size, directions(max(ask.rtol, AVERAGE)).tail
-    at_points = Line(*(field[:start] for field in every))
+    at_points = SolvedLine(*(field[:start] for field in every))
     mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
     for grid, chosen in grids:
         on_curve = slice(start, start + grid.velocity.size)
@@ -195,7 +201,7 @@ def _average_of(
     )
 
 
-def _grids(ask: Ask) -> list[tuple[SharedGrid, np.ndarray]]:
+def _grids(ask: LinePoints) -> list[tuple[SharedGrid, np.ndarray]]:
     chosen = [np.flatnonzero(ask.value == value) for value in np.unique(ask.value)]
     return [
         (shared_grid(ask.velocity[points], max(ask.rtol, AVERAGE)), points)
@@ -203,7 +209,7 @@ def _grids(ask: Ask) -> list[tuple[SharedGrid, np.ndarray]]:
     ]
 
 
-def lanes_of(ask: Ask, average: bool) -> tuple[np.ndarray, np.ndarray]:
+def lanes_of(ask: LinePoints, average: bool) -> tuple[np.ndarray, np.ndarray]:
     """Velocities [m/s] that one line is solved at, with their line loads or depths.
 
     Where the depth is given, directions are solved at a load that is not known
@@ -215,7 +221,7 @@ def lanes_of(ask: Ask, average: bool) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _lanes(
-    ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]]
+    ask: LinePoints, grids: list[tuple[SharedGrid, np.ndarray]]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Velocities and loads of the points themselves, and then of the nodes of each
     load's curve.
@@ -236,11 +242,11 @@ def coarse_at(error: Any, mu: Any) -> Any:
 
 
 def on_enough_samples(
-    ask: Ask,
+    ask: LinePoints,
     mean: Mean,
     line: RoughLine,
     relaxed: float,
-    solve: Callable[[Ask, int], Mean],
+    solve: Callable[[LinePoints, int], Mean],
 ) -> tuple[Mean, np.ndarray]:
     """Points whose sampling error is above `SAMPLING` times mu, solved again on four
     times the samples, and so on.
@@ -270,7 +276,7 @@ def on_enough_samples(
 
 
 def _beyond_all_samples(
-    ask: Ask, mean: Mean, line: RoughLine, relaxed: float
+    ask: LinePoints, mean: Mean, line: RoughLine, relaxed: float
 ) -> np.ndarray:
     """Points that no sampling will answer, of the order of a million samples each:
     those whose mu is below what rounding leaves, and those whose contact is less than
@@ -301,7 +307,7 @@ def _put(points: Array, which: Array, field: Array, finer: Array) -> np.ndarray:
     return field
 
 
-def solutions(ask: Ask, average: bool) -> int:
+def solutions(ask: LinePoints, average: bool) -> int:
     """Line solutions that one line takes."""
     if not average:
         return ask.velocity.size

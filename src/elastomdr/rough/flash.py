@@ -74,7 +74,7 @@ _ROUNDS = 8
 _NOTHING = 1e-12  # rise that is none, as in full contact [K]
 
 
-class Warm(NamedTuple):
+class Flash(NamedTuple):
     """Flash temperature and the friction at it; NaN where none was found."""
 
     rise: np.ndarray  # [K]
@@ -96,7 +96,7 @@ def warmed(
     cold: Any,
     friction: Callable[[np.ndarray, np.ndarray, bool], Any],
     hot: bool,
-) -> Warm:
+) -> Flash:
     """Raises the temperature of each point until it is that which its friction makes:
     of several the one of rubber that was cold, or of rubber that was `hot`.
 
@@ -132,7 +132,7 @@ def warmed(
                         field[same_pressure[points]] = values
     a, b = thermal_factors(foundation, temperature + np.nan_to_num(temperatures))
     made = np.asarray(mean.mu) * pressure * velocity
-    return Warm(
+    return Flash(
         temperatures,
         velocity * a,
         mean._replace(good=mean.good > 0),
@@ -264,7 +264,7 @@ class _Group(NamedTuple):
         per_flux = [
             rise(
                 self.heat,
-                Scales(
+                FlashScales(
                     contact_scales.q,
                     contact_scales.area[j : j + 1],
                     contact_scales.share[j : j + 1],
@@ -339,7 +339,7 @@ class _Group(NamedTuple):
         return np.array(made) * correction[:, None]
 
 
-class Scales(NamedTuple):
+class FlashScales(NamedTuple):
     """Where on the scale of lengths a surface is in contact and loses energy, for n
     reduced velocities.
     """
@@ -354,7 +354,7 @@ def scales(
     surface: AbstractSpectrum,
     reduced: Float[np.ndarray, " n"],
     pressure: Any,
-) -> Scales:
+) -> FlashScales:
     """Apparent contact share P and share s of the friction, by wave number, at v a_T
     and the nominal pressures.
     """
@@ -378,11 +378,11 @@ def scales(
     area = contact_share(spread)
     share = slope * area * on.drag
     share[:, [0, -1]] *= 0.5
-    return Scales(q, area, share / share.sum(axis=1, keepdims=True))
+    return FlashScales(q, area, share / share.sum(axis=1, keepdims=True))
 
 
 def rise(
-    heat: Heat, contact_scales: Scales, velocity: Float[np.ndarray, " m"]
+    heat: Heat, contact_scales: FlashScales, velocity: Float[np.ndarray, " m"]
 ) -> Float[np.ndarray, "m n"]:
     """Flash temperature per mean heat flux [K m^2/W] of m velocities, at each of the n
     states of `contact_scales`.

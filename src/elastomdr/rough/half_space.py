@@ -139,7 +139,7 @@ _DOUBLE = Accuracy(1e-9, 1e-6, 1 / 5000, False)
 EXACT = Accuracy(1e-10, 1e-6, 0.0, False)
 
 
-class Contact(NamedTuple):
+class CellContact(NamedTuple):
     """Where and how hard cells touch."""
 
     pressure: Any  # of each cell [Pa]
@@ -157,7 +157,7 @@ def settle(
     *,
     load: float | None = None,
     depth: float | None = None,
-) -> Contact:
+) -> CellContact:
     """Contact of `height` [m], positive into the rubber, from the pressures `start` on.
 
     Either `load`, the sum of the pressures over the cells [Pa], or `depth` is given.
@@ -182,7 +182,7 @@ def settle(
         waited = 0 if changed < fewest else waited + 1
         few = _tolerated(accuracy, count, waited)
         if changed <= few and residual <= 4 * accuracy.residual:
-            return Contact(pressure, deep, True, products)
+            return CellContact(pressure, deep, True, products)
         fewest = min(fewest, changed)
         touching = touching & ~pulling
         if not (waited >= _PATIENCE and pulling.any()):
@@ -191,7 +191,7 @@ def settle(
         loose = 1e-2 * min(1.0, 10 * changed / height.size) * 0.1**waited
         last = changed <= max(few, 2, count / 5000)
         tolerance = accuracy.residual if last else max(accuracy.residual, loose)
-    return Contact(pressure, deep, False, products)
+    return CellContact(pressure, deep, False, products)
 
 
 def _tolerated(accuracy: Accuracy, count: int, waited: int) -> float:
@@ -296,7 +296,7 @@ def _change(
     return precondition.matvec(change.astype(rest.dtype)), len(used)
 
 
-class Waves(NamedTuple):
+class MapWaves(NamedTuple):
     """The waves of a map, as `rfft2` orders them, and what the material makes of
     them.
     """
@@ -313,7 +313,7 @@ def waves(
     shape: tuple[int, int],
     sides: Any,
     angle: float = 0.0,
-) -> Waves:
+) -> MapWaves:
     """The waves of a map of `shape` cells on `sides` [m] that moves at `angle` to x
     [rad]; `modulus(omega)` is E* [Pa] at omega >= 0 [rad/s].
     """
@@ -338,7 +338,7 @@ def waves(
     if ny % 2 == 0:
         twice[-1] = 1.0
     loss = twice * (2 * along * -value.imag / np.abs(value) ** 2) / k
-    return Waves(kernel, inverse, loss)
+    return MapWaves(kernel, inverse, loss)
 
 
 class MapContact(NamedTuple):
@@ -395,7 +395,7 @@ def solve(
     return last._replace(products=last.products + contact.products)
 
 
-def _in_full_contact(on: Waves, heights: Any, mean: float) -> MapContact | None:
+def _in_full_contact(on: MapWaves, heights: Any, mean: float) -> MapContact | None:
     """The solution where it is positive everywhere, from the heights' own waves; else
     None.
     """
@@ -408,7 +408,7 @@ def _in_full_contact(on: Waves, heights: Any, mean: float) -> MapContact | None:
 
 
 def _settled(
-    on: Waves, heights: Any, mean: float, start: Any, real: Any, accuracy: Accuracy
+    on: MapWaves, heights: Any, mean: float, start: Any, real: Any, accuracy: Accuracy
 ) -> MapContact:
     """The contact in numbers of type `real`, and its friction and area."""
     scale = float(np.std(heights))

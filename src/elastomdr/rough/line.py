@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..call.extrapolation import excited_outside, rough_beyond
-from ..call.problem import Scene
+from ..call.problem import SteadyScene
 from ..checks import Array, in_float64, is_traced, nan_unless, warn_unless
 from ..errors import ModelWarning, warn
 from ..models import Line as LineModel
@@ -18,7 +18,7 @@ from ..surface.rough_line import RoughLine
 from ..surface.spectrum import AbstractSpectrum
 from .ensemble import (
     SAMPLING,
-    Ask,
+    LinePoints,
     Mean,
     coarse_at,
     ensemble,
@@ -27,11 +27,11 @@ from .ensemble import (
     on_enough_samples,
     solutions,
 )
-from .flash import SETTLED, Warm, warmed
+from .flash import SETTLED, Flash, warmed
 from .heat import NO_STATE, Branch, Heat, why_no_state
 from .line_derivatives import traced_mean_of_lines
 from .line_problem import RoughScene, factor, load_level, missed, set_up
-from .periodic import Job, Line, solve_lines
+from .periodic import Job, SolvedLine, solve_lines
 from .periodic_plan import RoughPlan, plan_lines
 from .problem import RoughCall
 from .surface import SOFTENING_LEFT_OUT, excited_beyond
@@ -80,7 +80,7 @@ class _Solver:
             mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
         return mean
 
-    def warm(self, heat: Heat, cold: Mean, branch: Branch) -> Warm:
+    def warm(self, heat: Heat, cold: Mean, branch: Branch) -> Flash:
         """The points of the scene, at the temperatures that their friction makes."""
         points, length = self.scene.at, self.scene.length
         assert isinstance(self.surface, AbstractSpectrum)  # `set_up` refuses others
@@ -110,12 +110,12 @@ class _Solver:
         """
         scene = self.scene
         tolerance = max(_COARSE, self.rtol) if coarse else self.rtol
-        ask = Ask(reduced, value, scene.control, tolerance, self.skip)
+        ask = LinePoints(reduced, value, scene.control, tolerance, self.skip)
         mean = self._on(ask, scene.lines)
         if coarse or self.model.samples is not None:
             return mean
 
-        def finer(ask: Ask, samples: int) -> Mean:
+        def finer(ask: LinePoints, samples: int) -> Mean:
             lines = ensemble(self.surface, samples, self.model.periods, scene.seeds)
             return self._on(ask, lines)
 
@@ -125,12 +125,12 @@ class _Solver:
         self.largest = max(self.largest, int(used.max()))
         return mean
 
-    def _on(self, ask: Ask, lines: list[RoughLine]) -> Mean:
+    def _on(self, ask: LinePoints, lines: list[RoughLine]) -> Mean:
         self.asked += len(lines) * solutions(ask, self.model.average)
 
         def solved(
             wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]],
-        ) -> list[Line]:
+        ) -> list[SolvedLine]:
             jobs = [
                 Job(
                     np.asarray(line.height),
@@ -149,7 +149,7 @@ class _Solver:
 
     def _solutions(self) -> int:
         scene = self.scene
-        ask = Ask(
+        ask = LinePoints(
             scene.at.reduced.ravel(), scene.given, scene.control, self.rtol, self.skip
         )
         return solutions(ask, self.model.average)
@@ -163,12 +163,12 @@ class _Solver:
             self.progress(min(self.finished, total), total)
 
 
-class _Answer(NamedTuple):
+class _LineAnswer(NamedTuple):
     """The means over the lines, flat, and which of them are handed out."""
 
     mean: Mean
     cold: Array  # mu at the temperatures that are given
-    warm: Warm | None
+    warm: Flash | None
     reduced: Any  # v a_T at the raised temperature, in the shape of the call
     vertical: Array  # b_T at the raised temperature
     error: Array  # numerical error of mu
@@ -211,7 +211,7 @@ def rough_friction(call: RoughCall, model: LineModel) -> FrictionCurve:
     )
 
 
-def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
+def _judged(scene: RoughScene, cold: Mean, warm: Flash | None) -> _LineAnswer:
     """The answer at the temperatures that friction makes, if it heats, and which points
     have one.
     """
@@ -223,11 +223,11 @@ def _judged(scene: RoughScene, cold: Mean, warm: Warm | None) -> _Answer:
     good = mean.good & ~coarse
     reduced = points.reduced if warm is None else warm.reduced.reshape(points.shape)
     vertical = points.vertical.ravel() if warm is None else warm.vertical
-    return _Answer(mean, cold.mu, warm, reduced, vertical, error, good)
+    return _LineAnswer(mean, cold.mu, warm, reduced, vertical, error, good)
 
 
 def _warn_of_failed(
-    points: Scene, answer: _Answer, states: list[tuple[str, str]]
+    points: SteadyScene, answer: _LineAnswer, states: list[tuple[str, str]]
 ) -> None:
     """Counts the points without an answer in one warning, with why they have none."""
     if points.traced:
@@ -245,7 +245,7 @@ def _warn_of_failed(
 
 
 def _model_bounds(
-    scene: RoughScene, surface: Any, model: LineModel, answer: _Answer
+    scene: RoughScene, surface: Any, model: LineModel, answer: _LineAnswer
 ) -> tuple[Any, Any]:
     """Error of mu for the number of lines, and the bound of the line's distance from
     three dimensions over mu; with a warning where that is large.
@@ -265,7 +265,7 @@ def _model_bounds(
 
 
 def _packed(
-    scene: RoughScene, surface: Any, answer: _Answer, spread: Any, far: Any
+    scene: RoughScene, surface: Any, answer: _LineAnswer, spread: Any, far: Any
 ) -> FrictionCurve:
     """The numbers of the result."""
     points, mean, warm = scene.at, answer.mean, answer.warm
@@ -350,7 +350,7 @@ def rough_plan(call: RoughCall, model: LineModel) -> RoughPlan:
 def _plan(scene: RoughScene, call: RoughCall, model: LineModel) -> RoughPlan:
     points, surface, average = scene.at, call.surface, model.average
     rtol, skip = float(call.rtol), bool(call.skip)
-    ask = Ask(points.reduced.ravel(), scene.given, scene.control, rtol, skip)
+    ask = LinePoints(points.reduced.ravel(), scene.given, scene.control, rtol, skip)
     line, law = scene.lines[0], points.foundation.law()
     name = points.foundation.name or "a foundation given directly"
     solved_at = None if points.traced else lanes_of(ask, average)

@@ -22,8 +22,7 @@ from .branch_reduction import point_laws
 from .line import surface_words
 from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
-from .periodic import Line as SolvedLine
-from .periodic import rises, solve_states
+from .periodic import SolvedLine, rises, solve_states
 from .problem import RoughCall
 from .results import LineContact
 

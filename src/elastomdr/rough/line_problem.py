@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import namespace
-from ..call.problem import Scene, rough_scene
+from ..call.problem import SteadyScene, rough_scene
 from ..checks import is_traced, positive, scalar, whole_number
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
@@ -41,7 +41,7 @@ _SEEN = 10.0  # cutoff ratio above which a warning says what is missed
 class RoughScene(NamedTuple):
     """The points of a call on lines, with the lines, and what they are pressed with."""
 
-    at: Scene
+    at: SteadyScene
     lines: list[RoughLine]
     seeds: tuple[int, ...]  # of the lines
     control: Any  # "load" or "depth"

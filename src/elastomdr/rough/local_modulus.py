@@ -33,7 +33,7 @@ _LEAST_SHARE = 1e-300
 _NEAREST = 1e-6
 
 
-class Softened(NamedTuple):
+class SoftenedByScale(NamedTuple):
     """Softening on a surface."""
 
     softening: Any  # em.Softening
@@ -105,7 +105,7 @@ class Local(NamedTuple):
     direction; nothing, as it is.
     """
 
-    softened: Softened | None = None
+    softened: SoftenedByScale | None = None
     warmed: Warmed | None = None
     directed: Directed | None = None
 

@@ -47,7 +47,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, namespace, xp
+from ..arrays import namespace, stop_gradient, xp
 from ..checks import is_traced, known
 from ..material.tabulated import LEFT_OUT
 from ..models import SurfaceFriction
@@ -56,7 +56,7 @@ from ..numerics.interpolation import hermite
 from ..numerics.quadrature import gauss
 from ..surface.lay import lay_of
 from . import against_lay
-from .local_modulus import Local, Softened, Warmed
+from .local_modulus import Local, SoftenedByScale, Warmed
 from .many_points import friction_and_area, worth_compiling
 from .psd_integrals import (
     PER_DECADE,
@@ -523,7 +523,7 @@ def friction(
     """`solve` with the error of a table of moduli, and which points met `rtol`."""
     if is_traced(foundation, surface, velocity, pressure, local):
         shared, points = _taken_apart(foundation, surface, velocity, pressure, local)
-        counts = cell_counts(known(fixed(surface)), _TRACED)
+        counts = cell_counts(known(stop_gradient(surface)), _TRACED)
         solved = _with_slopes(model, float(rtol), counts)(shared, points)
         return solved._replace(good=solved.good > 0)
     modulus = foundation.complex_modulus
@@ -565,7 +565,7 @@ def _put_together(shared: Any, points: Any) -> tuple[Any, Any, Local]:
     softened = warmed = None
     directed = against_lay.of_points(lay_of(surface), points[2])
     if share is not None:
-        softened = Softened(foundation.softening, surface, share)
+        softened = SoftenedByScale(foundation.softening, surface, share)
     if ends is not None:
         temperature, rise = points[3:]
         warmed = Warmed(ends, rise.T, temperature, foundation)

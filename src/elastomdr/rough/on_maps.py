@@ -22,7 +22,7 @@ from .against_lay import Directed
 from .random_maps import (
     LARGEST,
     OF_SUMMITS,
-    Grid,
+    MapGrid,
     grid_of,
     on_map,
     summits,
@@ -165,7 +165,7 @@ def _on_measured(
     directed = None
     if lay is not None:
         directed = Directed(lay, np.full(velocity.shape, direction))
-    grid = Grid(whole.height.shape[0], periods, side)
+    grid = MapGrid(whole.height.shape[0], periods, side)
     enough = summits(modulus, surface, velocity, pressure, grid, directed)
     angle = direction + (0.0 if lay is None else lay.angle)
     seams = _at_seams(whole, angle)

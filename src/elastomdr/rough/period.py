@@ -61,7 +61,7 @@ class PointLaws(NamedTuple):
     apart: Float[np.ndarray, "1+branches 1+branches points"]
 
 
-class Coefficients(NamedTuple):
+class PointCoefficients(NamedTuple):
     """What a step of each point needs."""
 
     keep: Float[np.ndarray, "branches points"]  # e_k
@@ -75,9 +75,11 @@ class Coefficients(NamedTuple):
     late: Float[np.ndarray, " points"]  # theta/h^2 [Pa]
     each: Float[np.ndarray, "branches points"]  # E_k (1 - a_k)/z_k [Pa]
 
-    def of(self, chosen: np.ndarray) -> "Coefficients":
+    def of(self, chosen: np.ndarray) -> "PointCoefficients":
         """Those of some points."""
-        return Coefficients(*(x if np.ndim(x) == 0 else x[..., chosen] for x in self))
+        return PointCoefficients(
+            *(x if np.ndim(x) == 0 else x[..., chosen] for x in self)
+        )
 
 
 class Swept(NamedTuple):
@@ -96,7 +98,7 @@ class Swept(NamedTuple):
     begun: Float[Array, " points"]  # number of contacts; these two if exact
 
 
-def coefficients(law: PointLaws, step: Float[Array, " points"]) -> Coefficients:
+def coefficients(law: PointLaws, step: Float[Array, " points"]) -> PointCoefficients:
     """Coefficients of steps of `step` seconds."""
     z = step / law.times
     lost = -np.expm1(-z)
@@ -108,7 +110,7 @@ def coefficients(law: PointLaws, step: Float[Array, " points"]) -> Coefficients:
     dashpot, second = law.viscosity / step, law.second / step**2
     give, seen = map(np.asarray, weights(law.apart, law.times, gain, law.relaxed, step))
     each = law.moduli * late
-    return Coefficients(
+    return PointCoefficients(
         np.exp(-z),
         seen,
         lost,
@@ -130,7 +132,7 @@ def sweep(
     stride: int,  # points of the line per sample
     depth: Float[np.ndarray, " points"],
     branches: Float[np.ndarray, "branches points"],  # f_k at the start
-    by: Coefficients,
+    by: PointCoefficients,
     free: FreeRecovery | None,  # passes stretches that nothing can touch in one go
     slow: int,  # number of branches whose sums are needed, from the first on
     exact: bool,
@@ -153,7 +155,7 @@ def _sweep(
     stride,
     depth,
     branches,
-    by: Coefficients,
+    by: PointCoefficients,
     free: FreeRecovery | None,
     slow: int,
     exact: bool,
@@ -260,7 +262,7 @@ def _sweep(
     return Swept(f / scale, u, work, load, sums / scale[:slow], *counts)
 
 
-class Motion(NamedTuple):
+class PeriodMotion(NamedTuple):
     """One period of an element, from the highest point of the line on."""
 
     surface: Float[Array, "n points"]  # u [m]
@@ -272,8 +274,8 @@ def motion(
     rise: Float[Array, " n"],
     depth: Float[Array, " points"],
     branches: Float[Array, "branches points"],
-    by: Coefficients,
-) -> Motion:
+    by: PointCoefficients,
+) -> PeriodMotion:
     """u and q at each sample of a period that begins with the branch forces f_k at the
     highest point, where u = d.
     """
@@ -285,4 +287,4 @@ def motion(
         return (by.keep * f + by.gain * (new - u), new), (new, (new - loose) / by.give)
 
     path = jax.lax.scan(one, (branches, depth), jnp.roll(rise, -1))[1]
-    return Motion(*(jnp.roll(field, 1, axis=0) for field in path))
+    return PeriodMotion(*(jnp.roll(field, 1, axis=0) for field in path))

@@ -27,7 +27,7 @@ from .. import __version__
 from ..material.relaxation import Relaxation
 from .branch_reduction import lumped, point_laws
 from .period import PointLaws
-from .periodic_state import State, finish, iterate, jacobian, sampling_of
+from .periodic_state import PeriodicState, finish, iterate, jacobian, sampling_of
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -49,7 +49,7 @@ ROUNDING = 16 * np.finfo(float).eps
 _CYCLES = 8
 
 
-class Line(NamedTuple):
+class SolvedLine(NamedTuple):
     """Solved points; NaN where one did not converge."""
 
     mu: Float[np.ndarray, " points"]
@@ -91,7 +91,7 @@ def solve_line(
     control: Literal["load", "depth"],
     rtol: float,
     skip: bool = True,
-) -> Line:
+) -> SolvedLine:
     """Solves all points on one line, in batches on every core."""
     return solve_lines(
         [Job(height, spacing, velocity, value, control)], law, rtol, skip
@@ -106,7 +106,7 @@ def solve_lines(
     finished: Any = None,  # called with the number of points whenever some are finished
     # keeps what is finished: get(key) gives None or what was put(key, arrays)
     store: Any = None,
-) -> list[Line]:
+) -> list[SolvedLine]:
     """Solves all points of all jobs; the batches of every line share the cores."""
     threads = (
         len(os.sched_getaffinity(0))
@@ -121,7 +121,7 @@ def solve_lines(
         rise = rises(job.height)
         tasks += [(job, rise, batch) for batch in parts]
 
-    def run(task: tuple[Job, np.ndarray, np.ndarray]) -> Line:
+    def run(task: tuple[Job, np.ndarray, np.ndarray]) -> SolvedLine:
         job, rise, batch = task
         line = _stored_batch(job, rise, batch, law, rtol, skip, store)
         if finished is not None:
@@ -135,7 +135,7 @@ def solve_lines(
         back = np.argsort(np.concatenate(parts), kind="stable")
         solved = [next(solved_batches) for _ in parts]
         lines.append(
-            Line(
+            SolvedLine(
                 *(np.concatenate(fields)[back] for fields in zip(*solved, strict=True))
             )
         )
@@ -164,7 +164,7 @@ def _stored_batch(
     rtol: float,
     skip: bool,
     store: Any,
-) -> Line:
+) -> SolvedLine:
     """A batch of points, from the store where it is kept."""
     velocity, value = job.velocity[batch], job.value[batch]
     spacing = float(job.spacing)
@@ -175,7 +175,7 @@ def _stored_batch(
             how = (spacing, job.control, rtol, skip)
             key = _key(rise, law, velocity, value, how)
             if (kept := store.get(key)) is not None:
-                return Line._make((*kept[:-1], kept[-1] > 0))
+                return SolvedLine._make((*kept[:-1], kept[-1] > 0))
         line, _ = _batch(rise, spacing, law, velocity, value, job.control, rtol, skip)
         if store is not None:
             store.put(key, np.array(line, dtype=np.float64))
@@ -190,7 +190,7 @@ def solve_states(
     value: Float[np.ndarray, " points"],
     control: Literal["load", "depth"],
     rtol: float,
-) -> tuple[Line, State]:
+) -> tuple[SolvedLine, PeriodicState]:
     """All points with every branch carried, and the state at the highest point, the
     slowest branch first.
     """
@@ -210,7 +210,7 @@ def solve_states(
             )
             lines.append(line)
             states.append(state)
-    return Line(*map(np.concatenate, zip(*lines, strict=True))), State(
+    return SolvedLine(*map(np.concatenate, zip(*lines, strict=True))), PeriodicState(
         np.concatenate([s.branches for s in states], axis=1),
         np.concatenate([s.depth for s in states]),
         np.concatenate([s.inverse for s in states]),
@@ -233,7 +233,7 @@ def _key(
 
 def _batch(
     rise, spacing, law, velocity, value, control, rtol, skip
-) -> tuple[Line, State]:
+) -> tuple[SolvedLine, PeriodicState]:
     n = rise.size
     step = spacing / velocity
     if skip:
@@ -283,15 +283,17 @@ def _batch(
         + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     )
     answer = (mu, fine.load, settled.depth, fine.share, error, cost, fine.residual)
-    return Line._make(
+    return SolvedLine._make(
         (*(np.where(good, x, np.nan) for x in answer), sweeps, good)
     ), settled
 
 
-def _where(good: np.ndarray, settled: State, before: State) -> State:
+def _where(
+    good: np.ndarray, settled: PeriodicState, before: PeriodicState
+) -> PeriodicState:
     """The settled states; where they are not, those before, with nothing learnt."""
     unknown = np.eye(settled.inverse.shape[1])
-    return State(
+    return PeriodicState(
         np.where(good, settled.branches, before.branches),
         np.where(good, settled.depth, before.depth),
         np.where(good[:, None, None], settled.inverse, unknown),
@@ -339,7 +341,7 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def first_guess(
     rise, law: PointLaws, period, value, control
-) -> tuple[State, np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[PeriodicState, np.ndarray, np.ndarray, np.ndarray]:
     """State, load, stiffness and share for branches that are either elastic or relaxed;
     in closed form.
     """
@@ -371,7 +373,7 @@ def first_guess(
     free = mean_u * (1 - in_contact)
     share = np.maximum(np.searchsorted(below, depth - free) / n, 2 / n)
     unknowns = elastic.shape[0] + 1
-    state = State(
+    state = PeriodicState(
         elastic * (depth - mean_u), depth, np.tile(np.eye(unknowns), (value.size, 1, 1))
     )
     return state, np.asarray(relaxed * mean_u), (relaxed + memory) * share, share

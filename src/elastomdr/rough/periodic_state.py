@@ -23,7 +23,7 @@ import jax
 import numpy as np
 
 from .free_recovery import FreeRecovery, free_recovery
-from .period import Coefficients, PointLaws, Swept, coefficients, sweep
+from .period import PointCoefficients, PointLaws, Swept, coefficients, sweep
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -51,7 +51,7 @@ LASTING = 2.0
 _NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
 
 
-class State(NamedTuple):
+class PeriodicState(NamedTuple):
     """The unknowns of each point, f_k(0) and d, and the inverse of minus the Jacobian,
     all in units of the load.
     """
@@ -66,7 +66,7 @@ class Sampling(NamedTuple):
 
     rise: Float[np.ndarray, " n"]
     stride: int
-    by: Coefficients
+    by: PointCoefficients
     free: FreeRecovery | None
     slow: int  # number of branches that may be slow
     is_slow: np.ndarray  # of those, which are, in which point
@@ -153,8 +153,8 @@ def _closed(rise: Float[np.ndarray, " n"]) -> Float[np.ndarray, " m"]:
 
 
 def iterate(
-    sampling: Sampling, state: State
-) -> tuple[State, Float[np.ndarray, " points"], np.ndarray]:
+    sampling: Sampling, state: PeriodicState
+) -> tuple[PeriodicState, Float[np.ndarray, " points"], np.ndarray]:
     """The periodic state, the number of sweeps of each point, and which points have
     converged.
     """
@@ -192,7 +192,7 @@ def iterate(
         retry = stalled > _STALLED
         if retry.any():
             fresh = (
-                jacobian(sampling, State(branches, depth, inverse), retry)
+                jacobian(sampling, PeriodicState(branches, depth, inverse), retry)
                 * 0.5 ** restarts[:, None, None]
             )
             inverse = np.where(retry[:, None, None], fresh, inverse)
@@ -214,10 +214,10 @@ def iterate(
         branches = branches + moved[:, :-1].T * load
         depth = depth + moved[:, -1] * load / sampling.stiffness
         before = r
-    return State(branches, depth, inverse), turns, ~active
+    return PeriodicState(branches, depth, inverse), turns, ~active
 
 
-def finish(sampling: Sampling, state: State) -> PeriodicSolution:
+def finish(sampling: Sampling, state: PeriodicState) -> PeriodicSolution:
     """The periodic motion's friction, its work summed exactly.
 
     An element that is met within a step was free in the step's first part, theta h,
@@ -262,7 +262,7 @@ def finish(sampling: Sampling, state: State) -> PeriodicSolution:
 
 
 def jacobian(
-    sampling: Sampling, state: State, every: np.ndarray
+    sampling: Sampling, state: PeriodicState, every: np.ndarray
 ) -> Float[np.ndarray, "points unknowns unknowns"]:
     """The inverse of minus the Jacobian of the residuals of some points, by differences;
     the identity elsewhere.

@@ -544,7 +544,7 @@ class Bearing(NamedTuple):
     mean: Any  # <g> [m], the height of the highest peak over the mean
 
 
-class Pressed(NamedTuple):
+class PressedLine(NamedTuple):
     """A line under a load."""
 
     depth: Any  # from the first touch, with the mean displacement of the surface [m]
@@ -571,7 +571,7 @@ def bearing(height: Any) -> Bearing:
     return Bearing(depth, share, load, rate, xp.mean(middle))
 
 
-def pressed(on: Bearing, load: Any) -> Pressed:
+def pressed(on: Bearing, load: Any) -> PressedLine:
     """The line under mean loads over the modulus [m], p L/E*, any shape."""
     last = on.depth.shape[0] - 1
     interval = xp.clip(xp.searchsorted(on.load, load, side="right") - 1, 0, last - 1)
@@ -581,7 +581,7 @@ def pressed(on: Bearing, load: Any) -> Pressed:
     full = load >= on.load[last]
     depth = xp.where(full, on.mean + load, on.depth[interval] + further)
     share = xp.where(full, 1.0, xp.clip(share + rate * further, 0.0, 1.0))
-    return Pressed(
+    return PressedLine(
         depth, xp.where(full, 0.0, xp.maximum(on.mean - depth + load, 0.0)), share
     )
 

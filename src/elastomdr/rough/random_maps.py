@@ -39,7 +39,7 @@ OF_SUMMITS = 0.3
 _OF_HALF = 0.5
 
 
-class Grid(NamedTuple):
+class MapGrid(NamedTuple):
     """A square cell."""
 
     cells: int  # to a side
@@ -47,7 +47,7 @@ class Grid(NamedTuple):
     side: float  # [m]
 
 
-def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> Grid:
+def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> MapGrid:
     """The grid of a surface. Raises `InputError` where it cannot resolve the waves."""
     ratio = spectrum.q_high / spectrum.q_low
     if cells is None and periods is None:
@@ -69,7 +69,7 @@ def grid_of(spectrum: Any, cells: int | None, periods: int | None) -> Grid:
             f"cells must be a multiple of 4, at least {least} for {SAMPLES} per "
             f"shortest wave, got {cells}."
         )
-    return Grid(cells, periods, 2 * np.pi * periods / spectrum.q_low)
+    return MapGrid(cells, periods, 2 * np.pi * periods / spectrum.q_low)
 
 
 class MapFriction(NamedTuple):
@@ -87,7 +87,7 @@ def friction(
     spectrum: Any,
     velocity: np.ndarray,
     pressure: np.ndarray,
-    grid: Grid,
+    grid: MapGrid,
     seeds: tuple[int, ...],
     rtol: float,
     tick: Callable[[], None],
@@ -228,7 +228,7 @@ def summits(
     spectrum: Any,
     velocity: np.ndarray,
     pressure: np.ndarray,
-    grid: Grid,
+    grid: MapGrid,
     directed: Directed | None = None,
 ) -> np.ndarray:
     """How many summits of the longest waves carry the load, by Persson's theory."""

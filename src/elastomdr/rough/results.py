@@ -205,10 +205,10 @@ class RoughContact(Result):
                 f"against must be one of {', '.join(known)}, got {against!r}."
             )
         from ..results.plot_contacts import draw_rough_contact
-        from ..results.plotting import Ask
+        from ..results.plotting import DrawAsk
 
         return self._draw(
-            draw_rough_contact, Ask(ax, style, title, label), x=against, y=show
+            draw_rough_contact, DrawAsk(ax, style, title, label), x=against, y=show
         )
 
     def outcome(self) -> Iterator[tuple[str, str]]:

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, namespace, xp
+from ..arrays import namespace, stop_gradient, xp
 from ..call.extrapolation import beyond_sweep, excited_outside, rough_beyond, warn_of
-from ..call.problem import Scene, rough_scene
+from ..call.problem import SteadyScene, rough_scene
 from ..checks import (
     is_traced,
     known,
@@ -37,7 +37,7 @@ from ..surface.topography import skewness_bound
 from .adhesion import AdhesiveShear, check_adhesion, sheared, why_hotter
 from .against_lay import Directed
 from .heat import NO_STATE, Heat, check_heat, why_no_state
-from .local_modulus import Local, Softened
+from .local_modulus import Local, SoftenedByScale
 from .problem import RoughCall
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
@@ -128,7 +128,7 @@ class _Answer(NamedTuple):
         """
         return self.warm if self.by_scale is None else self.by_scale
 
-    def longest(self, scene: Scene) -> Any:
+    def longest(self, scene: SteadyScene) -> Any:
         """v a_T of the longest waves, flat: at the temperature of the body, where each
         length scale has one of its own.
         """
@@ -176,7 +176,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
     )
     softened = None
     if foundation.softening is not None and model.softens:
-        softened = Softened(foundation.softening, surface, strain_share)
+        softened = SoftenedByScale(foundation.softening, surface, strain_share)
     solved = partial(
         model.solve, foundation, surface, rtol=float(rtol), progress=call.progress
     )
@@ -228,7 +228,7 @@ def surface_friction(call: RoughCall, model: SurfaceModel) -> FrictionCurve:
 
 def _solved(
     call: RoughCall,
-    scene: Scene,
+    scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     local: Local,
@@ -257,7 +257,7 @@ def _heated(
     call: RoughCall,
     heat: Heat,
     surface: AbstractSpectrum,
-    scene: Scene,
+    scene: SteadyScene,
     answer: _Answer,
     solved: Callable[..., SurfaceFriction],
 ) -> _Answer:
@@ -292,7 +292,7 @@ def _heated_by_scale(
     heat: Heat,
     surface: AbstractSpectrum,
     model: SurfaceModel,
-    scene: Scene,
+    scene: SteadyScene,
     answer: _Answer,
     solved: Callable[..., SurfaceFriction],
 ) -> _Answer:
@@ -330,7 +330,7 @@ def _heated_by_scale(
 
 
 def _outside(
-    known: Range | None, surface: AbstractSpectrum, scene: Scene, answer: _Answer
+    known: Range | None, surface: AbstractSpectrum, scene: SteadyScene, answer: _Answer
 ) -> Any:
     """Share of the slope outside the measured frequencies, at the temperatures that the
     rubber has there.
@@ -355,7 +355,7 @@ def _warn_of_failed(
 
 
 def _inputs(
-    scene: Scene,
+    scene: SteadyScene,
     label: str,
     surface: AbstractSpectrum,
     heat: Heat | None,
@@ -458,7 +458,7 @@ def excited_beyond(outside: Any) -> tuple[str, str]:
 
 
 def _packed(
-    scene: Scene,
+    scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
@@ -496,7 +496,7 @@ def _packed(
 
 
 def _with_heat(
-    curve: FrictionCurve, heat: Heat, scene: Scene, answer: _Answer
+    curve: FrictionCurve, heat: Heat, scene: SteadyScene, answer: _Answer
 ) -> FrictionCurve:
     """The temperatures that friction makes, beside mu without them."""
     field = partial(answer.field, scene.shape)
@@ -525,7 +525,7 @@ def _with_adhesion(
     curve: FrictionCurve,
     adhesion: AdhesiveShear,
     heat: Heat | None,
-    scene: Scene,
+    scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
@@ -594,11 +594,11 @@ def _scales_in_words(by_scale: Any, good: np.ndarray) -> list[tuple[str, str]]:
 
 
 def _strained(
-    softened: Softened | None,
+    softened: SoftenedByScale | None,
     foundation: Any,
     surface: Any,
     model: SurfaceModel,
-    scene: Scene,
+    scene: SteadyScene,
     answer: _Answer,
     rtol: Any,
 ) -> _Strained:
@@ -651,7 +651,7 @@ def _strained(
 
 
 def _directed(
-    scene: Scene, surface: AbstractSpectrum, model: SurfaceModel
+    scene: SteadyScene, surface: AbstractSpectrum, model: SurfaceModel
 ) -> Directed | None:
     """The direction of sliding at each point, where one is given and matters."""
     if scene.direction is None or not (lay_of(surface) or model.on_map(surface)):
@@ -661,7 +661,7 @@ def _directed(
 
 def _turned(
     foundation: Any,
-    scene: Scene,
+    scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
@@ -700,7 +700,7 @@ def _turned(
 
 def _at_other_lays(
     foundation: Any,
-    scene: Scene,
+    scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     answer: _Answer,
@@ -733,7 +733,7 @@ def _at_other_lays(
 
 
 def _softening_words(
-    softened: Softened,
+    softened: SoftenedByScale,
     surface: Any,
     here: SurfaceFriction,
     linear: SurfaceFriction,
@@ -756,10 +756,10 @@ def _softening_words(
 
 
 def _strained_beyond(
-    softened: Softened, surface: AbstractSpectrum, scene: Scene
+    softened: SoftenedByScale, surface: AbstractSpectrum, scene: SteadyScene
 ) -> tuple[Doubt, ...]:
     """All points, where the surface strains the rubber more than its sweep did."""
-    strain, last = fixed(
+    strain, last = stop_gradient(
         (softened.strain(surface.q_high), softened.softening.strain[-1])
     )
     points = xp.full(scene.shape, strain > last * (1 + 1e-9))
@@ -789,7 +789,7 @@ def _label(surface: AbstractSpectrum) -> str:
 
 def _plan(
     foundation: Any,
-    scene: Scene,
+    scene: SteadyScene,
     surface: AbstractSpectrum,
     model: SurfaceModel,
     heat: Heat | None,
@@ -813,7 +813,7 @@ def _hot(model: SurfaceModel, heat: Heat | None) -> str:
 
 def _set_up(
     call: RoughCall, model: SurfaceModel
-) -> tuple[Foundation | TabulatedFoundation, AbstractSpectrum, Scene]:
+) -> tuple[Foundation | TabulatedFoundation, AbstractSpectrum, SteadyScene]:
     """The foundation, the surface and the points, checked. Raises `InputError`."""
     surface, asked, heat = call.surface, call.asked, call.heat
     assert isinstance(surface, AbstractSpectrum)  # a line of heights has been refused
@@ -859,12 +859,12 @@ def _doubt_unit(hysteresis: SurfaceFriction, pressure: np.ndarray) -> None:
         )
 
 
-def _too_much(scene: Scene, surface: AbstractSpectrum) -> tuple[Doubt, ...]:
+def _too_much(scene: SteadyScene, surface: AbstractSpectrum) -> tuple[Doubt, ...]:
     """Where a pressure exceeds the modulus that the rubber has at the longest waves; with
     a warning where it does so by far, since it may be given in another unit.
     """
     asked = scene.full(scene.value) / scene.vertical, scene.reduced * surface.q_low
-    pressure, omega, body = known(fixed((*asked, scene.foundation)))
+    pressure, omega, body = known(stop_gradient((*asked, scene.foundation)))
     modulus = abs(body.complex_modulus(omega))
     points = pressure > modulus
     if not is_traced(points):
@@ -969,7 +969,7 @@ def bound_of_heights(surface: AbstractSpectrum, area: Any) -> Any:
 
 def _model_error(
     model: SurfaceModel,
-    scene: Scene,
+    scene: SteadyScene,
     surface: AbstractSpectrum,
     answer: _Answer,
     of_strain: Any,
@@ -987,7 +987,7 @@ def _model_error(
         return answer.field(scene.shape, np.full(np.shape(hysteresis.mu), np.nan))
     # a bound has no derivatives: of plain numbers nothing is traced
     body, road, velocity, area = known(
-        fixed((foundation, surface, answer.reduced.ravel(), hysteresis.area))
+        stop_gradient((foundation, surface, answer.reduced.ravel(), hysteresis.area))
     )
     bound = model.bound(body, road, velocity, area, of_area)
     if bound is None:

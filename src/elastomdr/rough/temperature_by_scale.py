@@ -36,14 +36,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, is_traced, namespace, xp
+from ..arrays import is_traced, namespace, stop_gradient, xp
 from ..checks import known
 from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.quadrature import gauss_unit
 from ..surface.lay import lay_of
 from .against_lay import of_points, to_points
 from .heat import Heat, highest_rise
-from .local_modulus import Local, Softened, Warmed, basis, log_stations, place_of
+from .local_modulus import Local, SoftenedByScale, Warmed, basis, log_stations, place_of
 from .multiscale import Waves, bends, table_of
 from .psd_integrals import Nodes, cell_counts, integral_to, nodes
 
@@ -177,7 +177,7 @@ def warmed(problem: Problem, model: Any, hot: bool) -> Warm:
 
 def _on_level(
     problem: Problem, model: Any, per_decade: int, near: Found, hot: bool
-) -> tuple[State, Found]:
+) -> tuple[HeatState, Found]:
     """The states on cells of one level from those of the level before; looked for
     again where they are not close to these, as next to a fold.
     """
@@ -199,7 +199,7 @@ def _on_level(
     return of(rise), Found(rise, good & near.seen, several, steep)
 
 
-def _is_near(of: Callable[[Any], State], start: Any, rise: Any) -> Any:
+def _is_near(of: Callable[[Any], HeatState], start: Any, rise: Any) -> Any:
     """Whether a state is the one at the start: about as hot, and as stable."""
     height = rise.max(-1)
     off = abs(height - start.max(-1)) <= _MOVED * height + _LOWEST
@@ -228,7 +228,7 @@ def _of_traced(problem: Problem, model: Any, hot: bool) -> Warm:
     """`warmed` under a transformation of JAX: numbers from NumPy, the derivatives of
     temperatures from the equation that they solve on one level of cells.
     """
-    spectrum = known(fixed(problem.spectrum))
+    spectrum = known(stop_gradient(problem.spectrum))
     counts = cell_counts(spectrum, _TRACED_CELLS)
     stations = _count(spectrum, _LEVELS[_USUAL]), _count(spectrum, _LEVELS[-1])
     softened = problem.local.softened
@@ -249,7 +249,9 @@ def _of_traced(problem: Problem, model: Any, hot: bool) -> Warm:
 def _problem(shared: Any, points: Any) -> Problem:
     body, spectrum, share, heat, adhesion = shared
     *points, direction = points
-    softened = None if share is None else Softened(body.softening, spectrum, share)
+    softened = (
+        None if share is None else SoftenedByScale(body.softening, spectrum, share)
+    )
     local = Local(softened, None, of_points(lay_of(spectrum), direction))
     return Problem(body, spectrum, local, heat, adhesion, *points)
 
@@ -316,7 +318,7 @@ def _shape(stations: int, points: Any) -> Any:
     return xp.zeros((stations, *points[0].shape))
 
 
-class State(NamedTuple):
+class HeatState(NamedTuple):
     """What temperatures make."""
 
     rise: Any  # of the stations (points, stations)
@@ -325,11 +327,13 @@ class State(NamedTuple):
     to_road: Any
 
 
-def _state(problem: Problem, model: Any, conduct: Conduction) -> Callable[[Any], State]:
+def _state(
+    problem: Problem, model: Any, conduct: Conduction
+) -> Callable[[Any], HeatState]:
     """The temperatures that friction makes at temperatures (points, stations)."""
     table = _tables(problem, conduct.wave_nodes, conduct.per_decade)
 
-    def of(rise: Any) -> State:
+    def of(rise: Any) -> HeatState:
         local = problem.local._replace(
             warmed=Warmed(conduct.ends, rise, problem.temperature, problem.body)
         )
@@ -369,7 +373,7 @@ def _adhesive(problem: Problem, area: Any, temperature: Any) -> Any:
 
 def _heated(
     problem: Problem, model: Any, c: Conduction, by_wave: Waves, rise: Any
-) -> State:
+) -> HeatState:
     xp = namespace(by_wave.each, rise, problem.velocity)
     shear = _adhesive(problem, by_wave.area, problem.temperature + rise[:, -1])
     whole = by_wave.each.sum((-2, -1)) + by_wave.edges + shear
@@ -422,7 +426,7 @@ def _heated(
     spline = basis(rise.shape[1], place_of(log_q, c.ends))
     weight = share.reshape(share.shape[0], -1) @ spline
     mean = (rise * weight).sum(-1) + (by_wave.edges + shear) / whole * rise[:, -1]
-    return State(made, mean, flux, road)
+    return HeatState(made, mean, flux, road)
 
 
 def _conduction(
@@ -739,7 +743,7 @@ def _scan(
     return Heights(tried, made.reshape(tried.shape), rows.reshape(shape.shape))
 
 
-def _settle(of: Callable[[Any], State], rise: Any, highest: Any) -> tuple[Any, Any]:
+def _settle(of: Callable[[Any], HeatState], rise: Any, highest: Any) -> tuple[Any, Any]:
     """Fixed point of temperatures, and where it was found: Anderson's method with one
     step of memory.
     """

@@ -35,7 +35,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arrays import compiled, fixed, is_traced, xp
+from ..arrays import compiled, is_traced, stop_gradient, xp
 from ..checks import Array
 from ..models import GapFlow, Model
 from ..numerics.interpolation import hermite, monotone_slopes
@@ -79,7 +79,7 @@ class Fluid(NamedTuple):
     path: Any = 0.0  # l_2, mean free path at the outlet [m]
 
 
-class Pressed(NamedTuple):
+class PressedSeal(NamedTuple):
     """What is asked of a model, and how it is pressed."""
 
     model: Model
@@ -90,7 +90,7 @@ class Pressed(NamedTuple):
     direction: float | None  # of the flow to a lay [rad], if it is known
 
 
-class Flow(NamedTuple):
+class SealFlow(NamedTuple):
     """A seal as a whole, arrays of the shape of its points."""
 
     through: Any  # q length/dp [m^3]
@@ -130,7 +130,7 @@ def _within(through: Any, least: Any, most: Any) -> Any:
     return xp.where(known, off - 1, xp.inf)
 
 
-class _Rule(NamedTuple):
+class _ClenshawCurtis(NamedTuple):
     """Clenshaw's and Curtis' on [0, 1], nodes from 1 to 0."""
 
     nodes: np.ndarray
@@ -141,7 +141,7 @@ class _Rule(NamedTuple):
 
 
 @functools.cache
-def _rule(count: int) -> _Rule:
+def _rule(count: int) -> _ClenshawCurtis:
     def until(places: np.ndarray, count: int) -> np.ndarray:
         degree = count - 1
         nodes = np.cos(np.pi * np.arange(count) / degree)
@@ -153,10 +153,12 @@ def _rule(count: int) -> _Rule:
     coarse = np.zeros(count)
     coarse[::2] = until(end, count // 2 + 1)[0]
     nodes = 0.5 * (1 + np.cos(np.pi * np.arange(count) / (count - 1)))
-    return _Rule(nodes, until(end, count)[0], coarse, places, until(places, count))
+    return _ClenshawCurtis(
+        nodes, until(end, count)[0], coarse, places, until(places, count)
+    )
 
 
-def _asked(pressed: Pressed, relative_pressure: Any) -> GapFlow:
+def _asked(pressed: PressedSeal, relative_pressure: Any) -> GapFlow:
     """The model's answers at pressures over E* (rows, ...), in their shape."""
     rows, *dims = relative_pressure.shape
     flat = relative_pressure.reshape(rows, -1)
@@ -175,7 +177,7 @@ def _arrays(gaps: GapFlow) -> dict[str, Any]:
     }
 
 
-class _Line(NamedTuple):
+class _EvenSeal(NamedTuple):
     """An even seal, from the outlet to the inlet: (rows, ...) but for the last two."""
 
     x: Any  # what contact bears, over E*
@@ -188,7 +190,7 @@ class _Line(NamedTuple):
 @compiled("count")
 def _line(
     count: int, pressure: Any, dry: Any, drop: Any, fluid: Fluid, closed: Any
-) -> _Line:
+) -> _EvenSeal:
     """Where contact is asked for, of `count` nodes; `dry` is p/E*."""
     shape = np.broadcast_shapes(*map(np.shape, (dry, drop, *fluid)))
     share = xp.broadcast_to(drop / pressure, shape)
@@ -200,7 +202,7 @@ def _line(
     nodes = _rule(count).nodes.reshape(-1, *(1,) * len(shape))
     x = xp.where(opens, inlet, dry) * xp.exp(span * nodes)
     # dp_f is p/E* times d log x, and by a share of the drop
-    return _Line(x, pressure * (1 - x / dry), span * (x / dry) / share, span, share)
+    return _EvenSeal(x, pressure * (1 - x / dry), span * (x / dry) / share, span, share)
 
 
 class _Whole(NamedTuple):
@@ -215,7 +217,7 @@ class _Whole(NamedTuple):
 
 @compiled()
 def _whole(
-    line: _Line, fluid: Fluid, flow: Any, slip: Any, error: Any, model_error: Any
+    line: _EvenSeal, fluid: Fluid, flow: Any, slip: Any, error: Any, model_error: Any
 ) -> _Whole:
     """Of the answers of a model at the nodes of a line."""
     rule, rows = _rule(len(flow)), (-1, *(1,) * (flow.ndim - 1))
@@ -246,10 +248,12 @@ def _whole(
     )
 
 
-def even(pressed: Pressed, pressure: Any, length: Any) -> Flow:
+def even(pressed: PressedSeal, pressure: Any, length: Any) -> SealFlow:
     """A seal that is pressed evenly."""
     model, fluid = pressed.model, pressed.fluid
-    closed = fixed(closing_pressure(model.closes_at()) * pressed.surface.rms_slope)
+    closed = stop_gradient(
+        closing_pressure(model.closes_at()) * pressed.surface.rms_slope
+    )
     dry = pressure * pressed.soft
     line = _line(model.leak_nodes, pressure, dry, pressed.drop, fluid, closed)
     dry = xp.broadcast_to(dry, line.x.shape[1:])
@@ -270,7 +274,7 @@ def even(pressed: Pressed, pressure: Any, length: Any) -> Flow:
         passed = passed / np.where(through > 0, through, 1.0)[..., None]
         left = (1 - line.share)[..., None] * np.exp(line.span[..., None] * rule.places)
         profile = _even_profile(pressure, pressed.drop, length, passed, 1 - left)
-    return Flow(
+    return SealFlow(
         whole.through,
         every.gap[0],
         every.area[0],
@@ -324,7 +328,7 @@ class Uneven(NamedTuple):
     pressure_at: Callable[[Array], Array]
 
 
-def uneven(pressed: Pressed, seal: Uneven) -> Flow:
+def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
     """A seal whose pressure changes along it; all arrays of `pressed` (points,)."""
     fine, coarse = _tables(pressed, seal.peak * pressed.soft)
     cells, half = (_cells(pressed, seal, count) for count in (_CELLS, _CELLS // 2))
@@ -353,7 +357,7 @@ def uneven(pressed: Pressed, seal: Uneven) -> Flow:
     places = np.linspace(0.0, 1.0, _CELLS + 1)
     x = seal.start[:, None] + seal.length[:, None] * places
     profile = AlongSeal(x, seal.pressure_at(places), (fluid / pressed.soft).T)
-    return Flow(
+    return SealFlow(
         flux[0] * seal.length / pressed.soft / pressed.drop,
         hardest.gap[0],
         hardest.area[0],
@@ -388,7 +392,7 @@ class _Table(NamedTuple):
     exact: bool  # whether there is nothing to bound
 
 
-def _tables(pressed: Pressed, peak: Array) -> tuple[_Table, _Table]:
+def _tables(pressed: PressedSeal, peak: Array) -> tuple[_Table, _Table]:
     """Up to the largest `peak`/E*, and the same from half of the answers: over log z/(1 -
     z), z = s over that at closing, in which roots of w are smooth up to closing.
     """
@@ -453,7 +457,7 @@ class _Cells(NamedTuple):
     path: Array  # [m]
 
 
-def _cells(pressed: Pressed, seal: Uneven, count: int) -> _Cells:
+def _cells(pressed: PressedSeal, seal: Uneven, count: int) -> _Cells:
     middles = (np.arange(count) + 0.5) / count
     soft = pressed.soft
     return _Cells(

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, numpy_unless_traced, xp
+from ..arrays import numpy_unless_traced, stop_gradient, xp
 from ..call.extrapolation import held_beyond
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -114,9 +114,9 @@ class BreakOut(Result):
         """
         self._check_shown(show, "mu", "area_ratio")
         from ..results.plot_curves import draw_break_out
-        from ..results.plotting import Ask
+        from ..results.plotting import DrawAsk
 
-        return self._draw(draw_break_out, Ask(ax, style, title, label), y=show)
+        return self._draw(draw_break_out, DrawAsk(ax, style, title, label), y=show)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of the coefficient and of the real contact."""
@@ -208,7 +208,7 @@ def break_out(
     )
 
 
-class _Contact(NamedTuple):
+class _RealContact(NamedTuple):
     """The real contact at each point, over the nominal area."""
 
     area: Any
@@ -219,19 +219,19 @@ class _Contact(NamedTuple):
 
 def _contact(
     model: Multiscale | Persson, surface: AbstractSpectrum, relative_pressure: Any
-) -> _Contact:
+) -> _RealContact:
     """The contact of an elastic body at pressures over its E*."""
     one, flat = Foundation(1.0, [], []), relative_pressure.ravel()
     solved = model.solve(
         one, surface, xp.ones_like(flat), flat, Local(None), _RTOL, None
     )
     bound = model.bound(one, surface, xp.ones_like(flat), solved.area, of_area=True)
-    bound = bound + bound_of_heights(*fixed((surface, solved.area)))
+    bound = bound + bound_of_heights(*stop_gradient((surface, solved.area)))
     error = solved.area_error / xp.where(solved.area > 0, solved.area, 1.0)
     # its friction is zero: what has to settle is the area
-    good = solved.good & (fixed(error) <= _MOST)
+    good = solved.good & (stop_gradient(error) <= _MOST)
     numbers = solved.area, error, bound, good
-    return _Contact(*(xp.reshape(x, relative_pressure.shape) for x in numbers))
+    return _RealContact(*(xp.reshape(x, relative_pressure.shape) for x in numbers))
 
 
 def _checked_shear(shear: Any, temperature: Any) -> AdhesiveShear:

@@ -53,7 +53,7 @@ Asperities = Callable[[Array], tuple[Array, Array]]  # film to P_a and its slope
 Factor = Callable[[Array], tuple[Array, Array]]  # film to phi and its slope
 
 
-class Contact(NamedTuple):
+class FilmContact(NamedTuple):
     """What carries and what flows, all over the scales of the contact."""
 
     parameter: float  # lam
@@ -77,7 +77,7 @@ class Case(NamedTuple):
 
     def with_parameter(
         self, parameter: float, count: int, outlet: float | None = None
-    ) -> Contact:
+    ) -> FilmContact:
         """The contact with another parameter, on `count` nodes that crowd at the inlet
         and, if not at its usual place, at the outlet.
         """
@@ -96,7 +96,7 @@ class Case(NamedTuple):
         end = usual if outlet is None else outlet
         x = nodes((self.edges[0], end), ends, zones, count)
         response = self.respond(x)
-        return Contact(parameter, response, x, self.asperities, self.factor, end)
+        return FilmContact(parameter, response, x, self.asperities, self.factor, end)
 
 
 class Film(NamedTuple):
@@ -147,7 +147,7 @@ def nodes(
     return x
 
 
-def solve(contact: Contact, pressure: Array, approach: float) -> Film:
+def solve(contact: FilmContact, pressure: Array, approach: float) -> Film:
     """The film from a guess at the pressures of the inner nodes and at H_0."""
     guess = np.append(pressure, approach)
     film = _newton(contact, guess, _least)
@@ -171,7 +171,7 @@ def _fischer_burmeister(fluid: Array, gathered: Array) -> tuple[Array, Array, Ar
     return missed, 1 - fluid / length, 1 - gathered / length
 
 
-def _newton(contact: Contact, unknown: Array, rupture: Rupture) -> Film:
+def _newton(contact: FilmContact, unknown: Array, rupture: Rupture) -> Film:
     """The film from a guess, rupture written by a function of a and b."""
     x, count = contact.places, contact.places.size
     width = 0.5 * (x[2:] - x[:-2])
@@ -216,7 +216,7 @@ class _Balance(NamedTuple):
     flux: Array  # lam H - phi H^3 P_f', of the faces
 
 
-def _balance(contact: Contact, unknown: Array) -> _Balance:
+def _balance(contact: FilmContact, unknown: Array) -> _Balance:
     x = contact.places
     film = unknown[-1] + 0.5 * x**2 + contact.response @ unknown[:-1]
     asperity, stiffness = np.zeros(x.size), np.zeros(x.size)
@@ -249,7 +249,7 @@ def _missed(
 
 
 def _jacobian(
-    contact: Contact,
+    contact: FilmContact,
     here: _Balance,
     response: Array,
     width: Array,
@@ -282,7 +282,7 @@ def _jacobian(
     return whole
 
 
-def _even(contact: Contact, here: _Balance) -> tuple[Array, float, float]:
+def _even(contact: FilmContact, here: _Balance) -> tuple[Array, float, float]:
     """The fluid's pressure under which exactly the same flux passes everywhere before
     the rupture, the film as it is; that flux; and how far it is from even after all,
     relative.
@@ -308,7 +308,9 @@ def _rupture(here: _Balance) -> int:
     return int(np.flatnonzero(full)[-1]) + 1 if full.any() else 0
 
 
-def _packed(contact: Contact, unknown: Array, here: _Balance, missed: float) -> Film:
+def _packed(
+    contact: FilmContact, unknown: Array, here: _Balance, missed: float
+) -> Film:
     """The film, and how well it keeps its flow.
 
     Behind the rupture the film is in part void: there it carries what reaches it, as
@@ -423,7 +425,9 @@ def _first(case: Case, count: int) -> _Known | None:
     return _kept(parameter, film) if film.converged else None
 
 
-def _foretold(case: Case, contact: Contact, known: list[_Known]) -> tuple[Array, float]:
+def _foretold(
+    case: Case, contact: FilmContact, known: list[_Known]
+) -> tuple[Array, float]:
     """Guess from the last solutions, in log lam."""
     new, old = known[-1], known[0]
     way = np.log(contact.parameter / new.parameter)
@@ -439,7 +443,7 @@ def _foretold(case: Case, contact: Contact, known: list[_Known]) -> tuple[Array,
 
 
 def _from_film(
-    case: Case, contact: Contact, film: Array, pressure: Array
+    case: Case, contact: FilmContact, film: Array, pressure: Array
 ) -> tuple[Array, float]:
     """Pressures that give the film between the edges, as they are outside: a thin film
     says more of the pressure than the pressure of the film.

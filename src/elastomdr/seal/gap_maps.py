@@ -36,7 +36,7 @@ from ..checks import is_traced
 from ..errors import InputError
 from ..models import GapFlow
 from ..rough.half_space import area_of, solve, waves
-from ..rough.random_maps import Grid, grid_of
+from ..rough.random_maps import MapGrid, grid_of
 from ..surface.lay import lay_of
 from ..surface.spectrum import rough_map
 from ..surface.topography import skewness_of
@@ -45,7 +45,7 @@ from .leak_form import of_heights, of_skewness
 _LEAST = -200.0  # log of w over the largest flow: below it a medium is closed
 
 
-class Flow(NamedTuple):
+class FlowOnMap(NamedTuple):
     """Flow along either axis of a map."""
 
     conductance: tuple[float, float]  # w [m^3]
@@ -55,7 +55,7 @@ class Flow(NamedTuple):
 
 
 @one_thread()
-def flow(gap: Any) -> Flow:
+def flow(gap: Any) -> FlowOnMap:
     """Flow through a periodic map of gaps [m] in square cells, closed where they are
     zero.
     """
@@ -70,7 +70,7 @@ def flow(gap: Any) -> Flow:
         for axis, (flux, more) in enumerate(_fluxes(cube, pools, inside)):
             if through[axis]:
                 along[axis], slip[axis] = widest**3 * flux, widest**2 * more
-    return Flow((along[0], along[1]), (through[0], through[1]), (slip[0], slip[1]))
+    return FlowOnMap((along[0], along[1]), (through[0], through[1]), (slip[0], slip[1]))
 
 
 def effective_medium(shares: Any, flows: Any, n: float) -> float:
@@ -226,7 +226,7 @@ _OF_CELLS, _CLOSES, _SURE = 0.12, 0.415, 0.38
 _SMALL = 1e-4  # mean free path over w^(1/3) at which the slip of maps is added up
 
 
-class Pressed(NamedTuple):
+class PressedMap(NamedTuple):
     """A map under a pressure."""
 
     gap: Any  # of each cell [m], 0 where it touches
@@ -237,7 +237,7 @@ class Pressed(NamedTuple):
 
 def pressed(
     heights: Any, side: float, relative_pressure: float, start: Any = None
-) -> Pressed:
+) -> PressedMap:
     """Periodic `heights` [m], positive into the rubber, on a square of `side` [m] under
     a mean pressure over E* of `relative_pressure`; `start` are the pressures of a
     lighter load.
@@ -259,7 +259,7 @@ def pressed(
     gap = displacement - (heights - heights.mean()) + contact.separation
     touches = contact.pressure > 0
     gap = np.where(touches, 0.0, np.maximum(gap, 0.0))
-    return Pressed(gap, area_of(touches), contact.pressure, contact.settled)
+    return PressedMap(gap, area_of(touches), contact.pressure, contact.settled)
 
 
 def _one(omega: Any) -> Any:
@@ -369,7 +369,7 @@ def _mean_of_open(gaps: np.ndarray) -> np.ndarray:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _of_cells(area: np.ndarray, surface: Any, grid: Grid) -> np.ndarray:
+def _of_cells(area: np.ndarray, surface: Any, grid: MapGrid) -> np.ndarray:
     """How much less a map leaks than on ever finer cells, relative."""
     per_wave = grid.cells * surface.q_low / (grid.periods * surface.q_high)
     near = -np.log(1 - np.minimum(area, _SURE) / _CLOSES)

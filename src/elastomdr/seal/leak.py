@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, numpy_unless_traced, xp
+from ..arrays import numpy_unless_traced, stop_gradient, xp
 from ..call.extrapolation import held_beyond
 from ..call.problem import check_carries
 from ..call.several_materials import over_materials
@@ -49,7 +49,7 @@ from ..surface.lay import lay_of
 from ..surface.spectrum import as_spectrum
 from ..surface.topography import skewness_of
 from . import gas
-from .along import AlongSeal, Flow, Fluid, Pressed, Uneven, even, uneven
+from .along import AlongSeal, Fluid, PressedSeal, SealFlow, Uneven, even, uneven
 from .gas import check_absolute, check_gas
 from .leak_theories import CriticalConstriction, EffectiveMedium
 from .o_ring import ORing, check_rubber
@@ -179,9 +179,9 @@ class Leak(Result):
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
         self._check_shown(show)
-        from ..results.plotting import LIGHT, Ask, Line, Sketch, draw, frame
+        from ..results.plotting import LIGHT, DrawAsk, DrawnLine, Sketch, draw, frame
 
-        def band(sketch: Sketch, line: Line) -> None:
+        def band(sketch: Sketch, line: DrawnLine) -> None:
             if show not in ("rate", "mass_rate", "conductance"):
                 return
             if self.model_error is None:
@@ -197,7 +197,7 @@ class Leak(Result):
         counts = {axis.name: axis.values.size for axis in self.axes()}
         names = ("time", "pressure", "pressure_drop")
         x = max(names, key=lambda name: counts.get(name, int(name == "pressure")))
-        ask = Ask(ax, style, title, label)
+        ask = DrawAsk(ax, style, title, label)
         drawn = self._draw(draw, ask, x=x, y=show, also=band)
         values = np.asarray(getattr(self, show))
         values = values[np.isfinite(values) & (values > 0)]
@@ -406,7 +406,9 @@ def leak(
     soft, factor = softness(foundation, **_of_rubber(foundation, given))
     gas_or_liquid = Fluid() if given["outlet_pressure"] is None else gas.gas_of(given)
     way = None if direction is None else _angle(direction)
-    pressed = Pressed(chosen, surface, soft, given["pressure_drop"], gas_or_liquid, way)
+    pressed = PressedSeal(
+        chosen, surface, soft, given["pressure_drop"], gas_or_liquid, way
+    )
     if seal.pressure_at is None:
         flow = even(pressed, given["pressure"], given["length"])
     else:
@@ -516,11 +518,11 @@ def _of_ring(name: str, value: Any, of_ring: Any) -> Any:
 
 
 def _along(
-    pressed: Pressed,
+    pressed: PressedSeal,
     seal: _Seal,
     pressure_at: Callable[[Array], Array],
     given: dict[str, Any],
-) -> Flow:
+) -> SealFlow:
     """The flow where the pressure changes along it, in the shape of its points."""
     soft, drop, (expands, path) = pressed.soft, pressed.drop, pressed.fluid
     arrays = (soft, drop, expands, path, seal.length, seal.peak)
@@ -561,7 +563,7 @@ def _of_rubber(foundation: Foundation, given: dict[str, Any]) -> dict[str, Any]:
     return {"time": given["time"], "temperature": temperature}
 
 
-def _model_in_words(given: dict[str, Any], flow: Flow) -> str:
+def _model_in_words(given: dict[str, Any], flow: SealFlow) -> str:
     if given["outlet_pressure"] is None:
         return flow.said
     return flow.said + (gas.SAID_OF_MAPS if flow.slips_by_itself else gas.SAID)
@@ -644,7 +646,7 @@ def softness(foundation: Foundation, time: Any, temperature: Any) -> tuple[Any, 
 
 
 def _fields(
-    given: dict[str, Any], flow: Flow, good: Any, shape: tuple[int, ...]
+    given: dict[str, Any], flow: SealFlow, good: Any, shape: tuple[int, ...]
 ) -> dict[str, Any]:
     """The numbers of the result."""
     outlet, model_error = given["outlet_pressure"], flow.model_error
@@ -701,7 +703,7 @@ def _fields(
     }
 
 
-def _heights_in_words(pressed: Pressed) -> list[str]:
+def _heights_in_words(pressed: PressedSeal) -> list[str]:
     """What a measured surface has that the model does not know."""
     surface, remarks = pressed.surface, []
     skewness = getattr(surface, "skewness", 0.0)
@@ -721,7 +723,7 @@ def _heights_in_words(pressed: Pressed) -> list[str]:
 
 
 def _wide_by_heights(
-    pressed: Pressed, model_error: Any, good: Any
+    pressed: PressedSeal, model_error: Any, good: Any
 ) -> tuple[Doubt, ...]:
     """Where the bound is wide, of a surface whose lay or skewness is a part of it."""
     remarks = _heights_in_words(pressed)
@@ -731,12 +733,12 @@ def _wide_by_heights(
         ["have a bound on the model above half of the leak rate", *remarks]
     )
     remedy = "a measured leak, or a surface without lay and with Gaussian heights"
-    wide = fixed((model_error > WIDE) & good)
+    wide = stop_gradient((model_error > WIDE) & good)
     return (Doubt("bound", wide, says, remedy),)
 
 
 def _inputs_in_words(
-    foundation: Foundation, pressed: Pressed, given: dict[str, Any], seal: _Seal
+    foundation: Foundation, pressed: PressedSeal, given: dict[str, Any], seal: _Seal
 ) -> list[tuple[str, str]]:
     surface, direction = pressed.surface, pressed.direction
     words = "" if is_traced(surface) else f", {surface.words()}"

@@ -18,21 +18,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, namespace, xp
+from ..arrays import namespace, stop_gradient, xp
 from ..checks import is_traced, known
 from ..models import GapFlow
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..rough.psd_integrals import PER_DECADE, cell_counts, nodes
 from ..surface.lay import lay_of
 from ..surface.topography import skewness_of
-from .persson_gap import Contact, contact_of, critical_gap, mean_gap
+from .persson_gap import GapPoints, contact_of, critical_gap, mean_gap
 
 _BATCH = 256  # pressures that are held in memory at once
 _TRACED = 24  # cells per decade where JAX traces a value
 SAID = "Multiscale (form in mean gap and real contact, fitted to maps of gaps)"
 
 
-class Form(NamedTuple):
+class LeakForm(NamedTuple):
     """The constants, by their letters above."""
 
     share: float  # c
@@ -44,7 +44,7 @@ class Form(NamedTuple):
 
 
 # Fitted to maps by benchmarks/leak_fit.py, which says how far the form is from them.
-FORM = Form(share=0.956, bend=0.0701, power=2.41, grows=0.499, leans=0.0962)
+FORM = LeakForm(share=0.956, bend=0.0701, power=2.41, grows=0.499, leans=0.0962)
 UNSURE = 0.38  # real contact from which on a map may as well be closed
 # Of the bound: at light contact, its growth; and of the maps: cutoff ratios, least contact.
 _LIGHT, _GROWTH = 0.25, 0.35
@@ -60,7 +60,7 @@ _SKEWED, _MOST_SKEWED = (1.7, 3.2), 1.0
 _WORN = 0.4  # by how much less contact closes channels, over the skewness
 
 
-def gap_of(ideal: Any, form: Form = FORM) -> Any:
+def gap_of(ideal: Any, form: LeakForm = FORM) -> Any:
     """The mean gap from that of Persson's theory, both over the rms height."""
     xp = namespace(ideal)
     open_ = ideal > 0
@@ -68,7 +68,7 @@ def gap_of(ideal: Any, form: Form = FORM) -> Any:
     return xp.where(open_, gap, 0.0)
 
 
-def factor(gap: Any, area: Any, steep: Any, form: Form = FORM) -> Any:
+def factor(gap: Any, area: Any, steep: Any, form: LeakForm = FORM) -> Any:
     """w over the cube of the mean gap, from that gap over the rms height, the real
     contact and D; zero where channels are closed.
     """
@@ -82,7 +82,7 @@ def barely_touching(gap: Any) -> Any:
     return 1 - 0.9 * namespace(gap).exp(-0.56 * gap)
 
 
-def through(area: Any, steep: Any, form: Form = FORM) -> Any:
+def through(area: Any, steep: Any, form: LeakForm = FORM) -> Any:
     """By what contact lowers the flow through the channels that it leaves open."""
     xp = namespace(area, steep)
     power = form.power * xp.clip(steep, *_STEEP) ** -form.leans
@@ -174,7 +174,7 @@ def leak(surface: Any, relative_pressure: Any, direction: float | None) -> GapFl
     """The answers at pressures over E*, (rows, points)."""
     if is_traced(surface, relative_pressure):
         shared, points = as_doubles((surface, relative_pressure))
-        counts = cell_counts(known(fixed(surface)), _TRACED)
+        counts = cell_counts(known(stop_gradient(surface)), _TRACED)
         numbers = _with_slopes(counts, direction)(shared, points)
     else:
         numbers = _numbers(surface, relative_pressure, direction)
@@ -219,7 +219,7 @@ def _numbers(
     return flow, gap, area, critical, error, model_error
 
 
-def _flow_and_gap(contacts: Contact, rms_height: Any) -> tuple[Any, Any]:
+def _flow_and_gap(contacts: GapPoints, rms_height: Any) -> tuple[Any, Any]:
     """w [m^3] and the mean gap [m]."""
     gap = gap_of(mean_gap(contacts) / rms_height)
     flow = gap**3 * factor(gap, contacts.area, contacts.steep)

@@ -26,7 +26,7 @@ from ..units.arguments import constructor_in_si
 from .gap_maps import effective_medium
 from .persson_gap import (
     CLOSES,
-    Contact,
+    GapPoints,
     contact_of,
     critical_gap,
     mean_gap,
@@ -46,7 +46,7 @@ class LeakTheory(Model, ABC):
         """The theory in a few words."""
 
     @abstractmethod
-    def flow(self, contacts: Contact) -> Array:
+    def flow(self, contacts: GapPoints) -> Array:
         """w [m^3] at each point."""
 
     def leak(
@@ -94,7 +94,7 @@ class CriticalConstriction(LeakTheory):
     def closes_at(self) -> float:
         return CLOSES
 
-    def flow(self, contacts: Contact) -> Array:
+    def flow(self, contacts: GapPoints) -> Array:
         return np.where(contacts.area < CLOSES, critical_gap(contacts) ** 3, 0.0)
 
 
@@ -128,7 +128,7 @@ class EffectiveMedium(LeakTheory):
     def closes_at(self) -> float:
         return self.closes
 
-    def flow(self, contacts: Contact) -> Array:
+    def flow(self, contacts: GapPoints) -> Array:
         each = zip(*scales(contacts), contacts.area, strict=True)
         return np.array([_medium(*one, closes=self.closes) for one in each])
 

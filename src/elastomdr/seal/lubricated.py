@@ -54,7 +54,7 @@ from ..surface.spectrum import AbstractSpectrum, as_spectrum
 from ..trees import replaced
 from . import film as films
 from .leak import BOTH
-from .response import Body, bodies_of, compliance, response
+from .response import SealBody, bodies_of, compliance, response
 from .roughness import FlowFactor, Roughness, Rubbing, Touching, pressed, rubbing
 
 if TYPE_CHECKING:
@@ -196,9 +196,9 @@ class Lubricated(Result):
         The rest as of every result, `Result.plot`. Raises `InputError`.
         """
         self._check_shown(show, "mu", "film_thickness", "least_film", "flow")
-        from ..results.plotting import LIGHT, Ask, Line, Sketch, draw
+        from ..results.plotting import LIGHT, DrawAsk, DrawnLine, Sketch, draw
 
-        def band(sketch: Sketch, line: Line) -> None:
+        def band(sketch: Sketch, line: DrawnLine) -> None:
             error = sketch.along_line(sketch.fields["trapped_error"], line)
             if show == "mu" and (error > 0).any():
                 ends = line.y - error, line.y + error
@@ -208,7 +208,7 @@ class Lubricated(Result):
                     "band: liquid in closed channels stays or leaves"
                 )
 
-        return self._draw(draw, Ask(ax, style, title, label), y=show, also=band)
+        return self._draw(draw, DrawAsk(ax, style, title, label), y=show, also=band)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The ranges of friction, film and flow."""
@@ -317,7 +317,7 @@ class _Solved(NamedTuple):
     good: bool = False
 
 
-class _Scene(NamedTuple):
+class _FilmScene(NamedTuple):
     """The arguments, flat, in SI units."""
 
     material: Any
@@ -356,7 +356,7 @@ def _checked(
     time: Any,
     rubber: Any,
     surface: Any,
-) -> _Scene:
+) -> _FilmScene:
     """The arguments, checked and broadcast. Raises `InputError`."""
     if not isinstance(shape, Cylinder):
         raise InputError(
@@ -390,7 +390,7 @@ def _checked(
             for each in thermal_factors(material, temperatures)
         )
     bodies_of(material)  # refuses what carries no film
-    return _Scene(
+    return _FilmScene(
         material,
         shape,
         surface,
@@ -436,7 +436,10 @@ class _Scales(NamedTuple):
 
 
 def _group(
-    scene: _Scene, points: Array, rough: Roughness | None, shear: AdhesiveShear | None
+    scene: _FilmScene,
+    points: Array,
+    rough: Roughness | None,
+    shear: AdhesiveShear | None,
 ) -> list[_Solved]:
     """Points of one load, temperature and time."""
     bodies = bodies_of(scene.material)
@@ -531,7 +534,7 @@ def _extrapolated(coarse: Array, fine: Array) -> Array:
     return np.where(better * fine < 0, fine, better)  # of what is all but zero
 
 
-def _dry(scene: _Scene, points: Array, bodies: list[Body]) -> list[_Scales]:
+def _dry(scene: _FilmScene, points: Array, bodies: list[SealBody]) -> list[_Scales]:
     """The dry contacts."""
     first, radius = int(points[0]), float(scene.shape.radius)
     line = float(scene.load[first] / scene.shape.length)
@@ -550,14 +553,16 @@ def _dry(scene: _Scene, points: Array, bodies: list[Body]) -> list[_Scales]:
     ]
 
 
-def _held(scene: _Scene, point: int) -> float | None:
+def _held(scene: _FilmScene, point: int) -> float | None:
     """Reduced time for which the pressure has stood [s]."""
     return (
         None if scene.time is None else float(scene.time[point] / scene.factor[point])
     )
 
 
-def _dry_edges(scene: _Scene, points: Array, held: float | None) -> tuple[Array, Array]:
+def _dry_edges(
+    scene: _FilmScene, points: Array, held: float | None
+) -> tuple[Array, Array]:
     """Edges of the dry contact ahead of the apex and behind it [m]."""
     from ..smooth.cylinder import cylinder_on_layer
 
@@ -600,7 +605,7 @@ def _at_rest(layer: Layer, held: float | None) -> Layer:
 
 
 def _rubbing(
-    scene: _Scene, points: Array, scales: list[_Scales], rough: Roughness | None
+    scene: _FilmScene, points: Array, scales: list[_Scales], rough: Roughness | None
 ) -> tuple[list[Rubbing | None], Array]:
     """Friction of the asperities at each point, None on smooth surfaces, and whether it
     is beyond the data of the rubber.
@@ -625,10 +630,10 @@ def _rubbing(
 
 
 def _case(
-    scene: _Scene,
+    scene: _FilmScene,
     point: int,
     scales: _Scales,
-    bodies: list[Body],
+    bodies: list[SealBody],
     rough: Roughness | None,
     rubbed: Rubbing | None,
 ) -> films.Case:
@@ -659,7 +664,7 @@ def _case(
 
 
 def _touching(
-    scene: _Scene,
+    scene: _FilmScene,
     point: int,
     scales: _Scales,
     rough: Roughness | None,
@@ -688,7 +693,9 @@ def _touching(
     )
 
 
-def _stiffened(scene: _Scene, point: int, rough: Roughness, rubbed: Rubbing) -> float:
+def _stiffened(
+    scene: _FilmScene, point: int, rough: Roughness, rubbed: Rubbing
+) -> float:
     """E* of the rubber about asperities [Pa]."""
     return rough.modulus * rubbed.stiffening * float(scene.vertical[point])
 
@@ -707,7 +714,7 @@ def _factor(rough: Roughness, scales: _Scales, film: Array) -> tuple[Array, Arra
 
 def _numbers(
     solution: films.Film,
-    scene: _Scene,
+    scene: _FilmScene,
     point: int,
     scales: _Scales,
     parameter: float,
@@ -777,7 +784,7 @@ def _profile(film: films.Film, scales: _Scales) -> Array:
 
 
 def _packed(
-    scene: _Scene,
+    scene: _FilmScene,
     solved: list[_Solved],
     good: Array,
     model: str,
@@ -833,7 +840,7 @@ def _packed(
     )
 
 
-def _beyond(scene: _Scene, solved: list[_Solved]) -> tuple[Doubt, ...]:
+def _beyond(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:
     """Points beyond the data of the material, by the rubber or by its asperities."""
     known = scene.material.range
     shape = scene.velocity.shape

@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from ..arrays import fixed, is_traced, numpy_unless_traced, xp
+from ..arrays import is_traced, numpy_unless_traced, stop_gradient, xp
 from ..call.extrapolation import held_beyond
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -189,10 +189,10 @@ class ORing(Result):
         if self.sealing_pressure is not None:
             shown += ("sealing_pressure",)
         self._check_shown(show, *shown)
-        from ..results.plotting import Ask, draw
+        from ..results.plotting import DrawAsk, draw
 
         x = "time" if any(axis.name == "time" for axis in self.axes()) else "squeeze"
-        return self._draw(draw, Ask(ax, style, title, label), x=x, y=show)
+        return self._draw(draw, DrawAsk(ax, style, title, label), x=x, y=show)
 
     def pressure_at(self, x: ArrayLike) -> Array:
         """Pressure [Pa] at distances x [m] from the middle of the contact, the last
@@ -370,9 +370,9 @@ def _checked_groove(
             "groove_width",
             width,
             "wider than the squeezed cord (bulged, at most "
-            f"{1e3 * float(np.max(fixed(cord))):.4g} mm): beside a cord that touches "
+            f"{1e3 * float(np.max(stop_gradient(cord))):.4g} mm): beside a cord that touches "
             "the sides of its groove no formula holds",
-            lambda w: w > fixed(cord),
+            lambda w: w > stop_gradient(cord),
         )
     return further
 

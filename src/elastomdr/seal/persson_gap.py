@@ -41,7 +41,7 @@ _DEGREE = 44  # of the series for its integral
 _ALL_ROUND = 2 * np.pi  # int |E*|^2 dphi over E*^2, of an elastic solid
 
 
-class Contact(NamedTuple):
+class GapPoints(NamedTuple):
     """Points of a surface under pressures over E*."""
 
     wave_nodes: Nodes
@@ -51,13 +51,13 @@ class Contact(NamedTuple):
     steep: Any  # dlog R/dlog q at q_high
 
 
-def contact_of(wave_nodes: Nodes, relative_pressure: Any) -> Contact:
+def contact_of(wave_nodes: Nodes, relative_pressure: Any) -> GapPoints:
     """The contact at many pressures p/E*, shape (points,)."""
     relative_pressure = relative_pressure[:, None, None]
     rate = rate_of(wave_nodes, _ALL_ROUND, relative_pressure)
     total = (rate * wave_nodes.weight).sum((-2, -1))
     end = wave_nodes.end_power / (wave_nodes.power * wave_nodes.weight).sum()
-    return Contact(
+    return GapPoints(
         wave_nodes,
         relative_pressure,
         integral_to(rate, wave_nodes.weight),
@@ -66,7 +66,7 @@ def contact_of(wave_nodes: Nodes, relative_pressure: Any) -> Contact:
     )
 
 
-def mean_gap(contacts: Contact) -> Any:
+def mean_gap(contacts: GapPoints) -> Any:
     """u(q_low) [m], shape (points,)."""
     xp = namespace(contacts.variance)
     x = 0.5 / xp.sqrt(contacts.variance)
@@ -118,14 +118,14 @@ def closing_pressure(area: float) -> float:
     return float(np.exp(low))
 
 
-class Scales(NamedTuple):
+class GapScales(NamedTuple):
     """What is seen at each node but the ends, (points, nodes), with log z ascending."""
 
     share: Any  # A(z)
     gap: Any  # u_1(z) [m]
 
 
-def scales(contacts: Contact) -> Scales:
+def scales(contacts: GapPoints) -> GapScales:
     """Contact and the gap where it is lost, at all scales; on NumPy."""
     points = contacts.area.size
     variance = contacts.variance.reshape(points, -1)
@@ -144,10 +144,10 @@ def scales(contacts: Contact) -> Scales:
     with np.errstate(divide="ignore", invalid="ignore"):
         lost = gaps + np.gradient(gaps, log_q, axis=1) * shares / falls
     inside = np.isfinite(lost) & (falls < 0)
-    return Scales(shares, np.where(inside, np.maximum(lost, gaps), np.nan))
+    return GapScales(shares, np.where(inside, np.maximum(lost, gaps), np.nan))
 
 
-def critical_gap(contacts: Contact) -> np.ndarray:
+def critical_gap(contacts: GapPoints) -> np.ndarray:
     """u_1 [m] where the share of contact falls to that at which channels close; NaN
     where it does not, or within the first waves.
     """

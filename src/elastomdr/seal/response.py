@@ -39,7 +39,7 @@ _BLOCK = 16  # places whose memories are computed at once
 _AHEAD = 1.12  # ratio of distances between nodes there
 
 
-class Body(NamedTuple):
+class SealBody(NamedTuple):
     """One of the bodies under the pressure."""
 
     chain: KelvinChain  # of 1/E* [1/Pa]
@@ -48,7 +48,7 @@ class Body(NamedTuple):
     bonded: bool
 
 
-def bodies_of(material: Any) -> list[Body]:
+def bodies_of(material: Any) -> list[SealBody]:
     """The half-space, or the layers on both sides. Raises `InputError`."""
     if not isinstance(material, Layer):
         foundation = as_foundation(material)
@@ -57,7 +57,7 @@ def bodies_of(material: Any) -> list[Body]:
                 "material must be a half-space (the material itself) or an em.layer "
                 "under a film, got em.springs: independent springs have no smooth film."
             )
-        return [Body(_chain(foundation.law()), None, 0.0, True)]
+        return [SealBody(_chain(foundation.law()), None, 0.0, True)]
     for cover in material.covers:
         if not cover.constant:
             raise InputError(
@@ -65,7 +65,7 @@ def bodies_of(material: Any) -> list[Body]:
                 "film, got a bulk modulus: give poisson=0.5 in its place."
             )
     return [
-        Body(
+        SealBody(
             _chain(cover.normal()),
             float(cover.thickness),
             float(np.real(cover.squeeze())),
@@ -84,7 +84,7 @@ def _chain(law: Any) -> KelvinChain:
     return to_kelvin(law)
 
 
-def compliance(body: Body, held: float | None = None) -> float:
+def compliance(body: SealBody, held: float | None = None) -> float:
     """J(t) after the reduced time `held` [s], or long after: 1/E*(0) [1/Pa]."""
     grown = 1.0
     if held is not None:
@@ -93,7 +93,7 @@ def compliance(body: Body, held: float | None = None) -> float:
 
 
 def response(
-    bodies: list[Body],
+    bodies: list[SealBody],
     x: Array,
     velocity: float,
     unit: float,
@@ -120,7 +120,7 @@ def response(
     return 2 * total
 
 
-def _elastic(places: Array, x: Array, ratio: float | None, body: Body) -> Array:
+def _elastic(places: Array, x: Array, ratio: float | None, body: SealBody) -> Array:
     """Half of int K over each hat of the nodes x, at the places."""
     square = np.square(places[:, None] - x)
     logarithm = np.log(np.where(square == 0, 1.0, square))
@@ -169,7 +169,7 @@ def _ahead(x: Array) -> Array:
 
 
 def _remembered(
-    elastic: Array, places: Array, x: Array, memory: Array, body: Body
+    elastic: Array, places: Array, x: Array, memory: Array, body: SealBody
 ) -> Array:
     """Sum over the branches of J_k times the displacement that each remembers."""
     compliances = np.asarray(body.chain.compliances)

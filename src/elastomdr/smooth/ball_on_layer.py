@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import one_thread, xp
 from ..call.model_choice import of_smooth
-from ..call.problem import Scene, check_rtol, steady_scene
+from ..call.problem import SteadyScene, check_rtol, steady_scene
 from ..checks import Array, is_traced, require, warn_unless
 from ..element.law import surface_foundation
 from ..element.layer import Layer
@@ -119,7 +119,7 @@ class _Lines(NamedTuple):
     misfit: float  # of a table of moduli to the series that stands for it, relatively
 
 
-class _Mean(NamedTuple):
+class _DirectionMean(NamedTuple):
     mu: Array
     depth: Array
     line: Slid  # at the velocity itself
@@ -187,7 +187,7 @@ def ball_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
     return OnLayer(steady, temperatures, label, plan)
 
 
-def _check_depth(points: Scene, thick: Any) -> None:
+def _check_depth(points: SteadyScene, thick: Any) -> None:
     if points.traced:
         raise InputError(
             "load must be given on a layer under jit, grad and vmap, not depth."
@@ -201,7 +201,7 @@ def _check_depth(points: Scene, thick: Any) -> None:
 
 
 def _asymmetric(
-    mean: _Mean, error: Any, shape: AbstractShape, thick: Any, corrected: bool
+    mean: _DirectionMean, error: Any, shape: AbstractShape, thick: Any, corrected: bool
 ) -> tuple[Any, Any, Any]:
     """mu of an average over directions, its error and bound, corrected or only bounded
     for a contact that is longer ahead than behind.
@@ -443,14 +443,18 @@ def _with_neighbours(
     return solved, slopes
 
 
-def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool) -> _Mean:
+def _mean(
+    lines: _Lines, velocity: Array, load: Array, averaged: bool
+) -> _DirectionMean:
     """mu and depth averaged over directions at equal load, and the line at the velocity
     itself.
     """
     if not averaged:
         solved, off = _solve(lines, velocity, load)
         good = solved.converged & (off <= max(lines.rtol, _FLOOR))
-        return _Mean(solved.mu, solved.depth, solved, off * xp.abs(solved.mu), good)
+        return _DirectionMean(
+            solved.mu, solved.depth, solved, off * xp.abs(solved.mu), good
+        )
     rule, flat = _rule(lines.rtol)
     velocity, load = np.asarray(velocity), np.asarray(load)
     out = [np.full(velocity.shape, np.nan) for _ in range(3)]
@@ -470,7 +474,7 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool) -> _Mean:
             field[points] = values
         good[points] = fine & (missed <= max(lines.rtol, _FLOOR) * np.abs(mu))
     mu, depth, missed = out
-    return _Mean(mu, depth, lines_own, missed, good)
+    return _DirectionMean(mu, depth, lines_own, missed, good)
 
 
 def _rule(rtol: float) -> tuple[Directions, np.ndarray]:
@@ -489,7 +493,7 @@ def _mean_of_traced(
     load: Array,
     averaged: bool,
     rtol: float,
-) -> tuple[_Mean, float]:
+) -> tuple[_DirectionMean, float]:
     """`_mean` under a transformation of JAX, and how far a series is from a table of
     moduli.
     """
@@ -505,7 +509,7 @@ def _mean_of_traced(
     )
     wide = leading + trailing < _TRACED_REACH * material.covers[0].thickness
     line = Slid(along, load, depth, leading, trailing, good > 0, good)
-    return _Mean(mu, depth, line, error, (good > 0) & wide), misfit
+    return _DirectionMean(mu, depth, line, error, (good > 0) & wide), misfit
 
 
 def _is_table(cover: Layer) -> bool:

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, one_thread, xp
+from ..arrays import one_thread, stop_gradient, xp
 from ..call.model_choice import of_smooth
-from ..call.problem import Scene, check_rtol, steady_scene
+from ..call.problem import SteadyScene, check_rtol, steady_scene
 from ..checks import is_traced, known, require, warn_unless
 from ..element.law import TabulatedFoundation, normal_operator, surface_foundation
 from ..element.layer import Layer, layer_kernel
@@ -31,8 +31,8 @@ from .cylinder_galerkin import (
     USUAL,
     Cover,
     Cylinders,
+    LayerWaves,
     Solution,
-    Waves,
     depth,
     depth_and_gap,
     half_of,
@@ -180,7 +180,7 @@ def cylinder_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
 
 
 def _solved(
-    points: Scene,
+    points: SteadyScene,
     body: Any,
     shape: Cylinder,
     control: str,
@@ -194,7 +194,7 @@ def _solved(
     wanted = wanted / shape.length if control == "load" else wanted
     by_depth, radius = control == "depth", xp.asarray(shape.radius)
     if points.traced:
-        dashpot = _begins_with_dashpot(known(fixed(carriers)))
+        dashpot = _begins_with_dashpot(known(stop_gradient(carriers)))
         solve = _with_slopes(layers, by_depth, dashpot, float(rtol), misfit)
         contacts = solve(*as_doubles(((carriers, radius), (wanted, reduced))))
         contacts = contacts._replace(good=contacts.good > 0)
@@ -418,7 +418,7 @@ class _Search(NamedTuple):
     wanted: Any
     by_depth: bool
     dashpot: bool
-    waves: Waves | None
+    waves: LayerWaves | None
     guess: Any  # half-length [m]
     slope: Any = USUAL  # of the logarithms, `wanted` over the half-length
 
@@ -576,7 +576,7 @@ def _ladder(ratio: float) -> float:
     return 1.25 ** math.ceil(math.log(max(1.1 * ratio, 0.4)) / math.log(1.25))
 
 
-def _not_too_deep(layer: Layer, control: str, points: Scene) -> None:
+def _not_too_deep(layer: Layer, control: str, points: SteadyScene) -> None:
     """Refuses a dent as deep as the layer is thick. Raises `InputError`."""
     if control == "depth" and not is_traced(layer, points.value):
         thick = float(sum(cover.thickness for cover in layer.covers))
@@ -677,7 +677,7 @@ def cylinder_losses(call: SmoothCall) -> tuple[OnLayer, Any, Any]:
     )
 
 
-def cylinder_pressure(call: SmoothCall) -> tuple[OnLayer, Scene, Solution]:
+def cylinder_pressure(call: SmoothCall) -> tuple[OnLayer, SteadyScene, Solution]:
     """The rolling cylinder, its points, and the contact of each with the terms of its
     pressure; numbers.
     """

@@ -105,7 +105,7 @@ class Cylinders(Tree):
         return self.covers[0].thickness is not None
 
 
-class Waves(Tree):
+class LayerWaves(Tree):
     """What layers lack of half-spaces, as a sum over few waves: D(k) dk at k = z/h."""
 
     z: Array  # k times the thickness h
@@ -127,7 +127,7 @@ class Solution(NamedTuple):
 
 
 def solve_at(
-    problem: Cylinders, half: Array, order: int, waves: Waves | None, dashpot: bool
+    problem: Cylinders, half: Array, order: int, waves: LayerWaves | None, dashpot: bool
 ) -> Solution:
     """The contact of half-length `half` [m] at each point, by `order` terms; `dashpot`:
     with an infinite pressure.
@@ -238,7 +238,7 @@ def half_of(
     wanted: Array,
     by_depth: bool,
     dashpot: bool,
-    waves: Waves | None,
+    waves: LayerWaves | None,
     guess: Array,
     slope: Any,
     order: int,
@@ -265,7 +265,7 @@ def half_of(
     return np.where(met, np.exp(log), np.nan), contact
 
 
-def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
+def layer_waves(problem: Cylinders, ratio: float) -> LayerWaves | None:
     """The waves of a layer for contacts up to a half-length of `ratio` thicknesses;
     None for half-spaces.
 
@@ -295,7 +295,7 @@ def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
         xp.concatenate([a @ spread, b * weight], axis=1)
         for a, b in zip(near, far, strict=True)
     )
-    return Waves(z, real, imaginary, thickness, ratio)
+    return LayerWaves(z, real, imaginary, thickness, ratio)
 
 
 class _Shares(NamedTuple):
@@ -331,7 +331,7 @@ def _half_plane(problem: Cylinders, half: Array, top: int) -> _Shares:
     return _Shares(first, second, infinite)
 
 
-def _of_layer(half: Array, top: int, waves: Waves) -> _Shares:
+def _of_layer(half: Array, top: int, waves: LayerWaves) -> _Shares:
     """What the layer takes from the shares, as sums over its waves; in blocks of points
     whose waves fill some 30 MB.
     """
@@ -348,11 +348,13 @@ def _of_layer(half: Array, top: int, waves: Waves) -> _Shares:
     return _Shares(*(xp.concatenate(x, axis=1) for x in zip(*parts, strict=True)))
 
 
-def _block(waves: Waves, points: slice) -> Waves:
+def _block(waves: LayerWaves, points: slice) -> LayerWaves:
     return replaced(waves, real=waves.real[points], imaginary=waves.imaginary[points])
 
 
-def _of_block(half: Array, top: int, waves: Waves, last: int, count: int) -> _Shares:
+def _of_block(
+    half: Array, top: int, waves: LayerWaves, last: int, count: int
+) -> _Shares:
     s, to_even, to_odd = (xp.asarray(x) for x in _transform(count, top, last))
     ratio = half / waves.thickness
     phase = 0.5 * (ratio[:, None] * waves.z)[..., None] * s  # points x waves x nodes

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, xp
+from ..arrays import on_numpy, stop_gradient, xp
 from ..checks import Array
 from ..material.relaxation import KelvinChain
 from ..numerics.quadrature import gauss, gauss_unit
@@ -269,7 +269,7 @@ def _weights(l: Array, compliance: Array, size: int) -> tuple[Array, Array]:
     log = xp.log(xp.maximum(l, 1e-280))
     inside = xp.clip(log, _LOW, _HIGH)
     place = (inside - _LOW) / _STEP + _STENCIL // 2
-    left = xp.floor(fixed(place)).astype(int) - (_STENCIL // 2 - 1)
+    left = xp.floor(stop_gradient(place)).astype(int) - (_STENCIL // 2 - 1)
     near = xp.clip(left, 0, size - _STENCIL)[..., None] + np.arange(_STENCIL)
     gaps = place[..., None] - near
     # at a node, where the squares in derivatives must not overflow

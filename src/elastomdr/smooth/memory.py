@@ -38,7 +38,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, scan, xp
+from ..arrays import on_numpy, scan, stop_gradient, tree_map, xp
 from ..checks import Array
 from ..element.moments import panel_sums
 from ..material.relaxation import Relaxation
@@ -139,7 +139,7 @@ def memory(
             return _from_apex(p, size, place, full)
         table = _table(p, ends, size, full)
     assert ends is not None
-    count = xp.sum(fixed(ends)[:, None] < fixed(place), axis=0)
+    count = xp.sum(stop_gradient(ends)[:, None] < stop_gradient(place), axis=0)
     shape = (ends.shape[0], *xp.broadcast_shapes(ends.shape[1:], place.shape[1:]))
     from_here = xp.concatenate([xp.zeros_like(place[:1]), xp.broadcast_to(ends, shape)])
 
@@ -211,7 +211,7 @@ def _ends(rule: Rule, lines: AbstractLines, size: Array) -> Array | None:
     if isinstance(lines.shape, Profile) and isinstance(lines, SingleLine):
         # The points of a profile leave kinks of odd powers of one half behind them.
         knots, fractions = (
-            fixed(xp.asarray(lines.shape.r)),
+            stop_gradient(xp.asarray(lines.shape.r)),
             np.asarray(rule.fractions)[1:],
         )
         ends = (knots[:-1, None] + xp.diff(knots)[:, None] * fractions).ravel()
@@ -221,7 +221,7 @@ def _ends(rule: Rule, lines: AbstractLines, size: Array) -> Array | None:
     fractions = np.asarray(rule.fractions)[1:-1]
     if not fractions.size:
         return None
-    return fixed(
+    return stop_gradient(
         xp.asarray(fractions)[:, None, None, None, None] * lines.entry(size)[:, None]
     )
 
@@ -253,7 +253,7 @@ def _panel(p: Passage, size: Array, start: Array, width: Array, full: bool) -> _
         mean = xp.where(wide, rise / xp.where(wide, width, 1.0), c[0])
         c = xp.concatenate([mean[None], c[1:]])
     if full and p.judged and not p.rule.exact:
-        c = xp.concatenate([c, fixed(_variants(p.rule, c))], axis=2)
+        c = xp.concatenate([c, stop_gradient(_variants(p.rule, c))], axis=2)
     return _Panel(start, width, c, full)
 
 
@@ -284,7 +284,15 @@ def _table(p: Passage, ends: Array, size: Array, full: bool) -> Memory:
     first = Memory(
         zero, zero, zero, zero, plain, *((zero, zero, plain) if full else (None,) * 3)
     )
-    later = scan(_stepped, first, local)
+
+    def step(state: Memory, panel: _Local) -> tuple[Memory, Memory]:
+        after = _stepped(state, panel)
+        return after, after
+
+    count = max(x.shape[0] for x in local if x is not None)
+    # what is the same in every panel stands there once
+    every = tree_map(lambda x: xp.broadcast_to(x, (count, *x.shape[1:])), local)
+    _, later = scan(step, first, every)
     fields: list[Any] = [
         None if x is None else xp.concatenate([x[None], y])
         for x, y in zip(first, later, strict=True)

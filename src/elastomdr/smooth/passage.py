@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, xp
+from ..arrays import on_numpy, stop_gradient, xp
 from ..checks import Array
 from ..element.episode import recovery_modes
 from ..material.relaxation import Relaxation
@@ -163,7 +163,7 @@ def _ratio(rule: Rule) -> Any:
         law, lines = shared
         size, velocity = points
         density = exit_density(Passage(law, lines, rule, velocity), size, ratio)
-        return xp.where(free > 0, density, ratio - fixed(ratio))
+        return xp.where(free > 0, density, ratio - stop_gradient(ratio))
 
     def like(shared: Any, points: Any) -> tuple[Array, Array]:
         edges = xp.zeros((shared[1].count, *points[0].shape))
@@ -589,7 +589,7 @@ def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages
         leading=entry[0],
         trailing=(ratio * entry)[0],
         exponent=lines.rise(entry[0], (ratio * entry)[0]),
-        error=fixed((drag_error + xp.abs(mu) * normal_error) / normal),
+        error=stop_gradient((drag_error + xp.abs(mu) * normal_error) / normal),
         converged=converged,
     )
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, xp
+from ..arrays import stop_gradient, xp
 from ..checks import Array
 from ..element.episode import Modes
 from .memory import Passage, direct, memory, one_panel
@@ -228,7 +228,7 @@ def _total(
         change = xp.abs(force[1:] - force[0])
         missed = missed + p.rule.safety * change[0] + _UNSEEN * change[1]
     error = xp.sum(weight * missed, axis=0) + p.lines.summation_error(parts)
-    return xp.sum(parts, axis=0), fixed(error)
+    return xp.sum(parts, axis=0), stop_gradient(error)
 
 
 def _contact(p: Passage, size: Array, ratio: Array, full: bool = False) -> "_Contact":

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, xp
+from ..arrays import compiled, stop_gradient, xp
 from ..call.extrapolation import beyond_sweep, steady_beyond
 from ..call.model_choice import of_smooth
-from ..call.problem import Asked, Scene, check_rtol, hint_at_metres, steady_scene
+from ..call.problem import Asked, SteadyScene, check_rtol, hint_at_metres, steady_scene
 from ..checks import Array, is_traced, nan_unless, require, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
@@ -25,7 +25,7 @@ from ..trees import replaced
 from .passage import Control
 from .plan import Plan, make_plan
 from .softening import check_softening, run_softened, softened_words
-from .solve import Sweep, run
+from .solve import SolvedPoints, run
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -121,7 +121,7 @@ class Solved(NamedTuple):
 
 
 def packed(
-    points: Scene, solved: Solved, body: Any, name: str, covers: Any, rtol: float
+    points: SteadyScene, solved: Solved, body: Any, name: str, covers: Any, rtol: float
 ) -> Steady:
     """Fields in the shape of the points, NaN where one failed; forces times b_T."""
 
@@ -288,7 +288,7 @@ def solve(scene: SmoothScene) -> Steady:
         scene.temperature,
     )
     if softening is not None and soft is not None:
-        outside = fixed(xp.asarray(good & softening.outside(soft.strain)))
+        outside = stop_gradient(xp.asarray(good & softening.outside(soft.strain)))
         beyond += beyond_sweep(outside.reshape(scene.shape), scene.foundation.range)
         if not traced:
             inputs += softened_words(soft, np.asarray(good))
@@ -326,7 +326,7 @@ def too_deep(sunk: Any, thick: Any) -> str:
 
 @compiled("bare", "shape")
 def _fields(
-    sweep: Sweep,
+    sweep: SolvedPoints,
     vertical: Any,
     extra: tuple[Any, ...],
     *,

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fori_loop, in_steps, xp
+from ..arrays import fori_loop, scan, xp
 from ..checks import Array
 
 _HIGHER = 16  # orders above the last one, where the ratios begin
@@ -45,7 +45,7 @@ def bessel_products(z: Array, top: int) -> Products:
         after = before * ratio
         return after, after
 
-    _, over_first = in_steps(next_order, xp.ones_like(z), ratios)
+    _, over_first = scan(next_order, xp.ones_like(z), ratios)
     over_first = xp.concatenate([xp.ones_like(z)[None], over_first])  # I_m/I_0
     # Wronski: I_0 K_1 = 1/z - I_1 K_0
     second = 1 / z - over_first[1] * product
@@ -63,7 +63,7 @@ def _ratios(z: Array, top: int) -> Array:
         return ratio, ratio
 
     orders = np.arange(last - 1, 0, -1.0)
-    _, ratios = in_steps(lower, _first_ratio(z, last), xp.asarray(orders))
+    _, ratios = scan(lower, _first_ratio(z, last), xp.asarray(orders))
     return ratios[::-1][:top]
 
 
@@ -156,7 +156,7 @@ def slopes_of_all(first: Array, second: Array, order: int) -> Array:
         return (now, after), now[1 : order + 1]
 
     terms = np.arange(1.0, order + 1)
-    _, lower = in_steps(next_term, (first, second), xp.asarray(terms))
+    _, lower = scan(next_term, (first, second), xp.asarray(terms))
     lower = xp.transpose(lower, (2, 1, 0))  # points, m, n
     m, n = terms[:, None], terms
     sign = (-1.0) ** (m - n)

@@ -26,7 +26,7 @@ from ..errors import InputError
 from ..numerics.implicit import as_doubles, implicit
 from ..numerics.root import search
 from ..surface.shapes import Cylinder
-from .solve import Sweep, run
+from .solve import SolvedPoints, run
 
 if TYPE_CHECKING:
     from ..element.law import Foundation
@@ -68,7 +68,7 @@ def run_softened(
     lines: AbstractLines,
     value: Any,
     velocity: Any,
-) -> tuple[Sweep, Softened]:
+) -> tuple[SolvedPoints, Softened]:
     """`run` with the moduli at the effective strain of each contact."""
     softening, traced = (
         foundation.softening,

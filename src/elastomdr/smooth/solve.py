@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, on_numpy, xp
+from ..arrays import on_numpy, stop_gradient, xp
 from ..checks import Array
 from ..material.relaxation import Relaxation
 from ..numerics.implicit import as_doubles, numbers_with_slopes
@@ -52,7 +52,7 @@ _BATCH = 4096  # points solved at once, and
 _NUMBERS = 200_000
 
 
-class Sweep(NamedTuple):
+class SolvedPoints(NamedTuple):
     """Friction of each point, and the line passage at that point's own velocity and
     load.
     """
@@ -73,7 +73,7 @@ def run(
     lines: AbstractLines,
     value: Float[Array, " points"],  # load [N] or depth [m]
     velocity: Float[Array, " points"],  # times a_T [m/s]
-) -> Sweep:
+) -> SolvedPoints:
     """The friction of every point of a plan; points that miss the tolerance come back
     with `line.converged` False.
     """
@@ -86,7 +86,7 @@ def run(
         fields = _with_slopes(plan)((law, lines), (value, velocity))
         mu, *line, error, model_error = fields
         passages = Passages(*line)._replace(converged=line[-1] > 0)
-        return Sweep(mu, error, passages, model_error)
+        return SolvedPoints(mu, error, passages, model_error)
     whole, law = law, condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
@@ -118,7 +118,7 @@ def run(
         )
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
-    return Sweep(mu, error, ahead._replace(converged=good), model_error, sunk)
+    return SolvedPoints(mu, error, ahead._replace(converged=good), model_error, sunk)
 
 
 def _over_directions(
@@ -504,13 +504,13 @@ def _with_slopes(plan: Plan) -> Any:
 
 def _of_values(
     plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
-) -> Sweep:
+) -> SolvedPoints:
     """`run` by a plan made of values; NaN where no contact can have them."""
     good = np.isfinite(value) & (value > 0) & np.isfinite(velocity) & (velocity > 0)
     good &= all(np.all(np.isfinite(x) & (x >= 0)) for x in vars(law).values())
     blank = np.full((3 + len(Passages._fields), value.size), np.nan)
     mu, error, model_error, *line = blank
-    sweep = Sweep(mu, error, Passages(*line), model_error)
+    sweep = SolvedPoints(mu, error, Passages(*line), model_error)
     if not good.any():
         return sweep
     value, velocity = np.asarray(value[good]), np.asarray(velocity[good])
@@ -586,7 +586,7 @@ def _all_directions(
 
 def _marched(
     plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
-) -> Sweep:
+) -> SolvedPoints:
     """The friction of a profile that is marched through. Its errors are looked at
     where values are known, as under `jax.grad`; else the estimate judges convergence.
     """
@@ -617,6 +617,8 @@ def _marched(
         mu, error, model_error = _against_half_space(
             plan, law, mu, around.skew, error, ahead
         )
-    error = fixed(error + mu * _ROUNDING)
-    good = fixed(good & (error <= plan.rtol * mu))
-    return Sweep(mu, error, ahead._replace(converged=good), fixed(model_error))
+    error = stop_gradient(error + mu * _ROUNDING)
+    good = stop_gradient(good & (error <= plan.rtol * mu))
+    return SolvedPoints(
+        mu, error, ahead._replace(converged=good), stop_gradient(model_error)
+    )

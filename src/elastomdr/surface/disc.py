@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..arrays import fixed, while_loop, xp
+from ..arrays import stop_gradient, while_loop, xp
 from ..checks import Array
 from ..numerics.quadrature import gauss_on_panels
 from ..trees import Tree, static
@@ -218,7 +218,7 @@ def _invert(
     here, and knows no upper end, beyond which a profile has no answer.
     """
     value = xp.asarray(value)
-    known, goal = fixed((disc, value))
+    known, goal = stop_gradient((disc, value))
     in_contact = goal > 0
     goal = xp.log(xp.where(in_contact, goal, 1.0))
     top = xp.broadcast_to(xp.log(xp.minimum(known.largest, 1e60)), goal.shape)
@@ -241,14 +241,16 @@ def _invert(
         following = xp.where((following > low) & (following < high), following, middle)
         return xp.where(settled, log_x, following), low, high, settled, count + 1
 
-    start = xp.minimum(xp.log(xp.where(in_contact, fixed(guess), 1.0)), top - 0.1)
+    start = xp.minimum(
+        xp.log(xp.where(in_contact, stop_gradient(guess), 1.0)), top - 0.1
+    )
     state = (start, xp.full_like(goal, -300.0), top, ~in_contact, 0)
     log_x = while_loop(lambda s: ~xp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)[
         0
     ]
     x = xp.where(in_contact, xp.exp(log_x), xp.exp(start))
     height, rate = height_and_rate(disc, x)
-    step = (value - height) / fixed(rate)
+    step = (value - height) / stop_gradient(rate)
     # Where the step is not that of a root, the value is more than the largest contact
     # can have.
     root = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)

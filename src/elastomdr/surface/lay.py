@@ -102,7 +102,7 @@ class Periodogram(NamedTuple):
     independent: float  # share of the waves that are independent
 
 
-class _Moments(NamedTuple):
+class _AngularMoments(NamedTuple):
     """Moments over the angle of bands about each node, less what the grid makes."""
 
     second: np.ndarray  # of exp(2 i b), b counted from x
@@ -127,7 +127,7 @@ def measured_lay(maps: list[Periodogram], q: np.ndarray) -> tuple[Lay | None, st
     return lay, _crossed(moments, weight, error, lay)
 
 
-def _moments(maps: list[Periodogram], q: np.ndarray) -> _Moments:
+def _moments(maps: list[Periodogram], q: np.ndarray) -> _AngularMoments:
     # waves exactly at the end of a band belong to it in any unit of length
     ends = np.sqrt(q[1:] * q[:-1]) * (1 + 1e-9)
     sums = np.zeros((3, q.size), dtype=complex)
@@ -145,7 +145,7 @@ def _moments(maps: list[Periodogram], q: np.ndarray) -> _Moments:
             sums[order] += moment - (total * by_grid if order else 0.0)
         number += counted / 2 * one.independent
     whole = np.maximum(sums[0].real, 1e-300)
-    return _Moments(sums[1] / whole, sums[2] / whole, number)
+    return _AngularMoments(sums[1] / whole, sums[2] / whole, number)
 
 
 def _sum(band: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
@@ -156,7 +156,9 @@ def _sum(band: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
     return real + 1j * imaginary
 
 
-def _fitted(moments: _Moments, q: np.ndarray, held: np.ndarray, across: float) -> Lay:
+def _fitted(
+    moments: _AngularMoments, q: np.ndarray, held: np.ndarray, across: float
+) -> Lay:
     """ln g at the nodes: a smooth curve through the bands, each with its error."""
     along = (moments.second * np.exp(-2j * across)).real
     measured_log_g = np.arctanh(np.clip(along, -_LARGEST, _LARGEST))
@@ -172,7 +174,7 @@ def _fitted(moments: _Moments, q: np.ndarray, held: np.ndarray, across: float) -
 
 
 def _crossed(
-    moments: _Moments, weight: np.ndarray, error: float, lay: Lay | None
+    moments: _AngularMoments, weight: np.ndarray, error: float, lay: Lay | None
 ) -> str:
     """A sentence where the directions of the waves are not those about one lay."""
     expected = np.zeros(weight.size, dtype=complex)

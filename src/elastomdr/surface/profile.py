@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from ..arrays import compiled, each, fori_loop, on_numpy, xp
+from ..arrays import compiled, fori_loop, lax_map, on_numpy, xp
 from ..checks import (
     Array,
     alike,
@@ -231,7 +231,7 @@ def _line(r: Array, pieces: Array) -> Float[Array, "2 degree intervals"]:
         x = ends[0] + (ends[1] - ends[0]) * (s**2 - _DELTA)
         return to_chebyshev @ xp.stack(_abel(x, apex, r[1:-1], jumps), axis=1)
 
-    return xp.moveaxis(each(fit, xp.stack([r[:-1], r[1:]], axis=1)), 0, 2).swapaxes(
+    return xp.moveaxis(lax_map(fit, xp.stack([r[:-1], r[1:]], axis=1)), 0, 2).swapaxes(
         0, 1
     )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..arrays import compiled, fixed, namespace, on_numpy, xp
+from ..arrays import compiled, namespace, on_numpy, stop_gradient, xp
 from ..checks import (
     Array,
     alike,
@@ -90,7 +90,7 @@ class RoughLine(Tree):
         """The highest place of the spline [m], from which a depth counts; seldom one of
         the points.
         """
-        share, heights = _summits(fixed(xp.asarray(self.height)))
+        share, heights = _summits(stop_gradient(xp.asarray(self.height)))
         place = argmax(heights)
         coefficients = spline_coefficients(xp.asarray(self.height))
         # Sums, not an index: its derivative would be taken outside of this call.

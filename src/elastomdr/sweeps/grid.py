@@ -48,7 +48,7 @@ _IMPACTS = 1_000  # of a chunk: a second
 _DRAW = "draw"  # the axis of draws
 
 
-class Axis(NamedTuple):
+class SweepAxis(NamedTuple):
     """One axis of a sweep."""
 
     name: str
@@ -76,7 +76,7 @@ class Grid(NamedTuple):
     """What a sweep computes."""
 
     call: Callable[..., Any]
-    axes: list[Axis]
+    axes: list[SweepAxis]
     fixed: dict[str, Any]
     draws: bool = False  # whether the first axis numbers draws among the arguments
 
@@ -198,7 +198,7 @@ def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
         if name in fixed:
             raise InputError(f"{name} must be an axis or fixed, got both.")
     checked = [
-        Axis(str(name), listed, name in arrays and None not in listed)
+        SweepAxis(str(name), listed, name in arrays and None not in listed)
         for name, values in axes.items()
         for listed in [_checked_values(name, values)]
     ]
@@ -206,7 +206,7 @@ def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
         _check_fixed(name, value, arrays)
     draws = _draws(checked, fixed)
     if draws:
-        checked = [Axis(_DRAW, draws, False), *checked]
+        checked = [SweepAxis(_DRAW, draws, False), *checked]
     points = Grid(call, checked, fixed, bool(draws))
     _check_signature(points)
     return points
@@ -269,7 +269,7 @@ def _check_signature(points: Grid) -> None:
         pass
 
 
-def _draws(axes: list[Axis], fixed: dict[str, Any]) -> list[int]:
+def _draws(axes: list[SweepAxis], fixed: dict[str, Any]) -> list[int]:
     """The numbers of the draws, where there are any. Raises `InputError`."""
     every = itertools.chain(
         fixed.items(), ((axis.name, value) for axis in axes for value in axis.values)

@@ -29,7 +29,7 @@ from .grid import Grid, grid, positional
 from .identity import modules_of_the_user
 from .lock import Alone
 from .storage import Files
-from .store import DONE, OPEN, RAISED, Store
+from .store import DONE, OPEN, RAISED, ZarrStore
 
 if TYPE_CHECKING:
     import xarray
@@ -125,7 +125,7 @@ def sweep(
     asked = grid(call, axes, fixed)
     with Alone(files).held() as alone:
         with files.told():
-            kept = Store(files, asked)
+            kept = ZarrStore(files, asked)
         if kept.damaged:
             warn(
                 f"{len(kept.damaged)} of {kept.state.size} chunks of store "
@@ -151,7 +151,7 @@ def _checked_store(store: Any) -> Files:
     return Files(store)
 
 
-def _warn_of_failures(asked: Grid, kept: Store) -> None:
+def _warn_of_failures(asked: Grid, kept: ZarrStore) -> None:
     """One warning of calls that raised, or else of points that did not converge."""
     if raised := kept.raised():
         warn(
@@ -165,7 +165,7 @@ def _warn_of_failures(asked: Grid, kept: Store) -> None:
 
 
 def _compute(
-    asked: Grid, kept: Store, alone: Alone, client: Client | None, progress: bool
+    asked: Grid, kept: ZarrStore, alone: Alone, client: Client | None, progress: bool
 ) -> None:
     """Computes the chunks that are open, and keeps each."""
     from tqdm import tqdm
@@ -209,7 +209,7 @@ def _compute(
 
 
 @contextlib.contextmanager
-def _writers(kept: Store) -> Iterator[Callable[..., None]]:
+def _writers(kept: ZarrStore) -> Iterator[Callable[..., None]]:
     """What hands chunks to threads that write them, and waits where they are behind.
     Raises `InputError` for a store that cannot be written.
     """

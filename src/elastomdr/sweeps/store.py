@@ -135,7 +135,7 @@ class Record:
         self.arrays, self.chunks = {}, {}
 
 
-class Store:
+class ZarrStore:
     """Files in zarr's second format. Each chunk is one file per quantity, put in place
     whole; its record comes last.
 

@@ -26,7 +26,7 @@ import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..arrays import compiled, mapped, on_numpy, xp
+from ..arrays import compiled, on_numpy, tree_map, xp
 from ..checks import Array, positive, scalar
 from ..element.contact_step import (
     Coefficients,
@@ -86,7 +86,7 @@ class Mount(Tree):
         return Mount(share * self.mass, share * self.stiffness, share * self.damping)
 
 
-class Scene(NamedTuple):
+class MotionScene(NamedTuple):
     """What stays the same during the motion."""
 
     law: Relaxation
@@ -95,7 +95,7 @@ class Scene(NamedTuple):
     normal: Mount | None = None
 
 
-class Line(NamedTuple):
+class LineMemory(NamedTuple):
     """What n elements remember from one step to the next; see
     `element.contact_step.Elements`.
     """
@@ -108,10 +108,10 @@ class Line(NamedTuple):
     w: Float[Array, " n"]  # where the rigid surface is [m]
 
 
-class Motion(NamedTuple):
+class BodyMotion(NamedTuple):
     """Body and elements at one instant, and the work done since the start."""
 
-    line: Line
+    line: LineMemory
     drive: Array  # D [m]
     value: Array  # load [N], or depth [m]
     position: Array  # X [m]
@@ -125,7 +125,7 @@ class Motion(NamedTuple):
     damped: Array  # lost in the dampers [J]
 
 
-class History(NamedTuple):
+class MotionHistory(NamedTuple):
     """What a motion leaves behind at each instant."""
 
     depth: Array  # d [m]
@@ -143,7 +143,7 @@ class History(NamedTuple):
 
 
 def run(
-    scene: Scene,
+    scene: MotionScene,
     steps: Steps,
     instants: Any = None,
     *,
@@ -151,7 +151,7 @@ def run(
     viscous: bool = True,
     balance: bool = True,
     doing: str = "motion",
-) -> tuple[History, Line]:
+) -> tuple[MotionHistory, LineMemory]:
     """The whole motion: what is known at the ends of the steps `instants`, or of all,
     and the line at the end. In the first step, always kept, the body is put down at
     once, at rest, on rubber that was never touched.
@@ -161,7 +161,9 @@ def run(
     is counted (`in_pieces`).
     """
 
-    def piece(state: Motion, cut: Steps, is_seen: Any) -> tuple[Motion, History]:
+    def piece(
+        state: BodyMotion, cut: Steps, is_seen: Any
+    ) -> tuple[BodyMotion, MotionHistory]:
         return _piece(
             scene,
             state,
@@ -173,39 +175,39 @@ def run(
         )
 
     size = scene.surface.count * (scene.law.moduli.shape[0] + OF_AN_ELEMENT)
-    begin, others = (mapped(lambda x, i=i: x[i], steps) for i in (0, slice(1, None)))
+    begin, others = (tree_map(lambda x, i=i: x[i], steps) for i in (0, slice(1, None)))
     start, first = _begin(scene, begin, viscous=viscous, balance=balance)
     if not balance:
         end, seen = in_pieces(piece, start, steps, instants, size, doing)
         return seen, end.line
     later = None if instants is None else instants[1:] - 1
     end, seen = in_pieces(piece, start, others, later, size, doing)
-    return mapped(lambda a, b: xp.concatenate([a[None], b]), first, seen), end.line
+    return tree_map(lambda a, b: xp.concatenate([a[None], b]), first, seen), end.line
 
 
 @compiled("control", "viscous", "balance")
 def _piece(
-    scene: Scene,
-    state: Motion,
+    scene: MotionScene,
+    state: BodyMotion,
     steps: Steps,
     instants: Any,
     *,
     control: Control,
     viscous: bool,
     balance: bool,
-) -> tuple[Motion, History]:
+) -> tuple[BodyMotion, MotionHistory]:
     """Some steps of the motion."""
 
     def prepare(block: Steps) -> tuple[Steps, Coefficients]:
         return block, coefficients_of_steps(scene.law, block.h, viscous=viscous)
 
-    def step(y: Motion, now: tuple[Steps, Coefficients]) -> tuple[Motion, Any]:
+    def step(y: BodyMotion, now: tuple[Steps, Coefficients]) -> tuple[BodyMotion, Any]:
         end, c = now
         # sums over both are made once
         c = c if viscous else c._replace(seen=c.decay)
         return _advance(scene, c, y, end, control, viscous, balance)
 
-    def look(y: Motion, felt: tuple[Array, Array | None]) -> History:
+    def look(y: BodyMotion, felt: tuple[Array, Array | None]) -> MotionHistory:
         return _history(scene, y, *felt)
 
     return march(step, look, state, steps, instants, prepare)
@@ -213,8 +215,8 @@ def _piece(
 
 @compiled("viscous", "balance")
 def _begin(
-    scene: Scene, begin: Steps, *, viscous: bool, balance: bool
-) -> tuple[Motion, History | None]:
+    scene: MotionScene, begin: Steps, *, viscous: bool, balance: bool
+) -> tuple[BodyMotion, MotionHistory | None]:
     """The body before its first step, or with `balance` after it, and what is seen
     then.
     """
@@ -225,23 +227,23 @@ def _begin(
     return y, _history(scene, y, *felt)
 
 
-def _untouched(scene: Scene, place: Array, viscous: bool) -> Motion:
+def _untouched(scene: MotionScene, place: Array, viscous: bool) -> BodyMotion:
     """A body just above rubber at rest, where the first step ends."""
     position, zero = place + 0.0, xp.zeros(())
     rise = scene.surface.rise(position)
     none, f = xp.zeros_like(rise), xp.zeros((scene.law.moduli.shape[0], rise.size))
     velocity = none if viscous else None
-    line = Line(none, f, none, velocity, none, rise - xp.max(rise))
+    line = LineMemory(none, f, none, velocity, none, rise - xp.max(rise))
     # From above, where all are touched: a dashpot carries a sudden load within 1e-10 m,
     # where a search from below ends too early.
     above = xp.max(-rise)
-    motion = Motion(line, position, *[zero] * (len(Motion._fields) - 2))
+    motion = BodyMotion(line, position, *[zero] * (len(BodyMotion._fields) - 2))
     return motion._replace(position=position, ahead=above)
 
 
 def _put_down(
-    scene: Scene, y: Motion, begin: Steps, viscous: bool
-) -> tuple[Motion, tuple[Array, Array | None]]:
+    scene: MotionScene, y: BodyMotion, begin: Steps, viscous: bool
+) -> tuple[BodyMotion, tuple[Array, Array | None]]:
     """The body at rest, put down at once with its load."""
     surface, spring = scene.surface, 0.0
     if scene.normal is not None:
@@ -268,21 +270,21 @@ def _put_down(
 
 
 def _advance(
-    scene: Scene,
+    scene: MotionScene,
     c: Coefficients,
-    y: Motion,
+    y: BodyMotion,
     end: Steps,
     control: Control,
     viscous: bool,
     balance: bool,
-) -> tuple[Motion, tuple[Array, Array | None]]:
+) -> tuple[BodyMotion, tuple[Array, Array | None]]:
     """One step of body and elements, and the slope of the body and what the elements
     are pressed beyond u_free at its end.
     """
     surface = scene.surface
     fading = if_so(end.h >= 0, functools.partial(fade, c), y.line.f)
     u_free = released(c, y.line.u, fading.seen)
-    mean: Any = _Mean(scene, c, y, end, fading) if balance else None
+    mean: Any = _MeanForce(scene, c, y, end, fading) if balance else None
 
     def depth_at(rise: Array, guess: Array) -> Array:
         if control == "depth":
@@ -323,13 +325,18 @@ def _advance(
     return after, (slope, depth + rise - u_free if surface.between else None)
 
 
-class _Mean:
+class _MeanForce:
     """The mean force of the elements over a step, if they follow the surface: mean S
     (w+ - idle).
     """
 
     def __init__(
-        self, scene: Scene, c: Coefficients, y: Motion, end: Steps, fading: Fading
+        self,
+        scene: MotionScene,
+        c: Coefficients,
+        y: BodyMotion,
+        end: Steps,
+        fading: Fading,
     ):
         self.scene, self.y, self.end = scene, y, end
         self.stiffness = (0.5 * c.equilibrium + c.drag)[0]
@@ -368,7 +375,7 @@ def _inertia(mount: Mount, h: Array) -> Array:
 
 
 def _pulled(
-    mount: Mount, forces: Callable[..., Any], y: Motion, end: Steps
+    mount: Mount, forces: Callable[..., Any], y: BodyMotion, end: Steps
 ) -> tuple[Array, Array]:
     """How far the body moves that is pulled through a spring, and a guess for its
     depth.
@@ -382,7 +389,9 @@ def _pulled(
     return search(forces, _inertia(mount, end.h), known, end.h * y.velocity, y.ahead)
 
 
-def _moved(scene: Scene, y: Motion, after: Motion, h: Array, drag: Array) -> Motion:
+def _moved(
+    scene: MotionScene, y: BodyMotion, after: BodyMotion, h: Array, drag: Array
+) -> BodyMotion:
     """`after` with its velocities and what drive, load and dampers did; `drag` is the
     mean F_x.
     """
@@ -409,7 +418,9 @@ def _moved(scene: Scene, y: Motion, after: Motion, h: Array, drag: Array) -> Mot
     )
 
 
-def _history(scene: Scene, y: Motion, slope: Array, excess: Array | None) -> History:
+def _history(
+    scene: MotionScene, y: BodyMotion, slope: Array, excess: Array | None
+) -> MotionHistory:
     """What is known at an instant."""
     weight, line = scene.surface.weight, y.line
     normal, drag = felt_by(weight, line.q, slope, excess)
@@ -420,7 +431,7 @@ def _history(scene: Scene, y: Motion, slope: Array, excess: Array | None) -> His
     if scene.normal is not None:
         kinetic = kinetic + scene.normal.mass * y.sinking**2 / 2
         spring = spring + scene.normal.stiffness * y.depth**2 / 2
-    return History(
+    return MotionHistory(
         depth=y.depth,
         normal=normal,
         drag=drag,
@@ -458,8 +469,8 @@ def felt_by(
 
 
 def _press(
-    c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array
-) -> tuple[Line, Array]:
+    c: Coefficients, line: LineMemory, fading: Fading, rise: Array, depth: Array
+) -> tuple[LineMemory, Array]:
     """The line after a step at whose end the body stands at `depth`, and the work done
     on each element [Pa m^2].
     """
@@ -474,7 +485,7 @@ def _press(
     after = advance(c, before, line.w, w, fading, functools.partial(if_so, c.h[0] >= 0))
     work = after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)
     velocity = None if line.velocity is None else after.velocity
-    return Line(after.u, after.f, after.q, velocity, after.stored, w), work
+    return LineMemory(after.u, after.f, after.q, velocity, after.stored, w), work
 
 
 def _by_newton(

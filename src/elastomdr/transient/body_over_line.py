@@ -15,7 +15,7 @@ from __future__ import annotations
 import abc
 from typing import TYPE_CHECKING, Any
 
-from ..arrays import compiled, fixed, xp
+from ..arrays import compiled, stop_gradient, xp
 from ..checks import Array
 from ..material.relaxation import Relaxation
 from ..smooth.passage import Control, estimate_sizes
@@ -194,7 +194,7 @@ def contact_sizes(
     The largest is that of the relaxed rubber under the largest load, or for a liquid of
     what creeps in the time given.
     """
-    law, lines, value = fixed((law, lines, value))
+    law, lines, value = stop_gradient((law, lines, value))
     glass = law.equilibrium + xp.sum(law.moduli) + law.viscosity / duration
     # A lower bound of E(t): each branch, and the dashpot, as a spring that has relaxed
     # for the whole time.

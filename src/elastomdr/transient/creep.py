@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, compiled, in_steps, xp
+from ..arrays import arrays, compiled, scan, xp
 from ..checks import Array
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
@@ -81,7 +81,7 @@ def creep(
     gain = (
         modes.gain * h[:, None] * (load[:-1, None] * phi1(y) + rise[:, None] * phi2(y))
     )
-    _, z = in_steps(_relaxed, xp.zeros_like(modes.rate), (xp.exp(-y), gain))
+    _, z = scan(_relaxed, xp.zeros_like(modes.rate), (xp.exp(-y), gain))
     # retarded part of A, per mode
     z = xp.concatenate([xp.zeros((1, modes.rate.size)), z])
     area = modes.instantaneous * load + xp.sum(z, axis=1)
@@ -148,7 +148,7 @@ def _energies(
     gained = xp.sum(2 * ds[:, None] * fading * into, axis=1)
     first = xp.broadcast_to(2 * start, law.times.shape)
     left = xp.exp(-2 * h[:, None] / law.times)
-    _, squares = in_steps(_relaxed, first, (left, gained))
+    _, squares = scan(_relaxed, first, (left, gained))
     squares = xp.concatenate([first[None], squares])
     stored = (
         law.equilibrium * _elastic(disc, radius, depth) + 0.5 * squares @ law.moduli

@@ -29,9 +29,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, fori_loop, in_steps, mapped, on_numpy, xp
+from ..arrays import compiled, fori_loop, on_numpy, scan, stop_gradient, tree_map, xp
 from ..checks import Array, is_traced
-from ..element.episode import Modes, Touching, energies, follow, force, pressed
+from ..element.episode import EpisodeState, Modes, energies, follow, force, pressed
 from ..material.relaxation import Relaxation
 from ..numerics.quadrature import gauss, gauss_on_panels, shares_to_legendre
 from ..surface.disc import Disc
@@ -57,7 +57,7 @@ _CURVED = 1.1
 _BATCH = 64  # histories computed at once
 
 
-class History(NamedTuple):
+class DepthHistory(NamedTuple):
     """An indentation at m instants."""
 
     force: Float[Array, " m"]  # [N]
@@ -69,7 +69,7 @@ class History(NamedTuple):
     error: Float[Array, " m"]  # of the force, estimated [N]
 
 
-class Row(NamedTuple):
+class LastRow(NamedTuple):
     """The elements at the last instant."""
 
     edges: Float[Array, " panels+1"]  # [m]
@@ -86,7 +86,7 @@ def indent_between(
     depth: Array,
     radius: Array,
     parts: Array,
-) -> tuple[History, Row]:
+) -> tuple[DepthHistory, LastRow]:
     """Force and energies of the elements in some parts of each panel between the edges
     `radius`, cut at `parts`.
 
@@ -99,7 +99,7 @@ def indent_between(
     begin = edges[:, :-1].reshape(-1)
     weight = disc.weight(x) * dx
 
-    def measure(state: Touching, q: Array) -> tuple[Array, ...]:
+    def measure(state: EpisodeState, q: Array) -> tuple[Array, ...]:
         held, left = energies(law, modes, state)
         sums = [
             xp.sum(weight * density)
@@ -114,7 +114,7 @@ def indent_between(
         layers = missed_layers(law, disc, time, depth, radius, parts[1] - parts[0])
         error = error + xp.where(parts[0] == 0, layers, 0.0)
     rows = (-1, NODES)
-    return History(total, radius, work, stored, locked, heat, error), Row(
+    return DepthHistory(total, radius, work, stored, locked, heat, error), LastRow(
         xp.append(begin, edges[-1, -1]),
         x.reshape(rows),
         q.reshape(rows),
@@ -130,7 +130,7 @@ def indent_between_smooth(
     depth: Array,
     radius: Array,
     parts: Array,
-) -> tuple[History, Row]:
+) -> tuple[DepthHistory, LastRow]:
     """The same; the edges get their own derivatives, by a Newton step."""
     if disc.flat:
         return indent_between(law, modes, disc, time, depth, radius, parts)
@@ -141,11 +141,11 @@ def indent_between_smooth(
     import jax
 
     off, slope = jax.jvp(residual, (radius,), (xp.ones_like(radius),))
-    slope = fixed(slope)
+    slope = stop_gradient(slope)
     moved = xp.where(
         (slope < 0) & (radius > 0), off / xp.where(slope < 0, slope, 1.0), 0.0
     )
-    radius = radius - (moved - fixed(moved))
+    radius = radius - (moved - stop_gradient(moved))
     return indent_between(law, modes, disc, time, depth, radius, parts)
 
 
@@ -184,27 +184,27 @@ def _run(
     time: Array,
     depth: Array,
     measure: Callable[..., Any],
-) -> tuple[Touching, Array, Any]:
+) -> tuple[EpisodeState, Array, Any]:
     """Elements of profile g through the whole history; `measure(state, q)` is kept for
     every instant.
     """
     start = pressed(law, modes, depth[0] - g)
 
     def step(
-        state: Touching, interval: tuple[Array, Array, Array]
-    ) -> tuple[Touching, Any]:
+        state: EpisodeState, interval: tuple[Array, Array, Array]
+    ) -> tuple[EpisodeState, Any]:
         d, h, v = interval
         state = follow(law, modes, state, d - g, v, h)
         return state, measure(state, force(law, state, v))
 
     h = xp.diff(time)
     v = xp.diff(depth) / h
-    last, kept = in_steps(step, start, (depth[:-1], h, v))
+    last, kept = scan(step, start, (depth[:-1], h, v))
     first = measure(start, force(law, start, 0.0))
     return (
         last,
         force(law, last, v[-1]),
-        mapped(lambda a, b: xp.concatenate([a[None], b]), first, kept),
+        tree_map(lambda a, b: xp.concatenate([a[None], b]), first, kept),
     )
 
 
@@ -237,7 +237,7 @@ def _secant(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
 
 
 def _choose(new: Any, old: Any, where: Array) -> Any:
-    return mapped(lambda n, o: xp.where(where, n, o), new, old)
+    return tree_map(lambda n, o: xp.where(where, n, o), new, old)
 
 
 def edges(
@@ -379,7 +379,7 @@ def missed_layers(
     its instant. Holds for rubber that is touched for the first time; elsewhere an
     estimate.
     """
-    law, disc, time, depth, radius = fixed((law, disc, time, depth, radius))
+    law, disc, time, depth, radius = stop_gradient((law, disc, time, depth, radius))
     h = xp.diff(time)
     pressing = xp.maximum(xp.diff(depth) / h, 0.0)
     ends = xp.sort(xp.append(radius, 0.0))
@@ -405,7 +405,7 @@ def missed_layers(
         left = left * xp.exp(-new[0] / law.times) + new[1]
         return left, xp.sum(left)
 
-    _, total = in_steps(fading, xp.zeros_like(law.times), (h, amount))
+    _, total = scan(fading, xp.zeros_like(law.times), (h, amount))
     return xp.append(0.0, total)
 
 
@@ -438,7 +438,7 @@ def over_histories(
             function(law, modes, disc, *(h[i] for h in histories), **static)
             for i in range(count)
         ]
-        return mapped(lambda *a: np.stack(a), *by_history)
+        return tree_map(lambda *a: np.stack(a), *by_history)
     size = batch(count)
     more = -count % size
     traced = is_traced(law, modes, disc, *histories)
@@ -450,7 +450,7 @@ def over_histories(
     out = _mapped(
         law, modes, disc, *filled_up, function=function, levels=levels, size=size
     )
-    return mapped(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
+    return tree_map(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
 
 
 def batch(count: int) -> int:
@@ -489,7 +489,7 @@ def indent_all(
     radius: np.ndarray,
     levels: int,
     size: int,
-) -> History:
+) -> DepthHistory:
     """Depths that are linear between the instants, (histories, m), with panels of a
     level between the edges.
 
@@ -512,8 +512,8 @@ def indent_all(
             indent_between, law, modes, disc, *history, rows[row[taken]]
         )
         sums.append(history_sums)
-    joined = mapped(
+    joined = tree_map(
         lambda *a: np.concatenate(a)[: which.size].reshape(len(time), len(rows), -1),
         *sums,
     )
-    return mapped(lambda a: a.sum(axis=1), joined)._replace(radius=np.array(radius))
+    return tree_map(lambda a: a.sum(axis=1), joined)._replace(radius=np.array(radius))

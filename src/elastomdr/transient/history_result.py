@@ -329,9 +329,9 @@ class Slide(_OverSurface):
         """
         if against not in ("time", "position"):
             raise InputError(f"against must be 'time' or 'position', got {against!r}.")
-        from ..results.plotting import Ask, draw
+        from ..results.plotting import DrawAsk, draw
 
-        return self._draw(draw, Ask(ax, style, title, label), x=against)
+        return self._draw(draw, DrawAsk(ax, style, title, label), x=against)
 
     def png(
         self, title: str | None = None, style: "Style | None" = None, **options: Any
@@ -509,9 +509,9 @@ class Drive(_OverSurface):
         """
         fields = [q.path for q in self.quantities() if q.unit and q.path != "time"]
         self._check_shown(show, *fields)
-        from ..results.plotting import Ask, draw
+        from ..results.plotting import DrawAsk, draw
 
-        return self._draw(draw, Ask(ax, style, title, label), y=show)
+        return self._draw(draw, DrawAsk(ax, style, title, label), y=show)
 
 
 @record

@@ -28,9 +28,9 @@ from ..material.validity import material_in_words
 from ..results.base import Array, Origin, Result, distinct, quantity, record
 from ..results.doubts import Doubt
 from ..results.words import brief, describe, span
-from .impact_motion import Body, Impacts, impacts
+from .impact_motion import Impacts, Striker, impacts
 from .layer_disc import incompressible_enough, of_layer
-from .oblique_impact import History, Oblique, Slips, check_oblique, solve_oblique
+from .oblique_impact import Oblique, ObliqueHistory, Slips, check_oblique, solve_oblique
 from .problem import SPRINGS, Bound, bound_on, check_shape, standing
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class Impact(Result):
     max_depth: Array = quantity("largest depth", "m", "at the turn")
     max_force: Array = quantity("largest force", "N", "before or at the turn")
     lost: Array = quantity("normal kinetic energy lost", "J")
-    history: History
+    history: ObliqueHistory
     oblique: Oblique | None = None  # where a tangential velocity was given
     error: Array = quantity("estimated error of the restitution", "-", "absolute")
     model_error: Array = quantity(
@@ -194,7 +194,7 @@ def impact(
 
 
 def _pack(
-    scene: _Scene, shape: Any, slips: Slips | None, solution: Impacts, good: Any
+    scene: _ImpactScene, shape: Any, slips: Slips | None, solution: Impacts, good: Any
 ) -> Impact:
     """The result, NaN where an impact is not `good`."""
     motion = solution.motion
@@ -207,7 +207,7 @@ def _pack(
 
     duration = shaped(nan_unless(solution.timed, motion.duration))
     beyond = () if is_traced(motion.restitution) else _beyond(scene, duration)
-    history = History(
+    history = ObliqueHistory(
         series(motion.time),
         series(motion.depth),
         series(motion.speed),
@@ -242,7 +242,7 @@ def _pack(
     )
 
 
-def _why_not(body: Body, solution: Impacts) -> str:
+def _why_not(body: Striker, solution: Impacts) -> str:
     """What impacts reach that do not converge, and which branches keep them from more;
     empty where nothing is known.
     """
@@ -281,7 +281,7 @@ def _within_layer(
     return good, f"The body would go deeper than the layer is thick, {h:.4g} m."
 
 
-def _origins(scene: "_Scene") -> tuple[Origin, ...]:
+def _origins(scene: "_ImpactScene") -> tuple[Origin, ...]:
     """The materials along the first axis."""
     names = distinct(
         [f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)]
@@ -299,8 +299,8 @@ def _origins(scene: "_Scene") -> tuple[Origin, ...]:
     )
 
 
-class _Scene(NamedTuple):
-    body: Body
+class _ImpactScene(NamedTuple):
+    body: Striker
     per_area: bool
     model: str
     mass: Any  # broadcast
@@ -320,7 +320,7 @@ def _scene(
     temperature: Any,
     rtol: Any,
     extra: dict[str, Any],
-) -> _Scene:
+) -> _ImpactScene:
     """Everything checked and broadcast; `extra` are arguments of an oblique impact that
     broadcast too. Raises `InputError`.
     """
@@ -354,8 +354,8 @@ def _scene(
         inputs.append(("temperature", brief(temperature, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     flat = (full(mass).reshape(-1), full(velocity).reshape(-1))
-    return _Scene(
-        body=Body(struck, *columns, *flat),
+    return _ImpactScene(
+        body=Striker(struck, *columns, *flat),
         per_area=per_area,
         model=model,
         mass=full(mass),
@@ -418,7 +418,7 @@ def _columns(
     return rates, moduli, viscosity
 
 
-def _beyond(scene: _Scene, duration: np.ndarray) -> tuple[Doubt, ...]:
+def _beyond(scene: _ImpactScene, duration: np.ndarray) -> tuple[Doubt, ...]:
     """An impact counts as a passage as long as its contact."""
     if all(foundation.range is None for foundation in scene.foundations):
         return ()

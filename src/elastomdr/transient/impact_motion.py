@@ -37,7 +37,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, cond, fixed, in_steps, mapped, on_jax, on_numpy, xp
+from ..arrays import compiled, cond, on_jax, on_numpy, scan, stop_gradient, tree_map, xp
 from ..checks import Array, is_traced
 from ..numerics.decay import ramp_weights
 from ..numerics.interpolation import peak
@@ -74,7 +74,7 @@ _STUCK = 0.3
 _REST = 1e-3  # and largest share that it may have of the largest force
 
 
-class Grid(NamedTuple):
+class ApproachGrid(NamedTuple):
     """n steps of the approach, filled up with steps that are not taken; so that grids
     of one size compile once. On NumPy several stand side by side, one for each impact,
     with a second axis.
@@ -88,7 +88,7 @@ class Grid(NamedTuple):
     shown: Array  # which nodes of the approach a history keeps, (COARSEST + 1,)
 
 
-class Body(NamedTuple):
+class Striker(NamedTuple):
     """What strikes, and on what; impacts run over the last axis."""
 
     shape: AbstractShape | Disc  # a body, or its contact on rubber of finite thickness
@@ -100,7 +100,7 @@ class Body(NamedTuple):
     velocity: Float[Array, " impacts"]  # [m/s]
 
 
-class Motion(NamedTuple):
+class ImpactMotion(NamedTuple):
     """An impact from one grid. Histories: n + 1 nodes from touch to turn, then n to the
     end.
     """
@@ -130,7 +130,7 @@ class _Node(NamedTuple):
     force: Array  # F
 
 
-def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
+def march(body: Striker, grid: ApproachGrid, *, per_area: bool) -> ImpactMotion:
     """Impacts on one grid; differentiable in both modes."""
     zero = xp.zeros(body.velocity.shape)
     none = xp.zeros((body.rates.shape[0], *zero.shape))
@@ -144,7 +144,9 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     )
     start = _Node(zero, zero, body.velocity, rate, none, none, body.viscosity * rate)
     turn, nodes, steps, good = _approach(body, per_area, start, grid)
-    path = mapped(lambda first, rest: xp.concatenate([first[None], rest]), start, nodes)
+    path = tree_map(
+        lambda first, rest: xp.concatenate([first[None], rest]), start, nodes
+    )
     retreat = _retreat_of_punch if punch else _retreat
     end, states, left = retreat(body, per_area, path, turn, steps, grid)
     largest, place = peak(path.force, grid.last)
@@ -155,7 +157,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
             [_rows(before, grid.shown), _rows(after, size - 1 - grid.shown[-2::-1])]
         )
 
-    return Motion(
+    return ImpactMotion(
         restitution=-end.speed / body.velocity,
         duration=end.time,
         max_depth=turn.depth,
@@ -178,7 +180,7 @@ def _rows(values: Array, rows: Any) -> Array:
 
 
 def _where_taken(
-    taken: Array, take: Callable[..., tuple], body: Body, *given: tuple
+    taken: Array, take: Callable[..., tuple], body: Striker, *given: tuple
 ) -> tuple:
     """The carry after a step of the impacts that take it; the others keep theirs."""
     if taken.ndim == 0:
@@ -186,7 +188,7 @@ def _where_taken(
     if np.all(taken):
         return take(body, *given)
     here = np.flatnonzero(taken)
-    carry, step = mapped(lambda x: x[..., here] if np.ndim(x) else x, given)
+    carry, step = tree_map(lambda x: x[..., here] if np.ndim(x) else x, given)
     after = take(_select(body, here), carry, step)
 
     def placed(old: Array, new: Array) -> Array:
@@ -194,11 +196,11 @@ def _where_taken(
         whole[..., here] = new
         return whole
 
-    return mapped(placed, given[0], after)
+    return tree_map(placed, given[0], after)
 
 
 @functools.cache
-def grid(n: int, size: int) -> Grid:
+def grid(n: int, size: int) -> ApproachGrid:
     """The grid of n steps, as one of `size`: NumPy arrays."""
     s = np.arange(n + 1) / n
     kept = (1 - s**_START) ** _TURN
@@ -207,7 +209,7 @@ def grid(n: int, size: int) -> Grid:
     loss = np.where(s[1:] < 0.5, np.diff(lost), -np.diff(kept))  # without cancellation
     stride = np.append(1.0, np.diff(np.log(np.arange(n) + 0.5)))
     fill = np.zeros(size - n)
-    return Grid(
+    return ApproachGrid(
         taken=np.arange(size) < n,
         kept=np.append(kept[1:], fill),
         lost=np.append(loss, fill),
@@ -218,11 +220,11 @@ def grid(n: int, size: int) -> Grid:
 
 
 @functools.lru_cache(8)  # 10 MB each for hundreds of impacts
-def _side_by_side(multiples: tuple[int, ...], impacts: int) -> Grid:
+def _side_by_side(multiples: tuple[int, ...], impacts: int) -> ApproachGrid:
     """Grids of so many times the coarsest, each for so many impacts."""
     size = multiples[-1] * COARSEST
     grids = [grid(k * COARSEST, size) for k in multiples]
-    return Grid(
+    return ApproachGrid(
         *(
             np.repeat(np.stack(x, axis=-1), impacts, axis=-1)
             for x in zip(*grids, strict=True)
@@ -231,13 +233,13 @@ def _side_by_side(multiples: tuple[int, ...], impacts: int) -> Grid:
 
 
 def _approach(
-    body: Body, per_area: bool, start: _Node, grid: Grid
+    body: Striker, per_area: bool, start: _Node, grid: ApproachGrid
 ) -> tuple[_Node, _Node, Array, Array]:
     """From touch to the turn: the turn, the node after each step, step lengths, and
     which impacts were solved.
     """
 
-    def after(body: Body, node: _Node, log_h: Array, speed: Array) -> _Node:
+    def after(body: Striker, node: _Node, log_h: Array, speed: Array) -> _Node:
         h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
         depth = node.depth + 0.5 * h * (node.speed + speed)
@@ -248,7 +250,7 @@ def _approach(
         force = xp.sum(forces, axis=0) + body.viscosity * rate
         return _Node(node.time + h, depth, speed, rate, forces, centre, force)
 
-    def take(body: Body, carry: tuple, step: Grid) -> tuple:
+    def take(body: Striker, carry: tuple, step: ApproachGrid) -> tuple:
         node, log_force, slope, good = carry
         momentum = xp.log(body.mass * body.velocity * step.lost)
         speed = body.velocity * step.kept
@@ -263,28 +265,28 @@ def _approach(
         # The mean force over a step is nearly a power of s: that gives the first guess
         # of the step's length.
         log_h, met = root(residual, momentum - (log_force + slope * step.stride))
-        mean = momentum - fixed(log_h)
+        mean = momentum - stop_gradient(log_h)
         slope = xp.clip((mean - log_force) / step.stride, -20, 20)
         return after(body, node, log_h, speed), mean, slope, good & met
 
-    def step(carry: tuple, step: Grid) -> tuple:
+    def step(carry: tuple, step: ApproachGrid) -> tuple:
         ahead = _where_taken(step.taken, take, body, carry, step)
         return ahead, (ahead[0], ahead[0].time - carry[0].time)
 
-    log_force = fixed(xp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(
-        body, per_area, grid
-    )
+    log_force = stop_gradient(
+        xp.log(body.mass * body.velocity * grid.lost[0])
+    ) - _first_step(body, per_area, grid)
     carry = (start, log_force, xp.zeros_like(log_force), xp.ones(log_force.shape, bool))
     steps = grid._replace(
         last=xp.zeros(grid.kept.shape), shown=xp.zeros(grid.kept.shape)
     )
-    (turn, _, _, good), (nodes, lengths) = in_steps(step, carry, steps)
+    (turn, _, _, good), (nodes, lengths) = scan(step, carry, steps)
     return turn, nodes, lengths, good
 
 
-def _first_step(body: Body, per_area: bool, grid: Grid) -> Array:
+def _first_step(body: Striker, per_area: bool, grid: ApproachGrid) -> Array:
     """Logarithm of a rough length of the first step, of which no scale is known."""
-    body = fixed(body)
+    body = stop_gradient(body)
     momentum = xp.log(body.mass * body.velocity * grid.lost[0])
 
     def residual(log_h: Array) -> Array:
@@ -317,14 +319,19 @@ class _Rebound(NamedTuple):
 
 
 def _retreat(
-    body: Body, per_area: bool, path: _Node, turn: _Node, lengths: Array, grid: Grid
+    body: Striker,
+    per_area: bool,
+    path: _Node,
+    turn: _Node,
+    lengths: Array,
+    grid: ApproachGrid,
 ) -> tuple[_Rebound, _Rebound, Array]:
     """From the turn to the end: step j ends when the elements touched at node j of the
     approach leave.
     """
 
     def after(
-        body: Body, node: _Rebound, touched: _Node, log_h: Array
+        body: Striker, node: _Rebound, touched: _Node, log_h: Array
     ) -> tuple[Array, _Rebound]:
         h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
@@ -345,7 +352,7 @@ def _retreat(
             force,
         )
 
-    def take(body: Body, carry: tuple, step: tuple) -> tuple:
+    def take(body: Striker, carry: tuple, step: tuple) -> tuple:
         node, log_ratio, trend, good = carry
         touched, log_length, _, _ = step
         since = xp.exp(-body.rates * (node.time - touched.time))
@@ -358,7 +365,7 @@ def _retreat(
             return xp.log((held - after(body, node, touched, log_h)[0]) / held)
 
         log_h, met = root(residual, log_length + log_ratio + trend)
-        ratio = fixed(log_h) - log_length
+        ratio = stop_gradient(log_h) - log_length
         trend = xp.clip(xp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
         return after(body, node, touched, log_h)[1], ratio, trend, good & met
 
@@ -367,20 +374,25 @@ def _retreat(
         ended = carry[0]._replace(force=xp.where(step[3], 0.0, carry[0].force))
         return (ended, *carry[1:]), ended
 
-    touched = mapped(lambda x: x[-2::-1], path)
-    log_lengths = fixed(xp.log(xp.where(lengths > 0, lengths, 1.0)))[::-1]
+    touched = tree_map(lambda x: x[-2::-1], path)
+    log_lengths = stop_gradient(xp.log(xp.where(lengths > 0, lengths, 1.0)))[::-1]
     zero = xp.zeros_like(log_lengths[0])
     first = xp.arange(log_lengths.shape[0])[::-1] == 0
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
     carry = (node, zero, zero, xp.ones(zero.shape, bool))
-    (end, _, _, good), states = in_steps(
+    (end, _, _, good), states = scan(
         step, carry, (touched, log_lengths, grid.taken[::-1], first)
     )
     return end, states, good
 
 
 def _retreat_of_punch(
-    body: Body, per_area: bool, path: _Node, turn: _Node, lengths: Array, grid: Grid
+    body: Striker,
+    per_area: bool,
+    path: _Node,
+    turn: _Node,
+    lengths: Array,
+    grid: ApproachGrid,
 ) -> tuple[_Rebound, _Rebound, Array]:
     """All elements of a flat punch leave together: step j ends when the force is F_turn
     (1 - (1 - j/n)^2).
@@ -388,7 +400,7 @@ def _retreat_of_punch(
     measure = contact_measure(body.shape, turn.depth, per_area)
 
     def after(
-        body: Body, carry: tuple, target: Array, log_h: Array
+        body: Striker, carry: tuple, target: Array, log_h: Array
     ) -> tuple[Array, _Rebound]:
         node, measure = carry[0], carry[-1]
         h = xp.exp(log_h)
@@ -401,7 +413,7 @@ def _retreat_of_punch(
         force = measure * (xp.sum(centre, axis=0) + body.viscosity * speed)
         return force, _Rebound(node.time + h, depth, speed, centre, target)
 
-    def take(body: Body, carry: tuple, step: tuple) -> tuple:
+    def take(body: Striker, carry: tuple, step: tuple) -> tuple:
         node, log_h, good, measure = carry
         target, _ = step
 
@@ -409,7 +421,7 @@ def _retreat_of_punch(
             force = after(body, carry, target, log_h)[0]
             return xp.log((node.force - force) / (node.force - target))
 
-        log_h, met = root(residual, fixed(log_h))
+        log_h, met = root(residual, stop_gradient(log_h))
         return after(body, carry, target, log_h)[1], log_h, good & met, measure
 
     def step(carry: tuple, step: tuple) -> tuple:
@@ -421,14 +433,14 @@ def _retreat_of_punch(
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
     guess = xp.log(turn.time / grid.last)
     carry = (node, guess, xp.ones(guess.shape, bool), measure)
-    (end, _, good, _), states = in_steps(step, carry, (targets, grid.taken[::-1]))
+    (end, _, good, _), states = scan(step, carry, (targets, grid.taken[::-1]))
     return end, states, good
 
 
 class Impacts(NamedTuple):
     """Impacts of many bodies; histories have their nodes first."""
 
-    motion: Motion
+    motion: ImpactMotion
     error: Float[Array, " impacts"]  # estimated error of the restitution, absolute
     # the body never turns: a liquid too viscous to throw it back
     stuck: Bool[Array, " impacts"]
@@ -438,7 +450,7 @@ class Impacts(NamedTuple):
     reached: Float[Array, " impacts"]  # the larger relative error of these two
 
 
-def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
+def impacts(body: Striker, *, per_area: bool, rtol: float) -> Impacts:
     """Every impact to `rtol`, on finer grids where one needs them and values are
     known (not under `jit` or `grad`).
     """
@@ -455,10 +467,10 @@ def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
             parts = list(pool.map(lambda b: on_jax(_block, b, per_area, rtol), blocks))
         finally:  # an interrupt does not wait for the blocks that are under way
             pool.shutdown(wait=False, cancel_futures=True)
-    return mapped(lambda *pieces: np.concatenate(pieces, axis=-1), *parts)
+    return tree_map(lambda *pieces: np.concatenate(pieces, axis=-1), *parts)
 
 
-def _block(body: Body, per_area: bool, rtol: float) -> Impacts:
+def _block(body: Striker, per_area: bool, rtol: float) -> Impacts:
     """A block of impacts whose values can be looked at: stage by stage, each for those
     that the last left open.
     """
@@ -471,11 +483,11 @@ def _block(body: Body, per_area: bool, rtol: float) -> Impacts:
         size = next((n for n in sizes if n >= waiting.size), waiting.size)
         batch = _select(body, np.resize(waiting, size))
         latest = _stage(batch, rtol, per_area=per_area, stage=stage)
-        latest = mapped(lambda x, n=waiting.size: np.array(x)[..., :n], latest)
+        latest = tree_map(lambda x, n=waiting.size: np.array(x)[..., :n], latest)
         if solved is None:
             solved = latest
         else:
-            mapped(
+            tree_map(
                 lambda whole, piece, i=waiting: whole.__setitem__((..., i), piece),
                 solved,
                 latest,
@@ -488,10 +500,10 @@ def _block(body: Body, per_area: bool, rtol: float) -> Impacts:
     return solved
 
 
-def _select(body: Body, chosen: Array) -> Body:
+def _select(body: Striker, chosen: Array) -> Striker:
     """The impacts with these numbers."""
     batch_shape = body.velocity.shape
-    return Body(
+    return Striker(
         body.shape,
         *(
             np.broadcast_to(x, (*x.shape[:-1], *batch_shape))[..., chosen]
@@ -501,7 +513,7 @@ def _select(body: Body, chosen: Array) -> Body:
 
 
 @compiled("per_area", "stage")
-def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
+def _stage(body: Striker, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     """All grids of a stage, extrapolated to n = infinity: a polynomial in n^-2 through
     them.
     """
@@ -513,7 +525,7 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
             _side_by_side(sizes, count),
             per_area=per_area,
         )
-        motions = mapped(
+        motions = tree_map(
             lambda x: np.moveaxis(x.reshape(*x.shape[:-1], -1, count), -2, 0), of_grids
         )
     else:  # one program, for the largest
@@ -522,7 +534,7 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
         grids = [grid(k * COARSEST, sizes[-1] * COARSEST) for k in sizes]
         motions = jax.lax.map(
             lambda g: march(body, g, per_area=per_area),
-            mapped(lambda *x: np.stack(x), *grids),
+            tree_map(lambda *x: np.stack(x), *grids),
         )
     series = [
         _extrapolated(motions, sizes[: len(sizes) - left])
@@ -550,8 +562,8 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     solved = xp.all(motions.solved, axis=0)
     good = (solved & enough & xp.isfinite(best.restitution)) | (stuck & (depth <= rtol))
     timed = (duration <= _LOOSER * rtol) | stuck
-    error = fixed(xp.where(stuck, 0.0, error))
-    reached = fixed(xp.where(solved & ~stuck, reached, xp.nan))
+    error = stop_gradient(xp.where(stuck, 0.0, error))
+    reached = stop_gradient(xp.where(solved & ~stuck, reached, xp.nan))
     return Impacts(best, error, stuck, good, timed, reached)
 
 
@@ -571,13 +583,13 @@ def _left(
     return xp.maximum(share * last, _BY_CHANCE * first * shrank)
 
 
-def _extrapolated(motions: Motion, sizes: tuple[int, ...]) -> Motion:
+def _extrapolated(motions: ImpactMotion, sizes: tuple[int, ...]) -> ImpactMotion:
     """The value at 0 of the polynomial in 1/k^2 through the first grids; weights of
     Lagrange.
     """
     squares = np.square(np.array(sizes, dtype=float))
     weights = [np.prod([a / (a - b) for b in squares if b != a]) for a in squares]
-    return mapped(
+    return tree_map(
         lambda x: (
             x[0]
             if x.dtype == bool

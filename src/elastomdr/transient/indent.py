@@ -38,10 +38,10 @@ from ..surface.disc import Disc
 from ..surface.shapes import Cylinder, PowerLaw
 from .age import history_beyond
 from .history_result import AbstractHistory
-from .indentation_route import Course, Indented, indent_under, indent_with_adhesion
+from .indentation_route import DepthOrLoad, Indented, indent_under, indent_with_adhesion
 from .layer_disc import LayerDisc, incompressible_enough, of_layer
 from .problem import Bound, at_temperature, bound_on, check_shape, unknown
-from .surface_fields import Elements
+from .surface_fields import IndentedElements
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number
@@ -106,7 +106,7 @@ class Indentation(AbstractHistory):
         "temperature", "K", "of the whole history", default=None, dims=""
     )
     # and their history, from which `pressure` follows; None with adhesion
-    surface: Elements | None = None
+    surface: IndentedElements | None = None
 
     title: ClassVar[str] = "Indentation"
     figure: ClassVar[str] = "plot_contacts.draw_indentation"
@@ -259,7 +259,7 @@ def indent(
         model_error=bound.at(shown),
         converged=solution.converged,
         temperature=law_temperature,
-        surface=Elements(law, disc, course) if adhesion is None else None,
+        surface=IndentedElements(law, disc, course) if adhesion is None else None,
         model=_model(law, disc, adhesion),
         plan=solution.plan,
         inputs=tuple(_inputs(foundation, shape, course, gamma, law_temperature, rtol)),
@@ -282,7 +282,7 @@ def _accepted(solution: Indented, has_heat: bool, rtol: float) -> Any:
 
 
 def _solved(
-    law: Relaxation, disc: Disc, course: Course, gamma: Any, rtol: float
+    law: Relaxation, disc: Disc, course: DepthOrLoad, gamma: Any, rtol: float
 ) -> Indented:
     modes = recovery_modes(law)
     if gamma is not None:
@@ -294,7 +294,7 @@ def _solved(
 def _inputs(
     foundation: Foundation,
     shape: Any,
-    course: Course,
+    course: DepthOrLoad,
     gamma: Any,
     temperature: Any,
     rtol: float,
@@ -319,7 +319,7 @@ def _inputs(
     ]
 
 
-def _check_depth(disc: Disc, course: Course, adhesion: Any) -> None:
+def _check_depth(disc: Disc, course: DepthOrLoad, adhesion: Any) -> None:
     """Raises `InputError` for depths beyond what body or layer have, and for adhesion on
     a layer.
     """
@@ -418,7 +418,9 @@ def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
     return gamma
 
 
-def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Course:
+def _course(
+    law: Relaxation, time: Any, depth: Any, load: Any, pull: bool
+) -> DepthOrLoad:
     """Checks a history and brings its parts to one shape. Raises `InputError`."""
     if depth is None and load is None:
         raise InputError("load or depth must be given, got neither.")
@@ -431,7 +433,7 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
             _check_course(name, given[name], signed, both)
     given = broadcast(time=time, **given)
     by_depth = _where_depth_rules(given["depth"], given["load"]) if both else None
-    course = Course(given["time"], given.get("depth"), given.get("load"), by_depth)
+    course = DepthOrLoad(given["time"], given.get("depth"), given.get("load"), by_depth)
     depth = course.depth
     if depth is not None and not is_traced(law, depth) and law.viscosity > 0:
         accepted = (

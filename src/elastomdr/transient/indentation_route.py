@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, fixed, mapped, on_jax, on_numpy, xp
+from ..arrays import arrays, on_jax, on_numpy, stop_gradient, tree_map, xp
 from ..checks import Array, is_traced, nan_unless
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
@@ -60,7 +60,7 @@ BY_DEPTH = (
 GROWING = "closed form of Lee and Radok: the contact only grows"
 
 
-class Course(NamedTuple):
+class DepthOrLoad(NamedTuple):
     """Histories of one shape (..., m): depth or load, or both with `by_depth` saying
     which rules at each instant.
     """
@@ -88,7 +88,7 @@ class Indented(NamedTuple):
 
 
 def indent_under(
-    law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
+    law: Relaxation, modes: Modes, disc: Disc, course: DepthOrLoad, rtol: float
 ) -> Indented:
     """Solves all histories of a course."""
     if course.load is None:
@@ -99,7 +99,7 @@ def indent_under(
 
 
 def indent_with_adhesion(
-    law: Relaxation, modes: Modes, disc: Disc, course: Course, gamma: Array
+    law: Relaxation, modes: Modes, disc: Disc, course: DepthOrLoad, gamma: Array
 ) -> Indented:
     """JKR for an elastic foundation; for a viscoelastic one the rule of
     `transient.adhesive_contact`.
@@ -170,7 +170,7 @@ def _breaks(sticky: Any) -> str:
 
 
 def _by_depth(
-    law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
+    law: Relaxation, modes: Modes, disc: Disc, course: DepthOrLoad, rtol: float
 ) -> Indented:
     shape = course.time.shape
     time, depth = (
@@ -179,7 +179,7 @@ def _by_depth(
     given = (law, modes, disc, time, depth)
     numpy = xp if is_traced(given) else np
     # values, unless under jit or vmap
-    frozen = fixed(given) if is_traced(given) else given
+    frozen = stop_gradient(given) if is_traced(given) else given
     growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
     radius = over_histories(edges_of_growth if growing else edges, *frozen)
     sums, levels = None, _LEVELS[1]
@@ -223,7 +223,7 @@ def _by_depth(
 
 
 def _by_load(
-    law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float
+    law: Relaxation, modes: Modes, disc: Disc, course: DepthOrLoad, rtol: float
 ) -> Indented:
     """In closed form as long as the contact grows, in steps where it does not."""
     shape = course.time.shape
@@ -241,7 +241,7 @@ def _by_load(
             fields, growing = on_jax(_grown, law, modes, disc, time, load)
         else:
             fields, growing = _grown(law, modes, disc, time, load)
-        known = fixed(growing) if traced else growing
+        known = stop_gradient(growing) if traced else growing
     else:
         fields, known = (depth,) * 8, np.zeros(time.shape, bool)
     # A contact under a load that never falls only grows, whatever the material; that of
@@ -290,7 +290,7 @@ def _grown(
     creep_history: Creep = over_histories(
         creep, law, modes, disc, *padded(time, load), levels=levels
     )
-    creep_history = mapped(lambda a: _unpadded(a, time.shape), creep_history)
+    creep_history = tree_map(lambda a: _unpadded(a, time.shape), creep_history)
     nothing = numpy.zeros(time.shape)
     error = numpy.where(numpy.isfinite(creep_history.depth), _ROUNDING, numpy.nan)
     return (
@@ -328,7 +328,7 @@ def _stepped(
 
     given = (law, modes, disc, *histories)
     # values, unless under jit or vmap
-    frozen = fixed(given) if is_traced(given) else given
+    frozen = stop_gradient(given) if is_traced(given) else given
     blind = is_traced(frozen)
     levels = max(kept, _BLIND_STEPS if blind else 4)
     early = _BLIND_EARLY if blind else early_steps(frozen[0], *frozen[3:], levels)
@@ -455,14 +455,19 @@ def _marched(
         out.append(
             march_load(law, modes, disc, *rows, room=room, before=known, **sizes)
         )
-    return mapped(
+    return tree_map(
         lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count],
         *out,
     )
 
 
 def refined(
-    law: Relaxation, modes: Modes, disc: Disc, course: Course, depth: Array, rtol: float
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    course: DepthOrLoad,
+    depth: Array,
+    rtol: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Time and depth of one history, between which the depth is close to linear: as
     given, or solved in between.
@@ -483,7 +488,7 @@ def refined(
             course.load[:-1, None] + np.diff(course.load)[:, None] * fractions,
         )
         creep_history = creep(law, modes, disc, *padded(time, load), levels=3)
-        creep_history = mapped(
+        creep_history = tree_map(
             lambda a: _unpadded(np.asarray(a), time.shape), creep_history
         )
         if creep_history.growing.all():

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, xp
+from ..arrays import stop_gradient, xp
 from ..checks import Array, is_traced, numpy_unless_traced
 from ..element.law import Foundation, half_space
 from ..element.layer import Layer, layer_deficit
@@ -209,20 +209,22 @@ class LayerDisc(Disc):
     ) -> Array:
         touches = value > 0
         value = xp.where(touches, value, levels[0])
-        log = xp.log(fixed(value))
-        known, places = (xp.log(xp.asarray(fixed(x))) for x in (levels, self.places))
+        log = xp.log(stop_gradient(value))
+        known, places = (
+            xp.log(xp.asarray(stop_gradient(x))) for x in (levels, self.places)
+        )
         guess = xp.interp(log, known, places) + xp.minimum(log - known[0], 0.0) / power
         a = xp.exp(guess)
         top = xp.asarray(self.largest)
         for i in range(_STEPS):
-            a = fixed(xp.minimum(a, top))
+            a = stop_gradient(xp.minimum(a, top))
             height, rise = value_and_slope(a)
             if i < _STEPS - 1:  # on logarithms, where it is nearly straight
                 a = a * xp.exp(
                     xp.clip((log - xp.log(height)) * height / (a * rise), -1.0, 1.0)
                 )
             else:
-                a = a + (value - height) / fixed(rise)
+                a = a + (value - height) / stop_gradient(rise)
         beyond = value > levels[-1] * (1 + 1e-12)
         return xp.where(touches, xp.where(beyond, xp.nan, a), 0.0)
 
@@ -243,7 +245,7 @@ class LayerDisc(Disc):
         """Where radii a stand in the tables."""
         alpha = a / self.thickness
         panel = xp.clip(
-            xp.ceil(xp.log2(xp.maximum(fixed(alpha), 1e-9))).astype(int) + 1,
+            xp.ceil(xp.log2(xp.maximum(stop_gradient(alpha), 1e-9))).astype(int) + 1,
             0,
             _ENDS.size - 2,
         )
@@ -306,7 +308,7 @@ def layer_disc(
     )
     if disc.flat:
         return disc
-    depths, areas = fixed(
+    depths, areas = stop_gradient(
         (disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places)))
     )
     return replaced(disc, depths=depths, areas=areas)

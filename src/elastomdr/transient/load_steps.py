@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, fori_loop, mapped, on_numpy, xp
+from ..arrays import compiled, fori_loop, on_numpy, stop_gradient, tree_map, xp
 from ..checks import Array, is_traced
 from ..element.contact_step import (
     Coefficients,
@@ -59,7 +59,7 @@ _STEADY, _SLOW = 0.1, (0.15, 0.5)
 _SIZES = (128, 512)  # numbers of steps that short marches are filled up to
 
 
-class Steps(NamedTuple):
+class LoadSteps(NamedTuple):
     """What rules in each of the steps of a history, and how far they are on their way
     to the next instant.
     """
@@ -124,10 +124,10 @@ def march_load(
     steps = _steps(numpy, time, target, by_depth, interval, share)
     count = interval.size
     size = next((n for n in _SIZES if room and n >= count), count)
-    steps = Steps(*(a[:, np.minimum(np.arange(size), count - 1)] for a in steps))
+    steps = LoadSteps(*(a[:, np.minimum(np.arange(size), count - 1)] for a in steps))
     place = numpy.concatenate([numpy.zeros((len(time), 1)), interval + share], axis=1)
     place = place[:, np.minimum(np.arange(size + 1), count)]
-    reach = fixed(_reach(modes, disc, time, depth, load, by_depth))
+    reach = stop_gradient(_reach(modes, disc, time, depth, load, by_depth))
     start = target[:, 0], by_depth[:, 0]
     radius = _edges(law, disc, steps, start, reach, place, before)
     sums, radius, fits = _all(law, disc, steps, start, reach, radius)
@@ -136,7 +136,7 @@ def march_load(
     marched = Marched(
         *(numpy.asarray(a)[:, every] for a in (*sums[:2], radius, *sums[2:], fits))
     )
-    return marched, Edges(place, fixed(radius))
+    return marched, Edges(place, stop_gradient(radius))
 
 
 def _shares(
@@ -158,10 +158,10 @@ def _steps(
     by_depth: Array,
     interval: np.ndarray,
     share: Array,
-) -> Steps:
+) -> LoadSteps:
     first = np.append(True, np.diff(interval) > 0)
     before = numpy.concatenate([share[:, :1], share[:, :-1]], axis=1)
-    return Steps(
+    return LoadSteps(
         h=numpy.diff(time)[:, interval] * (share - numpy.where(first, 0.0, before)),
         fraction=share,
         first=np.tile(first, (len(time), 1)),
@@ -173,7 +173,7 @@ def _steps(
 def _edges(
     law: Relaxation,
     disc: Disc,
-    steps: Steps,
+    steps: LoadSteps,
     start: tuple[Array, Array],
     reach: Array,
     place: Array,
@@ -182,7 +182,7 @@ def _edges(
     """The edges at the ends of all steps, from a few marches, each on the edges of the
     march before.
     """
-    frozen = fixed((law, disc, steps, start, reach))
+    frozen = stop_gradient((law, disc, steps, start, reach))
     radius = reach[:, None] * np.linspace(0.0, 1.0, steps.h.shape[1] + 2)[1:]
     if before is not None:
         radius = np.stack([np.interp(*row) for row in zip(place, *before, strict=True)])
@@ -210,7 +210,7 @@ def extrapolated(marches: list[Marched], ratio: Array | None = None) -> Marched:
             else xp.where(steady, b + (b - a) * gain, by_power)
         )
 
-    return mapped(
+    return tree_map(
         goes_on, by_power, limit(marches[:-1], (2,)), limit(marches[-2:], (2,))
     )
 
@@ -293,7 +293,7 @@ def _early(
     if not early:
         return np.tile(places(levels)[1 : 1 + finer], (h.shape[0], 1))
     moduli, times, h = (
-        fixed((law.moduli, law.times, h))
+        stop_gradient((law.moduli, law.times, h))
         if numpy is not np
         else (law.moduli, law.times, h)
     )
@@ -321,7 +321,7 @@ class _Row(NamedTuple):
     profile: Array  # g [m]
 
 
-class _State(NamedTuple):
+class _LoadState(NamedTuple):
     """Elements and body at the end of a step, and where its interval began."""
 
     elements: Elements
@@ -335,7 +335,7 @@ class _State(NamedTuple):
 def _row(disc: Disc, reach: Array, edges: Array) -> _Row:
     # a light load is carried near the axis
     tip = xp.min(xp.where(edges > 0, edges, reach)) * _TIP
-    outer = xp.sort(xp.append(fixed(edges), tip[-1]))
+    outer = xp.sort(xp.append(stop_gradient(edges), tip[-1]))
     rules = (
         gauss_on_panels(tip, _INNER),
         gauss_on_panels(xp.maximum(outer, tip[-1]), _NODES),
@@ -347,7 +347,7 @@ def _row(disc: Disc, reach: Array, edges: Array) -> _Row:
 def _once(
     law: Relaxation,
     disc: Disc,
-    steps: Steps,
+    steps: LoadSteps,
     start: tuple[Array, Array],
     reach: Array,
     edges: Array,
@@ -358,16 +358,18 @@ def _once(
     row = _row(disc, reach, edges)
     viscous = not on_numpy() or bool(law.viscosity > 0)
 
-    def prepare(block: Steps) -> tuple[Steps, Coefficients]:
+    def prepare(block: LoadSteps) -> tuple[LoadSteps, Coefficients]:
         return block, coefficients_of_steps(law, block.h, viscous=viscous)
 
-    def step(state: _State, now: tuple[Steps, Coefficients]) -> tuple[_State, Array]:
+    def step(
+        state: _LoadState, now: tuple[LoadSteps, Coefficients]
+    ) -> tuple[_LoadState, Array]:
         end, c = now
         # so that sums over both are made once
         c = c if viscous else c._replace(seen=c.decay)
         return _advance(law, row, c, state, end)
 
-    def look(state: _State, excess: Array) -> tuple[tuple[Array, ...], Array]:
+    def look(state: _LoadState, excess: Array) -> tuple[tuple[Array, ...], Array]:
         edge = _edge(row.x, excess, state.elements.q > 0)
         return _measured(law, row, state), edge
 
@@ -388,7 +390,7 @@ def _once(
 
 def _put_down(
     law: Relaxation, disc: Disc, row: _Row, value: Array, by_depth: Array
-) -> _State:
+) -> _LoadState:
     """A step of depth or load at the first instant meets a glassy foundation; a dashpot
     lets nothing happen at once.
     """
@@ -408,7 +410,7 @@ def _put_down(
     )
     force = xp.where(by_depth, xp.sum(row.weight * q), value)
     work = xp.sum(row.weight * elements.work)
-    return _State(elements, depth, force, work, depth, force)
+    return _LoadState(elements, depth, force, work, depth, force)
 
 
 def _strength(law: Relaxation) -> Array:
@@ -419,8 +421,8 @@ def _strength(law: Relaxation) -> Array:
 
 
 def _advance(
-    law: Relaxation, row: _Row, c: Coefficients, before: _State, now: Steps
-) -> tuple[_State, Array]:
+    law: Relaxation, row: _Row, c: Coefficients, before: _LoadState, now: LoadSteps
+) -> tuple[_LoadState, Array]:
     """One step, and w - u_free at its end."""
     elements, weight = before.elements, row.weight
     first_depth = xp.where(now.first, before.depth, before.first_depth)
@@ -453,11 +455,13 @@ def _advance(
     received = xp.sum(weight * (after.work - elements.work))
     body_work = 0.5 * (before.force + force) * (depth - before.depth)
     work = xp.where(now.by_depth & (law.viscosity > 0), received, body_work)
-    state = _State(after, depth, force, before.work + work, first_depth, first_force)
+    state = _LoadState(
+        after, depth, force, before.work + work, first_depth, first_force
+    )
     return state, depth - touch_depth
 
 
-def _measured(law: Relaxation, row: _Row, state: _State) -> tuple[Array, ...]:
+def _measured(law: Relaxation, row: _Row, state: _LoadState) -> tuple[Array, ...]:
     """Depth, force, work, and the energies stored in contact, locked out of it and
     turned into heat.
     """
@@ -510,7 +514,7 @@ def _reach(
 def _all(
     law: Relaxation,
     disc: Disc,
-    steps: Steps,
+    steps: LoadSteps,
     start: tuple[Array, Array],
     reach: Array,
     edges: Array,
@@ -522,14 +526,14 @@ def _all(
         _once(
             law,
             disc,
-            Steps(*(a[i] for a in steps)),
+            LoadSteps(*(a[i] for a in steps)),
             (start[0][i], start[1][i]),
             reach[i],
             edges[i],
         )
         for i in range(len(reach))
     ]
-    return mapped(lambda *a: np.stack(a), *rows)
+    return tree_map(lambda *a: np.stack(a), *rows)
 
 
 @compiled()

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import entries, fixed, mapped, on_numpy, while_loop, xp
+from ..arrays import entries, on_numpy, stop_gradient, tree_map, while_loop, xp
 from ..checks import Array, is_traced
 from ..progress_bar import counted
 
@@ -68,12 +68,12 @@ def _on_numpy(
     is_seen[slice(None) if instants is None else instants] = True
     seen = []
     for first in range(0, count, _BLOCK):
-        block = mapped(lambda x, i=first: x[i : i + _BLOCK], steps)
+        block = tree_map(lambda x, i=first: x[i : i + _BLOCK], steps)
         for number, now in enumerate(entries(prepare(block)), first):
             state, details = step(state, now)
             if is_seen[number]:
                 seen.append(look(state, details))
-    return state, mapped(lambda *x: np.stack(x), *seen) if seen else None
+    return state, tree_map(lambda *x: np.stack(x), *seen) if seen else None
 
 
 def in_pieces(
@@ -103,15 +103,15 @@ def in_pieces(
     seen = []
     with counted(doing, count) as count_steps:
         for i in range(0, count, length):
-            cut = mapped(lambda x, i=i: x[i : i + length], steps)
+            cut = tree_map(lambda x, i=i: x[i : i + length], steps)
             here = np.zeros(cut.h.shape, bool)
             here[: count - i] = is_seen[i : i + length]
             state, looked = piece(state, cut, here)
             if not numpy:
-                looked = mapped(lambda x, here=here: np.asarray(x)[here], looked)
+                looked = tree_map(lambda x, here=here: np.asarray(x)[here], looked)
             seen.append(looked)
             count_steps(min(length, count - i))
-    return state, mapped(
+    return state, tree_map(
         lambda *x: np.concatenate(x), *(each for each in seen if each is not None)
     )
 
@@ -290,7 +290,7 @@ def _corrected(
 ) -> tuple[Array, Array]:
     """The depth after one step of Newton's from `depth`, and the stiffness there."""
     now, stiffness = force_on_line(slope, depth - touch_depth)
-    stiffness = fixed(spring + stiffness)
+    stiffness = stop_gradient(spring + stiffness)
     empty = stiffness <= 0
     step = (force - spring * depth - now) / xp.where(empty, 1.0, stiffness)
     return xp.where(empty, lowest + force / slope, depth + step), stiffness

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, mapped, on_jax, xp
+from ..arrays import compiled, on_jax, stop_gradient, tree_map, xp
 from ..checks import Array, as_float64, finite, nan_unless, positive, require, scalar
 from ..element.contact_step import coefficients_of_steps
 from ..element.law import Foundation
@@ -34,7 +34,7 @@ from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
 from .march import march
 from .problem import both_laws
 from .refinement import limit
-from .shear_motion import Scene, line, step, untouched
+from .shear_motion import ShearScene, line, step, untouched
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -44,7 +44,7 @@ _MET = 1e-13  # relative change of a step's displacement at which its search end
 
 
 @part
-class History:
+class ObliqueHistory:
     """The motion at instants from touch (first) to separation (last); they lie closer
     where it changes fast.
 
@@ -126,7 +126,7 @@ def check_oblique(
     return Slips(velocity, friction, inertia, both_laws(material, tangential)[1])
 
 
-class Course(NamedTuple):
+class NormalImpact(NamedTuple):
     """A normal impact at its instants."""
 
     time: Float[Array, " instants"]
@@ -135,7 +135,7 @@ class Course(NamedTuple):
     force: Float[Array, " instants"]
 
 
-class Moved(NamedTuple):
+class Displaced(NamedTuple):
     """What moves tangentially."""
 
     mass: Array  # m [kg]
@@ -151,7 +151,7 @@ class Deflection(NamedTuple):
     slip_loss: Float[Array, " instants"]  # turned into heat by slip [J]
 
 
-class Steps(NamedTuple):
+class ObliqueSteps(NamedTuple):
     """Contact steps."""
 
     h: Float[Array, " steps"]  # [s]
@@ -159,7 +159,11 @@ class Steps(NamedTuple):
 
 
 def solve_oblique(
-    slips: Slips, scene: Any, shape: AbstractShape, history: History, normal_impact: Any
+    slips: Slips,
+    scene: Any,
+    shape: AbstractShape,
+    history: ObliqueHistory,
+    normal_impact: Any,
 ) -> Oblique:
     """The tangential motion of every point of an impact that is solved already; NaN
     where that failed.
@@ -169,9 +173,9 @@ def solve_oblique(
         xp.broadcast_to(xp.asarray(field), scene.shape).reshape(-1)
         for field in (scene.mass, slips.velocity, slips.friction)
     )
-    moved = Moved(mass, _tangential_mass(shape, mass, slips.inertia), u)
+    moved = Displaced(mass, _tangential_mass(shape, mass, slips.inertia), u)
     fields = (history.time, history.depth, history.velocity, history.force)
-    course = Course(*(xp.asarray(field).reshape(count, -1) for field in fields))
+    course = NormalImpact(*(xp.asarray(field).reshape(count, -1) for field in fields))
     laws = _laws(slips, scene, count)
     reach = _reach(shape, scene.per_area, xp.asarray(normal_impact.motion.max_depth))
 
@@ -220,7 +224,7 @@ def _tangential_mass(shape: AbstractShape, mass: Array, inertia: Any) -> Array:
 
 def _laws(slips: Slips, scene: Any, count: int) -> tuple[Relaxation, Relaxation]:
     """E* and G* of each point, at its temperature, points along the first axis."""
-    body = mapped(xp.asarray, scene.body)
+    body = tree_map(xp.asarray, scene.body)
     rates, moduli, viscosity = (
         xp.broadcast_to(x, (*x.shape[:-1], count)).T
         for x in (body.rates, body.moduli, body.viscosity)
@@ -269,7 +273,7 @@ def _deflect_each(
 
     def one(point: tuple) -> Deflection:
         (normal, tangential), friction, reach, course, moved = point
-        scene = Scene(shape, normal, tangential, friction, reach)
+        scene = ShearScene(shape, normal, tangential, friction, reach)
         cut = {"elements": elements, "steps": steps}
         return _deflect(scene, course, moved, **cut, per_area=per_area)
 
@@ -277,9 +281,9 @@ def _deflect_each(
 
 
 def _deflect(
-    scene: Scene,
-    course: Course,
-    moved: Moved,
+    scene: ShearScene,
+    course: NormalImpact,
+    moved: Displaced,
     *,
     elements: int,
     steps: int,
@@ -289,7 +293,7 @@ def _deflect(
     grid = line(scene, elements, per_area)
     laws = scene.normal, scene.tangential
 
-    def prepare(block: Steps) -> tuple[Any, ...]:
+    def prepare(block: ObliqueSteps) -> tuple[Any, ...]:
         return block, *(coefficients_of_steps(law, block.h) for law in laws)
 
     def advance(carry: tuple, now: tuple) -> tuple[tuple, tuple]:
@@ -309,10 +313,10 @@ def _deflect(
     instants = steps * np.arange(1, course.time.shape[0]) - 1
     every = _steps(course, moved.mass, steps)
     _, seen = march(advance, look, start, every, instants, prepare)
-    return mapped(lambda a, b: xp.concatenate([a[None], b]), look(start, ()), seen)
+    return tree_map(lambda a, b: xp.concatenate([a[None], b]), look(start, ()), seen)
 
 
-def _steps(course: Course, mass: Array, steps: int) -> Steps:
+def _steps(course: NormalImpact, mass: Array, steps: int) -> ObliqueSteps:
     """The depth between the instants: the quintic from depth, velocity and acceleration
     at both ends.
     """
@@ -328,14 +332,14 @@ def _steps(course: Course, mass: Array, steps: int) -> Steps:
     quint = 6 * rise - 3 * slope + 0.5 * bend
     s = xp.arange(1, steps + 1) / steps
     ends = p0 + s * (v0 + s * (0.5 * a0 + s * (cubic + s * (quartic + s * quint))))
-    return Steps(xp.repeat(span[:, 0] / steps, steps), ends.reshape(-1))
+    return ObliqueSteps(xp.repeat(span[:, 0] / steps, steps), ends.reshape(-1))
 
 
 def _displacement(free: Array, before: Array, compliance: Array, force: Any) -> Array:
     """x with x = free - compliance (F_before + F(x)); F rises in straight pieces."""
-    scale = fixed(xp.abs(free) + compliance * xp.abs(before) + 1e-300)
+    scale = stop_gradient(xp.abs(free) + compliance * xp.abs(before) + 1e-300)
 
     def residual(scaled: Array) -> Array:
         return scaled + (compliance * (before + force(scale * scaled)) - free) / scale
 
-    return scale * root(residual, fixed(free) / scale, _MET, 1.0)[0]
+    return scale * root(residual, stop_gradient(free) / scale, _MET, 1.0)[0]

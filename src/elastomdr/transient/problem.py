@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import fixed, xp
+from ..arrays import stop_gradient, xp
 from ..call.problem import check_rtol
 from ..checks import (
     Array,
@@ -499,7 +499,7 @@ def even_steps(
     numpy = xp if traced else np
     first = time[1] - time[0]
     ratio = numpy.minimum(shortest / first, 0.5) ** (1 / max(early, 1))
-    ratio = fixed(ratio) if traced else ratio
+    ratio = stop_gradient(ratio) if traced else ratio
     more = time[0] + first * ratio ** np.arange(early, 0, -1)
     instants = numpy.concatenate([time[:1], more, time[1:]])
     duration = numpy.diff(instants)

@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, mapped, on_jax, on_numpy, xp
+from ..arrays import arrays, on_jax, on_numpy, tree_map, xp
 from ..checks import Array, is_traced, known, significant
 from ..errors import InputError
 from ..numerics.interpolation import halving_limit
-from .body_motion import History, Mount, Scene, run
+from .body_motion import MotionHistory, MotionScene, Mount, run
 from .body_over_line import AbstractOverLine
 from .march import OF_AN_ELEMENT
 from .problem import GivenHistory, SlidePlan, Steps
@@ -57,14 +57,14 @@ def limit(marches: Sequence[Any], powers: Sequence[int]) -> Any:
                 return coarse & fine
             return halving_limit(coarse, fine, power)
 
-        rows = [mapped(without, *pair) for pair in itertools.pairwise(rows)]
+        rows = [tree_map(without, *pair) for pair in itertools.pairwise(rows)]
     return rows[-1]
 
 
 class Levels(NamedTuple):
     """The limit at the instants of the history, and how it was reached."""
 
-    seen: History
+    seen: MotionHistory
     mu: Array
     error: Array  # of mu, absolute
     good: Array
@@ -140,7 +140,7 @@ def solve_levels(
     shared = shared_level(work, most, cut.room, cut.growth)
     size, outside = (0, 0), False
 
-    def marched(scene: Scene, steps: Steps, instants: Any, doing: str) -> Any:
+    def marched(scene: MotionScene, steps: Steps, instants: Any, doing: str) -> Any:
         return run(
             scene,
             steps,
@@ -151,7 +151,7 @@ def solve_levels(
             doing=doing,
         )
 
-    def solve(level: int) -> tuple[History, Any]:
+    def solve(level: int) -> tuple[MotionHistory, Any]:
         nonlocal size, outside
         finer = 2**level
         # NumPy has nothing to compile for a new size
@@ -159,7 +159,7 @@ def solve_levels(
         room = finer if small else max(finer, 2**shared)
         # made by NumPy too: of single operations JAX compiles each
         steps, instants = cut.steps(finer)
-        scene = Scene(law, cut.surface(finer, room), *cut.mounts)
+        scene = MotionScene(law, cut.surface(finer, room), *cut.mounts)
         doing = f"motion on grid {level + 1} of at most {most + 1}"
         given = scene, steps, instants, doing
         seen, line = marched(*given) if small else on_jax(marched, *given)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, fixed, mapped, on_jax, on_numpy, xp
+from ..arrays import arrays, on_jax, on_numpy, stop_gradient, tree_map, xp
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -39,7 +39,7 @@ from .age import history_beyond
 from .history_result import Shear
 from .problem import MOST_ELEMENTS, both_laws, bound_on, standing, unknown
 from .refinement import beside
-from .shear_motion import History, Scene, Sheared, line, panels, shear_history
+from .shear_motion import Prescribed, Sheared, ShearScene, line, panels, shear_history
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -166,7 +166,9 @@ def shear(
     )
 
 
-def _beyond(laws: tuple[Foundation, Foundation], given: History) -> tuple[Doubt, ...]:
+def _beyond(
+    laws: tuple[Foundation, Foundation], given: Prescribed
+) -> tuple[Doubt, ...]:
     """Instants beyond the range of both laws."""
     moved = given.displacement
     return history_beyond(
@@ -185,7 +187,7 @@ def _inputs(
     laws: tuple[Foundation, Foundation],
     shape: AbstractShape,
     name: str,
-    given: History,
+    given: Prescribed,
     mu: Any,
     cut: _Cut,
 ) -> list[tuple[str, str]]:
@@ -218,7 +220,7 @@ def _checked_history(
     name: str,
     value: Any,
     displacement: Any,
-) -> History:
+) -> Prescribed:
     """Raises `InputError` for what is no history, or none that a dashpot can follow."""
     time = as_float64("time", time)
     value = as_float64(name, value)
@@ -254,7 +256,7 @@ def _checked_history(
                 "since a dashpot cannot follow a sudden motion, got "
                 f"{float(displacement[0] if moved else value[0]):g}."
             )
-    return History(time, value, displacement)
+    return Prescribed(time, value, displacement)
 
 
 def _is_elastic(laws: tuple[Foundation, Foundation]) -> bool:
@@ -264,7 +266,7 @@ def _is_elastic(laws: tuple[Foundation, Foundation]) -> bool:
     return not any(law.moduli.size or float(law.viscosity) > 0 for law in laws)
 
 
-def _turns(given: History) -> bool:
+def _turns(given: Prescribed) -> bool:
     """Whether load and displacement are known to change together between instants."""
     if is_traced((given.value, given.displacement)):
         return False
@@ -272,7 +274,7 @@ def _turns(given: History) -> bool:
 
 
 def _solved(
-    scene: Scene, given: History, cut: _Cut, exact: bool
+    scene: ShearScene, given: Prescribed, cut: _Cut, exact: bool
 ) -> tuple[Sheared, Array]:
     """The history at the instants given, and the error of its force."""
     history, parts = given, 1
@@ -295,15 +297,15 @@ def _solved(
         # What is left of a force that has faded is the difference of what was carried
         # before.
         force = abs(sheared.force)
-        largest = _so_far(fixed(force) if is_traced(force) else force)
+        largest = _so_far(stop_gradient(force) if is_traced(force) else force)
         error = change + sheared.missed + _ROUNDING * largest
     count, instants = given.time.shape[0], sheared.force.shape[0]
     chosen = np.append(0, np.arange(parts, instants, parts)[1 - count :])
-    return mapped(lambda x: x[chosen], (sheared, error))
+    return tree_map(lambda x: x[chosen], (sheared, error))
 
 
 def _marched(
-    scene: Scene, history: History, cut: _Cut, elements: int, steps: int
+    scene: ShearScene, history: Prescribed, cut: _Cut, elements: int, steps: int
 ) -> Sheared:
     """The history of `elements` equal elements, in `steps` between two instants."""
     branches = max(law.moduli.shape[0] for law in (scene.normal, scene.tangential))
@@ -329,7 +331,7 @@ def _so_far(x: Any) -> Any:
 
 
 def _summed(
-    scene: Scene, history: History, sheared: Sheared, cut: _Cut
+    scene: ShearScene, history: Prescribed, sheared: Sheared, cut: _Cut
 ) -> tuple[Sheared, Any]:
     """An elastic contact summed by Gauss' rule between the edges of stick and contact
     in `sheared`, and the error of F_x.
@@ -360,7 +362,7 @@ def _summed(
     )
 
 
-def _with_early_instants(history: History) -> History:
+def _with_early_instants(history: Prescribed) -> Prescribed:
     """More instants after the first, ever closer to it: what is put on at once relaxes
     on all time scales.
     """
@@ -371,7 +373,7 @@ def _with_early_instants(history: History) -> History:
         v0 + fractions * (v1 - v0),
         s0 + fractions * (s1 - s0),
     )
-    return History(
+    return Prescribed(
         *(
             numpy.concatenate([x[:1], m, x[1:]])
             for x, m in zip(history, more, strict=True)
@@ -379,7 +381,7 @@ def _with_early_instants(history: History) -> History:
     )
 
 
-def _divided(history: History, parts: int) -> History:
+def _divided(history: Prescribed, parts: int) -> Prescribed:
     """More instants, evenly between those given."""
     numpy, fractions = xp if is_traced(history) else np, np.arange(1, parts + 1) / parts
 
@@ -388,7 +390,7 @@ def _divided(history: History, parts: int) -> History:
             [x[:1], (x[:-1, None] + numpy.diff(x)[:, None] * fractions).reshape(-1)]
         )
 
-    return History(*map(fill, history))
+    return Prescribed(*map(fill, history))
 
 
 def _count(name: str, given: Any, usual: int, least: int) -> int:
@@ -400,14 +402,14 @@ def _count(name: str, given: Any, usual: int, least: int) -> int:
 
 def _scene(
     shape: AbstractShape, laws: tuple[Foundation, Foundation], mu: Any, reach: Any
-) -> Scene:
+) -> ShearScene:
     normal, tangential = (
         Relaxation(
             *map(xp.asarray, (law.equilibrium, law.moduli, law.times, law.viscosity))
         )
         for law in laws
     )
-    return Scene(shape, normal, tangential, xp.asarray(mu), xp.asarray(reach))
+    return ShearScene(shape, normal, tangential, xp.asarray(mu), xp.asarray(reach))
 
 
 def _reach(
@@ -415,7 +417,7 @@ def _reach(
     law: Relaxation,
     per_area: bool,
     name: str,
-    history: History,
+    history: Prescribed,
     elements: int,
 ) -> Any:
     """A radius [m] that the contact does not exceed: at the greatest depth, or under
@@ -460,4 +462,4 @@ def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
         xp.asarray(140.0),
         42,
     )
-    return xp.exp(fixed(high))
+    return xp.exp(stop_gradient(high))

@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import compiled, fixed, in_steps, mapped, xp
+from ..arrays import compiled, scan, stop_gradient, tree_map, xp
 from ..checks import Array, argmax, is_traced
 from ..element.contact_step import (
     Coefficients,
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 
-class History(NamedTuple):
+class Prescribed(NamedTuple):
     """What is prescribed; linear in between."""
 
     time: Float[Array, " times"]  # [s]
@@ -72,7 +72,7 @@ class Sheared(NamedTuple):
     missed: Float[Array, " times"]
 
 
-class State(NamedTuple):
+class ShearState(NamedTuple):
     """The elements, and what has been done on them."""
 
     u: Array  # normal displacement of the elements [m]
@@ -85,7 +85,7 @@ class State(NamedTuple):
     slip_loss: Array
 
 
-class Scene(NamedTuple):
+class ShearScene(NamedTuple):
     """Shape, laws, friction coefficient, and the radius that the elements reach to
     [m].
     """
@@ -97,7 +97,7 @@ class Scene(NamedTuple):
     reach: Float[Array, ""]
 
 
-class Grid(NamedTuple):
+class HalfLine(NamedTuple):
     """Elements on a half line."""
 
     x: Array
@@ -108,7 +108,7 @@ class Grid(NamedTuple):
     width: Array
 
 
-class Steps(NamedTuple):
+class ShearSteps(NamedTuple):
     """Contact steps."""
 
     h: Float[Array, " steps"]  # [s]
@@ -116,7 +116,7 @@ class Steps(NamedTuple):
     slide: Float[Array, " steps"]  # of the body in the step [m]
 
 
-def cut(history: History, steps: int) -> tuple[Steps, np.ndarray]:
+def cut(history: Prescribed, steps: int) -> tuple[ShearSteps, np.ndarray]:
     """A history in `steps` equal contact steps between two instants, and which of them
     end at the instants after the first.
     """
@@ -126,11 +126,11 @@ def cut(history: History, steps: int) -> tuple[Steps, np.ndarray]:
     intervals = history.time.shape[0] - 1
     number = np.tile(np.arange(1, steps + 1), intervals)
     value = numpy.repeat(history.value[:-1], steps) + number * rise
-    return Steps(h, value, slide), steps * np.arange(1, intervals + 1) - 1
+    return ShearSteps(h, value, slide), steps * np.arange(1, intervals + 1) - 1
 
 
 def shear_history(
-    scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool
+    scene: ShearScene, history: Prescribed, grid: HalfLine, *, steps: int, by_load: bool
 ) -> Sheared:
     """The whole history of the elements of a grid, with `steps` contact steps between
     two instants.
@@ -139,20 +139,27 @@ def shear_history(
     put = history.value[0], history.displacement[0]
     start, first = _begin(scene, grid, *put, by_load=by_load)
 
-    def piece(state: State, now: Steps, is_seen: Any) -> tuple[State, Sheared]:
+    def piece(
+        state: ShearState, now: ShearSteps, is_seen: Any
+    ) -> tuple[ShearState, Sheared]:
         return _piece(scene, grid, state, now, is_seen, by_load=by_load)
 
     laws = scene.normal, scene.tangential
     branches = sum(law.moduli.shape[0] + OF_AN_ELEMENT for law in laws)
     size, doing = grid.x.shape[0] * branches, "stick and slip"
     _, later = in_pieces(piece, start, steps_of_history, instants, size, doing)
-    return mapped(lambda a, b: xp.concatenate([a[None], b]), first, later)
+    return tree_map(lambda a, b: xp.concatenate([a[None], b]), first, later)
 
 
 @compiled("by_load")
 def _begin(
-    scene: Scene, grid: Grid, value: Array, displacement: Array, *, by_load: bool
-) -> tuple[State, Sheared]:
+    scene: ShearScene,
+    grid: HalfLine,
+    value: Array,
+    displacement: Array,
+    *,
+    by_load: bool,
+) -> tuple[ShearState, Sheared]:
     """The elements after the first instant, and what is seen then."""
     state, seen = _start(scene, grid, value, displacement, by_load)
     return state, _measured(grid, state, seen, by_load)
@@ -160,43 +167,45 @@ def _begin(
 
 @compiled("by_load")
 def _piece(
-    scene: Scene,
-    grid: Grid,
-    state: State,
-    steps: Steps,
+    scene: ShearScene,
+    grid: HalfLine,
+    state: ShearState,
+    steps: ShearSteps,
     instants: Any,
     *,
     by_load: bool,
-) -> tuple[State, Sheared]:
+) -> tuple[ShearState, Sheared]:
     """Some steps of the history."""
 
-    def prepare(block: Steps) -> tuple[Steps, Coefficients, Coefficients]:
+    def prepare(block: ShearSteps) -> tuple[ShearSteps, Coefficients, Coefficients]:
         laws = scene.normal, scene.tangential
         normal, tangential = (coefficients_of_steps(law, block.h) for law in laws)
         return block, normal, tangential
 
     def advance(
-        state: State, now: tuple[Steps, Coefficients, Coefficients]
-    ) -> tuple[State, tuple]:
+        state: ShearState, now: tuple[ShearSteps, Coefficients, Coefficients]
+    ) -> tuple[ShearState, tuple]:
         end, normal, tangential = now
         given = (end.value, end.slide, by_load)
         return step(scene, grid, normal, tangential, state, *given)
 
-    def look(state: State, seen: tuple) -> Sheared:
+    def look(state: ShearState, seen: tuple) -> Sheared:
         return _measured(grid, state, seen, by_load)
 
     return march(advance, look, state, steps, instants, prepare)
 
 
 @compiled("elements", "per_area")
-def line(scene: Scene, elements: int, per_area: bool) -> Grid:
+def line(scene: ShearScene, elements: int, per_area: bool) -> HalfLine:
     """`elements` elements of equal width from the axis to the reach of the scene."""
     width = scene.reach / elements
     return _grid(scene, width * (xp.arange(elements) + 0.5), width, width, per_area)
 
 
 @compiled("parts", "nodes", "per_area")
-def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -> Grid:
+def panels(
+    scene: ShearScene, radii: Array, parts: int, nodes: int, per_area: bool
+) -> HalfLine:
     """Gauss' rule with `nodes` points on `parts` parts of each panel between
     neighbouring `radii` [m].
 
@@ -207,35 +216,37 @@ def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -
     edges = xp.concatenate(
         [xp.zeros(1), xp.sort(xp.clip(radii, 0.0, scene.reach)), scene.reach[None]]
     )
-    edges = fixed(edges)
+    edges = stop_gradient(edges)
     inner = edges[:-1, None] + xp.diff(edges)[:, None] * (np.arange(parts) / parts)
     x, dx = gauss_on_panels(xp.append(inner.reshape(-1), edges[-1]), nodes)
     return _grid(scene, x, dx, xp.asarray(xp.nan), per_area)
 
 
-def _grid(scene: Scene, x: Array, dx: Array, width: Array, per_area: bool) -> Grid:
+def _grid(
+    scene: ShearScene, x: Array, dx: Array, width: Array, per_area: bool
+) -> HalfLine:
     ring = per_area and not isinstance(scene.shape, Cylinder)
     weight = (2 * math.pi * x if ring else xp.full(x.shape, 2.0)) * dx
     weight = weight * (scene.shape.length if isinstance(scene.shape, Cylinder) else 1.0)
     profile = scene.shape._height(x) if ring else scene.shape._profile(x)
-    return Grid(x, weight, xp.where(xp.isfinite(profile), profile, 1e30), width)
+    return HalfLine(x, weight, xp.where(xp.isfinite(profile), profile, 1e30), width)
 
 
-def untouched(scene: Scene, grid: Grid) -> State:
+def untouched(scene: ShearScene, grid: HalfLine) -> ShearState:
     """The state before any contact."""
     zero, none = xp.zeros_like(grid.x), xp.zeros(())
 
     def rest(law: Relaxation) -> Array:
         return xp.zeros((law.moduli.shape[0], grid.x.shape[0]))
 
-    return State(
+    return ShearState(
         zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none
     )
 
 
 def _start(
-    scene: Scene, grid: Grid, value: Array, displacement: Array, by_load: bool
-) -> tuple[State, tuple]:
+    scene: ShearScene, grid: HalfLine, value: Array, displacement: Array, by_load: bool
+) -> tuple[ShearState, tuple]:
     """The first instant: depth or load, then displacement, put on at once, to which the
     glassy moduli respond.
 
@@ -248,13 +259,13 @@ def _start(
     )
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
 
-    def put(state: State, ds: Array) -> tuple[State, tuple]:
+    def put(state: ShearState, ds: Array) -> tuple[ShearState, tuple]:
         return step(scene, grid, normal, tangential, state, value, ds, by_load)
 
-    put_down, seen = in_steps(put, state, xp.stack([none, displacement]))
-    moved = put_down, mapped(lambda x: x[-1], seen)
+    put_down, seen = scan(put, state, xp.stack([none, displacement]))
+    moved = put_down, tree_map(lambda x: x[-1], seen)
     dashpots = xp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
-    return mapped(lambda a, b: xp.where(dashpots, a, b), still, moved)
+    return tree_map(lambda a, b: xp.where(dashpots, a, b), still, moved)
 
 
 def _sudden(law: Relaxation) -> Coefficients:
@@ -282,7 +293,7 @@ def _sudden(law: Relaxation) -> Coefficients:
     )
 
 
-class Moved(NamedTuple):
+class TangentialStep(NamedTuple):
     """What a step does to the elements along the surface."""
 
     tau: Array  # traction at the end, or its mean with a dashpot
@@ -294,15 +305,15 @@ class Moved(NamedTuple):
 
 
 def step(
-    scene: Scene,
-    grid: Grid,
+    scene: ShearScene,
+    grid: HalfLine,
     cn: Coefficients,
     ct: Coefficients,
-    state: State,
+    state: ShearState,
     value: Array,
     ds: Any,
     by_load: bool,
-) -> tuple[State, tuple]:
+) -> tuple[ShearState, tuple]:
     """One contact step: the state after it, (F_x, F_N, contact radius, stick radius,
     energy, error of F_N), and tau.
 
@@ -329,7 +340,7 @@ def step(
     s = state.s + moved.moved
     stored = 0.5 * ct.equilibrium * s**2 + xp.sum(ct.energy * p**2, axis=0)
     loss = xp.sum(grid.weight * heat)
-    after = State(
+    after = ShearState(
         u=state.u + down.change,
         f=cn.decay * state.f + cn.gain * down.change,
         q=down.q,
@@ -361,7 +372,7 @@ def step(
     return after, (seen, tau)
 
 
-def _share(grid: Grid, cn: Coefficients, state: State, down: Pressed) -> Array:
+def _share(grid: HalfLine, cn: Coefficients, state: ShearState, down: Pressed) -> Array:
     """The part of the body's motion that an element can follow: a surface that comes
     from a distance carries it from when it touches, one that leaves it until the normal
     force, linear in the step, is gone.
@@ -375,20 +386,20 @@ def _share(grid: Grid, cn: Coefficients, state: State, down: Pressed) -> Array:
     return xp.where(left, leaving, xp.where(fresh, touching, 1.0))
 
 
-def _largest(scene: Scene, q: Array) -> Array:
+def _largest(scene: ShearScene, q: Array) -> Array:
     """The largest traction that friction allows."""
     return xp.where(q > 0, scene.friction * xp.where(q > 0, q, 1.0), 0.0)
 
 
 def _moved(
-    scene: Scene,
-    grid: Grid,
+    scene: ShearScene,
+    grid: HalfLine,
     ct: Coefficients,
-    state: State,
+    state: ShearState,
     q: Array,
     share: Array,
     ds: Any,
-) -> tuple[Moved, Array]:
+) -> tuple[TangentialStep, Array]:
     """Stick or slip of each element, and the displacement of the body."""
     limit = _largest(scene, q)
     rest = ct.equilibrium * state.s + xp.sum(ct.seen * state.p, axis=0)
@@ -404,10 +415,12 @@ def _moved(
     bound = xp.sign(trial) * xp.where(slips, limit, 0.0)
     tau = xp.where(slips, bound, trial)
     moved = xp.where(slips, (bound - rest) / ct.stiffness, stuck_move)
-    return Moved(tau, trial, limit, slips, stuck_move, moved), slide
+    return TangentialStep(tau, trial, limit, slips, stuck_move, moved), slide
 
 
-def _heat(scene: Scene, ct: Coefficients, state: State, moved: Moved) -> Array:
+def _heat(
+    scene: ShearScene, ct: Coefficients, state: ShearState, moved: TangentialStep
+) -> Array:
     """Turned into heat by slip. It begins where traction and limit, both linear in the
     step, meet: at once if the element slipped before.
     """
@@ -424,13 +437,13 @@ def _heat(scene: Scene, ct: Coefficients, state: State, moved: Moved) -> Array:
 
 
 def _at_end(
-    scene: Scene,
+    scene: ShearScene,
     cn: Coefficients,
     ct: Coefficients,
-    state: State,
+    state: ShearState,
     sunk: tuple[Array, Array],
     slide: Array,
-    moved: Moved,
+    moved: TangentialStep,
     q: Array,
 ) -> tuple[Array, Array]:
     """Tractions at the end of a step: with a dashpot the conditions are put on means,
@@ -448,7 +461,7 @@ def _at_end(
     return xp.where(moved.slips, xp.sign(moved.tau) * limit, stuck), q_end
 
 
-def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> Sheared:
+def _measured(grid: HalfLine, state: ShearState, seen: tuple, by_load: bool) -> Sheared:
     """What is known at the end of a step, with a bound on what its tangential force
     misses.
     """
@@ -477,12 +490,12 @@ def _missed(parts: Array) -> Array:
     variation of their slope, with that at the axis and at the outer end: of a jump
     within an element half is missed, of a bend half as much as this.
     """
-    change = xp.diff(fixed(parts))
+    change = xp.diff(stop_gradient(parts))
     ends = xp.abs(change[:1]) + xp.abs(change[-1:]) if change.size else xp.zeros(1)
     return 0.25 * (xp.sum(xp.abs(xp.diff(change))) + ends[0])
 
 
-def _edge(grid: Grid, value: Array) -> Array:
+def _edge(grid: HalfLine, value: Array) -> Array:
     """Where a function of the distance from the axis that is positive inside first
     turns negative [m].
     """

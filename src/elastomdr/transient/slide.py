@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.rough_line import RoughLine
 from .age import sliding_beyond
-from .body_motion import History
+from .body_motion import MotionHistory
 from .body_over_line import contact_sizes, indenter, rough
 from .history_result import Slide
 from .problem import (
@@ -196,7 +196,7 @@ def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """
     none = np.zeros(history.time.shape)
     depth = np.asarray(history.value) if history.control == "depth" else none
-    seen = History(*[none] * len(History._fields))._replace(depth=depth)
+    seen = MotionHistory(*[none] * len(MotionHistory._fields))._replace(depth=depth)
     no_mu, all_of_them = none * np.nan, none == 0
     solution = Levels(seen, no_mu, no_mu, all_of_them, 0, all_of_them)
     branches = int(history.law.times.size)

@@ -22,7 +22,7 @@ from ..numerics.quadrature import gauss, shares_to_legendre
 from ..surface.disc import Disc
 from .depth_history import NODES, cuts, indent_between, over_histories, padded
 from .depth_history import edges as edges_of
-from .indentation_route import Course, refined
+from .indentation_route import DepthOrLoad, refined
 from .layer_disc import LayerDisc, line_of
 
 _CUTS = cuts(1)  # of the panels
@@ -31,14 +31,14 @@ _OWN, _OWN_WEIGHTS = gauss(4)
 _RTOL = 1e-6  # of a depth that is solved again in between
 
 
-class Elements(NamedTuple):
+class IndentedElements(NamedTuple):
     """The elements of an indentation and what was asked for: what a result carries
     along to find its surface.
     """
 
     law: Relaxation  # at the temperature
     disc: Disc
-    course: Course
+    course: DepthOrLoad
 
     def field(
         self, depth: np.ndarray, r: np.ndarray, time: float, field_name: str
@@ -57,7 +57,7 @@ class Elements(NamedTuple):
         ]
         values = []
         for i, row in enumerate(depth.reshape(-1, instants)):
-            history = Course(
+            history = DepthOrLoad(
                 *(None if quantity is None else quantity[i] for quantity in rows)
             )
             first, last = history.time[0], history.time[-1]
@@ -75,7 +75,7 @@ class Elements(NamedTuple):
         return np.stack(values).reshape((*leading, *r.shape))
 
 
-class Surface(NamedTuple):
+class PanelSeries(NamedTuple):
     """Legendre series on panels of the line, of q and u."""
 
     edges: np.ndarray  # (panels + 1,) [m]
@@ -144,7 +144,7 @@ def surface_at(
     time: np.ndarray,
     depth: np.ndarray,
     instant: float,
-) -> Surface:
+) -> PanelSeries:
     """The line at one instant of a history, from all that happened before it."""
     instant = max(
         instant, time[0] + 1e-14 * (time[-1] - time[0])
@@ -172,7 +172,7 @@ def surface_at(
     )
     if isinstance(disc, LayerDisc):
         return _on_layer(disc, kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump)
-    return Surface(
+    return PanelSeries(
         kept,
         q[wide] @ to_series.T,
         u[wide] @ to_series.T,
@@ -222,7 +222,7 @@ def _grown(
 
 def _on_layer(
     disc: LayerDisc, edges: np.ndarray, q: np.ndarray, u: np.ndarray, jump: np.ndarray
-) -> Surface:
+) -> PanelSeries:
     """From the independent elements of a layer to q and u of the line, on more panels
     beyond the contact.
 
@@ -256,7 +256,7 @@ def _on_layer(
                 jump[1] * float(layer.of_unit(np.array([edges[-1]]), edges[-1])[0]),
             ]
         )
-    return Surface(every, pressure @ to_series.T, moved @ to_series.T, jump, False)
+    return PanelSeries(every, pressure @ to_series.T, moved @ to_series.T, jump, False)
 
 
 def _gathered(

@@ -45,7 +45,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, compiled, fixed, in_steps, on_numpy, xp
+from ..arrays import arrays, compiled, on_numpy, scan, stop_gradient, xp
 from ..checks import Array
 from ..material.relaxation import Relaxation
 from ..numerics.decay import ramp_weights
@@ -66,7 +66,7 @@ _LAYER_HALVINGS = 50
 _ROUNDING = 4e-15
 
 
-class Rolling(NamedTuple):
+class RollingContact(NamedTuple):
     """Rolling contacts whose normal side is solved."""
 
     normal: Relaxation
@@ -90,7 +90,7 @@ class Tractions(NamedTuple):
 
 
 @compiled("rule", "steps")
-def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
+def tractions(rolling: RollingContact, rule: Rule, steps: int) -> Tractions:
     """Tractive force of each point, with `steps` steps of the march; differentiable in
     both modes.
     """
@@ -101,7 +101,7 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     coarse = (
         marched
         if on_numpy() and not marched.sticks_again.any()
-        else _march(fixed(r), length, steps // 2)
+        else _march(stop_gradient(r), length, steps // 2)
     )
     passage = Passage(r.normal, r.lines, rule, r.velocity)
     distance = _sticking_length(r, rule, length, marched.first_slip, steps)
@@ -117,20 +117,20 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     stick = xp.where(distance > 1e-12 * length, distance / length, 0.0)
     return Tractions(
         force=xp.where(marched.sticks_again, weight * marched.force, force),
-        stick=fixed(xp.where(marched.sticks_again, marched.stick, stick)),
-        error=fixed(error + early),
+        stick=stop_gradient(xp.where(marched.sticks_again, marched.stick, stick)),
+        error=stop_gradient(error + early),
         sticks_again=marched.sticks_again,
     )
 
 
 def _sticking_length(
-    r: Rolling, rule: Rule, length: Array, first_slip: Array, steps: int
+    r: RollingContact, rule: Rule, length: Array, first_slip: Array, steps: int
 ) -> Array:
     """The distance c from the leading edge at which tau_stick reaches mu q, by halving.
 
     No derivative of it is needed: at its end both tractions are equal.
     """
-    held = fixed(r)
+    held = stop_gradient(r)
     passage = Passage(held.normal, held.lines, rule, held.velocity)
 
     def sticks(distance: Array) -> Array:
@@ -138,7 +138,7 @@ def _sticking_length(
         return _limit(held.friction, pressed) - _ramp(held, distance)[0] > 0
 
     ends = xp.asarray(_step_ends(steps))
-    low, high = fixed(
+    low, high = stop_gradient(
         tuple(length * ends[xp.clip(first_slip + i, 0, steps)] for i in (-2, 1))
     )
     return _where_slip_begins(r, length, bisect(sticks, low, high, _HALVINGS))
@@ -157,7 +157,7 @@ def _where_slip_begins(r: Any, length: Array, bracket: tuple[Array, Array]) -> A
 
 
 def _sticking_then_sliding(
-    r: Rolling, passage: Passage, distance: Array, weight: Array
+    r: RollingContact, passage: Passage, distance: Array, weight: Array
 ) -> tuple[Array, Array, Array]:
     """F_x of elements that stick up to a distance and slide from there on, its error,
     and its rounding.
@@ -171,7 +171,7 @@ def _sticking_then_sliding(
     return force, _limit(r.friction, missed), rounding + 1e-13 * xp.abs(force)
 
 
-def _early_slip(r: Rolling, length: Array, steps: int) -> Array:
+def _early_slip(r: RollingContact, length: Array, steps: int) -> Array:
     """Bound on the traction per weight that slip within the first two steps takes."""
     slope = r.lines.slope(r.leading[None], r.leading, xp.zeros((1, 1), int))[0]
     dashpot = r.creepage * r.tangential.viscosity * r.velocity
@@ -185,7 +185,7 @@ def _limit(friction: Array, pressed: Array) -> Array:
     return xp.where(pressed > 0, friction * xp.where(pressed > 0, pressed, 1.0), 0.0)
 
 
-def _ramp(r: Rolling, distance: Array) -> tuple[Array, Array]:
+def _ramp(r: RollingContact, distance: Array) -> tuple[Array, Array]:
     """tau_stick at a distance from the leading edge, and its integral up to there."""
     law = r.tangential
     z = distance / (r.velocity * law.times[:, None])
@@ -221,7 +221,7 @@ class _Marched(NamedTuple):
     sticks_again: Array  # whether any step sticks after one has slipped
 
 
-class _State(NamedTuple):
+class _BrushState(NamedTuple):
     """Elements at the end of a step of the march."""
 
     normal: Array  # forces of the normal branches
@@ -249,17 +249,17 @@ class _Step(NamedTuple):
     stiffness: Array
 
 
-def _march(r: Rolling, length: Array, steps: int) -> _Marched:
+def _march(r: RollingContact, length: Array, steps: int) -> _Marched:
     """Elements followed from the leading edge to the trailing one, in blocks of
     steps.
     """
 
-    def march_block(state: _State, block: tuple) -> tuple:
+    def march_block(state: _BrushState, block: tuple) -> tuple:
         number, begin, end = block
         prepared = _prepare(r, length, number, begin, end)
-        return in_steps(advance, state, prepared)
+        return scan(advance, state, prepared)
 
-    def advance(state: _State, step: _Step) -> tuple[_State, None]:
+    def advance(state: _BrushState, step: _Step) -> tuple[_BrushState, None]:
         last = step.number == steps - 1
         return _advance(r, state, step, last), None
 
@@ -267,24 +267,24 @@ def _march(r: Rolling, length: Array, steps: int) -> _Marched:
     blocks = tuple(
         x.reshape(-1, _STEPS_AT_ONCE) for x in (xp.arange(steps), ends[:-1], ends[1:])
     )
-    state, _ = in_steps(march_block, _at_leading_edge(r, length, steps), blocks)
+    state, _ = scan(march_block, _at_leading_edge(r, length, steps), blocks)
     return _Marched(state.force, state.stick, state.first_slip, state.sticks_again)
 
 
-def _slope(r: Rolling, distance: Array) -> Array:
+def _slope(r: RollingContact, distance: Array) -> Array:
     """Slope of the profile at a distance from the leading edge."""
     x = (r.leading - distance)[None]
     return r.lines.slope(x, r.leading, xp.zeros((1, 1), int))[0]
 
 
-def _at_leading_edge(r: Rolling, length: Array, steps: int) -> _State:
+def _at_leading_edge(r: RollingContact, length: Array, steps: int) -> _BrushState:
     zero, false = xp.zeros_like(length), xp.zeros(length.shape, bool)
     # of the dashpots alone
     traction = xp.minimum(
         r.creepage * r.tangential.viscosity * r.velocity,
         _limit(r.friction, r.normal.viscosity * r.velocity * _slope(r, zero)),
     )
-    return _State(
+    return _BrushState(
         normal=xp.zeros((r.normal.moduli.shape[0], *length.shape)),
         sheared=xp.zeros((r.tangential.moduli.shape[0], *length.shape)),
         shear=zero,
@@ -298,7 +298,11 @@ def _at_leading_edge(r: Rolling, length: Array, steps: int) -> _State:
 
 
 def _prepare(
-    r: Rolling, length: Array, number: Array, begin_fraction: Array, end_fraction: Array
+    r: RollingContact,
+    length: Array,
+    number: Array,
+    begin_fraction: Array,
+    end_fraction: Array,
 ) -> _Step:
     """Some steps, from `begin_fraction` to `end_fraction` of the length."""
     normal, tangential = r.normal, r.tangential
@@ -330,7 +334,9 @@ def _prepare(
     return _Step(number, share, h, decay, pressing, pressed, kept, gain, stiffness)
 
 
-def _advance(r: Rolling, state: _State, step: _Step, last: Array) -> _State:
+def _advance(
+    r: RollingContact, state: _BrushState, step: _Step, last: Array
+) -> _BrushState:
     """One step: the element sticks where that asks for less than mu q."""
     normal = step.normal_decay * state.normal + step.pressing
     limit = _limit(r.friction, step.pressed + xp.sum(normal, axis=0))
@@ -342,7 +348,7 @@ def _advance(r: Rolling, state: _State, step: _Step, last: Array) -> _State:
     moved = xp.where(slips, (limit - free) / step.stiffness, displacement)
     traction = xp.where(slips, limit, trial)
     again = state.slipped & ~slips & (trial < limit * (1 - 1e-9)) & ~last
-    return _State(
+    return _BrushState(
         normal,
         decayed + step.gain * moved,
         state.shear + moved,

@@ -46,7 +46,7 @@ from ..trees import replaced
 from .brush import (
     LayerContact,
     LayerTraction,
-    Rolling,
+    RollingContact,
     Tractions,
     carter,
     layer_traction,
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-14
 # of the march, where elements stick again after they have slipped
 _STEPS = (1024, 8192, 65536)
-# what each point of a `Rolling` has of its own
+# what each point of a `RollingContact` has of its own
 _OWN = ("velocity", "leading", "trailing", "friction", "creepage")
 # Below the first what sticks is lost in rounding; above the second the error of the
 # force no longer counts what slips.
@@ -375,7 +375,7 @@ def _pull(
         return xp.broadcast_to(field, steady.shape).reshape(-1)
 
     assert isinstance(steady.lines, SingleLine)
-    rolling = Rolling(
+    rolling = RollingContact(
         steady.law,
         sheared.law(),
         steady.lines,
