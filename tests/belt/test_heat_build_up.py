@@ -128,7 +128,7 @@ def test_axes_in_any_order(power):
         name: np.broadcast_to(x, (2, 2, 3))
         for name, x in (dict.fromkeys(names, 1.0) | fields).items()
     }
-    found = dataclasses.replace(found, **fields)
+    found = dataclasses.replace(found, marks=(), **fields)
     assert dict(found.to_xarray().sizes) == {"ambient": 2, "capacity": 2, "time": 3}
     assert "heat capacity [J/K]" in found.csv()
     ax = found.plot()

@@ -172,6 +172,7 @@ def test_shear_and_traction_without_slip():
     )
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 def test_a_surface_in_full_contact():
     """mu = pi eta v/(2 p) int q^4 C dq: the half-space, Multiscale and Persson's theory
     are all exact there.

@@ -384,6 +384,7 @@ def test_spectra_of_unlike_length():
             power=share,
             normal_force=10 * np.ones((2, n)),
             error=1e-9 * np.ones((2, n)),
+            model_error=np.nan * np.ones((2, n)),
             converged=np.ones((2, n), bool),
             model=MODEL,
             plan="a plan",

@@ -123,6 +123,7 @@ def test_the_middle_of_the_friction():
         wave_number=omega,
         mu=np.array([[0.1, 0.3]]),
         error=np.zeros((1, 2)),
+        model_error=np.full((1, 2), np.nan),
         converged=np.ones((1, 2), bool),
         width=10.0,
         model="",

@@ -173,6 +173,7 @@ def test_one_map_says_nothing_of_scatter():
     assert np.isnan(curve.error)
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 @pytest.mark.parametrize("seeds", [1, 2])
 def test_full_contact_is_the_closed_form(seeds):
     """mu = (pi eta v/2p) int q^4 C dq of Kelvin elements, E'' = eta omega, whatever

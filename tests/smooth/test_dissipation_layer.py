@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.material.relaxation import Relaxation
+from elastomdr.material.relaxation import Relaxation, to_kelvin
 from elastomdr.smooth.cylinder_galerkin import Cover, Solution, losses
 
 RUBBER = em.Prony(1e6, [2e6, 5e6], [1e-3, 1e-1], name="two times")
@@ -45,7 +45,7 @@ def test_waves_beyond_the_last_one_that_is_summed_are_counted(n):
     terms[0, n] = pressure
     none = np.zeros(1)
     solution = Solution(np.array([half]), none, none, none, terms)
-    lost = losses(np.array([slow * half / 1e-3]), law, Cover(None, None), solution)
+    lost = losses(np.array([slow * half / 1e-3]), law, Cover(to_kelvin(law)), solution)
     spread = (np.pi * pressure * (n + 1)) ** 2 / (2 * n + 2)
     expected = 2 / np.pi * half * spread * 3e6 * slow / 2e6**2
     np.testing.assert_allclose(lost, [[expected]], rtol=1.2e-8 * (n + 1))

@@ -88,6 +88,7 @@ def test_cells_under_a_surface_in_any_unit_of_length(unit):
     )
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 def test_cells_in_full_contact_and_at_a_crawl():
     """In full contact friction stress does not depend on the pressure; at a crawl mu ~
     v.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.results.base import Result
 
 RUBBER = em.Prony(1e6, [2e6], [1e-2])
 NEARLY = em.Prony(1e6, [2e6], [1e-2], poisson=0.45)
@@ -169,3 +170,17 @@ def test_a_belt_has_that_of_its_rolls_and_a_warm_body_none():
     )  # fmt: skip
     assert np.isfinite(warm.temperature).all()
     assert np.isnan(warm.model_error).all()
+
+
+def test_every_result_says_how_far_its_model_may_be_off():
+    def below(kind):
+        for child in kind.__subclasses__():
+            yield child
+            yield from below(child)
+
+    for name in em.__all__:
+        getattr(em, name)  # is imported when it is first asked for
+    kinds = [kind for kind in below(Result) if kind.__module__.startswith("elastomdr")]
+    assert len(kinds) > 20
+    lacking = [k.__name__ for k in kinds if "model_error" not in k.__dataclass_fields__]
+    assert not lacking

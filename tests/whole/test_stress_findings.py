@@ -157,6 +157,7 @@ def test_profile_far_smaller_than_its_first_point():
     assert (found.error < 1e-6 * found.mu).all()
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 def test_road_in_full_contact_far_above_its_relaxation():
     """v tau q from 1e9 on: Im E* = E/(w tau), so that mu = pi m_2 E/(p v tau), in the
     waves across the motion too.

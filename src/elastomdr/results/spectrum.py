@@ -49,6 +49,9 @@ class FrictionSpectrum(Result):
         "part of the friction coefficient", "-", axis="friction coefficient per decade"
     )
     error: Array = quantity("estimated error of their sum", "-")
+    model_error: Array = quantity(
+        "model error", "-", "NaN: how far a line's bands are from a surface's"
+    )
     width: float = setting()  # of a band: its upper frequency over its lower one
 
     title: ClassVar[str] = "Friction by frequency"
@@ -161,6 +164,9 @@ class Dissipation(Result):
         "share not accounted for",
         "-",
         "share of the work that the branches together do not account for",
+    )
+    model_error: Array = quantity(
+        "model error", "-", "NaN: how far shares are from those in three dimensions"
     )
 
     title: ClassVar[str] = "Where the loss happens"

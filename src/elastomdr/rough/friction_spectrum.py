@@ -237,6 +237,7 @@ def _packed(
         wave_number=banded(np.multiply.outer(np.ones(velocity.size), middle)),
         mu=banded(np.where(good[:, None], mu, np.nan)),
         error=banded(np.where(good, error, np.nan)),
+        model_error=banded(np.full(velocity.size, np.nan)),
         converged=banded(good),
         marks=carried(beyond, lambda points: banded(np.ravel(points))),
         temperature=None

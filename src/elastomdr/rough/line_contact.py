@@ -148,6 +148,7 @@ def _packed(
         depth=depth,
         share=share,
         error=np.full(height.size, error),
+        model_error=np.full(height.size, np.nan),
         converged=np.full(height.size, bool(field.line.converged[0])),
         marks=carried(beyond, lambda points: np.full(height.size, points)),
         model=BARE + scene.rule,

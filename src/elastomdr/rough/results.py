@@ -61,12 +61,16 @@ class LineContact(Result):
         dims="",
     )
     error: Array = quantity("estimated error of mu", "-", "the same everywhere")
+    model_error: Array = quantity(
+        "model error", "-", "NaN: how far the line is from a surface"
+    )
 
     title: ClassVar[str] = "Contact along the line"
     figure: ClassVar[str] = "plot_contacts.draw_line_contact"
     across: ClassVar[str] = "x"
     shows: ClassVar[str] = "surface"
     error_of: ClassVar[str] = "mu"
+    bound_of: ClassVar[str] = "mu"
     each: ClassVar[str] = "samples"
     last: ClassVar[str] = "x"
     coordinates: ClassVar[tuple[str, ...]] = ("x",)
