@@ -37,7 +37,16 @@ if TYPE_CHECKING:
 
     from ..results.base import Result
 
-_NEEDED = ("dask", "distributed", "filelock", "fsspec", "tqdm", "xarray", "zarr")
+_NEEDED = (
+    "cloudpickle",
+    "dask",
+    "distributed",
+    "filelock",
+    "fsspec",
+    "tqdm",
+    "xarray",
+    "zarr",
+)
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
 # by default the processes of Dask look after themselves 50 times a second, for 5 % of a
 # core
