@@ -1,6 +1,6 @@
 """A sweep of many points on a cluster with SLURM.
 
-    pip install "elastomdr[cluster]"
+    pip install "elastomdr[sweep,cluster]"
     sbatch --time=1-0 --wrap "python slurm.py --store /scratch/runs.zarr"
 
 This process submits jobs of one core, as many as there is work for, hands chunks of
