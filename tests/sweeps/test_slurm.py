@@ -16,7 +16,9 @@ import pytest
 import elastomdr as em
 from elastomdr.sweeps import grid, run
 
-pytest.importorskip("dask_jobqueue")
+before = signal.getsignal(signal.SIGINT)
+pytest.importorskip("dask_jobqueue")  # it takes Ctrl-C for itself
+signal.signal(signal.SIGINT, before)
 EXAMPLE = Path(__file__).parents[2] / "examples" / "slurm.py"
 # like those of SLURM they keep a copy of the script of a job, say its number, and end
 # all of its processes
