@@ -60,11 +60,11 @@ def test_the_example_survives_losses(tmp_path, monkeypatch):
     program = textwrap.dedent(f"""
         import runpy, sys, time
         from elastomdr.sweeps import grid, run
-        grid._POINTS, keep = 35, run.Store.keep
+        grid._POINTS, keep = 35, run.ZarrStore.keep
         def slowly(*given):
             time.sleep(0.1)
             keep(*given)
-        run.Store.keep = slowly
+        run.ZarrStore.keep = slowly
         sys.argv = ["slurm.py", *{options!r}]
         runpy.run_path({str(EXAMPLE)!r}, run_name="__main__")
         """)

@@ -173,12 +173,12 @@ def test_killed_alone(tmp_path):
         import elastomdr as em
         from elastomdr.sweeps import grid, run
         grid._POINTS, run._cores = 1, lambda: 2
-        local, keep = run._local, run.Store.keep
+        local, keep = run._local, run.ZarrStore.keep
         run._local = lambda workers: local(1)
         def slowly(*given):
             time.sleep(0.05)
             keep(*given)
-        run.Store.keep = slowly
+        run.ZarrStore.keep = slowly
         em.sweep(em.friction, {{"load": [1.0 + i for i in range(60)]}}, store={str(path)!r}, progress=False,
                  material=em.Prony(1e6, [1e6], [1e-3]), shape=em.Sphere(0.01), velocity=0.1)
         """)
