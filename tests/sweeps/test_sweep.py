@@ -958,7 +958,9 @@ def test_a_cluster_of_two(tmp_path, monkeypatch):
         ({"store": "nonsense://b/runs.zarr"}, "got 'nonsense:.*: Protocol not known"),
         ({"store": "memory://"}, "URL with a bucket and a name, such as .*, got 'memo"),
         ({"store": "/"}, "store must be a folder or a URL .*, got '/'"),
-        ({"store": None}, "store must be a folder or a URL .*, got None"),
+        ({"store": ""}, "store must be a folder or a URL .*, got ''"),
+        ({"store": 3}, "store must be a folder or a URL .*, got 3"),
+        ({"store": None}, "store must be given, got None"),
     ],
 )
 def test_bad_input(change, said, tmp_path):
