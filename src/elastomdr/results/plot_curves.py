@@ -542,7 +542,7 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
     if look.words and (notes := notes_of(by_material)):
         small = {"fontsize": 0.8 * look.text, "color": FAINT}
         left.annotate(
-            textwrap.fill("; ".join(notes), 100),
+            textwrap.fill("; ".join(notes), 75),
             (0, 1),
             (0, 0.6 * look.text),
             xycoords="axes fraction",
