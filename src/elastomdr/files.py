@@ -18,8 +18,13 @@ from .errors import InputError
 
 _MOST_BYTES = 200_000_000
 _LINK = "It is a link: remove it, or name the file behind it"
-# where a cell begins: = and @ always, signs where something is called or piped
-_FORMULA = re.compile(r"((?:^|[,;\t])\s*)(?=[=@]|[+-][^,;\t]*[(|!])")
+_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+# where a cell begins: = and @ always; signs where something is called or piped, before
+# the name of a cell, and where more is reckoned than a number with its unit
+_FORMULA = re.compile(
+    r"((?:^|[,;\t])\s*)(?=[=@\uff1d\uff20]|[+-][^,;\t]*[(|!]"
+    rf"|[+-](?!{_NUMBER}(?:[\s%,;\t]|$))\s*(?:\$?[A-Za-z]{{1,3}}\$?\d|[\w.$]+[-+*/^&]))"
+)
 _MOST_TOML = 5_000_000  # bytes of a scene or a material
 _DEEPEST = 10  # parts of a dotted key
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""

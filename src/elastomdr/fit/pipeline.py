@@ -759,6 +759,11 @@ def from_hardness(
             "like must be a Prony series, or the name of one in the library, got "
             f"{like!r:.80}."
         )
+    if not float(np.asarray(other.equilibrium)) > 0:
+        raise InputError(
+            "like must be a rubber, with an equilibrium modulus, since hardness is read "
+            f"on what stays after seconds; got {other.name or 'a liquid'}."
+        )
     known = other.range if other.range is not None else Range(None, None)
     read = other.at(_TEMPERATURE) if other.shift is not None else other
     coldest, hottest = known.temperature or (_TEMPERATURE, _TEMPERATURE)
