@@ -145,6 +145,18 @@ def test_a_compliance_and_a_stress_that_is_not_held(tmp_path):
         em.read_dma(file, **SHEAR)
 
 
+def test_a_strain_and_a_compliance_say_what_the_stress_was(tmp_path):
+    """Their quotient is the stress, held in creep and not in a ramp."""
+    t, file = np.geomspace(0.5, 200, 40), tmp_path / "strain.csv"
+    title = "time [s],shear strain [%],creep compliance J [1/Pa]"
+    file.write_text(table(title, t, 100 * ramped(t), ramped(t) / (50 * t)))
+    with pytest.raises(em.InputError, match="the stress is not held"):
+        em.read_dma(file, **SHEAR)
+    file.write_text(table(title, t, 100 * STRESS * compliance(t), compliance(t)))
+    read = em.read_dma(file, **SHEAR)
+    np.testing.assert_allclose(1 / read.relaxation, compliance(t), rtol=1e-6)
+
+
 def test_of_stairs_the_first_step_is_read(tmp_path):
     t = np.arange(1.0, 41.0)
     stress = np.where(t <= 20, 1000.0, 2000.0)

@@ -572,6 +572,12 @@ def _while_held(
         if measured_as not in ("creep", "relaxation") or response == measured_as
         if (role in columns and not columns[role].log) or role in table.fixed
     }
+    # compliance is strain over stress, modulus stress over strain: the third follows
+    other = {"creep": "strain", "relaxation": "stress"}.get(measured_as, "")
+    pair = [columns[role] for role in (other, measured_as) if role in columns]
+    if not numbers and len(pair) == 2 and not any(one.log for one in pair):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            numbers = {measured_as: np.divide(*(table.column(c.place) for c in pair))}
     kept = [np.flatnonzero(~np.isfinite(time))]  # named later as no measurement
     found: set[str] = set()
     for curve in _curves(time):
