@@ -404,6 +404,41 @@ def test_the_fold_is_where_the_cold_branch_ends():
         low, high = velocity[last], velocity[last + 1]
 
 
+@pytest.mark.parametrize(
+    ("model", "velocity", "mu"),
+    [("multiscale", [0.0762, 0.0803], 0.4677), ("persson", [0.45, 0.4782], 0.3127)],
+)
+def test_coarse_cells_do_not_end_the_cold_branch(model, velocity, mu):
+    """They fold at .076 and .448 m/s; the last states were followed on finer cells."""
+    rubber = em.Prony(
+        5e5,
+        5e5 * np.geomspace(600, 0.1, 14),
+        np.geomspace(1e-11, 10, 14),
+        shift=em.WLF(10, 110, 283.15),
+    )
+    road = em.SelfAffine(0.7, rms_slope=0.9, q_low=2e3, q_high=1e5)
+    shear = em.AdhesiveShear(3e7, 1e-4, 0.35, shift=em.Arrhenius(1.4e5, 283.15))
+    cold, hot = (
+        em.friction(
+            rubber,
+            road,
+            velocity=velocity,
+            pressure=4e5,
+            temperature=263.15,
+            heat=em.Heat(0.22, 1.7e6),
+            adhesion=shear,
+            model=model,
+            branch=branch,
+        )
+        for branch in ("cold", "hot")
+    )
+    assert (cold.mu < 0.5).all()
+    assert (hot.mu > 1.8).all()
+    assert cold.mu[-1] == pytest.approx(mu, rel=2e-3)
+    assert cold.other_states.all()
+    assert hot.other_states.all()
+
+
 def test_branches_under_jit():
     def both(velocity):
         return [

@@ -160,6 +160,7 @@ def warmed(problem: Problem, model: Any, hot: bool) -> Warm:
             _CELLS * level,
             Found(rise[left], good[left], several[left], steep[left]),
             hot,
+            anew=number == _USUAL,
         )
         rise[left], good[left], several[left], steep[left] = now
         mean[left], flux[left], to_road[left] = state.mean, state.flux, state.to_road
@@ -176,10 +177,16 @@ def warmed(problem: Problem, model: Any, hot: bool) -> Warm:
 
 
 def _on_level(
-    problem: Problem, model: Any, per_decade: int, near: Found, hot: bool
+    problem: Problem,
+    model: Any,
+    per_decade: int,
+    near: Found,
+    hot: bool,
+    anew: bool = False,
 ) -> tuple[HeatState, Found]:
     """The states on cells of one level from those of the level before; looked for
-    again where they are not close to these, as next to a fold.
+    again where they are not close to these, as next to a fold, and with `anew` wherever
+    there may be several: coarse cells fold some per cent of the velocity early.
     """
     stations = near.rise.shape[1]
     highest = highest_rise(problem.body, problem.temperature)
@@ -187,7 +194,7 @@ def _on_level(
     rise, good = _settle(of, near.rise, highest)
     good &= ~near.steep | _is_near(of, near.rise, rise)
     several, steep = near.several.copy(), near.steep.copy()
-    lost = np.flatnonzero(near.seen & ~good)
+    lost = np.flatnonzero(near.seen & (~good | (anew & near.steep)))
     if lost.size:
         rest = problem.of(lost)
         again = _first(rest, model, hot, per_decade, stations)
