@@ -419,8 +419,10 @@ def _tables(pressed: PressedSeal, peak: Array) -> tuple[_Table, _Table]:
             nodes, values, monotone_slopes(nodes, values), within
         )
         s, flow = closed / (1 + np.exp(-within)), np.array(between) ** 3
-        error = np.nan_to_num(gaps.error[::-1, 0])
-        weight = np.gradient(x) * gaps.flow[::-1, 0]
+        flowing = gaps.flow[::-1, 0]
+        # relative, and of no meaning where nothing flows
+        error = np.where(flowing > 0, gaps.error[::-1, 0], 0.0)
+        weight = np.gradient(x) * flowing
         return _Table(
             np.append(0.0, s),
             _integrals(s, flow),
