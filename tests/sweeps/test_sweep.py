@@ -390,12 +390,45 @@ SCRIPTS = {
     ),
     "an object of another package": (
         """
-        import pandas
-        RIG = pandas.DataFrame({"radius": [0.01]})
+        from fractions import Fraction
+        RIG = Fraction(1, 100)
         def call(material, **rest):
-            return em.friction(material, em.Sphere(RIG["radius"][0]), **rest)
+            return em.friction(material, em.Sphere(float(RIG)), **rest)
         """,
-        ("0.01", "0.03", r"call\.uses\.RIG.* was"),
+        ("1, 100", "3, 100", r"call\.uses\.RIG\._numerator was 1 and is 3"),
+    ),
+    "a field that is not pickled": (
+        """
+        class Rig:
+            def __reduce__(self): return Rig, ()
+        RIG = Rig()
+        RIG.radius = 0.01
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RIG.radius), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RIG\.radius was"),
+    ),
+    "a field that is set and not pickled": (
+        """
+        class Rig:
+            __slots__ = ("radius",)
+            def __getstate__(self): return None
+        RIG = Rig()
+        RIG.radius = 0.01
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(RIG.radius), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.RIG\.radius was"),
+    ),
+    "an attribute of a metaclass": (
+        """
+        class Kind(type):
+            radius = 0.01
+        class Rig(metaclass=Kind): pass
+        def call(material, **rest):
+            return em.friction(material, em.Sphere(Rig.radius), **rest)
+        """,
+        ("0.01", "0.03", r"call\.uses\.Rig\.made by\.radius was"),
     ),
     "an attribute of a function": (
         """
@@ -428,6 +461,113 @@ SCRIPTS = {
 }
 
 
+# what a call may refer to, of which not all can be seen, and what is said of it
+UNSEEN = {
+    "a factory of a defaultdict": (
+        """
+        import collections
+        RIG = collections.defaultdict(lambda: 0.01)
+        def radius(): return RIG["a"]
+        """,
+        "RIG is an object of the type defaultdict",
+    ),
+    "an attribute of a dict": (
+        """
+        class Rig(dict): pass
+        RIG = Rig()
+        RIG.radius = 0.01
+        def radius(): return RIG.radius
+        """,
+        "RIG is an object of the type Rig",
+    ),
+    "what a dict does not hold": (
+        """
+        RADIUS = 0.01
+        class Rig(dict):
+            def __missing__(self, key): return RADIUS
+        RIG = Rig()
+        def radius(): return RIG["a"]
+        """,
+        "RIG is an object of the type Rig",
+    ),
+    "an attribute of a number": (
+        """
+        class Rig(float): pass
+        RIG = Rig(1.0)
+        RIG.radius = 0.01
+        def radius(): return RIG.radius
+        """,
+        "RIG is an object of the type Rig",
+    ),
+    "a global by its name": (
+        """
+        RADIUS = 0.01
+        def radius(): return globals()["RADIUS"]
+        """,
+        "a function that uses 'globals'",
+    ),
+    "a global of a function": (
+        """
+        RADIUS = 0.01
+        def radius(): return radius.__globals__["RADIUS"]
+        """,
+        "a function that uses '__globals__'",
+    ),
+    "code as a text": (
+        """
+        RADIUS = 0.01
+        def radius(): return eval("RADIUS")
+        """,
+        "a function that uses 'eval'",
+    ),
+    "a module by its name": (
+        """
+        import importlib
+        def radius(): return importlib.import_module("rig").RADIUS
+        """,
+        "a function that uses 'import_module'",
+    ),
+    "a module by another name": (
+        """
+        from importlib import import_module as load
+        def radius(): return load("rig").RADIUS
+        """,
+        "a function that uses 'importlib.import_module",
+    ),
+    "a module that is loaded": (
+        """
+        import sys
+        def radius(): return sys.modules["__main__"].RADIUS
+        """,
+        "a function that uses 'modules'",
+    ),
+    "a function within compiled code": (
+        """
+        import numpy as np
+        RADII = np.frompyfunc(lambda i: 0.01, 1, 1)
+        def radius(): return RADII(0)
+        """,
+        "RADII is an object of the type ufunc",
+    ),
+    "a table": (
+        """
+        import pandas
+        RIG = pandas.DataFrame({"radius": [0.01]})
+        def radius(): return RIG["radius"][0]
+        """,
+        "RIG.*, which cannot be compared: numbers, texts, arrays,",
+    ),
+}
+
+
+@pytest.mark.parametrize(("script", "said"), UNSEEN.values(), ids=list(UNSEEN))
+def test_what_is_not_seen_as_a_whole_cannot_be_compared(script, said):
+    call = "def call(material, **rest):\n return em.friction(material, em.Sphere(radius()), **rest)"
+    told = described(run_as_script(textwrap.dedent(script) + call)["call"])
+    for text in (not_comparable(told, "call"), difference(told, told, "call")):
+        assert re.match(rf"call\.uses\.radius.*{said}", text)
+
+
 def run_as_script(text):
     """The globals of a script, as an interpreter or a notebook has them."""
     space = {"__name__": "__main__", "em": em}
@@ -456,6 +596,7 @@ def test_whatever_a_call_refers_to_is_part_of_it(script, change):
         "from rig import geometry\ndef call(): return geometry.ball()",
         "from rig.geometry import ball\ndef call(): return ball()",
         "def call():\n import rig.geometry\n return rig.geometry.ball()",
+        "def call():\n import rig.geometry\n return rig.ball()",
         "def call():\n import rig.geometry as g\n return g.ball()",
         "def call():\n from rig.geometry import ball\n return ball()",
         "def call():\n from rig import geometry\n return geometry.ball()",
@@ -473,7 +614,9 @@ def test_modules_of_the_user_are_part_of_a_call(use, tmp_path, monkeypatch):
         folder = tmp_path / str(radius) / "rig"
         folder.mkdir(parents=True, exist_ok=True)
         monkeypatch.syspath_prepend(folder.parent)
-        (folder / "__init__.py").write_text("from . import geometry")
+        (folder / "__init__.py").write_text(
+            "from . import geometry\ndef ball(): return geometry.ball()"
+        )
         (folder / "sizes.py").write_text(f"SCALE = 1.0\nRADIUS = {radius}")
         (folder / "geometry.py").write_text(
             "from . import sizes\ndef ball():\n"

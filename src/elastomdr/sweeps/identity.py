@@ -1,5 +1,8 @@
 """What a store was made of, in JSON: values exactly, functions by their code and all
 that it refers to.
+
+What is described is a closed list (`_Reader`). Anything else cannot be compared: a
+store that was made with it is not gone on with, and says why.
 """
 
 from __future__ import annotations
@@ -13,36 +16,67 @@ import importlib
 import importlib.metadata
 import importlib.util
 import json
+import logging
 import site
 import sys
 import sysconfig
 import threading
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
+from pathlib import Path, PurePath
 from types import (
+    BuiltinFunctionType,
+    CellType,
     CodeType,
     FunctionType,
     GetSetDescriptorType,
+    MappingProxyType,
     MemberDescriptorType,
+    MethodType,
     ModuleType,
 )
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from .. import __version__
 from ..arrays import as_numpy
 from ..material.validity import Draws
-from ..trees import Tree
+
+# what `json` takes
+Json: TypeAlias = "bool | int | float | str | list[Json] | dict[str, Json] | None"
 
 _PACKAGE, _PYTHON = __name__.partition(".")[0], "Python"
 _LONG = 100  # entries from which on a list is described by its digest
 _LONG_TEXT = 1000
+_POINTER = 8  # bytes
 _MOST = 1_000_000  # objects that are looked at
 _UNKNOWN = "!unknown"  # the key of what cannot be compared
-_LOCKS = (type(threading.Lock()), type(threading.RLock()))
+_REMEDY = (
+    "numbers, texts, arrays, lists, dicts, functions, and objects that hold nothing "
+    "but their fields can be"
+)
+# what holds no number; slots among what a class has
+_IDLE = (
+    type(threading.Lock()),
+    type(threading.RLock()),
+    logging.Logger,
+    GetSetDescriptorType,
+    MemberDescriptorType,
+)
 # compiled ones, whose other fields decide no number: of functools.cache and of jax.jit
 _WRAPPERS = ("_lru_cache_wrapper", "PjitFunction")
+# what leads from a function to code and values that it does not name
+_DOORS = {
+    "globals",
+    "__globals__",
+    "eval",
+    "exec",
+    "__import__",
+    "import_module",
+    "modules",
+    "currentframe",
+    "_getframe",
+}
 # of a class, what follows from the rest or decides no number
 _NOT_OF_A_CLASS = {
     "__module__",
@@ -60,7 +94,7 @@ _NOT_OF_A_CLASS = {
 _LOADS = {"LOAD_GLOBAL", "LOAD_NAME", "LOAD_FROM_DICT_OR_GLOBALS"}
 
 
-def described(value: Any) -> Any:
+def described(value: object) -> Json:
     """A value in JSON: two are equal if they say the same to a call; what cannot be
     compared is equal to nothing.
     """
@@ -70,7 +104,7 @@ def described(value: Any) -> Any:
         return _unknown(value, "which is nested too deeply")
 
 
-def difference(made: Any, asked: Any, name: str = "") -> str:
+def difference(made: Json, asked: Json, name: str = "") -> str:
     """Where two descriptions differ first, in words that name both; an empty text where
     they do not.
     """
@@ -99,13 +133,13 @@ def difference(made: Any, asked: Any, name: str = "") -> str:
     return f"{name} was {before} and is {now}"
 
 
-def not_comparable(described: Any, name: str = "") -> str:
+def not_comparable(described: Json, name: str = "") -> str:
     """What in a description is equal to nothing, and why; an empty text where all of it
     can be compared.
     """
     if isinstance(described, dict) and _UNKNOWN in described:
         return f"{name} is {described[_UNKNOWN]}"
-    entries: Iterable[tuple[str, Any]] = ()
+    entries: Iterable[tuple[str, Json]] = ()
     if isinstance(described, dict):
         entries = (
             (f"{name}.{key}".strip("."), part) for key, part in described.items()
@@ -170,66 +204,90 @@ def _version(package: str) -> str:
 
 
 class _Reader:
-    """Describes a value and what it refers to; each function, class and module once."""
+    """Describes a value and what it refers to; each function, class and module once.
+
+    The list of what it can describe is closed: plain data, functions of Python with all
+    that they refer to, classes, modules, what stands under its name in an installed
+    package, and objects that hold nothing but their fields.
+    """
 
     def __init__(self) -> None:
         self._count = 0
         self._stopped = False  # by what cannot be compared
         self._within: dict[int, int] = {}  # depth of what is being described, by id
         # what was described once, by id; held, so that the id stays its own
-        self._before: dict[int, Any] = {}
+        self._before: dict[int, object] = {}
 
-    def read(self, value: Any) -> Any:
+    def read(self, value: object) -> Json:
         self._count += 1
         if self._stopped:
             return None
         if self._count > _MOST:
             return self._unknown(value, f"and more than {_MOST} are before it")
-        if value is None or isinstance(value, (bool, int, float)):
+        ours = _package(type(value).__module__) in (_PACKAGE, _PYTHON)
+        if value is None or (ours and isinstance(value, (bool, int, float))):
             return value
-        if isinstance(value, (str, bytes)):
+        if ours and isinstance(value, (str, bytes)):
             return _text(value)
         if id(value) in self._within:
             return f"itself, {len(self._within) - self._within[id(value)]} above"
         self._within[id(value)] = len(self._within)
         try:
-            return self._object(value)
+            return self._object(as_numpy(value))
         finally:
             del self._within[id(value)]
 
-    def _object(self, value: Any) -> Any:
-        value = as_numpy(value)
+    def _object(self, value: Any) -> Json:
+        kind = type(value)
+        if kind in (dict, MappingProxyType):
+            return self._many(
+                {
+                    key if type(key) is str else f"({json.dumps(self.read(key))})": each
+                    for key, each in value.items()
+                }
+            )
+        if kind is Draws:
+            about = {"": "Draws", "name": value.name, "words": value.words}
+            return about | {"each": self._many(list(value))}
+        if kind is np.ndarray or isinstance(value, np.generic):
+            return self._array(value)
+        if kind in (list, tuple):
+            is_numbers = all(type(each) in (bool, int, float) for each in value)
+            return self._array(value) if is_numbers else self._many(value)
+        if kind in (set, frozenset):
+            return sorted((self.read(each) for each in value), key=json.dumps)
+        if isinstance(value, PurePath):
+            return {"": "Path", "name": str(value)}
+        if name := _installed_name(value):
+            is_door = name.partition(",")[0].rpartition(".")[2] in _DOORS
+            return self._door(name) if is_door else name
         if isinstance(value, (FunctionType, type, ModuleType)):
             return self._once(value)
         if isinstance(value, CodeType):
-            return _digest(json.dumps(self._code(value)).encode())
-        if isinstance(value, Draws):
-            about = {"": "Draws", "name": value.name, "words": value.words}
-            return about | {"each": self._entries(list(value))}
-        if isinstance(value, Mapping):
-            entries = {self._key(key): self.read(each) for key, each in value.items()}
-            return entries if len(entries) <= _LONG else _of_many(entries)
-        if isinstance(value, np.generic) or type(value) is np.ndarray:
-            return self._array(value)
-        if type(value) in (list, tuple):
-            is_numbers = all(isinstance(each, (int, float)) for each in value)
-            return self._array(value) if is_numbers else self._entries(value)
-        if isinstance(value, (set, frozenset)):
-            return sorted((self.read(each) for each in value), key=json.dumps)
+            return _digest(json.dumps(_code(value)).encode())
         return self._instance(value)
 
-    def _key(self, key: Any) -> str:
-        return key if isinstance(key, str) else f"({json.dumps(self.read(key))})"
+    def _many(self, entries: Any) -> Json:
+        """The entries of a list or a dict; of many their digest."""
+        told = (
+            self._fields(entries)
+            if isinstance(entries, dict)
+            else [self.read(each) for each in entries]
+        )
+        if len(told) <= _LONG:
+            return told
+        if unknown := not_comparable(told):
+            return {_UNKNOWN: f"{len(told)} entries, of which {unknown}"}
+        return f"{len(told)} entries, digest {_digest(json.dumps(told).encode())}"
 
-    def _entries(self, values: Any) -> Any:
-        entries = [self.read(each) for each in values]
-        return entries if len(entries) <= _LONG else _of_many(entries)
+    def _fields(self, fields: Mapping[str, object]) -> dict[str, Json]:
+        return {key: self.read(each) for key, each in fields.items()}
 
-    def _array(self, values: Any) -> Any:
+    def _array(self, values: Any) -> Json:
         """Numbers; more than twelve by their digest."""
         array = np.ascontiguousarray(values)
         if array.dtype.hasobject:
-            return self._entries(array.tolist()) if array.ndim else self.read(values)
+            return self._many(array.tolist())
         if array.size <= 12 and array.dtype.kind in "biuf":
             return array.tolist() if np.ndim(values) else array.item()
         array = array.astype(float) if array.dtype.kind in "iu" else array
@@ -237,47 +295,51 @@ class _Reader:
         ends = f"{array.flat[0]!s} to {array.flat[-1]!s}" if array.size else "empty"
         return f"{array.dtype} {shape}, {ends}, digest {_digest(array.tobytes())}"
 
-    def _instance(self, value: Any) -> Any:
-        """An object by its class, and by its fields or what it would be pickled as."""
+    def _instance(self, value: Any) -> Json:
+        """What holds others in places that are known; objects whose fields are all
+        that they hold.
+        """
         kind = type(value)
-        name = kind.__name__ if _top(kind) == _PACKAGE else self.read(kind)
-        if isinstance(value, Tree):
-            return {"": name} | self._fields(vars(value))
-        if isinstance(value, _LOCKS):  # holds no number
-            return {"": name}
-        if isinstance(value, (GetSetDescriptorType, MemberDescriptorType)):
-            return {"": name, "name": value.__qualname__}
-        if isinstance(value, property):
-            parts = [value.fget, value.fset, value.fdel]
-            return {"": name, "functions": self.read(parts)}
-        if isinstance(value, (staticmethod, classmethod)):
-            return {"": name, "function": self.read(value.__func__)}
-        if kind.__name__ in _WRAPPERS:
-            return {"": name, "function": self.read(value.__wrapped__)}
-        try:
-            reduced = copyreg.dispatch_table.get(kind)
-            made = reduced(value) if reduced else value.__reduce_ex__(4)
-        except Exception:  # what a class of anybody raises
+        name = self.read(kind)
+        held: dict[str, object] = {}
+        if isinstance(value, MethodType):
+            held = {"function": value.__func__, "self": value.__self__}
+        elif kind is functools.partial:
+            held = {"function": value.func, "given": [value.args, value.keywords]}
+        elif isinstance(value, property):
+            held = {"functions": [value.fget, value.fset, value.fdel]}
+        elif isinstance(value, (staticmethod, classmethod)):
+            held = {"function": value.__func__}
+        elif kind.__name__ in _WRAPPERS:
+            held = {"function": value.__wrapped__}
+        elif isinstance(value, BuiltinFunctionType):
+            held = {"name": value.__qualname__, "self": value.__self__}
+        elif isinstance(value, tuple) and _package(kind.__module__) == _PACKAGE:
+            held = value._asdict()  # type: ignore[attr-defined]
+        elif isinstance(value, _IDLE):
+            pass
+        elif _holds_only_fields(kind):
+            state: Any = object.__getstate__(value)  # type: ignore[attr-defined]
+            fields, slots = state if isinstance(state, tuple) else (state, None)
+            held = dict(sorted(((fields or {}) | (slots or {})).items()))
+        else:
             return self._unknown(value)
-        if isinstance(made, str):
-            home = str(getattr(value, "__module__", None) or kind.__module__)
-            return {"": name, "name": f"{home}.{made}", "of": _source(home)}
-        maker, arguments, *parts = made
-        parts = [list(each) if isinstance(each, Iterator) else each for each in parts]
-        state = parts.pop(0) if parts else None
-        is_plain = maker is copyreg.__newobj__ and arguments == (kind,)  # type: ignore[attr-defined]
-        if is_plain and isinstance(state, dict | None) and not any(parts):
-            return {"": name} | self._fields(state or {})
-        return {"": name, "made of": self.read([maker, arguments, state, parts])}
+        return {"": name} | self._fields(held)
 
-    def _unknown(self, value: Any, why: str = "which cannot be compared") -> Any:
+    def _unknown(
+        self, value: object, why: str = f"which cannot be compared: {_REMEDY}"
+    ) -> Json:
         self._stopped = True
         return _unknown(value, why)
 
-    def _fields(self, fields: Mapping[str, Any]) -> dict[str, Any]:
-        return {str(key): self.read(each) for key, each in sorted(fields.items())}
+    def _door(self, name: str) -> Json:
+        self._stopped = True
+        return {
+            _UNKNOWN: f"a function that uses {name!r}, by which it may reach anything: "
+            "it can be compared if it names what it uses"
+        }
 
-    def _once(self, value: Any) -> Any:
+    def _once(self, value: Any) -> Json:
         """A function, a class or a module; its name where it was described before."""
         name = getattr(value, "__qualname__", value.__name__)
         if id(value) in self._before:
@@ -285,112 +347,113 @@ class _Reader:
         self._before[id(value)] = value
         if isinstance(value, ModuleType):
             return self._module(value)
-        home = _package(value.__module__ or "")
-        if home and (isinstance(value, type) or _found(value) is value):
-            return (
-                name
-                if home == _PACKAGE
-                else f"{value.__module__}.{name}, {_installed(value.__module__)}"
-            )
         if isinstance(value, type):
-            return {"": name, "bases": self.read(value.__bases__)} | self._fields(
-                {
-                    key: each
-                    for key, each in vars(value).items()
-                    if key not in _NOT_OF_A_CLASS
-                }
+            made_by = {"made by": type(value)} if type(value) is not type else {}
+            fields = {
+                key: each
+                for key, each in sorted(vars(value).items())
+                if key not in _NOT_OF_A_CLASS
+            }
+            return {"": name} | self._fields(
+                {"bases": value.__bases__} | made_by | fields
             )
         return {"": name} | self._function(value)
 
-    def _module(self, module: ModuleType) -> Any:
-        """A module of the user as a whole; others by their version."""
-        if home := _installed(module.__name__):
-            return f"{module.__name__}, {home}"
-        return {"": module.__name__, "of": _source(module.__name__)} | self._fields(
-            {key: each for key, each in vars(module).items() if key[:2] != "__"}
-        )
+    def _module(self, module: ModuleType) -> Json:
+        """A module of the user as a whole."""
+        if not str(getattr(module, "__file__", None) or ".py").endswith(".py"):
+            return self._unknown(module, "which is compiled")
+        named = {
+            key: each for key, each in sorted(vars(module).items()) if key[:2] != "__"
+        }
+        return {"": module.__name__} | self._fields(named)
 
-    def _function(self, function: FunctionType) -> dict[str, Any]:
+    def _function(self, function: FunctionType) -> dict[str, Json]:
         """A function by its code, what it holds, and what it refers to."""
         space, code = function.__globals__, function.__code__
-        cells = dict(zip(code.co_freevars, function.__closure__ or (), strict=True))
+        cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
         about = {
             "defaults": self.read(
-                [
-                    *(function.__defaults__ or ()),
-                    *(function.__kwdefaults__ or {}).items(),
-                ]
+                [*(function.__defaults__ or ()), function.__kwdefaults__ or {}]
             ),
-            "holds": {name: self._cell(cell) for name, cell in cells.items()},
+            "holds": {name: self._cell(cell) for name, cell in cells},
         }
         home = _installed(str(space.get("__name__", "")))
         if home:
             about["of"] = home
         else:
-            about["code"] = _digest(json.dumps(self._code(code)).encode())
-            about["attributes"] = self._fields(vars(function))
-            about["uses"] = self._referred_to(code, space)
+            about["code"] = _digest(json.dumps(_code(code)).encode())
+            about["attributes"] = self._fields(dict(sorted(vars(function).items())))
+            about["uses"] = dict(sorted(self._referred_to(code, space).items()))
         return {key: told for key, told in about.items() if told}
 
-    def _cell(self, cell: Any) -> Any:
+    def _cell(self, cell: CellType) -> Json:
         try:
             return self.read(cell.cell_contents)
         except ValueError:  # empty
             return "not defined"
 
-    def _code(self, code: CodeType) -> list[Any]:
-        """What a function of a user does, without where it stands."""
-        constants = [
-            self._code(each) if isinstance(each, CodeType) else _constant(each)
-            for each in code.co_consts
-        ]
-        arguments = [code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount]
-        names = [*code.co_names, *code.co_varnames]
-        return [code.co_code.hex(), names, arguments, code.co_flags, constants]
-
-    def _referred_to(self, code: CodeType, space: dict[str, Any]) -> dict[str, Any]:
+    def _referred_to(self, code: CodeType, space: dict[str, object]) -> dict[str, Json]:
         """The globals and imports of a function and of those within it, by the names
         under which it uses them.
         """
-        uses: dict[str, Any] = {}
+        if doors := sorted(_DOORS.intersection(code.co_names)):
+            return {doors[0]: self._door(doors[0])}
+        uses: dict[str, Json] = {}
         for path in _paths(code):
-            value, taken = _followed(path, space)
-            if ".".join(taken) not in uses and value is not _BUILT_IN:
-                uses[".".join(taken)] = (
-                    "not defined" if value is _MISSING else self.read(value)
-                )
-        for name, level, wanted in _imports(code):
-            uses |= self._imported(name, level, wanted, space)
+            name, value = _followed(path, space)
+            if name not in uses:
+                uses[name] = "not defined" if value is _MISSING else self.read(value)
+        for name, level in _imports(code):
+            uses |= self._imported("." * level + name, space)
         for each in code.co_consts:
             if isinstance(each, CodeType):
                 uses = self._referred_to(each, space) | uses
-        return dict(sorted(uses.items()))
+        return uses
 
-    def _imported(
-        self, name: str, level: int, wanted: tuple[str, ...], space: dict[str, Any]
-    ) -> dict[str, Any]:
-        """What a function imports; only modules of the user are imported for that."""
-        full = "." * level + name
+    def _imported(self, name: str, space: dict[str, object]) -> dict[str, Json]:
+        """A module that a function imports and its parents, as wholes; only those of
+        the user are imported for that.
+        """
         try:
-            full = importlib.util.resolve_name(full, space.get("__package__"))
+            full = importlib.util.resolve_name(
+                name, str(space.get("__package__") or "")
+            )
             if home := _installed(full):
                 return {full: f"{full}, {home}"}
-            module: Any = importlib.import_module(full)
+            parts = full.split(".")
+            parents = [".".join(parts[: i + 1]) for i in range(len(parts))]
+            return {each: self.read(importlib.import_module(each)) for each in parents}
         except ModuleNotFoundError:
-            return {full: "not found"}
+            return {name: "not found"}
         except Exception as error:  # whatever a module of the user does
             why = f"which cannot be imported: {type(error).__name__}: {error}"
-            return {full: self._unknown(full, why)}
-        if not wanted:
-            return {full: self.read(module)}
-        parts = {each: getattr(module, each, _MISSING) for each in wanted}
-        return {
-            f"{full}.{each}": "not defined" if part is _MISSING else self.read(part)
-            for each, part in parts.items()
-        }
+            return {name: self._unknown(name, why)}
 
 
-_MISSING, _BUILT_IN = object(), object()
+_MISSING = object()
+
+
+def _holds_only_fields(kind: type) -> bool:
+    """Whether an object has no memory but that of its `__dict__` and its slots, as
+    `object.__reduce_ex__` asks it; false of all that derives from a dict, a float ...
+    """
+    has = [kind.__dictoffset__ > 0, kind.__weakrefoffset__ > 0]
+    names = len(copyreg._slotnames(kind))  # type: ignore[attr-defined]
+    most = object.__basicsize__ + _POINTER * (sum(has) + names)
+    return not kind.__itemsize__ and kind.__basicsize__ <= most
+
+
+def _code(code: CodeType) -> list[Any]:
+    """What a function of a user does, without where it stands."""
+    constants = [
+        _code(each) if isinstance(each, CodeType) else _constant(each)
+        for each in code.co_consts
+    ]
+    arguments = [code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount]
+    names = [*code.co_names, *code.co_varnames]
+    steps = code.co_code.hex() + code.co_exceptiontable.hex()
+    return [steps, names, arguments, code.co_flags, constants]
 
 
 def _paths(code: CodeType) -> Iterator[list[str]]:
@@ -407,54 +470,50 @@ def _paths(code: CodeType) -> Iterator[list[str]]:
         yield path
 
 
-def _followed(path: list[str], space: dict[str, Any]) -> tuple[Any, list[str]]:
-    """What a path of names leads to, through modules of the user; and how far."""
+def _followed(path: list[str], space: dict[str, object]) -> tuple[str, object]:
+    """What a path of names leads to, through modules of the user; and its name."""
     name, *rest = path
-    if name not in space:
-        return _BUILT_IN if hasattr(builtins, name) else _MISSING, [name]
-    value, taken = space[name], [name]
+    value = space.get(name, getattr(builtins, name, _MISSING))
     for attribute in rest:
         if not isinstance(value, ModuleType) or _package(value.__name__):
             break
-        taken.append(attribute)
+        name = f"{name}.{attribute}"
         value = getattr(value, attribute, _MISSING)
-    return value, taken
+    return name, value
 
 
-def _imports(code: CodeType) -> Iterator[tuple[str, int, tuple[str, ...]]]:
-    """The imports within code: module, level, and the names that are taken from it."""
+def _imports(code: CodeType) -> Iterator[tuple[str, int]]:
+    """The imports within code: module and level."""
     before: list[Any] = [0, None]
     for step in dis.get_instructions(code):
         if step.opname == "IMPORT_NAME":
-            yield step.argval, before[-2], before[-1] or ()
+            yield step.argval, before[-2]
         before.append(step.argval)
 
 
-def _found(value: Any) -> Any:
-    """What stands in its module under the name of a function or class."""
-    found: Any = sys.modules.get(value.__module__ or "")
-    for part in value.__qualname__.split("."):
-        found = getattr(found, part, None)
-    return found
-
-
-def _top(kind: type) -> str:
-    return kind.__module__.partition(".")[0]
-
-
-def _source(module: str) -> str:
-    """Package and version of a module; a digest of the file where a module of the user
-    is compiled, an empty text where it is not.
+def _installed_name(value: Any) -> str:
+    """What stands under its name in an installed package, by that and the version; a
+    text that is empty for all else.
     """
-    file = Path(getattr(sys.modules.get(module), "__file__", None) or "")
-    if _installed(module) or file.suffix in (".py", "") or not file.is_file():
-        return _installed(module)
-    return _digest(file.read_bytes())
+    if isinstance(value, ModuleType):
+        home = _installed(value.__name__)
+        return home and f"{value.__name__}, {home}"
+    name = getattr(value, "__qualname__", getattr(value, "__name__", None))
+    module = getattr(value, "__module__", None)
+    if module is None and isinstance(value, np.ufunc):
+        module = "scipy.special"
+    if not isinstance(name, str) or not isinstance(module, str):
+        return ""
+    found: Any = sys.modules.get(module)
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    home = _installed(module)
+    if not home or not (found is value or isinstance(value, type)):
+        return ""
+    return name if _package(module) == _PACKAGE else f"{module}.{name}, {home}"
 
 
-def _unknown(
-    value: Any, why: str = "which cannot be compared with another"
-) -> dict[str, str]:
+def _unknown(value: object, why: str) -> Json:
     return {_UNKNOWN: f"an object of the type {type(value).__name__}, {why}"}
 
 
@@ -465,14 +524,7 @@ def _text(value: str | bytes) -> str:
     return f"{type(value).__name__} of length {len(value)}, digest {_digest(data)}"
 
 
-def _of_many(entries: Any) -> Any:
-    """Many entries by their digest, unless one of them cannot be compared."""
-    if unknown := not_comparable(entries):
-        return {_UNKNOWN: f"{len(entries)} entries, of which {unknown}"}
-    return f"{len(entries)} entries, digest {_digest(json.dumps(entries).encode())}"
-
-
-def _constant(value: Any) -> str:
+def _constant(value: object) -> str:
     return repr(sorted(map(repr, value)) if isinstance(value, frozenset) else value)
 
 

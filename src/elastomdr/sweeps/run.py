@@ -100,7 +100,8 @@ def sweep(
         call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that
             returns a result of one of these. When its code has changed, or anything
             that this refers to (globals, functions, objects, modules of yours), it is
-            another call; files that it reads are not looked at.
+            another call; files and environment that it reads are not looked at. Where
+            it refers to what cannot be compared, the store is not gone on with.
         axes: name of an argument to its values, in the order of the dimensions of the
             answer: numbers (`velocity`, `load`, `pressure`, `temperature`, ...),
             materials, shapes and surfaces, models, or whatever else the call accepts.
