@@ -9,6 +9,8 @@ import reprlib
 import sys
 import warnings
 from collections.abc import Iterable, Iterator
+from contextvars import ContextVar
+from typing import NamedTuple
 
 _PACKAGE = os.path.dirname(__file__) + os.sep
 
@@ -67,12 +69,50 @@ def closest(word: str, valid: Iterable[str]) -> str:
     return f" Did you mean {near[0]!r}?" if near else ""
 
 
+class Heard(NamedTuple):
+    """A warning of this package that somebody has listened to."""
+
+    message: str
+    category: type[Warning]
+
+
+_LISTENER: ContextVar[list[Heard] | None] = ContextVar("listener", default=None)
+
+
+@contextlib.contextmanager
+def heard() -> Iterator[list[Heard]]:
+    """Lists the warnings of this package and thread in place of issuing them.
+
+    `warnings.catch_warnings` is no way for that where threads work side by side: it
+    changes what is done with those of all, and puts back what was there when it began.
+    """
+    said: list[Heard] = []
+    token = _LISTENER.set(said)
+    try:
+        yield said
+    finally:
+        _LISTENER.reset(token)
+
+
+@contextlib.contextmanager
+def quiet(*ignored: type[Warning]) -> Iterator[None]:
+    """Leaves out the package's warnings of these kinds, of all where none is named."""
+    with heard() as said:
+        yield
+    for message, category in said:
+        if ignored and not issubclass(category, ignored):
+            warn(message, category)
+
+
 def warn(message: str, category: type[Warning]) -> None:
-    """Issues a warning at the line that called this package.
+    """Issues a warning at the line that called this package, or tells who listens.
 
     That line is just outside of the outermost frame of the package: decorators of the
     standard library, SciPy and JAX may stand between inner ones.
     """
+    if (said := _LISTENER.get()) is not None:
+        said.append(Heard(message, category))
+        return
     caller, frames, frame = 2, 1, sys._getframe(0)
     while frame is not None:
         frames += 1
@@ -87,11 +127,10 @@ def warned_once() -> Iterator[None]:
     """Issues the warnings of several calls together, one of each category; what they
     say alike is said once.
     """
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with heard() as said:
         yield
     texts: dict[type[Warning], dict[str, None]] = {}
-    for each in caught:
-        texts.setdefault(each.category, {})[str(each.message)] = None
+    for message, category in said:
+        texts.setdefault(category, {})[message] = None
     for category, distinct in texts.items():
         warn(" ".join(distinct), category)

@@ -1,10 +1,14 @@
 """A list of materials is a first axis of every verb, and names tell them apart."""
 
+import threading
+import warnings
+
 import jax
 import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.errors import heard, quiet
 
 SOFT = em.StandardSolid(1e6, 4e6, 1e-2, name="soft")
 HARD = em.Prony(3e6, [2e6, 5e6], [1e-3, 0.1], name="hard")
@@ -128,3 +132,32 @@ def test_a_wrong_entry_is_named_by_its_place():
         em.friction([None, SOFT], BALL, velocity=1.0, load=1.0)
     with pytest.raises(em.InputError, match=r"^velocity must be positive"):
         em.friction([SOFT, HARD], BALL, velocity=-1.0, load=1.0)
+
+
+def test_warnings_are_heard_while_another_thread_silences_its_own():
+    """`warnings.catch_warnings` puts back, at its end, what it found at its beginning:
+    entered before another thread listens, left meanwhile, it took the warnings away.
+    """
+    entered, listening, left = (threading.Event() for _ in range(3))
+
+    def draw():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            entered.set()
+            listening.wait()
+        left.set()
+
+    thread = threading.Thread(target=draw)
+    thread.start()
+    entered.wait()
+    known = em.Prony(1e6, [4e6], [1e-3], range={"omega": (1.0, 10.0)})
+    with heard() as said:
+        listening.set()
+        left.wait()
+        em.friction(known, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+        with quiet(em.ExtrapolationWarning):
+            em.friction([known] * 2, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)
+    thread.join()
+    assert [each.category for each in said] == [em.ExtrapolationWarning]
+    with pytest.warns(em.ExtrapolationWarning), quiet(em.ModelWarning):
+        em.friction(known, em.Sphere(5e-3), velocity=[0.1, 1.0], load=1.0)

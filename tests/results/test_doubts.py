@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
+from elastomdr.surface.topography import MeasuredSurface
 
 ROAD = em.SelfAffine(0.8, rms_slope=1.2, q_low=1e3, q_high=1e5)
 BALL = em.Sphere(5e-3)
@@ -120,6 +121,28 @@ _NOTED = {
     "bound": "the bound on the model exceeds half",
     "hot branch": "in part another steady state exists",
 }
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_cold_law_has_the_doubts_of_cold_rubber():
+    """Rubber whose data end where only its hot contacts are."""
+    known = em.Prony(
+        8e5,
+        8e5 * np.geomspace(400, 0.2, 12),
+        np.geomspace(1e-10, 10, 12),
+        shift=em.WLF(8.9, 101.6, 293.15),
+        range={"temperature": (250.0, 300.0)},
+    )
+    given = {"velocity": [0.01, 0.1, 1.0], "pressure": 3e5, "temperature": 293.15}
+    hot = em.friction(known, ROAD, heat=em.Heat(0.25, 1.8e6), **given)
+    assert hot.law().extrapolated.any()
+    law, cold = hot.law(cold=True), em.friction(known, ROAD, **given)
+    np.testing.assert_array_equal(np.ravel(law.mu), hot.cold)
+    assert not law.extrapolated.any()
+    assert kinds(law.doubts) == kinds(cold.doubts)
+    # without its call, as out of a file, nothing is said to be surer than it is
+    bare = dataclasses.replace(hot, again=None)
+    assert bare.law(cold=True).extrapolated.any()
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -298,6 +321,31 @@ class TestUncertainty:
         with pytest.raises(em.InputError, match="material must be chosen"):
             several.uncertainty()
         assert several.select("b").uncertainty()["road"].share.shape == V.shape
+
+    def test_a_measured_road_has_its_sampling_error(self):
+        """Two standard errors of C at all scales, against draws of its level by hand."""
+        error = 0.1 * np.ones(2)
+        road = MeasuredSurface(
+            q=np.array([1e3, 1e5]),
+            c=ROAD.at([1e3, 1e5]),
+            relative_error=error,
+            measured_height=float(ROAD.rms_height),
+            skewness=0.0,
+            report=(),
+        )
+        curve = em.friction(TREAD, road, **SCENE)
+        part = curve.uncertainty()["road sampling"]
+        ends = [
+            em.friction(TREAD, road.raised(np.exp(half)), **SCENE).mu
+            for half in (0.1, -0.1)
+        ]
+        apart = np.max(np.abs(np.array(ends) / curve.mu - 1), axis=0)
+        np.testing.assert_allclose(part.share, apart, rtol=2e-3)
+        assert (part.share > 0.05).all()
+        sources = [
+            each.source for each in em.friction(TREAD, ROAD, **SCENE).uncertainty()
+        ]
+        assert "road sampling" not in sources
 
     def test_a_ball_has_no_road(self):
         curve = em.friction(TREAD, BALL, velocity=V, load=1.0, temperature=293.15)

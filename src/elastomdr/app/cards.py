@@ -49,6 +49,7 @@ _LOWER = {  # what lowers a part of the uncertainty, by its source
     "model": "Measured friction, to compare with: drop it on the friction screen.",
     "rubber": "The uncertainty of the rubber: draws of its fit, under “More”.",
     "road": "The shortest wave that the rubber feels, found from measured friction.",
+    "road sampling": "A map of more of the longest waves of the road, or several maps.",
     "shear law": "A shear law fitted to measured friction.",
     "temperature": "The measured temperature of the rubber.",
 }

@@ -3,7 +3,6 @@
 import asyncio
 import copy
 import time
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from nicegui import background_tasks, ui
 import elastomdr as em
 
 from ..cli.units import Temperature
-from ..errors import InputError
+from ..errors import InputError, quiet
 from ..results.plot_curves import SAME_TEMPERATURE, grouped
 from .cards import Cards
 from .form import TableForm
@@ -436,8 +435,7 @@ def _with_measured(content: dict[str, Any], path: Path) -> Any:
     given = content.get("temperature")
     texts = given if isinstance(given, list) else [given]
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", em.fit.FitWarning)
+        with quiet(em.fit.FitWarning):
             measured = em.read_friction(path).points.get("temperature")
         computed = [float(Temperature.read(entry)) for entry in texts]
     except InputError:

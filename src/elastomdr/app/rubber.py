@@ -5,7 +5,6 @@ residuals.
 import copy
 import re
 import shlex
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
@@ -18,7 +17,7 @@ import elastomdr as em
 from ..cli.fit import SIZES, law_of, size_of, strain_of, vertical_of
 from ..cli.schema import Several, Table, Text, decode
 from ..cli.units import Temperature
-from ..errors import InputError
+from ..errors import InputError, quiet
 from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
 from .chart import Drawn, drawn
 from .form import TableForm
@@ -383,9 +382,7 @@ def calculate(
             f"name must be letters, digits, dots and dashes, got {asked.name!r}."
         )
     options = _given(asked, ("vertical", "terms", "law", "poisson"))
-    with warnings.catch_warnings():
-        # all of them are in the summary
-        warnings.simplefilter("ignore", em.fit.FitWarning)
+    with quiet(em.fit.FitWarning):  # all of them are in the summary
         dma = _read(asked, session)
         if asked.vertical is None:
             options["vertical"] = _of_shift(vertical_of, asked.shift, session)

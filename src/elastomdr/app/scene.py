@@ -8,7 +8,6 @@ import io
 import json
 import math
 import tempfile
-import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -26,7 +25,7 @@ from ..cli.compute import how_drawn
 from ..cli.kinds import decoded
 from ..cli.scene import models_by_name
 from ..cli.schema import named
-from ..errors import InputError
+from ..errors import InputError, heard, quiet
 from ..results.base import Result
 from ..results.uncertainty import Uncertainty
 from .chart import Drawn, drawn
@@ -96,8 +95,7 @@ class Done:
 
     def judge(self) -> None:
         """Computes what its uncertainty consists of."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of points that are not shown
+        with quiet():  # of points that are not shown
             self.parts = self.result.uncertainty()
 
     @property
@@ -203,15 +201,7 @@ def compute(
         for name in files_of(content)
         if name == TABLE or name.endswith(".toml")
     }
-    ours = (
-        em.ConvergenceWarning,
-        em.ExtrapolationWarning,
-        em.ModelWarning,
-        em.fit.FitWarning,
-    )
-    with warnings.catch_warnings(record=True) as caught, models_by_name():
-        for kind in ours:
-            warnings.simplefilter("always", kind)
+    with heard() as said, models_by_name():
         arguments = scene.arguments(folder.path)
         plot_options = how_drawn(scene, arguments, folder.path)
         call = getattr(em, scene.called())
@@ -231,13 +221,7 @@ def compute(
                 raise InputError("material must be two or more to be compared.")
             with named("[compare]"):
                 result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
-    texts = tuple(
-        dict.fromkeys(
-            spoken(str(each.message))
-            for each in caught
-            if issubclass(each.category, ours)
-        )
-    )
+    texts = tuple(dict.fromkeys(spoken(each.message) for each in said))
     return Done(verb, content, result, texts, plot_options, content, made=made)
 
 

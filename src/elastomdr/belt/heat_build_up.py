@@ -14,7 +14,6 @@ steady states (`other_states`); a body that starts at T_a reaches the lowest.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -39,7 +38,7 @@ from ..checks import (
 )
 from ..element.law import as_foundation
 from ..element.layer import Layer
-from ..errors import ConvergenceWarning, InputError, warn
+from ..errors import ConvergenceWarning, InputError, quiet, warn
 from ..material.shift import thermal_factors
 from ..numerics.interpolation import halving_limit, lagrange
 from ..progress_bar import counted
@@ -168,8 +167,7 @@ class _Body(NamedTuple):
 
     def roll(self, temperature: Any, ignored: type[Warning] = Warning) -> Any:
         """The rolling resistance at temperatures, without warnings of a class."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ignored)
+        with quiet(ignored):
             rolled = rolling(
                 self.foundation,
                 self.shape,

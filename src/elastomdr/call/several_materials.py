@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import functools
 import inspect
-import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
 from ..arrays import one_thread
-from ..errors import InputError, warn
+from ..errors import Heard, InputError, heard, warn
 from ..material.validity import Draws
 from ..progress_bar import counted
 from ..results.base import Result, distinct
@@ -108,8 +107,7 @@ def _computed(
     """The results of all calls; their warnings are given out together."""
     results: list[Any] = []
     each = counted("each draw" if drawn else "each material", len(calls))
-    with one_thread(), warnings.catch_warnings(record=True) as caught, each as add:
-        warnings.simplefilter("always")
+    with one_thread(), heard() as caught, each as add:
         of_whom: list[str] = []  # whose call gave each warning
         for i, ((args, kwargs), name) in enumerate(zip(calls, names, strict=True)):
             try:
@@ -153,14 +151,14 @@ def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
     )
 
 
-def _warn_once(caught: list[tuple[str, warnings.WarningMessage]], most: int) -> None:
+def _warn_once(caught: list[tuple[str, Heard]], most: int) -> None:
     """One warning of each category for all materials; what is said of all of them alike
     is said once.
     """
     of_category: dict[type[Warning], dict[str, list[str]]] = {}
     for name, warning in caught:
         texts = of_category.setdefault(warning.category, {})
-        texts.setdefault(str(warning.message), []).append(name)
+        texts.setdefault(warning.message, []).append(name)
     for category, texts in of_category.items():
         few = list(texts.items())[:most]
         sentence = "; ".join(

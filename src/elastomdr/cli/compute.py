@@ -16,7 +16,7 @@ from typing import Any
 
 import elastomdr as em
 
-from ..errors import InputError, warn
+from ..errors import InputError, quiet, warn
 from ..files import no_formula, write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
@@ -178,8 +178,7 @@ def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str
     if scene.called() == "slide" and len(set(arguments["position"])) > 1:
         shown["against"] = "position"  # a rest may take most of the time
     if (file := getattr(scene, "measured", None)) is not None:
-        with warnings.catch_warnings(), path_from("measured"):
-            warnings.simplefilter("ignore", em.fit.FitWarning)
+        with quiet(em.fit.FitWarning), path_from("measured"):
             try:
                 measured = em.read_friction(folder / file)
             except InputError as error:  # a scene has no options for the reader
@@ -220,8 +219,7 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
         point["temperature"] = curve.temperature[top]
         if curve.temperature_rise is not None:
             point["temperature"] += curve.temperature_rise[top]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", em.ConvergenceWarning)
+    with quiet(em.ConvergenceWarning):
         contact = em.line_contact(arguments["material"], arguments["shape"], **point)
     return contact if contact.converged.all() else None
 

@@ -5,11 +5,10 @@ figures.
 import argparse
 import re
 import sys
-import warnings
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, quiet
 from . import DONE, NOT_CONVERGED
 
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
@@ -195,8 +194,7 @@ def _fitted(options: argparse.Namespace, reference: float | None) -> Any:
     sizes: dict[str, Any] = {
         key: size_of(key, getattr(options, key), unit) for key, unit in SIZES.items()
     }
-    with em.progress("reading and fitting"), warnings.catch_warnings():
-        warnings.simplefilter("ignore", em.fit.FitWarning)
+    with em.progress("reading and fitting"), quiet(em.fit.FitWarning):
         dma = em.read_dma(
             options.data,
             temperature=temperature,

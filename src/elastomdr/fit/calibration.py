@@ -5,7 +5,6 @@ or rolling resistance: `em.fit.calibrate`.
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -28,6 +27,7 @@ from ..errors import (
     InputError,
     ModelWarning,
     closest,
+    quiet,
     warn,
 )
 from ..material.prony import Prony
@@ -610,10 +610,7 @@ def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
         if key not in last:
             if len(last) > 4 * p.size:
                 last.clear()
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", ConvergenceWarning)
-                warnings.simplefilter("ignore", ExtrapolationWarning)
-                warnings.simplefilter("ignore", ModelWarning)
+            with quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning):
                 last[key] = np.asarray(compute(p))
         return last[key]
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +16,7 @@ import numpy as np
 
 from .. import __version__
 from ..checks import are_texts, in_si, scalar, significant
-from ..errors import InputError
+from ..errors import InputError, quiet
 from ..io.data import Dma, FitWarning, strains
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
@@ -565,9 +564,7 @@ def material(
     law_given = vertical if isinstance(vertical, AbstractVertical) else None
     asked = None if isinstance(vertical, AbstractVertical) else vertical
     report_step = reporter("fitting the material", progress)
-    with warnings.catch_warnings():
-        # the doubts that remain are listed below
-        warnings.simplefilter("ignore", FitWarning)
+    with quiet(FitWarning):  # the doubts that remain are listed below
         free = master_curve(
             dma if law_given is None else _lowered(dma, law_given),
             reference,

@@ -29,7 +29,6 @@ import importlib
 import io
 import os
 import re
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import (
     TYPE_CHECKING,
@@ -1046,10 +1045,9 @@ def _stacked(name: str, column: list[Any], given: list[Any]) -> Any:
 
 
 def _over_draws(reduce: Callable[[np.ndarray], np.ndarray], values: Any) -> np.ndarray:
-    with warnings.catch_warnings():
-        # points at which no draw converged are NaN
-        warnings.simplefilter("ignore", RuntimeWarning)
-        return reduce(np.asarray(values))
+    values = np.asarray(values)
+    lost = np.isnan(values).all(axis=0)  # where no draw converged
+    return np.where(lost, np.nan, reduce(np.where(lost, 0.0, values)))
 
 
 def _median(record: Any) -> Any:

@@ -20,6 +20,7 @@ from .base import Array, Quantity, Result, part, quantity, record, setting
 from .doubts import TITLE, Doubt, carried, found, kinds_of_points
 from .friction_law import FrictionLaw, gridded
 from .uncertainty import (
+    ERRORS,
     FACTOR,
     KELVIN,
     STRESS,
@@ -329,8 +330,9 @@ class FrictionCurve(AbstractCurve):
         to `em.traction`.
 
         Temperature and nominal pressure are axes where they were given. `cold` takes
-        the friction without flash heating. Raises `InputError` where the points do not
-        fill a grid, and for several materials.
+        the friction without flash heating, with the doubts that it has without: these
+        are looked for by a call without heat. Raises `InputError` where the points do
+        not fill a grid, and for several materials.
         """
         if self.origins:
             raise InputError(
@@ -348,20 +350,27 @@ class FrictionCurve(AbstractCurve):
             for name in ("velocity", "temperature", "pressure")
             if name in fields
         }
-        doubts = carried(
-            (d for d in self.examined() if not (cold and d.kind == "hot branch")),
-            np.ravel,
-        )
-        return gridded({**points, "mu": fields["cold" if cold else "mu"]}, doubts)
+        doubts = self._of_cold() if cold else self.examined()
+        mu = fields["cold" if cold else "mu"]
+        return gridded({**points, "mu": mu}, carried(doubts, np.ravel))
+
+    def _of_cold(self) -> Iterator[Doubt]:
+        """The doubts of the friction without heating; where the call is not known those
+        of the rubber that is hot.
+        """
+        if self.again is None or isinstance(self.again, tuple):
+            return (doubt for doubt in self.examined() if doubt.kind != "hot branch")
+        return self.again.cold().examined()
 
     def uncertainty(self) -> Uncertainty:
         """What mu rests on, part by part: numerical, model, rubber, road, shear law,
         temperature; how much of mu each may change, and what would lower that.
 
         By convention the shortest wave of a road is changed by a factor of two each
-        way, the shear stress by 20 %, the temperature by 2 K each way: mu is computed
-        again for road and temperature, so that this takes up to four times as long as
-        the curve. Of draws the rubber's part is half of the interval of 95 % of them.
+        way, a measured spectrum by two of its standard errors, the shear stress by
+        20 %, the temperature by 2 K each way: mu is computed again for road and
+        temperature, so that this takes up to six times as long as the curve. Of draws
+        the rubber's part is half of the interval of 95 % of them.
         Raises `InputError` for several materials that are no draws.
         """
         if self.origins and not self.drawn:
@@ -423,6 +432,13 @@ class FrictionCurve(AbstractCurve):
                 share(largest_change(mu, off(shorter=FACTOR), off(shorter=1 / FACTOR))),
                 "shortest wave off by a factor of two; else as it is given",
                 "a cutoff calibrated by measured friction, elastomdr calibrate",
+            )
+        if again is not None and not isinstance(again, tuple) and again.measured:
+            yield Part(
+                "road sampling",
+                share(largest_change(mu, off(sampled=ERRORS), off(sampled=-ERRORS))),
+                f"its spectrum off by {ERRORS:g} standard errors at all scales",
+                "a map of more of its longest waves, or several maps",
             )
         if self.adhesion is not None:
             of_mu = float(np.nanmean(share(self.adhesion)))

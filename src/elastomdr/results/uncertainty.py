@@ -16,19 +16,41 @@ import numpy as np
 
 from ..checks import significant
 from ..errors import InputError
+from .doubts import Doubt
 
 FACTOR = 2.0  # of the shortest wave, each way
 KELVIN = 2.0  # of the temperature, each way
 STRESS = 0.2  # of the shear stress, relative
+ERRORS = 2.0  # standard errors of a measured spectrum, each way
 SMALL = 0.02  # share of mu up to which nothing needs to be surer
+
+
+class Judged(Protocol):
+    """What has doubts."""
+
+    def examined(self) -> Iterator[Doubt]:
+        """All doubts that were looked for."""
+        ...
 
 
 class Again(Protocol):
     """The call of a curve, once more with one thing changed."""
 
-    def mu(self, shorter: float = 1.0, kelvin: float = 0.0) -> np.ndarray | None:
-        """mu with a shortest wave that is shorter by a factor, or rubber that is
-        `kelvin` warmer; None where that has no answer.
+    @property
+    def measured(self) -> bool:
+        """Whether the surface was measured, and has sampling errors."""
+        ...
+
+    def cold(self) -> Judged:
+        """The curve without heating."""
+        ...
+
+    def mu(
+        self, shorter: float = 1.0, kelvin: float = 0.0, sampled: float = 0.0
+    ) -> np.ndarray | None:
+        """mu with a shortest wave that is shorter by a factor, rubber that is `kelvin`
+        warmer, or a spectrum that is off by so many of its standard errors; None where
+        that has no answer.
         """
         ...
 

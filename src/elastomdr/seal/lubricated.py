@@ -16,7 +16,6 @@ the film, `response.py` those of the rubber, `roughness.py` those of the asperit
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
@@ -39,7 +38,7 @@ from ..checks import (
     warn_unless,
 )
 from ..element.layer import Layer
-from ..errors import InputError
+from ..errors import InputError, quiet
 from ..material.prony import Prony
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
@@ -570,8 +569,7 @@ def _dry_edges(
     temperature = None if scene.temperature is None else scene.temperature[points]
     if MOTIONS[scene.rubber][0] == 0:
         material, velocity, temperature = _at_rest(material, held), 1.0, None
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with quiet():
         load = scene.load[points] / (
             scene.vertical[points] if temperature is None else 1
         )
@@ -844,8 +842,7 @@ def _beyond(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:
     """Points beyond the data of the material, by the rubber or by its asperities."""
     known = scene.material.range
     shape = scene.velocity.shape
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with quiet():
         if MOTIONS[scene.rubber][0] == 0:
             rubber = held_beyond(
                 known, scene.time, scene.temperature,

@@ -18,7 +18,6 @@ which hardly falls with contact. The shear flow factor is left out.
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -26,6 +25,7 @@ from scipy.interpolate import PchipInterpolator, PPoly
 
 from ..checks import Array
 from ..element.layer import Layer
+from ..errors import quiet
 from ..material.prony import Prony
 from ..rough.psd_integrals import PER_DECADE, nodes
 from ..surface.spectrum import AbstractSpectrum
@@ -148,8 +148,7 @@ def pressed(
     foundation = as_foundation(half_space_of(material))
     modulus = float(foundation.equilibrium)
     pressure = _LEVELS * modulus * float(surface.rms_slope)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with quiet():
         contact = press(foundation, surface, pressure=pressure)
     rms = float(np.sqrt(2 * np.pi * surface.moment(1)))
     gap = np.asarray(contact.separation)
@@ -186,8 +185,7 @@ def rubbing(
     given: dict[str, Any] = {"rtol": _RTOL}
     if temperature is not None:
         given["temperature"] = temperature
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with quiet():
         sliding: Any = friction(
             body, surface, velocity=velocity[:, None], pressure=pressures, **given
         )

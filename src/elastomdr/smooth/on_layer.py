@@ -5,7 +5,6 @@ to.
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from ..checks import is_traced
 from ..element.law import Foundation
 from ..element.layer import Layer
-from ..errors import InputError
+from ..errors import InputError, quiet
 from ..surface.shapes import AbstractShape, Cylinder
 from .problem import OnLayer, SmoothCall, Steady, no_pressure
 
@@ -88,8 +87,7 @@ def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:
             depth = np.minimum(np.asarray(depth), 0.99 * slab.thickness)
         from .cylinder import cylinder_on_layer
 
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with quiet():
             exact, *_ = cylinder_on_layer(
                 SmoothCall(
                     "rolling",

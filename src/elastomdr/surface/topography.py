@@ -955,6 +955,12 @@ class MeasuredSurface(AbstractSpectrum):
         )
         return changed._described()
 
+    def sampled(self, errors: float) -> MeasuredSurface:
+        """The same surface, ln C off by so many of its standard errors at all scales."""
+        return dataclasses.replace(
+            self, c=self.c * np.exp(errors * self.relative_error)
+        )
+
     def _described(self) -> MeasuredSurface:
         """The same surface, whose report begins with what it is now."""
         if is_traced(self):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,7 @@ from ..call.model_choice import (
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import is_traced, numpy_unless_traced
-from ..errors import InputError
+from ..errors import InputError, quiet
 from ..progress_bar import reporter
 from ..results.curve import FrictionCurve
 from ..rough.adhesion import AdhesiveShear, check_adhesion, on_contact
@@ -30,6 +29,7 @@ from ..smooth.on_layer import is_on_layer
 from ..smooth.problem import SmoothCall
 from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
+from ..surface.topography import MeasuredSurface
 from .steady import in_64_bits_where, steady_contact
 
 if TYPE_CHECKING:
@@ -47,9 +47,27 @@ class _Again:
     call: RoughCall | SmoothCall
     solve: Callable[[Any], FrictionCurve]
 
-    def mu(self, shorter: float = 1.0, kelvin: float = 0.0) -> np.ndarray | None:
-        """mu with a shortest wave that is shorter by a factor, or rubber that is
-        `kelvin` warmer; None where that has no answer.
+    @property
+    def measured(self) -> bool:
+        """Whether the surface was measured, and has sampling errors."""
+        surface = getattr(self.call, "surface", None)
+        return isinstance(surface, MeasuredSurface)
+
+    def cold(self) -> FrictionCurve:
+        """The curve without heating."""
+        assert isinstance(self.call, RoughCall)
+        call = dataclasses.replace(
+            self.call, heat=None, branch="cold", progress=None, store=None
+        )
+        with quiet():
+            return _once_more(self.solve, call)
+
+    def mu(
+        self, shorter: float = 1.0, kelvin: float = 0.0, sampled: float = 0.0
+    ) -> np.ndarray | None:
+        """mu with a shortest wave that is shorter by a factor, rubber that is `kelvin`
+        warmer, or a spectrum that is off by so many of its standard errors; None where
+        that has no answer.
         """
         given, rtol = self.call.asked, max(self.call.rtol, _ROUGHLY)
         if kelvin:
@@ -61,11 +79,12 @@ class _Again:
                 surface: Any = call.surface
                 if shorter != 1:
                     surface = surface.ended(surface.q_high * shorter)
+                if sampled:
+                    surface = surface.sampled(sampled)
                 call = dataclasses.replace(
                     call, surface=surface, progress=None, store=None
                 )
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
+            with quiet():
                 return np.asarray(_once_more(self.solve, call).mu)
         except InputError:  # beyond a shift law, or shorter than the longest wave
             return None
