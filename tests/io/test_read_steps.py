@@ -157,6 +157,59 @@ def test_a_strain_and_a_compliance_say_what_the_stress_was(tmp_path):
     np.testing.assert_allclose(1 / read.relaxation, compliance(t), rtol=1e-6)
 
 
+T = np.geomspace(0.5, 200, 40)
+GROWN = ramped(T)
+START_UP = 0.01 * (EQUILIBRIUM * T - BRANCH * TAU * np.expm1(-T / TAU))
+NOT_HELD = {
+    "time [s],torque [mNm],J [1/Pa]": (T, 0.05 * T, GROWN / (50 * T)),
+    "t [s],tau [Pa],J [1/Pa]": (T, 50 * T, GROWN / (50 * T)),
+    "t [s],tau,J [1/Pa]": (T, 50 * T, GROWN / (50 * T)),
+    "t [s],deflection [mm],J(t) [1/Pa]": (T, GROWN, GROWN / (50 * T)),
+    "time [s],static force [N],deflection [mm],compliance [1/Pa]": (
+        *(T, -5 * T, -GROWN, GROWN / (50 * T)),
+    ),
+    "time [s],deflection angle [mrad],G(t) [Pa]": (T, GROWN, 50 * T / GROWN),
+    "time [s],force [N],relaxation modulus [Pa]": (T, 5 * T, 50 * T / GROWN),
+    "time [s],shear rate [1/s],relaxation modulus [Pa]": (
+        *(T, 0 * T + 0.01, START_UP / (0.01 * T)),
+    ),
+    "time [s],strain rate [1/s],compliance [1/Pa]": (
+        *(T, 0 * T + 0.01, 0.01 * T / START_UP),
+    ),
+}
+
+
+@pytest.mark.parametrize("titles", NOT_HELD)
+def test_forces_angles_and_rates_say_that_nothing_was_held(tmp_path, titles):
+    """Whatever is in proportion to stress or strain; the user's word is believed."""
+    columns, file = NOT_HELD[titles], tmp_path / "test.csv"
+    file.write_text(table(titles, *columns))
+    with pytest.raises(em.InputError, match="not held over time from line 2"):
+        em.read_dma(file, **SHEAR)
+    creep = not any(one in titles for one in ("G(t)", "modulus"))
+    said = {"stress": "1 kPa"} if creep else {"strain": "1 %"}
+    read = em.read_dma(file, columns=said, **SHEAR)
+    np.testing.assert_allclose(read.relaxation, columns[-1] ** (-1.0 if creep else 1.0))
+
+
+@pytest.mark.parametrize(
+    ("titles", "columns"),
+    [
+        ("time [s],torque [mNm],J [1/Pa]", (0 * T + 2, compliance(T))),
+        ("time [s],angle [mrad],J [1/Pa]", (3 * compliance(T), compliance(T))),
+        ("time [s],displacement [mm],G(t) [Pa]", (0 * T - 0.1, relaxation(T))),
+        ("time [s],force [N],G(t) [Pa]", (2 * relaxation(T), relaxation(T))),
+        ("time [s],shear rate [1/s],G(t) [Pa]", (1e-9 * np.sin(T), relaxation(T))),
+    ],
+)
+def test_forces_angles_and_rates_of_what_was_held(tmp_path, titles, columns):
+    file = tmp_path / "test.csv"
+    file.write_text(table(titles, T, *columns))
+    read = em.read_dma(file, **SHEAR)
+    last = columns[-1] if "G(t)" in titles else 1 / columns[-1]
+    np.testing.assert_allclose(read.relaxation, last, rtol=1e-6)
+
+
 def test_of_stairs_the_first_step_is_read(tmp_path):
     t = np.arange(1.0, 41.0)
     stress = np.where(t <= 20, 1000.0, 2000.0)

@@ -34,7 +34,7 @@ from .isotherms import (
     with_temperatures_of_names,
     without_holds,
 )
-from .quantities import QUANTITIES, lacking, needed_roles
+from .quantities import QUANTITIES, lacking, needed_roles, proportional
 from .sheets import is_frame, read_sheet, sheet_of_frame
 from .tables import Format, TitledTable, format_of
 
@@ -563,21 +563,7 @@ def _while_held(
     time = np.arange(float(count))
     if "time" in columns:
         time = columns["time"].of(table, unit_of(name, columns["time"], options.units))
-    responses = {"stress": "creep", "strain": "relaxation"}
-    numbers = {
-        response: table.column(columns[role].place)
-        if role in columns
-        else np.ones(count)
-        for role, response in responses.items()
-        if measured_as not in ("creep", "relaxation") or response == measured_as
-        if (role in columns and not columns[role].log) or role in table.fixed
-    }
-    # compliance is strain over stress, modulus stress over strain: the third follows
-    other = {"creep": "strain", "relaxation": "stress"}.get(measured_as, "")
-    pair = [columns[role] for role in (other, measured_as) if role in columns]
-    if not numbers and len(pair) == 2 and not any(one.log for one in pair):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            numbers = {measured_as: np.divide(*(table.column(c.place) for c in pair))}
+    numbers = _held_numbers(table, columns, measured_as, time)
     kept = [np.flatnonzero(~np.isfinite(time))]  # named later as no measurement
     found: set[str] = set()
     for curve in _curves(time):
@@ -616,6 +602,54 @@ def _while_held(
     return table._replace(rows=rows), response, (remark,)
 
 
+def _held_numbers(
+    table: TitledTable,
+    columns: Mapping[str, Column],
+    measured_as: str,
+    time: np.ndarray,
+) -> dict[str, np.ndarray]:
+    """What must be held for the rows to be a response, by response: the stress in creep,
+    the strain in relaxation; empty where no column says it.
+
+    Compliance is strain over stress, modulus stress over strain: the third follows.
+    """
+    loads = _loads(table, columns, time)
+    held = {"creep": "stress", "relaxation": "strain"}
+    if measured_as not in held:
+        return {way: loads[role] for way, role in held.items() if role in loads}
+    if held[measured_as] in loads:
+        return {measured_as: loads[held[measured_as]]}
+    if not loads or columns[measured_as].log:
+        return {}
+    ratio = table.column(columns[measured_as].place)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return {measured_as: next(iter(loads.values())) / ratio}
+
+
+def _loads(
+    table: TitledTable, columns: Mapping[str, Column], time: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Numbers in proportion to stress and strain: of their columns, of what the user
+    gives for all rows, of a force or torque and a displacement or angle, and of a
+    constant rate of strain.
+    """
+    loads: dict[str, np.ndarray] = {}
+    for role in ("stress", "strain"):
+        column = columns.get(role)
+        if role in table.fixed:
+            loads[role] = np.ones(time.size)
+        elif column is not None and column.known and not column.log:
+            loads[role] = table.column(column.place)
+        elif (place := proportional(table, role)) is not None:
+            loads[role] = np.abs(table.column(place))
+    place = proportional(table, "rate")
+    if place is not None and "strain" not in loads:
+        rate = np.abs(table.column(place))
+        if _run(rate).stop == rate.size:
+            loads["strain"] = rate * time
+    return loads
+
+
 def _curves(time: np.ndarray) -> list[np.ndarray]:
     """The rows of each curve, by ascending time: where it turns the next one begins."""
     rows = np.flatnonzero(np.isfinite(time))
@@ -635,12 +669,17 @@ def _not_held(runs: Sequence[str], held: bool, table: TitledTable) -> tuple[str,
             "'stress=0.1 MPa') or columns={'strain': '1 %'} (--column 'strain=1 %')"
         )
     elif "creep" in runs:
-        what, advice = "the stress is not held", "leave out the rows while it changes"
+        what, advice = (
+            "the stress is not held",
+            "leave out the rows while it changes, or give what was held, as "
+            "columns={'stress': '1 kPa'} (--column 'stress=1 kPa')",
+        )
     else:
         what = "the strain is not held"
         advice = (
             "leave out the rows while it changes, or give the duration of its ramp, as "
-            "ramp=2.0 (--ramp '2 s')"
+            "ramp=2.0 (--ramp '2 s'), or what was held, as columns={'strain': '1 %'} "
+            "(--column 'strain=1 %')"
         )
     line = table.rows[0].line
     return (
