@@ -77,6 +77,29 @@ def test_dropouts_do_not_move_friction(places, value, words):
     )
 
 
+def test_few_codes_next_to_the_lowest_height(tmp_path):
+    """Half a per cent at -32768, the heights of the rest in whole numbers down to
+    -32000, as files have them.
+    """
+    counts = np.round(32000 * PROFILE / np.abs(PROFILE).max())
+    counts[1000:1020] = -32768
+    file = tmp_path / "heights.txt"
+    file.write_text("\n".join(f"{x:.0f}" for x in counts))
+    with pytest.warns(FitWarning, match="20 of 4096 points are dropouts, 20 times"):
+        em.read_surface(file, pixel_size=STEP, unit="nm")
+
+
+def test_a_lowest_height_that_repeats_is_asked_about():
+    """Just below the others it may be a code or a floor: it is kept, and said."""
+    damaged = with_values(PROFILE, slice(1000, 1040), PROFILE.min() - 1e-8)
+    words = (
+        r"the lowest height, -0\.000\d+ m, is there 40 times: where it stands for no"
+    )
+    with pytest.warns(FitWarning, match=words):
+        got = em.read_surface(damaged, pixel_size=STEP)
+    assert "40 times" in got.report[0]
+
+
 def test_codes_beside_a_spike_that_is_further_away():
     damaged = with_values(with_values(PROFILE, slice(500, 540), -9999e-6), [77], 0.05)
     with pytest.warns(FitWarning) as caught:

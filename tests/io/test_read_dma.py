@@ -626,7 +626,11 @@ def test_shift_lists(titles, write):
     np.testing.assert_allclose(shift.reference, 293.15)
 
 
+BELOW = "w,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n"
 ABOVE = {
+    "equal signs": f"T=-20,,T=0,,T=20,,T=40,\n{BELOW}",
+    "three apart": f"T = -20,,,T = 0,,,T = 20,,,T = 40,,,\n{BELOW}",
+    "each column": f",-20,-20,0,0,20,20,40,40\n{BELOW}",
     "bare": ",-20,,0,,20,,40,\nw,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n",
     "label": "T,-20,,0,,20,,40,\nw,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n",
     "unit": "T [degC],-20,,0,,20,,40,\nw,Gp,Gpp,Gp,Gpp,Gp,Gpp,Gp,Gpp\n",
@@ -669,6 +673,32 @@ def test_temperatures_above_titles(tmp_path, kind):
         np.testing.assert_allclose(dma.omega, np.tile(omega, 4), rtol=1e-5)
     if kind != "bare":
         np.testing.assert_allclose(dma.storage, np.concatenate(columns[::2]), rtol=1e-8)
+
+
+def test_temperatures_above_titles_in_kelvin(tmp_path):
+    """The advice named degC alone: 253 degC in place of -20."""
+    rows = np.outer(np.geomspace(1, 4, 9), np.linspace(1e3, 9e3, 9))
+    file = tmp_path / "kelvin.csv"
+    file.write_text(table(f",253.15,,273.15,,293.15,,313.15,\n{BELOW.strip()}", rows))
+    units = {"frequency_unit": "rad/s", "modulus_unit": "kPa", "kind": "shear"}
+    with pytest.raises(em.InputError, match="give their unit, degC or K"):
+        em.read_dma(file, **units)
+    dma = em.read_dma(file, temperature_unit="K", **units)
+    np.testing.assert_allclose(
+        np.unique(dma.temperature), [253.15, 273.15, 293.15, 313.15]
+    )
+    file.write_text(file.read_text().replace("253.15", "-20"))
+    with pytest.raises(em.InputError, match="temperatures in line 1 must be in kelvin"):
+        em.read_dma(file, temperature_unit="K", **units)
+
+
+def test_repeating_titles_without_temperatures_are_no_two_samples(tmp_path):
+    """Three temperatures above four isotherms: the advice kept one isotherm."""
+    rows = np.outer(np.geomspace(1, 4, 9), np.linspace(1e3, 9e3, 9))
+    file = tmp_path / "isotherms.csv"
+    file.write_text(table(f"T=-20,,T=0,,T=20,,,,\n{BELOW.strip()}", rows))
+    with pytest.raises(em.InputError, match="need their temperatures above them, one"):
+        em.read_dma(file, frequency_unit="rad/s", modulus_unit="kPa", kind="shear")
 
 
 def test_isotherms_side_by_side_without_temperatures_are_asked_for_them(write):
@@ -733,6 +763,22 @@ def test_vertical_factors_beside_shift_factors(tmp_path, capsys):
         shifts.replace("1.3", "1").replace("1.15", "1").replace("0.9", "1")
     )
     em.read_shifts(tmp_path / "plain.csv")
+
+
+TITLED = ("b_T", "b(T)", "bV", "vertical", "vertical factor")
+
+
+@pytest.mark.parametrize("title", [*TITLED, "y-shift", "rho T", "delta"])
+def test_no_column_beside_shift_factors_is_lost(tmp_path, title):
+    """Vertical factors by their usual titles, others as what was passed over."""
+    file = tmp_path / "shifts.csv"
+    file.write_text(f"T [C],a(T),{title},note\n-20,1e5,1.3,a\n0,30,1.1,b\n20,1,1,c")
+    with pytest.warns(FitWarning, match=r"column 3|3 '") as caught:
+        shift = em.read_shifts(file)
+    (said,) = (str(one.message) for one in caught)
+    assert ("log10 b_T from 0.0000 to 0.1139" in said) is (title in TITLED)
+    assert "note" not in said
+    np.testing.assert_allclose(shift.log10_a_table, np.log10([1e5, 30, 1]))
 
 
 def test_a_unit_of_levels_beside_moduli_is_passed_over(tmp_path):

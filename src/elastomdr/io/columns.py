@@ -317,12 +317,16 @@ def choose(
             and other is not None
             and _differ(one, other, column.quantity.kind)
         ):
+            isotherms = (
+                "isotherms side by side need their temperatures above them, one for "
+                "each, as '-20 degC'; of two samples "
+            ) * (first.title == column.title)
             raise InputError(
                 f"{name}: columns {first.place + 1} {first.title!r} and "
                 f"{column.place + 1} {column.title!r} both hold {column.role} and "
-                f"differ; name one, as columns={{{column.role!r}: N}} (--column "
-                f"{column.role}=N), N being {first.place + 1} or {column.place + 1}; "
-                "isotherms side by side need their temperatures above them, as '-20 degC'."
+                f"differ; {isotherms}name one, as columns={{{column.role!r}: N}} "
+                f"(--column {column.role}=N), N being {first.place + 1} or "
+                f"{column.place + 1}."
             )
     return {role: _by_the_clock(name, column, table) for role, column in chosen.items()}
 
@@ -451,6 +455,27 @@ def _check_limits(
         _within(name, column, values[role], units[role], [column, *others])
 
 
+class ColumnsRead(NamedTuple):
+    """What a file holds whose one table is known by its columns."""
+
+    name: str
+    table: TitledTable
+    chosen: dict[str, Column]
+    values: dict[str, np.ndarray]  # of the good rows, by role [SI]
+    bad: list[str]  # what is wrong with the others
+
+    @property
+    def passed_over(self) -> list[str]:
+        """The columns of numbers that are not read, in words."""
+        places = {column.place for column in self.chosen.values()}
+        return [
+            f"{head.place + 1} {head.title!r}"
+            for head in self.table.heads
+            if head.place not in places
+            and np.isfinite(self.table.column(head.place)).any()
+        ]
+
+
 def read_columns(
     path: Any,
     quantities: tuple[ColumnKind, ...],
@@ -458,9 +483,8 @@ def read_columns(
     columns: Any,
     units: Mapping[str, str],
     log: str = "",
-) -> tuple[str, dict[str, Column], dict[str, np.ndarray], list[str], int]:
-    """The one table of a file by its columns: name of the file, columns and good
-    numbers by role, bad rows, all rows.
+) -> ColumnsRead:
+    """The one table of a file by its columns.
 
     A logarithm without a base is `log`, where that is given.
     """
@@ -496,7 +520,7 @@ def read_columns(
         role: np.full(int(good.sum()), value)
         for role, value in understood.constants.items()
     }
-    return sheet.name, chosen, values, bad, good.size
+    return ColumnsRead(sheet.name, table, chosen, values, bad)
 
 
 def checked_units(**given: Any) -> dict[str, str]:

@@ -18,7 +18,7 @@ from ..units.registry import to_si
 from .columns import named_columns, understand
 from .data import COLDEST, Dma, describe_list, in_strain_sweep, untold
 from .quantities import QUANTITIES, lacking
-from .sheets import Row, number
+from .sheets import Row
 from .tables import Head, TitledTable, refuse_many
 
 _STEP = (
@@ -42,6 +42,11 @@ _TEMPERATURE = re.compile(
     r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)"
     r"\s*(?:at|of|bei)?|at|bei)?"
     rf"\s*[=:,;]?\s*(?<!\d)([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
+    re.IGNORECASE,
+)
+_BARE = re.compile(  # likewise without a unit
+    r"((?:t|temp\.?|temperatur|(?:sample )?temperature|isotherme?)\s*[=:]?\s*)?"
+    r"([+-]?\d+(?:[.,]\d+)?)",
     re.IGNORECASE,
 )
 # "Run 3 C" is its number
@@ -173,6 +178,8 @@ def _beside(
     without = "temperature" not in roles
     if repeated is None:
         above = _between(name, table, 0, _LAST) if without else {}
+        if without and not above and (bare := _bare(name, table, 1, units)):
+            above = {"temperature": bare[0]}
         return [table._replace(fixed=above | table.fixed)]
     once, period = repeated
     starts = [columns[i].place for i in range(once, len(columns), period)]
@@ -225,30 +232,39 @@ def _between(name: str, table: TitledTable, first: int, end: int) -> dict[str, f
 def _bare(
     name: str, table: TitledTable, count: int, units: Mapping[str, str]
 ) -> list[float]:
-    """The temperatures [K] of `count` isotherms side by side from a row of as many
-    numbers right above their titles; empty where there is none. Raises `InputError`
-    where nobody gives their unit.
+    """The temperatures [K] of `count` isotherms side by side from a row right above
+    their titles with a number for each, or the same for each of their columns; empty
+    where there is none. Raises `InputError` where nobody gives their unit.
     """
     for row in reversed(table.above):
-        cells = [cell for cell in row.cells if cell]
-        numbers = [x for cell in cells if np.isfinite(x := number(cell))]
-        if len(numbers) != count or len(cells) > count + 1:
+        cells = [cell.strip() for cell in row.cells if cell]
+        label = Head(0, cells[0] if cells else "", "")
+        column = understand(label, QUANTITIES)
+        labelled = column is not None and column.role == "temperature"
+        found = [_BARE.fullmatch(_with_minus(cell)) for cell in cells[labelled:]]
+        numbers = [_decimal(match[2]) for match in found if match]
+        each, rest = divmod(len(numbers), count)
+        # one number alone may be anything, unless its name is beside it
+        sure = count > 1 or labelled or all(match and match[1] for match in found)
+        if len(numbers) != len(found) or rest or not each or not sure:
             continue
-        label = "" if len(cells) == count else cells[0]
-        column = understand(Head(0, label, ""), QUANTITIES) if label else None
-        if label and (column is None or column.role != "temperature"):
+        if any(numbers[i] != numbers[i - i % each] for i in range(len(numbers))):
             continue
         unit = (column.unit if column else "") or units.get("temperature", "")
         si = to_si(unit, "temperature") if unit else None
-        if si is None:
-            listed = describe_list(np.array(numbers), "")
+        listed = describe_list(np.array(numbers[::each]), unit).strip()
+        if si is not None:
+            kelvin = [x * si[0] + si[1] for x in numbers[::each]]
+            place = f"{name}: the temperatures in line {row.line}"
+            in_kelvin(place, np.array(kelvin), COLDEST)
+            return kelvin
+        if count > 1:
             raise InputError(
-                f"{name}: line {row.line}, {listed.strip()}, may be the temperatures "
-                f"of the {count} isotherms below: give their unit, as "
-                "temperature_unit='degC' (--temperature-unit degC), or write it behind "
+                f"{name}: line {row.line}, {listed}, may be the temperatures of the "
+                f"{count} isotherms below: give their unit, degC or K, as "
+                "temperature_unit=UNIT (--temperature-unit UNIT), or write it behind "
                 "each."
             )
-        return [x * si[0] + si[1] for x in numbers]
     return []
 
 

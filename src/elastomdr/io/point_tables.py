@@ -11,7 +11,7 @@ import numpy as np
 from ..checks import in_kelvin, in_si, plain
 from ..errors import InputError, warn
 from ..material.shift import ShiftTable, VerticalTable
-from .columns import ColumnKind, checked_units, left_out, read_columns
+from .columns import ColumnKind, ColumnsRead, checked_units, left_out, read_columns
 from .data import COLDEST, FitWarning, MeasuredFriction
 
 _TEMPERATURE = ColumnKind(
@@ -60,8 +60,15 @@ _FRICTION = (
 _VERTICAL = 1e-3  # of log10 b_T, below which moduli are not shifted
 _SHIFTS = (
     _TEMPERATURE,
-    ColumnKind("shift", "ratio", (r"a_?t?|shift ?factors?|verschiebungsfaktor(en)?",)),
-    ColumnKind("vertical", "ratio", (r"b_?t?|vertical shift( ?factors?)?",), valid=""),
+    ColumnKind(
+        "shift", "ratio", (r"a(_?t|\(t\))?|shift ?factors?|verschiebungsfaktor(en)?",)
+    ),
+    ColumnKind(
+        "vertical",
+        "ratio",
+        (r"b(_?[tv]|\(t\))?|vertical( shift)?( ?factors?)?",),
+        valid="",
+    ),
 )
 
 
@@ -100,12 +107,12 @@ def read_friction(
         velocity=velocity_unit, temperature=temperature_unit, pressure=pressure_unit
     )
     units["modulus"] = units.pop("pressure", "")
-    name, chosen, values, bad, rows = read_columns(
+    name, table, chosen, values, bad = read_columns(
         path, _FRICTION, ("velocity", "mu"), columns, units
     )
-    if 2 * len(bad) > rows:
+    if 2 * len(bad) > len(table.rows):
         raise InputError(
-            f"{name}: {len(bad)} of {rows} rows are no measurement: "
+            f"{name}: {len(bad)} of {len(table.rows)} rows are no measurement: "
             f"{'; '.join(bad[:3])} ..."
         )
     if "error" in chosen and chosen["error"].unit == "%":
@@ -140,7 +147,7 @@ def read_friction(
 def read_shifts(
     path: str | os.PathLike[str],
     *,
-    columns: dict[str, str | int] | None = None,
+    columns: Mapping[str, str | int] | None = None,
     temperature_unit: str | None = None,
 ) -> ShiftTable:
     """A shift law from a list of temperatures and shift factors, such as "T
@@ -154,18 +161,26 @@ def read_shifts(
 
     Returns:
         The list as a law; between its temperatures it is interpolated. Vertical factors
-        b_T beside it are passed over, with a warning.
+        b_T beside it, and columns that are not understood, are passed over, with a
+        warning.
 
     Raises:
         InputError: for what cannot be read, and units that nobody gives.
     """
-    shift, vertical, title = _both_shifts(path, columns, temperature_unit)
+    read, shift, vertical = _both_shifts(path, columns, temperature_unit)
+    remedy = "em.fit.material as vertical=em.VerticalTable(temperature, b_T)"
     if vertical is not None:
-        known = np.log10(vertical.factor)
+        column, known = read.chosen["vertical"], np.log10(vertical.factor)
         warn(
-            f"{os.path.basename(path)}: column {title} is passed over: log10 b_T from "
-            f"{known.min():.4f} to {known.max():.4f} is no part of a shift law. "
-            "Give it to em.fit.material as vertical=em.VerticalTable(temperature, b_T).",
+            f"{read.name}: column {column.place + 1} {column.title!r} is passed over: "
+            f"log10 b_T from {known.min():.4f} to {known.max():.4f} is no part of a "
+            f"shift law. Give it to {remedy}.",
+            FitWarning,
+        )
+    if rest := read.passed_over:
+        warn(
+            f"{read.name}: {', '.join(rest)} passed over: where it is b_T, title it so "
+            f"or give it to {remedy}.",
             FitWarning,
         )
     return shift
@@ -175,29 +190,27 @@ def vertical_factors(path: str | os.PathLike[str]) -> VerticalTable | None:
     """The vertical factors b_T beside the shift factors of a file, where it has any
     that are not 1.
     """
-    return _both_shifts(path, None, None)[1]
+    return _both_shifts(path, None, None)[2]
 
 
 def _both_shifts(
     path: str | os.PathLike[str],
-    columns: dict[str, str | int] | None,
+    columns: Mapping[str, str | int] | None,
     temperature_unit: str | None,
-) -> tuple[ShiftTable, VerticalTable | None, str]:
-    """Shift factors, vertical ones, and the column of these in words."""
+) -> tuple[ColumnsRead, ShiftTable, VerticalTable | None]:
+    """The columns of a file, its shift factors, and the vertical ones."""
     units = checked_units(temperature=temperature_unit)
     # nobody's log a_T is ln
-    name, chosen, values, bad, _ = read_columns(
+    read = read_columns(
         path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
     )
-    if bad:
-        raise InputError(f"{name}: {'; '.join(bad[:3])}.")
-    order = np.argsort(values["temperature"])
-    temperature = values["temperature"][order]
-    shift = ShiftTable(temperature, np.log10(values["shift"][order]))
-    factor = values.get("vertical", np.ones(order.size))[order]
+    if read.bad:
+        raise InputError(f"{read.name}: {'; '.join(read.bad[:3])}.")
+    order = np.argsort(read.values["temperature"])
+    temperature = read.values["temperature"][order]
+    shift = ShiftTable(temperature, np.log10(read.values["shift"][order]))
+    factor = read.values.get("vertical", np.ones(order.size))[order]
     known = np.isfinite(factor)
     if known.sum() < 2 or not (np.abs(np.log10(factor[known])) > _VERTICAL).any():
-        return shift, None, ""
-    column = chosen["vertical"]
-    vertical = VerticalTable(temperature[known], factor[known])
-    return shift, vertical, f"{column.place + 1} {column.title!r}"
+        return read, shift, None
+    return read, shift, VerticalTable(temperature[known], factor[known])

@@ -44,7 +44,8 @@ _OVERLAP = 1.5  # times the whole of x, which traces one below the other are tog
 # share of points at an x (or place) that came before, and of the rms height by which
 # they may be apart, up to which they are the same place measured again
 _MOST_AGAIN, _MOST_APART = 0.01, 0.1
-_LEFT_OUT = "left out, and bridged"  # ends what is said of dropouts
+# end what is said of dropouts
+_LEFT_OUT, _REMOVE = "left out, and bridged", "where it stands for no value, remove it"
 _CODES = (9.999, 9.9999, 9.99999, 3.2768, 3.2767)  # digits of -9999, 99999, -32768, ...
 # of the range of all other heights, that such a code is away from them, be it there but
 # once
@@ -54,8 +55,8 @@ _MOST_SPIKES = 0.02  # and that of spikes
 # different heights beside a code: with fewer, a far one may be the bottom of a groove
 _FEWEST_LEVELS = 16
 # share of the places, and times as often as any other height, from which the end of a
-# type is a code though not far away
-_FREQUENT, _OFTEN = 0.01, 5
+# type is a code though not far away; and the share from which any lowest one may be
+_FREQUENT, _OFTEN, _FLOOR = 0.001, 5, 0.005
 _TYPE_ENDS = (-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1)
 _SPIKE_WIDTH = 3  # points of the widest spike
 _COMMON_SHARE = 0.9  # of all differences over that width, which are below a scale
@@ -163,7 +164,7 @@ def read_surface(
         warning
         for scan in scans
         for warning in scan.report
-        if warning.endswith(_LEFT_OUT)
+        if warning.endswith((_LEFT_OUT, _REMOVE))
     ):
         warn(f"{', '.join(paths) or 'heights'}: {warning}.", FitWarning)
     try:
@@ -550,8 +551,8 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
     if largest:
         # beside a spike that is further away a code is not the furthest
         _take_codes(left, codes)
+    words = _floor(left)
     lost, coded = int((np.isfinite(height) & np.isnan(left)).sum()), sum(codes.values())
-    words = []
     if codes:
         values = " and ".join(
             f"{count} times {value:.6g} m" for value, count in codes.items()
@@ -580,13 +581,37 @@ def without_dropouts(height: np.ndarray) -> tuple[np.ndarray, list[str]]:
     return left, words
 
 
+def _floor(height: np.ndarray) -> list[str]:
+    """What there is to say of a lowest height that is there often, bit for bit, where
+    its neighbours are no flanks of a flat: it may be a code that is next to the others.
+    """
+    levels, often = np.unique(height[np.isfinite(height)], return_counts=True)
+    if levels.size < _FEWEST_LEVELS or often[0] < max(
+        _FLOOR * height.size, _OFTEN * often[1:].max()
+    ):
+        return []
+    low = height == levels[0]
+    axes = range(height.ndim)
+    beside = np.stack(
+        [_shifted(height, axis, i)[low] for axis in axes for i in (-1, 1)]
+    )
+    above = beside[beside > levels[0]] - levels[0]
+    if not above.size or not np.median(above) > max(
+        _usual_difference(height, axis) for axis in axes
+    ):
+        return []
+    return [
+        f"the lowest height, {levels[0]:.6g} m, is there {often[0]} times: {_REMOVE}"
+    ]
+
+
 def _take_codes(height: np.ndarray, codes: dict[float, int]) -> None:
     """Puts NaN in place of codes, and how often each was there into `codes`.
 
     A code is the lowest or the highest value, is there twice or more, bit for bit, and
     is further from all other heights than these are from each other; those in use may
     be there once, and a fifth as far. One that is in use, or the end of a type of whole
-    numbers, may be next to the others if it is at a hundredth of the places and five
+    numbers, may be next to the others if it is at a thousandth of the places and five
     times as often as any other.
     """
     while True:
