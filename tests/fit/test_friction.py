@@ -7,8 +7,6 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.fit import calibration
-from elastomdr.fit.calibration import applied, with_jacobian
 
 # What is doubted is asserted where a test is about it.
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.fit.FitWarning")
@@ -127,7 +125,7 @@ SPEED = np.geomspace(1e-3, 1.0, 5)
 
 def test_calibration_finds_what_was_changed():
     """A slope of the spectrum, a level and a shift constant are found again from noisy
-    friction, by exact gradients.
+    friction.
     """
     middle = np.exp(np.log(np.asarray(RUBBER.times)).mean())
     other = em.Prony(
@@ -164,28 +162,6 @@ def test_calibration_finds_what_was_changed():
     assert "residuals" in repr(found)
 
 
-def test_other_measurements_of_a_scene_compile_nothing(monkeypatch):
-    """The parameters are put into the scene once per program, and once more for the
-    answer.
-    """
-    count, ball = [], em.Paraboloid(5e-3)
-    monkeypatch.setattr(
-        calibration, "applied", lambda *given: (count.append(0), applied(*given))[1]
-    )
-    arguments = {"velocity": SPEED, "parameters": ("modulus", "slope", "c1")} | SCENE
-    start = em.friction(RUBBER, ball, velocity=SPEED, **SCENE).mu
-    found = []
-    for factor in (1.0, 1.02, 1.03):
-        count.clear()
-        found.append(
-            em.fit.calibrate(
-                RUBBER, ball, measured=factor * start, error=1e-3, **arguments
-            )
-        )
-    assert len(count) == 1
-    assert found[1].parameters != found[2].parameters
-
-
 def test_an_error_from_few_points_widens_intervals_as_students_t():
     """1.96 standard deviations held 85 % of 150 truths with five points and two
     parameters; Student's t has 3.18.
@@ -210,35 +186,6 @@ def test_an_error_from_few_points_widens_intervals_as_students_t():
         assert found.std[name] / known.std[name] == pytest.approx(
             3.182 / 1.96, rel=0.05
         )
-
-
-def test_programs_are_kept_for_the_constants_they_have():
-    """Another scene, a change of one's own, or more scenes than are kept, and never a
-    stale answer.
-    """
-    calls = []
-
-    def square(a, kept=True):
-        def compute(p):
-            calls.append(a)
-            return a * p**2
-
-        value, jacobian = with_jacobian(
-            compute, {"a": np.array([a]), "name": "x", "none": None} if kept else None
-        )
-        np.testing.assert_allclose(value(np.array([3.0])), 9.0 * a)
-        np.testing.assert_allclose(jacobian(np.array([3.0])), [[6.0 * a]])
-
-    for a in (1.0, 2.0, 1.0):
-        square(a)
-    assert calls == [1.0, 2.0]
-    square(1.0, kept=False)
-    assert calls == [1.0, 2.0, 1.0]
-    for a in range(10, 20):
-        square(float(a))
-    square(1.0)
-    assert calls[-1] == 1.0
-    with_jacobian(lambda p: p, (print, 1.0))  # no constant: not kept
 
 
 @pytest.mark.parametrize(

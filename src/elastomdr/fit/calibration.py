@@ -7,17 +7,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import stdtrit
 
-from ..arrays import as_numpy, keep_compiled_code
 from ..call.model_choice import hint_at_line, is_rough, of_rough
 from ..call.problem import Asked
 from ..checks import as_float64, in_si, one_of, positive, require
@@ -35,6 +30,7 @@ from ..material.shift import WLF
 from ..material.tabulated import needs_series
 from ..models import as_model
 from ..surface.spectrum import AbstractSpectrum
+from ..trees import replaced
 from .doubts import OF_CALIBRATION, JudgedCalibration, doubts
 from .report import TWO_SIGMA, AbstractFindings, tell
 
@@ -110,9 +106,7 @@ def applied(
     values: dict[str, Any],
     change: Change | None,
 ) -> tuple[Prony, Any, dict[str, Any]]:
-    """Material, shape and scene with the parameters in them; those of the material are
-    differentiable.
-    """
+    """Material, shape and scene with the parameters in them."""
     if change is not None:
         material, shape = change(material, shape, values)
     scene = dict(scene)
@@ -127,117 +121,38 @@ def applied(
     return _of_material(material, values), shape, scene
 
 
-def _of_material(material: Prony, values: dict[str, Any]) -> Prony:
-    times, moduli = jnp.asarray(material.times), jnp.asarray(material.moduli)
-    equilibrium = jnp.asarray(material.equilibrium)
+def _of_material(material: Prony, values: Mapping[str, float]) -> Prony:
+    times, moduli = np.asarray(material.times), np.asarray(material.moduli)
+    factor = {name: 10.0 ** values.get(name, 0.0) for name in MEANINGS}
     if "slope" in values and times.size:
-        middle = jnp.exp(jnp.mean(jnp.log(times)))
+        middle = np.exp(np.mean(np.log(times)))
         moduli = moduli * (times / middle) ** values["slope"]
     if "cutoff" in values:
-        moduli = moduli / (1 + (10.0 ** values["cutoff"] / times) ** 2)
-    equilibrium = equilibrium * 10.0 ** (
-        values.get("equilibrium", 0.0) + values.get("modulus", 0.0)
-    )
-    moduli = moduli * 10.0 ** values.get("modulus", 0.0)
-    times = times * 10.0 ** values.get("time", 0.0)
-    material = eqx.tree_at(
-        lambda m: (m.equilibrium, m.moduli, m.times),
+        moduli = moduli / (1 + (factor["cutoff"] / times) ** 2)
+    law = material.shift
+    if isinstance(law, WLF):
+        law = replaced(law, c1=law.c1 * factor["c1"], c2=law.c2 * factor["c2"])
+    return replaced(
         material,
-        (equilibrium, moduli, times),
+        equilibrium=material.equilibrium * factor["equilibrium"] * factor["modulus"],
+        moduli=moduli * factor["modulus"],
+        times=times * factor["time"],
+        shift=law,
     )
-    if {"c1", "c2"} & values.keys():
-        law: Any = material.shift
-        factors = (10.0 ** values.get("c1", 0.0), 10.0 ** values.get("c2", 0.0))
-        law = eqx.tree_at(
-            lambda s: (s.c1, s.c2), law, (law.c1 * factors[0], law.c2 * factors[1])
-        )
-        material = eqx.tree_at(lambda m: m.shift, material, law)
-    return material
-
-
-# --------------------------------------------------------------------------------------
-# A function of parameters and its Jacobian as one compiled program, kept for other
-# measurements of the same scene.
-#
-# Compiling takes some fifty times longer than computing. What a program has as constants
-# (material, shape, velocities, temperatures ...) are its key: where any of it differs,
-# another one is compiled.
-# --------------------------------------------------------------------------------------
-
-_MOST = 8  # programs that are kept
-_PROGRAMS: dict[Any, Any] = {}  # the least recently used one first
-
-
-def with_jacobian(compute: Callable[[Any], Any], constants: Any) -> tuple[Any, Any]:
-    """The value and the Jacobian of `compute` as functions of parameters, a vector.
-
-    `constants` is a pytree of all that `compute` depends on; None where that is not
-    known: nothing is kept then.
-    """
-    both = _program(compute, None if constants is None else _key(constants))
-    last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
-
-    def both_at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        key = p.tobytes()
-        if key not in last:
-            jacobian, value = both(p)
-            last.clear()
-            last[key] = np.asarray(value), np.asarray(jacobian)
-        return last[key]
-
-    return lambda p: both_at(p)[0], lambda p: both_at(p)[1]
-
-
-def _program(compute: Callable[[Any], Any], key: Any) -> Any:
-    program = None if key is None else _PROGRAMS.pop(key, None)
-    if program is None:
-        program = jax.jit(jax.jacfwd(lambda p: 2 * (compute(p),), has_aux=True))
-    if key is not None:
-        _PROGRAMS[key] = program
-        while len(_PROGRAMS) > _MOST:
-            _PROGRAMS.pop(next(iter(_PROGRAMS)))
-    return program
-
-
-def _key(constants: Any) -> Any:
-    """What is the same for the same constants; None where anything but numbers, texts
-    and models is in them.
-    """
-    leaves, structure = jax.tree.flatten(constants)
-    parts = []
-    for leaf in leaves:
-        if isinstance(leaf, (np.ndarray, np.generic, jax.Array)):
-            array = np.asarray(leaf)
-            parts.append((array.shape, array.dtype.str, array.tobytes()))
-        # a dataclass that is a leaf is a model
-        elif isinstance(leaf, (bool, int, float, str)) or dataclasses.is_dataclass(
-            leaf
-        ):
-            parts.append((type(leaf), leaf))
-        else:
-            return None
-    key = structure, tuple(parts)
-    try:
-        hash(key)
-    except TypeError:  # a static field that is no constant
-        return None
-    return key
 
 
 # --------------------------------------------------------------------------------------
 # Chosen parameters of a material, or of a rough surface, adjusted to measured friction
 # or rolling resistance.
 #
-# Least squares with Gaussian priors; Jacobians through the contact solution (under an
-# indenter) or by central differences (on a rough surface, whose friction is found by a
-# search over batches and levels of sampling).
+# Least squares with Gaussian priors; Jacobians by central differences of whole calls.
 # --------------------------------------------------------------------------------------
 
 # standard deviation of the prior of a parameter, about its start, where none is given
 _WIDTH = 1.0
-# of a parameter, in differences: across the ripples of few random lines, then within
-# one
-_STEPS = 0.05, 0.0125
+# of a parameter, in differences: under an indenter; on a surface across the ripples of
+# few random lines, then within one
+_STEPS_SMOOTH, _STEPS = (1e-3,), (0.05, 0.0125)
 # change of parameters and of the sum of squares at which the search ends
 _EXACTLY, _ROUGHLY = 1e-8, 1e-3
 _LEAST = 0.2  # part of a parameter in the least known direction from which it is named
@@ -372,11 +287,9 @@ def calibrate(
         InputError: for unknown names, measurements that do not match, and a start where
             the contact has no answer.
 
-    Jacobians are exact under an indenter, where a first call mostly compiles and calls
-    with other measurements of the same scene use its program. On rough surfaces they
-    are central differences; the samples of `em.Line`, which must be the same for all
-    cutoffs, are then by default enough for a cutoff one standard deviation of the prior
-    above its start.
+    Jacobians are central differences. The samples of `em.Line`, which must be the same
+    for all cutoffs, are by default enough for a cutoff one standard deviation of the
+    prior above its start.
     """
     one_of("quantity", quantity, "friction", "rolling")
     start = _start(material, parameters, change is not None)
@@ -389,26 +302,21 @@ def calibrate(
     if isinstance(shape, AbstractSpectrum):
         width_of = dict(zip(names, spread, strict=True))
         scene["model"] = _road_model(shape, scene, width_of)
-    compute = _computer(material, shape, quantity, names, change, scene)
-    keep_compiled_code()
-    with jax.enable_x64(True):
-        if is_rough(shape):
-            value, *jacobians = _by_differences(compute, names)
-            close = _ROUGHLY
-        else:
-            constants = (quantity, names, material, shape, scene)
-            known = constants if change is None else None
-            value, *jacobians = with_jacobian(compute, known)
-            close = _EXACTLY
-        begin = np.array(list(start.values()))
-        task = _Task(value, jacobians, begin, spread, data, given, close)
-        solution = _solved(task)
-        values = dict(zip(names, solution.point.tolist(), strict=True))
-        changed, shape, _ = applied(material, shape, scene, values, change)
+    task = _Task(
+        _computer(material, shape, quantity, names, change, scene),
+        np.array(list(start.values())),
+        spread,
+        data,
+        given,
+        *((_STEPS, _ROUGHLY) if is_rough(shape) else (_STEPS_SMOOTH, _EXACTLY)),
+    )
+    solution = _solved(task)
+    values = dict(zip(names, solution.point.tolist(), strict=True))
+    changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
     doubted = _diagnostics(names, std, spread, solution)
     return Calibration(
-        material=jax.tree.map(as_numpy, changed),
+        material=changed,
         shape=shape,
         parameters=values,
         std=dict(zip(names, std.tolist(), strict=True)),
@@ -475,17 +383,26 @@ def _road_model(
 class _Task(NamedTuple):
     """What is computed from parameters, and what it is to meet."""
 
-    value: Any
-    jacobians: list[Any]  # the later ones closer
+    compute: Callable[[np.ndarray], np.ndarray]
     begin: np.ndarray
     spread: np.ndarray  # standard deviations of the priors about `begin`
     data: np.ndarray
     error: np.ndarray | None  # standard deviation of the data; None: to be estimated
+    steps: tuple[float, ...]  # of parameters in differences, the later ones closer
     close: float  # change at which the search ends
+
+    def jacobian(self, p: np.ndarray, step: float) -> np.ndarray:
+        """By central differences; NaN where the contact did not converge."""
+
+        columns = [
+            (self.compute(p + h) - self.compute(p - h)) / (2 * step)
+            for h in step * np.eye(p.size)
+        ]
+        return np.stack(columns, axis=-1)
 
     def first(self) -> np.ndarray:
         """What is computed at the start. Raises `InputError` where that does not fit."""
-        first = np.asarray(self.value(self.begin))
+        first = self.compute(self.begin)
         if first.shape != self.data.shape:
             raise InputError(
                 f"measured must have the shape of what is computed, {first.shape}, "
@@ -529,11 +446,11 @@ def _solved(task: _Task) -> _Solution:
     sigma = task.guessed_error() if task.error is None else task.error
     point, evaluations, converged = task.begin, 0, False
     for _ in range(3 if task.error is None else 1):
-        for jacobian in task.jacobians:
-            answer = _search(task, jacobian, point, used, sigma)
+        for step in task.steps:
+            answer = _search(task, step, point, used, sigma)
             point, evaluations = answer.x, evaluations + int(answer.nfev)
             converged = bool(answer.success)
-        computed = np.asarray(task.value(point))
+        computed = task.compute(point)
         used = used & np.isfinite(computed)
         if task.error is None:
             sigma = task.scatter(computed, used)
@@ -541,10 +458,10 @@ def _solved(task: _Task) -> _Solution:
     # place of 1.96.
     freedom = max(int(used.sum()) - point.size, 1)
     wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if task.error is None else 1.0
-    matrix = np.asarray(task.jacobians[0](point))[used]
+    matrix = task.jacobian(point, task.steps[0])[used]
     matrix = matrix / (wider * sigma[used][:, None])
     covariance = np.linalg.inv(matrix.T @ matrix + np.diag(task.spread**-2.0))
-    computed = np.asarray(task.value(point))
+    computed = task.compute(point)
     return _Solution(point, computed, covariance, used, sigma, evaluations, converged)
 
 
@@ -578,72 +495,54 @@ def _start(material: Prony, parameters: Any, own_model: bool) -> dict[str, float
 
 def _computer(
     material: Prony,
-    shape: Any,
-    quantity: str,
+    shape: Indenter | Surface,
+    quantity: Motion,
     names: list[str],
-    change: Any,
-    scene: dict[str, Any],
-) -> Any:
-    if quantity == "friction":
-        from ..verbs.friction import friction as call
-    else:
-        from ..verbs.rolling import rolling as call
+    change: Change | None,
+    scene: Mapping[str, Any],
+) -> Callable[[np.ndarray], np.ndarray]:
+    """What is computed from parameters; what was computed last is kept."""
+    from ..verbs.friction import friction
+    from ..verbs.rolling import rolling
 
-    def compute(p: Any) -> Any:
-        values = dict(zip(names, p, strict=True))
-        body, form, rest = applied(material, shape, scene, values, change)
-        curve: Any = call(body, form, **rest)
-        result = curve.mu if quantity == "friction" else curve.coefficient
-        return result * 10.0 ** values.get("gain", 0.0) + values.get("offset", 0.0)
-
-    return compute
-
-
-def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
-    """A function's value, and its Jacobian by central differences, wide and narrow; NaN
-    where it did not converge.
-    """
     last: dict[bytes, np.ndarray] = {}
 
-    def value(p: np.ndarray) -> np.ndarray:
+    def compute(p: np.ndarray) -> np.ndarray:
+        values = dict(zip(names, p.tolist(), strict=True))
+        body, form, rest = applied(material, shape, scene, values, change)
+        with quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning):
+            if quantity == "friction":
+                result = friction(body, form, **rest).mu
+            else:
+                result = rolling(body, form, **rest).coefficient
+        gain, offset = 10.0 ** values.get("gain", 0.0), values.get("offset", 0.0)
+        return np.asarray(result) * gain + offset
+
+    def kept(p: np.ndarray) -> np.ndarray:
         key = p.tobytes()
         if key not in last:
             if len(last) > 4 * p.size:
                 last.clear()
-            with quiet(ConvergenceWarning, ExtrapolationWarning, ModelWarning):
-                last[key] = np.asarray(compute(p))
+            last[key] = compute(p)
         return last[key]
 
-    def column(p: np.ndarray, i: int, step: float) -> np.ndarray:
-        if names[i] == "offset":
-            return np.ones_like(value(p))
-        if names[i] == "gain":
-            return np.log(10.0) * (
-                value(p) - (p[names.index("offset")] if "offset" in names else 0.0)
-            )
-        h = step * np.eye(p.size)[i]
-        return (value(p + h) - value(p - h)) / (2 * step)
-
-    def jacobian(p: np.ndarray, step: float) -> np.ndarray:
-        return np.stack([column(p, i, step) for i in range(p.size)], axis=-1)
-
-    return value, *(partial(jacobian, step=step) for step in _STEPS)
+    return kept
 
 
 def _search(
-    task: _Task, jacobian: Any, point: Any, used: np.ndarray, sigma: np.ndarray
-) -> Any:
+    task: _Task, step: float, point: np.ndarray, used: np.ndarray, sigma: np.ndarray
+) -> OptimizeResult:
     """Least squares from `point`, with the prior as further residuals; a point that
     fails repels the search.
     """
 
     def residuals(p: np.ndarray) -> np.ndarray:
-        left = (task.data - np.asarray(task.value(p)))[used] / sigma[used]
+        left = (task.data - task.compute(p))[used] / sigma[used]
         left = np.where(np.isfinite(left), left, 1e3)
         return np.concatenate([left, (task.begin - p) / task.spread])
 
     def derivative(p: np.ndarray) -> np.ndarray:
-        matrix = -np.asarray(jacobian(p))[used] / sigma[used][:, None]
+        matrix = -task.jacobian(p, step)[used] / sigma[used][:, None]
         matrix = np.where(np.isfinite(matrix), matrix, 0.0)
         return np.concatenate([matrix, -np.diag(1 / task.spread)])
 
