@@ -8,7 +8,7 @@ import os
 import reprlib
 import sys
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextvars import ContextVar
 from typing import NamedTuple
 
@@ -21,7 +21,8 @@ class InputError(ValueError):
 
     Args:
         said: the whole sentence; by default "ARGUMENT must be ACCEPTED, got GOT: HINT."
-        argument: its name, also an attribute of the error; "" where the sentence has it.
+        argument: its name, also an attribute of the error; by default the word
+            with which `said` begins, before "must" or a colon.
         got: the value that is refused, likewise.
         accepted: what is accepted, in words, likewise.
         hint: what to do, in words, likewise.
@@ -36,11 +37,45 @@ class InputError(ValueError):
         accepted: str = "",
         hint: str = "",
     ):
-        self.argument, self.got = argument, got
-        self.accepted, self.hint = accepted, hint
-        value = f"{got:g}" if isinstance(got, float) else reprlib.repr(got)
-        reason = f": {hint}" if hint else ""
-        super().__init__(said or f"{argument} must be {accepted}, got {value}{reason}.")
+        super().__init__(said)
+        first = said.partition(" must ")[0].partition(": ")[0]
+        name = first.rpartition("] ")[2]  # of a scene, behind its table
+        self.argument = argument or (first if name.isidentifier() else "")
+        self.got, self.accepted, self.hint = got, accepted, hint
+        # what the sentence begins with, which others may call otherwise
+        begins = not said or said.startswith(self.argument)
+        self.subject = self.argument if begins else ""
+        self.rest = said.removeprefix(self.subject)
+
+    def __str__(self) -> str:
+        return self.words(self.subject, _written)
+
+    def words(self, subject: str, shown: Callable[[object], str]) -> str:
+        """The sentence that begins with `subject`, with the value as `shown` writes it."""
+        rest = self.rest
+        if not rest:
+            hint = self.hint
+            ends = f". {hint}" if hint.endswith(("?", ".")) else f": {hint}."
+            got = shown(self.got)
+            rest = f" must be {self.accepted}, got {got}{ends if hint else '.'}"
+        between = "" if rest.startswith((" ", ":")) else " "
+        return f"{subject}{between}{rest}".strip()
+
+    def stands_in(self, table: str) -> None:
+        """Puts the table of a scene before the argument, unless it stands there."""
+        if not str(self).startswith(table):
+            self.subject = f"{table} {self.subject}".strip()
+            self.argument = f"{table} {self.argument}".strip()
+
+    def stands_for(self, key: str) -> None:
+        """Puts the key of a scene before the sentence, unless it stands there."""
+        if not str(self).startswith(key):
+            self.subject = f"{key} {self.subject}".strip()
+            self.argument = key.rstrip(":")
+
+
+def _written(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else reprlib.repr(value)
 
 
 class ConvergenceWarning(UserWarning):

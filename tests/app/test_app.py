@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.app.form import from_text, leaf, to_text
+from elastomdr.app.form import from_text, to_text
 from elastomdr.app.scene import Done, compute, toml
 from elastomdr.app.security import Folder, Guard, safe
 from elastomdr.app.words import spoken
 from elastomdr.cli.bodies import Measured
 from elastomdr.cli.kinds import decoded
 from elastomdr.cli.main import main
-from elastomdr.cli.schema import keys_of, tables_of
+from elastomdr.cli.schema import keys_of
 from elastomdr.cli.steady import SurfaceContact, SurfaceFrictionScene
 
 from .simulated import simulated, until
@@ -42,17 +42,16 @@ def undrawn(monkeypatch):
 
 
 def typed(table, key, text):
-    return from_text(leaf(keys_of(table)[key].type), text)
+    return from_text(keys_of(table)[key], text)
 
 
 def walked(table, path=()):
     """Every key of a table that the page shows, with what it accepts."""
-    for key, field in keys_of(table).items():
-        tables, accepts = list(tables_of(field.type)), leaf(field.type)
-        if tables or accepts.kinds:
-            yield (*path, key), accepts
-        for inner in tables:
-            yield from walked(inner, (*path, key))
+    for name, key in keys_of(table).items():
+        if key.kinds:
+            yield (*path, name), key
+        for inner in key.tables:
+            yield from walked(inner, (*path, name))
 
 
 def test_every_field_is_called_in_words():
@@ -79,28 +78,33 @@ def test_every_field_is_called_in_words():
                 unit = words.unit(path, accepts.quantity)
                 assert words.with_signs(unit) in label or unit == "mm2"
                 assert accepts.quantity.read(f"1 {unit}") > 0
-    line = leaf(keys_of(SurfaceContact)["load"].type)
+    line = keys_of(SurfaceContact)["load"]
     assert words.label(("contact", "load"), line.quantity) == "Load F [N/m]"
 
 
 def test_errors_in_the_words_of_the_page():
     from elastomdr.app.words import in_words
 
-    for said, name, words in (
+    pressure, slope = "[contact] pressure", "[surface] rms_slope"
+    for error, name, words in (
         (
-            "[contact] pressure must be x.",
-            "[contact] pressure",
-            "Nominal pressure p must be x.",
+            em.InputError(argument=pressure, got=1.0, accepted="x"),
+            pressure,
+            "Nominal pressure p must be x, got 1.",
         ),
-        ("[surface] rms_slope is 3 m_s.", "", "“Rms slope ξ” is 3 m_s."),
         (
-            "[heat.road] must be given.",
+            em.InputError("rms_slope is 3 m_s.", argument=slope),
+            slope,
+            "“Rms slope ξ” is 3 m_s.",
+        ),
+        (
+            em.InputError("[heat.road] must be given."),
             "",
             "“Heat that flows into the road” must be given.",
         ),
-        ("use an em.layer (em.layer(x)).", "", "use a layer."),
+        (em.InputError("use an em.layer (em.layer(x))."), "", "use a layer."),
     ):
-        assert in_words(said, (name,)) == words
+        assert in_words(error, name) == words
 
 
 def test_texts_of_fields():
@@ -140,7 +144,7 @@ def test_texts_of_fields():
     assert typed(SurfaceContact, "pressure", "0.1, 0.3") == ["0.1", "0.3"]
     assert typed(SurfaceContact, "pressure", "0.1, 0.3MPa") == ["0.1 MPa", "0.3MPa"]
     # or that of the field
-    pressure = leaf(keys_of(SurfaceContact)["pressure"].type)
+    pressure = keys_of(SurfaceContact)["pressure"]
     assert from_text(pressure, "0.1, 0.3", "MPa") == ["0.1 MPa", "0.3 MPa"]
     assert from_text(pressure, "1 kPa", "MPa") == "1 kPa"
 
@@ -342,8 +346,9 @@ def test_what_a_file_does_not_say_is_asked_for_in_the_words_of_the_fields(
     for key, words in answers.items():
         with pytest.raises(em.InputError) as caught:
             calculate(content, session)
-        said = _for_form(str(caught.value))
-        assert said.startswith(key)
+        asked = _for_form(caught.value)
+        said = str(asked)
+        assert asked.argument == key
         assert words in said
         assert not any(odd in said for odd in ("--", "='", "em.", "={"))
         content |= (

@@ -16,7 +16,7 @@ import numpy as np
 import elastomdr as em
 from elastomdr.app.words import spoken
 from elastomdr.cli.kinds import decoded
-from elastomdr.cli.scene import models_by_name
+from elastomdr.cli.schema import given
 from elastomdr.results.curve import AbstractCurve
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "data"
@@ -209,12 +209,12 @@ class Walk:
             return  # its rubber may have been fitted anew
         verb, scene, folder = self.exported(screen)
         self.tab(screen)
-        with warnings.catch_warnings(record=True) as caught, models_by_name():
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             asked = decoded(verb, scene)
             result = getattr(em, asked.called())(**asked.arguments(folder))
             if verb == "compare":
-                result = result.ranking(**asked.compare.place())
+                result = result.ranking(**given(asked.compare))
         shutil.rmtree(folder)
         ours = (
             em.ConvergenceWarning,

@@ -364,7 +364,7 @@ CASES = {
         "leak",
         LEAK,
         ("[leak]", "[numerics]\nrtol = 1e-3\n[leak]"),
-        "[numerics] does not belong to a leak",
+        "numerics must be left out",
     ),
     "friction of a warming": (
         "friction",

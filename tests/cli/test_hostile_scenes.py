@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from elastomdr.cli.kinds import KINDS, decoded
-from elastomdr.cli.schema import keys_of, tables_of
+from elastomdr.cli.schema import keys_of
 from elastomdr.cli.sweep import assembled
 from elastomdr.errors import InputError
 
@@ -62,13 +62,13 @@ def places(content, before=()):
             yield from places(value, (*before, step))
 
 
-def keys(kind, before=()):
+def keys(tables, before=()):
     """The keys that a scene may have, whether the example has them or not."""
-    for table in tables_of(kind):
-        for key, field in keys_of(table).items():
-            yield (*before, key)
+    for table in tables:
+        for name, key in keys_of(table).items():
+            yield (*before, name)
             if len(before) < 3:
-                yield from keys(field.type, (*before, key))
+                yield from keys(key.tables, (*before, name))
 
 
 def changed(content, steps, value):
@@ -99,7 +99,7 @@ def every(path):
     verb, content = verb_of(path), tomllib.loads(path.read_text())
     kinds = KINDS.get(verb, ())
     kind = next((kind for kind in kinds if kind.fits(content)), (*kinds, None)[-1])
-    steps = {*places(content), *(keys(kind) if kind else ())}
+    steps = {*places(content), *(keys([kind]) if kind else ())}
     return verb, content, [(s, v) for s in sorted(steps, key=str) for v in HOSTILE]
 
 

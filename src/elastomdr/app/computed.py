@@ -66,7 +66,7 @@ class ComputedStage:
         session: Session,
         screen: Screen,
         changed: Callable[[], None],
-        elsewhere: Callable[[str], bool],
+        elsewhere: Callable[[InputError], bool],
     ):
         self._session, self._screen, self._changed, self._elsewhere = (
             session,
@@ -331,12 +331,10 @@ class ComputedStage:
             await self._show(computation, quiet)
         except InputError as error:
             self._clear()
-            message = str(error)
-            has_surface = "[surface] shape" in self.form.widgets
-            if has_surface or not (
-                message.startswith("[surface]") and self._elsewhere(message)
-            ):
-                self.form.show_error(message)
+            of_road = error.argument.startswith("[surface]")
+            here = "[surface] shape" in self.form.widgets or not of_road
+            if here or not self._elsewhere(error):
+                self.form.show_error(error)
         except CancelledError:
             return
         finally:

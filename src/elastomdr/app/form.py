@@ -3,91 +3,19 @@ its default and an example; and what is typed into it as the value of a scene, a
 """
 
 import re
-import types
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Any, TypeAlias
 
-import msgspec
 from nicegui import ui
 
-from ..cli.schema import Several, Sweep, accepted, is_list, keys_of, tables_of
-from ..cli.units import SceneQuantity
+from ..cli.schema import Content, Key, Table, about, keys_of
+from ..errors import InputError
 from . import words
 
 _SPAN = re.compile(r"(.+?)\s+to\s+(.+?)\s*[,;]\s*(\d+)(?:\s*points?)?", re.IGNORECASE)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 # The number is taken whole (possessive): "0.3" is no 0 with the unit ".3".
 _UNIT = re.compile(rf"(?>{_NUMBER.pattern})\s*((?:1/)?[^\d\s].*)")
-
-
-class Leaf(NamedTuple):
-    """What a key that is no table accepts."""
-
-    kinds: tuple[Any, ...]  # the types, without None
-    optional: bool
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The words that it accepts, where they are listed."""
-        return tuple(
-            word
-            for kind in self.kinds
-            if get_origin(kind) is Literal
-            for word in get_args(kind)
-        )
-
-    @property
-    def flag(self) -> bool:
-        """Whether it is true or false."""
-        return self.kinds == (bool,)
-
-    @property
-    def several(self) -> bool:
-        """Whether it accepts a list."""
-        return any(get_origin(kind) in (list, Several, Sweep) for kind in self.kinds)
-
-    @property
-    def spread(self) -> bool:
-        """Whether it accepts values from one to another."""
-        return any(get_origin(kind) is Sweep for kind in self.kinds)
-
-    @property
-    def numeric(self) -> bool:
-        """Whether it accepts bare numbers."""
-        return any(kind in (int, float) for kind in self._innermost())
-
-    @property
-    def quantity(self) -> type[SceneQuantity] | None:
-        """What it measures, None for a number or a text."""
-        return next(
-            (
-                k
-                for k in self._innermost()
-                if isinstance(k, type) and issubclass(k, SceneQuantity)
-            ),
-            None,
-        )
-
-    @property
-    def accepted(self) -> str:
-        """What it accepts, in words."""
-        return " or ".join(accepted(kind) for kind in self.kinds)
-
-    def _innermost(self) -> tuple[Any, ...]:
-        return tuple(
-            inner
-            for kind in self.kinds
-            for inner in (_parts(get_args(kind)[0]) if get_args(kind) else [kind])
-        )
-
-
-def leaf(kind: Any) -> Leaf:
-    """What the type of a key accepts."""
-    parts = _parts(kind)
-    return Leaf(
-        tuple(member for member in parts if member is not type(None)),
-        type(None) in parts or None in parts,
-    )
 
 
 def to_text(value: Any) -> str:
@@ -104,46 +32,28 @@ def to_text(value: Any) -> str:
     return words.with_signs(joined)
 
 
-def from_text(accepts: Leaf, typed: str | None, unit: str = "") -> Any:
+def from_text(key: Key, typed: str | None, unit: str = "") -> Any:
     """The value of a scene file that a text stands for; None where the key is left out.
     Numbers without a unit have the field's `unit`, where it has one.
 
     What is no value of the kind is returned as it is, so that the scene's own message
     says what is accepted.
     """
-    typed = (typed or "").strip()
-    typed = words.without_signs(typed)
+    typed = words.without_signs((typed or "").strip())
     if not typed:
         return None
-    if accepts.spread and (match := _SPAN.fullmatch(typed)) is not None:
+    if key.spread and (match := _SPAN.fullmatch(typed)) is not None:
         first, last = _with_unit([match[1], match[2]], unit)
         return {"from": first, "to": last, "points": int(match[3])}
-    parts = (
-        [entry.strip() for entry in re.split(r";|,\s+", typed) if entry.strip()]
-        if accepts.several
-        else [typed]
-    )
-    numeric = accepts.numeric and accepts.quantity is None
-    values = (
-        [_number(entry) for entry in parts]
-        if numeric
-        else _with_unit(parts, unit)
-        if accepts.quantity or unit
-        else parts
-    )
-    one = len(values) == 1 and not all(
-        get_origin(kind) is list for kind in accepts.kinds
-    )
-    return values[0] if one else values
-
-
-def _parts(kind: Any) -> tuple[Any, ...]:
-    """The members of a union, each without its notes."""
-    if get_origin(kind) is Annotated:
-        return _parts(get_args(kind)[0])
-    if get_origin(kind) in (Union, types.UnionType):
-        return tuple(inner for member in get_args(kind) for inner in _parts(member))
-    return (kind,)
+    values: list[Any] = [typed]
+    if key.several:
+        entries = map(str.strip, re.split(r";|,\s+", typed))
+        values = [entry for entry in entries if entry]
+    if key.numeric:
+        values = [_number(entry) for entry in values]
+    elif key.quantity or unit:
+        values = _with_unit(values, unit)
+    return values[0] if len(values) == 1 and not key.listed else values
 
 
 def _number(typed: str) -> Any:
@@ -166,7 +76,7 @@ def _with_unit(parts: list[str], unit: str = "") -> list[str]:
     ]
 
 
-Choices = Mapping[str, Callable[[], Mapping[str, str] | Sequence[str]]]
+Choices: TypeAlias = Mapping[str, Callable[[], Mapping[str, str] | Sequence[str]]]
 
 
 class TableForm:
@@ -187,31 +97,25 @@ class TableForm:
 
     def __init__(
         self,
-        table: Any,
-        content: dict[str, Any],
+        table: type[Table],
+        content: Content,
         *,
         only: Sequence[str] = (),
         first: Sequence[str] = (),
         choices: Choices | None = None,
-        changed: Callable[[str], Any] | None = None,
+        changed: Callable[[str], object] = lambda name: None,
         entered: Callable[[], Any] | None = None,
         left: Callable[[], Any] | None = None,
     ):
-        self.left = left
-        self.table, self.content, self.only, self.first = (
-            table,
-            content,
-            only,
-            set(first),
-        )
-        self.choices, self.changed, self.entered = dict(choices or {}), changed, entered
+        self.table, self.content = table, content
+        self.only, self.first = only, set(first)
+        self.choices, self.changed = dict(choices or {}), changed
+        self._called = {"keydown.enter": entered, "blur": left}
         self.widgets: dict[str, Any] = {}
-        self._folded: dict[str, Any] = {}  # field to the expansion that hides it
-        self._silent = False
+        self._folded: dict[str, ui.expansion] = {}  # field to what hides it
         self._place = ui.element("div").classes("form")
         self._alert = ui.label().classes("alert").props("role=alert")
         self._alert.visible = False
-        self._units: dict[str, str] = {}
         self.draw()
 
     def draw(self) -> None:
@@ -219,31 +123,13 @@ class TableForm:
         self.widgets, self._folded = {}, {}
         self._place.clear()
         keys = keys_of(self.table)
+        shown = [keys[key] for key in self.only or keys if key in keys]
         with self._place:
-            self._keys(
-                {key: keys[key] for key in self.only or keys if key in keys},
-                (),
-                self.content,
-            )
+            self._keys(shown, (), self.content)
 
     def set(self, name: str, value: Any) -> None:
         """Gives a field a value as if it had been typed."""
         self.widgets[name].value = value if isinstance(value, bool) else to_text(value)
-
-    def refresh_choices(self) -> None:
-        """Looks anew for what there is to choose from, such as files that have been
-        dropped.
-        """
-        self._silent = True
-        for name, choices in self.choices.items():
-            if (widget := self.widgets.get(name)) is not None:
-                options = _as_options(choices())
-                kept = widget.value
-                for value in kept if isinstance(kept, list) else [kept]:
-                    if value:
-                        options.setdefault(value, value)
-                widget.set_options(options, value=kept)
-        self._silent = False
 
     def clear_errors(self) -> None:
         """Takes all messages away."""
@@ -251,13 +137,13 @@ class TableForm:
         for widget in self.widgets.values():
             _mark(widget, None)
 
-    def show_error(self, message: str) -> str:
-        """Puts a message beside the field that it names; returns the field's name,
+    def show_error(self, error: InputError) -> str:
+        """Puts an error beside the field that it names; returns the field's name,
         empty where there is none here.
         """
         self.clear_errors()
-        name = self._field(message)
-        message = words.in_words(message, (name,) if name else ())
+        name = self._field(error.argument)
+        message = words.in_words(error, name)
         if not hasattr(self.widgets.get(name), "error"):
             self._alert.text = message
             self._alert.visible = True
@@ -268,52 +154,29 @@ class TableForm:
         self.widgets[name].run_method("focus")
         return name
 
-    def _field(self, message: str) -> str:
-        """The field that a message begins with, or that it names first."""
-        for name in sorted(self.widgets, key=len, reverse=True):
-            if re.match(rf"{re.escape(name)}(?!\w)", message):
-                return name
-        words, last = (
-            re.findall(r"\w+", message),
-            {name.split()[-1]: name for name in reversed(self.widgets)},
-        )
-        table = re.match(r"\[(\w+)\]", message)
-        within = {
-            key: name
-            for key, name in last.items()
-            if table is None or name.startswith(table[0])
-        }
-        if table is None:  # the argument of a call
-            return last.get(words[0], "") if words else ""
-        return next(
-            (
-                field_names[word]
-                for field_names in (within, last)
-                for word in words
-                if word in field_names
-            ),
-            "",
-        )
+    def _field(self, argument: str) -> str:
+        """The field of an argument, or of one of its entries."""
+        ends = f"{argument}["
+        return next((n for n in self.widgets if ends.startswith(f"{n}[")), "")
 
     def _keys(
-        self, fields: Mapping[str, Any], path: tuple[str, ...], content: dict[str, Any]
+        self, keys: Sequence[Key], path: tuple[str, ...], content: Content
     ) -> None:
-        """The fields of one table; those that are seldom needed are folded away."""
-        shown = [
-            key
-            for key, field in fields.items()
-            if self._is_first(key, field, path, content)
-        ]
+        """The fields of one table; those that are seldom needed are folded away. A key
+        that scenes of this kind must leave out has none, nor has a list of tables.
+        """
+        at_once, rest = [], []
+        for key in keys:
+            name = _name((*path, key.name))
+            if not key.kinds or (key.listed and key.tables):
+                continue
+            if key.required or content.get(key.name) or name in self.first:
+                at_once.append(key)
+            elif name not in words.ELSEWHERE:
+                rest.append(key)
         with ui.element("div").classes("fields"):
-            for key in shown:
-                self._key(key, fields[key], path, content)
-        rest = [
-            key
-            for key in fields
-            if key not in shown
-            and not self._is_nothing(fields[key])
-            and _name((*path, key)) not in words.ELSEWHERE
-        ]
+            for key in at_once:
+                self._key(key, path, content)
         if not rest:
             return
         before = set(self.widgets)
@@ -322,181 +185,132 @@ class TableForm:
             ui.element("div").classes("fields"),
         ):
             for key in rest:
-                self._key(key, fields[key], path, content)
+                self._key(key, path, content)
         for name in self.widgets.keys() - before:
             self._folded.setdefault(name, fold)
 
-    def _is_first(
-        self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]
-    ) -> Any:
-        name = _name((*path, key))
-        return not self._is_nothing(field) and (
-            field.required or content.get(key) or name in self.first
-        )
+    def _key(self, key: Key, path: tuple[str, ...], content: Content) -> None:
+        path = (*path, key.name)
+        if not key.tables:
+            return self._leaf(key, path, content)
+        with ui.element("fieldset").classes("group"):
+            if len(key.tables) > 1:
+                return self._union(key, path, content)
+            self._table(key, path, content)
 
-    def _is_nothing(self, field: Any) -> bool:
-        """A key that scenes of this kind must leave out, or a list of tables, for which
-        there are no forms.
-        """
-        return not leaf(field.type).kinds or (
-            is_list(field.type) and bool(tables_of(field.type))
-        )
-
-    def _key(
-        self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]
-    ) -> None:
-        tables = list(tables_of(field.type))
-        if not tables:
-            return self._leaf(key, field, path, content)
-        if len(tables) > 1:
-            return self._union(key, field, tables, path, content)
-        self._table(key, field, tables[0], path, content)
-
-    def _table(
-        self,
-        key: str,
-        field: Any,
-        table: Any,
-        path: tuple[str, ...],
-        content: dict[str, Any],
-    ) -> None:
+    def _table(self, key: Key, path: tuple[str, ...], content: Content) -> None:
         """A table within the table; one that may be left out has a box to tick."""
-        with ui.element("fieldset").classes("group"):
-            optional = field.default is None
-            title = words.title((*path, key))
-            if not optional:
-                _legend(title)
-            box = ui.checkbox(title, value=key in content) if optional else None
-            place = ui.element("div")
+        (table,), name, title = key.tables, key.name, words.title(path)
+        box = None
+        if key.default is None:
+            box = ui.checkbox(title, value=name in content)
+            self.widgets[_name(path)] = box
+        else:
+            _legend(title)
+        place = ui.element("div")
 
-            def draw() -> None:
-                place.clear()
-                if box is None or box.value:
-                    inner = content.get(key) if optional or key in content else None
-                    inner = content.setdefault(key, {}) if inner is None else inner
-                    with place:
-                        self._keys(keys_of(table), (*path, key), inner)
-
-            def ticked() -> None:
-                if not box.value:  # type: ignore[union-attr]
-                    content.pop(key, None)
-                self._forget((*path, key))
-                draw()
-                self._tell(key)
-
-            if box is not None:
-                self.widgets[_name((*path, key))] = box
-                box.on_value_change(ticked)
-            draw()
-
-    def _union(
-        self,
-        key: str,
-        field: Any,
-        tables: Sequence[Any],
-        path: tuple[str, ...],
-        content: dict[str, Any],
-    ) -> None:
-        """A table of several kinds, of which one is chosen."""
-        configs = [table.__struct_config__ for table in tables]
-        tag = configs[0].tag_field
-        by_word = {
-            config.tag: table for config, table in zip(configs, tables, strict=True)
-        }
-        inner = content.setdefault(key, {})
-        inner.setdefault(tag, next(iter(by_word)))
-        name = _name((*path, key, tag))
-        with ui.element("fieldset").classes("group"):
-            _legend(words.title((*path, key)))
-            kinds = {word: word.replace("_", " ") for word in by_word}
-            select = ui.select(
-                kinds, value=inner[tag], label=words.title((*path, key, tag))
-            ).classes("field")
-            about = ui.label().classes("about")
-            self.widgets[name] = select
-            place = ui.element("div")
-
-            def draw() -> None:
-                place.clear()
-                about.text = (by_word[inner[tag]].__doc__ or "").split("\n")[0]
+        def draw() -> None:
+            place.clear()
+            if box is None or box.value:
+                if content.get(name) is None:
+                    content[name] = {}
                 with place:
-                    self._keys(keys_of(by_word[inner[tag]]), (*path, key), inner)
+                    self._keys([*keys_of(table).values()], path, content[name])
 
-            def chosen() -> None:
-                if select.value == inner.get(tag):
-                    return
-                kept = {
-                    k: v
-                    for k, v in inner.items()
-                    if k in keys_of(by_word[select.value])
-                }
-                inner.clear()
-                inner.update({tag: select.value, **kept})
-                self._forget((*path, key), keep=name)
-                draw()
-                self._tell(name)
-
-            select.on_value_change(chosen)
+        def ticked() -> None:
+            content.pop(name, None)
+            self._forget(path)
             draw()
+            self.changed(name)
 
-    def _leaf(
-        self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]
-    ) -> None:
-        accepts, name = leaf(field.type), _name((*path, key))
-        label = words.label((*path, key), accepts.quantity) + (
-            " *" if field.required else ""
-        )
-        value = content.get(key)
-        meaning = words.hint((*path, key), _meaning(field.type))
-        self._units[name] = words.unit((*path, key), accepts.quantity)
+        if box is not None:
+            box.on_value_change(ticked)
+        draw()
+
+    def _union(self, key: Key, path: tuple[str, ...], content: Content) -> None:
+        """A table of several kinds, of which one is chosen."""
+        by_word = {str(t.__struct_config__.tag): t for t in key.tables}
+        tag = str(key.tables[0].__struct_config__.tag_field)
+        inner = content.setdefault(key.name, {})
+        inner.setdefault(tag, next(iter(by_word)))
+        name = _name((*path, tag))
+        _legend(words.title(path))
+        select = ui.select(
+            {word: word.replace("_", " ") for word in by_word},
+            value=inner[tag],
+            label=words.title((*path, tag)),
+        ).classes("field")
+        said = ui.label().classes("about")
+        self.widgets[name] = select
+        place = ui.element("div")
+
+        def draw() -> None:
+            place.clear()
+            table = by_word[inner[tag]]
+            said.text = about(table)
+            with place:
+                self._keys([*keys_of(table).values()], path, inner)
+
+        def chosen() -> None:
+            if select.value == inner.get(tag):
+                return
+            known = keys_of(by_word[select.value])
+            kept = {k: value for k, value in inner.items() if k in known}
+            inner.clear()
+            inner.update({tag: select.value, **kept})
+            self._forget(path, keep=name)
+            draw()
+            self.changed(name)
+
+        select.on_value_change(chosen)
+        draw()
+
+    def _leaf(self, key: Key, path: tuple[str, ...], content: Content) -> None:
+        name, value = _name(path), content.get(key.name)
+        label = words.label(path, key.quantity) + (" *" if key.required else "")
+        default = "automatic" if key.default is None else str(key.default)
         if name in self.choices:
-            widget = self._choice(name, label, field, accepts, value)
-        elif accepts.flag:
-            widget = _flag(label, field, accepts, value)
-        elif accepts.words:
-            first = "choose" if field.required else _default(field.default)
-            options = {"": first, **words.choices(key, accepts.words)}
+            widget = self._choice(name, label, key, value)
+        elif key.flag:
+            widget = _flag(label, key, value)
+        elif key.words:
+            first = "choose" if key.required else default
+            options = {"": first, **words.choices(key.name, key.words)}
             widget = ui.select(options, value=value or "", label=label)
         else:
-            widget = ui.input(
-                label=label, value=to_text(value), placeholder=_example(accepts)
-            )
-            if self.entered is not None:
-                widget.on("keydown.enter", self.entered)
-            if self.left is not None:
-                widget.on("blur", self.left)
+            example = _example(key)
+            widget = ui.input(label, value=to_text(value), placeholder=example)
+            for event, called in self._called.items():
+                if called is not None:
+                    widget.on(event, called)
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
-            has_default = field.default not in (None, msgspec.NODEFAULT)
-            if has_default:
-                default = f"{_default(field.default)} where nothing is chosen"
+            meaning = words.hint(path, key.meaning)
+            if not key.required and key.default is not None:
+                default = f"{default} where nothing is chosen"
                 meaning = "; ".join(filter(None, (meaning, default)))
             widget.props["hint"] = meaning
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
 
         def typed() -> None:
-            if self._silent:
-                return
-            new = self._value(widget, accepts, name)
-            if new == content.get(key):
+            new = self._value(widget, key, path)
+            if new == content.get(key.name):
                 return
             if new is None:
-                content.pop(key, None)
+                content.pop(key.name, None)
             else:
-                content[key] = new
+                content[key.name] = new
             _mark(widget, None)
             self._alert.visible = False
-            self._tell(name)
+            self.changed(name)
 
         widget.on_value_change(typed)
 
-    def _choice(
-        self, name: str, label: str, field: Any, accepts: Leaf, value: Any
-    ) -> Any:
+    def _choice(self, name: str, label: str, key: Key, value: Any) -> ui.select:
         """A field with what there is to choose from, one or several."""
         options = _as_options(self.choices[name]())
-        several = accepts.several and (isinstance(value, list) or name in self.first)
+        several = key.several and (isinstance(value, list) or name in self.first)
         for each in value if isinstance(value, list) else [value]:
             if each:
                 options.setdefault(each, each)
@@ -505,21 +319,18 @@ class TableForm:
             value=([] if several else None) if value is None else value,
             label=label,
             multiple=several,
-            clearable=not field.required,
+            clearable=not key.required,
         )
         return widget.props("use-chips" if several else "")
 
-    def _value(self, widget: Any, accepts: Leaf, name: str) -> Any:
+    def _value(self, widget: Any, key: Key, path: tuple[str, ...]) -> Any:
         value = widget.value
-        if accepts.flag:
-            return (
-                {"": None, "true": True, "false": False}[value]
-                if accepts.optional
-                else value
-            )
-        if name in self.choices or accepts.words:
+        if key.flag:
+            answers = {"": None, "true": True, "false": False}
+            return answers[value] if key.optional else value
+        if _name(path) in self.choices or key.words:
             return value or None
-        return from_text(accepts, value, self._units[name])
+        return from_text(key, value, words.unit(path, key.quantity))
 
     def _forget(self, path: tuple[str, ...], keep: str = "") -> None:
         """Drops the fields of a table that is drawn anew."""
@@ -529,37 +340,19 @@ class TableForm:
         ]:
             del self.widgets[name]
 
-    def _tell(self, name: str) -> None:
-        if self.changed is not None:
-            self.changed(name)
-
 
 def _name(path: tuple[str, ...]) -> str:
     """A key's place as the errors of scene files call it, such as "[contact] load"."""
     return f"[{'.'.join(path[:-1])}] {path[-1]}" if path[1:] else path[0]
 
 
-def _meaning(kind: Any) -> str:
-    return next(
-        (note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)),
-        "",
-    )
-
-
-def _default(default: Any) -> str:
-    if default is None or default is msgspec.NODEFAULT:
-        return "automatic"
-    return str(default)
-
-
-def _example(accepts: Leaf) -> str:
-    quantity = accepts.quantity
-    if quantity is None:
-        return "1, 2, 3" if accepts.several and accepts.numeric else ""
-    example = words.with_signs(quantity.example)
-    if accepts.spread:
+def _example(key: Key) -> str:
+    if key.quantity is None:
+        return "1, 2, 3" if key.several and key.numeric else ""
+    example = words.with_signs(key.quantity.example)
+    if key.spread:
         return f"{example}, or A to B, 24 points"
-    return f"{example}, or several" if accepts.several else example
+    return f"{example}, or several" if key.several else example
 
 
 def _as_options(choices: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
@@ -570,13 +363,13 @@ def _as_options(choices: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
     )
 
 
-def _flag(label: str, field: Any, accepts: Leaf, value: Any) -> Any:
+def _flag(label: str, key: Key, value: Any) -> ui.checkbox | ui.select:
     """A box to tick; of three answers where the default is one of its own."""
-    if not accepts.optional:
-        shown = field.default if value is None else value
+    if not key.optional:
+        shown = key.default if value is None else value
         return ui.checkbox(label.removesuffix(" *"), value=shown)
     options = {"": "automatic", "true": "yes", "false": "no"}
-    chosen = {None: "", True: "true", False: "false"}[value]
+    chosen = "" if value is None else str(value).lower()
     return ui.select(options, value=chosen, label=label)
 
 

@@ -18,7 +18,7 @@ from .screens import COMPARE, FRICTION, ROLLING, SEAL, TYRE
 from .session import DRAWING, Session, Sessions
 from .stage import BUTTON, Busy
 from .start import StartStage
-from .words import spoken
+from .words import in_words
 
 _KINDS = {"CSV": "csv", "Excel": "xlsx", "PNG": "png", "SVG": "svg", "All (zip)": "zip"}
 
@@ -84,7 +84,7 @@ class ExportStage:
                 DRAWING, self._made, stem, computation, ending, kind=ending
             )
         except InputError as error:
-            ui.notify(spoken(str(error)), type="negative")
+            ui.notify(in_words(error), type="negative")
             return
         except CancelledError:
             return
@@ -227,9 +227,9 @@ class Page:
         for stage in self._computing():
             stage.refresh()
 
-    def _on_road(self, message: str) -> bool:
+    def _on_road(self, error: InputError) -> bool:
         """Shows what is wrong with the road where the road is filled in."""
-        marked_field = self.screen("Road").form.show_error(message)
+        marked_field = self.screen("Road").form.show_error(error)
         if marked_field:
             self._tabs.value = "Road"
         return bool(marked_field)

@@ -5,7 +5,7 @@ and cutoffs that move.
 import copy
 import math
 from functools import partial
-from typing import Annotated, Any
+from typing import Any
 
 import msgspec
 from nicegui import background_tasks, ui
@@ -13,7 +13,7 @@ from nicegui import background_tasks, ui
 import elastomdr as em
 
 from ..cli import bodies as kinds
-from ..cli.schema import Table, decode
+from ..cli.schema import Table, decode, named
 from ..errors import InputError
 from ..results.plot_contacts import draw_cutoffs
 from .chart import drawn
@@ -49,9 +49,13 @@ _WIDEST = (1e-7, 1.0)  # wavelengths of a self-affine surface that a slider reac
 
 
 class Road(Table):
-    """The rough surface of a scene."""
+    """The rough surface of a scene.
 
-    surface: Annotated[kinds.AnySurface, "the rough surface"]
+    Keys:
+        surface: the rough surface
+    """
+
+    surface: kinds.AnySurface
 
 
 class RoadStage:
@@ -165,7 +169,7 @@ class RoadStage:
             self._show(seen)
         except InputError as error:
             self._clear()
-            self.form.show_error(str(error))
+            self.form.show_error(error)
         except CancelledError:
             self._clear()
 
@@ -218,12 +222,10 @@ def look(content: dict[str, Any], session: Session) -> dict[str, Any]:
     """
     session.folder.check([content["file"]] if "file" in content else [])
     asked = decode(Road, {"surface": content}).surface
-    try:
+    with named("[surface]"):
         road = asked.make(session.folder.path)
         uncut = isinstance(asked, kinds.Measured) and asked.shortest is None
         whole = road if uncut else _whole(asked, session.folder)
-    except InputError as error:
-        raise InputError(f"[surface] {error}") from error
     waves = [2 * math.pi / float(q) for q in (road.q_low, road.q_high)]
     limits = list(reversed(_measured(whole))) if whole is not None else list(_WIDEST)
     words = (
@@ -296,5 +298,5 @@ def recognised(folder: Folder, name: str) -> dict[str, Any]:
         em.read_surface(path)
         return {"shape": "file", "file": name}
     except InputError as error:
-        heights = "pixel_size" in str(error) or "unit" in str(error)
+        heights = error.argument in ("pixel_size", "unit")
         return {"shape": "file" if heights else "spectrum", "file": name}

@@ -7,7 +7,7 @@ import re
 import shlex
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from nicegui import background_tasks, ui
@@ -57,84 +57,54 @@ _FIRST = ("data", "reference", "name", "poisson")
 class Fit(Table):
     """How measured isotherms are read and made into a material: the options of
     elastomdr fit.
+
+    Keys:
+        data: the files that were dropped; several files of one material are joined
+        reference: reference temperature, by default the isotherm nearest 20 degC
+        name: name of the material, by default that of the data
+        poisson: Poisson's ratio, by default 0.5
+        kind: what the moduli are, where the file does not say
+        temperature: of all points, or one for each isotherm, where the file does not
+            say
+        frequency_unit: Hz or rad/s, where the file does not say
+        modulus_unit: Pa, kPa, MPa or GPa, where the file does not say
+        temperature_unit: degC or K, where the file does not say
+        time_unit: s, ms, min or h, where the file does not say
+        column: columns by quantity, such as "storage=4, loss=5"
+        area: section of the specimen, such as 100 mm2, where the file has stiffness
+        length: length of the specimen, such as 20 mm, where the file has stiffness
+        ramp: duration of the ramp before relaxation, such as 1 s, where times count
+            from its start
+        strain: amplitude to use, such as 0.1 %, where several were measured; by default
+            the smallest
+        storage_only: whether there is no loss modulus in the file
+        shift: a known shift law, such as WLF(8.86, 101.6, 20degC), a dropped file of
+            factors, or "universal"
+        law: shift law
+        vertical: with or without vertical shifts; by default the data decide
+        terms: number of relaxation times, by default the data decide
     """
 
-    data: Annotated[
-        list[str],
-        "the files that were dropped; several files of one material are joined",
-    ]
-    reference: Annotated[
-        Temperature | None,
-        "reference temperature, by default the isotherm nearest 20 degC",
-    ] = None
-    name: Annotated[
-        Text | None, "name of the material, by default that of the data"
-    ] = None
-    poisson: Annotated[float | None, "Poisson's ratio, by default 0.5"] = None
-    kind: Annotated[
-        Literal["shear", "tensile"] | None,
-        "what the moduli are, where the file does not say",
-    ] = None
-    temperature: Annotated[
-        Several[Temperature] | None,
-        "of all points, or one for each isotherm, where the file does not say",
-    ] = None
-    frequency_unit: Annotated[
-        Text | None, "Hz or rad/s, where the file does not say"
-    ] = None
-    modulus_unit: Annotated[
-        Text | None, "Pa, kPa, MPa or GPa, where the file does not say"
-    ] = None
-    temperature_unit: Annotated[
-        Text | None, "degC or K, where the file does not say"
-    ] = None
-    time_unit: Annotated[
-        Text | None, "s, ms, min or h, where the file does not say"
-    ] = None
-    column: Annotated[
-        Several[Text] | None, 'columns by quantity, such as "storage=4, loss=5"'
-    ] = None
-    area: Annotated[
-        Text | None,
-        "section of the specimen, such as 100 mm2, where the file has stiffness",
-    ] = None
-    length: Annotated[
-        Text | None,
-        "length of the specimen, such as 20 mm, where the file has stiffness",
-    ] = None
-    ramp: Annotated[
-        Text | None,
-        (
-            "duration of the ramp before relaxation, such as 1 s, where times count "
-            "from its start"
-        ),
-    ] = None
-    strain: Annotated[
-        Text | None,
-        (
-            "amplitude to use, such as 0.1 %, where several were measured; by default "
-            "the smallest"
-        ),
-    ] = None
-    storage_only: Annotated[bool, "whether there is no loss modulus in the file"] = (
-        False
-    )
-    shift: Annotated[
-        Text | None,
-        (
-            "a known shift law, such as WLF(8.86, 101.6, 20degC), a dropped file of "
-            'factors, or "universal"'
-        ),
-    ] = None
-    law: Annotated[
-        Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None, "shift law"
-    ] = None
-    vertical: Annotated[
-        bool | None, "with or without vertical shifts; by default the data decide"
-    ] = None
-    terms: Annotated[
-        int | None, "number of relaxation times, by default the data decide"
-    ] = None
+    data: list[str]
+    reference: Temperature | None = None
+    name: Text | None = None
+    poisson: float | None = None
+    kind: Literal["shear", "tensile"] | None = None
+    temperature: Several[Temperature] | None = None
+    frequency_unit: Text | None = None
+    modulus_unit: Text | None = None
+    temperature_unit: Text | None = None
+    time_unit: Text | None = None
+    column: Several[Text] | None = None
+    area: Text | None = None
+    length: Text | None = None
+    ramp: Text | None = None
+    strain: Text | None = None
+    storage_only: bool = False
+    shift: Text | None = None
+    law: Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None = None
+    vertical: bool | None = None
+    terms: int | None = None
 
     def command(self) -> str:
         """The command that does the same."""
@@ -285,7 +255,7 @@ class RubberStage:
         self._clear()
         self._button.disable()
         asked = copy.deepcopy(self._session.rubber)
-        self._asked = self._session.question = ""
+        self._asked, self._session.question = "", None
         try:
             fitted = await self._busy.during(
                 COMPUTING,
@@ -297,7 +267,7 @@ class RubberStage:
             )
             fitted.figures = await worked(COMPUTING, figures, fitted.fit)
         except InputError as error:
-            self._ask(_for_form(str(error)), asked)
+            self._ask(_for_form(error), asked)
             return
         except CancelledError:
             return
@@ -309,7 +279,7 @@ class RubberStage:
         self._show(fitted)
         self._changed(fitted.name)
 
-    def _ask(self, question: str, tried: dict[str, Any]) -> None:
+    def _ask(self, question: InputError, tried: dict[str, Any]) -> None:
         """Asks beside a field, and fits once it has its answer: chosen, or typed and
         left.
         """
@@ -485,7 +455,13 @@ def _field(option: re.Match[str]) -> str:
     return quoted(option[1].replace("-", "_"))
 
 
-def _for_form(message: str) -> str:
+def _for_form(error: InputError) -> InputError:
+    message = _said_in_form(str(error))
+    first = re.match(r"\w+", message)
+    return InputError(message, argument=first[0] if first else "")
+
+
+def _said_in_form(message: str) -> str:
     """A reader names the file first, and options of the command line; here it is the
     field that is named.
     """

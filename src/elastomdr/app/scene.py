@@ -2,6 +2,7 @@
 tables and its figure; a slip curve with the friction of its own rubber on the road.
 """
 
+import contextlib
 import dataclasses
 import inspect
 import io
@@ -9,7 +10,7 @@ import json
 import math
 import tempfile
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
@@ -23,8 +24,7 @@ import elastomdr as em
 from .. import __version__
 from ..cli.compute import how_drawn
 from ..cli.kinds import decoded
-from ..cli.scene import models_by_name
-from ..cli.schema import named
+from ..cli.schema import given, named
 from ..errors import InputError, heard, quiet
 from ..results.base import Result
 from ..results.uncertainty import Uncertainty
@@ -201,28 +201,39 @@ def compute(
         for name in files_of(content)
         if name == TABLE or name.endswith(".toml")
     }
-    with heard() as said, models_by_name():
+    with heard() as said:
         arguments = scene.arguments(folder.path)
         plot_options = how_drawn(scene, arguments, folder.path)
         call = getattr(em, scene.called())
         tells = "progress" in inspect.signature(call).parameters
         more = {"progress": progress} if tells else {}
-        try:
+        with scene.in_keys(), _within(arguments.get("friction")):
             result = call(**arguments, **more)
-        except InputError as error:
-            if "within the friction law" in str(error):
-                raise InputError(
-                    f"friction: {error} Computed on the road of the road screen it covers "
-                    "what the wheel needs."
-                ) from error
-            raise
         if verb == "compare":
             if not result.materials:
                 raise InputError("material must be two or more to be compared.")
             with named("[compare]"):
-                result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
+                result = result.ranking(**given(scene.compare))  # type: ignore[attr-defined]
     texts = tuple(dict.fromkeys(spoken(each.message) for each in said))
     return Done(verb, content, result, texts, plot_options, content, made=made)
+
+
+@contextlib.contextmanager
+def _within(law: object) -> Iterator[None]:
+    """Says of a value beyond a table of friction what to do."""
+    try:
+        yield
+    except InputError as error:
+        axes = law.axes() if isinstance(law, em.FrictionLaw) else {}
+        axis, got = axes.get(error.argument), error.got
+        if (
+            axis is not None
+            and isinstance(got, float)
+            and not axis[0] <= got <= axis[-1]
+        ):
+            error.subject, error.argument = f"friction: {error.subject}", "friction"
+            error.hint = "Computed on the road of the road screen it covers what the wheel needs."
+        raise
 
 
 def _written(write: Callable[[Path], None], name: str) -> bytes:
@@ -290,12 +301,9 @@ def compute_on_road(
     try:
         table = compute("friction", scene, folder, progress)
     except InputError as error:
-        message = str(error)
-        raise InputError(
-            message
-            if message.startswith(("[surface]", "material"))
-            else f"friction: {message}"
-        ) from error
+        if not error.argument.startswith(("[surface]", "material")):
+            error.subject, error.argument = f"friction: {error.subject}", "friction"
+        raise
     folder.keep(TABLE, table.csv(), anew=True)
     computation = compute("traction", wheel | {"friction": TABLE}, folder)
     computation.asked = wheel | {"road": of_the_road(road)}

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..errors import InputError
 from .scene import Done
 from .security import Folder
 
@@ -29,7 +30,7 @@ class Session:
     scenes: dict[str, dict[str, Any]] = field(default_factory=dict)
     done: dict[str, Done] = field(default_factory=dict)  # by stage
     rubber: dict[str, Any] = field(default_factory=dict)  # what is asked of a fit
-    question: str = ""  # what a fit needs to know, "" where it needs nothing
+    question: InputError | None = None  # what a fit needs to know
     # by the name of the material's file
     fits: dict[str, Any] = field(default_factory=dict)
     # material's file to the command that makes it

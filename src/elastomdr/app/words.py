@@ -2,10 +2,9 @@
 scene files stand in the exported scene only.
 """
 
-import re
 from collections.abc import Iterable
 
-from ..cli.units import SceneQuantity
+from ..cli.units import SceneQuantity, shown
 from ..errors import InputError
 
 # By key, or by table and key where a key means different things. After a bar, what
@@ -213,9 +212,16 @@ _CHOICES = {
 ELSEWHERE = {
     f"[surface] {key}" for key in ("equivalent_length", "seed", "periods", "samples")
 }
-_ANY_TABLE = "|".join(map(re.escape, _TABLES))
 # as the page spells a unit, and as scene files do
 _SIGNS = {"°C": "degC", "µm": "um", "·": "*", "³": "^3"}
+_SPELLED = {
+    "degC  ": "°C    ",
+    "degC": "°C",
+    "+-": "±",
+    "m^3": "m³",
+    **{f"{before}um": f"{before}µm" for before in " [(0123456789"},
+    **{f"{a}*{b}": f"{a}·{b}" for a, b in ("as", "Ns", "mK", "³K")},
+}
 
 
 def label(path: tuple[str, ...], quantity: type[SceneQuantity] | None = None) -> str:
@@ -228,7 +234,7 @@ def label(path: tuple[str, ...], quantity: type[SceneQuantity] | None = None) ->
     try:
         quantity.read(f"1 {label_unit}")
     except InputError:
-        return re.sub(r"\[.*\]$", with_signs(f"[{quantity.unit}]"), entry)
+        return f"{_without_unit(entry)} [{with_signs(quantity.unit)}]"
     return entry
 
 
@@ -253,17 +259,22 @@ def unit(path: tuple[str, ...], quantity: type[SceneQuantity] | None = None) -> 
 
 
 def _unit_of(entry: str) -> str:
-    match = re.search(r" \[(.*)\]$", entry)
-    unit_text = "" if match is None or match[1] == "-" else match[1]
+    unit_text = entry[len(_without_unit(entry)) :].strip(" []-")
     return without_signs(unit_text.replace("mm²", "mm2"))
 
 
+def _without_unit(entry: str) -> str:
+    return entry.rpartition(" [")[0] if entry.endswith("]") else entry
+
+
 def with_signs(words: str) -> str:
-    """A text with units as the page spells them: °C, µm, mPa·s, m³, ±."""
-    words = words.replace("degC", "°C").replace("+-", "±")
-    words = re.sub(r"(?<![A-Za-z])um\b", "µm", words)
-    words = re.sub(r"(?<=\bm)\^3|(?<=\bmm)\^3", "³", words)
-    return re.sub(r"(?<=[A-Za-z³])\*(?=[A-Za-z])", "·", words)
+    """A text with units as the page spells them: °C, µm, mPa·s, m³, ±; what stands in
+    columns stays in line.
+    """
+    words = f" {words}"
+    for spelled, sign in _SPELLED.items():
+        words = words.replace(spelled, sign)
+    return words[1:]
 
 
 def without_signs(words: str) -> str:
@@ -275,7 +286,7 @@ def without_signs(words: str) -> str:
 
 def title(path: tuple[str, ...]) -> str:
     """What a field is called within a sentence: without its unit."""
-    return re.sub(r" \[.*\]$", "", label(path))
+    return _without_unit(label(path))
 
 
 def quoted(*path: str) -> str:
@@ -283,49 +294,56 @@ def quoted(*path: str) -> str:
     return f"“{title(path)}”"
 
 
-def in_words(message: str, names: Iterable[str]) -> str:
-    """A message about a scene in the words of the page; `names` are those of the
-    fields, such as "[contact] load".
+def in_words(error: InputError, name: str = "") -> str:
+    """An error about a scene in the words of the page; `name` is that of its field, such
+    as "[contact] load".
     """
-    for name in sorted(names, key=len, reverse=True):
-        message = re.sub(
-            rf"^{re.escape(name)}(?!\w)",
-            lambda _, name=name: title(path_of(name)),
-            message,
-        )
-    message = re.sub(rf"\[({_ANY_TABLE})\](?: (\w+))?", _place, message)
-    for key in _LABELS:
-        if "_" in key and "." not in key:
-            message = re.sub(rf"\b{key}\b", quoted(key), message)
-    return " ".join(spoken(message).split())
+    first, colon, rest = error.subject.partition(": ")
+    first = title(path_of(name)) if name and first else first
+    if path_of(rest)[-1] in _LABELS:
+        rest = quoted(*path_of(rest))
+    words = error.words(f"{first}{colon}{rest}", shown).split()
+    return " ".join(spoken(" ".join(map(_in_fields, words))).split())
 
 
-def _place(match: re.Match[str]) -> str:
-    """A table, or a key of a table, within a message."""
-    table, key = match[1].split("."), match[2] or ""
-    if ".".join([table[-1], key]) in _LABELS or key in _LABELS:
-        return quoted(*table, key)
-    return " ".join(filter(None, (quoted(*table), key)))
+def _in_fields(word: str) -> str:
+    """A word of an error, or the field that it names: a table, or a key of two words."""
+    bare = word.strip(".,;:()")
+    path = bare.strip("[]").split(".")
+    known = _TABLES if bare.startswith("[") else _LABELS if "_" in bare else {}
+    if path[-1] in known or ".".join(path) in known:
+        return word.replace(bare, quoted(*path))
+    return word
 
 
 def spoken(message: str) -> str:
     """A message without what is said to users of Python and of the command line."""
-    message = re.sub(r" \((?:em\.|--)[^()]*(?:\([^()]*\)[^()]*)*\)", "", message)
-    message = re.sub(r" \(`elastomdr [^`]*`\)", "", message)
-    message = re.sub(r"\ban? em\.", "a ", message)
-    message = re.sub(
-        r"\bem\.(\w+)(?:\([^()]*\))?", lambda call: call[1].lower(), message
-    )
     message = message.replace("In a scene, titles", "Titles")
     message = message.replace(" beside the scene", " that was dropped here")
-    message = re.sub(r"degC(?= {2})", "°C  ", message)  # columns stay in line
-    return with_signs(message)
+    said: list[str] = []
+    depth = 0  # of the parentheses that are left out
+    for word in message.split(" "):
+        aside = word.startswith(("(em.", "(--", "(`elastomdr"))
+        called = word.startswith("em.")
+        if called and not depth:
+            name = word.removeprefix("em.").partition("(")[0]
+            ends = name.rstrip(".,;:")
+            said.append(name.replace(ends, ends.lower()))
+            if said[-2:-1] == ["an"]:
+                said[-2] = "a"
+        if depth or aside or (called and "(" in word):
+            depth += word.count("(") - word.count(")")
+            if not depth and said:
+                said[-1] += word.rpartition(")")[2]
+        elif not called:
+            said.append(word)
+    return with_signs(" ".join(said))
 
 
 def path_of(name: str) -> tuple[str, ...]:
     """The tables and the key of a field's name."""
-    match = re.fullmatch(r"\[(.*)\] (.*)", name)
-    return (name,) if match is None else (*match[1].split("."), match[2])
+    table, _, key = name.removeprefix("[").rpartition("] ")
+    return (*filter(None, table.split(".")), key)
 
 
 def _entry(path: tuple[str, ...]) -> str:

@@ -6,7 +6,7 @@ import abc
 import math
 import re
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import msgspec
 
@@ -15,18 +15,20 @@ import elastomdr as em
 from ..errors import InputError
 from ..files import read_text
 from .schema import (
+    Arguments,
     Count,
     Positive,
     Several,
     Table,
     Text,
     given,
-    named,
+    of_key,
     only_one,
     path_from,
 )
 from .units import (
     Conductivity,
+    EquivalentLength,
     Length,
     MolarEnergy,
     Pressure,
@@ -42,6 +44,9 @@ from .units import (
 class Shape(Table, tag_field="shape"):
     """A rigid body."""
 
+    def arguments(self, folder: Path) -> Arguments:
+        return {"shape": self.make(folder)}
+
     def make(self, folder: Path) -> Any:
         """The body; files are looked for in `folder`."""
         return getattr(em, type(self).__name__.removesuffix("Table"))(
@@ -50,36 +55,55 @@ class Shape(Table, tag_field="shape"):
 
 
 class SphereTable(Shape, tag="sphere"):
-    """A sphere."""
+    """A sphere.
 
-    radius: Annotated[Length, "radius"]
+    Keys:
+        radius: radius
+    """
+
+    radius: Length
 
 
 class ParaboloidTable(Shape, tag="paraboloid"):
-    """A paraboloid of revolution."""
+    """A paraboloid of revolution.
 
-    radius: Annotated[Length, "radius of curvature at the apex"]
+    Keys:
+        radius: radius of curvature at the apex
+    """
+
+    radius: Length
 
 
 class ConeTable(Shape, tag="cone"):
-    """A cone."""
+    """A cone.
 
-    slope: Annotated[Positive, "rise of its side over the distance from the axis"]
+    Keys:
+        slope: rise of its side over the distance from the axis
+    """
+
+    slope: Positive
 
 
 class FlatPunchTable(Shape, tag="flat_punch"):
-    """A cylinder on its flat end."""
+    """A cylinder on its flat end.
 
-    radius: Annotated[Length, "radius"]
+    Keys:
+        radius: radius
+    """
+
+    radius: Length
 
 
 class PowerLawTable(Shape, tag="power_law"):
-    """A body of revolution of height coefficient times r to the exponent."""
+    """A body of revolution of height coefficient times r to the exponent.
 
-    exponent: Annotated[Positive, "exponent"]
-    coefficient: Annotated[
-        str | float, 'in length^(1 - exponent), such as "100 m^-1"; a number for a cone'
-    ]
+    Keys:
+        exponent: exponent
+        coefficient: in length^(1 - exponent), such as "100 m^-1"; a number for a cone
+    """
+
+    exponent: Positive
+    coefficient: str | float
 
     def make(self, folder: Path) -> Any:
         power = f"{1 - self.exponent:.12g}"
@@ -93,29 +117,32 @@ class PowerLawTable(Shape, tag="power_law"):
                 example=f"100 m^{power}",
             ): ...
 
-            with named("coefficient"):
+            with of_key("coefficient"):
                 coefficient = Coefficient.read(coefficient)
         return em.PowerLaw(self.exponent, coefficient)
 
 
 class ProfileTable(Shape, tag="profile"):
-    """A body of revolution given by points of its profile."""
+    """A body of revolution given by points of its profile.
 
-    unit: Annotated[Text, 'unit of length of the points, such as "mm"']
-    r: Annotated[list[float] | None, "distances from the axis, from 0 on"] = None
-    z: Annotated[list[float] | None, "heights at these distances"] = None
-    file: Annotated[
-        Text | None, "a table of two columns, r and z, in place of the lists"
-    ] = None
-    apex: Annotated[
-        Literal["auto", "smooth", "sharp"], "at the axis; by default the points decide"
-    ] = "auto"
-    curve: Annotated[Literal["auto", "spline", "monotone"], "between the points"] = (
-        "auto"
-    )
+    Keys:
+        unit: unit of length of the points, such as "mm"
+        r: distances from the axis, from 0 on
+        z: heights at these distances
+        file: a table of two columns, r and z, in place of the lists
+        apex: at the axis; by default the points decide
+        curve: between the points
+    """
+
+    unit: Text
+    r: list[float] | None = None
+    z: list[float] | None = None
+    file: Text | None = None
+    apex: Literal["auto", "smooth", "sharp"] = "auto"
+    curve: Literal["auto", "spline", "monotone"] = "auto"
 
     def make(self, folder: Path) -> Any:
-        with named("unit"):
+        with of_key("unit"):
             metres = Length.convert("1", self.unit)
         if self.file is not None and self.r is None and self.z is None:
             r, z = _points(folder, self.file)
@@ -135,12 +162,15 @@ class ProfileTable(Shape, tag="profile"):
 
 
 class CylinderTable(Shape, tag="cylinder"):
-    """A cylinder that lies on a layer: a roller, a wheel."""
+    """A cylinder that lies on a layer: a roller, a wheel.
 
-    radius: Annotated[Length, "radius"]
-    length: Annotated[
-        Length, "length of its line of contact, across the direction of motion"
-    ]
+    Keys:
+        radius: radius
+        length: length of its line of contact, across the direction of motion
+    """
+
+    radius: Length
+    length: Length
 
 
 OfRevolution = (
@@ -151,15 +181,7 @@ OfRevolution = (
     | PowerLawTable
     | ProfileTable
 )
-AnyShape = (
-    SphereTable
-    | ParaboloidTable
-    | ConeTable
-    | FlatPunchTable
-    | PowerLawTable
-    | ProfileTable
-    | CylinderTable
-)
+AnyShape = OfRevolution | CylinderTable
 
 
 def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
@@ -197,46 +219,40 @@ _OF_LINE = ("equivalent_length", "seed", "periods", "samples")
 
 
 class SurfaceTable(Table, tag_field="shape"):
-    """A rough surface."""
+    """A rough surface.
 
-    equivalent_length: Annotated[
-        Text | None, "elastomdr slide: as in [contact] of friction"
-    ] = None
-    seed: Annotated[Count | None, "elastomdr slide: which line of the surface"] = None
-    periods: Annotated[
-        Count | None, "elastomdr slide: length of the line in longest waves"
-    ] = None
-    samples: Annotated[
-        Count | None, "elastomdr slide: samples of the line, 64 or more"
-    ] = None
-    level_error: Annotated[
-        Positive | None, "relative standard deviation of C, with uncertainty"
-    ] = None
-    cutoff_error: Annotated[
-        Positive | None,
-        "relative standard deviation of the upper cutoff, with uncertainty",
-    ] = None
+    Keys:
+        equivalent_length: elastomdr slide: as in [contact] of friction
+        seed: elastomdr slide: which line of the surface
+        periods: elastomdr slide: length of the line in longest waves
+        samples: elastomdr slide: samples of the line, 64 or more
+        level_error: relative standard deviation of C, with uncertainty
+        cutoff_error: relative standard deviation of the upper cutoff, with uncertainty
+    """
+
+    equivalent_length: EquivalentLength | None = None
+    seed: Count | None = None
+    periods: Count | None = None
+    samples: Count | None = None
+    level_error: Positive | None = None
+    cutoff_error: Positive | None = None
 
     @abc.abstractmethod
     def make(self, folder: Path) -> Any:
         """The surface; files are looked for in `folder`."""
 
-    def isotropic(self, folder: Path) -> Any:
-        """The surface, where no line of it is asked for."""
-        for key in _OF_LINE:
-            if getattr(self, key) is not None:
-                raise InputError(
-                    f"{key} belongs to elastomdr slide; here it stands in "
-                    "[contact], "
-                    "beside the model."
-                )
-        return self.make(folder)
-
     def drawn(self, folder: Path, count: int | None) -> Any:
-        """The surface, or so many draws of it where its errors are given."""
-        surface = self.isotropic(folder)
-        errors = {"level": self.level_error, "cutoff": self.cutoff_error}
-        errors = {name: size for name, size in errors.items() if size is not None}
+        """The surface, where no line of it is asked for, or so many draws of it where
+        its errors are given.
+        """
+        for key in given(self, *_OF_LINE):
+            raise InputError(
+                f"{key} belongs to elastomdr slide; here it stands in [contact], "
+                "beside the model.",
+                argument=key,
+            )
+        surface = self.make(folder)
+        errors = given(self, "level_error", "cutoff_error")
         if not errors:
             return surface
         if count is None:
@@ -244,7 +260,8 @@ class SurfaceTable(Table, tag_field="shape"):
                 "level_error and cutoff_error belong to uncertainty, the number of "
                 "draws."
             )
-        return surface.draws(count, seed=1, **errors)
+        sizes = {name.removesuffix("_error"): size for name, size in errors.items()}
+        return surface.draws(count, seed=1, **sizes)
 
     def line(self, folder: Path) -> tuple[Any, float]:
         """One line of the surface, and the length that turns a pressure into its load
@@ -253,38 +270,36 @@ class SurfaceTable(Table, tag_field="shape"):
         if self.samples is not None and self.samples < 64:
             raise InputError(f"samples must be 64 or more, got {self.samples}.")
         surface = self.make(folder)
-        length: Any = 2 * math.pi / float(surface.q_low)
-        if self.equivalent_length is not None:
-            length = equivalent_length(self.equivalent_length)
+        length = self.equivalent_length or 2 * math.pi / float(surface.q_low)
         if isinstance(length, str):
             length = surface.full_contact_length
-        options = {
-            key: value
-            for key in _OF_LINE[1:]
-            if (value := getattr(self, key)) is not None
-        }
-        return surface.line(**options), float(length)
+        return surface.line(**given(self, *_OF_LINE[1:])), float(length)
 
 
 class SelfAffineTable(SurfaceTable, tag="self_affine"):
-    """A self-affine surface between two wavelengths."""
+    """A self-affine surface between two wavelengths.
 
-    hurst: Annotated[float, "Hurst exponent"]
-    rms_slope: Annotated[
-        Positive | None,
-        "rms slope of the surface; that of a cut is smaller by the root of 2",
-    ] = None
-    rms_height: Annotated[Length | None, "rms height, in place of the slope"] = None
-    longest: Annotated[Length | None, "longest wavelength, or q_low"] = None
-    shortest: Annotated[Length | None, "shortest wavelength, or q_high"] = None
-    rolloff: Annotated[
-        Length | None, "wavelength above which the spectrum is flat, or q_rolloff"
-    ] = None
-    q_low: Annotated[WaveNumber | None, "smallest wave number"] = None
-    q_high: Annotated[WaveNumber | None, "largest wave number"] = None
-    q_rolloff: Annotated[
-        WaveNumber | None, "wave number below which the spectrum is flat"
-    ] = None
+    Keys:
+        hurst: Hurst exponent
+        rms_slope: rms slope of the surface; that of a cut is smaller by the root of 2
+        rms_height: rms height, in place of the slope
+        longest: longest wavelength, or q_low
+        shortest: shortest wavelength, or q_high
+        rolloff: wavelength above which the spectrum is flat, or q_rolloff
+        q_low: smallest wave number
+        q_high: largest wave number
+        q_rolloff: wave number below which the spectrum is flat
+    """
+
+    hurst: float
+    rms_slope: Positive | None = None
+    rms_height: Length | None = None
+    longest: Length | None = None
+    shortest: Length | None = None
+    rolloff: Length | None = None
+    q_low: WaveNumber | None = None
+    q_high: WaveNumber | None = None
+    q_rolloff: WaveNumber | None = None
 
     def __post_init__(self) -> None:
         only_one(self, "rms_slope", "rms_height")
@@ -307,29 +322,33 @@ class SelfAffineTable(SurfaceTable, tag="self_affine"):
 
 
 class SpectrumTable(SurfaceTable, tag="spectrum"):
-    """A surface by its power spectrum, a table of wave numbers and C."""
+    """A surface by its power spectrum, a table of wave numbers and C.
 
-    convention: Annotated[
-        Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"],
-        "how C is normalised (em.Spectrum)",
+    Keys:
+        convention: how C is normalised (em.Spectrum)
+        q: wave numbers [rad/m]
+        c: power spectrum C at these, in SI units
+        file: a table of wave numbers and C, in place of q and c
+        wave_number: what the wave numbers count
+        q_unit: unit of the first column, where its title has none
+        c_unit: unit of the second column, where its title has none
+        columns: which two of several columns, from 1
+        longest: the table is cut at this wavelength
+        shortest: the table is cut at this wavelength
+    """
+
+    convention: Literal[
+        "2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"
     ]
-    q: Annotated[list[float] | None, "wave numbers [rad/m]"] = None
-    c: Annotated[list[float] | None, "power spectrum C at these, in SI units"] = None
-    file: Annotated[
-        Text | None, "a table of wave numbers and C, in place of q and c"
-    ] = None
-    wave_number: Annotated[
-        Literal["2 pi/lambda", "1/lambda"] | None, "what the wave numbers count"
-    ] = None
-    q_unit: Annotated[
-        Text | None, "unit of the first column, where its title has none"
-    ] = None
-    c_unit: Annotated[
-        Text | None, "unit of the second column, where its title has none"
-    ] = None
-    columns: Annotated[list[int] | None, "which two of several columns, from 1"] = None
-    longest: Annotated[Length | None, "the table is cut at this wavelength"] = None
-    shortest: Annotated[Length | None, "the table is cut at this wavelength"] = None
+    q: list[float] | None = None
+    c: list[float] | None = None
+    file: Text | None = None
+    wave_number: Literal["2 pi/lambda", "1/lambda"] | None = None
+    q_unit: Text | None = None
+    c_unit: Text | None = None
+    columns: list[int] | None = None
+    longest: Length | None = None
+    shortest: Length | None = None
 
     def __post_init__(self) -> None:
         only_one(self, "q", "file")
@@ -355,31 +374,29 @@ class SpectrumTable(SurfaceTable, tag="spectrum"):
 
 
 class Measured(SurfaceTable, tag="file"):
-    """A measured profile or map."""
+    """A measured profile or map.
 
-    file: Annotated[Text, "the heights, in a table or a format of SurfaceTopography"]
-    pixel_size: Annotated[Several[Length] | None, "step, or one for each direction"] = (
-        None
-    )
-    shortest: Annotated[
-        Length | None, "resolution of the instrument: shorter waves are left out"
-    ] = None
-    unit: Annotated[
-        Several[Text] | None, "unit of the lengths, or of each column, without one"
-    ] = None
-    columns: Annotated[
-        list[int] | None, "which columns are x (and y) and height, from 1"
-    ] = None
-    detrend: Annotated[bool, "whether the mean plane is subtracted"] = True
+    Keys:
+        file: the heights, in a table or a format of SurfaceTopography
+        pixel_size: step, or one for each direction
+        shortest: resolution of the instrument: shorter waves are left out
+        unit: unit of the lengths, or of each column, without one
+        columns: which columns are x (and y) and height, from 1
+        detrend: whether the mean plane is subtracted
+    """
+
+    file: Text
+    pixel_size: Several[Length] | None = None
+    shortest: Length | None = None
+    unit: Several[Text] | None = None
+    columns: list[int] | None = None
+    detrend: bool = True
 
     def make(self, folder: Path) -> Any:
-        options = given(self, "shortest", "columns")
-        if self.unit is not None:
-            options["unit"] = self.unit if len(self.unit) > 1 else self.unit[0]
-        if self.pixel_size is not None:
-            options["pixel_size"] = (
-                self.pixel_size if len(self.pixel_size) > 1 else self.pixel_size[0]
-            )
+        options = given(self, "shortest", "columns", "unit", "pixel_size")
+        for key in ("unit", "pixel_size"):
+            if key in options and len(options[key]) == 1:
+                (options[key],) = options[key]
         with path_from("file"):
             return em.read_surface(folder / self.file, detrend=self.detrend, **options)
 
@@ -388,55 +405,56 @@ AnySurface = SelfAffineTable | SpectrumTable | Measured
 
 
 class RoadTable(Table):
-    """What conducts the heat of the counterface."""
+    """What conducts the heat of the counterface.
 
-    conductivity: Annotated[Conductivity, "thermal conductivity"]
-    heat_capacity: Annotated[VolumeCapacity, "heat capacity per volume"]
+    Keys:
+        conductivity: thermal conductivity
+        heat_capacity: heat capacity per volume
+    """
+
+    conductivity: Conductivity
+    heat_capacity: VolumeCapacity
 
 
 class HeatTable(Table):
-    """Flash temperature: the rubber is heated by its friction."""
+    """Flash temperature: the rubber is heated by its friction.
 
-    conductivity: Annotated[Conductivity, "thermal conductivity of the rubber"]
-    heat_capacity: Annotated[VolumeCapacity, "heat capacity of the rubber per volume"]
-    road: Annotated[
-        RoadTable | None,
-        (
-            "the counterface that takes its share of the heat; without it, none flows "
-            "there"
-        ),
-    ] = None
-    branch: Annotated[
-        Literal["cold", "hot"] | None,
-        "which of several temperatures; by default that of rubber that was cold",
-    ] = None
+    Keys:
+        conductivity: thermal conductivity of the rubber
+        heat_capacity: heat capacity of the rubber per volume
+        road: the counterface that takes its share of the heat; without it, none flows
+            there
+        branch: which of several temperatures; by default that of rubber that was cold
+    """
 
-    def make(self) -> Any:
-        """The conduction."""
-        road = (
-            None
-            if self.road is None
-            else (self.road.conductivity, self.road.heat_capacity)
-        )
-        return em.Heat(self.conductivity, self.heat_capacity, road=road)
+    conductivity: Conductivity
+    heat_capacity: VolumeCapacity
+    road: RoadTable | None = None
+    branch: Literal["cold", "hot"] | None = None
+
+    def arguments(self, folder: Path) -> Arguments:
+        road = self.road and (self.road.conductivity, self.road.heat_capacity)
+        heat = em.Heat(self.conductivity, self.heat_capacity, road=road)
+        return {"heat": heat} | given(self, "branch")
 
 
 class Adhesion(Table):
     """Adhesive shear on the area of real contact, in dry friction: stress exp(-width
     log10(v a_T/velocity)^2).
+
+    Keys:
+        stress: largest shear stress
+        velocity: sliding velocity of the largest stress, at the reference temperature
+        width: width of the bell over log10 v, 0 or more
+        energy: activation energy of its a_T (Arrhenius); without it none
+        reference: reference temperature, with energy
     """
 
-    stress: Annotated[Pressure, "largest shear stress"]
-    velocity: Annotated[
-        Velocity, "sliding velocity of the largest stress, at the reference temperature"
-    ]
-    width: Annotated[float, "width of the bell over log10 v, 0 or more"]
-    energy: Annotated[
-        MolarEnergy | None, "activation energy of its a_T (Arrhenius); without it none"
-    ] = None
-    reference: Annotated[Temperature | None, "reference temperature, with energy"] = (
-        None
-    )
+    stress: Pressure
+    velocity: Velocity
+    width: float
+    energy: MolarEnergy | None = None
+    reference: Temperature | None = None
 
     def __post_init__(self) -> None:
         if (self.energy is None) != (self.reference is None):
@@ -445,20 +463,9 @@ class Adhesion(Table):
                 "an athermal stress."
             )
 
-    def make(self) -> Any:
-        """The law."""
-        shift = (
-            None
-            if self.energy is None or self.reference is None
-            else em.Arrhenius(self.energy, self.reference)
-        )
-        with named("[adhesion]"):
-            return em.AdhesiveShear(self.stress, self.velocity, self.width, shift=shift)
-
-
-def equivalent_length(value: str) -> Any:
-    """A length [m], or "full contact"."""
-    if value == "full contact":
-        return value
-    with named("equivalent_length"):
-        return Length.read(value)
+    def arguments(self, folder: Path) -> Arguments:
+        shift = None
+        if self.energy is not None and self.reference is not None:
+            shift = em.Arrhenius(self.energy, self.reference)
+        law = em.AdhesiveShear(self.stress, self.velocity, self.width, shift=shift)
+        return {"adhesion": law}

@@ -20,8 +20,8 @@ from ..errors import InputError, quiet, warn
 from ..files import no_formula, write_files
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
-from .scene import Scene, models_by_name
-from .schema import named, path_from
+from .scene import Scene
+from .schema import Arguments, given, named, of_key, path_from
 from .steady import BodyComparison, SurfaceComparison
 
 _DPI = 200
@@ -39,13 +39,13 @@ def run(options: argparse.Namespace) -> int:
     """
     path, folder = Path(options.scene), output_folder(options.out)
     with warned_of_at_the_end():
-        with named(f"{path.name or path}:"):
+        with of_key(f"{path.name or path}:"):
             scene = read_scene(options.verb, path)
             arguments = scene.arguments(path.parent)
             beside = scene.beside(path.parent)
             shown = how_drawn(scene, arguments, path.parent)
             stem = f"{path.stem}-{scene.called()}"
-            with models_by_name(), em.progress(f"{scene.called()} of {path.name}"):
+            with scene.in_keys(), em.progress(f"{scene.called()} of {path.name}"):
                 result = _computed(scene, arguments, folder / f".{stem}.parts")
                 results = [result] + ([] if beside is None else [em.rolling(**beside)])
         notes = _notes(path, scene)
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     return DONE if all(r.converged.all() for r in results) else NOT_CONVERGED
 
 
-def _drawn(results: list[Any], shown: dict[str, Any]) -> Any:
+def _drawn(results: list[Any], shown: Arguments) -> Any:
     """Axes of the result's figure, or of one panel for each where there are two."""
     result, *others = results
     if not others:
@@ -151,7 +151,7 @@ def warned_of_at_the_end() -> Iterator[None]:
         print(f"elastomdr: warning: {' '.join(message.split())}", file=sys.stderr)
 
 
-def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
+def _computed(scene: Scene, arguments: Arguments, folder: Path) -> Any:
     """The result; that of a surface is computed in parts, which an interrupted run
     keeps.
     """
@@ -170,11 +170,11 @@ def _nothing_written(called: str) -> str:
     return "; nothing was written" + (keeps if called in _SWEPT else "")
 
 
-def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str, Any]:
+def how_drawn(scene: Scene, arguments: Arguments, folder: Path) -> Arguments:
     """How the result is drawn: its title, measured points on top, with a warning for
     those that were left out.
     """
-    shown: dict[str, Any] = {"title": scene.title}
+    shown: Arguments = {"title": scene.title}
     if scene.called() == "slide" and len(set(arguments["position"])) > 1:
         shown["against"] = "position"  # a rest may take most of the time
     if (file := getattr(scene, "measured", None)) is not None:
@@ -192,7 +192,7 @@ def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str
     return shown
 
 
-def _contact(arguments: dict[str, Any], curve: Any) -> Any:
+def _contact(arguments: Arguments, curve: Any) -> Any:
     """Where the line of a surface touches at the largest friction; None where it is no
     line or does not converge.
     """
@@ -206,7 +206,7 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
     ):
         return None
     top = np.unravel_index(np.nanargmax(curve.mu), curve.mu.shape)
-    point: dict[str, Any] = {
+    point: Arguments = {
         "model": dataclasses.replace(model, average=False),
         "velocity": curve.velocity[top],
     }
@@ -321,7 +321,7 @@ def run_compare(options: argparse.Namespace) -> int:
     path, folder = Path(options.scene), output_folder(options.out)
     parts = folder / f".{path.stem}-compare.parts"
     with warned_of_at_the_end():
-        with named(f"{path.name or path}:"):
+        with of_key(f"{path.name or path}:"):
             scene = read_scene("compare", path)
             assert isinstance(scene, SurfaceComparison | BodyComparison)
             if len(scene.material) < 2:
@@ -329,10 +329,10 @@ def run_compare(options: argparse.Namespace) -> int:
                     "material must be a list of two or more to be compared."
                 )
             arguments = scene.arguments(path.parent)
-            with models_by_name(), em.progress(f"comparing {path.name}"):
+            with scene.in_keys(), em.progress(f"comparing {path.name}"):
                 curve = _computed(scene, arguments, parts)
             with named("[compare]"):
-                ranking = curve.ranking(**scene.compare.place())
+                ranking = curve.ranking(**given(scene.compare))
         notes = _notes(path, scene)
         files: dict[str, Callable[[Path], object]] = {
             f"{path.stem}-compare.csv": lambda to: _write_table(ranking, to, notes),
@@ -352,7 +352,7 @@ def run_compare(options: argparse.Namespace) -> int:
 def run_plan(options: argparse.Namespace) -> int:
     """Prints the plan of a scene; returns the exit status."""
     path = Path(options.scene)
-    with warned_of_at_the_end(), named(f"{path.name or path}:"):
+    with warned_of_at_the_end(), of_key(f"{path.name or path}:"):
         scene = read_scene(options.quantity, path)
         if scene.called() != options.quantity:
             raise InputError(
@@ -360,7 +360,7 @@ def run_plan(options: argparse.Namespace) -> int:
                 "elastomdr plan."
             )
         folder = None if options.out is None else output_folder(options.out)
-        with models_by_name():
+        with scene.in_keys():
             plan = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
     print(plan, end="")
     if folder is not None:

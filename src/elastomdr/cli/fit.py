@@ -242,10 +242,10 @@ def _kelvin(name: str, option: str | None) -> Any:
     """
     if option is None:
         return None
-    from .schema import named
+    from .schema import of_key
     from .units import Temperature
 
-    with named(name):
+    with of_key(name):
         parts = [
             f"{piece} degC" if _NUMBER.fullmatch(piece.strip()) else piece
             for piece in option.split(",")

@@ -3,17 +3,29 @@
 """
 
 import abc
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
-
-import msgspec
 
 import elastomdr as em
 
 from ..errors import InputError
-from .bodies import AnyShape, AnySurface
-from .scene import Numerics, OfBodies, body, on_axes
-from .schema import Instants, One, Several, Sweep, Table, given, named, only_one
+from .bodies import AnyShape, AnySurface, SurfaceTable
+from .scene import Numerics, OfBodies
+from .schema import (
+    Arguments,
+    Content,
+    Instants,
+    One,
+    Several,
+    Sweep,
+    Table,
+    given,
+    of_key,
+    only_one,
+    whole,
+)
 from .units import (
     Damping,
     Depth,
@@ -35,29 +47,33 @@ from .units import (
 )
 
 _RISE = 41  # instants of a rise
-Cycles = Annotated[int, msgspec.Meta(ge=1, le=1000)]
+
+
+Cycles = Annotated[int, whole(1, 1000)]
+StageInstants = Annotated[int, whole(2, 2000)]
 
 
 class Program(Table, tag_field="program"):
-    """A history with a name."""
+    """A history with a name.
 
-    load: Annotated[
-        Several[Force] | None, "normal force, or several, each a history of its own"
-    ] = None
-    depth: Annotated[
-        Several[Length] | None, "indentation depth, in place of the load"
-    ] = None
-    points: Annotated[Instants, "instants of the history"] = 200
+    Keys:
+        load: normal force, or several, each a history of its own
+        depth: indentation depth, in place of the load
+        points: instants of the history
+    """
+
+    load: Several[Force] | None = None
+    depth: Several[Length] | None = None
+    points: Instants = 200
 
     def __post_init__(self) -> None:
         only_one(self, "load", "depth")
 
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self, folder: Path) -> Arguments:
         """time [s], and load [N] or depth [m]."""
         import numpy as np
 
-        name = only_one(self, "load", "depth")
-        sizes = getattr(self, name)
+        ((name, sizes),) = given(self, "load", "depth").items()
         time, values = self.course(np.asarray(sizes if len(sizes) > 1 else sizes[0]))
         return {"time": time, name: values}
 
@@ -69,13 +85,16 @@ class Program(Table, tag_field="program"):
 class Hold(Program, tag="hold"):
     """A step or a ramp to the value, which is then kept: creep under a load, relaxation
     under a depth.
+
+    Keys:
+        duration: how long the value is kept
+        rise: how long it takes to get there, at once by default
+        spacing: of the instants
     """
 
-    duration: Annotated[Duration, "how long the value is kept"]
-    rise: Annotated[
-        Pause | None, "how long it takes to get there, at once by default"
-    ] = None
-    spacing: Annotated[Literal["log", "linear"], "of the instants"] = "log"
+    duration: Duration
+    rise: Pause | None = None
+    spacing: Literal["log", "linear"] = "log"
 
     def course(self, size: Any) -> tuple[Any, Any]:
         import numpy as np
@@ -94,9 +113,13 @@ class Hold(Program, tag="hold"):
 
 
 class Ramp(Program, tag="ramp"):
-    """From zero to the value."""
+    """From zero to the value.
 
-    duration: Annotated[Duration, "how long it takes"]
+    Keys:
+        duration: how long it takes
+    """
+
+    duration: Duration
 
     def course(self, size: Any) -> tuple[Any, Any]:
         import numpy as np
@@ -106,11 +129,17 @@ class Ramp(Program, tag="ramp"):
 
 
 class Triangle(Program, tag="triangle"):
-    """Up to the value and down again."""
+    """Up to the value and down again.
 
-    duration: Annotated[Duration, "of one cycle, up and down"]
-    cycles: Annotated[Cycles, "how many there are"] = 1
-    rest: Annotated[Pause | None, "time at zero after each of them"] = None
+    Keys:
+        duration: of one cycle, up and down
+        cycles: how many there are
+        rest: time at zero after each of them
+    """
+
+    duration: Duration
+    cycles: Cycles = 1
+    rest: Pause | None = None
 
     def course(self, size: Any) -> tuple[Any, Any]:
         import numpy as np
@@ -128,16 +157,22 @@ class Triangle(Program, tag="triangle"):
 
 
 class Sine(Program, tag="sine"):
-    """A step to the value, about which depth or load then swings."""
+    """A step to the value, about which depth or load then swings.
 
-    frequency: Annotated[Frequency, "cycles per time"]
-    cycles: Annotated[Cycles, "how many there are"]
-    amplitude: Annotated[str, "of the swing, a length or a force"]
+    Keys:
+        frequency: cycles per time
+        cycles: how many there are
+        amplitude: of the swing, a length or a force
+    """
+
+    frequency: Frequency
+    cycles: Cycles
+    amplitude: str
 
     def course(self, size: Any) -> tuple[Any, Any]:
         import numpy as np
 
-        with named("amplitude"):
+        with of_key("amplitude"):
             amplitude = (Force if self.depth is None else Length).read(self.amplitude)
         if self.depth is None and (size < amplitude).any():
             raise InputError(
@@ -151,80 +186,80 @@ class Sine(Program, tag="sine"):
 
 
 class PointsTable(Table):
-    """A history by its points, straight between them."""
+    """A history by its points, straight between them.
 
-    time: Annotated[
-        Annotated[list[Instant], msgspec.Meta(min_length=2)], "instants, ascending"
-    ]
-    load: Annotated[
-        Annotated[list[Push], msgspec.Meta(min_length=2)] | None,
-        "normal forces at these",
-    ] = None
-    depth: Annotated[
-        Annotated[list[Depth], msgspec.Meta(min_length=2)] | None,
-        "indentation depths at these, in place of the loads",
-    ] = None
-    points: Annotated[
-        Instants, "instants of the history; those of `time` are added to them"
-    ] = 200
+    Keys:
+        time: instants, ascending
+        load: normal forces at these
+        depth: indentation depths at these, in place of the loads
+        points: instants of the history; those of `time` are added to them
+    """
+
+    time: list[Instant]
+    load: list[Push] | None = None
+    depth: list[Depth] | None = None
+    points: Instants = 200
 
     def __post_init__(self) -> None:
-        name = only_one(self, "load", "depth")
-        if any(
-            second <= first
-            for first, second in zip(self.time, self.time[1:], strict=False)
-        ):
-            raise InputError("time must be ascending, without repeats.")
-        if (count := len(getattr(self, name))) != len(self.time):
-            raise InputError(
-                f"time and {name} must be lists of the same length, got "
-                f"{len(self.time)} and {count}."
-            )
+        only_one(self, "load", "depth")
 
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self, folder: Path) -> Arguments:
         """time [s], and load [N] or depth [m]."""
         import numpy as np
 
+        from ..checks import alike, ascending
+
+        ((name, values),) = given(self, "load", "depth").items()
+        alike(2, **{"time": self.time, name: values})
+        ascending("time", self.time)
         time = np.union1d(
             self.time, np.linspace(self.time[0], self.time[-1], self.points)
         )
-        name = only_one(self, "load", "depth")
-        return {"time": time, name: np.interp(time, self.time, getattr(self, name))}
+        return {"time": time, name: np.interp(time, self.time, values)}
 
 
 class _Indentation(OfBodies):
-    """Indentation under a history of depth or load."""
+    """Indentation under a history of depth or load.
+
+    Keys:
+        temperature: temperature of the rubber
+        adhesion: work of adhesion
+        indenter: the rigid body
+        history: load or depth against time
+    """
 
     mark: ClassVar[str] = "history"
     call: ClassVar[str] = "indent"
-    temperature: Annotated[One[Temperature] | None, "temperature of the rubber"] = None
-    adhesion: Annotated[SurfaceEnergy | None, "work of adhesion"] = None
-    indenter: Annotated[AnyShape, "the rigid body"]
-    history: Annotated[Program | PointsTable, "load or depth against time"]
+    temperature: One[Temperature] | None = None
+    adhesion: SurfaceEnergy | None = None
+    indenter: AnyShape
+    history: Program | PointsTable
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        with named("[history]"):
-            history = self.history.arguments()
-        return (
-            on_axes({"shape": body(self.indenter, folder)} | self.common(folder))
-            | given(self, "adhesion")
-            | history
-        )
+    def arguments(self, folder: Path) -> Arguments:
+        return super().arguments(folder) | given(self, "adhesion")
 
 
 class IndentationScene(_Indentation):
-    """Indentation under a history of depth or load with a name."""
+    """Indentation under a history of depth or load with a name.
 
-    history: Annotated[Hold | Ramp | Triangle | Sine, "load or depth against time"]
+    Keys:
+        history: load or depth against time
+    """
+
+    history: Hold | Ramp | Triangle | Sine
 
 
 class IndentationByPoints(_Indentation):
-    """Indentation under a history of depth or load given by points."""
+    """Indentation under a history of depth or load given by points.
 
-    history: Annotated[PointsTable, "load or depth against time"]
+    Keys:
+        history: load or depth against time
+    """
+
+    history: PointsTable
 
     @classmethod
-    def fits(cls, content: dict[str, Any]) -> bool:
+    def fits(cls, content: Content) -> bool:
         return (
             isinstance(content.get("history"), dict)
             and "program" not in content["history"]
@@ -232,34 +267,45 @@ class IndentationByPoints(_Indentation):
 
 
 class Thrown(Table):
-    """The body that hits the rubber."""
+    """The body that hits the rubber.
 
-    mass: Annotated[Several[Mass], "its mass"]
-    velocity: Annotated[Sweep[Velocity], "its velocity at touch"]
+    Keys:
+        mass: its mass
+        velocity: its velocity at touch
+    """
+
+    mass: Several[Mass]
+    velocity: Sweep[Velocity]
 
 
 class ImpactScene(OfBodies):
-    """Impact of a body and its rebound."""
+    """Impact of a body and its rebound.
+
+    Keys:
+        indenter: the rigid body
+        impact: how heavy and how fast it is
+    """
 
     mark: ClassVar[str] = "impact"
     call: ClassVar[str] = "impact"
-    indenter: Annotated[AnyShape, "the rigid body"]
-    impact: Annotated[Thrown, "how heavy and how fast it is"]
-
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        arguments = {"shape": body(self.indenter, folder)} | self.common(folder)
-        return on_axes(arguments | given(self.impact, "mass", "velocity"))
+    indenter: AnyShape
+    impact: Thrown
 
 
 _FIRST = 1e-4  # of a rest: the first instant looked at after its beginning
 
 
 class StageNumerics(Numerics):
-    """How exactly the scene is computed."""
+    """How exactly the scene is computed.
 
-    points: Annotated[
-        Annotated[int, msgspec.Meta(ge=2, le=2000)], "instants of each stage"
-    ] = 60
+    Keys:
+        points: instants of each stage
+    """
+
+    points: StageInstants = 60
+
+    def arguments(self, folder: Path) -> Arguments:
+        return given(self, "rtol")
 
 
 class Stage(Table):
@@ -267,19 +313,22 @@ class Stage(Table):
 
     A load or depth is put on at once, at the beginning; a stage without one keeps that
     of the stage before.
+
+    Keys:
+        duration: how long it lasts
+        way: how far the body moves, in place of the duration
+        velocity: sliding velocity, of either sign; at rest by default
+        depth: indentation depth, in place of the load
+        ramp: true where load or depth grows to its value over the stage
     """
 
-    duration: Annotated[Duration | None, "how long it lasts"] = None
-    way: Annotated[
-        Length | None, "how far the body moves, in place of the duration"
-    ] = None
-    velocity: Annotated[
-        Speed | None, "sliding velocity, of either sign; at rest by default"
-    ] = None
-    depth: Annotated[Depth | None, "indentation depth, in place of the load"] = None
-    ramp: Annotated[
-        bool, "true where load or depth grows to its value over the stage"
-    ] = False
+    duration: Duration | None = None
+    way: Length | None = None
+    velocity: Speed | None = None
+    depth: Depth | None = None
+    ramp: bool = False
+    # the keys of which one says how the body is pressed on
+    pressed: ClassVar[tuple[str, ...]] = ("load", "depth")
 
     def __post_init__(self) -> None:
         if self.way is None and self.duration is None:
@@ -292,111 +341,140 @@ class Stage(Table):
     def motion(self) -> tuple[float, float]:
         """Duration [s], and how far the body moves [m]."""
         velocity = self.velocity or 0.0
-        if self.duration is not None:
-            return self.duration, velocity * self.duration
-        way = self.way or 0.0
-        return way / abs(velocity), way if velocity > 0 else -way
+        if self.way is None:
+            duration = self.duration or 0.0
+            return duration, velocity * duration
+        return self.way / abs(velocity), math.copysign(self.way, velocity)
 
 
 class BodyStage(Stage):
-    """A stage of a body."""
+    """A stage of a body.
 
-    load: Annotated[Push | None, "normal force"] = None
+    Keys:
+        load: normal force
+    """
+
+    load: Push | None = None
 
 
 class SurfaceStage(Stage):
-    """A stage of a line of a surface."""
+    """A stage of a line of a surface.
 
-    load: Annotated[LinePush | None, "force per length of the line"] = None
-    pressure: Annotated[
-        PushPressure | None, "nominal pressure, in place of the load"
-    ] = None
+    Keys:
+        load: force per length of the line
+        pressure: nominal pressure, in place of the load
+    """
+
+    load: LinePush | None = None
+    pressure: PushPressure | None = None
+    pressed: ClassVar[tuple[str, ...]] = ("load", "depth", "pressure")
 
 
 class DriveTable(Table):
     """A drive that pulls the body through a spring and a damper; the stages are its
     way.
+
+    Keys:
+        mass: mass that the spring pulls
+        stiffness: of the spring
+        damping: of the damper beside it
     """
 
-    mass: Annotated[Mass, "mass that the spring pulls"]
-    stiffness: Annotated[Stiffness, "of the spring"]
-    damping: Annotated[Damping | None, "of the damper beside it"] = None
+    mass: Mass
+    stiffness: Stiffness
+    damping: Damping | None = None
 
-    def mount(self, history: dict[str, Any]) -> Any:
+    aside = True
+
+    def mount(self, load: Any) -> "em.Mount":
         """The drive as an object. Raises `InputError` for a history of depth."""
-        if "load" not in history:
+        if load is None:
             raise InputError(
                 "[drive] needs stages with a load: a body on a spring has no "
-                "depth of its own."
+                "depth of its own.",
+                argument="[drive]",
             )
         return em.Mount(self.mass, self.stiffness, self.damping or 0.0)
 
 
 class SurfaceDrive(DriveTable):
-    """A drive of the body for which the line of a surface stands."""
+    """A drive of the body for which the line of a surface stands.
 
-    normal_force: Annotated[
-        Force,
-        "on that body: mass, stiffness and damping are scaled to the load of the line",
-    ]
+    Keys:
+        normal_force: on that body: mass, stiffness and damping are scaled to the load
+            of the line
+    """
 
-    def mount(self, history: dict[str, Any]) -> Any:
-        whole = super().mount(history)
-        if not history["load"][-1] > 0:
-            raise InputError("[drive] needs a load above zero in the last stage.")
-        return whole.for_line(float(history["load"][-1]), self.normal_force)
+    normal_force: Force
+
+    def mount(self, load: Any) -> "em.Mount":
+        whole = super().mount(load)
+        if load is None or not load[-1] > 0:
+            raise InputError(
+                "[drive] needs a load above zero in the last stage.",
+                argument="[drive]",
+            )
+        return whole.for_line(float(load[-1]), self.normal_force)
 
 
-class BodySlide(OfBodies):
-    """Sliding of a body through stages."""
+class _Slide(OfBodies):
+    """Sliding through stages.
+
+    Keys:
+        temperature: temperature of the rubber
+        stage: the stages
+        drive: what pulls the body, where it is pulled through a spring
+        numerics: how exactly it is computed
+    """
 
     call: ClassVar[str] = "slide"
-    temperature: Annotated[One[Temperature] | None, "temperature of the rubber"] = None
-    indenter: Annotated[AnyShape, "the rigid body"]
-    stage: Annotated[list[BodyStage], msgspec.Meta(min_length=1), "the stages"]
-    drive: Annotated[
-        DriveTable | None, "what pulls the body, where it is pulled through a spring"
-    ] = None
-    numerics: Annotated[StageNumerics, "how exactly it is computed"] = StageNumerics()
+    temperature: One[Temperature] | None = None
+    stage: list[BodyStage] | list[SurfaceStage]
+    drive: DriveTable | None = None
+    numerics: StageNumerics = StageNumerics()
 
     def called(self) -> str:
         return "slide" if self.drive is None else "drive"
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        history = follow(self.stage, self.numerics.points)
-        mount = {} if self.drive is None else {"tangential": self.drive.mount(history)}
-        return (
-            on_axes({"shape": body(self.indenter, folder)} | self.common(folder))
-            | history
-            | mount
-        )
+    def arguments(self, folder: Path) -> Arguments:
+        found = super().arguments(folder)
+        length: Any = found.pop("length", None)
+        history = follow(self.stage, self.numerics.points, length)
+        if self.drive is not None:
+            found["tangential"] = self.drive.mount(history.get("load"))
+        return found | history
 
 
-class SurfaceSlide(OfBodies):
-    """Sliding of a line of a surface through stages."""
+class BodySlide(_Slide):
+    """Sliding of a body through stages.
+
+    Keys:
+        indenter: the rigid body
+    """
+
+    indenter: AnyShape
+    stage: list[BodyStage]
+
+
+class SurfaceSlide(_Slide):
+    """Sliding of a line of a surface through stages.
+
+    Keys:
+        layer: a surface slides on a half-space
+        surface: the surface that the line is taken from
+    """
 
     mark: ClassVar[str] = "surface"
-    call: ClassVar[str] = "slide"
-    temperature: Annotated[One[Temperature] | None, "temperature of the rubber"] = None
-    layer: Annotated[None, "a surface slides on a half-space"] = None
-    surface: Annotated[AnySurface, "the surface that the line is taken from"]
-    stage: Annotated[list[SurfaceStage], msgspec.Meta(min_length=1), "the stages"]
-    drive: Annotated[
-        SurfaceDrive | None, "what pulls the body, where it is pulled through a spring"
-    ] = None
-    numerics: Annotated[StageNumerics, "how exactly it is computed"] = StageNumerics()
+    layer: None = None
+    surface: AnySurface
+    stage: list[SurfaceStage]
+    drive: SurfaceDrive | None = None
 
-    def called(self) -> str:
-        return "slide" if self.drive is None else "drive"
+    def of_surface(self, surface: SurfaceTable, folder: Path) -> Arguments:
+        line, length = surface.line(folder)
+        return {"shape": line, "length": length}
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        with named("[surface]"):
-            line, length = self.surface.line(folder)
-        history = follow(self.stage, self.numerics.points, length)
-        mount = {} if self.drive is None else {"tangential": self.drive.mount(history)}
-        return on_axes({"shape": line} | self.common(folder)) | history | mount
-
-    def said(self, result: Any) -> str:
+    def said(self, result: "em.Drive") -> str:
         """Whether the whole body sticks and slips, in newtons."""
         if self.drive is None:
             return ""
@@ -407,8 +485,8 @@ class SurfaceSlide(OfBodies):
 
 
 def follow(
-    stages: list[Any], points: int, length: float | None = None
-) -> dict[str, Any]:
+    stages: Sequence[Stage], points: int, length: float | None = None
+) -> Arguments:
     """time, position, and load or depth, from the stages; two equal instants are a
     jump.
 
@@ -416,27 +494,24 @@ def follow(
     """
     import numpy as np
 
-    kinds = ("load", "depth") if length is None else ("load", "depth", "pressure")
     time, position, values, name = [0.0], [0.0], [], ""
     for i, stage in enumerate(stages, start=1):
         duration, moved = stage.motion()
-        given_here = given(stage, *kinds)
-        if (
-            len(given_here) > 1
-            or (name and given_here and name not in given_here)
-            or not (given_here or name)
-        ):
+        pressed = given(stage, *stage.pressed)
+        found = list(pressed) or [name]
+        if len(found) > 1 or found[0] not in ([name] if name else stage.pressed):
             wanted = (
                 f"{name}, as the stages before"
                 if name
-                else f"one of {', '.join(kinds)}"
+                else f"one of {', '.join(stage.pressed)}"
             )
             raise InputError(
                 f"[stage {i}] must have {wanted}, got "
-                f"{' and '.join(given_here) or 'none of them'}."
+                f"{' and '.join(pressed) or 'none of them'}.",
+                argument=f"[stage {i}]",
             )
-        name = name or next(iter(given_here))
-        new = given_here.get(name, values[-1] if values else 0.0)
+        (name,) = found
+        new = pressed.get(name, values[-1] if values else 0.0)
         if not values:
             values.append(0.0 if stage.ramp else new)
         elif new != values[-1] and not stage.ramp:
@@ -447,10 +522,9 @@ def follow(
         if not moved:
             # at rest the rubber answers on all its time scales
             fraction = np.geomspace(_FIRST, 1.0, points)
-        start, begin, before = time[-1], position[-1], values[-1]
-        time.extend(start + duration * fraction)
-        position.extend(begin + moved * fraction)
-        values.extend(before + (new - before) * fraction)
+        time.extend(time[-1] + duration * fraction)
+        position.extend(position[-1] + moved * fraction)
+        values.extend(values[-1] + (new - values[-1]) * fraction)
     loads = np.array(values)
     if name == "pressure":
         name, loads = "load", loads * length

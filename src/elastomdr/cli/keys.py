@@ -2,25 +2,13 @@
 documentation.
 """
 
-import inspect
 import textwrap
 from collections.abc import Iterator
-from typing import Any, NamedTuple
-
-import msgspec
+from typing import NamedTuple
 
 from .kinds import KINDS
-from .schema import accepted, is_list, keys_of, tables_of
+from .schema import Key, Table, about, keys_of
 from .sweep import SweepTable
-
-
-class Key(NamedTuple):
-    """One key of a table."""
-
-    name: str
-    accepted: str
-    default: str
-    meaning: str
 
 
 class Section(NamedTuple):
@@ -31,32 +19,29 @@ class Section(NamedTuple):
     keys: tuple[Key, ...]
 
 
-def sections(kind: Any) -> Iterator[Section]:
+def sections(kind: type[Table]) -> Iterator[Section]:
     """The sections of a kind of scene: its own keys, then each table."""
     yield _section("", kind)
-    for name, field in keys_of(kind).items():
-        written = f"[[{name}]]" if is_list(field.type) else f"[{name}]"
-        for table in tables_of(field.type):
+    for name, key in keys_of(kind).items():
+        written = f"[[{name}]]" if key.listed else f"[{name}]"
+        for table in key.tables:
             yield _section(written, table)
 
 
 def as_text(verb: str) -> str:
     """The keys of the scenes of a command, for a terminal."""
-    lines, seen = [], set()
+    lines, seen = [], []
     for kind in KINDS[verb]:
-        lines += [f"keys of a scene: {_about(kind)}", ""]
+        lines += [f"keys of a scene: {about(kind)}", ""]
         for section in sections(kind):
             if section in seen:
                 continue
-            seen.add(section)
+            seen.append(section)
             lines += [f"  {section.title}  {section.about}"] if section.title else []
             for key in section.keys:
-                words = (
-                    f"{key.meaning} "
-                    f"({'; '.join(piece for piece in (key.accepted, key.default) if piece)})"
-                )
+                words = "; ".join(filter(None, _cells(key)[:2]))
                 lines += textwrap.wrap(
-                    words,
+                    f"{key.meaning} ({words})",
                     116,
                     initial_indent=f"    {key.name:<20}",
                     subsequent_indent=24 * " ",
@@ -69,91 +54,50 @@ def as_markdown() -> str:
     """The keys of all scenes, a table for each section; one that several kinds share
     stands at its first place.
     """
-    lines, seen = [], set()
+    lines, seen = [], []
     for verb, kinds in KINDS.items():
         lines += [f"## elastomdr {verb}", ""]
         for kind in kinds:
-            lines += [f"### {_about(kind).rstrip('.')}", ""]
+            lines += [f"### {about(kind).rstrip('.')}", ""]
             for section in sections(kind):
-                if section in seen:
-                    continue
-                seen.add(section)
-                lines += (
-                    [f"`{section.title}` {section.about}", ""] if section.title else []
-                )
-                lines += (
-                    ["| key | accepted | default | meaning |", "|---|---|---|---|"]
-                    if section.keys
-                    else []
-                )
-                lines += [
-                    f"| `{key.name}` | {' | '.join(_cell(entry) for entry in key[1:])} |"
-                    for key in section.keys
-                ]
-                lines.append("")
+                if section not in seen:
+                    seen.append(section)
+                    lines += _rows(section)
     lines += [
         "## elastomdr sweep",
         "",
         "Beside the keys of friction, rolling or impact:",
         "",
     ]
-    section = _section("[sweep]", SweepTable)
-    lines += [
-        f"`{section.title}` {section.about}",
-        "",
-        "| key | accepted | default | meaning |",
-        "|---|---|---|---|",
-    ]
-    lines += [
-        f"| `{key.name}` | {' | '.join(_cell(entry) for entry in key[1:])} |"
-        for key in section.keys
-    ]
-    return "\n".join([*lines, ""])
+    return "\n".join([*lines, *_rows(_section("[sweep]", SweepTable))])
 
 
-def _section(written: str, table: Any) -> Section:
+def _rows(section: Section) -> Iterator[str]:
+    """A section as a table of Markdown."""
+    if section.title:
+        yield from (f"`{section.title}` {section.about}", "")
+    if section.keys:
+        yield from ("| key | accepted | default | meaning |", "|---|---|---|---|")
+    for key in section.keys:
+        cells = " | ".join(cell.replace("|", "\\|") for cell in _cells(key))
+        yield f"| `{key.name}` | {cells} |"
+    yield ""
+
+
+def _section(written: str, table: type[Table]) -> Section:
     config = table.__struct_config__
-    title = (
-        f'{written} {config.tag_field} = "{config.tag}"'
-        if config.tag_field
-        else written
+    tag = f' {config.tag_field} = "{config.tag}"' if config.tag_field else ""
+    return Section(f"{written}{tag}", about(table), tuple(keys_of(table).values()))
+
+
+def _cells(key: Key) -> tuple[str, str, str]:
+    """What a key accepts, its default and its meaning."""
+    words = "tables below" if key.listed else "table below"
+    default = "" if key.default is None or key.tables else str(key.default)
+    if isinstance(key.default, bool):
+        default = default.lower()
+    return (
+        words if key.tables else key.accepted,
+        "required" if key.required else default,
+        key.meaning,
     )
-    keys = []
-    for name, field in keys_of(table).items():
-        default = (
-            "required"
-            if field.required
-            else ""
-            if field.default is None
-            else _shown(field.default)
-        )
-        inner = tables_of(field.type)
-        words = (
-            f"{'tables' if is_list(field.type) else 'table'} below"
-            if inner
-            else accepted(field.type)
-        )
-        keys.append(Key(name, words, default, _meaning(field.type)))
-    return Section(title, _about(table), tuple(keys))
-
-
-def _about(table: Any) -> str:
-    """The first sentence of its docstring."""
-    return inspect.cleandoc(table.__doc__).split("\n\n")[0].replace("\n", " ")
-
-
-def _meaning(kind: Any) -> str:
-    return next(
-        (note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)),
-        "",
-    )
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, msgspec.Struct):
-        return ""
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _cell(entry: str) -> str:
-    return entry.replace("|", "\\|")

@@ -1,7 +1,6 @@
 """The kinds of scenes of each command, and reading a file as one of them."""
 
 from pathlib import Path
-from typing import Any
 
 from ..errors import InputError, closest
 from ..files import read_toml
@@ -13,7 +12,7 @@ from .histories import (
     SurfaceSlide,
 )
 from .scene import Scene
-from .schema import decode, keys_of
+from .schema import Content, about, decode, keys_of
 from .seals import BreakOutScene, LeakScene, LubricatedScene, RingScene, StrokeScene
 from .steady import (
     BodyComparison,
@@ -51,7 +50,7 @@ def read_scene(verb: str, path: Path) -> Scene:
     return decoded(verb, read_content(path))
 
 
-def read_content(path: Path) -> dict[str, Any]:
+def read_content(path: Path) -> Content:
     """What a TOML file holds. Raises `InputError` where it cannot be read."""
     try:
         return read_toml(path)
@@ -68,7 +67,7 @@ def read_content(path: Path) -> dict[str, Any]:
         raise InputError(f"the scene is not valid TOML: {error}.") from error
 
 
-def decoded(verb: str, content: dict[str, Any]) -> Scene:
+def decoded(verb: str, content: Content) -> Scene:
     """A scene of the command `verb` from what its file holds. Raises `InputError` for
     whatever is wrong.
     """
@@ -84,7 +83,7 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
     name = f"[{key}]" if table else key
     if any(key in keys_of(other) for other in KINDS[verb]):
         raise InputError(
-            f"{name} does not belong to a scene of this kind: {kind.__doc__}"
+            f"{name} does not belong to a scene of this kind: {about(kind)}"
         )
     homes = [
         home

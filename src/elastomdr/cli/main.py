@@ -66,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         return status
     except InputError as error:
-        return _refused(str(error))
+        return _refused(_in_words(error))
     except KeyboardInterrupt as error:
         print(f"elastomdr: interrupted{error}", file=sys.stderr)
         return INTERRUPTED
@@ -90,6 +90,30 @@ def _function(name: str) -> Callable[[argparse.Namespace], int]:
     """
     module, function = name.split(":")
     return getattr(importlib.import_module(f".{module}", __package__), function)
+
+
+def _in_words(error: InputError) -> str:
+    """An error in the words of scene files: values as TOML writes them, and models by
+    their names, "line" with average=true, not em.Line(average=True).
+    """
+    from .units import shown
+
+    models: Any = sys.modules.get(f"{__package__}.models".replace(".cli", ""))
+    if models is None:
+        return error.words(error.subject, shown)
+
+    def written(got: Any) -> str:
+        return f'"{got.label}"' if isinstance(got, models.Model) else shown(got)
+
+    message = error.words(error.subject, written)
+    for label, kind in models.KINDS.items():
+        message, *calls = message.split(f"{kind.__name__}(")
+        for call in calls:
+            options, _, after = call.partition(")")
+            said = f" with {options}" if message.endswith("em.") and options else ""
+            said = said.replace("=True", "=true").replace("=False", "=false")
+            message = f'{message.removesuffix("em.")}"{label}"{said}{after}'
+    return message
 
 
 def _refused(message: str) -> int:

@@ -2,20 +2,19 @@
 numerics.
 """
 
-import abc
 import contextlib
-import dataclasses
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import elastomdr as em
 
 from ..call.types import ModelName
 from ..errors import InputError
-from .bodies import AnyShape, equivalent_length
+from .bodies import SurfaceTable
 from .schema import (
+    Arguments,
+    Content,
     Count,
     One,
     Positive,
@@ -26,9 +25,10 @@ from .schema import (
     given,
     keys_of,
     named,
+    of_key,
     only_one,
 )
-from .units import Length, Temperature, Velocity
+from .units import EquivalentLength, Length, Temperature, Velocity
 
 _AXES = (
     "velocity",
@@ -51,161 +51,124 @@ _AXES = (
 
 
 class LayerTable(Table):
-    """The rubber is a layer of any thickness on a rigid base."""
+    """The rubber is a layer of any thickness on a rigid base.
 
-    thickness: Annotated[Length, "thickness"]
-    bonded: Annotated[
-        bool, "whether it is bonded to its base; false where it can slip"
-    ] = True
-    springs: Annotated[
-        bool, "independent springs, the textbook's, in place of the layer itself"
-    ] = False
+    Keys:
+        thickness: thickness
+        bonded: whether it is bonded to its base; false where it can slip
+        springs: independent springs, the textbook's, in place of the layer itself
+    """
 
-    def on_base(self, rubber: Any, thickness: float | None = None) -> Any:
+    thickness: Length
+    bonded: bool = True
+    springs: bool = False
+
+    aside = True
+
+    def on_base(self, rubber: "em.Prony", thickness: float | None = None) -> Any:
         """The layer of a rubber, or its springs; of another thickness if one is
         given.
         """
         kind = em.springs if self.springs else em.layer
-        return kind(
-            rubber,
-            self.thickness if thickness is None else thickness,
-            bonded=self.bonded,
-        )
+        return kind(rubber, thickness or self.thickness, bonded=self.bonded)
 
 
 class Numerics(Table):
-    """How exactly the scene is computed."""
+    """How exactly the scene is computed.
 
-    rtol: Annotated[Positive | None, "relative error to be met"] = None
-
-    def chosen(self) -> dict[str, Any]:
-        """`rtol`, empty for the default."""
-        return given(self, "rtol")
-
-
-@contextlib.contextmanager
-def models_by_name() -> Iterator[None]:
-    """Errors about a model in the words of scene files: "line" with average=true, not
-    em.Line(average=True).
+    Keys:
+        rtol: relative error to be met
     """
-    from ..models import KINDS
 
-    try:
-        yield
-    except InputError as error:
-        message = str(error)
-        for label, kind in KINDS.items():
-            message = re.sub(
-                rf"em\.{kind.__name__}\(\)|(?<![.\w]){kind.__name__}\([^()]*\)",
-                f'"{label}"',
-                message,
-            )
-            message = re.sub(
-                rf"em\.{kind.__name__}\(([^()]*)\)", rf'"{label}" with \1', message
-            )
-        message = (
-            f"[contact] {message}" if message.startswith("model must") else message
-        )
-        raise InputError(
-            message.replace("=True", "=true").replace("=False", "=false")
-        ) from error
+    rtol: Positive | None = None
 
 
 class ContactTable(Table):
     """How a body is pressed on and how fast it moves, and what the contact is computed
     with.
+
+    Keys:
+        velocity: velocity of sliding or rolling
+        model: what computes the contact; by default the shape decides
+        corrected: averaged: corrected for asymmetric contacts, true by default
+        average: line: averaged over directions, false by default
+        equivalent_length: line: turns a pressure into a load; a length or "full
+            contact"
+        seeds: line, half-space: number of random lines or maps, or their seeds
+        samples: line: samples of a line
+        periods: line, half-space: length of a line, side of a map, in longest waves
+        gamma: persson: share of the stored energy, 0 to 1
+        stored: persson: whether stored energy is reduced in the contact area as well
+        cells: half-space: cells along each side of the grid
     """
 
     one_of: ClassVar[tuple[str, ...]] = ()  # the keys of which there must be one
 
-    velocity: Annotated[Sweep[Velocity], "velocity of sliding or rolling"]
-    model: Annotated[
-        ModelName | None, "what computes the contact; by default the shape decides"
-    ] = None
-    corrected: Annotated[
-        bool | None, "averaged: corrected for asymmetric contacts, true by default"
-    ] = None
-    average: Annotated[
-        bool | None, "line: averaged over directions, false by default"
-    ] = None
-    equivalent_length: Annotated[
-        Text | None, 'line: turns a pressure into a load; a length or "full contact"'
-    ] = None
-    seeds: Annotated[
-        int | list[int] | None,
-        "line, half-space: number of random lines or maps, or their seeds",
-    ] = None
-    samples: Annotated[Count | None, "line: samples of a line"] = None
-    periods: Annotated[
-        Count | None,
-        "line, half-space: length of a line, side of a map, in longest waves",
-    ] = None
-    gamma: Annotated[float | None, "persson: share of the stored energy, 0 to 1"] = None
-    stored: Annotated[
-        bool | None,
-        "persson: whether stored energy is reduced in the contact area as well",
-    ] = None
-    cells: Annotated[Count | None, "half-space: cells along each side of the grid"] = (
-        None
-    )
+    velocity: Sweep[Velocity]
+    model: ModelName | None = None
+    corrected: bool | None = None
+    average: bool | None = None
+    equivalent_length: EquivalentLength | None = None
+    seeds: int | list[int] | None = None
+    samples: Count | None = None
+    periods: Count | None = None
+    gamma: float | None = None
+    stored: bool | None = None
+    cells: Count | None = None
 
     def __post_init__(self) -> None:
         only_one(self, *self.one_of)
-        self._model()
+        self.arguments(Path())
 
-    def arguments(self) -> dict[str, Any]:
-        """Velocity, load or depth, and model."""
-        return given(self, "velocity", *self.one_of) | self._model()
-
-    def _model(self) -> dict[str, Any]:
-        """The model as an object, empty for the default. Raises `InputError` for an
+    def arguments(self, folder: Path) -> Arguments:
+        """Its own keys, and the model with its options. Raises `InputError` for an
         option of another model.
         """
-        options = given(
-            self,
-            *(key for key in keys_of(ContactTable) if key not in ("velocity", "model")),
-        )
-        if self.model is None and not options:
-            return {}
+        found = given(self)
+        model = found.pop("model", None)
+        options = {
+            key: found.pop(key)
+            for key in keys_of(ContactTable)
+            if key != "velocity" and key in found
+        }
+        if model is None and not options:
+            return found
         from ..models import KINDS
 
         kinds: dict[str, Any] = KINDS
         for key in options:
-            homes = [
-                name
-                for name, kind in kinds.items()
-                if key in {field.name for field in dataclasses.fields(kind)}
-            ]
-            if self.model not in homes:
+            homes = [n for n, k in kinds.items() if key in k.__dataclass_fields__]
+            if model not in homes:
                 wanted = " or ".join(f'"{name}"' for name in homes)
-                got = "no model" if self.model is None else f'model = "{self.model}"'
-                raise InputError(f"{key} belongs to model = {wanted}, got {got}.")
-        if "equivalent_length" in options:
-            options["equivalent_length"] = equivalent_length(
-                options["equivalent_length"]
-            )
-        return {"model": kinds[self.model or ""](**options)}
+                got = "no model" if model is None else f'model = "{model}"'
+                raise InputError(
+                    f"{key} belongs to model = {wanted}, got {got}.", argument=key
+                )
+        return found | {"model": kinds[str(model)](**options)}
 
 
 class Scene(Table):
-    """A scene file."""
+    """A scene file.
+
+    Keys:
+        title: title of the figure
+        material: the rubber: a name in the library, or a material file beside the scene
+        temperature: temperature of the rubber
+        numerics: how exactly it is computed
+    """
 
     # the table by which a scene of this kind is recognised
     mark: ClassVar[str] = "indenter"
     call: ClassVar[str]
+    rough: ClassVar[str] = "surface"  # what the call calls a [surface]
 
-    title: Annotated[Text | None, "title of the figure"] = None
-    material: Annotated[
-        One[Text],
-        "the rubber: a name in the library, or a material file beside the scene",
-    ]
-    temperature: Annotated[Several[Temperature] | None, "temperature of the rubber"] = (
-        None
-    )
-    numerics: Annotated[Numerics, "how exactly it is computed"] = Numerics()
+    title: Text | None = None
+    material: One[Text]
+    temperature: Several[Temperature] | None = None
+    numerics: Numerics = Numerics()
 
     @classmethod
-    def fits(cls, content: dict[str, Any]) -> bool:
+    def fits(cls, content: Content) -> bool:
         """Whether a file is a scene of this kind."""
         return cls.mark in content
 
@@ -217,7 +180,7 @@ class Scene(Table):
         """What is printed below the summary of the result."""
         return ""
 
-    def beside(self, folder: Path) -> dict[str, Any] | None:
+    def beside(self, folder: Path) -> Arguments | None:
         """The arguments of `em.rolling` for what is drawn beside the result, if
         anything. Raises `InputError`.
         """
@@ -229,28 +192,57 @@ class Scene(Table):
         """
         return {}
 
-    @abc.abstractmethod
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        """The arguments of that function, in SI units; files are looked for in
-        `folder`. Raises `InputError`.
+    @contextlib.contextmanager
+    def in_keys(self) -> Iterator[None]:
+        """Calls the argument of an `InputError` by the key of the scene that holds it."""
+        try:
+            yield
+        except InputError as error:
+            for key in self.__struct_fields__:
+                table = getattr(self, key)
+                if isinstance(table, Table) and error.argument in given(table):
+                    error.stands_in(f"[{key}]")
+                    break
+            raise
+
+    def rubber(self, folder: Path) -> Arguments:
+        """The material with its temperature. Raises `InputError`."""
+        material = load(folder, "material", self.material[0])
+        return {"material": material} | given(self, "temperature")
+
+    def of_surface(self, surface: SurfaceTable, folder: Path) -> Arguments:
+        """What the call takes of a [surface]."""
+        draws = getattr(self, "uncertainty", None)
+        return {self.rough: surface.drawn(folder, draws)}
+
+    def arguments(self, folder: Path) -> Arguments:
+        """The arguments of that function, in SI units, those of its tables among them;
+        files are looked for in `folder`. Raises `InputError`.
         """
+        found = self.rubber(folder)
+        for key in self.__struct_fields__:
+            table = getattr(self, key)
+            with named(f"[{key}]"):
+                if isinstance(table, SurfaceTable):
+                    found |= self.of_surface(table, folder)
+                elif isinstance(table, Table) and not table.aside:
+                    found |= table.arguments(folder)
+        return on_axes(found)
 
 
 class OfBodies(Scene):
-    """A scene in which a body or a surface meets one rubber or two, or a layer."""
+    """A scene in which a body or a surface meets one rubber or two, or a layer.
 
-    material: Annotated[  # type: ignore[assignment]
-        Several[Text],
-        (
-            "the rubber: a name in the library, or a material file beside the scene; "
-            "a list compares several"
-        ),
-    ]
-    other: Annotated[
-        Text | None,
-        "the second body, where it is no rigid one: two half-spaces in contact",
-    ] = None
-    layer: Annotated[LayerTable | None, "the rubber is a layer on a rigid base"] = None
+    Keys:
+        material: the rubber: a name in the library, or a material file beside the
+            scene; a list compares several
+        other: the second body, where it is no rigid one: two half-spaces in contact
+        layer: the rubber is a layer on a rigid base
+    """
+
+    material: Several[Text]  # type: ignore[assignment]
+    other: Text | None = None
+    layer: LayerTable | None = None
 
     def __post_init__(self) -> None:
         if self.other is not None and self.layer is not None:
@@ -263,23 +255,26 @@ class OfBodies(Scene):
         """The materials."""
         return [load(folder, "material", name) for name in self.material]
 
-    def common(self, folder: Path) -> dict[str, Any]:
-        """`material`, `rtol` and, unless it has been applied to the material already,
-        `temperature`.
+    def rubber(self, folder: Path) -> Arguments:
+        """The material with its temperature, unless that has been applied to it
+        already.
         """
-        arguments = self.numerics.chosen() | given(self, "temperature")
         rubbers = self.rubbers(folder)
         several = len(rubbers) > 1
         if self.layer is not None:
             with named("[layer]"):
                 rubbers = made(rubbers, [self.layer.on_base(each) for each in rubbers])
-        if self.other is None or self.layer is not None:
-            return arguments | {"material": rubbers if several else rubbers[0]}
-        if several:
-            raise InputError(
-                "material must be a single one beside other: two bodies in contact."
+        if self.other is not None:
+            if several:
+                raise InputError(
+                    "material must be a single one beside other: two bodies in contact."
+                )
+            return _pair(
+                rubbers[0], load(folder, "other", self.other), self.temperature or ()
             )
-        return _pair(rubbers[0], load(folder, "other", self.other), arguments)
+        return {"material": rubbers if several else rubbers[0]} | given(
+            self, "temperature"
+        )
 
 
 def made(of: list[Any], parts: list[Any]) -> list[Any]:
@@ -294,7 +289,7 @@ def load(folder: Path, key: str, name: str) -> Any:
     is_file = name.endswith(".toml") or "/" in name or "\\" in name
     # by a list: asking for a name may fail, as where it is too long
     beside = {path.stem for path in folder.glob("*.toml")}
-    with named(f"{key}:"):
+    with of_key(f"{key}:"):
         if not is_file and name not in em.materials() and name in beside:
             raise InputError(
                 f"{name!r} is not in the library, but a file beside the scene: write "
@@ -303,7 +298,7 @@ def load(folder: Path, key: str, name: str) -> Any:
         return em.load_material(str(folder / name) if is_file else name)
 
 
-def on_axes(arguments: dict[str, Any]) -> dict[str, Any]:
+def on_axes(arguments: Arguments) -> Arguments:
     """Gives each list an axis of its own: temperature first, then load or depth or
     goods, velocity last.
     """
@@ -313,54 +308,45 @@ def on_axes(arguments: dict[str, Any]) -> dict[str, Any]:
     for name in _AXES:
         value = arguments.get(name)
         if isinstance(value, Several):
-            shaped[name] = (
-                np.asarray(value).reshape(-1, *[1] * after)
-                if len(value) > 1
-                else value[0]
-            )
-            after += len(value) > 1
+            shaped[name] = value[0]
+            if len(value) > 1:
+                shaped[name] = np.asarray(value).reshape(-1, *[1] * after)
+                after += 1
     return shaped
 
 
-def body(shape: AnyShape, folder: Path) -> Any:
-    """The body of an [indenter]."""
-    with named("[indenter]"):
-        return shape.make(folder)
-
-
-def _pair(material: Any, other: Any, arguments: dict[str, Any]) -> dict[str, Any]:
+def _pair(
+    material: "em.Prony", other: "em.Prony", temperatures: Sequence[float]
+) -> Arguments:
     """Two bodies in contact. Where they shift differently, both are brought to the one
     temperature first.
     """
-    import numpy as np
-
     from ..material.shift import same_thermal
 
     if same_thermal(material, other):
-        return arguments | {"material": em.half_space(material, other)}
-    temperature, *more = np.ravel(arguments.pop("temperature", ()))[:2].tolist() or [
-        None
-    ]
-    if temperature is None or more:
-        got = "several" if more else "none"
+        given_too = {"temperature": temperatures} if temperatures else {}
+        return {"material": em.half_space(material, other), **given_too}
+    if len(temperatures) != 1:
         raise InputError(
-            f"temperature must be a single value, got {got}: material and other "
-            "have different shift laws."
+            "temperature must be a single value, got "
+            f"{'several' if temperatures else 'none'}: material and other have "
+            "different shift laws."
         )
-    bodies = [
-        body.at(temperature) if body.shift or body.vertical else body
-        for body in (material, other)
-    ]
-    pair = em.half_space(*bodies)
-    name = f"{pair.name} at {temperature:g} K"
-    return arguments | {
+    (temperature,) = temperatures
+    pair = em.half_space(
+        *(
+            body.at(temperature) if body.shift or body.vertical else body
+            for body in (material, other)
+        )
+    )
+    return {
         "material": em.Foundation(
             pair.equilibrium,
             pair.moduli,
             pair.times,
             pair.viscosity,
             per_area=False,
-            name=name,
+            name=f"{pair.name} at {temperature:g} K",
             range=pair.range,
         )
     }

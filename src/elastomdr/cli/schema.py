@@ -4,15 +4,20 @@ key, the value and what is accepted.
 
 import abc
 import contextlib
-import re
+import inspect
+import textwrap
 import types
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import (
     Annotated,
     Any,
     ClassVar,
     Generic,
     Literal,
+    TypeAlias,
     TypeVar,
     Union,
     dataclass_transform,
@@ -23,48 +28,88 @@ from typing import (
 import msgspec
 
 from ..errors import InputError, closest
-from .units import SceneQuantity, shown
+from .units import SceneQuantity
 
 T = TypeVar("T")
-_PATH = re.compile(r"(.*?)(?: - at `\$(.*)`)?", re.DOTALL)
+# what a TOML file holds, and what a function of elastomdr is called with
+Content: TypeAlias = dict[str, Any]
+Arguments: TypeAlias = dict[str, Any]
 
-Text = Annotated[str, msgspec.Meta(pattern=r"^[^\x00]*[^\s\x00][^\x00]*$")]
-Positive = Annotated[float, msgspec.Meta(gt=0)]
-Count = Annotated[int, msgspec.Meta(ge=1, le=1_000_000)]
-Draws = Annotated[int, msgspec.Meta(ge=2, le=10_000)]
-Many = Annotated[int, msgspec.Meta(ge=2, le=100_000)]  # values of a sweep
-Instants = Annotated[int, msgspec.Meta(ge=2, le=10_000)]  # of a history
+
+@dataclass(frozen=True)
+class Plain:
+    """A value of TOML that is taken as it is, within limits."""
+
+    what: str  # in words
+    types: tuple[type, ...]
+    fits: Callable[[Any], bool] = lambda entry: True
+
+    def accepted(self) -> str:
+        """What is accepted, in words."""
+        return self.what
+
+    def read(self, entry: object) -> object:
+        """The value. Raises `InputError`, which says what is accepted."""
+        if type(entry) in self.types and self.fits(entry):
+            with contextlib.suppress(OverflowError):
+                return self.types[-1](entry)
+        raise InputError(got=entry, accepted=self.what)
+
+
+def whole(least: int, most: int) -> Plain:
+    """A whole number within limits."""
+    words = f"a whole number from {least} to {most}"
+    return Plain(words, (int,), lambda entry: least <= entry <= most)
+
+
+Text = Annotated[
+    str, Plain("a text", (str,), lambda entry: entry.strip() and "\0" not in entry)
+]
+Positive = Annotated[
+    float, Plain("a positive number", (int, float), lambda entry: entry > 0)
+]
+Count = Annotated[int, whole(1, 1_000_000)]
+Draws = Annotated[int, whole(2, 10_000)]
+Many = Annotated[int, whole(2, 100_000)]  # values of a sweep
+Instants = Annotated[int, whole(2, 10_000)]  # of a history
+_PLAIN: dict[Any, Plain] = {
+    bool: Plain("true or false", (bool,)),
+    int: Plain("a whole number", (int,)),
+    float: Plain("a number", (int, float)),
+    str: Plain("a text", (str,)),
+}
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True)
 class _TableType(msgspec.StructMeta, abc.ABCMeta):
-    """Frozen structs with keyword fields that refuse unknown keys."""
+    """Frozen structs with keyword fields."""
 
     def __new__(
         mcls,
         name: str,
         bases: tuple[type, ...],
-        namespace: dict[str, Any],
+        namespace: dict[str, object],
         **options: Any,
     ) -> Any:
-        defaults: dict[str, Any] = {
-            "kw_only": True,
-            "frozen": True,
-            "forbid_unknown_fields": True,
-        }
-        return super().__new__(mcls, name, bases, namespace, **(defaults | options))
+        options = {"kw_only": True, "frozen": True} | options
+        return super().__new__(mcls, name, bases, namespace, **options)
 
 
 class Table(msgspec.Struct, metaclass=_TableType):
-    """A table of a scene file: its fields are the keys, each annotated with its
-    meaning.
+    """A table of a scene file: its fields are the keys, whose meaning stands in the
+    docstring under "Keys".
     """
 
     # keys looked for here that belong elsewhere, and what to do about them
     of_others: ClassVar[dict[str, str]] = {}
+    aside: ClassVar[bool] = False  # whether its keys are no arguments of the call
+
+    def arguments(self, folder: Path) -> "Arguments":
+        """What the call takes of it; files are looked for in `folder`."""
+        return given(self)
 
 
-class Several(tuple, Generic[T]):
+class Several(tuple[T, ...], Generic[T]):
     """One value, or a list of values."""
 
 
@@ -84,45 +129,266 @@ class Span(Table, Generic[T], rename={"first": "from", "last": "to"}):
     points: Many
 
 
-def decode(kind: Any, content: Any) -> Any:
-    """A value of the type `kind` from what TOML holds. Raises `InputError` that begins
-    with the key.
+@dataclass(frozen=True)
+class Key:
+    """A key of a table: what it accepts, by its types without None, and what it is for."""
+
+    name: str
+    kinds: tuple[Any, ...]
+    optional: bool
+    default: Any  # `msgspec.NODEFAULT` where it must be given
+    meaning: str
+
+    @property
+    def required(self) -> bool:
+        """Whether it must be given."""
+        return self.default is msgspec.NODEFAULT
+
+    @property
+    def tables(self) -> tuple[type[Table], ...]:
+        """The tables of which it is one, or a list."""
+        return tuple(each for each in self.entries if _is_table(each))
+
+    @property
+    def listed(self) -> bool:
+        """Whether it is a list of TOML's."""
+        return all(get_origin(kind) is list for kind in self.kinds)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The words that it accepts, where they are listed."""
+        return tuple(
+            word
+            for kind in self.kinds
+            if get_origin(kind) is Literal
+            for word in get_args(kind)
+        )
+
+    @property
+    def entries(self) -> tuple[Any, ...]:
+        """The types of a single value."""
+        return tuple(
+            inner
+            for kind in self.kinds
+            for inner in (members(get_args(kind)[0]) if get_args(kind) else [kind])
+        )
+
+    @property
+    def quantity(self) -> type[SceneQuantity] | None:
+        """What it measures, None for a number or a text."""
+        return next((k for k in self.entries if _is_a(k, SceneQuantity)), None)
+
+    @property
+    def flag(self) -> bool:
+        """Whether it is true or false."""
+        return self.kinds == (bool,)
+
+    @property
+    def several(self) -> bool:
+        """Whether it accepts a list."""
+        return any(get_origin(kind) in (list, Several, Sweep) for kind in self.kinds)
+
+    @property
+    def spread(self) -> bool:
+        """Whether it accepts values from one to another."""
+        return any(get_origin(kind) is Sweep for kind in self.kinds)
+
+    @property
+    def numeric(self) -> bool:
+        """Whether it accepts bare numbers and measures nothing."""
+        plain = (_PLAIN.get(kind, kind) for kind in self.entries)
+        numbers = (isinstance(p, Plain) and p.types[0] is int for p in plain)
+        return any(numbers) and self.quantity is None
+
+    @property
+    def accepted(self) -> str:
+        """What it accepts, in words."""
+        return accepted(self.kinds)
+
+
+@cache
+def keys_of(table: type[Table]) -> dict[str, Key]:
+    """The keys of a table by their names in the file."""
+    meant = _meanings(table)
+    return {
+        field.encode_name: Key(
+            field.encode_name,
+            members(field.type),
+            type(None) in get_args(field.type),
+            field.default if field.default_factory is msgspec.NODEFAULT else None,
+            meant.get(field.name, ""),
+        )
+        for field in msgspec.structs.fields(table)
+    }
+
+
+def _meanings(table: type) -> dict[str, str]:
+    """The meanings of keys, as the docstrings of a table and of its bases tell them."""
+    found: dict[str, str] = {}
+    for base in reversed((get_origin(table) or table).__mro__):
+        listed = inspect.cleandoc(base.__doc__ or "").partition("\nKeys:\n")[2]
+        key = ""
+        for line in textwrap.dedent(listed).splitlines():
+            if line.startswith(" "):
+                found[key] += f" {line.strip()}"
+            else:
+                key, _, found[key] = line.partition(": ")
+    return found
+
+
+def about(table: type) -> str:
+    """What a table is, by the first sentence of its docstring."""
+    return inspect.cleandoc(table.__doc__ or "").partition("\n\n")[0].replace("\n", " ")
+
+
+def decode(kind: Any, entry: object, place: tuple[str | int, ...] = ()) -> Any:
+    """A value of the type `kind` from what TOML holds at a place. Raises `InputError`,
+    which names the key.
     """
-    try:
-        return msgspec.convert(content, kind, dec_hook=_custom)
-    except msgspec.ValidationError as error:
-        raise InputError(_explained(kind, content, error)) from error
+    kinds = members(kind)
+    if tables := tuple(each for each in kinds if _is_table(each)):
+        return _decoded_table(tables, entry, place)
+    if len(kinds) != 1:
+        for each in kinds:
+            with contextlib.suppress(InputError):
+                return decode(each, entry, place)
+        raise _refused(kinds, entry, place)
+    (only,) = kinds
+    origin, inner = get_origin(only), get_args(only)
+    if origin is Literal and isinstance(entry, str) and entry in inner:
+        return entry
+    if origin in (Several, One, Sweep):
+        return origin(_several(only, entry, place))
+    if origin is list and isinstance(entry, list):
+        return [decode(inner[0], one, (*place, i)) for i, one in enumerate(entry)]
+    if origin is dict and isinstance(entry, dict):
+        return {key: decode(inner[1], one, (*place, key)) for key, one in entry.items()}
+    if only is Any:
+        return entry
+    if origin is None:
+        reader: Any = _PLAIN.get(only, only)
+        with of_key(_name(place)):
+            return reader.read(entry)
+    raise _refused(kinds, entry, place)
+
+
+def _several(kind: Any, entry: object, place: tuple[str | int, ...]) -> list[Any]:
+    """The values of a key that has one or more of them."""
+    origin, (inner,) = get_origin(kind), get_args(kind)
+    if isinstance(entry, dict) and origin is Sweep:
+        with of_key(f"{_name(place)}:"):
+            span = decode(Span[inner], entry)
+            if 0 < span.first < span.last:
+                import numpy as np
+
+                return np.geomspace(span.first, span.last, span.points).tolist()
+            raise InputError(
+                "must go from a smaller to a larger value above zero, got "
+                f"{span.first:g} to {span.last:g}."
+            )
+    if not isinstance(entry, list) or origin is One:
+        return [decode(inner, entry, place)]
+    if not entry:
+        raise InputError(
+            f"{_name(place)} must be {accepted((kind,))}, got an empty list."
+        )
+    return [decode(inner, one, (*place, i)) for i, one in enumerate(entry)]
+
+
+def _decoded_table(
+    tables: tuple[Any, ...], entry: object, place: tuple[str | int, ...]
+) -> Any:
+    """A table, of several kinds that which its tag names."""
+    if not isinstance(entry, dict):
+        raise _refused(tables, entry, place)
+    given, table = dict(entry), tables[0]
+    tag = _struct(table).__struct_config__.tag_field
+    if tag is not None:
+        by_tag = {_struct(one).__struct_config__.tag: one for one in tables}
+        named_kind = Literal[tuple(by_tag)]
+        if tag not in given:
+            raise _missing(Key(tag, (named_kind,), False, None, ""), place)
+        table = by_tag[decode(named_kind, given.pop(tag), (*place, tag))]
+    keys = keys_of(table)
+    for key in [key for key in given if key not in keys]:
+        name, valid = _name(place, table=True), [*([tag] if tag else []), *keys]
+        hint = _struct(table).of_others.get(key, "") or (
+            closest(str(key), valid).strip() or f"Valid keys are {', '.join(valid)}."
+        )
+        raise InputError(
+            f"{name} has a key that is not known: {key!r}. {hint}".strip(),
+            argument=f"{name} {key}".strip(),
+        )
+    types_of = {each.encode_name: each for each in msgspec.structs.fields(table)}
+    values = {
+        types_of[key].name: decode(types_of[key].type, value, (*place, key))
+        for key, value in given.items()
+    }
+    for key in keys.values():
+        if key.required and key.name not in given:
+            raise _missing(key, place)
+    with named(_name(place, table=True)):
+        return _struct(table)(**values)
+
+
+def _missing(key: Key, place: tuple[str | int, ...]) -> InputError:
+    name = _name((*place, key.name))
+    written = name
+    if key.tables:
+        written = f"[[{name}]]" if key.listed else f"[{name}]"
+    return InputError(
+        f"{written} is missing: it must be {key.accepted}.", argument=name
+    )
+
+
+def _refused(
+    kinds: tuple[Any, ...], entry: object, place: tuple[str | int, ...]
+) -> InputError:
+    key = Key("", kinds, False, None, "")
+    return InputError(
+        argument=_name(place, bool(key.tables)),
+        got=entry,
+        accepted=key.accepted,
+        hint=closest(entry, key.words).strip() if isinstance(entry, str) else "",
+    )
 
 
 @contextlib.contextmanager
-def named(name: str) -> Iterator[None]:
-    """Puts a file, a table or a key before the message of an `InputError`, unless it
-    begins with it.
+def named(table: str) -> Iterator[None]:
+    """Puts the table before the argument of an `InputError`, unless it stands there."""
+    try:
+        yield
+    except InputError as error:
+        error.stands_in(table)
+        raise
+
+
+@contextlib.contextmanager
+def of_key(key: str) -> Iterator[None]:
+    """Puts a file or a key, with or without a colon, before the sentence of an
+    `InputError`, unless it stands there.
     """
     try:
         yield
     except InputError as error:
-        message = str(error)
-        raise InputError(
-            message if message.startswith(name) else f"{name} {message}"
-        ) from error
+        error.stands_for(key)
+        raise
 
 
 @contextlib.contextmanager
 def path_from(key: str) -> Iterator[None]:
-    """Puts the key that holds a path in the place of the word "path" at the beginning
-    of an `InputError`.
-    """
+    """Calls the argument "path" of an `InputError` by the key that holds a path."""
     try:
         yield
     except InputError as error:
-        message = str(error)
-        raise InputError(
-            f"{key}{message[4:]}" if message.startswith("path") else f"{key}: {message}"
-        ) from error
+        if error.argument == "path":
+            error.subject = error.argument = key
+        else:
+            error.stands_for(f"{key}:")
+        raise
 
 
-def only_one(table: Any, *keys: str) -> str:
+def only_one(table: Table, *keys: str) -> str:
     """The one of the keys that the table has. Raises `InputError` for none and for
     more.
     """
@@ -130,225 +396,79 @@ def only_one(table: Any, *keys: str) -> str:
     if len(present) != 1:
         raise InputError(
             f"must have one of {', '.join(keys)}, got "
-            f"{' and '.join(present) or 'none of them'}."
+            f"{' and '.join(present) or 'none of them'}.",
+            argument=keys[0],
         )
     return present[0]
 
 
-def given(table: Any, *keys: str) -> dict[str, Any]:
-    """Those of the keys that the table has, with their values."""
-    return {key: value for key in keys if (value := getattr(table, key)) is not None}
+def given(table: Table, *keys: str) -> Arguments:
+    """Those of the keys that the table has, with their values; of all keys where none
+    are named.
+    """
+    return {
+        key: value
+        for key in keys or table.__struct_fields__
+        if (value := getattr(table, key)) is not None
+    }
 
 
-def accepted(kind: Any) -> str:
-    """What values a type accepts, in words."""
+def accepted(kinds: tuple[Any, ...]) -> str:
+    """What values some types accept, in words."""
+    tables = [kind for kind in kinds if _is_table(kind)]
+    if len(tables) > 1:
+        return f"a table with the key {_struct(tables[0]).__struct_config__.tag_field}"
+    return " or ".join(map(_accepted, kinds)) or "left out"
+
+
+def _accepted(kind: Any) -> str:
     origin, inner = get_origin(kind), get_args(kind)
-    if origin is Annotated:
-        limits = {
-            k: v
-            for m in inner[1:]
-            for k in ("gt", "ge", "le")
-            if (v := getattr(m, k, None)) is not None
-        }
-        if limits.keys() == {"ge", "le"}:
-            return f"{accepted(inner[0])} from {limits['ge']} to {limits['le']}"
-        return "a positive number" if limits else accepted(inner[0])
+    if origin is None or _is_table(kind):
+        if _is_table(kind):
+            return f"a table with the keys {', '.join(keys_of(kind))}"
+        reader: Any = _PLAIN.get(kind, kind)
+        return "a value" if kind is Any else reader.accepted()
     if origin is Literal:
         return f"one of {', '.join(map(str, inner))}"
-    if origin in (Union, types.UnionType):
-        tables = [member for member in inner if _is_table(member)]
-        if len(tables) > 1:
-            return f"a table with the key {tables[0].__struct_config__.tag_field}"
-        return " or ".join(
-            accepted(member) for member in inner if member is not type(None)
-        )
-    if origin is One:
-        return accepted(inner[0])
     if origin is dict:
         return "a table of lists"
-    if origin in (list, Several, Sweep):
-        one = accepted(inner[0])
-        if origin is list and _is_table(inner[0]):
+    one = accepted(members(inner[0]))
+    if origin is list:
+        if _is_table(inner[0]):
             return "a list of tables, each with two brackets around its name"
-        if origin is list:
-            return {float: "a list of numbers", int: "a list of whole numbers"}.get(
-                inner[0], f"a list, each {one}"
-            )
-        return (
-            f"{one}, a list of them, or {{ from, to, points }}"
-            if origin is Sweep
-            else f"{one}, or a list of them"
-        )
-    if _is_table(kind):
-        return f"a table with the keys {', '.join(keys_of(kind))}"
-    if isinstance(kind, type) and issubclass(kind, SceneQuantity):
-        return f'{kind.what} with its unit, such as "{kind.example}"'
-    if kind in (None, type(None)):
-        return "left out"
-    return {
-        bool: "true or false",
-        int: "a whole number",
-        float: "a number",
-        str: "a text",
-    }[kind]
+        plural: dict[Any, str] = {
+            float: "a list of numbers",
+            int: "a list of whole numbers",
+        }
+        return plural.get(inner[0], f"a list, each {one}")
+    if origin is One:
+        return one
+    more = "a list of them, or { from, to, points }"
+    return f"{one}, {more if origin is Sweep else 'or a list of them'}"
 
 
-def keys_of(kind: Any) -> dict[str, Any]:
-    """The fields of a table by their keys in the file."""
-    return {field.encode_name: field for field in msgspec.structs.fields(kind)}
+def members(kind: Any) -> tuple[Any, ...]:
+    """The members of a union, without None."""
+    if get_origin(kind) in (Union, types.UnionType):
+        return tuple(inner for each in get_args(kind) for inner in members(each))
+    if get_origin(kind) is Annotated:
+        return (get_args(kind)[1],)
+    return () if kind in (None, type(None)) else (kind,)
 
 
-def tables_of(kind: Any) -> tuple[Any, ...]:
-    """The tables that a type accepts: itself, or the members of a union, of a list."""
-    if _is_table(kind):
-        return (kind,)
-    inner = get_args(kind)
-    return (
-        tuple(table for member in inner for table in tables_of(member))
-        if get_origin(kind) is not Literal
-        else ()
-    )
-
-
-def is_list(kind: Any) -> bool:
-    """Whether a type is a list of TOML's."""
-    return (
-        get_origin(get_args(kind)[0] if get_origin(kind) is Annotated else kind) is list
-    )
-
-
-def _options(kind: Any) -> tuple[Any, ...]:
-    """The words that a type accepts, where they are listed."""
-    if get_origin(kind) is Literal:
-        return get_args(kind)
-    return tuple(word for member in get_args(kind) for word in _options(member))
+def _struct(kind: Any) -> Any:
+    return get_origin(kind) or kind
 
 
 def _is_table(kind: Any) -> bool:
-    kind = get_origin(kind) or kind
-    return isinstance(kind, type) and issubclass(kind, msgspec.Struct)
+    return _is_a(_struct(kind), Table)
 
 
-def _custom(kind: Any, value: Any) -> Any:
-    """Reads what is no type of TOML."""
-    origin = get_origin(kind)
-    if origin is None:
-        return kind.read(value)
-    (inner,) = get_args(kind)
-    if isinstance(value, dict) and origin is Sweep:
-        with named(":"):
-            return origin(_spread(decode(Span[inner], value)))
-    if not isinstance(value, list) or origin is One:
-        return origin([decode(inner, value)])
-    if not value:
-        raise InputError(f"must be {accepted(kind)}, got an empty list.")
-    entries = []
-    for i, entry in enumerate(value):
-        with named(f"[{i}]"):
-            entries.append(decode(inner, entry))
-    return origin(entries)
+def _is_a(kind: Any, base: type) -> bool:
+    return isinstance(kind, type) and issubclass(kind, base)
 
 
-def _spread(span: Span) -> list[float]:
-    if not 0 < span.first < span.last:
-        raise InputError(
-            "must go from a smaller to a larger value above zero, got "
-            f"{span.first:g} to {span.last:g}."
-        )
-    import numpy as np
-
-    return np.geomspace(span.first, span.last, span.points).tolist()
-
-
-def _explained(kind: Any, content: Any, error: msgspec.ValidationError) -> str:
-    """The message of msgspec's error: the key, what is wrong with its value, what is
-    accepted.
-    """
-    message, path = _PATH.fullmatch(str(error)).groups()  # type: ignore[union-attr]
-    steps = [
-        int(i) if i else key for key, i in re.findall(r"\.(\w+)|\[(\d+)\]", path or "")
-    ]
-    for step in steps:
-        kind, content = _inside(kind, content, step)
-    if error.__cause__ is not None:  # our own words
-        name = _name(steps, bool(tables_of(kind)))
-        joined = message[0] in "[:" and not name.endswith("]")
-        return f"{name}{'' if joined else ' '}{message}".strip()
-    if (match := re.search(r"unknown field `(.*)`", message, re.DOTALL)) is not None:
-        valid = list(
-            dict.fromkeys(
-                key for table in _chosen(kind, content) for key in _all_keys(table)
-            )
-        )
-        other = next(
-            (
-                t.of_others[match[1]]
-                for t in _chosen(kind, content)
-                if match[1] in t.of_others
-            ),
-            "",
-        )
-        hint = (
-            f" {other}"
-            if other
-            else closest(match[1], valid) or f" Valid keys are {', '.join(valid)}."
-        )
-        return (
-            f"{_name(steps, table=True)} has a key that is not known: "
-            f"{match[1]!r}.{hint}"
-        ).strip()
-    if (match := re.search(r"missing required field `(.*)`", message)) is not None:
-        within, _ = _inside(kind, content, match[1])
-        name = _name([*steps, match[1]])
-        if tables_of(within):
-            name = f"[[{name}]]" if is_list(within) else f"[{name}]"
-        return f"{name} is missing: it must be {accepted(within)}."
-    hint = closest(content, _options(kind)) if isinstance(content, str) else ""
-    return (
-        f"{_name(steps, bool(tables_of(kind)))} must be {accepted(kind)}, got "
-        f"{shown(content)}.{hint}"
-    )
-
-
-def _chosen(kind: Any, content: Any) -> tuple[Any, ...]:
-    """The table of a union whose tag the content has, or all of them."""
-    tables = tables_of(kind)
-    config = (get_origin(tables[0]) or tables[0]).__struct_config__
-    tagged = [
-        t
-        for t in tables
-        if config.tag_field and t.__struct_config__.tag == content.get(config.tag_field)
-    ]
-    return tuple(tagged) or tables
-
-
-def _all_keys(table: Any) -> list[str]:
-    tag = (get_origin(table) or table).__struct_config__.tag_field
-    return [*([tag] if tag else []), *keys_of(table)]
-
-
-def _inside(kind: Any, content: Any, step: str | int) -> tuple[Any, Any]:
-    """Type and value of a key of a table, or of an entry of a list."""
-    if isinstance(step, int):
-        return next(_entries(kind)), content[step]
-    for table in _chosen(kind, content):
-        if step in (keys := keys_of(table)):
-            return keys[step].type, content.get(step)
-    return Literal[
-        tuple(table.__struct_config__.tag for table in tables_of(kind))
-    ], content.get(step)
-
-
-def _entries(kind: Any) -> Iterator[Any]:
-    """The types of the entries of the lists that a type accepts."""
-    if get_origin(kind) is list:
-        yield get_args(kind)[0]
-    elif get_origin(kind) in (Annotated, Union, types.UnionType):
-        for member in get_args(kind):
-            yield from _entries(member)
-
-
-def _name(steps: list[Any], table: bool = False) -> str:
+def _name(steps: tuple[str | int, ...], table: bool = False) -> str:
     """The place as messages call it, such as "[contact] load", "[stage 2] way" or
     "[history] time[1]".
     """

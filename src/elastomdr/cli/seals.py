@@ -4,14 +4,14 @@ dry seal after a rest.
 """
 
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import elastomdr as em
 
 from ..errors import InputError
 from .bodies import AnySurface, CylinderTable
-from .scene import OfBodies, Scene, body, load, on_axes
-from .schema import Positive, Several, Sweep, Table, Text, given, named
+from .scene import OfBodies, Scene
+from .schema import Arguments, Positive, Several, Sweep, Table, Text, given, named
 from .steady import OfDraws
 from .units import (
     Angle,
@@ -28,246 +28,229 @@ from .units import (
 
 
 class Ring(Table):
-    """The cord of an O-ring, how it is squeezed, and its groove."""
+    """The cord of an O-ring, how it is squeezed, and its groove.
 
-    diameter: Annotated[Length, "diameter of the cord"]
-    squeeze: Annotated[
-        Several[Positive], "part of the diameter by which the cord is squeezed"
-    ]
-    time: Annotated[
-        Sweep[Duration] | None, "since it was squeezed; by default long after"
-    ] = None
-    fluid_pressure: Annotated[
-        Several[Pressure] | None, "of the sealed fluid, above that behind the ring"
-    ] = None
-    groove_width: Annotated[
-        Length | None, "width of the groove, whose height is the squeezed diameter"
-    ] = None
-    formula: Annotated[
-        Literal["lindley", "hertz", "held", "free"] | None,
-        "load of the cord: lindley by default; hertz for small squeeze; held or free, "
-        "of a ring that its groove keeps at its length, or that may lengthen",
-    ] = None
+    Keys:
+        diameter: diameter of the cord
+        squeeze: part of the diameter by which the cord is squeezed
+        time: since it was squeezed; by default long after
+        fluid_pressure: of the sealed fluid, above that behind the ring
+        groove_width: width of the groove, whose height is the squeezed diameter
+        formula: load of the cord: lindley by default; hertz for small squeeze; held or
+            free, of a ring that its groove keeps at its length, or that may lengthen
+    """
 
-    def arguments(self) -> dict[str, Any]:
-        """What `em.o_ring` takes beside material and temperature."""
-        return given(self, *Ring.__struct_fields__)
+    diameter: Length
+    squeeze: Several[Positive]
+    time: Sweep[Duration] | None = None
+    fluid_pressure: Several[Pressure] | None = None
+    groove_width: Length | None = None
+    formula: Literal["lindley", "hertz", "held", "free"] | None = None
 
 
 class LeakTable(Table):
-    """How the seal is pressed, and what flows through it."""
+    """How the seal is pressed, and what flows through it.
 
-    pressure: Annotated[
-        Sweep[Pressure] | None,
-        "of rubber and surface, that of the fluid between them included",
-    ] = None
-    profile: Annotated[
-        Text | None,
-        "in its place a file beside the scene, position [mm] and pressure [MPa] from the "
-        "side of the fluid on",
-    ] = None
-    pressure_drop: Annotated[
-        Sweep[Pressure], "of the fluid, below the largest pressure of the contact"
-    ]
-    viscosity: Annotated[Viscosity | None, "dynamic viscosity of the fluid"] = None
-    kinematic_viscosity: Annotated[
-        KinematicViscosity | None, "in its place, of a liquid, with density"
-    ] = None
-    length: Annotated[
-        Length | None,
-        "of the contact along the flow; a profile and an [o_ring] have their own",
-    ] = None
-    width: Annotated[
-        Length | None, "of the contact across the flow, by default 1 m"
-    ] = None
-    density: Annotated[Density | None, "of the fluid: gives the mass rate as well"] = (
-        None
-    )
-    outlet_pressure: Annotated[
-        Pressure | None, "absolute, behind the seal: makes the fluid a gas"
-    ] = None
-    mean_free_path: Annotated[
-        Length | None, "of the gas at the outlet: its slip at the walls"
-    ] = None
-    molar_mass: Annotated[
-        MolarMass | None, "of the gas, with a temperature: its slip, and the mass rate"
-    ] = None
-    time: Annotated[
-        Several[Duration] | None, "since it was pressed; by default long after"
-    ] = None
-    direction: Annotated[
-        Angle | None,
-        "of the flow, to the lay of a measured surface: 0 along its grooves",
-    ] = None
-    model: Annotated[
+    Keys:
+        pressure: of rubber and surface, that of the fluid between them included
+        profile: in its place a file beside the scene, position [mm] and pressure [MPa]
+            from the side of the fluid on
+        pressure_drop: of the fluid, below the largest pressure of the contact
+        viscosity: dynamic viscosity of the fluid
+        kinematic_viscosity: in its place, of a liquid, with density
+        length: of the contact along the flow; a profile and an [o_ring] have their own
+        width: of the contact across the flow, by default 1 m
+        density: of the fluid: gives the mass rate as well
+        outlet_pressure: absolute, behind the seal: makes the fluid a gas
+        mean_free_path: of the gas at the outlet: its slip at the walls
+        molar_mass: of the gas, with a temperature: its slip, and the mass rate
+        time: since it was pressed; by default long after
+        direction: of the flow, to the lay of a measured surface: 0 along its grooves
+        model: what computes the channels, by default multiscale
+    """
+
+    pressure: Sweep[Pressure] | None = None
+    profile: Text | None = None
+    pressure_drop: Sweep[Pressure]
+    viscosity: Viscosity | None = None
+    kinematic_viscosity: KinematicViscosity | None = None
+    length: Length | None = None
+    width: Length | None = None
+    density: Density | None = None
+    outlet_pressure: Pressure | None = None
+    mean_free_path: Length | None = None
+    molar_mass: MolarMass | None = None
+    time: Several[Duration] | None = None
+    direction: Angle | None = None
+    model: (
         Literal["multiscale", "critical constriction", "effective medium", "half-space"]
-        | None,
-        "what computes the channels, by default multiscale",
-    ] = None
+        | None
+    ) = None
+
+    def arguments(self, folder: Path) -> Arguments:
+        files = {} if self.profile is None else {"profile": folder / self.profile}
+        return given(self) | files
 
 
 class LeakScene(OfDraws):
-    """Leak of a static seal."""
+    """Leak of a static seal.
+
+    Keys:
+        surface: the roughness
+        leak: how it is pressed, and what flows
+        o_ring: presses with Hertz' ellipse, in place of pressure or profile
+    """
 
     mark: ClassVar[str] = "leak"
     call: ClassVar[str] = "leak"
-    surface: Annotated[AnySurface, "the roughness"]
-    leak: Annotated[LeakTable, "how it is pressed, and what flows"]
-    o_ring: Annotated[
-        Ring | None, "presses with Hertz' ellipse, in place of pressure or profile"
-    ] = None
+    numerics: None = None  # type: ignore[assignment]
+    surface: AnySurface
+    leak: LeakTable
+    o_ring: Ring | None = None
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        _without_rtol(self, "a leak")
-        with named("[surface]"):
-            surface = self.surface.drawn(folder, self.uncertainty)
-        leak = given(self.leak, *LeakTable.__struct_fields__)
-        if self.leak.profile is not None:
-            leak["profile"] = folder / self.leak.profile
+    def arguments(self, folder: Path) -> Arguments:
+        found = super().arguments(folder)
         if self.o_ring is None:
-            return on_axes({"surface": surface} | self.common(folder) | leak)
-        if "time" in leak:
+            return found
+        if self.leak.time is not None:
             raise InputError(
                 "[leak] time must be left out beside [o_ring]: it has its own."
             )
-        of_ring = self.o_ring.arguments()
-        common = self.common(folder)
-        if isinstance(common["material"], list):
+        if isinstance(found["material"], list):
             raise InputError(
                 "material must be a single one beside [o_ring], without uncertainty: "
                 "each rubber has a ring of its own."
             )
-        shaped = on_axes(common | of_ring | leak)
-        names = ("material", "temperature", *of_ring)
-        with named("[o_ring]"):
-            ring = em.o_ring(**{key: shaped[key] for key in names if key in shaped})
-        rest = {key: shaped[key] for key in (*common, *leak)}
-        return {"surface": surface, "o_ring": ring} | rest
+        return found | {"o_ring": _squeezed(self.o_ring, found)}
+
+
+def _squeezed(ring: Ring, found: Arguments) -> "em.ORing":
+    """A ring of what its scene holds, from which its own keys are taken."""
+    common = {key: found[key] for key in ("material", "temperature") if key in found}
+    own: dict[str, Any] = common | {key: found.pop(key) for key in given(ring)}
+    with named("[o_ring]"):
+        return em.o_ring(**own)
 
 
 class LubricatedTable(Table):
-    """How the bodies are pressed together and move, and what is between them."""
+    """How the bodies are pressed together and move, and what is between them.
 
-    velocity: Annotated[Sweep[Velocity], "velocity of what moves"]
-    load: Annotated[Several[Force], "load on the length of the cylinder"]
-    viscosity: Annotated[Viscosity, "dynamic viscosity of the liquid"]
-    boundary_shear: Annotated[
-        Pressure | None, "shear stress of the real contact, with a [surface]"
-    ] = None
-    time: Annotated[
-        Several[Duration] | None,
-        "since rubber that rests was pressed; by default long after",
-    ] = None
-    rubber: Annotated[
-        Literal["rests", "passes", "rolls"] | None,
-        "rests (a seal on a rod), by default; passes (under a slider); rolls",
-    ] = None
-    flow_factor: Annotated[
-        Literal["maps", "patir-cheng"] | None,
-        "of a rough contact: of maps, as a leak's, by default; or of Patir and Cheng",
-    ] = None
+    Keys:
+        velocity: velocity of what moves
+        load: load on the length of the cylinder
+        viscosity: dynamic viscosity of the liquid
+        boundary_shear: shear stress of the real contact, with a [surface]
+        time: since rubber that rests was pressed; by default long after
+        rubber: rests (a seal on a rod), by default; passes (under a slider); rolls
+        flow_factor: of a rough contact: of maps, as a leak's, by default; or of Patir
+            and Cheng
+    """
+
+    velocity: Sweep[Velocity]
+    load: Several[Force]
+    viscosity: Viscosity
+    boundary_shear: Pressure | None = None
+    time: Several[Duration] | None = None
+    rubber: Literal["rests", "passes", "rolls"] | None = None
+    flow_factor: Literal["maps", "patir-cheng"] | None = None
 
 
 class LubricatedScene(OfBodies):
-    """Film and friction of a lubricated cylinder."""
+    """Film and friction of a lubricated cylinder.
+
+    Keys:
+        indenter: the cylinder; its radius is that of the gap
+        surface: roughness of the counterface; without it, it is smooth
+        lubricated: how it is pressed and moved
+    """
 
     mark: ClassVar[str] = "lubricated"
     call: ClassVar[str] = "lubricated"
-    indenter: Annotated[CylinderTable, "the cylinder; its radius is that of the gap"]
-    surface: Annotated[
-        AnySurface | None, "roughness of the counterface; without it, it is smooth"
-    ] = None
-    lubricated: Annotated[LubricatedTable, "how it is pressed and moved"]
-
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        _without_rtol(self, "a film")
-        arguments = {"shape": body(self.indenter, folder)}
-        if self.surface is not None:
-            with named("[surface]"):
-                arguments["surface"] = self.surface.drawn(folder, None)
-        keys = LubricatedTable.__struct_fields__
-        return on_axes(arguments | self.common(folder) | given(self.lubricated, *keys))
+    numerics: None = None  # type: ignore[assignment]
+    indenter: CylinderTable
+    surface: AnySurface | None = None
+    lubricated: LubricatedTable
 
 
 class RingScene(Scene):
-    """Sealing force of a squeezed O-ring."""
+    """Sealing force of a squeezed O-ring.
+
+    Keys:
+        o_ring: the cord, its squeeze and its groove
+    """
 
     mark: ClassVar[str] = "o_ring"
     call: ClassVar[str] = "o_ring"
-    o_ring: Annotated[Ring, "the cord, its squeeze and its groove"]
-
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        _without_rtol(self, "an O-ring")
-        rubber = load(folder, "material", self.material[0])
-        common = {"material": rubber} | given(self, "temperature")
-        return on_axes(common | self.o_ring.arguments())
+    numerics: None = None  # type: ignore[assignment]
+    o_ring: Ring
 
 
 class Stroke(Table):
-    """How the rod moves, and in what fluid."""
+    """How the rod moves, and in what fluid.
 
-    velocity_out: Annotated[Sweep[Velocity], "velocity of the rod, out of the fluid"]
-    velocity_in: Annotated[Velocity, "velocity of the rod, into the fluid"]
-    length: Annotated[Length, "length of the stroke"]
-    viscosity: Annotated[Viscosity, "dynamic viscosity of the fluid"]
-    width: Annotated[
-        Length | None, "length of the seal along its edge, by default 1 m"
-    ] = None
+    Keys:
+        velocity_out: velocity of the rod, out of the fluid
+        velocity_in: velocity of the rod, into the fluid
+        length: length of the stroke
+        viscosity: dynamic viscosity of the fluid
+        width: length of the seal along its edge, by default 1 m
+    """
+
+    velocity_out: Sweep[Velocity]
+    velocity_in: Velocity
+    length: Length
+    viscosity: Viscosity
+    width: Length | None = None
 
 
 class StrokeScene(RingScene):
-    """Films, net leak and friction of an O-ring on a rod that moves out and in."""
+    """Films, net leak and friction of an O-ring on a rod that moves out and in.
+
+    Keys:
+        stroke: how the rod moves, and in what fluid
+    """
 
     mark: ClassVar[str] = "stroke"
     call: ClassVar[str] = "reciprocating"
-    stroke: Annotated[Stroke, "how the rod moves, and in what fluid"]
+    stroke: Stroke
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        ring = super().arguments(folder)
-        with named("[o_ring]"):
-            o_ring = em.o_ring(**ring)
-        if o_ring.line_load.ndim:
+    def arguments(self, folder: Path) -> Arguments:
+        found = super().arguments(folder)
+        ring = _squeezed(self.o_ring, found)
+        if ring.line_load.ndim:
             raise InputError(
                 "[o_ring] must be one ring on a rod: a single squeeze, time, pressure "
-                "and temperature."
+                "and temperature.",
+                argument="[o_ring] squeeze",
             )
-        stroke = given(self.stroke, "velocity_out", "velocity_in", "viscosity", "width")
-        stroke |= {"stroke": self.stroke.length}
-        return on_axes({"material": ring["material"], "o_ring": o_ring} | stroke)
+        found.pop("temperature", None)  # the ring has it
+        return found | {"o_ring": ring, "stroke": found.pop("length")}
 
 
 class BreakOutTable(Table):
-    """How the seal is pressed and for how long it rests, and what holds it."""
+    """How the seal is pressed and for how long it rests, and what holds it.
 
-    pressure: Annotated[Several[Pressure], "nominal pressure of rubber and surface"]
-    boundary_shear: Annotated[Pressure, "shear stress of the real contact"]
-    time: Annotated[
-        Sweep[Duration] | None, "dwell under the pressure; by default long after"
-    ] = None
+    Keys:
+        pressure: nominal pressure of rubber and surface
+        boundary_shear: shear stress of the real contact
+        time: dwell under the pressure; by default long after
+    """
+
+    pressure: Several[Pressure]
+    boundary_shear: Pressure
+    time: Sweep[Duration] | None = None
 
 
 class BreakOutScene(Scene):
-    """Break-out of a dry seal after a dwell."""
+    """Break-out of a dry seal after a dwell.
+
+    Keys:
+        surface: the roughness
+        break_out: how it is pressed and rests, and what holds it
+    """
 
     mark: ClassVar[str] = "break_out"
     call: ClassVar[str] = "break_out"
-    surface: Annotated[AnySurface, "the roughness"]
-    break_out: Annotated[
-        BreakOutTable, "how it is pressed and rests, and what holds it"
-    ]
-
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        _without_rtol(self, "a break-out")
-        rubber = load(folder, "material", self.material[0])
-        with named("[surface]"):
-            surface = self.surface.drawn(folder, None)
-        return on_axes(
-            {"material": rubber, "surface": surface}
-            | given(self, "temperature")
-            | given(self.break_out, *BreakOutTable.__struct_fields__)
-        )
-
-
-def _without_rtol(scene: Scene, what: str) -> None:
-    if scene.numerics.rtol is not None:
-        raise InputError(f"[numerics] does not belong to {what}: it has no rtol.")
+    numerics: None = None  # type: ignore[assignment]
+    surface: AnySurface
+    break_out: BreakOutTable

@@ -5,9 +5,7 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
-
-import msgspec
+from typing import Any, ClassVar
 
 import elastomdr as em
 
@@ -20,8 +18,10 @@ from .bodies import (
     HeatTable,
     OfRevolution,
 )
-from .scene import ContactTable, LayerTable, OfBodies, Scene, body, load, on_axes
+from .scene import ContactTable, LayerTable, OfBodies, Scene, on_axes
 from .schema import (
+    Arguments,
+    Content,
     Draws,
     Instants,
     Several,
@@ -30,6 +30,7 @@ from .schema import (
     Text,
     given,
     named,
+    of_key,
     path_from,
 )
 from .units import (
@@ -50,13 +51,16 @@ from .units import (
 
 
 class BodyContact(ContactTable):
-    """How the body is pressed on and how fast it moves."""
+    """How the body is pressed on and how fast it moves.
+
+    Keys:
+        load: normal force
+        depth: indentation depth, in place of the load
+    """
 
     one_of: ClassVar[tuple[str, ...]] = ("load", "depth")
-    load: Annotated[Several[Force] | None, "normal force"] = None
-    depth: Annotated[
-        Several[Length] | None, "indentation depth, in place of the load"
-    ] = None
+    load: Several[Force] | None = None
+    depth: Several[Length] | None = None
 
     of_others: ClassVar[dict[str, str]] = {
         "pressure": (
@@ -67,42 +71,35 @@ class BodyContact(ContactTable):
 
 
 class SurfaceContact(ContactTable):
-    """How the surface is pressed on and how fast it slides."""
+    """How the surface is pressed on and how fast it slides.
+
+    Keys:
+        pressure: nominal pressure
+        load: force per length of a line, in place of the pressure
+        depth: depth of the highest point of a line, in place of it
+        strain_share: strain at a scale over the rms slope up to it, of a rubber that
+            softens
+        direction: of sliding, to the lay of a measured surface: 0 along its grooves
+    """
 
     one_of: ClassVar[tuple[str, ...]] = ("pressure", "load", "depth")
-    pressure: Annotated[Several[Pressure] | None, "nominal pressure"] = None
-    load: Annotated[
-        Several[LineLoad] | None, "force per length of a line, in place of the pressure"
-    ] = None
-    depth: Annotated[
-        Several[Length] | None, "depth of the highest point of a line, in place of it"
-    ] = None
-    strain_share: Annotated[
-        float | None,
-        "strain at a scale over the rms slope up to it, of a rubber that softens",
-    ] = None
-    direction: Annotated[
-        Several[Angle] | None,
-        "of sliding, to the lay of a measured surface: 0 along its grooves",
-    ] = None
-
-    def arguments(self) -> dict[str, Any]:
-        """As of every contact, with what goes with a softening and with a lay."""
-        return super().arguments() | given(self, "strain_share", "direction")
+    pressure: Several[Pressure] | None = None
+    load: Several[LineLoad] | None = None
+    depth: Several[Length] | None = None
+    strain_share: float | None = None
+    direction: Several[Angle] | None = None
 
 
 class OfDraws(OfBodies):
     """A scene whose result may have a band of the uncertainty of its material and
     road.
+
+    Keys:
+        uncertainty: number of draws for the band, 2 or more: of the [misfit] in the
+            material's file, and of the road
     """
 
-    uncertainty: Annotated[
-        Draws | None,
-        (
-            "number of draws for the band, 2 or more: of the [misfit] in the "
-            "material's file, and of the road"
-        ),
-    ] = None
+    uncertainty: Draws | None = None
 
     def rubbers(self, folder: Path) -> list[Any]:
         """The materials, or draws of the one. Raises `InputError` where nothing is
@@ -118,72 +115,80 @@ class OfDraws(OfBodies):
                 "uncertainty must be left out with a material that is a table of "
                 "moduli: it has no draws."
             )
-        with named("uncertainty:"):
+        with of_key("uncertainty:"):
             return materials[0].draws(self.uncertainty)
 
 
 class RollingScene(OfDraws):
-    """Rolling resistance of a body."""
+    """Rolling resistance of a body.
+
+    Keys:
+        indenter: the rigid body
+        contact: how it is pressed on and moved
+    """
 
     call: ClassVar[str] = "rolling"
-    indenter: Annotated[AnyShape, "the rigid body"]
-    contact: Annotated[BodyContact, "how it is pressed on and moved"]
-
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        return on_axes(
-            {"shape": body(self.indenter, folder)}
-            | self.common(folder)
-            | self.contact.arguments()
-        )
+    indenter: AnyShape
+    contact: BodyContact
 
 
 class BodyFriction(RollingScene):
-    """Friction of a body."""
+    """Friction of a body.
+
+    Keys:
+        adhesion: adhesive shear of the contact
+        measured: measured friction, a table beside the scene, drawn over the curve
+    """
 
     call: ClassVar[str] = "friction"
-    adhesion: Annotated[Adhesion | None, "adhesive shear of the contact"] = None
-    measured: Annotated[
-        Text | None, "measured friction, a table beside the scene, drawn over the curve"
-    ] = None
-
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        return super().arguments(folder) | (
-            {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
-        )
+    adhesion: Adhesion | None = None
+    measured: Text | None = None
 
 
 class Roller(Table):
     """A rigid roller on a cover of the same rubber, bonded to a rigid base: its rolling
     resistance is drawn beside the friction.
+
+    Keys:
+        radius: of the roller
+        length: of the roller
+        thickness: of the cover
+        load: normal force
+        velocity: velocity of rolling
     """
 
-    radius: Annotated[Length, "of the roller"]
-    length: Annotated[Length, "of the roller"]
-    thickness: Annotated[Length, "of the cover"]
-    load: Annotated[Force, "normal force"]
-    velocity: Annotated[Sweep[Velocity], "velocity of rolling"]
+    radius: Length
+    length: Length
+    aside = True
+    thickness: Length
+    load: Force
+    velocity: Sweep[Velocity]
 
 
 class SurfaceFrictionScene(OfDraws):
-    """Friction of a rough surface."""
+    """Friction of a rough surface.
+
+    Keys:
+        surface: the rough surface
+        contact: how it is pressed on and moved
+        heat: flash temperature
+        adhesion: adhesive shear on the area of real contact
+        measured: measured friction, a table beside the scene, drawn over the curve
+        roller: a roller on the same rubber, drawn beside the friction
+    """
 
     mark: ClassVar[str] = "surface"
     call: ClassVar[str] = "friction"
-    surface: Annotated[AnySurface, "the rough surface"]
-    contact: Annotated[SurfaceContact, "how it is pressed on and moved"]
-    heat: Annotated[HeatTable | None, "flash temperature"] = None
-    adhesion: Annotated[
-        Adhesion | None, "adhesive shear on the area of real contact"
-    ] = None
-    measured: Annotated[
-        Text | None, "measured friction, a table beside the scene, drawn over the curve"
-    ] = None
+    rough: ClassVar[str] = "shape"
+    surface: AnySurface
+    contact: SurfaceContact
+    heat: HeatTable | None = None
+    adhesion: Adhesion | None = None
+    measured: Text | None = None
 
-    roller: Annotated[
-        Roller | None, "a roller on the same rubber, drawn beside the friction"
-    ] = None
+    roller: Roller | None = None
 
-    def beside(self, folder: Path) -> dict[str, Any] | None:
+    def beside(self, folder: Path) -> Arguments | None:
         if (roller := self.roller) is None:
             return None
         rubbers = [
@@ -196,73 +201,73 @@ class SurfaceFrictionScene(OfDraws):
             | given(roller, "load", "velocity")
         )
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        with named("[surface]"):
-            surface = self.surface.drawn(folder, self.uncertainty)
-        heat = {}
-        if self.heat is not None:
-            heat = {"heat": self.heat.make()} | given(self.heat, "branch")
-        shear = {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
-        return on_axes(
-            {"shape": surface}
-            | self.common(folder)
-            | self.contact.arguments()
-            | heat
-            | shear
-        )
-
 
 class Compare(Table):
-    """Where the materials are ranked."""
+    """Where the materials are ranked.
 
-    velocity: Annotated[
-        Velocity | None,
-        "sliding velocity; by default the middle, on a logarithmic scale",
-    ] = None
-    temperature: Annotated[Temperature | None, "by default the middle"] = None
-    pressure: Annotated[
-        Pressure | None, "nominal; by default the middle, on a logarithmic scale"
-    ] = None
+    Keys:
+        velocity: sliding velocity; by default the middle, on a logarithmic scale
+        temperature: by default the middle
+        pressure: nominal; by default the middle, on a logarithmic scale
+    """
 
-    def place(self) -> dict[str, Any]:
-        """The place, in SI units."""
-        return given(self, "velocity", "temperature", "pressure")
+    aside = True
+    velocity: Velocity | None = None
+    temperature: Temperature | None = None
+    pressure: Pressure | None = None
 
 
 class SurfaceComparison(SurfaceFrictionScene):
-    """Materials ranked by friction on a rough surface."""
+    """Materials ranked by friction on a rough surface.
 
-    roller: Annotated[None, "of elastomdr friction"] = None
-    compare: Annotated[Compare, "where they are ranked"] = Compare()
+    Keys:
+        roller: of elastomdr friction
+        compare: where they are ranked
+    """
+
+    roller: None = None
+    compare: Compare = Compare()
 
 
 class BodyComparison(BodyFriction):
-    """Materials ranked by friction under a body."""
+    """Materials ranked by friction under a body.
 
-    compare: Annotated[Compare, "where they are ranked"] = Compare()
+    Keys:
+        compare: where they are ranked
+    """
+
+    compare: Compare = Compare()
 
 
 class WarmingContact(ContactTable):
-    """How the body is pressed on and how fast it rolls."""
+    """How the body is pressed on and how fast it rolls.
+
+    Keys:
+        load: normal force
+    """
 
     one_of: ClassVar[tuple[str, ...]] = ("load",)
-    load: Annotated[Several[Force], "normal force"]
+    load: Several[Force]
 
 
 class HeatBuildUpTable(Table):
-    """A rolling body that its own resistance heats."""
+    """A rolling body that its own resistance heats.
 
-    ambient: Annotated[Several[Temperature], "temperature of the surroundings"]
-    conductance: Annotated[Conductance, "from the body to its surroundings"]
-    capacity: Annotated[
-        HeatCapacity | None,
-        "heat capacity of the body, for the way to the steady state",
-    ] = None
-    duration: Annotated[Duration | None, "how long the body rolls"] = None
-    points: Annotated[Instants, "instants of that time"] = 121
-    hottest: Annotated[
-        Temperature | None, "highest temperature considered, by default the material's"
-    ] = None
+    Keys:
+        ambient: temperature of the surroundings
+        conductance: from the body to its surroundings
+        capacity: heat capacity of the body, for the way to the steady state
+        duration: how long the body rolls
+        points: instants of that time
+        hottest: highest temperature considered, by default the material's
+    """
+
+    ambient: Several[Temperature]
+    conductance: Conductance
+    capacity: HeatCapacity | None = None
+    duration: Duration | None = None
+    points: Instants = 121
+    hottest: Temperature | None = None
 
     def __post_init__(self) -> None:
         if (self.capacity is None) != (self.duration is None):
@@ -271,177 +276,204 @@ class HeatBuildUpTable(Table):
                 "history, or neither."
             )
 
+    def arguments(self, folder: Path) -> Arguments:
+        import numpy as np
+
+        found = given(self, "ambient", "conductance", "capacity", "hottest")
+        if self.duration is not None:
+            found["time"] = np.linspace(0, self.duration, self.points)
+        return found
+
 
 class WarmingScene(OfBodies):
-    """Temperature of a rolling body."""
+    """Temperature of a rolling body.
+
+    Keys:
+        temperature: the body finds its own
+        indenter: the rigid body
+        contact: how it is pressed on and moved
+        heat_build_up: what heats and cools it
+    """
 
     mark: ClassVar[str] = "heat_build_up"
     call: ClassVar[str] = "heat_build_up"
-    temperature: Annotated[None, "the body finds its own"] = None
-    indenter: Annotated[AnyShape, "the rigid body"]
-    contact: Annotated[WarmingContact, "how it is pressed on and moved"]
-    heat_build_up: Annotated[HeatBuildUpTable, "what heats and cools it"]
-
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        import numpy as np
-
-        given_to_verb = (
-            {"shape": body(self.indenter, folder)}
-            | self.common(folder)
-            | self.contact.arguments()
-        )
-        given_to_verb |= given(
-            self.heat_build_up, "ambient", "conductance", "capacity", "hottest"
-        )
-        if self.heat_build_up.duration is not None:
-            given_to_verb["time"] = np.linspace(
-                0, self.heat_build_up.duration, self.heat_build_up.points
-            )
-        return on_axes(given_to_verb)
+    temperature: None = None
+    indenter: AnyShape
+    contact: WarmingContact
+    heat_build_up: HeatBuildUpTable
 
 
 class ConveyorContact(Table):
-    """How fast the belt runs."""
+    """How fast the belt runs.
 
-    velocity: Annotated[Sweep[Velocity], "velocity of the belt"]
+    Keys:
+        velocity: velocity of the belt
+    """
+
+    velocity: Sweep[Velocity]
 
 
 class ConveyorTable(Table):
     """A belt conveyor: roll and cover of the scene on the carry side, one roll in a set
     on the return side.
+
+    Keys:
+        spacing: distance of the sets of idlers on the carry side
+        shares: of the load on a set, by roll; 1 by default
+        belt: mass of the belt per length
+        goods: mass of the goods per length
+        return_spacing: distance of the rolls on the return side
+        return_length: length of such a roll; by default that of all rolls of a set
+        return_thickness: of the cover that it dents; by default that of the layer
     """
 
-    spacing: Annotated[Length, "distance of the sets of idlers on the carry side"]
-    shares: Annotated[
-        Annotated[list[float], msgspec.Meta(min_length=1)] | None,
-        "of the load on a set, by roll; 1 by default",
-    ] = None
-    belt: Annotated[LineMass, "mass of the belt per length"]
-    goods: Annotated[Several[LoadedMass], "mass of the goods per length"]
-    return_spacing: Annotated[Length, "distance of the rolls on the return side"]
-    return_length: Annotated[
-        Length | None, "length of such a roll; by default that of all rolls of a set"
-    ] = None
-    return_thickness: Annotated[
-        Length | None, "of the cover that it dents; by default that of the layer"
-    ] = None
+    aside = True
+    spacing: Length
+    shares: list[float] | None = None
+    belt: LineMass
+    goods: Several[LoadedMass]
+    return_spacing: Length
+    return_length: Length | None = None
+    return_thickness: Length | None = None
 
 
 class ConveyorScene(Scene):
-    """Power of a belt conveyor."""
+    """Power of a belt conveyor.
+
+    Keys:
+        indenter: one roll of the carry side
+        layer: the cover that it dents
+        contact: how fast the belt runs
+        conveyor: the belt
+    """
 
     mark: ClassVar[str] = "conveyor"
     call: ClassVar[str] = "conveyor"
-    indenter: Annotated[CylinderTable, "one roll of the carry side"]
-    layer: Annotated[LayerTable, "the cover that it dents"]
-    contact: Annotated[ConveyorContact, "how fast the belt runs"]
-    conveyor: Annotated[ConveyorTable, "the belt"]
+    indenter: CylinderTable
+    layer: LayerTable
+    contact: ConveyorContact
+    conveyor: ConveyorTable
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        belt, roll, layer = self.conveyor, self.indenter, self.layer
-        material = load(folder, "material", self.material[0])
+    def rubber(self, folder: Path) -> Arguments:
+        belt, roll = self.conveyor, self.indenter
+        found = super().rubber(folder)
+        material: Any = found.pop("material")
         with named("[layer]"):
-            carrying = layer.on_base(material)
-            back = layer.on_base(material, belt.return_thickness)
+            carrying = self.layer.on_base(material)
+            back = self.layer.on_base(material, belt.return_thickness)
         shares = belt.shares or [1.0]
         length = belt.return_length or len(shares) * roll.length
         with named("[conveyor]"):
-            sides = {
-                "carry": em.Idlers(
-                    carrying, body(roll, folder), spacing=belt.spacing, shares=shares
-                ),
-                "back": em.Idlers(
-                    back, em.Cylinder(roll.radius, length), spacing=belt.return_spacing
-                ),
-            }
-        options = (
-            given(self, "temperature")
-            | self.numerics.chosen()
-            | given(belt, "belt", "goods")
-        )
-        return sides | on_axes(options | {"velocity": self.contact.velocity})
+            found["carry"] = em.Idlers(
+                carrying, roll.make(folder), spacing=belt.spacing, shares=shares
+            )
+            found["back"] = em.Idlers(
+                back, em.Cylinder(roll.radius, length), spacing=belt.return_spacing
+            )
+        return found | given(belt, "belt", "goods")
+
+    def arguments(self, folder: Path) -> Arguments:
+        found = super().arguments(folder)
+        del found["shape"]  # which the idlers have
+        return found
 
 
 class TractionContact(ContactTable):
-    """How the body is pressed on, how fast it rolls and how much it slips."""
+    """How the body is pressed on, how fast it rolls and how much it slips.
+
+    Keys:
+        load: normal force
+        velocity: with a slip that of the road, with a creepage that of rolling
+        slip: velocity of slip over that of the road, below 1
+        creepage: velocity of slip over the rolling velocity, in place of the slip
+    """
 
     one_of: ClassVar[tuple[str, ...]] = ("slip", "creepage")
-    load: Annotated[Several[Force], "normal force"]
-    velocity: Annotated[
-        Sweep[Velocity], "with a slip that of the road, with a creepage that of rolling"
-    ]
-    slip: Annotated[
-        Sweep[float] | None, "velocity of slip over that of the road, below 1"
-    ] = None
-    creepage: Annotated[
-        Sweep[float] | None,
-        "velocity of slip over the rolling velocity, in place of the slip",
-    ] = None
+    load: Several[Force]
+    velocity: Sweep[Velocity]
+    slip: Sweep[float] | None = None
+    creepage: Sweep[float] | None = None
 
 
 class _Traction(Scene):
-    """Traction of a body that rolls."""
+    """Traction of a body that rolls.
+
+    Keys:
+        friction: Coulomb's coefficient, or a table mu(v, T, p) as elastomdr friction
+            writes it
+        indenter: the body
+        contact: how it is pressed on and moved
+    """
 
     call: ClassVar[str] = "traction"
-    friction: Annotated[
-        float | str,
-        "Coulomb's coefficient, or a table mu(v, T, p) as elastomdr friction writes it",
-    ]
-    indenter: Annotated[AnyShape, "the body"]
-    contact: Annotated[TractionContact, "how it is pressed on and moved"]
+    friction: float | str
+    indenter: AnyShape
+    contact: TractionContact
 
-    def rolling(self, folder: Path) -> dict[str, Any]:
-        """The arguments but for the material."""
+    def rubber(self, folder: Path) -> Arguments:
+        """The rubber, and its friction."""
         friction: Any = self.friction
         if isinstance(friction, str):
             with path_from("friction"):
                 friction = em.load_friction(folder / friction)
-        arguments = given(self, "temperature") | self.numerics.chosen()
-        arguments |= given(self.contact, "load") | self.contact.arguments()
-        return {"shape": body(self.indenter, folder), "friction": friction} | on_axes(
-            arguments
-        )
+        return super().rubber(folder) | {"friction": friction}
 
 
 class TractionScene(_Traction):
-    """Traction of a ball on a half-space."""
+    """Traction of a ball on a half-space.
 
-    indenter: Annotated[OfRevolution, "the ball"]
+    Keys:
+        indenter: the ball
+    """
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        return self.rolling(folder) | {
-            "material": load(folder, "material", self.material[0])
-        }
+    indenter: OfRevolution
 
 
 class Structure(Table):
-    """What carries the load of a wheel."""
+    """What carries the load of a wheel.
 
-    stiffness: Annotated[AreaStiffness, "of the structure, per area of the contact"]
+    Keys:
+        stiffness: of the structure, per area of the contact
+    """
+
+    aside = True
+    stiffness: AreaStiffness
 
 
 class Tread(Table):
-    """What is sheared: a layer of the material."""
+    """What is sheared: a layer of the material.
 
-    thickness: Annotated[Length, "thickness"]
+    Keys:
+        thickness: thickness
+    """
+
+    aside = True
+    thickness: Length
 
 
 class WheelTraction(_Traction):
-    """Traction of a wheel."""
+    """Traction of a wheel.
+
+    Keys:
+        indenter: the wheel
+        structure: what carries the load
+        layer: the tread, which is sheared
+    """
 
     mark: ClassVar[str] = "structure"
-    indenter: Annotated[CylinderTable, "the wheel"]
-    structure: Annotated[Structure, "what carries the load"]
-    layer: Annotated[Tread, "the tread, which is sheared"]
+    indenter: CylinderTable
+    structure: Structure
+    layer: Tread
 
     @classmethod
-    def fits(cls, content: dict[str, Any]) -> bool:
+    def fits(cls, content: Content) -> bool:
         """Whether the body is a cylinder."""
         shape = content.get("indenter")
         return isinstance(shape, dict) and shape.get("shape") == "cylinder"
 
-    def arguments(self, folder: Path) -> dict[str, Any]:
-        rubber = load(folder, "material", self.material[0])
+    def rubber(self, folder: Path) -> Arguments:
+        found = super().rubber(folder)
+        rubber: Any = found["material"]
         carries = em.Foundation(
             self.structure.stiffness,
             [],
@@ -449,47 +481,22 @@ class WheelTraction(_Traction):
             name=f"{rubber.name or 'tread'} on an elastic structure",
         )
         sheared = em.springs(rubber, self.layer.thickness, tangential=True)
-        return self.rolling(folder) | {"material": carries, "tangential": sheared}
+        return found | {"material": carries, "tangential": sheared}
 
-    def said(self, result: Any) -> str:
-        """Why there is no property file, where there is none."""
-        try:
-            self._temperatures(result)
-        except InputError as error:
-            return f"no .tir file: {error}"
-        return ""
-
-    def further_files(self, result: Any) -> dict[str, Callable[[Path], None]]:
-        """The Magic Formula as a property file, one for each temperature; none where it
-        cannot be fitted.
-        """
-        try:
-            temperatures = self._temperatures(result)
-        except InputError:  # said below the summary
-            return {}
-        size = {"radius": self.indenter.radius, "width": self.indenter.length}
-        return {
-            end: partial(result.to_tir, temperature=temperature, **size)
-            for end, temperature in temperatures.items()
-        }
-
-    @staticmethod
-    def _temperatures(result: Any) -> dict[str, float | None]:
-        """The temperatures of which a Magic Formula is fitted, by the ends of their
-        files. Raises `InputError`.
+    def further_files(self, result: "em.Traction") -> dict[str, Callable[[Path], None]]:
+        """The Magic Formula as a property file, one for each temperature. Raises
+        `InputError` where it cannot be fitted.
         """
         import numpy as np
 
-        distinct = (
-            [] if result.temperature is None else np.unique(result.temperature).tolist()
-        )
-        several = {
-            f"-{temperature - 273.15:.6g}degC.tir": temperature
-            for temperature in distinct
-        }
-        temperatures: dict[str, float | None] = (
-            {".tir": None} if len(distinct) < 2 else {**several}
-        )
-        for temperature in temperatures.values():
+        size = {"radius": self.indenter.radius, "width": self.indenter.length}
+        distinct = np.unique(np.asarray(result.temperature, float)).tolist()
+        ends: dict[str, float | None] = {".tir": None}
+        if len(distinct) > 1:
+            ends = {f"-{each - 273.15:.6g}degC.tir": each for each in distinct}
+        for temperature in ends.values():
             result.magic_formula(temperature=temperature)
-        return temperatures
+        return {
+            end: partial(result.to_tir, temperature=temperature, **size)
+            for end, temperature in ends.items()
+        }

@@ -8,7 +8,7 @@ import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import elastomdr as em
 
@@ -16,7 +16,7 @@ from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 from .compute import warned_of_at_the_end
 from .kinds import decoded, read_content
-from .schema import Table, decode, named
+from .schema import Table, decode, of_key
 
 _TABLE_ROWS = 1_000_000
 # slowest first
@@ -34,24 +34,25 @@ _ARRAYS = (
 class SweepTable(Table):
     """What is varied besides the lists that the scene has: materials, temperatures,
     pressures, velocities.
+
+    Keys:
+        call: what is computed
+        vary: keys of the scene with a list of values each, such as "surface.shortest" =
+            ["1 mm"]
     """
 
-    call: Annotated[Literal["friction", "rolling", "impact"], "what is computed"] = (
-        "friction"
-    )
-    vary: Annotated[
-        dict[str, list[Any]],
-        (
-            'keys of the scene with a list of values each, such as "surface.shortest" '
-            '= ["1 mm"]'
-        ),
-    ] = {}  # noqa: RUF012
+    call: Literal["friction", "rolling", "impact"] = "friction"
+    vary: dict[str, list[Any]] = {}  # noqa: RUF012
 
 
 class _Sweeping(Table):
-    """What a scene of a sweep has more than others."""
+    """What a scene of a sweep has more than others.
 
-    sweep: Annotated[SweepTable, "what is varied"]
+    Keys:
+        sweep: what is varied
+    """
+
+    sweep: SweepTable
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
     path = Path(options.scene)
     if options.table and Path(options.table).suffix not in (".csv", ".xlsx"):
         raise InputError(f"--table must end with .csv or .xlsx, got {options.table!r}.")
-    with warned_of_at_the_end(), named(f"{path.name or path}:"):
+    with warned_of_at_the_end(), of_key(f"{path.name or path}:"):
         content = read_content(path)
         call, axes = assembled(content, path.parent)
     with warned_of_at_the_end(), _client(options.scheduler) as client:

@@ -4,6 +4,7 @@ file's schema; SI numbers inside.
 
 import math
 import re
+from collections.abc import Mapping
 from decimal import Decimal
 from typing import Any, ClassVar, Self
 
@@ -107,52 +108,40 @@ class SceneQuantity(float):
         accepted, for a bare number, an unknown unit, a unit of another quantity, or a
         value that is not finite or of the wrong sign.
         """
-        if not isinstance(entry, str):
-            hint = (
-                cls._with_unit(entry)
-                if isinstance(entry, int | float) and not isinstance(entry, bool)
-                else ""
-            )
-            raise InputError(
-                f"must be {cls.what} with its unit, as a text such as "
-                f'"{cls.example}", got {shown(entry)}.{hint}'
-            )
-        if (comma := _COMMA.fullmatch(entry)) is not None:
+        if isinstance(entry, str) and (comma := _COMMA.fullmatch(entry)) is not None:
             meant = f"{comma[1].replace('.', '')}.{comma[2]} {comma[3]}"
             raise InputError(
-                f'must have a decimal point, not a comma, got "{entry}": write '
-                f'"{meant}".'
+                got=entry,
+                accepted="a number with a decimal point, not a comma",
+                hint=f'write "{meant}"',
             )
-        match = _NUMBER.fullmatch(entry)
-        if match is None or not match[2]:
-            lacking = (
-                "." if match is None else f" without one.{cls._with_unit(match[1])}"
-            )
+        number, unit = "", ""
+        if isinstance(entry, str) and (match := _NUMBER.fullmatch(entry)) is not None:
+            number, unit = match[1], match[2]
+        elif isinstance(entry, int | float) and not isinstance(entry, bool):
+            number = str(entry)
+        if not unit:
+            meant = f'Did you mean "{number} {cls.example.partition(" ")[2]}"?'
             raise InputError(
-                f'must be {cls.what} with its unit, such as "{cls.example}", got '
-                f"{shown(entry)}{lacking}"
+                got=entry, accepted=cls.accepted(), hint=meant if number else ""
             )
-        if cls.unit == "K" and (degrees := _DEGREES.get(match[2].lower())) is not None:
-            raise InputError(
-                f'must be {cls.what}, got "{entry}": write "{match[1]} {degrees}".'
-            )
-        value = cls.convert(match[1], match[2])
+        if cls.unit == "K" and (degrees := _DEGREES.get(unit.lower())) is not None:
+            hint = f'write "{number} {degrees}"'
+            raise InputError(got=entry, accepted=cls.what, hint=hint)
+        value = cls.convert(number, unit)
         refused = {"": False, "zero or positive": value < 0}.get(cls.sign, value <= 0)
         if not math.isfinite(value) or refused:
-            raise InputError(
-                f'must be {cls.sign or "of either sign"} and finite, got "{entry}".'
-            )
+            sign = cls.sign or "of either sign"
+            raise InputError(got=entry, accepted=f"{sign} and finite")
         if value and not 1 / _LARGEST < abs(value) < _LARGEST:
-            raise InputError(
-                f"must be between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}, got "
-                f'"{entry}".'
-            )
+            limits = f"between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}"
+            raise InputError(got=entry, accepted=limits)
         return cls(value)
 
     @classmethod
-    def _with_unit(cls, number: Any) -> str:
-        """What may have been meant by a number without a unit."""
-        return f' Did you mean "{number} {cls.example.partition(" ")[2]}"?'
+    def accepted(cls) -> str:
+        """What is accepted, in words."""
+        return f'{cls.what} with its unit, such as "{cls.example}"'
 
     @classmethod
     def convert(cls, number: str, unit: str) -> float:
@@ -177,6 +166,18 @@ class Length(SceneQuantity, what="a length", unit="m", example="5 mm"): ...
 
 
 class Depth(Length, example="0.1 mm", sign=""): ...
+
+
+class EquivalentLength(Length):
+    """A length, or "full contact"."""
+
+    @classmethod
+    def read(cls, entry: Any) -> Any:
+        return entry if entry == "full contact" else super().read(entry)
+
+    @classmethod
+    def accepted(cls) -> str:
+        return f'{super().accepted()}, or "full contact"'
 
 
 class Force(SceneQuantity, what="a force", unit="N", example="10 N"): ...
@@ -322,20 +323,24 @@ class MolarEnergy(
 ): ...
 
 
-def shown(value: Any) -> str:
+def shown(value: object) -> str:
     """A value as TOML writes it."""
     if isinstance(value, str):
         return f'"{value}"'
-    return str(value).lower() if isinstance(value, bool) else repr(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else repr(value)
 
 
 def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
-    registry = _registry()
+    from ..units.registry import registry
+
+    units = registry()
     usual = USUAL.get(kind.unit, {})
     try:
         if not harmless(unit):
             raise ValueError("no unit has such powers")
-        parsed = registry.parse_units(unit)
+        parsed = units.parse_units(unit)
     # pint lets its tokenizer's errors through, of many types
     except Exception as error:
         known = f" Usual units are {', '.join(usual)}." if usual else ""
@@ -344,7 +349,7 @@ def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
             f'has a unit that is not known, "{unit}"; write it as in '
             f'"{kind.example}".{hint}'
         ) from error
-    wanted = registry.parse_units(kind.unit)
+    wanted = units.parse_units(kind.unit)
     if not _alike(parsed.dimensionality, wanted.dimensionality) or str(
         parsed
     ).startswith("delta_"):
@@ -353,12 +358,12 @@ def _by_pint(number: float, unit: str, kind: type[SceneQuantity]) -> float:
             f"({parsed})."
         )
     try:
-        return float(registry.Quantity(number, parsed).to(wanted).magnitude)
+        return float(units.Quantity(number, parsed).to(wanted).magnitude)
     except (OverflowError, ArithmeticError):
         return math.inf
 
 
-def _alike(first: Any, second: Any) -> bool:
+def _alike(first: Mapping[str, float], second: Mapping[str, float]) -> bool:
     try:
         return all(
             math.isclose(first.get(d, 0), second.get(d, 0), abs_tol=1e-9)
@@ -366,9 +371,3 @@ def _alike(first: Any, second: Any) -> bool:
         )
     except OverflowError:  # an exponent of hundreds of digits
         return False
-
-
-def _registry() -> Any:
-    from ..units.registry import registry
-
-    return registry()
