@@ -5,10 +5,12 @@ writing; see materials/README.md.
 import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ..errors import InputError, closest
 from ..files import read_toml, write_files
+
+Document: TypeAlias = dict[str, Any]  # the content of a TOML file
 
 GRADES = ("measured", "published fit", "fitted here", "estimated", "illustrative")
 
@@ -102,7 +104,7 @@ _HEADER = (
 )
 
 
-def read_document(path: Path) -> dict[str, Any]:
+def read_document(path: Path) -> Document:
     """A material file's content, with known keys and right types only; raises
     `InputError`, one line with the path.
     """
@@ -210,7 +212,7 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
             )
 
 
-def brief(value: Any) -> str:
+def brief(value: object) -> str:
     """What was received, short enough for one line of an error message."""
     words = " ".join(repr(value).split())
     return words if len(words) <= 60 else f"{words[:57]}..."
@@ -255,7 +257,7 @@ def _validate_table(
             raise InputError(f"{path}: key {key!r}{place} is missing.")
 
 
-def _is_of_type(value: Any, accepted: str) -> bool:
+def _is_of_type(value: object, accepted: str) -> bool:
     if accepted == _NUMBER:
         return (
             isinstance(value, (int, float))
@@ -269,7 +271,12 @@ def _is_of_type(value: Any, accepted: str) -> bool:
     if accepted == _PAIR_OR_NONE and value == []:
         return True
     if accepted in (_PAIR, _PAIR_OR_NONE):
-        return _is_of_type(value, _NUMBERS) and len(value) == 2 and value[0] < value[1]
+        return (
+            isinstance(value, list)
+            and _is_of_type(value, _NUMBERS)
+            and len(value) == 2
+            and value[0] < value[1]
+        )
     return isinstance(value, str if accepted == _TEXT else dict)
 
 
