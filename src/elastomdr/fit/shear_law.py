@@ -15,7 +15,7 @@ import functools
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -57,7 +57,12 @@ _WIDTHS = (0.02, 0.08, 0.3, 1.0)
 _ENERGIES = (0.3, 0.6, 0.9, 1.3, 2.0)
 _PLACES = 9
 _CUTOFFS = 7
+_PLACES_OF = ("velocity", "temperature", "pressure")  # of a point
 _STARTS = 3  # of these, the best, from which the search sets out
+
+# of ln q: hysteresis and area of contact over normal force [1/Pa] at the points
+Parts: TypeAlias = Callable[[float | None], tuple[np.ndarray, np.ndarray]]
+Ends: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,9 +154,8 @@ class _FittedPoints(NamedTuple):
     log_v: np.ndarray  # log10 of the velocity
     warm: np.ndarray | None  # (1/T - 1/T_ref) 1e5/(R ln 10): decades per 100 kJ/mol
     mu: np.ndarray
-    # of ln q: h, s, and their slopes
-    parts: Callable[[Any], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]
-    cutoff: tuple[float, float] | None  # ends of ln q
+    parts: Parts
+    cutoff: Ends | None  # of ln q
 
     @property
     def names(self) -> list[str]:
@@ -170,20 +174,34 @@ class _FittedPoints(NamedTuple):
         }
         return np.array([(_LIMITS | of_data)[name] for name in self.names], dtype=float)
 
-    def model(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """mu and its derivatives (points, parameters) at ln stress, log10 velocity,
-        width, energy/1e5, ln q_high.
-        """
+    def hysteresis(self, p: np.ndarray) -> np.ndarray:
+        return self.parts(p[-1] if self.cutoff is not None else None)[0]
+
+    def model(self, p: np.ndarray) -> np.ndarray:
+        """mu at ln stress, log10 velocity, width, energy/1e5, ln q_high."""
         x = self.log_v - p[1]
         if self.warm is not None:
             x = x + p[3] * self.warm
-        h, s, dh, ds = self.parts(p[-1] if self.cutoff is not None else None)
-        tau = np.exp(p[0] - p[2] * x**2)
-        added = tau * s
-        slopes = [added, added * 2 * p[2] * x, -added * x**2]
-        slopes += [] if self.warm is None else [-added * 2 * p[2] * x * self.warm]
-        slopes += [] if self.cutoff is None else [dh + tau * ds]
-        return h + added, np.stack(slopes, axis=-1)
+        h, s = self.parts(p[-1] if self.cutoff is not None else None)
+        return h + np.exp(p[0] - p[2] * x**2) * s
+
+
+class _Measured(NamedTuple):
+    """What was measured, flat; None of what is not known."""
+
+    velocity: np.ndarray
+    temperature: np.ndarray | None
+    pressure: np.ndarray | None
+    error: np.ndarray | None
+    mu: np.ndarray
+
+
+class _Computed(NamedTuple):
+    """What a curve has at the points."""
+
+    hysteresis: np.ndarray
+    share: np.ndarray  # area of contact over normal force [1/Pa]
+    off: np.ndarray  # the model error of hysteresis
 
 
 @in_si
@@ -230,11 +248,11 @@ def adhesion(
     """
     curves = _checked_curves(curve)
     data = _measured(measured, next(iter(curves.values())))
-    temperature, mu = data["temperature"], data["mu"]
+    temperature, mu = data.temperature, data.mu
     computed = {float(q): _at_points(each, data) for q, each in curves.items()}
     used = np.isfinite(mu)
-    for h, s, _ in computed.values():
-        used &= np.isfinite(h) & np.isfinite(s)
+    for each in computed.values():
+        used &= np.isfinite(each.hysteresis) & np.isfinite(each.share)
     if temperature is None:
         reference = None
     elif reference is None:
@@ -248,7 +266,7 @@ def adhesion(
         and np.ptp(temperature[used]) > _SAME
     ):
         warm = (1 / temperature - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
-    every = _FittedPoints(np.log10(data["velocity"]), warm, mu, *_between(computed))
+    every = _FittedPoints(np.log10(data.velocity), warm, mu, *_between(computed))
     points = _chosen(every, used)
     if points.mu.size <= len(points.names):
         raise InputError(
@@ -259,7 +277,7 @@ def adhesion(
     p, success = _search(points, size)
     for _ in range(2 if isinstance(error, str) else 0):
         # in proportion to the sum, not to its scatter
-        size = np.maximum(points.model(p)[0], 0.05 * points.mu.max())
+        size = np.maximum(points.model(p), 0.05 * points.mu.max())
         p, success = _descend(points, size, p)
     chi = _chi(points, p, size)
     freedom = points.mu.size - p.size
@@ -272,7 +290,7 @@ def adhesion(
     return fit
 
 
-def _checked_curves(curve: Any) -> Mapping[float, FrictionCurve]:
+def _checked_curves(curve: object) -> Mapping[float, FrictionCurve]:
     """The curves by their cutoff; of a single one by 0. Raises `InputError`."""
     curves = curve if isinstance(curve, Mapping) else {0.0: curve}
     are_curves = all(isinstance(each, FrictionCurve) for each in curves.values())
@@ -285,38 +303,31 @@ def _checked_curves(curve: Any) -> Mapping[float, FrictionCurve]:
     return curves
 
 
-def _measured(measured: Any, curve: FrictionCurve) -> dict[str, Any]:
+def _measured(
+    measured: MeasuredFriction | ArrayLike, curve: FrictionCurve
+) -> _Measured:
     """Velocity, temperature, pressure, mu and error of the points, flat."""
-    names = ("velocity", "temperature", "pressure", "error")
+    given: MeasuredFriction | FrictionCurve = curve
     if isinstance(measured, MeasuredFriction):
-        columns = {name: getattr(measured, name) for name in (*names, "mu")}
+        given, mu, error = measured, measured.mu, measured.error
     else:
-        mu = np.asarray(as_float64("measured", measured))
+        mu, error = np.asarray(as_float64("measured", measured)), None
         if mu.shape != np.shape(curve.mu):
             raise InputError(
                 f"measured must have the shape of the curve, {np.shape(curve.mu)}, "
                 f"got {mu.shape}."
             )
-        columns = {
-            "velocity": curve.velocity,
-            "temperature": curve.temperature,
-            "pressure": curve.pressure,
-            "mu": mu,
-            "error": None,
-        }
-    require("measured", columns["mu"], "finite", np.isfinite)
-    return {
-        name: None if value is None else np.asarray(value, dtype=float).ravel()
-        for name, value in columns.items()
-    }
+    require("measured", mu, "finite", np.isfinite)
+    columns = (given.velocity, given.temperature, given.pressure, error, mu)
+    flat = [
+        None if value is None else np.asarray(value, dtype=float).ravel()
+        for value in columns
+    ]
+    return _Measured(*flat)  # pyright: ignore[reportArgumentType]
 
 
-def _at_points(
-    curve: FrictionCurve, data: dict[str, Any]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Hysteresis, area of contact over normal force [1/Pa] and the model error of
-    hysteresis, at the points.
-    """
+def _at_points(curve: FrictionCurve, data: _Measured) -> _Computed:
+    """What a curve has at the points. Raises `InputError` where it cannot."""
     if curve.area_ratio is not None and curve.pressure is not None:
         share = curve.area_ratio / curve.pressure
     elif curve.contact_area is not None:
@@ -335,16 +346,17 @@ def _at_points(
     )
     values = [np.asarray(x, dtype=float).ravel() for x in (alone, share, off)]
     if _meets(curve, data):
-        return values[0], values[1], values[2]
-    axes = {
-        name: getattr(curve, name) for name in ("velocity", "temperature", "pressure")
+        return _Computed(*values)
+    flat = {
+        name: np.ravel(getattr(curve, name))
+        for name in _PLACES_OF
+        if getattr(curve, name) is not None
     }
-    flat = {name: np.asarray(x).ravel() for name, x in axes.items() if x is not None}
-    asked = {name: data[name] for name in flat}
+    asked = {name: getattr(data, name) for name in flat}
     if asked.get("pressure", 0.0) is None and np.ptp(flat["pressure"]) == 0:
-        asked["pressure"] = np.full(data["mu"].shape, flat["pressure"][0])
+        asked["pressure"] = np.full(data.mu.shape, flat["pressure"][0])
     missing = [name for name, value in asked.items() if value is None]
-    if missing or (data["temperature"] is not None and "temperature" not in flat):
+    if missing or (data.temperature is not None and "temperature" not in flat):
         lacking = (
             f"no {missing[0]}"
             if missing
@@ -356,23 +368,20 @@ def _at_points(
             "temperature and pressure of the measurement."
         )
     try:
-        h, s, e = (gridded({**flat, "mu": np.abs(x)})(**asked) for x in values)
+        laws = (gridded({**flat, "mu": np.abs(x)}) for x in values)
+        return _Computed(*(np.asarray(law(**asked)) for law in laws))
     except InputError as problem:
         raise InputError(
             "curve must be computed at the measured points, or on a grid that "
             f"holds them: {problem}"
         ) from problem
-    return np.asarray(h), np.asarray(s), np.asarray(e)
 
 
-def _meets(curve: FrictionCurve, data: dict[str, Any]) -> bool:
+def _meets(curve: FrictionCurve, data: _Measured) -> bool:
     """Whether a curve has been computed at the points themselves."""
-    if np.size(curve.mu) != data["mu"].size:
+    if np.size(curve.mu) != data.mu.size:
         return False
-    pairs = [
-        (getattr(curve, name), data[name])
-        for name in ("velocity", "temperature", "pressure")
-    ]
+    pairs = [(getattr(curve, name), getattr(data, name)) for name in _PLACES_OF]
     return all(
         np.allclose(np.ravel(of_curve), given, rtol=1e-6)
         for of_curve, given in pairs
@@ -380,38 +389,33 @@ def _meets(curve: FrictionCurve, data: dict[str, Any]) -> bool:
     )
 
 
-def _between(
-    computed: dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]],
-) -> tuple[Any, Any]:
+def _between(computed: Mapping[float, _Computed]) -> tuple[Parts, Ends | None]:
     """Hysteresis and area by ln q: those computed, or cubics between those at several
     cutoffs; and the ends of ln q.
     """
     if len(computed) == 1:
-        ((h, s, _),) = computed.values()
-        zero = np.zeros_like(h)
-        return (lambda _: (h, s, zero, zero)), None
+        (only,) = computed.values()
+        return (lambda _: (only.hysteresis, only.share)), None
     from scipy.interpolate import CubicSpline
 
     q = np.array(sorted(computed))
     positive("curve: cutoffs", q)
     with np.errstate(divide="ignore"):
-        log_h, log_s = (np.log(np.stack([computed[k][i] for k in q])) for i in (0, 1))
-    whole = np.isfinite(log_h).all(0) & np.isfinite(log_s).all(0)
-    of_h, of_s = (
-        CubicSpline(np.log(q), np.where(whole, x, 0.0)) for x in (log_h, log_s)
-    )
+        logs = np.log([(computed[k].hysteresis, computed[k].share) for k in q])
+    whole = np.isfinite(logs).all((0, 1))
+    spline = CubicSpline(np.log(q), np.where(whole, logs, 0.0))
 
-    def parts(log_q: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        h = np.where(whole, np.exp(of_h(log_q)), np.nan)
-        s = np.where(whole, np.exp(of_s(log_q)), np.nan)
-        return h, s, h * of_h(log_q, 1), s * of_s(log_q, 1)
+    def parts(log_q: float | None) -> tuple[np.ndarray, np.ndarray]:
+        h, s = np.where(whole, np.exp(spline(log_q)), np.nan)
+        return h, s
 
     return parts, (float(np.log(q[0])), float(np.log(q[-1])))
 
 
 def _chosen(every: _FittedPoints, used: np.ndarray) -> _FittedPoints:
-    def parts(log_q: Any) -> Any:
-        return tuple(x[used] for x in every.parts(log_q))
+    def parts(log_q: float | None) -> tuple[np.ndarray, np.ndarray]:
+        h, s = every.parts(log_q)
+        return h[used], s[used]
 
     warm = None if every.warm is None else every.warm[used]
     return every._replace(
@@ -420,7 +424,7 @@ def _chosen(every: _FittedPoints, used: np.ndarray) -> _FittedPoints:
 
 
 def _sizes(
-    error: Any, data: dict[str, Any], used: np.ndarray
+    error: ArrayLike | str | None, data: _Measured, used: np.ndarray
 ) -> tuple[bool, np.ndarray]:
     """Whether the error of each point is known, and what it is, or in proportion to
     what.
@@ -430,19 +434,18 @@ def _sizes(
             raise InputError(
                 f"error must be numbers, 'relative' or None, got {error!r}."
             )
-        return False, np.maximum(np.abs(data["mu"]), 0.05 * np.abs(data["mu"]).max())[
-            used
-        ]
-    given = data["error"] if error is None else np.asarray(as_float64("error", error))
+        mu = np.abs(data.mu)
+        return False, np.maximum(mu, 0.05 * mu.max())[used]
+    given = data.error if error is None else np.asarray(as_float64("error", error))
     if given is None:
         return False, np.ones(int(used.sum()))
     try:
         given = np.broadcast_to(
-            given.ravel() if given.size == data["mu"].size else given, data["mu"].shape
+            given.ravel() if given.size == data.mu.size else given, data.mu.shape
         )
     except ValueError as problem:
         raise InputError(
-            f"error must match the measured points in shape, {data['mu'].shape}, "
+            f"error must match the measured points in shape, {data.mu.shape}, "
             f"got {given.shape}."
         ) from problem
     positive("error", given)
@@ -450,7 +453,7 @@ def _sizes(
 
 
 def _chi(points: _FittedPoints, p: np.ndarray, size: np.ndarray) -> float:
-    return float((((points.mu - points.model(p)[0]) / size) ** 2).sum())
+    return float((((points.mu - points.model(p)) / size) ** 2).sum())
 
 
 def _search(points: _FittedPoints, size: np.ndarray) -> tuple[np.ndarray, bool]:
@@ -464,8 +467,8 @@ def _search(points: _FittedPoints, size: np.ndarray) -> tuple[np.ndarray, bool]:
     starts = []
     for rest in np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(axes)):
         p = np.concatenate([[0.0], rest])
-        h = points.parts(p[-1] if points.cutoff is not None else None)[0]
-        shape = (points.model(p)[0] - h) / size
+        h = points.hysteresis(p)
+        shape = (points.model(p) - h) / size
         left = (points.mu - h) / size
         stress = max(float(shape @ left) / max(float(shape @ shape), 1e-300), 1e3)
         starts.append((float(((left - stress * shape) ** 2).sum()), np.log(stress), p))
@@ -493,9 +496,9 @@ def _descend(
         return parameters
 
     answer = least_squares(
-        lambda x: (points.model(whole(x))[0] - points.mu) / size,
+        lambda x: (points.model(whole(x)) - points.mu) / size,
         np.clip(p[free], low + 1e-9, high - 1e-9),
-        jac=lambda x: points.model(whole(x))[1][:, free] / size[:, None],  # pyright: ignore[reportArgumentType]
+        jac="3-point",
         bounds=(low, high),
         x_scale="jac",
         xtol=1e-10,
@@ -523,7 +526,9 @@ def _intervals(
     allowed = (
         chi + (scale * float(ndtri(0.975) if known else stdtrit(freedom, 0.975))) ** 2
     )
-    matrix = points.model(p)[1] / size[:, None]
+    step = 1e-5
+    columns = [points.model(p + h) - points.model(p - h) for h in step * np.eye(p.size)]
+    matrix = np.stack(columns, axis=-1) / (2 * step * size[:, None])
     spread = (
         np.sqrt(np.maximum(np.diag(np.linalg.pinv(matrix.T @ matrix)), 0.0)) * scale
     )
@@ -592,7 +597,7 @@ _IN_UNITS: dict[str, Callable[[float], float]] = {
 }
 
 
-def _estimate(points: _FittedPoints, p: np.ndarray, bounds: Any) -> _Estimate:
+def _estimate(points: _FittedPoints, p: np.ndarray, bounds: list[Ends]) -> _Estimate:
     """Parameters and intervals from those of the search."""
     values = {
         name: float(_IN_UNITS[name](x)) for name, x in zip(points.names, p, strict=True)
@@ -612,11 +617,11 @@ def _estimate(points: _FittedPoints, p: np.ndarray, bounds: Any) -> _Estimate:
 
 def _packed(
     points: _FittedPoints,
-    data: dict[str, Any],
-    computed: dict[float, Any],
+    data: _Measured,
+    computed: Mapping[float, _Computed],
     used: np.ndarray,
     p: np.ndarray,
-    bounds: Any,
+    bounds: list[Ends],
     size: np.ndarray,
     reference: float | None,
     known: bool,
@@ -630,8 +635,7 @@ def _packed(
     law = AdhesiveShear(
         values["stress"], values["velocity"], values["width"], shift=shift
     )
-    hysteresis = points.parts(p[-1] if points.cutoff is not None else None)[0]
-    mu = points.model(p)[0]
+    hysteresis, mu = points.hysteresis(p), points.model(p)
     error = np.full(points.mu.shape, np.nan)
     error[used] = size
     fit = AdhesionFit(
@@ -639,8 +643,8 @@ def _packed(
         q_high=values.get("q_high"),
         parameters=values,
         interval=estimate.interval,
-        velocity=data["velocity"],
-        temperature=data["temperature"],
+        velocity=data.velocity,
+        temperature=data.temperature,
         measured=points.mu,
         hysteresis=hysteresis,
         adhesion=mu - hysteresis,
@@ -663,28 +667,28 @@ def _packed(
         hysteresis=hysteresis[used],
         measured=points.mu[used],
         misfit=float(np.sqrt(np.mean(of_used**2))) if known else np.nan,
-        warm=data["temperature"] is not None and points.warm is not None,
+        warm=data.temperature is not None and points.warm is not None,
     )
     return replace(fit, warnings=doubts(OF_ADHESION, judged))
 
 
 def _level(
     every: _FittedPoints,
-    computed: dict[float, Any],
+    computed: Mapping[float, _Computed],
     used: np.ndarray,
     p: np.ndarray,
     size: np.ndarray,
-) -> tuple[float, float] | None:
+) -> Ends | None:
     """The stress, all else held, where hysteresis is lower and higher by the bound of
     its model.
     """
-    off = next(iter(computed.values()))[2]
-    h = every.parts(p[-1] if every.cutoff is not None else None)[0]
+    off = next(iter(computed.values())).off
+    h = every.hysteresis(p)
     if len(computed) > 1 or not (
         np.isfinite(off[used]).all() and (off[used] > 0).any()
     ):
         return None
-    shape = ((every.model(p)[0] - h)[used]) / size
+    shape = ((every.model(p) - h)[used]) / size
     if not shape @ shape > 0:
         return None
     up, down = (
@@ -696,7 +700,7 @@ def _level(
 
 def adhesion_csv(fit: AdhesionFit) -> str:
     """Measured points with both parts of the friction, one row per point."""
-    columns: dict[str, Any] = {"velocity [m/s]": fit.velocity}
+    columns: dict[str, np.ndarray] = {"velocity [m/s]": fit.velocity}
     if fit.temperature is not None:
         columns["temperature [K]"] = fit.temperature
     columns |= {
