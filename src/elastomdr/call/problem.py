@@ -5,28 +5,35 @@ surfaces and the references.
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import xp
+from ..arrays import namespace, stop_gradient, xp
 from ..checks import (
+    Array,
     as_float64,
     broadcast_shape,
     is_traced,
+    known,
     only_one,
     positive,
     possible,
     require,
 )
+from ..element.law import Foundation
 from ..errors import InputError, ModelWarning, warn
 from ..material.shift import thermal_factors
 from ..material.validity import material_in_words
+from ..results.doubts import Doubt
 from ..results.words import brief
-from ..surface.shapes import Paraboloid, Sphere
+from ..surface.shapes import AbstractShape, Cylinder, FlatPunch, Paraboloid, Sphere
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
+    from ..element.layer import Layer
+    from ..material.prony import Prony
 
 # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _FASTEST = 1e60
@@ -206,3 +213,52 @@ def hint_at_metres(shape: Any) -> None:
         f'(in a scene "{radius:g} mm").',
         ModelWarning,
     )
+
+
+# depth over radius of the body at which the depth is the radius of contact
+_DEEPEST = {Paraboloid: 1.0, Cylinder: 0.5, Sphere: math.tanh(1.0), FlatPunch: 1.0}
+
+
+def doubt_depth(
+    body: Prony | Foundation | Layer, shape: AbstractShape, depth: Array
+) -> tuple[Doubt, ...]:
+    """The doubt of a shape that is pressed in deeper than the radius a of the contact
+    that belongs to the depth, d = g(a), or through springs; with a warning.
+
+    The mean strain of a contact, 0.2 a/R under a ball (Tabor 1951; Johnson 1985, section
+    6.3), is 0.2 d/a under any body. Above d = a it is no small one, and a paraboloid,
+    which stands for a ball of radius R, has left it at a = R. A line that is given
+    directly, as an `em.Foundation`, has no strains.
+    """
+    springs = isinstance(body, Foundation) and body.per_area is not False
+    thick = body.thickness if isinstance(body, Foundation) and springs else None
+    if springs and thick is None:
+        return ()
+    depth, pressed, thick = known(stop_gradient((depth, shape, thick)))
+    xp = namespace(depth, pressed, thick)
+    remedy = "a depth below the radius of contact"
+    with np.errstate(all="ignore"):
+        if springs:
+            points = depth >= thick
+            remedy = "a depth below the thickness"
+        else:
+            # g(d) > d where d > a; a cylinder's g is half of a paraboloid's
+            scale = 2.0 if isinstance(shape, Cylinder) else 1.0
+            points = pressed._profile(xp.asarray(scale * depth)) > depth
+            points = (points | (depth >= pressed.largest_contact)) & (depth > 0)
+            round_or_flat = isinstance(
+                shape, Paraboloid | Cylinder | Sphere | FlatPunch
+            )
+            if round_or_flat and not is_traced(shape):
+                deepest = _DEEPEST[type(shape)] * float(shape.radius)
+                remedy += f", here {deepest:.3g} m"
+    says = (
+        "are deeper than springs are thick"
+        if springs
+        else "are deeper than the radius of contact (of a ball: wider than it is)"
+    )
+    says += ": mean strains above 0.2, beyond the linear theory of small strains"
+    doubt = Doubt("estimate", points, says, remedy)
+    if doubt.found() and not is_traced(points):
+        warn(f"{doubt.words()}.", ModelWarning)
+    return (doubt,)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..call.problem import Asked
+from ..call.problem import Asked, doubt_depth
 from ..checks import as_float64, numpy_unless_traced, positive, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer, layer_deficit
@@ -225,6 +225,7 @@ def slide(
 
     force = field(contact.force for contact in contacts) * steady.vertical
     mu = field(contact.mu for contact in contacts)
+    leading = field(contact.edges[1] for contact in contacts)
     return FrictionCurve(
         velocity=steady.full(steady.velocity),
         mu=mu,
@@ -233,11 +234,12 @@ def slide(
         depth=field(contact.depth for contact in contacts),
         contact_area=field(contact.area for contact in contacts),
         contact=Contact(
-            field(contact.edges[1] for contact in contacts),
+            leading,
             field(-contact.edges[0] for contact in contacts),
         ),
         error=field(errors),
         converged=good.reshape(steady.shape),
+        marks=doubt_depth(foundation, shape, shape._profile(leading)),
         temperature=steady.full(steady.temperature),
         model=model,
         plan=grid_words(points),

@@ -183,7 +183,9 @@ def ball_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
     solution = Solved(
         mu, error, bound, force, mean.depth, line.leading, line.trailing, good
     )
-    steady = packed(points, solution, material, describe(shape), plan.covers, rtol)
+    steady = packed(
+        points, solution, material, shape, describe(shape), plan.covers, rtol
+    )
     return OnLayer(steady, temperatures, label, plan)
 
 

@@ -175,7 +175,7 @@ def cylinder_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
         -contacts.trailing,
         contacts.good,
     )
-    steady = packed(points, solution, body, name, plan.covers, rtol)
+    steady = packed(points, solution, body, shape, name, plan.covers, rtol)
     return OnLayer(steady, points.full(points.temperature), label, plan)
 
 

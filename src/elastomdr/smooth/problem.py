@@ -10,9 +10,17 @@ import numpy as np
 from ..arrays import compiled, stop_gradient, xp
 from ..call.extrapolation import beyond_sweep, steady_beyond
 from ..call.model_choice import of_smooth
-from ..call.problem import Asked, SteadyScene, check_rtol, hint_at_metres, steady_scene
+from ..call.problem import (
+    Asked,
+    SteadyScene,
+    check_rtol,
+    doubt_depth,
+    hint_at_metres,
+    steady_scene,
+)
 from ..checks import Array, is_traced, nan_unless, require, warn_unless
 from ..element.law import Foundation, as_foundation
+from ..element.layer import Layer
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..results.curve import Contact
@@ -121,7 +129,13 @@ class Solved(NamedTuple):
 
 
 def packed(
-    points: SteadyScene, solved: Solved, body: Any, name: str, covers: Any, rtol: float
+    points: SteadyScene,
+    solved: Solved,
+    body: Layer,
+    shape: AbstractShape,
+    name: str,
+    covers: tuple[str, ...],
+    rtol: float,
 ) -> Steady:
     """Fields in the shape of the points, NaN where one failed; forces times b_T."""
 
@@ -145,7 +159,7 @@ def packed(
         depth=shaped(solved.depth),
         contact=contact,
         converged=solved.good.reshape(points.shape),
-        marks=beyond,
+        marks=(*beyond, *doubt_depth(body, shape, shape._profile(contact.leading))),
         inputs=tuple(inputs),
     )
 
@@ -292,6 +306,7 @@ def solve(scene: SmoothScene) -> Steady:
         beyond += beyond_sweep(outside.reshape(scene.shape), scene.foundation.range)
         if not traced:
             inputs += softened_words(soft, np.asarray(good))
+    beyond += doubt_depth(scene.foundation, scene.lines.shape, fields["depth"])
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         **fields,

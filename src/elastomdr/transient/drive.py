@@ -383,5 +383,9 @@ def _pack(
         model=body.model,
         plan=plan,
         inputs=inputs,
-        marks=(*beyond, *body.bound.marks(solution.shown)),
+        marks=(
+            *beyond,
+            *body.bound.marks(solution.shown),
+            *body.doubt_depth(shown(seen.depth)),
+        ),
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import xp
 from ..call.extrapolation import told
-from ..call.problem import check_rtol, hint_at_metres
+from ..call.problem import check_rtol, doubt_depth, hint_at_metres
 from ..checks import (
     as_float64,
     broadcast_shape,
@@ -218,13 +218,15 @@ def _pack(
         oblique = solve_oblique(slips, scene, shape, history, solution)
     bounds = {bound_on(f, Bound()) for f in scene.foundations}
     bound = SPRINGS if SPRINGS in bounds else Bound()
+    max_depth = shaped(motion.max_depth)
+    deep = doubt_depth(scene.foundations[0], shape, max_depth)
     energy = 0.5 * scene.body.mass * scene.body.velocity**2
     return Impact(
         mass=scene.mass,
         velocity=scene.velocity,
         restitution=shaped(motion.restitution),
         duration=duration,
-        max_depth=shaped(motion.max_depth),
+        max_depth=max_depth,
         max_force=shaped(motion.max_force),
         lost=shaped(energy * (1 - motion.restitution**2)),
         history=history,
@@ -237,7 +239,7 @@ def _pack(
         model=scene.model,
         plan="velocities as the grid, extrapolated in the number of steps",
         inputs=scene.inputs,
-        marks=(*beyond, *bound.marks(good)),
+        marks=(*beyond, *bound.marks(good), *deep),
         origins=_origins(scene) if scene.many else (),
     )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..arrays import on_jax, xp
-from ..call.problem import check_rtol, hint_at_metres
+from ..call.problem import check_rtol, doubt_depth, hint_at_metres
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -263,7 +263,11 @@ def indent(
         model=_model(law, disc, adhesion),
         plan=solution.plan,
         inputs=tuple(_inputs(foundation, shape, course, gamma, law_temperature, rtol)),
-        marks=(*beyond, *bound.marks(shown)),
+        marks=(
+            *beyond,
+            *bound.marks(shown),
+            *doubt_depth(foundation, shape, known(solution.depth)),
+        ),
     )
 
 

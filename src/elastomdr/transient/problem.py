@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import stop_gradient, xp
-from ..call.problem import check_rtol
+from ..call.problem import check_rtol, doubt_depth
 from ..checks import (
     Array,
     alike,
@@ -138,6 +138,12 @@ class SlidingBody(NamedTuple):
         if self.per_length:
             return ROUGH_LINE
         return bound_on(self.foundation, STEADY_LINE)
+
+    def doubt_depth(self, depth: Array) -> tuple[Doubt, ...]:
+        """The doubt of an indenter that is too deep."""
+        if isinstance(self.over, RoughLine):
+            return ()
+        return doubt_depth(self.foundation, self.over.shape, depth)
 
 
 def sliding_body(material: Any, shape: Any) -> SlidingBody:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import arrays, on_jax, on_numpy, stop_gradient, tree_map, xp
+from ..call.problem import doubt_depth
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -152,6 +153,7 @@ def shear(
     beyond, bound = _beyond(laws, given), bound_on(laws[0], SLIP)
     fields = {key: nan_unless(good, x) for key, x in sheared._asdict().items()}
     del fields["missed"]
+    deep = doubt_depth(laws[0], shape, fields["depth"])
     return Shear(
         time=given.time,
         displacement=given.displacement,
@@ -162,7 +164,7 @@ def shear(
         model=LAYER if per_area else HALF_SPACE,
         plan="marched element by element",
         inputs=tuple(_inputs(laws, shape, name, given, mu, cut)),
-        marks=(*beyond, *bound.marks(good)),
+        marks=(*beyond, *bound.marks(good), *deep),
     )
 
 

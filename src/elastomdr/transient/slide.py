@@ -118,7 +118,11 @@ def slide(
         model=body.model,
         plan=plan,
         inputs=(*body.words, *history.inputs),
-        marks=(*beyond, *bound.marks(solution.shown)),
+        marks=(
+            *beyond,
+            *bound.marks(solution.shown),
+            *body.doubt_depth(shown(seen.depth)),
+        ),
     )
 
 

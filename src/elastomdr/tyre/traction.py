@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..call.problem import Asked
+from ..call.problem import Asked, doubt_depth
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -658,6 +658,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
     )
     zero = xp.zeros_like(ratio)
     force = xp.sign(creepage) * ratio * load
+    deep = doubt_depth(foundation, shape, shape._profile(half))
     return Traction(
         velocity=velocity,
         creepage=creepage,
@@ -673,7 +674,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
         error=zero,
         model_error=ENDS.at(zero == 0),
         converged=xp.ones(ratio.shape, bool),
-        marks=_at_points((*doubts, *ENDS.marks(zero == 0)), ratio.shape),
+        marks=_at_points((*doubts, *ENDS.marks(zero == 0), *deep), ratio.shape),
         temperature=None,
         model=CARTER,
         plan="closed form",
