@@ -144,23 +144,12 @@ def test_loss_tangent_that_agrees_is_passed_over(factor, tmp_path):
     np.testing.assert_allclose(read(path).loss, 1e6 * LOSS)
 
 
-def test_a_loss_that_is_negative_nearly_everywhere_is_turned(tmp_path):
-    sign = np.where(np.arange(F.size) == 7, 1.0, -1.0)
-    path = written(
-        tmp_path / "a.csv",
-        "f [Hz],T [degC],G' [MPa],G'' [MPa]",
-        F,
-        0 * F + 20,
-        STORAGE,
-        sign * LOSS,
-    )
-    with pytest.warns(FitWarning) as caught:
-        dma = em.read_dma(path)
-    assert [re.sub(r"^a.csv: ", "", str(one.message))[:40] for one in caught] == [
-        "G'' [MPa] is negative in 29 of 30 rows, ",
-        "1 row left out: line 9: G'' [MPa] is -0.",
-    ]
-    np.testing.assert_allclose(dma.loss, 1e6 * LOSS[sign < 0])
+def test_a_loss_that_is_negative_is_refused(tmp_path):
+    """Of the convention exp(-i omega t): nobody turns its sign."""
+    titles = "f [Hz],T [degC],G' [MPa],G'' [MPa]"
+    path = written(tmp_path / "a.csv", titles, F, 0 * F + 20, STORAGE, -LOSS)
+    with pytest.raises(em.InputError, match=r"line 2: G'' \[MPa\] is -.*not positive"):
+        em.read_dma(path)
 
 
 def test_too_few_points_say_which_rows_were_left_out(tmp_path):

@@ -22,7 +22,6 @@ _LOG = re.compile(
 )
 # of the first time as hh:mm:ss, above which it may be one of the day [s]
 _DAYTIME = 600.0
-_ONE_SIGN = 0.9  # share of negative numbers from which the sign is a convention
 _CONTRADICTS = 0.1  # of ln(tan delta), from which it contradicts the moduli beside it
 _NAMED = 6  # columns passed over, or rows left out, that are named
 _NUMBER_WITH_UNIT = re.compile(r"([+-]?\d[\d.]*(?:[eE][+-]?\d+)?)\s*([^\d\s\[].*)")
@@ -42,7 +41,6 @@ class ColumnKind:
     option: str = ""  # the argument by which a user gives the unit
     # of the largest number, and of all temperatures [SI]
     limits: tuple[float, float] | None = None
-    signed: bool = False  # whether some instruments write it with the opposite sign
 
     def rank(self, name: str) -> int | None:
         """Which of the titles a name is, the first being the preferred one; None where
@@ -67,7 +65,6 @@ class Column(NamedTuple):
     log: str = ""  # of `LOGS`; "log" where the base is not said
     known: bool = True  # whether the unit is one of the quantity
     users: bool = False  # whether the unit is the user's word, whatever the title says
-    sign: float = 1.0  # -1 where the file has the opposite sign
 
     @property
     def role(self) -> str:
@@ -81,7 +78,7 @@ class Column(NamedTuple):
             *["frequency"] * (self.quantity.kind == "angular frequency"),
         ]
         factor, offset = next(si for kind in kinds if (si := to_si(unit, kind)))
-        numbers = self.sign * table.column(self.place)
+        numbers = table.column(self.place)
         with np.errstate(over="ignore"):
             numbers = LOGS[self.log] ** numbers if self.log else numbers
         return numbers * factor + offset
@@ -150,6 +147,19 @@ def understand(head: Head, quantities: tuple[ColumnKind, ...]) -> Column | None:
             ):
                 refused = column._replace(known=False)
     return refused
+
+
+def naming(values: Mapping[str, str]) -> str:
+    """How a user names columns or numbers for roles, in Python and on the command
+    line.
+    """
+    python = ", ".join(f"{role!r}: {_quoted(one)}" for role, one in values.items())
+    shell = (f"--column {_quoted(f'{role}={one}')}" for role, one in values.items())
+    return f"columns={{{python}}} ({' '.join(shell)})"
+
+
+def _quoted(text: str) -> str:
+    return f"'{text}'" if " " in text else text
 
 
 class Understood(NamedTuple):
@@ -324,9 +334,8 @@ def choose(
             raise InputError(
                 f"{name}: columns {first.place + 1} {first.title!r} and "
                 f"{column.place + 1} {column.title!r} both hold {column.role} and "
-                f"differ; {isotherms}name one, as columns={{{column.role!r}: N}} "
-                f"(--column {column.role}=N), N being {first.place + 1} or "
-                f"{column.place + 1}."
+                f"differ; {isotherms}name one, as {naming({column.role: 'N'})}, N "
+                f"being {first.place + 1} or {column.place + 1}."
             )
     return {role: _by_the_clock(name, column, table) for role, column in chosen.items()}
 
@@ -349,32 +358,6 @@ def _by_the_clock(name: str, column: Column, table: TitledTable) -> Column:
             "seconds since then in its place."
         )
     return column._replace(unit="s", known=True)
-
-
-def with_sign(
-    name: str, table: TitledTable, chosen: Mapping[str, Column]
-) -> tuple[dict[str, Column], tuple[str, ...]]:
-    """The columns, those turned whose numbers are negative nearly everywhere, and what
-    was turned in words.
-
-    A loss is positive; with exp(-i omega t) in place of exp(i omega t) all of it is
-    negative.
-    """
-    turned, remarks = dict(chosen), []
-    for role, column in chosen.items():
-        if not column.quantity.signed or column.log:
-            continue
-        numbers = table.column(column.place)
-        numbers = numbers[np.isfinite(numbers) & (numbers != 0)]
-        negative = int((numbers < 0).sum())
-        if numbers.size and negative >= _ONE_SIGN * numbers.size:
-            turned[role] = column._replace(sign=-1.0)
-            remarks.append(
-                f"{name}: {column.title} is negative in {negative} of {numbers.size} "
-                "rows, as with exp(-i omega t): "
-                "its sign is turned."
-            )
-    return turned, tuple(remarks)
 
 
 def measured(
@@ -406,7 +389,7 @@ def measured(
             cell = _cell(table, i, column.place)
             words = f"{cell[:20]!r}, not a number"
             if np.isfinite(x[i]):
-                value = f"{column.sign * number(cell):g} {given[role]}"
+                value = f"{number(cell):g} {given[role]}"
                 words = f"{value.removesuffix(' -')}, not {valid}"
             good[i], wrong[i] = False, f"{column.title} is {words}"
     bad = [f"line {table.rows[i].line}: {wrong[i]}" for i in sorted(wrong)]
@@ -562,11 +545,7 @@ def refuse_contradiction(
     in_percent = not tangent.unit and abs(np.log(factor / 100)) < _CONTRADICTS
     if in_percent or abs(np.log(factor)) < _CONTRADICTS:
         return
-    numbers = [(one.role, one.place + 1) for one in (loss, tangent)]
-    ways = [
-        f"columns={{{role!r}: {place}}} (--column {role}={place})"
-        for role, place in numbers
-    ]
+    ways = [naming({one.role: str(one.place + 1)}) for one in (loss, tangent)]
     raise InputError(
         f"{name}: column {tangent.place + 1} {tangent.title!r} is {factor:.3g} times "
         f"the ratio of columns {loss.place + 1} {loss.title!r} and "
@@ -591,22 +570,19 @@ def unit_of(name: str, column: Column, units: Mapping[str, str]) -> str:
     there is none.
     """
     quantity = column.quantity
-    ways = (
-        f"columns={{{column.role!r}: '{column.place + 1} [UNIT]'}} (--column "
-        f"'{column.role}={column.place + 1} [UNIT]')"
-    )
+    place = column.place + 1
+    ways = naming({column.role: f"{place} [UNIT]"})
     if column.log == "log":
         raise InputError(
             f"{name}: {column.title!r} is a logarithm without a base; name it, as "
-            f"columns={{{column.role!r}: 'log10({column.place + 1}) [UNIT]'}} "
-            f"(--column '{column.role}=log10({column.place + 1}) [UNIT]'), or "
+            f"{naming({column.role: f'log10({place}) [UNIT]'})}, or "
             "with ln in place of log10."
         )
     if not column.known:
         # such as 1/MPa of a compliance
         other = is_unit(column.unit) and "frequency" not in quantity.kind
         raise InputError(
-            f"{name}: the unit of column {column.place + 1} {column.title!r} is "
+            f"{name}: the unit of column {place} {column.title!r} is "
             f"{column.unit!r}, which is none of {quantity.kind} "
             f"({usual(quantity.kind)} ...), as {column.role} needs"
             + ("." if other else f"; if it is meant as one, give it as {ways}.")
@@ -620,7 +596,7 @@ def unit_of(name: str, column: Column, units: Mapping[str, str]) -> str:
             else ""
         )
         raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r} has no unit; give "
+            f"{name}: column {place} {column.title!r} has no unit; give "
             f"it, as {option}{ways}, one of {usual(kind)} ..."
         )
     return unit
@@ -685,30 +661,20 @@ def _within(
         else float(values.max())
     )
     if values.max() > high and column.quantity.kind == "ratio":
-        ways = [
-            f"columns={{{column.role!r}: '{column.place + 1} [{unit}]'}}"
-            for unit in "%-"
-        ]
-        shell = [
-            f"(--column '{column.role}={column.place + 1} [{unit}]')" for unit in "%-"
-        ]
+        ways = [naming({column.role: f"{column.place + 1} [{unit}]"}) for unit in "%-"]
         raise InputError(
             f"{name}: column {column.place + 1} {column.title!r} has no unit and goes "
-            f"from {values.min():.4g} to {values.max():.4g}: give it, as {ways[0]} "
-            f"{shell[0]} if it is in per cent, as {ways[1]} {shell[1]} "
-            "if it is not."
+            f"from {values.min():.4g} to {values.max():.4g}: give it, as {ways[0]} if "
+            f"it is in per cent, as {ways[1]} if it is not."
         )
     if least < low or values.max() > high:
         si = KINDS[column.quantity.kind][0]
-        python = ", ".join(f"{one.role!r}: '{one.place + 1} [UNIT]'" for one in alike)
-        shell = " ".join(
-            f"--column '{one.role}={one.place + 1} [UNIT]'" for one in alike
-        )
+        ways = naming({one.role: f"{one.place + 1} [UNIT]" for one in alike})
         raise InputError(
             f"{name}: column {column.place + 1} {column.title!r}, read in {unit}, "
             f"goes from {values.min():.4g} to {values.max():.4g} {si}, which is not "
-            f"between {low:g} and {high:g}; give the right unit, as "
-            f"columns={{{python}}} ({shell}), even if it is {unit}."
+            f"between {low:g} and {high:g}; give the right unit, as {ways}, even if it "
+            f"is {unit}."
         )
 
 

@@ -20,12 +20,12 @@ from .columns import (
     left_out,
     measured,
     missing,
+    naming,
     refuse_contradiction,
     refuse_wide,
     taken,
     understand_table,
     unit_of,
-    with_sign,
 )
 from .data import KINDS, Dma, FitWarning, join
 from .isotherms import (
@@ -396,7 +396,6 @@ def _measurement(
     chosen, needed = _chosen(name, table, columns, options)
     table = table._replace(fixed=table.fixed | columns.constants)
     kind = _kind(name, table, chosen, options.kind, layout)
-    chosen, turned = with_sign(name, table, chosen)
     response, rest = "", ()
     if needed[0] == "time":
         beside = {one.role: one for one in reversed(columns.all)} | chosen
@@ -421,7 +420,6 @@ def _measurement(
         "kind": kind,
         "units": written,
         "warnings": (
-            *turned,
             *rest,
             *left_out(name, bad, "bad_rows and in the master curve's table"),
         ),
@@ -665,21 +663,21 @@ def _not_held(runs: Sequence[str], held: bool, table: TitledTable) -> tuple[str,
         said = "are both constant" if held else "both vary"
         what = f"stress and strain {said}"
         advice = (
-            "give the one that was held, as columns={'stress': '0.1 MPa'} (--column "
-            "'stress=0.1 MPa') or columns={'strain': '1 %'} (--column 'strain=1 %')"
+            f"give the one that was held, as {naming({'stress': '0.1 MPa'})} or "
+            f"{naming({'strain': '1 %'})}"
         )
     elif "creep" in runs:
         what, advice = (
             "the stress is not held",
             "leave out the rows while it changes, or give what was held, as "
-            "columns={'stress': '1 kPa'} (--column 'stress=1 kPa')",
+            f"{naming({'stress': '1 kPa'})}",
         )
     else:
         what = "the strain is not held"
         advice = (
             "leave out the rows while it changes, or give the duration of its ramp, as "
-            "ramp=2.0 (--ramp '2 s'), or what was held, as columns={'strain': '1 %'} "
-            "(--column 'strain=1 %')"
+            "ramp=2.0 (--ramp '2 s'), or what was held, as "
+            f"{naming({'strain': '1 %'})}"
         )
     line = table.rows[0].line
     return (

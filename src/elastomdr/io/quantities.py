@@ -59,7 +59,6 @@ QUANTITIES = (
             r"([ge]|shear|tensile|young'?s)[ _-](loss|loss modulus)",
         ),
         option="modulus_unit",
-        signed=True,
     ),
     ColumnKind(
         "absolute",
@@ -73,7 +72,6 @@ QUANTITIES = (
         "angle",
         (r"phase ?angle|phase|delta|δ|phasenwinkel",),
         valid="between 0 and 90 deg",
-        signed=True,
     ),
     ColumnKind(
         "tangent",
@@ -82,7 +80,6 @@ QUANTITIES = (
             r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",
         ),
         limits=(0.0, 3.0),
-        signed=True,
     ),
     ColumnKind(
         "relaxation",
@@ -121,7 +118,6 @@ QUANTITIES = (
         (
             r"(eta|η|h)(_?2|''|_?(double_?prime|dprime|pp))|(imaginary|loss|out[- ]of[- ]phase) viscosity",
         ),
-        signed=True,
     ),
     ColumnKind(
         "compliance",
@@ -141,7 +137,6 @@ QUANTITIES = (
         (
             r"[jd](_?2|''|_?(pp|dprime|double_?prime|loss))|loss compliance|verlustnachgiebigkeit",
         ),
-        signed=True,
     ),
     ColumnKind(
         "creep",
@@ -167,7 +162,6 @@ QUANTITIES = (
         "stiffness_loss",
         "stiffness",
         (r"k(_?2|''|_?(pp|dprime|double_?prime|loss))|(loss|viscous) stiffness",),
-        signed=True,
     ),
     ColumnKind(
         "stress",
