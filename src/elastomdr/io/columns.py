@@ -185,7 +185,6 @@ class Understood(NamedTuple):
 
 
 def understand_table(
-    name: str,
     columns: Mapping[str, Any] | None,
     table: TitledTable,
     quantities: tuple[ColumnKind, ...],
@@ -193,7 +192,7 @@ def understand_table(
     """What the columns of a table are, a user's word before its titles. Raises
     `InputError`.
     """
-    named, constants = named_columns(name, columns, table, quantities)
+    named, constants = named_columns(columns, table, quantities)
     places = {column.place for column in named.values()}
     read = [
         column
@@ -206,7 +205,6 @@ def understand_table(
 
 
 def named_columns(
-    name: str,
     columns: Mapping[str, Any] | None,
     table: TitledTable,
     quantities: tuple[ColumnKind, ...],
@@ -236,7 +234,7 @@ def named_columns(
         place, unit, log = _place(title, table.heads)
         if place is not None:
             head = next(head for head in table.heads if head.place == place)
-            column = _named_column(name, head, roles[role], unit, quantities)
+            column = _named_column(table, head, roles[role], unit, quantities)
             named[role] = column._replace(log=log) if log else column
         elif (constant := _NUMBER_WITH_UNIT.fullmatch(title)) and (
             si := to_si(constant[2], roles[role].kind)
@@ -246,7 +244,7 @@ def named_columns(
 
 
 def _named_column(
-    name: str,
+    table: TitledTable,
     head: Head,
     quantity: ColumnKind,
     unit: str,
@@ -261,7 +259,7 @@ def _named_column(
         column = _column_without_role(head, quantity)
     elif "relaxation" in (role, column.role) and role != column.role and not unit:
         raise InputError(
-            f"{name}: column {head.place + 1} {head.title!r}, named for {role}, is a "
+            f"{table.name}: column {head.place + 1} {head.title!r}, named for {role}, is a "
             f"{column.role} modulus by its title: moduli over frequency and relaxation "
             "over time are not the same."
         )
@@ -295,9 +293,7 @@ def _column_without_role(head: Head, quantity: ColumnKind) -> Column:
     )
 
 
-def choose(
-    name: str, columns: Sequence[Column], table: TitledTable, units: Mapping[str, str]
-) -> dict[str, Column]:
+def choose(columns: Sequence[Column], table: TitledTable) -> dict[str, Column]:
     """One column for each role: the preferred title, of these the first with fewest
     holes.
 
@@ -321,7 +317,7 @@ def choose(
             or not column.quantity.valid
         ):
             continue
-        one, other = (_si(each, table, units) for each in (first, column))
+        one, other = (_si(each, table) for each in (first, column))
         if (
             one is not None
             and other is not None
@@ -332,15 +328,15 @@ def choose(
                 "each, as '-20 degC'; of two samples "
             ) * (first.title == column.title)
             raise InputError(
-                f"{name}: columns {first.place + 1} {first.title!r} and "
+                f"{table.name}: columns {first.place + 1} {first.title!r} and "
                 f"{column.place + 1} {column.title!r} both hold {column.role} and "
                 f"differ; {isotherms}name one, as {naming({column.role: 'N'})}, N "
                 f"being {first.place + 1} or {column.place + 1}."
             )
-    return {role: _by_the_clock(name, column, table) for role, column in chosen.items()}
+    return {role: _by_the_clock(column, table) for role, column in chosen.items()}
 
 
-def _by_the_clock(name: str, column: Column, table: TitledTable) -> Column:
+def _by_the_clock(column: Column, table: TitledTable) -> Column:
     """A column of times, in seconds where they are written as hh:mm:ss.
 
     Raises `InputError` for times of day, which do not tell when the test began.
@@ -352,7 +348,7 @@ def _by_the_clock(name: str, column: Column, table: TitledTable) -> Column:
     # Elapsed time begins near the step; a time of day may end a day later, near zero.
     if times[0] > _DAYTIME:
         raise InputError(
-            f"{name}: column {column.place + 1} {column.title!r} begins at "
+            f"{table.name}: column {column.place + 1} {column.title!r} begins at "
             f"{times[0] / 3600:.4g} h and lasts {np.ptp(times):.4g} s: a time of day? "
             "Times must count from the step of strain or stress: write "
             "seconds since then in its place."
@@ -361,18 +357,15 @@ def _by_the_clock(name: str, column: Column, table: TitledTable) -> Column:
 
 
 def measured(
-    name: str,
-    table: TitledTable,
-    chosen: Mapping[str, Column],
-    units: Mapping[str, str],
+    table: TitledTable, chosen: Mapping[str, Column]
 ) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
     """The numbers of the good rows by role [SI], which rows these are, and what is
     wrong with each of the others.
 
-    `units` are those that the user gives, by kind. Raises `InputError` for a unit that
+    Raises `InputError` for a unit that
     nobody gives, and for numbers outside the limits of their quantity.
     """
-    given = {role: unit_of(name, column, units) for role, column in chosen.items()}
+    given = {role: unit_of(table, column) for role, column in chosen.items()}
     values = {role: column.of(table, given[role]) for role, column in chosen.items()}
     wrong = _rows_of_wrong_width(table)
     good = np.ones(len(table.rows), bool)
@@ -395,7 +388,7 @@ def measured(
     bad = [f"line {table.rows[i].line}: {wrong[i]}" for i in sorted(wrong)]
     kept = {role: x[good] for role, x in values.items()}
     if good.any():
-        _check_limits(name, chosen, kept, given)
+        _check_limits(table.name, chosen, kept, given)
     return kept, good, bad
 
 
@@ -441,7 +434,6 @@ def _check_limits(
 class ColumnsRead(NamedTuple):
     """What a file holds whose one table is known by its columns."""
 
-    name: str
     table: TitledTable
     chosen: dict[str, Column]
     values: dict[str, np.ndarray]  # of the good rows, by role [SI]
@@ -480,8 +472,9 @@ def read_columns(
     table = main_table(sheet)
     if table is None:
         raise InputError(missing(sheet.name, (), "", []))
-    refuse_wide(sheet.name, [table])
-    understood = understand_table(sheet.name, columns, table, quantities)
+    table = table._replace(name=sheet.name, units=units)
+    refuse_wide([table])
+    understood = understand_table(columns, table, quantities)
     for role, wanted in (columns or {}).items():
         if role not in understood.of_user:
             raise InputError(
@@ -492,18 +485,18 @@ def read_columns(
         one._replace(log=log) if one.log == "log" and log else one
         for one in understood.read
     ]
-    chosen = choose(sheet.name, [*candidates, *understood.named.values()], table, units)
+    chosen = choose([*candidates, *understood.named.values()], table)
     for role in required:
         if role not in {*chosen, *understood.constants}:
             known = Understood(list(chosen.values()), {}, {}).in_words()
             lack = f"there is no column of {role}"
             raise InputError(missing(sheet.name, known, lack, [table]))
-    values, good, bad = measured(sheet.name, table, chosen, units)
+    values, good, bad = measured(table, chosen)
     values |= {
         role: np.full(int(good.sum()), value)
         for role, value in understood.constants.items()
     }
-    return ColumnsRead(sheet.name, table, chosen, values, bad)
+    return ColumnsRead(table, chosen, values, bad)
 
 
 def checked_units(**given: Any) -> dict[str, str]:
@@ -520,11 +513,7 @@ def checked_units(**given: Any) -> dict[str, str]:
 
 
 def refuse_contradiction(
-    name: str,
-    table: TitledTable,
-    chosen: Mapping[str, Column],
-    columns: Sequence[Column],
-    units: Mapping[str, str],
+    table: TitledTable, chosen: Mapping[str, Column], columns: Sequence[Column]
 ) -> None:
     """Raises `InputError` where a column of tan delta is not the loss over the storage
     modulus beside it.
@@ -533,9 +522,7 @@ def refuse_contradiction(
     if tangent is None or not {"storage", "loss"} <= chosen.keys():
         return
     loss, storage = chosen["loss"], chosen["storage"]
-    viscous, elastic, ratio = (
-        _si(one, table, units) for one in (loss, storage, tangent)
-    )
+    viscous, elastic, ratio = (_si(one, table) for one in (loss, storage, tangent))
     if viscous is None or elastic is None or ratio is None:
         return
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -547,29 +534,29 @@ def refuse_contradiction(
         return
     ways = [naming({one.role: str(one.place + 1)}) for one in (loss, tangent)]
     raise InputError(
-        f"{name}: column {tangent.place + 1} {tangent.title!r} is {factor:.3g} times "
+        f"{table.name}: column {tangent.place + 1} {tangent.title!r} is {factor:.3g} times "
         f"the ratio of columns {loss.place + 1} {loss.title!r} and "
         f"{storage.place + 1} {storage.title!r} (median of the rows): name the one "
         f"that is right, as {ways[0]} or {ways[1]}."
     )
 
 
-def refuse_wide(name: str, tables: Sequence[TitledTable]) -> None:
+def refuse_wide(tables: Sequence[TitledTable]) -> None:
     """Raises `InputError` for a table with more columns than a measurement has."""
-    widest = max((len(table.heads) for table in tables), default=0)
-    if widest > MOST_COLUMNS:
-        raise InputError(
-            f"{name}: a table must have {MOST_COLUMNS:,} columns at most, got "
-            f"{widest:,}: leave out what is not "
-            "needed, or exchange rows and columns."
-        )
+    for table in tables:
+        if len(table.heads) > MOST_COLUMNS:
+            raise InputError(
+                f"{table.name}: a table must have {MOST_COLUMNS:,} columns at most, got "
+                f"{len(table.heads):,}: leave out what is not needed, or exchange rows "
+                "and columns."
+            )
 
 
-def unit_of(name: str, column: Column, units: Mapping[str, str]) -> str:
+def unit_of(table: TitledTable, column: Column) -> str:
     """The unit of a column: its own, or else the user's. Raises `InputError` where
     there is none.
     """
-    quantity = column.quantity
+    quantity, name = column.quantity, table.name
     place = column.place + 1
     ways = naming({column.role: f"{place} [UNIT]"})
     if column.log == "log":
@@ -588,7 +575,7 @@ def unit_of(name: str, column: Column, units: Mapping[str, str]) -> str:
             + ("." if other else f"; if it is meant as one, give it as {ways}.")
         )
     kind = "frequency" if quantity.kind == "angular frequency" else quantity.kind
-    unit = column.unit or units.get(kind) or ("-" if kind == "ratio" else "")
+    unit = column.unit or table.units.get(kind) or ("-" if kind == "ratio" else "")
     if not unit:
         option = (
             f"{quantity.option} (--{quantity.option.replace('_', '-')}) or "
@@ -700,16 +687,14 @@ def _place(wanted: str, heads: Sequence[Head]) -> tuple[int | None, str, str]:
     return by_title, unit, log
 
 
-def _si(
-    column: Column, table: TitledTable, units: Mapping[str, str]
-) -> np.ndarray | None:
+def _si(column: Column, table: TitledTable) -> np.ndarray | None:
     """The numbers of a column in SI, None where its unit is not known."""
     kind = (
         "frequency"
         if column.quantity.kind == "angular frequency"
         else column.quantity.kind
     )
-    unit = column.unit or units.get(kind) or ("-" if kind == "ratio" else "")
+    unit = column.unit or table.units.get(kind) or ("-" if kind == "ratio" else "")
     return (
         column.of(table, unit)
         if unit and column.known and column.log != "log"

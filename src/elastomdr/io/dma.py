@@ -212,12 +212,12 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
     """
     sheet = sheet_of_frame(source) if is_frame(source) else read_sheet(source)
     name, layout = sheet.name, format_of(sheet)
-    tables = layout.tables(sheet)
-    refuse_wide(name, tables)
+    tables = [
+        table._replace(name=name, units=options.units) for table in layout.tables(sheet)
+    ]
+    refuse_wide(tables)
     parts = [
-        isotherm
-        for table in tables
-        for isotherm in isotherms(name, table, options.columns, options.units)
+        isotherm for table in tables for isotherm in isotherms(table, options.columns)
     ]
     measurements: list[Dma] = []
     used: list[TitledTable] = []
@@ -225,18 +225,18 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
     before = -np.inf  # when the step before ended
     not_understood: tuple[list[str], str] | None = None
     for table in parts:
-        columns = understand_table(name, options.columns, table, QUANTITIES)
+        columns = understand_table(options.columns, table, QUANTITIES)
         for role in columns.of_user & unmet.keys():
             del unmet[role]
         lack = _lack(table, columns, options.specimen)
         if lack:
             not_understood = not_understood or (columns.in_words(), lack)
             if used:
-                _refuse_rows_below(name, table, used[-1])
+                _refuse_rows_below(table, used[-1])
             continue
         try:
-            measurement = _measurement(name, layout, table, columns, options)
-            _refuse_second_step(name, measurement, table, measurements, used, before)
+            measurement = _measurement(layout, table, columns, options)
+            _refuse_second_step(measurement, table, measurements, used, before)
         except _NoStep as error:
             refused.append(error)
             before = max(before, error.ended)
@@ -267,8 +267,10 @@ def _read(source: Any, options: _Options, unmet: dict[str, Any]) -> list[Dma]:
 class _NoStep(InputError):
     """Rows over time that are no response to one step of stress or strain."""
 
-    def __init__(self, name: str, why: str, advice: str, ended: float = -np.inf):
-        super().__init__(f"{name}: {why}: {advice}." if advice else f"{name}: {why}.")
+    def __init__(
+        self, table: TitledTable, why: str, advice: str, ended: float = -np.inf
+    ):
+        super().__init__(f"{table.name}: {why}{advice and ': '}{advice}.")
         self.why = why
         self.ended = ended  # their last time [s]
 
@@ -280,7 +282,6 @@ def _ended(measurement: Dma) -> float:
 
 
 def _refuse_second_step(
-    name: str,
     measurement: Dma,
     table: TitledTable,
     others: Sequence[Dma],
@@ -304,16 +305,16 @@ def _refuse_second_step(
         on = f"the times from line {line} on count on from the step before"
         advice = "write seconds since their own step"
         if apart and apart[-1]:
-            raise InputError(f"{name}: {on}, at another temperature: {advice}.")
+            raise InputError(f"{table.name}: {on}, at another temperature: {advice}.")
         # the same step with other intervals goes on where it was
         if (
             not above
             or measurement.relaxation[0] * (1 - _BACK) > above[-1].relaxation[-1]
         ):
-            raise _NoStep(name, on, advice, _ended(measurement))
+            raise _NoStep(table, on, advice, _ended(measurement))
     elif measurement.response == "creep" and not all(apart):
         raise _NoStep(
-            name,
+            table,
             f"the rows from line {line} on are a second creep at one temperature, "
             "which remembers the first",
             "give it alone, in a file of its own",
@@ -343,7 +344,7 @@ def _lack(table: TitledTable, columns: Understood, specimen: Specimen) -> str:
     return f"{lack}; {_ALONE}"
 
 
-def _refuse_rows_below(name: str, table: TitledTable, before: TitledTable) -> None:
+def _refuse_rows_below(table: TitledTable, before: TitledTable) -> None:
     """Raises `InputError` for rows, below a table that is read, whose titles are not
     understood: as wide, they may belong to it.
     """
@@ -351,12 +352,14 @@ def _refuse_rows_below(name: str, table: TitledTable, before: TitledTable) -> No
     if len(table.heads) == len(before.heads) and line > before.rows[0].line:
         titles = ", ".join(head.title for head in table.heads)[:80]
         raise InputError(
-            f"{name}: the rows from line {line} on stand below titles that are not "
+            f"{table.name}: the rows from line {line} on stand below titles that are not "
             f"understood, {titles!r}: leave them out, or name the columns."
         )
 
 
-def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Column]:
+def _of_kind(
+    table: TitledTable, columns: Sequence[Column], kind: str | None
+) -> list[Column]:
     """The columns without moduli of the other kind. Raises `InputError` where nobody
     says which kind is meant.
     """
@@ -367,7 +370,7 @@ def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Col
         return list(columns)
     if kind is None:
         raise InputError(
-            f"{name}: the file has moduli of shear and of tension: give "
+            f"{table.name}: the file has moduli of shear and of tension: give "
             "kind='shear' or 'tensile' (--kind)."
         )
     of_kind = [
@@ -377,7 +380,7 @@ def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Col
     ]
     if lacking({column.role for column in of_kind}):
         raise InputError(
-            f"{name}: the file has no storage and loss modulus of kind {kind!r}, "
+            f"{table.name}: the file has no storage and loss modulus of kind {kind!r}, "
             "only one of "
             "both."
         )
@@ -385,34 +388,35 @@ def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Col
 
 
 def _measurement(
-    name: str,
     layout: Format,
     table: TitledTable,
     columns: Understood,
     options: _Options,
 ) -> Dma:
     """The measurement in a table. Raises `InputError`."""
-    units = options.units
-    chosen, needed = _chosen(name, table, columns, options)
-    table = table._replace(fixed=table.fixed | columns.constants)
-    kind = _kind(name, table, chosen, options.kind, layout)
+    name = table.name
+    chosen, needed = _chosen(table, columns, options)
+    table = table._replace(fixed={**table.fixed, **columns.constants})
+    kind = _kind(table, chosen, options.kind, layout)
     response, rest = "", ()
     if needed[0] == "time":
         beside = {one.role: one for one in reversed(columns.all)} | chosen
-        table, response, rest = _while_held(name, table, beside, needed[1], options)
-    values, good, bad = measured(name, table, chosen, units)
+        table, response, rest = _while_held(table, beside, needed[1], options)
+    values, good, bad = measured(table, chosen)
     if not good.any():
         why = (
             f"no row below {next(iter(chosen.values())).title!r} is a measurement "
             f"({bad[0]})"
         )
         if needed[0] == "time":
-            raise _NoStep(name, why, "")
+            raise _NoStep(table, why, "")
         raise InputError(f"{name}: {why}.")
     for role in needed:
         if role not in values:
             values[role] = np.full(int(good.sum()), table.fixed.get(role, np.nan))
-    written = {role: _unit_in_words(column, units) for role, column in chosen.items()}
+    written = {
+        role: _unit_in_words(column, table.units) for role, column in chosen.items()
+    }
     columns_taken = taken(table, chosen, written)
     if "temperature" in table.fixed:
         columns_taken += "; temperature from the text"
@@ -434,21 +438,19 @@ def _measurement(
 
 
 def _chosen(
-    name: str, table: TitledTable, columns: Understood, options: _Options
+    table: TitledTable, columns: Understood, options: _Options
 ) -> tuple[dict[str, Column], tuple[str, ...]]:
     """One column for each role that is needed, and these roles. Raises `InputError`."""
     candidates = [
-        *_of_kind(name, columns.read, options.kind),
+        *_of_kind(table, columns.read, options.kind),
         *columns.named.values(),
     ]
-    table = table._replace(fixed=table.fixed | columns.constants)
+    table = table._replace(fixed={**table.fixed, **columns.constants})
     roles = {*(one.role for one in candidates), *table.fixed}
     wanted = needed_roles(roles, columns.of_user)
-    chosen = choose(
-        name, [one for one in candidates if one.role in wanted], table, options.units
-    )
+    chosen = choose([one for one in candidates if one.role in wanted], table)
     if not {"loss", "tangent"} & columns.of_user:
-        refuse_contradiction(name, table, chosen, candidates, options.units)
+        refuse_contradiction(table, chosen, candidates)
     needed = needed_roles({*chosen, *table.fixed}, set())
     chosen = {role: chosen[role] for role in needed if role in chosen}
     if (
@@ -545,7 +547,6 @@ def _over_time(
 
 
 def _while_held(
-    name: str,
     table: TitledTable,
     columns: Mapping[str, Column],
     measured_as: str,
@@ -560,7 +561,7 @@ def _while_held(
     count = len(table.rows)
     time = np.arange(float(count))
     if "time" in columns:
-        time = columns["time"].of(table, unit_of(name, columns["time"], options.units))
+        time = columns["time"].of(table, unit_of(table, columns["time"]))
     numbers = _held_numbers(table, columns, measured_as, time)
     kept = [np.flatnonzero(~np.isfinite(time))]  # named later as no measurement
     found: set[str] = set()
@@ -580,11 +581,11 @@ def _while_held(
             kept += [np.setdiff1d(curve, late), rows]
         elif not found:
             ended = float(np.nanmax(time, initial=0.0))
-            raise _NoStep(name, *_not_held([*numbers], bool(held), table), ended)
+            raise _NoStep(table, *_not_held([*numbers], bool(held), table), ended)
         else:  # what follows remembers this
             break
     if len(found) > 1:
-        raise _NoStep(name, *_not_held([*numbers], False, table))
+        raise _NoStep(table, *_not_held([*numbers], False, table))
     (response,) = found
     places = np.sort(np.concatenate(kept))
     if places.size == count:
@@ -595,7 +596,9 @@ def _while_held(
         if numbers
         else f"{measured_as} turns back there, as after another step"
     )
-    remark = f"{name}: {count - places.size} rows (line {line} on) left out: {why}."
+    remark = (
+        f"{table.name}: {count - places.size} rows (line {line} on) left out: {why}."
+    )
     rows = [table.rows[i] for i in places]
     return table._replace(rows=rows), response, (remark,)
 
@@ -767,7 +770,7 @@ def _moduli(
     )
 
 
-def _unit_in_words(column: Column, units: dict[str, str]) -> str:
+def _unit_in_words(column: Column, units: Mapping[str, str]) -> str:
     kind = (
         "frequency"
         if column.quantity.kind == "angular frequency"
@@ -778,7 +781,6 @@ def _unit_in_words(column: Column, units: dict[str, str]) -> str:
 
 
 def _kind(
-    name: str,
     table: TitledTable,
     chosen: Mapping[str, Column],
     kind: str | None,
@@ -795,11 +797,11 @@ def _kind(
     )
     if kind_of_file and kind and kind_of_file != kind:
         raise InputError(
-            f"kind must be {kind_of_file!r}, as the columns of {name!r} say, got {kind!r}."
+            f"kind must be {kind_of_file!r}, as the columns of {table.name!r} say, got {kind!r}."
         )
     if len(letters) > 1 or not (kind_of_file or kind):
         raise InputError(
-            f"{name}: whether the moduli are of shear or tension is not in the file; "
+            f"{table.name}: whether the moduli are of shear or tension is not in the file; "
             "give it, as kind='shear' or "
             "'tensile' (--kind shear or --kind tensile)."
         )

@@ -73,33 +73,30 @@ _CONDITION_ROLES = ("frequency", "temperature", "time")
 
 
 def isotherms(
-    name: str,
-    table: TitledTable,
-    columns: Mapping[str, Any] | None,
-    units: Mapping[str, str],
+    table: TitledTable, columns: Mapping[str, Any] | None
 ) -> list[TitledTable]:
     """The isotherms in a table, each with the temperature that stands in its titles or
     above it; of those side by side only the ones with all the columns that the user
-    names. `units` are the user's, for numbers without one.
+    names.
     """
     parts = [
         isotherm
-        for step in _steps(name, table)
+        for step in _steps(table)
         for condition in _by_condition(step)
-        for isotherm in _beside(name, condition, units)
+        for isotherm in _beside(condition)
     ]
-    users = named_columns(name, columns, table, QUANTITIES)[0].keys()
+    users = named_columns(columns, table, QUANTITIES)[0].keys()
     if len(parts) < 2 or not users:
         return parts
     complete = [
         candidate
         for candidate in parts
-        if named_columns(name, columns, candidate, QUANTITIES)[0].keys() == users
+        if named_columns(columns, candidate, QUANTITIES)[0].keys() == users
     ]
     return complete or [table]
 
 
-def _steps(name: str, table: TitledTable) -> list[TitledTable]:
+def _steps(table: TitledTable) -> list[TitledTable]:
     """A table for each number in a column of steps; or the table."""
     for head in table.heads:
         if not re.fullmatch(_STEP, head.title.strip(), re.IGNORECASE):
@@ -111,7 +108,7 @@ def _steps(name: str, table: TitledTable) -> list[TitledTable]:
             and (steps == np.round(steps)).all()
             and np.isfinite(numbers).all()
         ):
-            refuse_many(name, steps.size)
+            refuse_many(table.name, steps.size)
             rows: dict[float, list[Row]] = {step: [] for step in steps.tolist()}
             for row, step in zip(table.rows, numbers.tolist(), strict=True):
                 rows[step].append(row)
@@ -138,7 +135,7 @@ def _by_condition(table: TitledTable) -> list[TitledTable]:
     if not groups:
         return [table]
     return [
-        table._replace(heads=[*shared, *heads], fixed=table.fixed | dict([key]))
+        table._replace(heads=[*shared, *heads], fixed={**table.fixed, **dict([key])})
         for key, heads in groups.items()
     ]
 
@@ -164,40 +161,38 @@ def _decimal(digits: str) -> float:
     return float(digits.replace(",", "."))
 
 
-def _beside(
-    name: str, table: TitledTable, units: Mapping[str, str]
-) -> list[TitledTable]:
+def _beside(table: TitledTable) -> list[TitledTable]:
     """A table for each isotherm where the same columns repeat; or the table."""
     columns = [
         column for head in table.heads if (column := understand(head, QUANTITIES))
     ]
     roles = [column.role for column in columns]
     if not {"frequency", "time"} & {*roles} and "frequency" not in table.fixed:
-        table = table._replace(fixed=table.fixed | _rate_above(table))
+        table = table._replace(fixed={**table.fixed, **_rate_above(table)})
     repeated = _repeated(roles)
     without = "temperature" not in roles
     if repeated is None:
-        above = _between(name, table, 0, _LAST) if without else {}
-        if without and not above and (bare := _bare(name, table, 1, units)):
+        above = _between(table, 0, _LAST) if without else {}
+        if without and not above and (bare := _bare(table, 1)):
             above = {"temperature": bare[0]}
-        return [table._replace(fixed=above | table.fixed)]
+        return [table._replace(fixed={**above, **table.fixed})]
     once, period = repeated
     starts = [columns[i].place for i in range(once, len(columns), period)]
     heads = {head.place: head for head in table.heads}
     shared = [heads[column.place] for column in columns[:once]]
     isotherms = []
-    bare = _bare(name, table, len(starts), units) if without else []
+    bare = _bare(table, len(starts)) if without else []
     for i, (start, end) in enumerate(zip(starts, [*starts[1:], _LAST], strict=True)):
         own_heads = [
             heads[column.place] for column in columns if start <= column.place < end
         ]
         first = 0 if start == starts[0] else start
-        above = _between(name, table, first, end) if without else {}
+        above = _between(table, first, end) if without else {}
         above = above or ({"temperature": bare[i]} if bare else {})
         rows = [row for row in table.rows if _has_cell(row, own_heads)]
         isotherms.append(
             table._replace(
-                heads=[*shared, *own_heads], rows=rows, fixed=above | table.fixed
+                heads=[*shared, *own_heads], rows=rows, fixed={**above, **table.fixed}
             )
         )
     if once and not all("temperature" in one.fixed for one in isotherms):
@@ -210,7 +205,7 @@ def _has_cell(row: Row, heads: Sequence[Head]) -> bool:
     return any(row.cells[h.place : h.place + 1] not in ([], [""]) for h in heads)
 
 
-def _between(name: str, table: TitledTable, first: int, end: int) -> dict[str, float]:
+def _between(table: TitledTable, first: int, end: int) -> dict[str, float]:
     """The temperature in the text above some columns. Raises `InputError` where there
     are two.
     """
@@ -222,16 +217,14 @@ def _between(name: str, table: TitledTable, first: int, end: int) -> dict[str, f
     }
     if temperatures and max(temperatures) - min(temperatures) > _SAME:
         raise InputError(
-            f"{name}: {' and '.join(map(repr, temperatures.values()))} stand above the same "
+            f"{table.name}: {' and '.join(map(repr, temperatures.values()))} stand above the same "
             "columns: leave the one that is "
             "theirs."
         )
     return {"temperature": min(temperatures)} if temperatures else {}
 
 
-def _bare(
-    name: str, table: TitledTable, count: int, units: Mapping[str, str]
-) -> list[float]:
+def _bare(table: TitledTable, count: int) -> list[float]:
     """The temperatures [K] of `count` isotherms side by side from a row right above
     their titles with a number for each, or the same for each of their columns; empty
     where there is none. Raises `InputError` where nobody gives their unit.
@@ -250,17 +243,17 @@ def _bare(
             continue
         if any(numbers[i] != numbers[i - i % each] for i in range(len(numbers))):
             continue
-        unit = (column.unit if column else "") or units.get("temperature", "")
+        unit = (column.unit if column else "") or table.units.get("temperature", "")
         si = to_si(unit, "temperature") if unit else None
         listed = describe_list(np.array(numbers[::each]), unit).strip()
         if si is not None:
             kelvin = [x * si[0] + si[1] for x in numbers[::each]]
-            place = f"{name}: the temperatures in line {row.line}"
+            place = f"{table.name}: the temperatures in line {row.line}"
             in_kelvin(place, np.array(kelvin), COLDEST)
             return kelvin
         if count > 1:
             raise InputError(
-                f"{name}: line {row.line}, {listed}, may be the temperatures of the "
+                f"{table.name}: line {row.line}, {listed}, may be the temperatures of the "
                 f"{count} isotherms below: give their unit, degC or K, as "
                 "temperature_unit=UNIT (--temperature-unit UNIT), or write it behind "
                 "each."

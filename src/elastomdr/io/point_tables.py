@@ -107,9 +107,10 @@ def read_friction(
         velocity=velocity_unit, temperature=temperature_unit, pressure=pressure_unit
     )
     units["modulus"] = units.pop("pressure", "")
-    name, table, chosen, values, bad = read_columns(
+    table, chosen, values, bad = read_columns(
         path, _FRICTION, ("velocity", "mu"), columns, units
     )
+    name = table.name
     if 2 * len(bad) > len(table.rows):
         raise InputError(
             f"{name}: {len(bad)} of {len(table.rows)} rows are no measurement: "
@@ -172,14 +173,14 @@ def read_shifts(
     if vertical is not None:
         column, known = read.chosen["vertical"], np.log10(vertical.factor)
         warn(
-            f"{read.name}: column {column.place + 1} {column.title!r} is passed over: "
+            f"{read.table.name}: column {column.place + 1} {column.title!r} is passed over: "
             f"log10 b_T from {known.min():.4f} to {known.max():.4f} is no part of a "
             f"shift law. Give it to {remedy}.",
             FitWarning,
         )
     if rest := read.passed_over:
         warn(
-            f"{read.name}: {', '.join(rest)} passed over: where it is b_T, title it so "
+            f"{read.table.name}: {', '.join(rest)} passed over: where it is b_T, title it so "
             f"or give it to {remedy}.",
             FitWarning,
         )
@@ -205,7 +206,7 @@ def _both_shifts(
         path, _SHIFTS, ("temperature", "shift"), columns, units, log="log10"
     )
     if read.bad:
-        raise InputError(f"{read.name}: {'; '.join(read.bad[:3])}.")
+        raise InputError(f"{read.table.name}: {'; '.join(read.bad[:3])}.")
     order = np.argsort(read.values["temperature"])
     temperature = read.values["temperature"][order]
     shift = ShiftTable(temperature, np.log10(read.values["shift"][order]))

@@ -11,7 +11,7 @@ import contextlib
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
@@ -54,7 +54,9 @@ class TitledTable(NamedTuple):
     # cells a row must have where it is cut at blanks, so that one that is missing moves
     # the others
     width: int = 0
-    fixed: dict[str, float] = {}  # noqa: RUF012  what holds for all rows, by role [SI]
+    fixed: Mapping[str, float] = {}  # what holds for all rows, by role [SI]
+    name: str = ""  # of the file
+    units: Mapping[str, str] = {}  # of the user, by kind
 
     def column(self, place: int) -> np.ndarray:
         """The numbers of a column, of times as hh:mm:ss their seconds, NaN where there
