@@ -183,24 +183,16 @@ def test_density_over_spatial_frequency(tmp_path):
 
 
 def test_what_is_mended_is_reported(tmp_path):
-    x, c = Q[[0, 2, 1, *range(3, 21), 5]], C[[0, 2, 1, *range(3, 21), 5]].copy()
+    x, c = Q[[0, 2, 1, *range(3, 21)]], C[[0, 2, 1, *range(3, 21)]].copy()
     file = write(tmp_path, ["q [rad/m],C [m^4]", "0,0", ",1e-16", "2e3,nan"], x, c)
     surface = em.read_spectrum(file, convention="2d")
     same(surface)
     for said in (
-        "3 of 25 rows",
+        "3 of 24 rows",
         "line 2, 3, 4",
         "not in order",
-        "1 points at a wave number that came before",
     ):
         assert said in " ".join(surface.report)
-    c = C.copy()
-    c[7] *= 1e3
-    assert "1e+03 times" in " ".join(
-        em.read_spectrum(
-            write(tmp_path, ["q [rad/m],C [m^4]"], Q, c), convention="2d"
-        ).report
-    )
     with pytest.warns(UserWarning, match="unlike a real surface's"):
         wrong = em.read_spectrum(
             write(tmp_path, ["q [rad/m],C [m^4]"], Q, 1e4 * C), convention="2d"
@@ -239,6 +231,7 @@ def test_cutoffs(tmp_path):
         (["q [rad/m],C [m^4]"], ["3,-14", "3.5,-15", "4,-16"], {}, "Logarithms"),
         (["q [rad/m],C [m^4]"], ["1,1", "2,3,4"], {}, "3 cells in line 3, 2 elsewhere"),
         (["q [rad/m],C [m^4]"], ["1,1", "2,3"], {}, "three rows"),
+        (["q [rad/m],C [m^4]"], ["1,1", "2,1", "2,1"], {}, "q must be ascending, without"),
         (["q [rad/m],C [m^3]"], ["1,1", "2,1", "3,1"], {}, "convention '2d' needs m"),
         (
             ["q [rad/m],C"],

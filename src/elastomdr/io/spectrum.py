@@ -76,10 +76,10 @@ def read_spectrum(
     check_convention(convention)
     if wave_number is not None:
         one_of("wave_number", wave_number, ANGULAR, CYCLES)
-    cutoffs = [
+    low, high = (
         None if wave is None else 2 * np.pi / _wave(key, wave)
         for key, wave in (("longest", longest), ("shortest", shortest))
-    ]
+    )
     sheet = read_sheet(path)
     name, table = sheet.name, main_table(sheet)
     if table is None:
@@ -91,19 +91,18 @@ def read_spectrum(
     q = _wave_numbers(table, first, wave_number, q_unit, name)
     c = _densities(table, second, convention, c_unit, name)
     kept = _rows(table, (first, second), q, c, name)
+    lines = [str(row.line) for row, k in zip(table.rows, kept, strict=True) if not k]
+    shown = ", ".join(lines[:5]) + ", ..." * (len(lines) > 5)
+    left = (
+        f"{len(lines)} of {len(table.rows)} rows without a number, or at q = 0, left "
+        f"out (line {shown})"
+    )
     try:
-        surface = from_spectrum(q[kept], c[kept], convention, *cutoffs)
+        return from_spectrum(
+            q[kept], c[kept], convention, low, high, [left] if lines else []
+        )
     except InputError as error:
         raise InputError(f"path: {name!r}: {error}") from error
-    if not kept.all():
-        lines = [row.line for row, k in zip(table.rows, kept, strict=True) if not k]
-        shown = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
-        message = (
-            f"{len(lines)} of {len(table.rows)} rows without a number, or at q = 0, "
-            f"left out (line {shown})"
-        )
-        object.__setattr__(surface, "report", (message, *surface.report))
-    return surface
 
 
 def _densities(

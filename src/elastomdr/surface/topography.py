@@ -78,7 +78,6 @@ _LEAST = {1: 64, 2: 16}  # points along each direction
 
 _SAME = 1e-9  # relative distance of two wave numbers that count as one
 _CHANGED = "changed after it was read"  # how the report of such a surface begins
-_APART = 10  # times more or less than the neighbours say: reported
 # rms slopes beyond which units are doubted: of polished surfaces and of the roughest
 # roads; and lengths of a profile and of a map likewise [m]
 _LONGEST = {1: 1e4, 2: 10.0}
@@ -323,21 +322,14 @@ def _check_size(shape: tuple[int, ...]) -> None:
 
 def _plane(height: np.ndarray, known: np.ndarray) -> np.ndarray:
     """The straight line or plane through the known points, by least squares."""
-    along = [np.ones(())]
-    along += [
-        np.expand_dims(
-            np.linspace(-1, 1, n), [i for i in range(height.ndim) if i != axis]
-        )
-        for axis, n in enumerate(height.shape)
-    ]
+    axes = [np.linspace(-1, 1, n) for n in height.shape]
+    along = [np.ones(()), *np.meshgrid(*axes, indexing="ij", sparse=True)]
     heights = np.where(known, height, 0.0)
     products = [[(one * other * known).sum() for one in along] for other in along]
     sums = [(one * heights).sum() for one in along]
     shares = np.linalg.lstsq(np.array(products), np.array(sums))[0]
-    plane = np.zeros(height.shape)
-    for share, one in zip(shares, along, strict=True):
-        plane += share * one
-    return plane
+    plane = sum(share * one for share, one in zip(shares, along, strict=True))
+    return np.broadcast_to(plane, height.shape)
 
 
 def _waves(scan: Scan) -> _Waves:
@@ -853,6 +845,8 @@ def _bridged(height: np.ndarray) -> np.ndarray:
     if height.ndim == 1:
         x = np.arange(height.size)
         return np.interp(x, x[~missing], height[~missing])
+    from scipy.ndimage import zoom
+
     padded = np.pad(height, [(0, n % 2) for n in height.shape], constant_values=np.nan)
     blocks = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2)
     count = np.isfinite(blocks).sum(axis=(1, 3))
@@ -860,26 +854,23 @@ def _bridged(height: np.ndarray) -> np.ndarray:
         count > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(count, 1), np.nan
     )
     coarse = _bridged(coarse)
-    for axis in (0, 1):  # between the middles of the blocks, by straight lines
-        place = np.clip(
-            (np.arange(2 * coarse.shape[axis]) - 0.5) / 2, 0, coarse.shape[axis] - 1
-        )
-        low = np.minimum(place.astype(int), max(coarse.shape[axis] - 2, 0))
-        high = np.minimum(low + 1, coarse.shape[axis] - 1)
-        share = np.expand_dims(place - low, 1 - axis)
-        coarse = (
-            np.take(coarse, low, axis) * (1 - share)
-            + np.take(coarse, high, axis) * share
-        )
-    filled = np.where(missing, coarse[: height.shape[0], : height.shape[1]], height)
+    # between the middles of the blocks, by straight lines
+    finer = np.asarray(zoom(coarse, 2, order=1, mode="nearest", grid_mode=True))
+    rows, columns = height.shape
+    filled = np.where(missing, finer[:rows, :columns], height)
     i, j = np.nonzero(missing)
-    last_i, last_j = height.shape[0] - 1, height.shape[1] - 1
-    around = [
-        (np.clip(i + a, 0, last_i), np.clip(j + b, 0, last_j))
-        for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1))
-    ]
+    places = np.arange(height.size).reshape(height.shape)
+    places = np.pad(places, 1, mode="edge")
+    sides = np.stack(
+        [
+            places[i, j + 1],
+            places[i + 2, j + 1],
+            places[i + 1, j],
+            places[i + 1, j + 2],
+        ]
+    )
     for _ in range(_PASSES):
-        filled[i, j] = sum(filled[place] for place in around) / 4
+        filled[i, j] = np.take(filled, sides).sum(axis=0) / 4
     return filled
 
 
@@ -1028,13 +1019,17 @@ def from_spectrum(
     convention: Convention,
     low: float | None,
     high: float | None,
+    report: Sequence[str],
 ) -> MeasuredSpectrum:
     """A surface from a table of q [rad/m] and C in any order, cut to the cutoffs `low`
-    and `high` [rad/m] if given.
+    and `high` [rad/m] if given; `report` says what was done before.
     """
-    report: list[str] = []
-    q, c = _averaged(*_sorted(q, c, report), report)
-    _say_outliers(q, c, report)
+    report = list(report)
+    # a table of wavelengths runs the other way round, which needs no mention
+    if len(set(np.sign(np.diff(q)))) > 1:
+        report.append("wave numbers were not in order: sorted")
+    order = np.argsort(q, kind="stable")
+    q, c = q[order], c[order]
     spectrum = Spectrum(q, c, convention=convention)
     if low is not None or high is not None:
         spectrum = _cut(spectrum, low, high, report)
@@ -1062,53 +1057,6 @@ def _asks_for_cutoffs(spectrum: Spectrum, low: float | None, high: float | None)
     )
 
 
-def _sorted(
-    q: np.ndarray, c: np.ndarray, report: list[str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """The table with ascending wave numbers."""
-    if not (np.diff(q) < 0).any():
-        return q, c
-    # A table of wavelengths runs the other way round, which needs no mention.
-    if (np.diff(q) > 0).any():
-        report.append("wave numbers were not in order: sorted")
-    order = np.argsort(q, kind="stable")
-    return q[order], c[order]
-
-
-def _averaged(
-    q: np.ndarray, c: np.ndarray, report: list[str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """The table with the mean of all points at one wave number in their place."""
-    group = np.concatenate([[0], np.cumsum(np.diff(q) > _SAME * q[1:])])
-    repeats = q.size - group[-1] - 1
-    if not repeats:
-        return q, c
-    log_c, starts = np.log10(c), np.flatnonzero(np.diff(group, prepend=-1))
-    highest = np.maximum.reduceat(log_c, starts)
-    spread = float((highest - np.minimum.reduceat(log_c, starts)).max())
-    report.append(
-        f"{repeats} points at a wave number that came before, with "
-        f"values up to a factor of {10**spread:.3g} apart: averaged"
-    )
-    count = np.bincount(group)
-    return np.bincount(group, q) / count, np.bincount(group, c) / count
-
-
-def _say_outliers(q: np.ndarray, c: np.ndarray, report: list[str]) -> None:
-    """Reports points that lie far from what their neighbours let expect."""
-    between = _neighbours(q, c)
-    distance = np.abs(np.log(c[1:-1]) - between)
-    outliers = distance > np.log(_APART)
-    if outliers.any():
-        worst = int(distance.argmax()) + 1
-        report.append(
-            f"C = {c[worst]:.3g} at q = {q[worst]:.4g} rad/m is "
-            f"{c[worst] / np.exp(between[worst - 1]):.2g} times what its neighbours "
-            f"let expect: is it mistyped? ({int(outliers.sum())} points are off, or "
-            "beside such)"
-        )
-
-
 def _cut(
     spectrum: Spectrum, low: float | None, high: float | None, report: list[str]
 ) -> Spectrum:
@@ -1131,10 +1079,3 @@ def _cut(
         "slope"
     )
     return Spectrum(kept, spectrum.at(kept), convention="2d")
-
-
-def _neighbours(q: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """ln C at all points but the ends, from the points on either side of each."""
-    x, y = np.log(q), np.log(c)
-    share = (x[1:-1] - x[:-2]) / (x[2:] - x[:-2])
-    return y[:-2] + share * (y[2:] - y[:-2])
