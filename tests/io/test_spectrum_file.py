@@ -231,7 +231,12 @@ def test_cutoffs(tmp_path):
         (["q [rad/m],C [m^4]"], ["3,-14", "3.5,-15", "4,-16"], {}, "Logarithms"),
         (["q [rad/m],C [m^4]"], ["1,1", "2,3,4"], {}, "3 cells in line 3, 2 elsewhere"),
         (["q [rad/m],C [m^4]"], ["1,1", "2,3"], {}, "three rows"),
-        (["q [rad/m],C [m^4]"], ["1,1", "2,1", "2,1"], {}, "q must be ascending, without"),
+        (
+            ["q [rad/m],C [m^4]"],
+            ["1,1", "2,1", "2,1"],
+            {},
+            "q must be ascending, without",
+        ),
         (["q [rad/m],C [m^3]"], ["1,1", "2,1", "3,1"], {}, "convention '2d' needs m"),
         (
             ["q [rad/m],C"],
