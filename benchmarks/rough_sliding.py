@@ -1,5 +1,5 @@
-"""Steady sliding on a rough line: time against the targets and against a C loop, what
-skipping and cores give.
+"""Steady sliding on a rough line: time against the targets and against a C loop, and
+what cores give.
 
     python benchmarks/rough_sliding.py
 
@@ -23,7 +23,7 @@ from common import heading, save, table, timed, verdict
 
 import elastomdr as em
 from elastomdr.rough import periodic
-from elastomdr.rough.branch_reduction import point_laws
+from elastomdr.rough.free_steps import line_law
 from elastomdr.rough.period import coefficients
 from elastomdr.surface.spectrum import synthesise
 
@@ -70,9 +70,7 @@ def c_sweep(
             check=True,
         )
         run = ctypes.CDLL(str(library)).sweep
-    by = coefficients(
-        point_laws(law.law(), velocity.size), float(line.spacing) / velocity
-    )
+    by = coefficients(line_law(law.law()), float(line.spacing) / velocity)
     rise = np.ascontiguousarray(periodic.rises(line.height))
     f, u, total = (
         np.zeros((TIMES.size, velocity.size)),
@@ -108,9 +106,7 @@ def memory(samples: int) -> float:
     """
     script = (
         "import resource, rough_sliding as r; line = r.synthesise(r.SURFACE, 1, "
-        f"{samples} // 2048, {samples}); "
-        "r.periodic.solve_line(line.height, float(line.spacing), r.LAW.law(), "
-        "r.VELOCITY, 0 * r.VELOCITY + 200.0, 'load', 1e-6); "
+        f"{samples} // 2048, {samples}); r.solved(line, 200.0); "
         "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3)"
     )
     found = subprocess.run(
@@ -122,22 +118,30 @@ def memory(samples: int) -> float:
     return float(found.stdout.split()[-1])
 
 
-def one_core(load: float) -> tuple[float, float]:
-    """Processor time [s] with and without skipping, in turns, the least of twelve, of a
-    process that has one core from its start: JAX then has one thread, and no time goes
-    into handing work from one to another.
+def solved(
+    line: em.RoughLine,
+    load: float,
+    law: em.Foundation = LAW,
+    velocity: np.ndarray = VELOCITY,
+) -> periodic.SolvedLine:
+    """All velocities at one line load [N/m]."""
+    loads = np.full(velocity.size, load)
+    job = periodic.Job(line.height, float(line.spacing), velocity, loads, "load")
+    return periodic.solve_line(job, law.law())
+
+
+def one_core(load: float) -> float:
+    """Processor time [s], the least of twelve, of a process that has one core from its
+    start: JAX then has one thread, and no time goes into handing work from one to
+    another.
     """
     script = (
         "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n"
-        "import numpy as np, rough_sliding as r\n"
+        "import rough_sliding as r\n"
         "line = r.synthesise(r.SURFACE, 1, 8, 16384)\n"
-        "def run(skip): return r.periodic.solve_line(line.height, "
-        "float(line.spacing), r.LAW.law(), r.VELOCITY, "
-        f"np.full(r.VELOCITY.size, {load}), 'load', 1e-6, skip)\n"
-        "run(True), run(False)\n"
-        "turns = [[r.timed(lambda: run(skip)).cpu for skip in (True, False)] for _ in "
-        "range(12)]\n"
-        "print(*np.min(turns, axis=0))"
+        f"def run(): return r.solved(line, {load})\n"
+        "run()\n"
+        "print(min(r.timed(run).cpu for _ in range(12)))"
     )
     found = subprocess.run(
         [sys.executable, "-c", script],
@@ -145,8 +149,7 @@ def one_core(load: float) -> tuple[float, float]:
         check=True,
         capture_output=True,
     )
-    lean, full = found.stdout.split()
-    return float(lean), float(full)
+    return float(found.stdout)
 
 
 def whole_call(seed: int) -> tuple[float, ...]:
@@ -203,29 +206,17 @@ def main() -> None:
     rows, cores = [], os.sched_getaffinity(0)
     for load in (5.0, 200.0, 3000.0):
 
-        def run(load=load, skip=True, line=line, many=1):
+        def run(load=load, line=line, many=1):
             velocity = np.geomspace(VELOCITY[0], VELOCITY[-1], many * VELOCITY.size)
-            value = np.full(velocity.size, load)
-            return periodic.solve_line(
-                line.height,
-                float(line.spacing),
-                LAW.law(),
-                velocity,
-                value,
-                "load",
-                1e-6,
-                skip,
-            )
+            return solved(line, load, velocity=velocity)
 
-        run(), run(skip=False)
+        run()
         wall = timed(run, 5).wall
         os.sched_setaffinity(0, {min(cores)})
-        run(), run(skip=False)
-        found, every = run(), run(skip=False)
-        lean, full = one_core(load)
+        found = run()
+        lean = one_core(load)
         plain = c_sweep(line, np.nan_to_num(found.depth, nan=1e-5), LAW, VELOCITY)
         os.sched_setaffinity(0, cores)
-        change = float(np.nanmax(np.abs(found.mu / every.mu - 1)))
         rows.append(
             (
                 load,
@@ -237,8 +228,6 @@ def main() -> None:
                 lean,
                 plain,
                 lean / plain,
-                full / lean,
-                change,
             )
         )
     columns = (
@@ -251,8 +240,6 @@ def main() -> None:
         "one core [s]",
         "C sweep, one core [s]",
         "ratio",
-        "gain by skipping",
-        "change of mu by it",
     )
     record["loads"] = table(columns, rows)
     print()
@@ -263,13 +250,7 @@ def main() -> None:
         verdict(
             "one core's time over one sweep in C, the worst load",
             max(row[8] for row in rows),
-            15.0,
-        ),
-        verdict(
-            "gain by skipping at a share of 5 % or less", rows[0][9], 3.0, least=True
-        ),
-        verdict(
-            "change of mu by skipping, the largest", max(row[10] for row in rows), 1e-6
+            25.0,
         ),
     ]
     calls = whole_calls()
@@ -293,7 +274,7 @@ def main() -> None:
         verdict(
             "em.friction over one sweep in C of the samples it takes",
             max(row[5] for row in calls),
-            10.0,
+            20.0,
         ),
     ]
     four = [synthesise(SURFACE, seed, 32, 65536) for seed in range(4)]
@@ -306,7 +287,7 @@ def main() -> None:
             )
             for x in four
         ]
-        return periodic.solve_lines(jobs, LAW.law(), 1e-6)
+        return periodic.solve_lines(jobs, LAW.law())
 
     if len(cores) > 1:
         os.sched_setaffinity(0, {min(cores)})
@@ -342,20 +323,10 @@ def main() -> None:
     branches = []
     for count in (5, 10, 20, 40, 60):
         times = np.geomspace(TIMES[0], TIMES[-1], count)
-        law = em.Foundation(1e6, 20 / count * 1e6 * (times / 1e4) ** -0.15, times).law()
+        law = em.Foundation(1e6, 20 / count * 1e6 * (times / 1e4) ** -0.15, times)
 
         def swept(law=law):
-            value = np.full(VELOCITY.size, 200.0)
-            return periodic.solve_line(
-                line.height,
-                float(line.spacing),
-                law,
-                VELOCITY,
-                value,
-                "load",
-                1e-6,
-                False,
-            )
+            return solved(line, 200.0, law)
 
         swept()
         found = timed(swept, 3)
@@ -368,7 +339,7 @@ def main() -> None:
             )
         )
     record["branches"] = table(
-        ("branches", "cpu, none skipped [s]", "sweeps", "cpu per sweep [s]"), branches
+        ("branches", "cpu [s]", "sweeps", "cpu per sweep [s]"), branches
     )
     record["verdicts"] += [
         verdict(

@@ -11,7 +11,7 @@ but that of a line that is straight between its samples. Every scene is taken on
 times and more as many samples as `em.line_contact` takes, until that error is a tenth
 of the error that is stated. Then
 
-- mu of `em.friction`, which skips and chooses its own samples, and of `em.line_contact`
+- mu of `em.friction`, which chooses its own samples, and of `em.line_contact`
   on each number of samples must agree with the march within the stated error;
 - the state that `em.line_contact` finds must come back after one exact period under the
   load asked for, the rubber must not lie below the line, and what the load's work puts

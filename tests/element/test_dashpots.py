@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.rough.periodic import solve_line
+from elastomdr.rough.periodic import Job, solve_line
 
 from .kinks import under_a_cosine
 
@@ -245,15 +245,8 @@ def test_order_of_a_rough_line(case):
     law, wrong = Relaxation(*map(np.asarray, (stiff, moduli, times, eta))), []
     for n in (1024, 4096, 16384):
         x = np.arange(n) * 2 * np.pi / k / n
-        found = solve_line(
-            height * np.cos(k * x),
-            x[1],
-            law,
-            velocity,
-            np.full(4, height),
-            "depth",
-            1e-6,
-        )
+        heights, depth = height * np.cos(k * x), np.full(4, height)
+        found = solve_line(Job(heights, x[1], velocity, depth, "depth"), law)
         assert (np.abs(found.mu - mu) <= found.error).all()
         np.testing.assert_allclose(found.load, load, rtol=4e-6 * (1024 / n) ** 1.5)
         wrong.append(np.abs(found.mu / mu - 1).max())

@@ -18,7 +18,7 @@ from elastomdr.element.contact_step import rest
 from elastomdr.element.episode import recovery_modes, to_branches, to_modes
 from elastomdr.element.moments import panel_sums
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.rough.branch_reduction import point_laws as every
+from elastomdr.rough.free_steps import line_law
 from elastomdr.rough.period import coefficients as period_coefficients
 from elastomdr.rough.period import sweep
 
@@ -218,8 +218,7 @@ def test_one_period_of_a_rough_line_is_made_of_contact_steps(viscosity):
         1,
         np.array([depth]),
         start,
-        period_coefficients(every(law, 1), np.array([h])),
-        None,
+        period_coefficients(line_law(law), np.array([h])),
         2,
         True,
     )
@@ -252,7 +251,7 @@ def test_free_steps_have_the_rates_of_free_recovery(viscosity, moduli):
     live = np.append(True, moduli > 0)
     rates = -np.sort(-eigvals(rates[live][:, live]).real)
     for h in (1e-9, 1e-6, 1e-4, 1e-2):
-        by = period_coefficients(every(law, 1), np.array([h]))
+        by = period_coefficients(line_law(law), np.array([h]))
         gain, keep = np.append(1e6, by.gain[:, 0]), np.append(1.0, by.keep[:, 0])
         step = np.diag(keep) - np.outer(gain, by.give * np.append(1.0, by.seen[:, 0]))
         found = -np.sort(-eigvals(step[: live.sum(), : live.sum()]).real)

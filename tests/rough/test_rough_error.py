@@ -4,17 +4,13 @@ contacts, against a closed form.
 
 import re
 
-import jax
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.rough.branch_reduction import point_laws
-from elastomdr.rough.free_recovery import free_recovery, recover
-from elastomdr.rough.period import coefficients
-from elastomdr.rough.periodic import _limit, solve_line
+from elastomdr.rough.periodic import Job, _limit, solve_line
 from elastomdr.surface.spectrum import synthesise
 
 
@@ -106,7 +102,7 @@ def test_contacts_of_few_samples_have_an_error_that_covers():
             1e6 * height.std() * 10 ** draw.uniform(-5, -2, 16),
         )
         some, many = (
-            solve_line(height[::n], spacing * n, law, velocity, load, "load", 1e-6)
+            solve_line(Job(height[::n], spacing * n, velocity, load, "load"), law)
             for n in (8, 1)
         )
         good = some.converged & many.converged
@@ -167,15 +163,9 @@ def test_a_broad_spectrum_on_a_long_line_converges():
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2e3, q_high=2e5)
     line = synthesise(surface, 2, 4, 16384)
     velocity = np.geomspace(1e-6, 100, 8)[:7]
-    found = solve_line(
-        line.height,
-        float(line.spacing),
-        TREAD.law(),
-        velocity,
-        np.full(7, 0.6),
-        "load",
-        1e-6,
-    )
+    load = np.full(7, 0.6)
+    job = Job(line.height, float(line.spacing), velocity, load, "load")
+    found = solve_line(job, TREAD.law())
     assert found.converged.all()
     assert (found.error < 0.01 * found.mu).all()
     truth = [
@@ -188,24 +178,6 @@ def test_a_broad_spectrum_on_a_long_line_converges():
         0.0283870,
     ]
     assert (np.abs(found.mu - truth) <= found.error).all()
-
-
-def test_no_stretch_passed_leaves_the_state_as_it_is():
-    """Branches much shorter than a step are lost in the modes of free recovery: in
-    contact they must not be touched.
-    """
-    with jax.enable_x64(True):
-        by = coefficients(point_laws(TREAD.law(), 1), np.array([1e-4]))
-        free = free_recovery(
-            np.zeros(64), 4, by.seen, by.lost, by.gain, by.give, by.relaxed
-        )
-        # forces of a motion at constant speed
-        y = np.append(1.0, by.gain[:, 0])[:, None]
-        passed, after, _ = recover(
-            jax.device_put(free), np.array(0), y, np.array([np.inf]), 16, 2
-        )
-        assert int(passed) == 0
-        np.testing.assert_array_equal(after, y)
 
 
 def test_a_coarse_level_that_was_not_solved_costs_no_point():

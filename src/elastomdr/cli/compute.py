@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
             shown = how_drawn(scene, arguments, path.parent)
             stem = f"{path.stem}-{scene.called()}"
             with scene.in_keys(), em.progress(f"{scene.called()} of {path.name}"):
-                result = _computed(scene, arguments, folder / f".{stem}.parts")
+                result = _computed(scene, arguments)
                 results = [result] + ([] if beside is None else [em.rolling(**beside)])
         notes = _notes(path, scene)
         files: dict[str, Callable[[Path], object]] = {
@@ -63,8 +63,6 @@ def run(options: argparse.Namespace) -> int:
         if (contact := _contact(arguments, result)) is not None:
             files[f"{stem}-contact.png"] = lambda to: _write_figure(contact.plot(), to)
         write_all(folder, files)
-        # not before: what was computed outlives a full disk
-        Parts(folder / f".{stem}.parts").remove()
         if scene.title:
             print(scene.title)
         for each in results:
@@ -151,17 +149,11 @@ def warned_of_at_the_end() -> Iterator[None]:
         print(f"elastomdr: warning: {' '.join(message.split())}", file=sys.stderr)
 
 
-def _computed(scene: Scene, arguments: Arguments, folder: Path) -> Any:
-    """The result; that of a surface is computed in parts, which an interrupted run
-    keeps.
-    """
-    call, parts = getattr(em, scene.called()), Parts(folder)
-    resumed = scene.mark == "surface" and scene.called() == "friction"
+def _computed(scene: Scene, arguments: Arguments) -> Any:
     try:
-        return call(**arguments, **({"store": parts} if resumed else {}))
+        return getattr(em, scene.called())(**arguments)
     except KeyboardInterrupt as error:
-        kept = parts.said() if resumed else ""
-        raise KeyboardInterrupt(kept or _nothing_written(scene.called())) from error
+        raise KeyboardInterrupt(_nothing_written(scene.called())) from error
 
 
 def _nothing_written(called: str) -> str:
@@ -266,60 +258,9 @@ def _curve_in_words(line: Any) -> str:
     return f"{style} curve: {y:.4g} at {x:.4g} to {value:.4g} at {last:.4g}"
 
 
-class Parts:
-    """Finished batches of a sweep, one file each, in a folder that is removed when the
-    sweep is complete.
-    """
-
-    def __init__(self, folder: Path):
-        self._folder = folder
-
-    def get(self, key: str) -> Any:
-        """The arrays kept under `key`, or None."""
-        import numpy as np
-
-        try:
-            return np.load(self._folder / f"{key}.npy", allow_pickle=False)
-        except (OSError, ValueError, EOFError):
-            return None
-
-    def put(self, key: str, arrays: Any) -> None:
-        """Keeps arrays; a folder that cannot be written costs the possibility to
-        resume, not the sweep.
-        """
-        import numpy as np
-
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            unfinished = self._folder / f"{key}.part.npy"
-            np.save(unfinished, arrays)
-            unfinished.replace(self._folder / f"{key}.npy")
-        except OSError:
-            return
-
-    def said(self) -> str:
-        """Where finished batches are, for whom it interrupts; an empty text where there
-        are none.
-        """
-        if not any(self._folder.glob("*.npy")):
-            return ""
-        return (
-            f"; what is finished is kept in {self._folder}, and the same command goes "
-            "on from there"
-        )
-
-    def remove(self) -> None:
-        """Removes what was kept."""
-        for file in self._folder.glob("*.npy"):
-            file.unlink(missing_ok=True)
-        if self._folder.is_dir():
-            self._folder.rmdir()
-
-
 def run_compare(options: argparse.Namespace) -> int:
     """Computes, writes and prints; returns the exit status."""
     path, folder = Path(options.scene), output_folder(options.out)
-    parts = folder / f".{path.stem}-compare.parts"
     with warned_of_at_the_end():
         with of_key(f"{path.name or path}:"):
             scene = read_scene("compare", path)
@@ -330,7 +271,7 @@ def run_compare(options: argparse.Namespace) -> int:
                 )
             arguments = scene.arguments(path.parent)
             with scene.in_keys(), em.progress(f"comparing {path.name}"):
-                curve = _computed(scene, arguments, parts)
+                curve = _computed(scene, arguments)
             with named("[compare]"):
                 ranking = curve.ranking(**given(scene.compare))
         notes = _notes(path, scene)
@@ -341,7 +282,6 @@ def run_compare(options: argparse.Namespace) -> int:
             ),
         }
         write_all(folder, files)
-        Parts(parts).remove()
         if scene.title:
             print(scene.title)
         print(ranking.summary())

@@ -4,7 +4,7 @@ over directions.
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Literal, NamedTuple
 
 import jax
 import numpy as np
@@ -19,8 +19,8 @@ from ..surface.direction import (
     shared_grid,
 )
 from ..surface.rough_line import RoughLine
-from ..surface.spectrum import PERIODS, synthesise
-from .periodic import ROUNDING, SolvedLine
+from ..surface.spectrum import PERIODS, AbstractSpectrum, synthesise
+from .periodic import ROUNDING, Job, SolvedLine
 
 # least relative error asked of the direction average: contacts that come and go leave
 # kinks in mu(v)
@@ -48,33 +48,33 @@ class LinePoints(NamedTuple):
 
     velocity: np.ndarray  # times a_T [m/s]
     value: np.ndarray  # line load [N/m] or depth [m]
-    control: Any
+    control: Literal["load", "depth"]
     rtol: float
-    skip: bool
+
+    def on(self, line: RoughLine) -> Job:
+        """The points on a line."""
+        height, spacing = np.asarray(line.height), float(line.spacing)
+        return Job(height, spacing, self.velocity, self.value, self.control)
 
 
-Solver = Callable[
-    [list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[SolvedLine]
-]
-# Points of several lines at once, each a line with its velocities, its line loads or
-# depths, and which they are.
+Solver = Callable[[list[Job]], list[SolvedLine]]
 
 
 def mean_of_lines(
     ask: LinePoints, lines: list[RoughLine], average: bool, solved: Solver
 ) -> Mean:
     """Mean over the lines, which are solved together."""
+    jobs = [ask.on(line) for line in lines]
     if not average:
-        runs = [
-            _bare(solution)
-            for solution in solved(
-                [(line, ask.velocity, ask.value, ask.control) for line in lines]
-            )
-        ]
-    elif ask.control == "depth":
-        runs = _averaged_by_depth(ask, lines, solved)
+        runs = [_bare(line) for line in solved(jobs)]
+    elif ask.control == "load":
+        runs = _averaged(ask, jobs, solved)
     else:
-        runs = _averaged_by_load(ask, lines, solved)
+        # each line and point has a load of its own, and so its own directions
+        runs = [
+            _averaged_at(ask, job, at, solved)
+            for job, at in zip(jobs, solved(jobs), strict=True)
+        ]
     mu, error, load, deep, share = (
         np.mean([getattr(r, k) for r in runs], axis=0) for k in _Run._fields[:-1]
     )
@@ -106,64 +106,28 @@ class _Run(NamedTuple):
 
 
 def _bare(line: SolvedLine) -> _Run:
-    return _Run(
-        line.mu,
-        line.error + line.cost * line.mu,
-        line.load,
-        line.depth,
-        line.share,
-        line.converged,
-    )
+    return _Run(line.mu, line.error, line.load, line.depth, line.share, line.converged)
 
 
-def _averaged_by_depth(
-    ask: LinePoints, lines: list[RoughLine], solved: Solver
-) -> list[_Run]:
-    """With the depth given, each point has its own load and so its own directions."""
-    rule = directions(max(ask.rtol, AVERAGE))
-    slowed = ask.velocity[:, None] * rule.cosines
-    at_depths = solved([(line, ask.velocity, ask.value, ask.control) for line in lines])
-    loads = [
-        np.broadcast_to(
-            np.where(at_depth.converged, at_depth.load, 1.0)[:, None], slowed.shape
-        )
-        for at_depth in at_depths
-    ]
-    turned = [
-        (line, slowed.ravel(), load.ravel(), "load")
-        for line, load in zip(lines, loads, strict=True)
-    ]
-    runs = []
-    for at_depth, every in zip(at_depths, solved(turned), strict=True):
-        each = every.mu.reshape(slowed.shape)
-        mu = each @ rule.weights
-        error = (
-            np.asarray(
-                quadrature_error(mu, each @ rule.half, each @ rule.quarter, rule.tail)
-            )
-            + every.error.reshape(slowed.shape) @ rule.weights
-        )
-        runs.append(
-            _Run(
-                mu,
-                error + at_depth.cost * mu,
-                at_depth.load,
-                at_depth.depth,
-                at_depth.share,
-                at_depth.converged & np.isfinite(mu),
-            )
-        )
-    return runs
+def _averaged_at(ask: LinePoints, job: Job, at: SolvedLine, solved: Solver) -> _Run:
+    """One line's average at the loads that it has `at` its depths."""
+    load = np.where(at.converged, at.load, 1.0)
+    (run,) = _averaged(ask._replace(value=load, control="load"), [job], solved)
+    return run._replace(depth=at.depth, good=run.good & at.converged)
 
 
-def _averaged_by_load(
-    ask: LinePoints, lines: list[RoughLine], solved: Solver
-) -> list[_Run]:
-    """Points of one load share a line curve."""
+def _averaged(ask: LinePoints, jobs: list[Job], solved: Solver) -> list[_Run]:
+    """Averages over directions at given loads: points of one load share a line curve."""
     grids = _grids(ask)
-    speeds, loads = _lanes(ask, grids)
-    curves = solved([(line, speeds, loads, "load") for line in lines])
-    return [_average_of(ask, grids, every) for every in curves]
+    speeds = [ask.velocity, *(grid.velocity for grid, _ in grids)]
+    loads = [ask.value] + [
+        np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids
+    ]
+    velocity, value = np.concatenate(speeds), np.concatenate(loads)
+    on_curves = [
+        job._replace(velocity=velocity, value=value, control="load") for job in jobs
+    ]
+    return [_average_of(ask, grids, every) for every in solved(on_curves)]
 
 
 def _average_of(
@@ -173,7 +137,7 @@ def _average_of(
     curve.
     """
     start, tail = ask.velocity.size, directions(max(ask.rtol, AVERAGE)).tail
-    at_points = SolvedLine(*(field[:start] for field in every))
+    ahead = SolvedLine(*(field[:start] for field in every))
     mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
     for grid, chosen in grids:
         on_curve = slice(start, start + grid.velocity.size)
@@ -189,16 +153,9 @@ def _average_of(
             quadrature_error(average, grid.half @ curve, grid.quarter @ curve, tail)
             + interpolation_error(average, np.where(broken, np.nan, grid.lower @ curve))
             + np.abs(grid.weights) @ np.nan_to_num(every.error[on_curve])
-            + average * np.nanmax(every.cost[on_curve], initial=0.0)
         )
-    return _Run(
-        mu,
-        error,
-        at_points.load,
-        at_points.depth,
-        at_points.share,
-        at_points.converged & np.isfinite(mu),
-    )
+    good = ahead.converged & np.isfinite(mu)
+    return _Run(mu, error, ahead.load, ahead.depth, ahead.share, good)
 
 
 def _grids(ask: LinePoints) -> list[tuple[SharedGrid, np.ndarray]]:
@@ -209,32 +166,7 @@ def _grids(ask: LinePoints) -> list[tuple[SharedGrid, np.ndarray]]:
     ]
 
 
-def lanes_of(ask: LinePoints, average: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities [m/s] that one line is solved at, with their line loads or depths.
-
-    Where the depth is given, directions are solved at a load that is not known
-    beforehand: the points alone stand here.
-    """
-    if not average or ask.control == "depth":
-        return ask.velocity, ask.value
-    return _lanes(ask, _grids(ask))
-
-
-def _lanes(
-    ask: LinePoints, grids: list[tuple[SharedGrid, np.ndarray]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities and loads of the points themselves, and then of the nodes of each
-    load's curve.
-    """
-    values = [
-        np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids
-    ]
-    return np.concatenate(
-        [ask.velocity, *(g.velocity for g, _ in grids)]
-    ), np.concatenate([ask.value, *values])
-
-
-def coarse_at(error: Any, mu: Any) -> Any:
+def coarse_at(error: Array, mu: Array) -> Array:
     """Where the error of a point is above `SAMPLING` times mu, so that it is not handed
     out.
     """
@@ -308,16 +240,17 @@ def _put(points: Array, which: Array, field: Array, finer: Array) -> np.ndarray:
 
 
 def solutions(ask: LinePoints, average: bool) -> int:
-    """Line solutions that one line takes."""
+    """Line solutions that one line takes; about, where directions follow from a depth."""
     if not average:
         return ask.velocity.size
-    if ask.control == "depth":
-        return ask.velocity.size * (1 + directions(max(ask.rtol, AVERAGE)).cosines.size)
     return ask.velocity.size + sum(grid.velocity.size for grid, _ in _grids(ask))
 
 
 def ensemble(
-    surface: Any, samples: int | None, periods: int, seeds: tuple[int, ...]
+    surface: RoughLine | AbstractSpectrum,
+    samples: int | None,
+    periods: int,
+    seeds: tuple[int, ...],
 ) -> list[RoughLine]:
     """The lines of a surface, one for each seed; a line that is given, on enough
     samples. Raises `InputError`.

@@ -17,7 +17,7 @@ contact begins within a step. Derived here.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import jax
 import numpy as np
@@ -26,7 +26,7 @@ from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
-from ..checks import in_float64, is_traced, warn_unless
+from ..checks import in_float64, warn_unless
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
 from ..material.relaxation import Relaxation
@@ -35,16 +35,16 @@ from ..results.spectrum import FrictionSpectrum
 from ..smooth.problem import AVERAGED, BARE
 from ..surface.direction import directions
 from ..surface.rough_line import RoughLine
-from .branch_reduction import point_laws as unreduced
-from .ensemble import coarse_at
+from .ensemble import LinePoints, coarse_at
+from .free_steps import line_law
 from .line import ensemble_words, surface_words
 from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
-from .periodic import rises, solve_states
+from .periodic import Job, SolvedLine, rises, solve_states
 from .problem import RoughCall
 
 if TYPE_CHECKING:
-    from jaxtyping import Bool, Float
+    from jaxtyping import Float
 
     from .._types import ArrayLike
     from ..call.types import Materials, Surface
@@ -111,7 +111,7 @@ def friction_spectrum(
     Exact for the line. Not differentiable.
     """
     foundation = as_foundation(material)
-    _check(foundation, surface, per_decade, velocity, load, pressure, temperature)
+    _check(foundation, surface, per_decade)
     model = of_line(model, "friction_spectrum")
     asked = Asked(velocity, load, None, pressure, temperature)
     scene = set_up(RoughCall(foundation, surface, asked, rtol), model)
@@ -141,17 +141,12 @@ def friction_spectrum(
     )
 
 
-def _check(foundation: Foundation, surface: Any, per_decade: Any, *points: Any) -> None:
+def _check(foundation: Foundation, surface: Surface, per_decade: int) -> None:
     """Raises `InputError` for what has no spectrum of friction."""
     if not is_rough(surface):
         raise InputError(
             "surface must be an em.RoughLine, or a surface such as em.SelfAffine, "
             f"got {surface!r}."
-        )
-    if is_traced(foundation, surface, *points):
-        raise InputError(
-            "friction_spectrum must be called outside jax.grad, jit and vmap: it "
-            "is not differentiable."
         )
     law = foundation.law()
     if not np.any(law.moduli) and not float(law.viscosity):
@@ -185,28 +180,31 @@ def _by_bands(
     """
     reduced, bins = scene.at.reduced.ravel(), edges.size - 1
     cosines, weights = _directions(average)
-    shape = (reduced.size, cosines.size, -1)
+    shape = (reduced.size, cosines.size)
     mu, error = np.zeros((reduced.size, bins)), np.zeros(reduced.size)
     good = np.ones(reduced.size, bool)
+    ask = LinePoints(
+        np.outer(reduced, cosines).ravel(),
+        np.repeat(scene.given, cosines.size),
+        scene.control,
+        rtol,
+    )
+    stretch = np.tile(cosines, reduced.size)
     for line in scene.lines:
-        excited = excitation(
-            np.asarray(line.height),
-            float(line.spacing),
-            scene.at.foundation.law(),
-            np.outer(reduced, cosines).ravel(),
-            np.repeat(scene.given, cosines.size),
-            scene.control,
-            rtol,
-            edges,
-            np.tile(cosines, reduced.size),
+        by_bands, solved = _excited(
+            ask.on(line), scene.at.foundation.law(), edges, stretch
         )
-        bands, total, missed, fine = (field.reshape(shape) for field in excited)
-        gap = np.abs(bands.sum(axis=-1) - total[..., 0])
-        bands = bands * (total / bands.sum(axis=-1, keepdims=True))
+        total, missed, fine = (
+            field.reshape(shape)
+            for field in (solved.mu, solved.error, solved.converged)
+        )
+        bands = by_bands.reshape(*shape, bins)
+        gap = np.abs(bands.sum(axis=-1) - total)
+        bands = bands * (total / bands.sum(axis=-1))[..., None]
         mu += np.einsum("vdb,d->vb", bands, weights) / len(scene.lines)
-        error += (missed[..., 0] + gap) @ weights / len(scene.lines)
-        closed = gap @ weights <= _CLOSED * (total[..., 0] @ weights)
-        good &= fine.all(axis=(1, 2)) & closed
+        error += (missed + gap) @ weights / len(scene.lines)
+        closed = gap @ weights <= _CLOSED * (total @ weights)
+        good &= fine.all(axis=1) & closed
     return mu, error, good & ~coarse_at(error, mu.sum(axis=1))
 
 
@@ -251,7 +249,7 @@ def _packed(
     )
 
 
-def _edges(surface: Any, line: RoughLine, per_decade: int) -> np.ndarray:
+def _edges(surface: Surface, line: RoughLine, per_decade: int) -> np.ndarray:
     """Edges of the bands of wave number [rad/m], in whole decades."""
     if isinstance(surface, RoughLine):
         low, high = 2 * np.pi / float(surface.period), np.pi / float(surface.spacing)
@@ -264,62 +262,41 @@ def _edges(surface: Any, line: RoughLine, per_decade: int) -> np.ndarray:
     return 10 ** (first + np.arange(per_decade * int(last - first) + 1) / per_decade)
 
 
-class Excitation(NamedTuple):
-    """Friction by wave number for each point; NaN where it did not converge."""
-
-    mu: Float[np.ndarray, "points bins"]
-    total: Float[np.ndarray, " points"]  # mu from the work of the contact step
-    error: Float[np.ndarray, " points"]  # of the total, from the sampling
-    good: Bool[np.ndarray, " points"]
-
-
-def excitation(
-    height: Float[np.ndarray, " n"],
-    spacing: float,
+def _excited(
+    job: Job,
     law: Relaxation,
-    velocity: Float[np.ndarray, " points"],
-    value: Float[np.ndarray, " points"],
-    control: str,
-    rtol: float,
     edges: Float[np.ndarray, " edges"],
     stretch: Float[np.ndarray, " points"],
-) -> Excitation:
+) -> tuple[Float[np.ndarray, "points bins"], SolvedLine]:
     """mu of each point by bins of `stretch` times the wave number, what lies outside the
-    edges in the bins at the ends.
-
-    `velocity` is times a_T, and all of the branches are carried.
+    edges in the bins at the ends; and the points, NaN where they did not converge.
     """
-    batches = []
-    for start in range(0, velocity.size, _AT_ONCE):
-        batch = slice(start, start + _AT_ONCE)
-        batches.append(
-            _of_lanes(
-                height,
-                spacing,
-                law,
-                velocity[batch],
-                value[batch],
-                control,
-                rtol,
-                edges,
-                stretch[batch],
-            )
-        )
-    return Excitation(
-        *(np.concatenate(fields) for fields in zip(*batches, strict=True))
+    bands, lines = [], []
+    for start in range(0, job.velocity.size, _AT_ONCE):
+        some = slice(start, start + _AT_ONCE)
+        part = job._replace(velocity=job.velocity[some], value=job.value[some])
+        by_bins, line = _few_excited(part, law, edges, stretch[some])
+        bands.append(by_bins)
+        lines.append(line)
+    return np.concatenate(bands), SolvedLine(
+        *map(np.concatenate, zip(*lines, strict=True))
     )
 
 
-def _of_lanes(
-    height, spacing, law, velocity, value, control, rtol, edges, stretch
-) -> Excitation:
-    line, state = solve_states(height, spacing, law, velocity, value, control, rtol)
+def _few_excited(
+    job: Job,
+    law: Relaxation,
+    edges: Float[np.ndarray, " edges"],
+    stretch: Float[np.ndarray, " points"],
+) -> tuple[Float[np.ndarray, "points bins"], SolvedLine]:
+    line, state = solve_states(job, law)
+    velocity, spacing, good = job.velocity, job.spacing, line.converged
     with jax.enable_x64(True):
-        by = coefficients(unreduced(law, velocity.size), spacing / velocity)
+        by = coefficients(line_law(law), spacing / velocity)
         depth, branches = (
-            np.where(line.converged, x, 0.0) for x in (state.depth, state.branches)
+            np.where(good, x, 0.0) for x in (state.depth, state.branches)
         )
-        u = np.asarray(motion(rises(height), depth, branches, by).surface)
+        u = np.asarray(motion(rises(job.height), depth, branches, by).surface)
     n = u.shape[0]
     square = np.abs(np.fft.fft(u, axis=0) / n) ** 2
     by_bins = np.zeros((velocity.size, edges.size - 1))
@@ -339,11 +316,8 @@ def _of_lanes(
             by_bins[point] += np.bincount(
                 np.clip(place, 0, edges.size - 2), power[:, point], edges.size - 1
             )
-    good = line.converged
-    mu = np.where(
-        good[:, None], by_bins / np.where(good, line.load, 1.0)[:, None], np.nan
-    )
-    return Excitation(mu, line.mu, line.error, good)
+    load = np.where(good, line.load, 1.0)
+    return np.where(good[:, None], by_bins / load[:, None], np.nan), line
 
 
 def _loss(law: Relaxation, omega: np.ndarray) -> np.ndarray:

@@ -2,14 +2,16 @@
 average, heating; and its plan.
 """
 
+from __future__ import annotations
+
 import dataclasses
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.problem import SteadyScene
-from ..checks import Array, in_float64, is_traced, nan_unless, warn_unless
+from ..checks import in_float64, warn_unless
 from ..errors import ModelWarning, warn
 from ..models import Line as LineModel
 from ..results.curve import FrictionCurve, Lines
@@ -22,22 +24,23 @@ from .ensemble import (
     Mean,
     coarse_at,
     ensemble,
-    lanes_of,
     mean_of_lines,
     on_enough_samples,
     solutions,
 )
 from .flash import SETTLED, Flash, warmed
 from .heat import NO_STATE, Branch, Heat, why_no_state
-from .line_derivatives import traced_mean_of_lines
 from .line_problem import RoughScene, factor, load_level, missed, set_up
-from .periodic import Job, SolvedLine, solve_lines
-from .periodic_plan import RoughPlan, plan_lines
+from .periodic import Job, SolvedLine, solve_lines, strides_of
+from .periodic_plan import RoughPlan
 from .problem import RoughCall
 from .surface import SOFTENING_LEFT_OUT, excited_beyond
 
+if TYPE_CHECKING:
+    from ..call.types import Surface
+    from ..checks import Array
+
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
-_ROUNDS = 4  # of a call's solutions that heating takes, about
 _LINES = "MDR line (textbook; on a surface too low, the more so the wider its spectrum)"
 _AVERAGED_LINES = (
     "MDR line averaged over directions (on a surface too low, the more so the wider "
@@ -54,27 +57,13 @@ class _Solver:
     def __init__(self, scene: RoughScene, call: RoughCall, model: LineModel):
         self.scene, self.surface, self.model = scene, call.surface, model
         self.law = scene.at.foundation.law()
-        self.rtol, self.skip = float(call.rtol), bool(call.skip)
-        self.heated, self.progress = call.heat is not None, call.progress
-        self.store = call.store
-        self.asked = self.finished = 0  # line solutions
+        self.rtol, self.progress = float(call.rtol), call.progress
+        self.asked = self.finished = 0  # line solutions, so far
         self.largest = scene.lines[0].count  # samples of a line so far
-        self.first = 0 if scene.at.traced else len(scene.lines) * self._solutions()
 
     def cold(self) -> Mean:
         """The points of the scene, at the temperatures that are given."""
-        scene, reduced = self.scene, self.scene.at.reduced.ravel()
-        if scene.at.traced:
-            return traced_mean_of_lines(
-                scene.lines,
-                self.law,
-                reduced,
-                scene.given,
-                scene.control,
-                self.rtol,
-                self.model.average,
-            )
-        mean = self.mean(reduced, scene.given)
+        mean = self.mean(self.scene.at.reduced.ravel(), self.scene.given)
         # nothing is lost, and what is left is rounding
         if not np.any(self.law.moduli) and not float(self.law.viscosity):
             mean = mean._replace(mu=0 * mean.mu, error=0 * mean.error)
@@ -110,7 +99,7 @@ class _Solver:
         """
         scene = self.scene
         tolerance = max(_COARSE, self.rtol) if coarse else self.rtol
-        ask = LinePoints(reduced, value, scene.control, tolerance, self.skip)
+        ask = LinePoints(reduced, value, scene.control, tolerance)
         mean = self._on(ask, scene.lines)
         if coarse or self.model.samples is not None:
             return mean
@@ -126,41 +115,16 @@ class _Solver:
         return mean
 
     def _on(self, ask: LinePoints, lines: list[RoughLine]) -> Mean:
-        self.asked += len(lines) * solutions(ask, self.model.average)
+        return mean_of_lines(ask, lines, self.model.average, self._solved)
 
-        def solved(
-            wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]],
-        ) -> list[SolvedLine]:
-            jobs = [
-                Job(
-                    np.asarray(line.height),
-                    float(line.spacing),
-                    speeds,
-                    values,
-                    control,
-                )
-                for line, speeds, values, control in wanted
-            ]
-            return solve_lines(
-                jobs, self.law, ask.rtol, self.skip, self._tick, self.store
-            )
-
-        return mean_of_lines(ask, lines, self.model.average, solved)
-
-    def _solutions(self) -> int:
-        scene = self.scene
-        ask = LinePoints(
-            scene.at.reduced.ravel(), scene.given, scene.control, self.rtol, self.skip
-        )
-        return solutions(ask, self.model.average)
+    def _solved(self, jobs: list[Job]) -> list[SolvedLine]:
+        self.asked += sum(job.velocity.size for job in jobs)
+        return solve_lines(jobs, self.law, self._tick)
 
     def _tick(self, count: int) -> None:
         self.finished += count
         if self.progress is not None:
-            # how many rounds heating takes is not known before
-            least = _ROUNDS * self.first if self.heated else 1
-            total = max(self.asked, least)
-            self.progress(min(self.finished, total), total)
+            self.progress(self.finished, self.asked)
 
 
 class _LineAnswer(NamedTuple):
@@ -169,12 +133,12 @@ class _LineAnswer(NamedTuple):
     mean: Mean
     cold: Array  # mu at the temperatures that are given
     warm: Flash | None
-    reduced: Any  # v a_T at the raised temperature, in the shape of the call
-    vertical: Array  # b_T at the raised temperature
+    reduced: np.ndarray  # v a_T at the raised temperature, in the shape of the call
+    vertical: np.ndarray  # b_T at the raised temperature
     error: Array  # numerical error of mu
     good: Array
 
-    def rise(self) -> Any:
+    def rise(self) -> np.ndarray | float:
         """The flash temperature [K], in the shape of the call; zero without heat."""
         return 0.0 if self.warm is None else self.warm.rise.reshape(self.reduced.shape)
 
@@ -230,8 +194,6 @@ def _warn_of_failed(
     points: SteadyScene, answer: _LineAnswer, states: list[tuple[str, str]]
 ) -> None:
     """Counts the points without an answer in one warning, with why they have none."""
-    if points.traced:
-        return
     why = [f"{said}." for name, said in states if name == NO_STATE]
     coarse = answer.mean.good & ~answer.good
     if coarse.any():
@@ -245,8 +207,8 @@ def _warn_of_failed(
 
 
 def _model_bounds(
-    scene: RoughScene, surface: Any, model: LineModel, answer: _LineAnswer
-) -> tuple[Any, Any]:
+    scene: RoughScene, surface: Surface, model: LineModel, answer: _LineAnswer
+) -> tuple[Array | float, float]:
     """Error of mu for the number of lines, and the bound of the line's distance from
     three dimensions over mu; with a warning where that is large.
     """
@@ -258,20 +220,24 @@ def _model_bounds(
     spread = np.nan if scatter is None else 2 * scatter
     if scene.length is None:
         return spread, np.nan
-    if not scene.at.traced and (sentence := missed(surface, model)) is not None:
+    if (sentence := missed(surface, model)) is not None:
         warn(sentence, ModelWarning)
     softens = scene.at.foundation.softening is not None
     return spread, np.nan if softens else factor(surface, model) - 1
 
 
 def _packed(
-    scene: RoughScene, surface: Any, answer: _LineAnswer, spread: Any, far: Any
+    scene: RoughScene,
+    surface: Surface,
+    answer: _LineAnswer,
+    spread: Array | float,
+    far: float,
 ) -> FrictionCurve:
     """The numbers of the result."""
     points, mean, warm = scene.at, answer.mean, answer.warm
 
-    def field(values: Array) -> Array:
-        return nan_unless(answer.good, values).reshape(points.shape)
+    def field(values: Array) -> np.ndarray:
+        return np.where(answer.good, values, np.nan).reshape(points.shape)
 
     on_line = isinstance(surface, RoughLine)
     force = mean.load * answer.vertical
@@ -312,19 +278,19 @@ def _packed(
 
 def _inputs(
     scene: RoughScene,
-    surface: Any,
+    surface: Surface,
     model: LineModel,
     heat: Heat | None,
     largest: int,
-    outside: Any,
+    outside: Array | None,
 ) -> list[tuple[str, str]]:
     """What a result says of its arguments."""
     points, line = scene.at, scene.lines[0]
     rows = scene.inputs(
-        ("surface", surface.label if points.traced else surface_words(surface, line)),
+        ("surface", surface_words(surface, line)),
         *(("as read", remark) for remark in getattr(surface, "report", ())),
     )
-    if scene.length is not None and not points.traced:
+    if scene.length is not None:
         rows += load_level(
             points.foundation, surface, points.value, model.equivalent_length
         )
@@ -336,7 +302,7 @@ def _inputs(
         rows += [("heat", heat.words())]
     if points.foundation.softening is not None:
         rows += [SOFTENING_LEFT_OUT]
-    if outside is not None and not is_traced(outside):
+    if outside is not None:
         rows += [excited_beyond(outside)]
     return rows
 
@@ -348,32 +314,29 @@ def rough_plan(call: RoughCall, model: LineModel) -> RoughPlan:
 
 
 def _plan(scene: RoughScene, call: RoughCall, model: LineModel) -> RoughPlan:
-    points, surface, average = scene.at, call.surface, model.average
-    rtol, skip = float(call.rtol), bool(call.skip)
-    ask = LinePoints(points.reduced.ravel(), scene.given, scene.control, rtol, skip)
-    line, law = scene.lines[0], points.foundation.law()
+    points, (line, *_) = scene.at, scene.lines
+    ask = LinePoints(
+        points.reduced.ravel(), scene.given, scene.control, float(call.rtol)
+    )
     name = points.foundation.name or "a foundation given directly"
-    solved_at = None if points.traced else lanes_of(ask, average)
-    return plan_lines(
-        scene=f"{surface.label if points.traced else surface_words(surface, line)} on {name}",
-        model=_model(scene, average, call.heat),
-        line=None if points.traced else (np.asarray(line.height), float(line.spacing)),
+    return RoughPlan(
+        scene=f"{surface_words(call.surface, line)} on {name}",
+        model=_model(scene, model.average, call.heat),
+        control=scene.control,
+        points=ask.velocity.size,
+        rtol=ask.rtol,
+        averaged=model.average,
         lines=len(scene.lines),
         samples=line.count,
-        points=ask.velocity.size,
-        law=law,
-        solved_at=solved_at,
-        control=scene.control,
-        rtol=rtol,
-        averaged=average,
-        solutions=None if points.traced else solutions(ask, average),
-        skip=skip,
-        heated=call.heat is not None,
+        strides=tuple(strides_of(line.count)),
+        branches=points.foundation.law().moduli.shape[0],
+        solutions=len(scene.lines) * solutions(ask, model.average),
         temperatures=0 if points.temperature is None else np.size(points.temperature),
+        heated=call.heat is not None,
     )
 
 
-def _model(scene: RoughScene, average: Any, heat: Heat | None) -> str:
+def _model(scene: RoughScene, average: bool, heat: Heat | None) -> str:
     line = (
         (_AVERAGED_LINES if average else _LINES)
         if scene.length is not None
@@ -382,7 +345,7 @@ def _model(scene: RoughScene, average: Any, heat: Heat | None) -> str:
     return line + scene.rule + ("" if heat is None else _FLASH)
 
 
-def surface_words(surface: Any, line: RoughLine) -> str:
+def surface_words(surface: Surface, line: RoughLine) -> str:
     """A surface and one of its lines, for results."""
     if isinstance(surface, RoughLine):
         return (

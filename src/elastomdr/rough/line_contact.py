@@ -11,18 +11,19 @@ from ..call.extrapolation import excited_outside, rough_beyond
 from ..call.model_choice import is_rough, of_line
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
-from ..checks import in_float64, is_traced, warn_unless
+from ..checks import in_float64, warn_unless
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..models import seeds_of
 from ..results.doubts import Doubt, carried
 from ..smooth.problem import BARE
 from ..surface.rough_line import RoughLine
-from .branch_reduction import point_laws
+from .ensemble import LinePoints
+from .free_steps import line_law
 from .line import surface_words
 from .line_problem import RoughScene, set_up
 from .period import coefficients, motion
-from .periodic import SolvedLine, rises, solve_states
+from .periodic import Job, SolvedLine, rises, solve_states
 from .problem import RoughCall
 from .results import LineContact
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import Number
-    from ..call.types import Material, Surface
+    from ..call.types import Material, ModelLike, Surface
     from ..models import Line
 
 
@@ -75,9 +76,7 @@ def line_contact(
 
     Exact for the line. Not differentiable.
     """
-    model = _checked(
-        surface, model, (material, velocity, load, depth, pressure, temperature)
-    )
+    model = _checked(surface, model)
     solid: Any = material  # `over_materials` has taken a list apart
     asked = Asked(velocity, load, depth, pressure, temperature)
     scene = set_up(RoughCall(solid, surface, asked, rtol), model)
@@ -87,15 +86,8 @@ def line_contact(
             f"velocity, {points.name} and temperature must be single numbers, got "
             f"{points.shape}."
         )
-    field = _field(
-        np.asarray(scene.lines[0].height),
-        float(scene.lines[0].spacing),
-        points.foundation.law(),
-        float(points.reduced.ravel()[0]),
-        float(scene.given[0]),
-        scene.control,
-        float(rtol),
-    )
+    ask = LinePoints(points.reduced.ravel(), scene.given, scene.control, float(rtol))
+    field = _field(ask.on(scene.lines[0]), points.foundation.law())
     warn_unless(field.line.converged, "points")
     known = points.foundation.range
     outside = excited_outside(known, surface, points.reduced.reshape(()))
@@ -103,7 +95,7 @@ def line_contact(
     return _packed(scene, surface, field, beyond)
 
 
-def _checked(surface: Any, model: Any, points: tuple[Any, ...]) -> Line:
+def _checked(surface: Surface, model: ModelLike | None) -> Line:
     """The model with its first seed. Raises `InputError`."""
     if not is_rough(surface):
         raise InputError(
@@ -116,18 +108,13 @@ def _checked(surface: Any, model: Any, points: tuple[Any, ...]) -> Line:
             "model must be em.Line() without average in em.line_contact: the "
             "average has no single field."
         )
-    if is_traced(surface, *points):
-        raise InputError(
-            "line_contact has no derivatives, and cannot run under jax.jit, grad "
-            "or vmap: em.friction can."
-        )
     return dataclasses.replace(
         model, seeds=1 if isinstance(surface, RoughLine) else seeds_of(model.seeds)[:1]
     )
 
 
 def _packed(
-    scene: RoughScene, surface: Any, field: _Field, beyond: tuple[Doubt, ...]
+    scene: RoughScene, surface: Surface, field: _Field, beyond: tuple[Doubt, ...]
 ) -> LineContact:
     """The result: one error, one flag at every sample."""
     (line,) = scene.lines
@@ -170,29 +157,19 @@ class _Field(NamedTuple):
     force: Float[np.ndarray, " n"]
 
 
-def _field(
-    height: Float[np.ndarray, " n"],
-    spacing: float,
-    law: Relaxation,
-    velocity: float,
-    value: float,
-    control: Literal["load", "depth"],
-    rtol: float,
-) -> _Field:
+def _field(job: Job, law: Relaxation) -> _Field:
     """Solves one velocity and lays its period out along the line; NaN where it did not
     converge.
     """
-    speed, n = np.array([velocity]), height.size
-    line, state = solve_states(
-        height, spacing, law, speed, np.array([value]), control, rtol
-    )
+    line, state = solve_states(job, law)
+    height, n = job.height, job.height.size
     if not line.converged[0]:
         return _Field(line, np.full(n, np.nan), np.full(n, np.nan))
     one_period = motion(
         rises(height),
         line.depth,
         state.branches,
-        coefficients(point_laws(law, 1), spacing / speed),
+        coefficients(line_law(law), job.spacing / job.velocity),
     )
     # where along +x each sample of the period lies
     back = np.roll(np.arange(n)[::-1], -int(np.argmax(height[::-1])))

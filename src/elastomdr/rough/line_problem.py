@@ -2,11 +2,12 @@
 lines; and how far the MDR line may be from three dimensions under a pressure.
 """
 
-from typing import Any, NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import namespace
 from ..call.problem import SteadyScene, rough_scene
 from ..checks import is_traced, positive, scalar, whole_number
 from ..element.law import Foundation, as_foundation
@@ -14,10 +15,14 @@ from ..errors import InputError
 from ..models import Line, seeds_of
 from ..results.words import brief
 from ..surface.rough_line import RoughLine
-from ..surface.spectrum import MOST
+from ..surface.spectrum import MOST, AbstractSpectrum
 from .ensemble import ensemble
 from .heat import check_heat
 from .problem import RoughCall
+
+if TYPE_CHECKING:
+    from .._types import Number
+    from ..call.types import Surface
 
 # p/(E*(0) rms slope) up to which the book's rule is one of light contact
 # (docs/rough.md)
@@ -44,9 +49,10 @@ class RoughScene(NamedTuple):
     at: SteadyScene
     lines: list[RoughLine]
     seeds: tuple[int, ...]  # of the lines
-    control: Any  # "load" or "depth"
-    given: Any  # line load over b_T [N/m] or depth [m] of each point, flat
-    length: Any  # that turns the pressure into a line load [m]; None without a pressure
+    control: Literal["load", "depth"]
+    given: np.ndarray  # line load over b_T [N/m] or depth [m] of each point, flat
+    # that turns the pressure into a line load [m]; None without a pressure
+    length: float | None
     rule: str  # how, in words
 
     def inputs(self, *surface: tuple[str, str]) -> list[tuple[str, str]]:
@@ -69,7 +75,13 @@ def set_up(call: RoughCall, model: Line) -> RoughScene:
     points = rough_scene(
         foundation, surface, call.rtol, asked, "pressure", "load", "depth"
     )
-    check_heat(heat, asked.temperature, call.branch, points.traced)
+    if points.traced or is_traced(model.equivalent_length):
+        raise InputError(
+            f"model must be em.Multiscale() or em.Persson() under jax.grad, jit and "
+            f"vmap, and a surface under a pressure, got {model!r}: rough lines have no "
+            "derivatives."
+        )
+    check_heat(heat, asked.temperature, call.branch, False)
     if heat is not None and (isinstance(surface, RoughLine) or asked.pressure is None):
         raise InputError(
             "heat needs a surface given by its spectrum, and a pressure: a line has "
@@ -94,7 +106,9 @@ def set_up(call: RoughCall, model: Line) -> RoughScene:
     )
 
 
-def _length(surface: Any, name: str, equivalent_length: Any) -> tuple[Any, str]:
+def _length(
+    surface: Surface, name: str, equivalent_length: Number | str | None
+) -> tuple[float | None, str]:
     """The length that turns a pressure into a line load, None without one, and the rule
     in words; `name` is given.
     """
@@ -110,43 +124,41 @@ def _length(surface: Any, name: str, equivalent_length: Any) -> tuple[Any, str]:
             if name == "load"
             else "; depth of the line",
         )
-    if isinstance(surface, RoughLine) and (
-        equivalent_length is None or isinstance(equivalent_length, str)
-    ):
+    if equivalent_length is not None and not isinstance(equivalent_length, str):
+        length = scalar("equivalent_length", equivalent_length)
+        positive("equivalent_length", length)
+        length = float(length)
+        return length, f"; pressure p as line load p L with L = {length:.4g} m as given"
+    if not isinstance(surface, AbstractSpectrum):
         raise InputError(
             "pressure needs model=em.Line(equivalent_length=...) [m] with a "
             "RoughLine, the width of surface that the line stands for: the load per "
             "length is pressure times equivalent_length. Or give load, in N/m."
         )
-    spectrum: Any = surface
-    if isinstance(equivalent_length, str):
-        if equivalent_length != FULL:
-            raise InputError(
-                f"equivalent_length must be a length [m] or {FULL!r}, got "
-                f"{equivalent_length!r}."
-            )
-        length = spectrum.full_contact_length
-        return length, (
-            "; pressure p as line load p L with L = 2 <q^2 C>/<q^3 "
-            f"C>{_metres(length)}, that of full contact"
-        )
     if equivalent_length is None:
-        length = 2 * np.pi / spectrum.q_low
+        length = float(2 * np.pi / surface.q_low)
         return length, (
-            f"; pressure p as line load p L with L = 2 pi/q_low{_metres(length)} "
+            f"; pressure p as line load p L with L = 2 pi/q_low = {length:.4g} m "
             "(Popov & Hess 2015, ch. 10; the "
             "equivalence holds to a factor of order one, in light contact)"
         )
-    length = scalar("equivalent_length", equivalent_length)
-    positive("equivalent_length", length)
-    return (
-        length,
-        f"; pressure p as line load p L with L ={_metres(length)[2:]} as given",
+    if equivalent_length != FULL:
+        raise InputError(
+            f"equivalent_length must be a length [m] or {FULL!r}, got "
+            f"{equivalent_length!r}."
+        )
+    length = float(surface.full_contact_length)
+    return length, (
+        "; pressure p as line load p L with L = 2 <q^2 C>/<q^3 "
+        f"C> = {length:.4g} m, that of full contact"
     )
 
 
 def load_level(
-    foundation: Foundation, surface: Any, pressure: Any, rule: Any
+    foundation: Foundation,
+    surface: Surface,
+    pressure: np.ndarray,
+    rule: Number | str | None,
 ) -> list[tuple[str, str]]:
     """For results: p/(E*(0) rms slope), half the share of relaxed rubber that touches
     or more; which rule fits.
@@ -172,22 +184,18 @@ def load_level(
     return [("load level", words)]
 
 
-def _metres(length: Any) -> str:
-    return "" if is_traced(length) else f" = {float(length):.4g} m"
-
-
-def factor(surface: Any, model: Line) -> Any:
+def factor(surface: AbstractSpectrum, model: Line) -> float:
     """F: three-dimensional friction is at most F times that of the line; NaN beyond
     where that is known.
     """
-    ratio = surface.q_high / surface.q_low
+    ratio = float(surface.q_high / surface.q_low)
+    if ratio > _WIDEST:
+        return np.nan
     scale, power = _FULL_CONTACT if isinstance(model.equivalent_length, str) else _BOOK
-    xp = namespace(ratio)
-    whole = scale * ratio**power * (_AVERAGED if model.average else 1.0)
-    return xp.where(ratio <= _WIDEST, whole, np.nan)
+    return scale * ratio**power * (_AVERAGED if model.average else 1.0)
 
 
-def missed(surface: Any, model: Line) -> str | None:
+def missed(surface: AbstractSpectrum, model: Line) -> str | None:
     """What the line misses on a surface under a pressure, for a warning; None where
     that is little.
     """
@@ -196,7 +204,7 @@ def missed(surface: Any, model: Line) -> str | None:
     ratio = float(surface.q_high / surface.q_low)
     if ratio <= _SEEN:
         return None
-    most = float(factor(surface, model))
+    most = factor(surface, model)
     by = (
         f"by a factor of up to {most:.2g}"
         if np.isfinite(most)

@@ -1,5 +1,4 @@
-"""Steady sliding on a periodic rough line: lines and points, levels of sampling, and
-what skipping leaves out.
+"""Steady sliding on a periodic rough line: lines and points, and levels of sampling.
 
 Every point, a velocity with its load or depth, is solved on every 16th sample of the
 line first (and every 64th of long lines), then on every 4th, then on all: the state at
@@ -13,21 +12,25 @@ slow ones, f_k = E_k (u - mean u), and relaxed ones, the first guess.
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import jax
 import numpy as np
 
-from .. import __version__
 from ..material.relaxation import Relaxation
-from .branch_reduction import lumped, point_laws
-from .period import PointLaws
-from .periodic_state import PeriodicState, finish, iterate, jacobian, sampling_of
+from .free_steps import LineLaw, line_law
+from .periodic_state import (
+    PeriodicState,
+    Target,
+    finish,
+    iterate,
+    jacobian,
+    sampling_of,
+)
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -35,14 +38,10 @@ if TYPE_CHECKING:
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _FEWEST_AT_ONCE = 8  # in a batch, where there are as many
-_MANY = 32  # points of a load from which they make batches of their own
-# at most, in a batch: wider sums over branches XLA would hand to a library that no
-# kernel can call
-_AT_ONCE = 64
+_AT_ONCE = 64  # in a batch, at most
 # over the square of a contact's samples: relative error of 99 % of light contacts on
 # drawn lines
 _FEW = 2.5
-LIGHT = 0.3  # share of contact up to which free stretches are looked for
 # of the work of elements, over their load and slope
 ROUNDING = 16 * np.finfo(float).eps
 # waves in a period that decide which branches are slow, for the first guess only
@@ -57,8 +56,6 @@ class SolvedLine(NamedTuple):
     depth: Float[np.ndarray, " points"]  # [m]
     share: Float[np.ndarray, " points"]  # share of the line in contact
     error: Float[np.ndarray, " points"]  # of mu, from the sampling
-    # bound of mu's relative change by lumped branches
-    cost: Float[np.ndarray, " points"]
     residual: Float[np.ndarray, " points"]
     sweeps: Float[np.ndarray, " points"]  # full sweeps' worth
     converged: Bool[np.ndarray, " points"]
@@ -82,30 +79,16 @@ class Job(NamedTuple):
     control: Literal["load", "depth"]
 
 
-def solve_line(
-    height: Float[np.ndarray, " n"],
-    spacing: float,
-    law: Relaxation,
-    velocity: Float[np.ndarray, " points"],
-    value: Float[np.ndarray, " points"],
-    control: Literal["load", "depth"],
-    rtol: float,
-    skip: bool = True,
-) -> SolvedLine:
+def solve_line(job: Job, law: Relaxation) -> SolvedLine:
     """Solves all points on one line, in batches on every core."""
-    return solve_lines(
-        [Job(height, spacing, velocity, value, control)], law, rtol, skip
-    )[0]
+    return solve_lines([job], law)[0]
 
 
 def solve_lines(
     jobs: Sequence[Job],
     law: Relaxation,
-    rtol: float,
-    skip: bool = True,
-    finished: Any = None,  # called with the number of points whenever some are finished
-    # keeps what is finished: get(key) gives None or what was put(key, arrays)
-    store: Any = None,
+    # called with the number of points whenever some are finished
+    finished: Callable[[int], None] | None = None,
 ) -> list[SolvedLine]:
     """Solves all points of all jobs; the batches of every line share the cores."""
     threads = (
@@ -113,160 +96,67 @@ def solve_lines(
         if hasattr(os, "sched_getaffinity")
         else os.cpu_count() or 1
     )
-    lane_count = sum(job.velocity.size for job in jobs)
-    size = min(_AT_ONCE, max(_FEWEST_AT_ONCE, -(-lane_count // threads)))
-    batches = [_batches_of(job, size) for job in jobs]
-    tasks = []
-    for job, parts in zip(jobs, batches, strict=True):
-        rise = rises(job.height)
-        tasks += [(job, rise, batch) for batch in parts]
+    point_count = sum(job.velocity.size for job in jobs)
+    size = min(_AT_ONCE, max(_FEWEST_AT_ONCE, -(-point_count // threads)))
+    of_elements, batches = line_law(law), []
+    for job in jobs:
+        parts = -(-job.velocity.size // size)
+        # of one size nearly, so that the last core is not left alone
+        batches += [
+            job._replace(velocity=velocity, value=value)
+            for velocity, value in zip(
+                np.array_split(job.velocity, parts),
+                np.array_split(job.value, parts),
+                strict=True,
+            )
+        ]
 
-    def run(task: tuple[Job, np.ndarray, np.ndarray]) -> SolvedLine:
-        job, rise, batch = task
-        line = _stored_batch(job, rise, batch, law, rtol, skip, store)
+    def run(job: Job) -> SolvedLine:
+        line, _ = _batch(job, of_elements)
         if finished is not None:
-            finished(batch.size)
+            finished(job.velocity.size)
         return line
 
-    with ThreadPoolExecutor(min(threads, len(tasks))) as pool:
-        solved_batches = iter(list(pool.map(run, tasks)))
-    lines = []
-    for parts in batches:
-        back = np.argsort(np.concatenate(parts), kind="stable")
-        solved = [next(solved_batches) for _ in parts]
-        lines.append(
-            SolvedLine(
-                *(np.concatenate(fields)[back] for fields in zip(*solved, strict=True))
-            )
-        )
-    return lines
+    with ThreadPoolExecutor(min(threads, len(batches))) as pool:
+        solved = pool.map(run, batches)
+        return [
+            _joined(itertools.islice(solved, -(-job.velocity.size // size)))
+            for job in jobs
+        ]
 
 
-def _batches_of(job: Job, size: int) -> list[np.ndarray]:
-    """The points of a job in batches of about `size`, each of points that are alike."""
-    # Speeds near each other need the same branches, and light loads leave the same
-    # stretches free.
-    apart = job.value.size >= _MANY * np.unique(job.value).size
-    order = (
-        np.lexsort((job.velocity, job.value))
-        if apart
-        else np.argsort(job.velocity, kind="stable")
-    )
-    # of one size nearly, so that the last core is not left alone
-    return np.array_split(order, -(-order.size // size))
+def solve_states(job: Job, law: Relaxation) -> tuple[SolvedLine, PeriodicState]:
+    """All points, and the state at the highest point of each, in one batch."""
+    return _batch(job, line_law(law))
 
 
-def _stored_batch(
-    job: Job,
-    rise: np.ndarray,
-    batch: np.ndarray,
-    law: Relaxation,
-    rtol: float,
-    skip: bool,
-    store: Any,
-) -> SolvedLine:
-    """A batch of points, from the store where it is kept."""
-    velocity, value = job.velocity[batch], job.value[batch]
-    spacing = float(job.spacing)
+def _joined(batches: Iterable[SolvedLine]) -> SolvedLine:
+    return SolvedLine(*map(np.concatenate, zip(*batches, strict=True)))
+
+
+def _batch(job: Job, law: LineLaw) -> tuple[SolvedLine, PeriodicState]:
     # the settings belong to the thread
     with jax.enable_x64(True), np.errstate(all="ignore"):
-        key = ""
-        if store is not None:
-            how = (spacing, job.control, rtol, skip)
-            key = _key(rise, law, velocity, value, how)
-            if (kept := store.get(key)) is not None:
-                return SolvedLine._make((*kept[:-1], kept[-1] > 0))
-        line, _ = _batch(rise, spacing, law, velocity, value, job.control, rtol, skip)
-        if store is not None:
-            store.put(key, np.array(line, dtype=np.float64))
-    return line
+        return _on_all_levels(job, law)
 
 
-def solve_states(
-    height: Float[np.ndarray, " n"],
-    spacing: float,
-    law: Relaxation,
-    velocity: Float[np.ndarray, " points"],
-    value: Float[np.ndarray, " points"],
-    control: Literal["load", "depth"],
-    rtol: float,
-) -> tuple[SolvedLine, PeriodicState]:
-    """All points with every branch carried, and the state at the highest point, the
-    slowest branch first.
-    """
-    rise, lines, states = rises(height), [], []
-    with jax.enable_x64(True):
-        for start in range(0, velocity.size, _AT_ONCE):
-            batch = slice(start, start + _AT_ONCE)
-            line, state = _batch(
-                rise,
-                float(spacing),
-                law,
-                velocity[batch],
-                value[batch],
-                control,
-                rtol,
-                False,
-            )
-            lines.append(line)
-            states.append(state)
-    return SolvedLine(*map(np.concatenate, zip(*lines, strict=True))), PeriodicState(
-        np.concatenate([s.branches for s in states], axis=1),
-        np.concatenate([s.depth for s in states]),
-        np.concatenate([s.inverse for s in states]),
-    )
-
-
-def _key(
-    rise: np.ndarray,
-    law: Relaxation,
-    velocity: np.ndarray,
-    value: np.ndarray,
-    how: tuple,
-) -> str:
-    """What a batch depends on, in a few letters."""
-    digest = hashlib.sha256(repr((__version__, how)).encode())
-    for array in (rise, *jax.tree.leaves(law), velocity, value):
-        digest.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
-    return digest.hexdigest()[:24]
-
-
-def _batch(
-    rise, spacing, law, velocity, value, control, rtol, skip
-) -> tuple[SolvedLine, PeriodicState]:
-    n = rise.size
-    step = spacing / velocity
-    if skip:
-        reduced_law, cost = lumped(law, step, n * step, rtol)
-    else:
-        reduced_law, cost = point_laws(law, velocity.size), np.zeros(velocity.size)
-    state, load, stiffness, share = first_guess(
-        rise, reduced_law, n * step, value, control
-    )
+def _on_all_levels(job: Job, law: LineLaw) -> tuple[SolvedLine, PeriodicState]:
+    rise = rises(job.height)
+    n, spacing, velocity = rise.size, job.spacing, job.velocity
+    to, state = first_guess(rise, law, job)
     strides = strides_of(n)
-    sweeps, mus, full = np.zeros(velocity.size), [], np.ones(velocity.size, bool)
+    every = np.ones(velocity.size, bool)
+    sweeps, mus, full = np.zeros(velocity.size), [], every
     fine = settled = good = None
     for stride in strides:
-        sampling = sampling_of(
-            rise,
-            spacing,
-            stride,
-            step,
-            reduced_law,
-            load,
-            stiffness,
-            control,
-            skip and share.max() < LIGHT,
-        )
+        sampling = sampling_of(rise, spacing, stride, velocity, law, to)
         if stride == strides[0]:
-            state = state._replace(
-                inverse=jacobian(sampling, state, np.ones(velocity.size, bool))
-            )
+            state = state._replace(inverse=jacobian(sampling, state, every))
         settled, turns, good = iterate(sampling, state)
         fine = finish(sampling, settled)
         sweeps += (turns + 1) / stride
         mus.append(np.where(good, fine.mu, np.nan))
-        full &= fine.share == 1
+        full = full & (fine.share == 1)
         state = _where(good, settled, state)
     assert fine is not None  # the last stride is always 1
     assert settled is not None
@@ -282,7 +172,7 @@ def _batch(
         error
         + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     )
-    answer = (mu, fine.load, settled.depth, fine.share, error, cost, fine.residual)
+    answer = (mu, fine.load, settled.depth, fine.share, error, fine.residual)
     return SolvedLine._make(
         (*(np.where(good, x, np.nan) for x in answer), sweeps, good)
     ), settled
@@ -340,14 +230,15 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def first_guess(
-    rise, law: PointLaws, period, value, control
-) -> tuple[PeriodicState, np.ndarray, np.ndarray, np.ndarray]:
-    """State, load, stiffness and share for branches that are either elastic or relaxed;
-    in closed form.
+    rise: Float[np.ndarray, " n"], law: LineLaw, job: Job
+) -> tuple[Target, PeriodicState]:
+    """The state for branches that are either elastic or relaxed, in closed form, and
+    what the points are pressed with.
     """
-    n, relaxed = rise.size, float(law.relaxed)
-    x = law.times / period * 2 * np.pi * _CYCLES
-    elastic = law.moduli * x**2 / (1 + x**2)
+    n, relaxed = rise.size, law.relaxed
+    period = n * job.spacing / job.velocity
+    x = law.times[:, None] / period * 2 * np.pi * _CYCLES
+    elastic = law.moduli[:, None] * x**2 / (1 + x**2)
     memory = elastic.sum(axis=0)
     below = np.sort(-rise)
     # of max(w + D, 0), at D = below
@@ -356,15 +247,15 @@ def first_guess(
     # u is the line in contact, and u_free = mean u (1 - in_contact) outside, so that
     # mean u in_contact is the mean of max(w + D, 0) at D = d - u_free
     in_contact = relaxed / (relaxed + memory)
-    if control == "load":
-        mean_u = value / relaxed
+    if job.control == "load":
+        mean_u = job.value / relaxed
         rest = mean_u * in_contact
         beyond = below[-1] + rest - mean[-1]
         offset = np.where(rest < mean[-1], np.interp(rest, mean, below), beyond)
         depth = offset + mean_u * (1 - in_contact)
     else:
-        depth = value
-        mean_u = np.empty_like(value)
+        depth = job.value
+        mean_u = np.empty_like(depth)
         for point, share in enumerate(in_contact):
             depths = below + mean * (1 - share) / share
             mean_u[point] = np.interp(depth[point], depths, mean / share)
@@ -373,7 +264,9 @@ def first_guess(
     free = mean_u * (1 - in_contact)
     share = np.maximum(np.searchsorted(below, depth - free) / n, 2 / n)
     unknowns = elastic.shape[0] + 1
-    state = PeriodicState(
-        elastic * (depth - mean_u), depth, np.tile(np.eye(unknowns), (value.size, 1, 1))
+    to = Target(relaxed * mean_u, (relaxed + memory) * share, job.control == "load")
+    return to, PeriodicState(
+        elastic * (depth - mean_u),
+        depth,
+        np.tile(np.eye(unknowns), (depth.size, 1, 1)),
     )
-    return state, np.asarray(relaxed * mean_u), (relaxed + memory) * share, share

@@ -17,22 +17,22 @@ where a sweep costs little.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import numpy as np
 
-from .free_recovery import FreeRecovery, free_recovery
-from .period import PointCoefficients, PointLaws, Swept, coefficients, sweep
+from .free_steps import LineLaw
+from .period import PointCoefficients, Swept, coefficients, sweep
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    from jaxtyping import Bool, Float
 
-RESIDUAL = 1e-9  # of the state and of the load, relative to the load
+_RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 # mu below which the residual is smaller in proportion: friction is a small part of the
 # forces
 _SMALL = 1.0
-SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
+_SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
 _INSTANT = 100.0  # T/tau from which a branch forgets at once what it was at the start
 # numbers of points that are compiled: each takes a second, and more of them save little
 _FEW, _MANY = 8, (32, 64)
@@ -43,11 +43,8 @@ _SWEEPS = (60, 30)  # at most, with all samples and with fewer
 # sweeps without halving the residual, after which the Jacobian is computed anew
 _STALLED = 3
 _SINGULAR = 1e8  # largest entry in the inverse of a Jacobian that is used
-_STRETCHES = 128  # that a line is cut into, at most
-_WORTH = 16  # samples that a stretch must have to be worth a look
-_COARSE = 2048  # samples up to which stretches cost more than they save
 # relaxation times; a branch is a spring to contacts much shorter than that
-LASTING = 2.0
+_LASTING = 2.0
 _NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
 
 
@@ -61,26 +58,32 @@ class PeriodicState(NamedTuple):
     inverse: Float[np.ndarray, "points unknowns unknowns"]
 
 
+class Target(NamedTuple):
+    """What the points are pressed with."""
+
+    load: Float[np.ndarray, " points"]  # mean force per length, about if not by load
+    stiffness: Float[np.ndarray, " points"]  # of the load against depth, about
+    by_load: bool  # or by depth
+
+
 class Sampling(NamedTuple):
     """One sampling of the line, for all points."""
 
-    rise: Float[np.ndarray, " n"]
-    stride: int
+    samples: int
+    stride: int  # points of the line per sample
     by: PointCoefficients
-    free: FreeRecovery | None
     slow: int  # number of branches that may be slow
-    is_slow: np.ndarray  # of those, which are, in which point
+    is_slow: Bool[np.ndarray, "slow points"]  # of those, which are, in which point
     sums: Float[np.ndarray, "slow points"]  # sum_n exp(-n h/tau_k)
     whole: Float[np.ndarray, "branches points"]  # 1 - exp(-T/tau_k)
     # branches whose state at the start is felt for more than an instant, in which point
-    lasting: np.ndarray
-    load: Float[np.ndarray, " points"]
-    stiffness: Float[np.ndarray, " points"]  # of the load against depth, about
-    by_load: bool
+    lasting: Bool[np.ndarray, "branches points"]
+    to: Target
     spacing: float  # h v, between samples [m]
     step: Float[np.ndarray, " points"]  # h [s]
-    times: Float[np.ndarray, "branches points"]  # tau_k [s]
-    ready: Any  # rise, by and free, where the computation is done
+    times: Float[np.ndarray, "branches 1"]  # tau_k [s]
+    # rise, with room, and by, where the computation is done
+    ready: tuple[jax.Array, PointCoefficients]
 
 
 class PeriodicSolution(NamedTuple):
@@ -95,54 +98,37 @@ class PeriodicSolution(NamedTuple):
 
 
 def sampling_of(
-    rise,
-    spacing,
+    rise: Float[np.ndarray, " n"],
+    spacing: float,
     stride: int,
-    step,
-    law: PointLaws,
-    load,
-    stiffness,
-    control,
-    skip: bool,
+    velocity: Float[np.ndarray, " points"],
+    law: LineLaw,
+    to: Target,
 ) -> Sampling:
-    """The line on every `stride`-th of its points, which are `spacing` [m] and `step`
-    [s] apart.
-    """
-    count, step = rise.size // stride, stride * step
+    """The line on every `stride`-th of its points, which are `spacing` [m] apart."""
+    count, spacing = rise.size // stride, stride * spacing
+    step, times = spacing / velocity, law.times[:, None]
     period = count * step
     by = coefficients(law, step)
-    slow = period / law.times < SLOW
+    slow = period / times < _SLOW
     most = int(slow.sum(axis=0).max())
-    most = next((s for s in _SUMS if s >= most), slow.shape[0])
-    most = min(most, slow.shape[0])
-    pieces = math.gcd(count // _WORTH, _STRETCHES) if count % _WORTH == 0 else 1
-    free = (
-        free_recovery(
-            rise[::stride], pieces, by.seen, by.lost, by.gain, by.give, by.relaxed
-        )
-        if skip and pieces > 1 and count > _COARSE
-        else None
-    )
-    whole = -np.expm1(-period / law.times)
-    sums = by.keep * whole / -np.expm1(-step / law.times)
-    lasting = (period / law.times < _INSTANT) & (law.moduli > 0)
+    most = min(next((s for s in _SUMS if s >= most), slow.shape[0]), slow.shape[0])
+    whole = -np.expm1(-period / times)
+    sums = by.keep * whole / -np.expm1(-step / times)
     return Sampling(
-        rise,
-        stride,
-        by,
-        free,
-        most,
-        slow[:most],
-        np.where(slow, sums, 1.0)[:most],
-        whole,
-        lasting,
-        load,
-        stiffness,
-        control == "load",
-        stride * spacing,
-        step,
-        law.times,
-        jax.device_put((_closed(rise), by, free)),
+        samples=count,
+        stride=stride,
+        by=by,
+        slow=most,
+        is_slow=slow[:most],
+        sums=np.where(slow, sums, 1.0)[:most],
+        whole=whole,
+        lasting=period / times < _INSTANT,
+        to=to,
+        spacing=spacing,
+        step=step,
+        times=times,
+        ready=jax.device_put((_closed(rise), by)),
     )
 
 
@@ -159,10 +145,9 @@ def iterate(
     converged.
     """
     branches, depth, inverse = (np.array(a) for a in state)
-    point_count = depth.size
-    load, count = sampling.load, sampling.rise.size // sampling.stride
+    point_count, (load, stiffness, by_load) = depth.size, sampling.to
     # what rounding of u leaves
-    floor = 2e-16 * np.sqrt(count) * depth / (sampling.by.give * load)
+    floor = 2e-16 * np.sqrt(sampling.samples) * depth / (sampling.by.give * load)
     best, kept = np.full(point_count, np.inf), None
     stalled, restarts = np.zeros(point_count, int), np.zeros(point_count, int)
     moved = before = None
@@ -172,7 +157,7 @@ def iterate(
         turns += active
         size = np.where(np.isfinite(r).all(axis=1), np.abs(r).max(axis=1), np.inf)
         goal = np.maximum(
-            RESIDUAL * np.clip(_mu(sampling, end) / _SMALL, 1e-4, 1.0), floor
+            _RESIDUAL * np.clip(_mu(sampling, end) / _SMALL, 1e-4, 1.0), floor
         )
         active = active & ~(size <= goal)
         if not active.any():
@@ -205,14 +190,14 @@ def iterate(
         )
         best = np.where(better, size, best)
         moved = (inverse @ r[:, :, None])[:, :, 0]
-        down = moved[:, -1] * load / sampling.stiffness
+        down = moved[:, -1] * load / stiffness
         moved *= (
             np.minimum(1.0, 0.5 * depth / np.maximum(np.abs(down), 1e-300)) * active
         )[:, None]
-        if not sampling.by_load:
+        if not by_load:
             moved[:, -1] = 0.0
         branches = branches + moved[:, :-1].T * load
-        depth = depth + moved[:, -1] * load / sampling.stiffness
+        depth = depth + moved[:, -1] * load / stiffness
         before = r
     return PeriodicState(branches, depth, inverse), turns, ~active
 
@@ -237,12 +222,11 @@ def finish(sampling: Sampling, state: PeriodicState) -> PeriodicSolution:
         np.ones(state.depth.size, bool),
         exact=True,
     )
-    count = sampling.rise.size // sampling.stride
     load, touching = np.asarray(end.load), np.asarray(end.touching)
     contacts = np.maximum(end.begun, 1)
     duration = touching / contacts * sampling.step
-    by, outlasts = sampling.by, 1 / (1 + (duration / (LASTING * sampling.times)) ** 2)
-    stiff = by.drag - by.late - (by.each * outlasts).sum(axis=0)
+    by, outlasts = sampling.by, 1 / (1 + (duration / (_LASTING * sampling.times)) ** 2)
+    stiff = by.drag - (by.each * outlasts).sum(axis=0)
     bent = stiff * np.asarray(end.struck)
     # Where rubber gives way within a step contact ends the earlier by that time, where
     # it takes many steps no bend is left: in between twice the smaller of both shares
@@ -253,8 +237,8 @@ def finish(sampling: Sampling, state: PeriodicState) -> PeriodicSolution:
     end = end._replace(work=end.work + bent)
     return PeriodicSolution(
         _mu(sampling, end),
-        load / count,
-        touching / count,
+        load / sampling.samples,
+        touching / sampling.samples,
         contacts,
         np.abs(r).max(axis=1),
         unsure,
@@ -268,17 +252,18 @@ def jacobian(
     the identity elsewhere.
     """
     point_count, unknowns = state.depth.size, state.inverse.shape[1]
+    load, stiffness, by_load = sampling.to
     start = _residual(sampling, state.branches, state.depth, every)[0]
     matrix = np.tile(np.eye(unknowns), (point_count, 1, 1))  # of minus the Jacobian
-    for j in range(unknowns if sampling.by_load else unknowns - 1):
+    for j in range(unknowns if by_load else unknowns - 1):
         felt = every if j == unknowns - 1 else every & sampling.lasting[j]
         if not felt.any():
             continue
         branches, depth = state.branches.copy(), state.depth
         if j < unknowns - 1:
-            branches[j] += _NUDGE * sampling.load
+            branches[j] += _NUDGE * load
         else:
-            depth = depth + _NUDGE * sampling.load / sampling.stiffness
+            depth = depth + _NUDGE * load / stiffness
         column = (start - _residual(sampling, branches, depth, felt)[0]) / _NUDGE
         matrix[:, :, j] = np.where(felt[:, None], column, matrix[:, :, j])
     matrix[~every | ~np.isfinite(matrix).all(axis=(1, 2))] = np.eye(unknowns)
@@ -289,17 +274,24 @@ def jacobian(
 
 
 def _residual(
-    sampling: Sampling, branches, depth, active, exact: bool = False
-) -> tuple[np.ndarray, Swept]:
+    sampling: Sampling,
+    branches: Float[np.ndarray, "branches points"],
+    depth: Float[np.ndarray, " points"],
+    active: Bool[np.ndarray, " points"],
+    exact: bool = False,
+) -> tuple[Float[np.ndarray, "points unknowns"], Swept]:
     """What a sweep leaves of periodicity and of the load, in units of the load."""
-    end = _sweep(sampling, branches, depth, active, exact)
+    end, (load, _, by_load) = (
+        _sweep(sampling, branches, depth, active, exact),
+        sampling.to,
+    )
     r = (end.branches - branches + sampling.by.gain * (depth - end.u)) / sampling.whole
     r[: sampling.slow] = np.where(
         sampling.is_slow, -end.sums / sampling.sums, r[: sampling.slow]
     )
-    mean = end.load / (sampling.rise.size // sampling.stride)
-    last = sampling.load - mean if sampling.by_load else np.zeros_like(mean)
-    return (np.concatenate([r, last[None]]) / sampling.load).T, end
+    mean = end.load / sampling.samples
+    last = load - mean if by_load else np.zeros_like(mean)
+    return (np.concatenate([r, last[None]]) / load).T, end
 
 
 def _mu(sampling: Sampling, end: Swept) -> Float[np.ndarray, " points"]:
@@ -307,7 +299,12 @@ def _mu(sampling: Sampling, end: Swept) -> Float[np.ndarray, " points"]:
     return work / sampling.spacing / np.where(load > 0, load, np.nan)
 
 
-def _learn(inverse, moved, change, active):
+def _learn(
+    inverse: Float[np.ndarray, "points unknowns unknowns"],
+    moved: Float[np.ndarray, "points unknowns"],
+    change: Float[np.ndarray, "points unknowns"],
+    active: Bool[np.ndarray, " points"],
+) -> Float[np.ndarray, "points unknowns unknowns"]:
     """Broyden's update of the inverse Jacobian, H += (s - H y)(s^T H)/(s^T H y), where
     it is well defined.
     """
@@ -324,40 +321,38 @@ def _learn(inverse, moved, change, active):
     )
 
 
-def _sweep(sampling: Sampling, branches, depth, active, exact: bool) -> Swept:
+def _sweep(
+    sampling: Sampling,
+    branches: Float[np.ndarray, "branches points"],
+    depth: Float[np.ndarray, " points"],
+    active: Bool[np.ndarray, " points"],
+    exact: bool,
+) -> Swept:
     """A sweep of the points that are still active, padded to a size that is compiled;
     zeros for the others.
     """
-    chosen = np.flatnonzero(active)
+    chosen, (rise, by) = np.flatnonzero(active), sampling.ready
     # On a short line a few sweeps of fewer points do not make up for compiling them.
-    few = chosen.size <= _FEW and (depth.size <= _FEW or sampling.rise.size > _SHORT)
+    few = chosen.size <= _FEW and (depth.size <= _FEW or sampling.samples > _SHORT)
     size = _FEW if few else next((s for s in _MANY if s >= depth.size), depth.size)
     pick = np.concatenate([chosen, np.full(size - chosen.size, chosen[0])])
-
-    rise, by, free = sampling.ready
     if size > chosen.size or size < depth.size:
-        by, free = (
-            sampling.by.of(pick),
-            None if sampling.free is None else sampling.free.of(pick),
-        )
-    count = sampling.rise.size // sampling.stride
+        by = sampling.by.of(pick)
     swept = sweep(
         rise,
-        count,
+        sampling.samples,
         sampling.stride,
         depth[pick],
         branches[:, pick],
         by,
-        free,
         sampling.slow,
         exact,
     )
-    if size == depth.size == chosen.size:
-        return Swept(*map(np.asarray, swept))
-    whole = []
-    for field in swept:
+
+    def of_all(field: jax.Array) -> np.ndarray:
         values = np.asarray(field)[..., : chosen.size]
-        full = np.zeros((*values.shape[:-1], depth.size))
-        full[..., chosen] = values
-        whole.append(full)
-    return Swept(*whole)
+        whole = np.zeros((*values.shape[:-1], depth.size))
+        whole[..., chosen] = values
+        return whole
+
+    return Swept(*map(of_all, swept))

@@ -403,7 +403,7 @@ def _sliding(
     ]
     relaxed = float(foundation.equilibrium)
     approaches, gaps, conductances, stiffnesses, touching = [], [], [], [], []
-    solutions = on_jax(solve_lines, jobs, foundation.law(), float(rtol))
+    solutions = on_jax(solve_lines, jobs, foundation.law())
     for line, solution in zip(lines, solutions, strict=True):
         height = np.asarray(line.height)
         # In full contact the difference of depth and load, both large, is rounding.

@@ -12,7 +12,7 @@ from .heat import Branch, Heat
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .._types import Number, Store
+    from .._types import Number
     from ..call.types import Material, Surface
 
 
@@ -24,10 +24,8 @@ class RoughCall:
     surface: Surface
     asked: Asked
     rtol: float = 1e-6
-    skip: bool = True
     heat: Heat | None = None
     adhesion: AdhesiveShear | None = None
     strain_share: Number = 0.5
     progress: Callable[[int, int], None] | None = None
-    store: Store | None = None
     branch: Branch = "cold"  # of several steady states with heat

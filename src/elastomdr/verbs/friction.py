@@ -33,7 +33,7 @@ from ..surface.topography import MeasuredSurface
 from .steady import in_64_bits_where, steady_contact
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Number, Store
+    from .._types import ArrayLike, Number
     from ..call.types import Indenter, Materials, ModelLike, Surface
 
 
@@ -56,9 +56,7 @@ class _Again:
     def cold(self) -> FrictionCurve:
         """The curve without heating."""
         assert isinstance(self.call, RoughCall)
-        call = dataclasses.replace(
-            self.call, heat=None, branch="cold", progress=None, store=None
-        )
+        call = dataclasses.replace(self.call, heat=None, branch="cold", progress=None)
         with quiet():
             return _once_more(self.solve, call)
 
@@ -81,9 +79,7 @@ class _Again:
                     surface = surface.ended(surface.q_high * shorter)
                 if sampled:
                     surface = surface.sampled(sampled)
-                call = dataclasses.replace(
-                    call, surface=surface, progress=None, store=None
-                )
+                call = dataclasses.replace(call, surface=surface, progress=None)
             with quiet():
                 return np.asarray(_once_more(self.solve, call).mu)
         except InputError:  # beyond a shift law, or shorter than the longest wave
@@ -153,7 +149,6 @@ def friction(
     strain_share: Number = 0.5,
     direction: ArrayLike | None = None,
     progress: Callable[[int, int], None] | None = None,
-    store: Store | None = None,
 ) -> FrictionCurve:
     """Friction coefficient of an indenter or a rough surface in steady sliding against
     velocity, load and temperature.
@@ -183,7 +178,7 @@ def friction(
             line or surface it is that of the solution on its samples;
             `curve.lines.numerical` has the error for the sampling too, and a point
             where it exceeds a tenth of mu is NaN.
-        skip: False computes also what the plan would leave out.
+        skip: False computes also what the plan of a smooth body would leave out.
         heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its
             friction, from `temperature`, that of the body, on, until friction and
             temperature agree: `mu` is then the hot curve, `cold` the one without
@@ -210,7 +205,6 @@ def friction(
             surface without a lay is the same in all directions.
         progress: `progress(done, total)` is called after each batch on a rough line or
             surface.
-        store: keeps finished batches of lines (`get(key)`, `put(key, arrays)`).
 
     Returns:
         An `em.FrictionCurve`. `error` is numerical, with the scatter of random lines;
@@ -223,7 +217,8 @@ def friction(
 
     Exact for the line and for layers; for the half-space see
     `elastomdr.surface.direction`. Differentiable with respect to moduli, times,
-    geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7
+    geometry, load or depth, velocity and temperature, but for `em.Line` on a rough line
+    or surface. Source: Popov & Hess 2015, ch. 7
     and 10, and `docs/theory.md`.
     """
     solid: Any = material  # `over_materials` has taken a list apart
@@ -238,12 +233,10 @@ def friction(
             shape,
             asked,
             rtol,
-            skip,
             heat,
             adhesion,
             strain_share,
             tell,
-            store,
             branch,
         )
         return _repeatable(rough, road_model.rough_friction)

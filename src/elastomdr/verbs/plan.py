@@ -70,7 +70,7 @@ def plan(
         road_model = of_rough(model, shape, pressure)
         road_model.check_adhesion(adhesion)
         return road_model.rough_plan(
-            RoughCall(solid, shape, asked, rtol, skip, heat, adhesion)
+            RoughCall(solid, shape, asked, rtol, heat, adhesion)
         )
     only_rough(heat=heat, direction=direction)
     if isinstance(shape, AbstractShape):
