@@ -657,7 +657,9 @@ class HalfSpace(SurfaceModel):
     leak_turns: ClassVar[bool] = True
 
     def closes_at(self) -> float:
-        return 0.5  # beyond what maps reach
+        from .seal.gap_maps import SHUT
+
+        return SHUT
 
 
 KINDS: dict[str, type[Model]] = {

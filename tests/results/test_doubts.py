@@ -360,11 +360,26 @@ class TestUncertainty:
         assert np.isnan(part.share).all()
 
 
-def test_a_pressure_far_above_the_modulus_is_warned_of():
-    """300 MPa typed in place of 0.3."""
-    with pytest.warns(em.ModelWarning, match="3e\\+08 Pa are .* times the modulus"):
-        curve = em.friction(rubber(), ROAD, velocity=V, pressure=3e8)
-    assert points(curve.doubts, "estimate").all()
-    assert "estimate" not in kinds(
-        em.friction(rubber(), ROAD, velocity=V, pressure=3e5).doubts
-    )
+OIL = {"viscosity": 1e-2, "length": 1e-3, "pressure_drop": 1e4}
+PRESSED = {
+    "friction": lambda p: em.friction(rubber(), ROAD, velocity=V, pressure=p),
+    "press": lambda p: em.press(rubber(), ROAD, pressure=p),
+    "slid": lambda p: em.press(rubber(), ROAD, pressure=p, velocity=0.1),
+    "leak": lambda p: em.leak(rubber(), ROAD, pressure=p, **OIL),
+    "break_out": lambda p: em.break_out(rubber(), ROAD, pressure=p, boundary_shear=1e5),
+    "lubricated": lambda p: em.lubricated(
+        rubber(), em.Cylinder(1e-2, 0.1), velocity=0.1, viscosity=1e-2, load=p / 10
+    ),
+}
+
+
+@pytest.mark.parametrize("verb", PRESSED)
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ConvergenceWarning")
+def test_a_pressure_far_above_the_modulus_is_warned_of(verb):
+    """300 MPa typed in place of 0.3; or a load in the wrong unit."""
+    with pytest.warns(
+        em.ModelWarning, match="Pa is .* times the modulus of the rubber"
+    ):
+        found = PRESSED[verb](3e8)
+    assert points(found.doubts, "estimate").all()
+    assert "estimate" not in kinds(PRESSED[verb](3e4).doubts)

@@ -204,6 +204,47 @@ def test_little_gas_near_a_vacuum_and_near_closing():
         assert (np.diff(found.profile.fluid_pressure) < 0).all()
 
 
+def test_a_seal_that_is_closed_all_along_until_the_fluid_opens_it():
+    """Against a march of another program, within its steps."""
+    surface = em.SelfAffine(
+        0.75, rms_height=2e-6, q_low=2 * np.pi / 150e-6, q_high=2 * np.pi / 5e-6
+    )
+    x = np.linspace(0, 1e-3, 801)
+    given = {"profile": (x, 8.5e5 * np.sin(np.pi * x / 1e-3)), "viscosity": 1e-3}
+    rubber = em.Prony(1.5e6, [1e6], [1e-2])
+    drop = np.array([4e5, 4.5e5, 5e5, 6e5, 8e5])
+    found = em.leak(rubber, surface, pressure_drop=drop, **given)
+    assert found.rate[0] == 0
+    np.testing.assert_allclose(
+        found.rate[1:], [2.1e-14, 2.8e-12, 2.2e-10, 9.3e-8], rtol=0.03
+    )
+    assert (found.error < 0.02).all()
+
+
+@pytest.mark.parametrize("place", [0.1, 0.37, 0.9])
+def test_a_drop_just_below_a_sharp_peak(place):
+    """As through its upper half alone, twice as finely: the fluid lifts what is below on
+    its own side, and behind the peak that hardly holds it.
+    """
+    whole = LENGTH * np.array([0.0, place, 1.0]), 3e5 * np.array([0.0, 1.0, 0.0])
+    upper = (
+        LENGTH * np.array([place / 2, place, (1 + place) / 2]),
+        whole[1]
+        + [
+            1.5e5,
+            0.0,
+            1.5e5,
+        ],
+    )
+    scene = {"pressure_drop": [2.7e5, 2.85e5, 2.97e5]} | SEAL
+    found, alone = (
+        em.leak(RUBBER, TURNED, profile=each, **scene) for each in (whole, upper)
+    )
+    assert found.converged.all()
+    off = np.abs(np.log(found.rate / alone.rate))
+    assert (off < found.error + 0.03).all()
+
+
 def test_two_ribs_hold_the_fluid_between_them():
     """Where the fluid presses harder than a valley it lifts that, and loses nothing."""
     x = np.linspace(0, LENGTH, 401)

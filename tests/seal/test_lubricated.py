@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from scipy.signal import savgol_filter
 
 import elastomdr as em
-from elastomdr.seal import film
+from elastomdr.seal import film, lubricated
 from elastomdr.seal.response import bodies_of, response
 from elastomdr.seal.roughness import pressed
 
@@ -388,6 +388,7 @@ def test_a_film_thinner_than_any_rod_is_smooth_is_not_known():
     np.testing.assert_allclose(thick.film_out, found.film_out[2], rtol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 def test_friction_never_drives_the_rod():
     """Where the fall of pressure in the film exceeds its shear, by the rule."""
     ring = em.o_ring(RUBBER, 5e-3, 0.15, fluid_pressure=1e8)
@@ -461,3 +462,13 @@ TRACED = {
 def test_what_is_traced_is_refused(name):
     with jax.enable_x64(True), pytest.raises(em.InputError, match=r"under jax\.jit"):
         jax.jit(TRACED[name])(0.1)
+
+
+def test_the_error_of_two_grids_is_their_difference():
+    """What extrapolating changes is not known without a third."""
+    coarser, coarse, fine = np.ones(11), np.full(11, 0.94), np.full(11, 0.92)
+    three = lubricated._judged(coarser, coarse, fine)
+    two = lubricated._judged(np.full(11, np.nan), coarse, fine)
+    assert (two.error >= 0.02).all()
+    assert (three.error < two.error).all()
+    assert not two.settled()

@@ -128,6 +128,7 @@ def test_a_ball_on_a_layer_too_slow_for_a_loss_is_flagged():
     assert np.isnan(found.mu)
 
 
+@pytest.mark.filterwarnings("ignore:pressure is taken")
 def test_a_pressed_surface_in_motion_at_both_ends():
     """Stiffness was negative in full contact, and finite without a load."""
     found = em.press(LOSSY, road(), pressure=[1e12, 1e90], velocity=1.0)

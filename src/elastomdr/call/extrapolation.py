@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import namespace, stop_gradient
 from ..checks import Array, is_traced
 from ..checks import known as known_values
-from ..errors import ExtrapolationWarning, warn
+from ..errors import ExtrapolationWarning, ModelWarning, warn
 from ..material.validity import Range
 from ..results.doubts import Doubt
 from ..surface.rough_line import RoughLine
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 # share of a rough surface's mean square slope that may lie outside the range
 _OUTSIDE = 0.1
 _CELLS = 400  # of the slope, where each wave has a temperature of its own
+# pressure over the modulus from which on there is a warning
+_FAR = 10.0
 
 
 def told(
@@ -42,6 +44,31 @@ def told(
     if not (quiet or known.illustrative):
         warn_of(extrapolated)
     return extrapolated, *illustrative(known, np.shape(points))
+
+
+def pressed_too_hard(pressure: Any, modulus: Any) -> tuple[Doubt, ...]:
+    """Where a pressure exceeds the modulus of the rubber under it; with a warning where
+    it does so by far, since it may be meant in another unit.
+    """
+    pressure, modulus = known_values(stop_gradient((pressure, modulus)))
+    points = pressure > modulus
+    if not is_traced(points) and np.any(points):
+        most = int(np.nanargmax(pressure / modulus))
+        high, low = (
+            np.broadcast_to(x, np.shape(points)).flat[most] for x in (pressure, modulus)
+        )
+        if high > _FAR * low:
+            warn(
+                f"pressure is taken in Pa, and load in N: a pressure of {high:g} Pa is "
+                f"{high / low:.3g} times the modulus of the rubber under it, {low:.2g} "
+                "Pa. Rubber is not linear there.",
+                ModelWarning,
+            )
+    says = (
+        "have a pressure above the modulus of the rubber under it, where rubber is not "
+        "linear, as it is taken here"
+    )
+    return (Doubt("estimate", points, says, "a pressure as it occurs"),)
 
 
 def beyond_sweep(

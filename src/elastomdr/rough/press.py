@@ -27,6 +27,7 @@ from ..arrays import on_jax, xp
 from ..call.extrapolation import (
     excited_outside,
     held_beyond,
+    pressed_too_hard,
     rough_beyond,
 )
 from ..call.model_choice import is_rough, of_line
@@ -157,7 +158,7 @@ def press(
         contact,
         thermal=_times(good, conductance, conductivity, "conductivity", False),
         electrical=_times(good, conductance, resistivity, "resistivity", True),
-        marks=beyond,
+        marks=(*beyond, *_too_much(foundation, surface, points)),
         model="MDR line of the interface" + rule,
         inputs=tuple(inputs),
     )
@@ -514,6 +515,21 @@ def _beyond(foundation: Foundation, surface: Any, points: _Points) -> tuple[Doub
         return rough_beyond(foundation.range, outside, points.temperature, points.shape)
     factor = xp.broadcast_to(xp.asarray(points.factor), points.shape)
     return held_beyond(foundation.range, points.time, points.temperature, factor)
+
+
+def _too_much(
+    foundation: Foundation, surface: Surface, points: _Points
+) -> tuple[Doubt, ...]:
+    """Where a pressure exceeds the modulus: at rest that of the time, in sliding that at
+    the longest waves.
+    """
+    modulus = 1 / points.compliance
+    if points.velocity is not None:
+        line = isinstance(surface, RoughLine)
+        longest = 2 * np.pi / surface.period if line else surface.q_low
+        omega = longest * points.velocity * points.factor
+        modulus = abs(foundation.complex_modulus(omega))
+    return pressed_too_hard(points.reduced_pressure, modulus)
 
 
 def _model_error(surface: Any, points: _Points) -> Any:

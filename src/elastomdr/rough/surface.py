@@ -10,7 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import namespace, stop_gradient, xp
-from ..call.extrapolation import beyond_sweep, excited_outside, rough_beyond, warn_of
+from ..call.extrapolation import (
+    beyond_sweep,
+    excited_outside,
+    pressed_too_hard,
+    rough_beyond,
+    warn_of,
+)
 from ..call.problem import SteadyScene, rough_scene
 from ..checks import (
     is_traced,
@@ -42,8 +48,6 @@ from .problem import RoughCall
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-4  # share of real contact below which it probably is
-# pressure over the modulus at the longest waves from which on there is a warning
-_FAR = 10.0
 _HOT = (
     "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 )
@@ -860,28 +864,13 @@ def _doubt_unit(hysteresis: SurfaceFriction, pressure: np.ndarray) -> None:
 
 
 def _too_much(scene: SteadyScene, surface: AbstractSpectrum) -> tuple[Doubt, ...]:
-    """Where a pressure exceeds the modulus that the rubber has at the longest waves; with
-    a warning where it does so by far, since it may be given in another unit.
-    """
-    asked = scene.full(scene.value) / scene.vertical, scene.reduced * surface.q_low
-    pressure, omega, body = known(stop_gradient((*asked, scene.foundation)))
-    modulus = abs(body.complex_modulus(omega))
-    points = pressure > modulus
-    if not is_traced(points):
-        most = int(np.argmax(pressure / modulus))
-        given, at_most = np.ravel(pressure)[most], np.ravel(modulus)[most]
-        if given > _FAR * at_most:
-            warn(
-                f"pressure is taken in Pa: {given:g} Pa are {given / at_most:.0f} times "
-                f"the modulus of the rubber at the longest waves, {at_most:.2g} Pa. "
-                "Rubber is not linear there.",
-                ModelWarning,
-            )
-    says = (
-        "have a pressure above the modulus of the rubber at the longest waves, where "
-        "rubber is not linear, as it is taken here"
+    """Where a pressure exceeds the modulus that the rubber has at the longest waves."""
+    omega, body = known(
+        stop_gradient((scene.reduced * surface.q_low, scene.foundation))
     )
-    return (Doubt("estimate", points, says, "a pressure as it occurs"),)
+    return pressed_too_hard(
+        scene.full(scene.value) / scene.vertical, abs(body.complex_modulus(omega))
+    )
 
 
 def _misfit(

@@ -44,11 +44,14 @@ from ..results.base import part, quantity
 from .persson_gap import closing_pressure
 
 _PLACES = 65  # at which the fluid along an even seal is kept
-_CELLS = 64  # of a seal whose pressure is not even
+_CELLS, _MOST_CELLS = 64, 256  # of a seal whose pressure is not even
+_CHANGED = 0.02  # change of its flow from half of them, from which they are doubled
+_UNKNOWN = 0.5  # the same of the most, from which the flow is not known
 _RANGE = np.log(1e5), 9.0  # of log z/(1 - z), below the largest pressure, and at most
 _SPACING = 4.0  # of that, times the number of intervals of a model
 _FINE = 256  # places in _SPACING where it is interpolated
 _WIDE = 0.05  # change of what contact bears in a cell, above which w counts its places
+_OPEN = 0.9  # of the pressure at which channels close, where a search may begin
 _ROUNDS = 3  # for the mean pressure of a gas in a cell
 _SETTLED = 1e-9  # change of log q
 
@@ -331,12 +334,18 @@ class Uneven(NamedTuple):
 def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
     """A seal whose pressure changes along it; all arrays of `pressed` (points,)."""
     fine, coarse = _tables(pressed, seal.peak * pressed.soft)
-    cells, half = (_cells(pressed, seal, count) for count in (_CELLS, _CELLS // 2))
-    log_flux, good = _fluxes(fine, cells, None)
-    log_less, also = _fluxes(coarse, half, log_flux[:1])
-    flux, less = np.exp(log_flux), np.exp(log_less[0])
-    open_ = flux[0] > 0
-    whole = np.where(open_, flux[0], 1.0)
+    count, log_flux = _CELLS, None
+    while True:
+        cells, half = (_cells(pressed, seal, many) for many in (count, count // 2))
+        log_flux, good = _fluxes(fine, cells, log_flux)
+        log_less, also = _fluxes(coarse, half, log_flux[:1])
+        flux, less = np.exp(log_flux), np.exp(log_less[0])
+        open_ = flux[0] > 0
+        whole = np.where(open_, flux[0], 1.0)
+        change = abs(flux[0] - less) / whole
+        if count == _MOST_CELLS or not (change > _CHANGED).any():
+            break
+        count *= 2
     model_error = None
     if not fine.exact:
         bounded = len(flux) > 1
@@ -354,7 +363,7 @@ def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
     middles = 0.5 * (fluid[1:] + fluid[:-1])
     viscous = ((1 + cells.expands * middles) * passed(fine.flow[0])).sum(0)
     hardest = _asked(pressed, downstream.max(0)[None])
-    places = np.linspace(0.0, 1.0, _CELLS + 1)
+    places = np.linspace(0.0, 1.0, count + 1)
     x = seal.start[:, None] + seal.length[:, None] * places
     profile = AlongSeal(x, seal.pressure_at(places), (fluid / pressed.soft).T)
     return SealFlow(
@@ -364,9 +373,9 @@ def uneven(pressed: PressedSeal, seal: Uneven) -> SealFlow:
         hardest.critical_gap,
         seal.length * (downstream <= 0).mean(0),
         pressed.fluid.path * faint / np.where(viscous > 0, viscous, 1.0),
-        np.where(open_, abs(flux[0] - less) / whole + fine.error, fine.error),
+        np.where(open_, change + fine.error, fine.error),
         model_error,
-        good[0] & also[0],
+        good[0] & also[0] & (change < _UNKNOWN),
         fine.said,
         fine.work,
         fine.slips_by_itself,
@@ -461,9 +470,11 @@ class _Cells(NamedTuple):
 
 def _cells(pressed: PressedSeal, seal: Uneven, count: int) -> _Cells:
     middles = (np.arange(count) + 0.5) / count
-    soft = pressed.soft
+    soft, pressure = pressed.soft, np.array(seal.pressure_at(middles))
+    # what holds the fluid back longest is not lost between two middles
+    pressure[np.arange(len(pressure)), pressure.argmax(1)] = seal.peak
     return _Cells(
-        (seal.pressure_at(middles) * soft[:, None]).T,
+        (pressure * soft[:, None]).T,
         seal.length / count,
         pressed.drop * soft,
         pressed.fluid.expands / soft,
@@ -475,24 +486,33 @@ def _fluxes(table: _Table, cells: _Cells, guess: Array | None) -> tuple[Array, A
     """log q/E* of each flow of the table and each point, -inf where it is closed; and
     which were found.
     """
-    flows = 1 if guess is not None else len(table.flow)
-    bears = cells.pressure.max(0) - cells.drop
+    flows = len(table.flow) if guess is None else len(guess)
+    highest = cells.pressure.max(0)
     # where the fluid has not opened the hardest place
     last = np.array([table.x[np.argmax(each >= each[-1])] for each in table.flow])
-    open_ = bears < last[:flows, None]
+    open_ = highest - cells.drop < last[:flows, None]
     begin = np.zeros(open_.shape)
     if guess is None:
         place = np.maximum(cells.pressure.mean(0) - 0.5 * cells.drop, table.x[1])
+        place = np.minimum(place, _OPEN * last[0])
         slope = np.gradient(table.flow[0], table.x)
         length = cells.width * len(cells.pressure)
         mean = np.interp(place, table.x, slope) * cells.drop / length
-        begin = begin + np.log(np.maximum(mean, 1e-300))
+        begin = begin + np.log(mean)
     else:
         begin = begin + guess
+    # the pressure at the inlet rises from what opens the seal up to that which lifts it
+    least = _march(table, cells, np.full(open_.shape, -np.inf))[0]
+
+    def height(inlet: Array) -> Array:
+        over, below = inlet - least, highest - inlet
+        return np.log(np.maximum(over, 1e-300)) - np.log(np.maximum(below, 1e-300))
+
+    wanted = height(np.broadcast_to(cells.drop, open_.shape))
 
     def residual(log_flux: Array) -> Array:
         inlet = _march(table, cells, log_flux)[0]
-        return np.where(open_, np.log(np.maximum(inlet / cells.drop, 1e-300)), 0.0)
+        return np.where(open_, height(inlet) - wanted, 0.0)
 
     log_flux, settled = search(residual, begin, _SETTLED, 1.0)
     return np.where(open_, log_flux, -np.inf), settled | ~open_

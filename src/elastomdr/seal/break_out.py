@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from ..arrays import numpy_unless_traced, stop_gradient, xp
-from ..call.extrapolation import held_beyond
+from ..call.extrapolation import held_beyond, pressed_too_hard
 from ..call.several_materials import over_materials
 from ..checks import (
     as_float64,
@@ -201,7 +201,10 @@ def break_out(
     }
     return BreakOut(
         **broadcast(**given, **fields, converged=good),
-        marks=beyond,
+        marks=(
+            *beyond,
+            *pressed_too_hard(xp.broadcast_to(given["pressure"], shape), 1 / soft),
+        ),
         model=f"{chosen.words()}; its shear at once",
         plan="real contact of an elastic body with the creep of the dwell",
         inputs=tuple(_in_words(foundation, surface, shear, given)),

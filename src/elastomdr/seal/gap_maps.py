@@ -223,6 +223,7 @@ def _fluxes(cube: Any, pools: Any, inside: Any) -> list[tuple[float, float]]:
 # Relative error of the flow by four cells per shortest wave, over -ln(1 - A/0.415):
 # benchmarks/leak_grid.py. It falls as the square of the cell.
 _OF_CELLS, _CLOSES, _SURE = 0.12, 0.415, 0.38
+SHUT = 0.5  # real contact from which on no map of a rough surface lets anything through
 _SMALL = 1e-4  # mean free path over w^(1/3) at which the slip of maps is added up
 
 
@@ -336,6 +337,7 @@ def leak(
         "longest waves to a side"
     )
     error = _scatter(flows) + _of_cells(area.mean(0), surface, grid)
+    error = np.where((w == 0) & (area.mean(0) > SHUT), 0.0, error)
     of_surface = of_heights(surface, area.mean(0))
     if turned:
         of_surface = of_skewness(skewness_of(surface), area.mean(0))
@@ -378,11 +380,11 @@ def _of_cells(area: np.ndarray, surface: Any, grid: MapGrid) -> np.ndarray:
 
 def _scatter(flows: np.ndarray) -> np.ndarray:
     """Twice the standard error of w over maps (maps, axes, points), relative; NaN of a
-    single one, and where all are closed.
+    single one, zero where all are closed.
     """
     if len(flows) == 1:
         return np.full(flows.shape[-1], np.nan)
     each = flows.mean(1)
     mean = each.mean(0)
     spread = 2 * each.std(0, ddof=1) / len(flows) ** 0.5
-    return np.where(mean > 0, spread / np.where(mean > 0, mean, 1.0), np.nan)
+    return np.where(mean > 0, spread / np.where(mean > 0, mean, 1.0), 0.0)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from ..arrays import numpy_unless_traced, stop_gradient, xp
-from ..call.extrapolation import held_beyond
+from ..call.extrapolation import held_beyond, pressed_too_hard
 from ..call.problem import check_carries
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -418,10 +418,15 @@ def leak(
     factor = xp.broadcast_to(xp.asarray(factor), shape)
     temperatures = given["temperature"]
     beyond = held_beyond(foundation.range, given["time"], temperatures, factor)
+    too_hard = pressed_too_hard(xp.broadcast_to(seal.peak, shape), 1 / soft)
     fields = _fields(given, flow, good, shape)
     return Leak(
         **fields,
-        marks=(*beyond, *_wide_by_heights(pressed, fields["model_error"], good)),
+        marks=(
+            *beyond,
+            *too_hard,
+            *_wide_by_heights(pressed, fields["model_error"], good),
+        ),
         slip_estimated=given["outlet_pressure"] is not None
         and not flow.slips_by_itself,
         model=_model_in_words(given, flow),

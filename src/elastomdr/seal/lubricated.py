@@ -24,7 +24,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..arrays import numpy_unless_traced, one_thread
-from ..call.extrapolation import held_beyond, steady_beyond, told
+from ..call.extrapolation import (
+    held_beyond,
+    pressed_too_hard,
+    steady_beyond,
+    told,
+)
 from ..call.problem import Asked
 from ..call.several_materials import over_materials
 from ..checks import (
@@ -444,7 +449,7 @@ def _group(
     bodies = bodies_of(scene.material)
     scales = _dry(scene, points, bodies)
     rubbed, beyond = _rubbing(scene, points, scales, rough)
-    out = [_Solved() for _ in points]
+    out = [_Solved(half=each.half) for each in scales]
     known = [i for i, each in enumerate(scales) if np.isfinite(each.half)]
     cases = [
         _case(scene, int(points[i]), scales[i], bodies, rough, rubbed[i]) for i in known
@@ -524,7 +529,9 @@ def _judged(coarser: Array, coarse: Array, fine: Array) -> _Judged:
     """
     before, better = _extrapolated(coarser, coarse), _extrapolated(coarse, fine)
     change = np.abs(better - before)
-    error = np.abs(better - fine) + _UNSURE * np.nan_to_num(change)
+    # what extrapolating changes is not known of two grids: all of their difference
+    left = np.where(np.isnan(change), np.abs(fine - coarse), _UNSURE * change)
+    error = np.abs(better - fine) + left
     return _Judged(better, error, change)
 
 
@@ -831,11 +838,21 @@ def _packed(
         model_error=np.full(dims, np.nan),
         profile=FilmProfile(*profile),
         converged=good.reshape(dims),
-        marks=beyond,
+        marks=(*beyond, *_too_much(scene, solved)),
         model=model,
         plan=f"Newton's method on {_NODES} and more nodes, extrapolated",
         inputs=tuple(inputs),
     )
+
+
+def _too_much(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:
+    """Where the dry contact presses harder than the modulus of a half-space on which it
+    would be as wide.
+    """
+    half = np.array([each.half for each in solved])
+    pressure = 2 * scene.load / (np.pi * half * float(scene.shape.length))
+    modulus = 2 * pressure * float(scene.shape.radius) / half
+    return pressed_too_hard(pressure.reshape(scene.dims), modulus.reshape(scene.dims))
 
 
 def _beyond(scene: _FilmScene, solved: list[_Solved]) -> tuple[Doubt, ...]:
