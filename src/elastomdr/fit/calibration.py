@@ -31,7 +31,6 @@ from ..material.tabulated import needs_series
 from ..models import as_model
 from ..surface.spectrum import AbstractSpectrum
 from ..trees import replaced
-from .doubts import OF_CALIBRATION, JudgedCalibration, doubts
 from .report import TWO_SIGMA, AbstractFindings, tell
 
 if TYPE_CHECKING:
@@ -155,6 +154,8 @@ _WIDTH = 1.0
 _STEPS_SMOOTH, _STEPS = (1e-3,), (0.05, 0.0125)
 # change of parameters and of the sum of squares at which the search ends
 _EXACTLY, _ROUGHLY = 1e-8, 1e-3
+# uncertainty of a parameter over that of its prior, and correlation of two, doubted
+_NOT_LEARNED, _CORRELATED = 0.7, 0.98
 _LEAST = 0.2  # part of a parameter in the least known direction from which it is named
 
 
@@ -314,7 +315,8 @@ def calibrate(
     values = dict(zip(names, solution.point.tolist(), strict=True))
     changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(solution.covariance))
-    doubted = _diagnostics(names, std, spread, solution)
+    doubted = tuple(_doubts(names, std, spread, solution))
+    tell(doubted)
     return Calibration(
         material=changed,
         shape=shape,
@@ -333,16 +335,30 @@ def calibrate(
     )
 
 
-def _diagnostics(
-    names: list[str], std: np.ndarray, spread: np.ndarray, solution: _Solution
-) -> tuple[str, ...]:
-    """What cannot be relied on, also as warnings; `spread` is that of the priors."""
-    judged = JudgedCalibration(
-        names, std, spread, solution.covariance, solution.used, solution.converged
-    )
-    doubted = doubts(OF_CALIBRATION, judged)
-    tell(doubted)
-    return doubted
+def _doubts(
+    names: list[str], std: np.ndarray, prior: np.ndarray, solution: _Solution
+) -> Iterator[str]:
+    """What cannot be relied on; `prior` are standard deviations without the data."""
+    if not solution.converged:
+        yield "The search did not converge."
+    if missing := int((~solution.used).sum()):
+        yield (
+            f"{missing} of {solution.used.size} points have no computed answer and count "
+            "for nothing."
+        )
+    for name, after, before in zip(names, std, prior, strict=True):
+        if after > _NOT_LEARNED * before:
+            yield (
+                f"{name} is hardly determined by the data: its uncertainty, "
+                f"{after:.2g}, is that of the prior, {before:.2g}."
+            )
+    correlation = solution.covariance / np.outer(std, std)
+    for i, j in zip(*np.tril_indices(len(names), -1), strict=True):
+        if abs(correlation[i, j]) > _CORRELATED:
+            yield (
+                f"{names[j]} and {names[i]} cannot be separated (correlation "
+                f"{correlation[i, j]:.3f})."
+            )
 
 
 def _checked_data(

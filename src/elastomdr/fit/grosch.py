@@ -23,10 +23,9 @@ from ..checks import (
     scalar,
 )
 from ..errors import InputError
-from .doubts import OF_FRICTION, JudgedFriction, doubts
 from .isotherms import alike, group
 from .laws import LawFit, fit_laws, locate
-from .report import TWO_SIGMA, AbstractFindings, of_shifts, tell
+from .report import TWO_SIGMA, AbstractFindings, shifts_in_words, tell
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
 from .spectrum import STORAGE, MeasuredPoints, Posterior, Prior, infer
 
@@ -43,6 +42,7 @@ _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second di
 # change of friction over all velocities, in standard deviations of the scatter, below
 # which none is seen
 _FLAT = 6.0
+_UNCERTAIN = 0.3  # relative standard deviation of a shift between neighbours
 # part of the largest friction below which an error in proportion shrinks no further
 _LEAST = 0.05
 
@@ -151,7 +151,7 @@ class FrictionMaster(AbstractFindings):
             if high < 1.01 * low
             else f"{low:.2g} to {high:.2g} in mu",
         )
-        yield from of_shifts(
+        yield from shifts_in_words(
             self.temperature, self.log10_a, self.log10_a_std, self.laws
         )
         for warning in self.warnings:
@@ -363,7 +363,6 @@ def _packed(
     place = locate(temperatures, x, spread, reference)
     change = np.eye(temperatures.size) - place.weights
     log10_a, covariance = x - place.log10_a, change @ spread @ change.T + place.variance
-    judged = JudgedFriction(temperatures - 273.15, x, spread, flat, posterior.converged)
     master = FrictionMaster(
         reference=reference,
         temperature=temperatures,
@@ -375,7 +374,7 @@ def _packed(
         mu=points.log_value,
         number=points.isotherm,
         error=error,
-        warnings=doubts(OF_FRICTION, judged),
+        warnings=tuple(_doubts(fit, temperatures - 273.15, x, spread, flat)),
         converged=posterior.converged,
         _posterior=posterior,
         _spline=spline,
@@ -383,3 +382,32 @@ def _packed(
     )
     tell(master.warnings)
     return master
+
+
+def _doubts(
+    fit: _FrictionFit,
+    celsius: np.ndarray,
+    log10_a: np.ndarray,
+    covariance: np.ndarray,
+    flat: bool,
+) -> Iterator[str]:
+    """What cannot be relied on; `flat` where friction changes less over all velocities
+    than its scatter can show.
+    """
+    if not fit.posterior.converged:
+        yield "The fit did not converge: look at the figure before using it."
+    if flat:
+        yield (
+            "The friction is too flat against its scatter to see any shift: log10 a_T is "
+            "what is usual of rubber."
+        )
+        return
+    between = np.diff(np.eye(celsius.size), axis=0)
+    variance = np.diag(between @ covariance @ between.T)
+    std = np.sqrt(np.maximum(variance, 0.0))
+    for i in np.flatnonzero(std > _UNCERTAIN * np.abs(np.diff(log10_a))):
+        yield (
+            f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known "
+            f"to +- {TWO_SIGMA * std[i]:.2g} decades only: the friction hardly changes "
+            "there, or the curves do not overlap."
+        )

@@ -27,7 +27,7 @@ from ..material.shift import (
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
 from ..trees import replaced
-from .doubts import OF_SHIFTS, JudgedShifts, doubts
+from .doubts import JudgedShifts, of_shifts
 from .isotherms import Isotherms, gathered, group, isotherms, refuse_exchanged
 from .laws import LawFit, given_law, law_about, words
 from .report import (
@@ -36,8 +36,8 @@ from .report import (
     DynamicBand,
     RelaxationBand,
     dynamic_band,
-    of_shifts,
     relaxation_band,
+    shifts_in_words,
     table_csv,
     tell,
 )
@@ -581,7 +581,7 @@ class MasterCurve(AbstractFindings):
         if self.given:
             yield "shift factors", self.given
         if not self.given or (np.abs(self.log10_b) > 1e-4).any():
-            yield from of_shifts(
+            yield from shifts_in_words(
                 self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical
             )
         for warning in self.warnings:
@@ -715,7 +715,7 @@ def _assemble(
         relaxation=lifted[by_channel[RELAXATION]],
         time_isotherm=points.isotherm[by_channel[RELAXATION]],
         noise=noise,
-        warnings=doubts(OF_SHIFTS, judged),
+        warnings=tuple(of_shifts(judged)),
         converged=shifts.posterior.converged,
         source=dma.source,
         dma=dma,

@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
+from scipy.optimize import OptimizeResult, isotonic_regression, least_squares
+from scipy.special import stdtrit
 
 from ..checks import as_float64, in_si, one_of, positive
 from ..errors import InputError
@@ -24,7 +26,6 @@ from ..files import as_path, write_files
 from ..io.data import Dma, lists
 from ..material.softening import Softening
 from ..trees import fill, static
-from .doubts import OF_SOFTENING, JudgedSoftening, doubts
 from .isotherms import group
 from .report import AbstractFindings, table_csv, tell
 
@@ -45,6 +46,10 @@ _ROUNDS = 4  # of the size of errors
 _NODES = 41  # of the table that stands for Kraus' form, down to _FIRST of its strain
 _FIRST = 1e-4
 _PER_DECADE = 4  # points of a table of measured factors
+# what is doubted: slope of ln storage over ln strain at the largest strain, falling;
+# drop of the storage modulus at the smallest; standard deviation of the drop; rms of a
+# sweep over the median of all
+_FALLING, _SOFTENED, _UNCERTAIN, _APART = 0.1, 0.03, 0.25, 2.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -198,8 +203,6 @@ def softening(
     data, told = _data(strain_sweep)
     p, spread, sigma = _fitted(data)
     freedom = max(data.values.size - p.size, 1)
-    from scipy.special import stdtrit
-
     half = float(stdtrit(freedom, 0.975)) * spread
     low, high = np.maximum(p[:4] - half[:4], _LOW), np.minimum(p[:4] + half[:4], _HIGH)
     ends = [
@@ -222,14 +225,14 @@ def softening(
         omega=data.omega,
         small=np.exp(p[4:].reshape(-1, 2)),
         error=(float(sigma[0]), float(sigma[1])),
-        warnings=(*told, *doubts(OF_SOFTENING, _judged(data, p, spread))),
+        warnings=(*told, *_doubts(data, p, spread)),
     )
     strain, table = _table(sweeps) if form == "table" else _of_kraus(data, p[:4])
     tell(sweeps.warnings)
     return SofteningFit(strain, np.minimum(table[:, 0], 1.0), table[:, 1], sweeps)
 
 
-def _data(sweep: Any) -> tuple[_Data, list[str]]:
+def _data(sweep: Dma | Mapping[str, Any]) -> tuple[_Data, list[str]]:
     """The points of the sweeps, and what was left out. Raises `InputError`."""
     values = _values(sweep)
     for name in ("strain", "storage", "loss"):
@@ -266,7 +269,7 @@ def _data(sweep: Any) -> tuple[_Data, list[str]]:
     return _Data(log_strain[kept], logs, number, *means), remarks
 
 
-def _values(sweep: Any) -> dict[str, np.ndarray]:
+def _values(sweep: Dma | Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Strain, moduli, temperature and angular frequency of each point, NaN where it is
     not known. Raises `InputError`.
     """
@@ -309,8 +312,6 @@ def _fitted(data: _Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """r, ln strain_c, m, h and the moduli of small strain; their standard deviations;
     errors of ln storage and loss.
     """
-    from scipy.optimize import least_squares
-
     small_strain = np.array(
         [data.values[data.number == i].max(0) for i in range(data.sweeps)]
     )
@@ -323,7 +324,6 @@ def _fitted(data: _Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     middle, end = np.median(data.log_strain), data.log_strain.max()
     for start in ((0.5, middle, 0.5, 0.5), (0.7, end, 0.5, 1.0), (0.3, end, 0.8, 0.2)):
         trial = _solve(
-            least_squares,
             data,
             sigma,
             np.concatenate([start, small_strain.ravel()]),
@@ -340,20 +340,19 @@ def _fitted(data: _Data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             ),
             1e-9,
         )
-        best = _solve(least_squares, data, sigma, best.x, low, high)
+        best = _solve(data, sigma, best.x, low, high)
     spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(best.jac.T @ best.jac)), 0.0))
     return best.x, spread, sigma
 
 
 def _solve(
-    solver: Any,
     data: _Data,
     sigma: np.ndarray,
     start: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
-) -> Any:
-    return solver(
+) -> OptimizeResult:
+    return least_squares(
         lambda p: ((data.model(p) - data.values) / sigma).ravel(),
         np.clip(start, low + 1e-6, high - 1e-6),
         jac="3-point",
@@ -385,33 +384,45 @@ def _table(sweeps: Sweeps) -> tuple[np.ndarray, np.ndarray]:
         if step.any()
     ]
     nodes, storage, loss = np.array(rows).T
-    # neighbours that rise become their mean, until none does
-    for i in range(1, storage.size):
-        j = i
-        while j > 0 and storage[j] > storage[j - 1]:
-            first = int(np.flatnonzero(np.isclose(storage, storage[j - 1]))[0])
-            storage[first : i + 1] = storage[first : i + 1].mean()
-            j = first
+    storage = isotonic_regression(storage, increasing=False).x
     return np.exp(nodes), np.stack([storage, loss], -1)
 
 
-def _judged(data: _Data, p: np.ndarray, spread: np.ndarray) -> JudgedSoftening:
+def _doubts(data: _Data, p: np.ndarray, spread: np.ndarray) -> Iterator[str]:
+    """What cannot be relied on in Kraus' form through strain sweeps."""
     first, last = data.log_strain.min(), data.log_strain.max()
     log_storage = _factors(np.array([first, last - 0.01, last]), p[:4])[:, 0]
+    if log_storage[1] - log_storage[2] > 0.01 * _FALLING:
+        yield (
+            "The storage modulus still falls at the largest strain, "
+            f"{100 * np.exp(last):.3g} %: where it levels off is an extrapolation. The "
+            "factors end there, and are held beyond."
+        )
+    if 1 - np.exp(log_storage[0]) > _SOFTENED:
+        yield (
+            f"At the smallest strain, {100 * np.exp(first):.3g} %, the rubber has "
+            "softened already: the moduli of small strain are an extrapolation."
+        )
     # a rise of zero is no limit
     lowest = (p[:4] - _LOW < 1e-6) & (np.arange(4) != 3)
+    if (lowest | (_HIGH - p[:4] < 1e-6)).any():
+        yield (
+            "A constant of Kraus' form is at the end of what is looked at: take the "
+            "table (form='table')."
+        )
+    if spread[0] > _UNCERTAIN:
+        yield f"The drop of the storage modulus is known to +- {2 * spread[0]:.2g} only."
     off = (data.model(p) - data.values) ** 2
-    square = [np.mean(off[data.number == i], axis=0) for i in range(data.sweeps)]
-    return JudgedSoftening(
-        strain=(float(np.exp(first)), float(np.exp(last))),
-        first=float(np.exp(log_storage[0])),
-        slope=float(log_storage[1] - log_storage[2]) / 0.01,
-        at_limit=bool((lowest | (_HIGH - p[:4] < 1e-6)).any()),
-        drop_std=float(spread[0]),
-        rms=np.sqrt(square),
-        temperature=data.temperature,
-        omega=data.omega,
-    )
+    rms = np.sqrt([off[data.number == i].mean(axis=0) for i in range(data.sweeps)])
+    apart = (rms > _APART * np.median(rms, axis=0)).any(axis=1)
+    for i in np.flatnonzero(apart & (apart.size > 1)):
+        celsius, hertz = data.temperature[i] - 273.15, data.omega[i] / (2 * np.pi)
+        where = "" if np.isnan(celsius) else f" at {celsius:.3g} degC"
+        where += "" if np.isnan(hertz) else f" and {hertz:.3g} Hz"
+        yield (
+            f"The sweep{where} does not follow the factors of the others: they depend on "
+            "it."
+        )
 
 
 def softening_csv(sweeps: Sweeps) -> str:

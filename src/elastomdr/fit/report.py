@@ -69,7 +69,7 @@ class AbstractFindings(abc.ABC):
         return table if plot is None else table + html_figure(plot(style="paper"))
 
 
-def of_shifts(
+def shifts_in_words(
     temperature: np.ndarray,
     log10_a: np.ndarray,
     std: np.ndarray,

@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..io.data import KINDS, lists
 from ..material.prony import Prony
 from ..material.validity import Range, misfit_bands
-from .doubts import OF_SERIES, JudgedSeries, doubts, relaxation_excess
+from .doubts import JudgedSeries, of_series, relaxation_excess
 from .isotherms import alike
 from .master import MasterCurve
 from .report import (
@@ -679,7 +679,7 @@ class _Series(NamedTuple):
             limits=self.limits,
             omega=omega,
         )
-        return doubts(OF_SERIES, judged)
+        return tuple(of_series(judged))
 
     def material(self, omega: np.ndarray, measured_at: Any, **options: Any) -> Prony:
         """The series as a material, which knows its range and its misfit."""

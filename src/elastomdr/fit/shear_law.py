@@ -27,7 +27,6 @@ from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
 from ..rough.adhesion import AdhesiveShear
-from .doubts import OF_ADHESION, JudgedAdhesion, doubts
 from .report import AbstractFindings, table_csv, tell
 
 if TYPE_CHECKING:
@@ -57,6 +56,7 @@ _WIDTHS = (0.02, 0.08, 0.3, 1.0)
 _ENERGIES = (0.3, 0.6, 0.9, 1.3, 2.0)
 _PLACES = 9
 _CUTOFFS = 7
+_MISFIT = 1.5  # rms of the residuals over the error given, doubted
 _PLACES_OF = ("velocity", "temperature", "pressure")  # of a point
 _STARTS = 3  # of these, the best, from which the search sets out
 
@@ -656,20 +656,65 @@ def _packed(
         converged=success,
         warnings=(),
     )
-    of_used = fit.residuals[used] / size
-    judged = JudgedAdhesion(
-        converged=success,
-        used=used,
-        open_ends=estimate.open_ends,
-        width=estimate.interval["width"][0],
-        decades=float(np.ptp(points.log_v[used])),
-        cutoffs=tuple(np.exp(points.cutoff or (0.0, 0.0))),
-        hysteresis=hysteresis[used],
-        measured=points.mu[used],
-        misfit=float(np.sqrt(np.mean(of_used**2))) if known else np.nan,
-        warm=data.temperature is not None and points.warm is not None,
+    misfit = float(np.sqrt(np.mean((fit.residuals[used] / size) ** 2)))
+    return replace(
+        fit, warnings=tuple(_doubts(points, fit, estimate, misfit if known else 0.0))
     )
-    return replace(fit, warnings=doubts(OF_ADHESION, judged))
+
+
+def _doubts(
+    points: _FittedPoints, fit: AdhesionFit, estimate: _Estimate, misfit: float
+) -> Iterator[str]:
+    """What cannot be relied on; `misfit` is the rms of the residuals over the error
+    given.
+    """
+    ends, used = estimate.open_ends, fit.used
+    if not fit.converged and not any(ends["velocity"]):
+        yield "The search did not converge."
+    if missing := int((~used).sum()):
+        yield (
+            f"{missing} of {used.size} points have no computed hysteresis or contact "
+            "area and are left out."
+        )
+    names = [n for n in ("stress", "velocity", "energy") if any(ends.get(n, ()))]
+    if names:
+        yield (
+            f"{' and '.join(names)} cannot be determined: over "
+            f"{float(np.ptp(points.log_v[used])):.2g} decades of velocity the data show "
+            "no maximum of the stress. Measure at lower or higher velocities, or at more "
+            "temperatures."
+        )
+    if estimate.interval["width"][0] == 0.0:
+        yield (
+            "width cannot be distinguished from 0: over the measured velocities the "
+            "stress is constant, or rises or falls as a power, within the scatter."
+        )
+    if ends["width"][1]:
+        yield (
+            "width is not bounded above: the stress falls off within the distance of two "
+            "velocities."
+        )
+    if points.cutoff is not None and any(ends["q_high"]):
+        low, high = np.exp(points.cutoff)
+        yield (
+            f"q_high reaches the end of the cutoffs that were computed, {low:.3g} to "
+            f"{high:.3g} rad/m: compute more."
+        )
+    if above := int((fit.hysteresis > fit.measured)[used].sum()):
+        yield (
+            f"At {above} of {int(used.sum())} points the computed hysteresis alone is "
+            "above the measured friction."
+        )
+    if misfit > _MISFIT:
+        yield (
+            f"Residuals are {misfit:.2g} times the error given: hysteresis and this law "
+            "do not describe the data."
+        )
+    if fit.temperature is None or points.warm is None:
+        yield (
+            "Measured at one temperature: how the adhesion shifts with temperature is "
+            "not known."
+        )
 
 
 def _level(
