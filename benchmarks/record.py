@@ -192,9 +192,6 @@ def scenes() -> dict[str, Callable[[], Any]]:
             .imag
             for name in em.materials()
         },
-        "persson": lambda: em.reference.persson(
-            BROAD, ROAD, velocity=VELOCITY, pressure=3e5
-        ),
         "full contact": lambda: em.reference.full_contact_sliding(
             BROAD, LINE.line(seed=1), velocity=VELOCITY, load=1e3
         ),

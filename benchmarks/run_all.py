@@ -23,7 +23,6 @@ MINUTES = 20
 SCRIPTS = (
     "steady_sliding",
     "sharp",
-    "skipping",
     "cold_start",
     "half_space",
     "validity_map",

@@ -41,7 +41,7 @@ def foundation(branches: int) -> em.Foundation:
     )
 
 
-def cost(shape, velocity, rtol=1e-6, branches=16, model=AVERAGED, skip=True):
+def cost(shape, velocity, rtol=1e-6, branches=16, model=AVERAGED):
     """Least processor time [ms] and the curve."""
 
     def call():
@@ -52,7 +52,6 @@ def cost(shape, velocity, rtol=1e-6, branches=16, model=AVERAGED, skip=True):
             load=LOAD,
             rtol=rtol,
             model=model,
-            skip=skip,
         )
 
     call()
@@ -246,15 +245,13 @@ def main() -> None:
             (
                 name,
                 *(
-                    cost(
-                        SHAPES[name], VELOCITY, branches=n, skip=False, model=em.Line()
-                    )[0]
+                    cost(SHAPES[name], VELOCITY, branches=n, model=em.Line())[0]
                     for n in (10, 50, 200)
                 ),
             )
         )
     record["branches"] = table(
-        ("64 bare lines, none condensed [ms]; branches", "10", "50", "200"), rows
+        ("64 bare lines [ms]; branches", "10", "50", "200"), rows
     )
     growth = max(row[3] / row[1] for row in rows)
     record["opponent"] = opponent()

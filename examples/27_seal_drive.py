@@ -71,7 +71,6 @@ def main(out: Path) -> None:
             load=load,
             model=em.Line(),
             rtol=1e-3,
-            skip=False,
         )
         known = em.stability(
             em.Mount(MASS, STIFFNESS, DAMPING),

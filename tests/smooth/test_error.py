@@ -69,20 +69,6 @@ def test_rtol_is_honoured_and_covered(shape, rtol):
         assert (got.error <= rtol * got.mu).all(), name
 
 
-def test_skipping_costs_what_it_says():
-    foundation = em.Foundation(1e5, np.full(40, 1e6), np.logspace(-12, 12, 40))
-    for velocity in (1e-3, 1.0, 1e3):
-        scene = {"velocity": velocity, "load": 1.0, "rtol": 1e-6}
-        with_skips = em.friction(foundation, em.Paraboloid(5e-3), **scene)
-        without = em.friction(
-            foundation, em.Paraboloid(5e-3), **{**scene, "rtol": 1e-10}, skip=False
-        )
-        how = with_skips.plan.condensation
-        assert len(how.springs) + len(how.dashpots) >= 12
-        assert not without.plan.condensation.springs
-        assert abs(with_skips.mu - without.mu) <= with_skips.error
-
-
 @pytest.mark.slow
 def test_strips_of_a_layer_are_counted_in_the_error():
     # Across a cone's tip strips converge slowly. Elastic with a weak dashpot, mu = eta

@@ -79,7 +79,6 @@ def test_jit_and_vmap():
             velocity=velocity,
             load=1.0,
             model=em.Line(),
-            skip=False,
         ).mu
 
     velocity = np.array([0.01, 1.0])

@@ -17,9 +17,8 @@ def _fields(result):
 
 
 @pytest.mark.parametrize("problem", PROBLEMS, ids=lambda p: p.name)
-@pytest.mark.parametrize("skip", [True, False])
-def test_exact_answer(problem, skip):
-    result = problem.solve(skip=skip, rtol=1e-8)
+def test_exact_answer(problem):
+    result = problem.solve(rtol=1e-8)
     assert result.converged.all()
     fields = _fields(result)
     for name, value in problem.expected.items():

@@ -32,8 +32,9 @@ from ..surface.shapes import AbstractShape, Cylinder, FlatPunch, Paraboloid, Sph
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
-    from ..element.layer import Layer
+    from ..element.layer import Body
     from ..material.prony import Prony
+    from ..material.tabulated import TabulatedModulus
 
 # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _FASTEST = 1e60
@@ -220,7 +221,7 @@ _DEEPEST = {Paraboloid: 1.0, Cylinder: 0.5, Sphere: math.tanh(1.0), FlatPunch: 1
 
 
 def doubt_depth(
-    body: Prony | Foundation | Layer, shape: AbstractShape, depth: Array
+    body: Prony | TabulatedModulus | Body, shape: AbstractShape, depth: Array
 ) -> tuple[Doubt, ...]:
     """The doubt of a shape that is pressed in deeper than the radius a of the contact
     that belongs to the depth, d = g(a), or through springs; with a warning.

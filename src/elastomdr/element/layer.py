@@ -40,7 +40,7 @@ from ..material.shift import same_thermal
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, shared
 from ..trees import Tree, fill, static
-from .law import normal_operator
+from .law import Foundation, TabulatedFoundation, normal_operator
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, ComplexArray, Number
@@ -117,6 +117,12 @@ class Layer(Tree):
     def covers(self) -> tuple["Layer", ...]:
         """The layers across the contact, one or two."""
         return (self,) if self.other is None else (self, self.other)
+
+    @property
+    def whole(self) -> Array:
+        """Thickness of all covers [m]."""
+        more = 0.0 if self.other is None else self.other.thickness
+        return self.thickness + more
 
     @property
     def name(self) -> str:
@@ -257,7 +263,7 @@ def layer(
     return Layer(material, thickness, bonded=bonded, other=other)
 
 
-def layer_kernel(z: Array, squeeze: Any, bonded: bool) -> Array:
+def layer_kernel(z: Array, squeeze: Array | float, bonded: bool) -> Array:
     """W at z = kh > 0; `squeeze` = 1 - 2 nu, real or complex. Accurate to rounding for
     all z, at nu = 1/2 as well.
     """
@@ -278,7 +284,7 @@ def layer_kernel(z: Array, squeeze: Any, bonded: bool) -> Array:
     return (2 * kappa * excess + 8 * z * e * squeeze) / _bonded_denominator(z, e, kappa)
 
 
-def layer_deficit(z: Array, squeeze: Any, bonded: bool) -> Array:
+def layer_deficit(z: Array, squeeze: Array | float, bonded: bool) -> Array:
     """1 - W at z = kh > 0, to full relative accuracy where it is small."""
     e = xp.exp(-2 * z)
     if not bonded:
@@ -291,5 +297,9 @@ def layer_deficit(z: Array, squeeze: Any, bonded: bool) -> Array:
     )
 
 
-def _bonded_denominator(z: Array, e: Array, kappa: Any) -> Array:
+def _bonded_denominator(z: Array, e: Array, kappa: Array | float) -> Array:
     return kappa * (1 + e**2) + (1 + kappa**2 + 4 * z**2) * e
+
+
+# what a pressure rests on, each by its law
+Body = Layer | Foundation | TabulatedFoundation

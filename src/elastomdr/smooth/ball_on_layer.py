@@ -4,9 +4,9 @@ directions, result.
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,13 @@ from ..numerics.implicit import as_doubles, implicit, numbers_with_slopes
 from ..numerics.interpolation import lagrange
 from ..numerics.root import search
 from ..results.words import covers_in_words, describe
-from ..surface.direction import Directions, directions, layer_asymmetry, shared_grid
+from ..surface.direction import (
+    Directions,
+    SharedGrid,
+    directions,
+    layer_asymmetry,
+    shared_grid,
+)
 from ..surface.shapes import AbstractShape, FlatPunch, PowerLaw
 from .layer_line import (
     Slid,
@@ -34,7 +40,7 @@ from .layer_line import (
     line_between,
     slide_on_layer,
 )
-from .problem import OnLayer, SmoothCall, Solved, packed, too_deep
+from .problem import LayerPlan, OnLayer, SmoothCall, Solved, packed, too_deep
 from .softening import LINEAR
 
 AVERAGED = (
@@ -67,56 +73,21 @@ _AGAIN = 4  # times that lines whose edges are not found are tried
 _RISE = 0.6  # of log depth with log load, about
 
 
-@dataclasses.dataclass(frozen=True)
-class LayerPlan:
-    """What is computed; `print(plan)` says it in words."""
-
-    quantity: str
-    scene: str
-    model: str
-    control: str
-    points: int
-    rtol: float
-    covers: tuple[str, ...]
-    lines: int  # solutions of the line
-
-    def __str__(self) -> str:
-        rows = [
-            ("model", self.model),
-            (
-                "asked",
-                (
-                    f"{self.points} point{'s' * (self.points != 1)} by {self.control}, "
-                    f"relative error {self.rtol:g}"
-                ),
-            ),
-            *(("cover", cover) for cover in self.covers),
-            (
-                "lines",
-                (
-                    f"{self.lines}, by polynomials of degree {_ORDERS[0]} and "
-                    f"{_ORDERS[1]}, up to {_ORDERS[-1]}"
-                ),
-            ),
-            ("not needed", "history, since the motion is steady; a grid of cells"),
-        ]
-        return "\n".join(
-            [
-                f"Plan: {self.quantity}, {self.scene}",
-                *(f"  {a:<12} {b}" for a, b in rows),
-            ]
-        )
-
-
 class _Lines(NamedTuple):
     """What every line of a scene shares."""
 
     on: Sliding
-    rest: Any  # relaxed E* [Pa]
-    modulus: Any  # |E*| at a frequency
+    rest: Array  # relaxed E* [Pa]
+    modulus: Callable[[Array], Array]  # |E*| at a frequency
     curve: tuple[Array, Array, Array]  # radius, load and depth of the relaxed layer
     rtol: float
     misfit: float  # of a table of moduli to the series that stands for it, relatively
+
+
+# Under a transformation of JAX: what all points share, the material, where its values
+# are traced, and the shape; what each has, velocity and load.
+_Shared = tuple[Layer | None, AbstractShape]
+_Points = tuple[Array, Array]
 
 
 class _DirectionMean(NamedTuple):
@@ -127,19 +98,69 @@ class _DirectionMean(NamedTuple):
     good: Array
 
 
+class _Scene(NamedTuple):
+    """A call, checked and planned."""
+
+    points: SteadyScene
+    material: Layer
+    shape: AbstractShape
+    averaged: bool
+    corrected: bool  # for an asymmetric contact
+    plan: LayerPlan
+
+    @property
+    def reduced(self) -> Array:
+        """Velocities times a_T, flat [m/s]."""
+        return xp.asarray(self.points.reduced).reshape(-1)
+
+
+def ball_plan(call: SmoothCall) -> LayerPlan:
+    """What is computed. Raises `InputError` for what has no meaning."""
+    return _set_up(call).plan
+
+
 @one_thread()
-def ball_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
+def ball_on_layer(call: SmoothCall) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
+    scene = _set_up(call)
+    points, material, shape = scene.points, scene.material, scene.shape
+    rtol, averaged, reduced = scene.plan.rtol, scene.averaged, scene.reduced
+    force = value = xp.asarray(points.at_reference())
+    losing = True
+    if points.traced:
+        mean, misfit = _mean_of_traced(material, shape, reduced, value, averaged, rtol)
+    else:
+        lines = _lines(material, shape, value, points.name, rtol)
+        if points.name == "depth":
+            force = _load_of_depth(lines, reduced, value, averaged)
+        mean, misfit = _mean(lines, reduced, force, averaged), lines.misfit
+        losing = np.any(lines.on.chain.compliances)
+    mu, error = mean.mu, mean.error + misfit * xp.abs(mean.mu)
+    bound, thick = BARE_LINE * mu, material.whole
+    if averaged:
+        mu, error, bound = _asymmetric(mean, error, shape, thick, scene.corrected)
+    sunk = mean.depth >= thick
+    good = mean.good & ~sunk
+    if not points.traced:
+        good = good & (mu > _NONE) if losing else good
+        warn_unless(good, "points", f" to rtol={rtol:g}", too_deep(sunk, thick))
+    line = mean.line
+    solution = Solved(
+        mu, error, bound, force, mean.depth, line.leading, line.trailing, good
+    )
+    steady = packed(points, solution, material, shape, scene.plan)
+    return OnLayer(steady, points.full(points.temperature), scene.plan)
+
+
+def _set_up(call: SmoothCall) -> _Scene:
     material, shape, rtol = call.material, call.shape, call.rtol
     assert isinstance(material, Layer)  # or the call would not come here
     _check_shape(shape)
     chosen = of_smooth(call.model, call.quantity, shape.label)
     check_rtol(rtol)
     points = steady_scene(material, shape, call.asked)
-    control = points.name
-    thick = sum(cover.thickness for cover in material.covers)
-    if control == "depth":
-        _check_depth(points, thick)
+    if points.name == "depth":
+        _check_depth(points, material.whole)
     averaged = chosen.over_directions
     corrected = averaged and chosen.corrected
     label = CORRECTED if corrected else AVERAGED if averaged else BARE
@@ -147,49 +168,25 @@ def ball_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
     _check_covers(material)
     value = xp.asarray(points.at_reference())
     reduced = xp.asarray(points.reduced).reshape(-1)
+    count = _count(reduced, value, averaged, rtol, points.traced)
+    orders = f"by polynomials of degree {_ORDERS[0]} and {_ORDERS[1]}"
     plan = LayerPlan(
         call.quantity,
         f"{describe(shape)} on {material.name or 'a layer'}",
         label,
-        control,
+        points.name,
         reduced.size,
         float(rtol),
-        covers_in_words(material),
-        _count(reduced, value, averaged, rtol, points.traced),
+        tuple(("cover", cover) for cover in covers_in_words(material)),
+        (
+            ("lines", f"{count}, {orders}, up to {_ORDERS[-1]}"),
+            ("not needed", "history, since the motion is steady; a grid of cells"),
+        ),
     )
-    temperatures = points.full(points.temperature)
-    if not solved:
-        return OnLayer(None, temperatures, label, plan)
-    force = value
-    lines: Any = None
-    if points.traced:
-        mean, misfit = _mean_of_traced(material, shape, reduced, value, averaged, rtol)
-    else:
-        lines = _lines(material, shape, value, control, rtol)
-        if control == "depth":
-            force = _load_of_depth(lines, reduced, value, averaged)
-        mean, misfit = _mean(lines, reduced, force, averaged), lines.misfit
-    mu, error = mean.mu, mean.error + misfit * xp.abs(mean.mu)
-    bound = BARE_LINE * mu
-    if averaged:
-        mu, error, bound = _asymmetric(mean, error, shape, thick, corrected)
-    sunk = mean.depth >= thick
-    good = mean.good & ~sunk
-    if not points.traced:
-        if np.any(lines.on.chain.compliances):
-            good = good & (mu > _NONE)
-        warn_unless(good, "points", f" to rtol={rtol:g}", too_deep(sunk, thick))
-    line = mean.line
-    solution = Solved(
-        mu, error, bound, force, mean.depth, line.leading, line.trailing, good
-    )
-    steady = packed(
-        points, solution, material, shape, describe(shape), plan.covers, rtol
-    )
-    return OnLayer(steady, temperatures, label, plan)
+    return _Scene(points, material, shape, averaged, corrected, plan)
 
 
-def _check_depth(points: SteadyScene, thick: Any) -> None:
+def _check_depth(points: SteadyScene, thick: Array) -> None:
     if points.traced:
         raise InputError(
             "load must be given on a layer under jit, grad and vmap, not depth."
@@ -203,8 +200,12 @@ def _check_depth(points: SteadyScene, thick: Any) -> None:
 
 
 def _asymmetric(
-    mean: _DirectionMean, error: Any, shape: AbstractShape, thick: Any, corrected: bool
-) -> tuple[Any, Any, Any]:
+    mean: _DirectionMean,
+    error: Array,
+    shape: AbstractShape,
+    thick: Array,
+    corrected: bool,
+) -> tuple[Array, Array, Array]:
     """mu of an average over directions, its error and bound, corrected or only bounded
     for a contact that is longer ahead than behind.
     """
@@ -281,7 +282,7 @@ def _compliances(material: Layer) -> tuple[KelvinChain, float]:
     return chain, misfit
 
 
-def _relaxed_curve(on: Sliding, rest: Any, places: Array) -> tuple[Array, Array]:
+def _relaxed_curve(on: Sliding, rest: Array, places: Array) -> tuple[Array, Array]:
     """Load and depth of the relaxed layer at contact radii; beyond what the polynomials
     resolve, a steep power: a guess only.
     """
@@ -379,10 +380,11 @@ def _solve(
             error[left[lost]] = 1.0  # no order finds more
             again = np.flatnonzero((error[left] * counts > 0.2 * lines.rtol) & ~lost)
             left, before, slopes = left[again], solved.mu[again], slopes[..., again]
-            edges = tuple(
+            leading, trailing = (
                 np.where(solved.converged[again], e[again], radius[left])
                 for e in (solved.leading, solved.trailing)
             )
+            edges = leading, trailing
             if not left.size:
                 break
     return result, error
@@ -415,7 +417,12 @@ def _begun(
 
 
 def _with_neighbours(
-    on: Sliding, velocity: Array, load: Array, edges: Any, close: float, slopes: Any
+    on: Sliding,
+    velocity: Array,
+    load: Array,
+    edges: tuple[Array, Array],
+    close: float,
+    slopes: Array | None,
 ) -> tuple[Slid, Array]:
     """Lines of numbers, and the slopes that the search ended with; those whose edges
     are not found begin again where a neighbour in velocity has its own.
@@ -530,37 +537,42 @@ def _with_slopes(kept: Layer | None, averaged: bool, rtol: float) -> Any:
     if not averaged:
         cosines = weights = flat = np.ones(1)
 
-    def numbers(shared: Any, points: Any) -> tuple[Array, ...]:
-        lines = _lines(kept or shared[0], shared[1], points[1], "load", rtol)
+    def layer_of(shared: _Shared) -> Layer:
+        layer = kept or shared[0]
+        assert layer is not None
+        return layer
+
+    def numbers(shared: _Shared, points: _Points) -> tuple[Array, ...]:
+        lines = _lines(layer_of(shared), shared[1], points[1], "load", rtol)
         mean = _mean(lines, points[0], points[1], averaged)
         line = mean.line
         edges = line.mu, line.leading, line.trailing
         return mean.mu, mean.depth, *edges, mean.error, mean.good
 
-    def edges(shared: Any, points: Any) -> tuple[Array, None]:
+    def edges(shared: _Shared, points: _Points) -> tuple[Array, None]:
         velocity, load = points
-        on, _ = _traced_line(kept or shared[0], shared[1])
-        lines = _lines(kept or shared[0], shared[1], load, "load", _FLOOR)
+        on, _ = _traced_line(layer_of(shared), shared[1])
+        lines = _lines(layer_of(shared), shared[1], load, "load", _FLOOR)
         begun, slopes = _begun(on, velocity, load, _radius(lines, velocity, load))
         line = _with_neighbours(on, velocity, load, begun, _CLOSE, slopes)[0]
         logs = np.log(np.stack([line.leading, line.trailing]))
         return np.where(line.converged, logs, np.nan), None
 
-    def equation(logs: Array, _: None, shared: Any, points: Any) -> Array:
-        on = _traced_line(kept or shared[0], shared[1])[0]
+    def equation(logs: Array, _: None, shared: _Shared, points: _Points) -> Array:
+        on = _traced_line(layer_of(shared), shared[1])[0]
         return equations(on, logs, *points)[0]
 
-    def two(_: Any, points: Any) -> tuple[Array, None]:
+    def two(_: _Shared, points: _Points) -> tuple[Array, None]:
         return xp.zeros((2, *points[0].shape)), None
 
     logs_of = implicit(edges, equation, two, coupled=True)
 
-    def mean(shared: Any, points: Any) -> tuple[Array, ...]:
+    def mean(shared: _Shared, points: _Points) -> tuple[Array, ...]:
         velocity, load = points
         slowed = (velocity[:, None] * cosines).reshape(-1)
         each = slowed, xp.repeat(load, cosines.size)
         leading, trailing = xp.exp(logs_of(shared, each))
-        on, _ = _traced_line(kept or shared[0], shared[1])
+        on, _ = _traced_line(layer_of(shared), shared[1])
         line = line_between(on, slowed, leading, trailing)
         fields = line.force / line.load, line.depth, leading, trailing
         mu, depth, leading, trailing = (
@@ -577,7 +589,12 @@ def _traced_line(material: Layer, shape: AbstractShape) -> tuple[Sliding, float]
 
 
 def _on_shared_grid(
-    lines: _Lines, velocity: Array, load: float, grid: Any, rule: Any, flat: Array
+    lines: _Lines,
+    velocity: Array,
+    load: float,
+    grid: SharedGrid,
+    rule: Directions,
+    flat: Array,
 ) -> tuple[Any, ...]:
     """Averages at one load from one curve over velocity: mu, depth, error, whether all
     lines were found, and the lines at the velocities themselves.
@@ -596,7 +613,7 @@ def _on_shared_grid(
 
 
 def _one_by_one(
-    lines: _Lines, velocity: Array, load: float, rule: Any, flat: Array
+    lines: _Lines, velocity: Array, load: float, rule: Directions, flat: Array
 ) -> tuple[Any, ...]:
     """The same, every direction of every velocity a line of its own."""
     count = velocity.size

@@ -1,4 +1,4 @@
-"""Contact edges on a single line in closed form: under a parabola, and under a cone.
+"""Contact edges on a single line in closed form, under a parabola.
 
 All integrals of such a passage are means of exponentials over the contact, so that
 Newton's method on the edges needs no panels. On NumPy.
@@ -28,8 +28,6 @@ _TO_ROUNDING = 2e-14  # the same after the last step where the body is a parabol
 _NEARLY_SPRING = 0.05
 # and of what is done below it
 _SERIES = [1 / (math.factorial(k) * (k + 3)) for k in range(8)]
-_STEPS = 20  # of Newton's method under a cone
-_CLOSE = 1e-8  # the length of its last step, squared by it
 
 
 def under_parabola(
@@ -96,56 +94,6 @@ def under_parabola(
         ratio[None],
         converged,
     )
-
-
-def under_cone(
-    p: Passage, load: Array, log_edges: Array | None
-) -> tuple[Array, Array, Array]:
-    """log A and b/a under a cone with a given load, by Newton's method, and where they
-    were found; for a law without a dashpot.
-
-    `log_edges` are log(a + b) and log b to begin with, (2, points), if any are known.
-    With a slope g' of one size, I(y) = int E(r/v) dr and J = int I dr from 0 to y,
-
-        q(-b) = g' [I(a + b) - 2 I(b)],    F_N = g' [J(a + b) - 2 J(b)].
-
-    Derived here, from the integrals of `passage_integrals.py`.
-    """
-    law = p.law
-    steep = float(p.lines.shape._slope(np.ones(())))
-    if log_edges is None:
-        length = np.full_like(load, USUAL + math.log(2))
-        log_edges = np.stack([length, length + math.log(0.3)])
-    converged = np.zeros(load.shape, bool)
-    for _ in range(_STEPS):
-        y = np.exp(log_edges)
-        left, zeroth, first, _ = _exponential_means(y[:, None] / p.decay)
-        modulus = law.equilibrium + law.moduli @ left  # E(y/v)
-        integral = y * (law.equilibrium + law.moduli @ zeroth)
-        (length, behind), (far, near) = y * modulus / integral, integral
-        twice = y**2 * (0.5 * law.equilibrium + law.moduli @ (zeroth - first))
-        force = twice[0] - 2 * twice[1]
-        # Both equations in logarithms, and their slopes by log(a + b) and log b
-        density, excess = np.log(0.5 * far / near), np.log(steep * force / load)
-        by_length, by_exit = y[0] * far / force, -2 * y[1] * near / force
-        scale = length * by_exit + behind * by_length
-        step = np.stack(
-            [
-                -(density * by_exit + behind * excess) / scale,
-                (density * by_length - length * excess) / scale,
-            ]
-        )
-        log_edges = log_edges + np.clip(step, -2.0, 2.0)
-        # The trailing part of a contact is at most half of it.
-        log_edges[1] = np.minimum(log_edges[1], log_edges[0] - math.log(2))
-        converged = np.abs(step).max(axis=0) <= _CLOSE
-        if converged.all():
-            break
-    length, trailing = np.exp(log_edges)
-    leading = length - trailing
-    ratio = trailing / leading
-    converged &= ratio > 2 * NEAREST_EXIT
-    return np.log(leading), np.minimum(ratio, 1 - 4e-16)[None], converged
 
 
 def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:

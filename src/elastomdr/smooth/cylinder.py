@@ -16,9 +16,13 @@ import numpy as np
 from ..arrays import one_thread, stop_gradient, xp
 from ..call.model_choice import of_smooth
 from ..call.problem import SteadyScene, check_rtol, steady_scene
-from ..checks import is_traced, known, require, warn_unless
-from ..element.law import TabulatedFoundation, normal_operator, surface_foundation
-from ..element.layer import Layer, layer_kernel
+from ..checks import Array, is_traced, known, require, warn_unless
+from ..element.law import (
+    TabulatedFoundation,
+    normal_operator,
+    surface_foundation,
+)
+from ..element.layer import Body, Layer, layer_kernel
 from ..errors import InputError, ModelWarning, warn
 from ..material.prony import Prony
 from ..material.relaxation import to_kelvin
@@ -41,7 +45,7 @@ from .cylinder_galerkin import (
     pull,
     solve_at,
 )
-from .problem import OnLayer, SmoothCall, Solved, nearly, packed, too_deep
+from .problem import LayerPlan, OnLayer, SmoothCall, Solved, nearly, packed, too_deep
 from .softening import LINEAR
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
@@ -76,95 +80,51 @@ _TYPICAL = 1.5  # kL of the wave that stands for a contact where its size is est
 _FLOWING = 1e8
 
 
-@dataclasses.dataclass(frozen=True)
-class CylinderPlan:
-    """What is computed; `print(plan)` says it in words."""
-
-    quantity: str
-    scene: str
-    model: str
-    control: str
-    points: int
-    rtol: float
-    covers: tuple[str, ...]
-    branches: int
-
-    def __str__(self) -> str:
-        terms = f"{_FIRST} and {_ORDERS[1]}, up to {_ORDERS[-1]} where they disagree"
-        rows = [
-            ("model", self.model),
-            (
-                "asked",
-                (
-                    f"{self.points} point{'s' * (self.points != 1)} by {self.control}, "
-                    f"relative error {self.rtol:g}"
-                ),
-            ),
-            *(("cover", cover) for cover in self.covers),
-            ("pressure", f"Chebyshev polynomials, {terms}; both edges follow"),
-            (
-                "branches",
-                f"{self.branches} retardation times, each exact"
-                if self.branches
-                else "none: elastic",
-            ),
-            ("directions", "one: plane strain"),
-            ("not needed", "history, since the motion is steady; elements of a line"),
-        ]
-        return "\n".join(
-            [
-                f"Plan: {self.quantity}, {self.scene}",
-                *(f"  {a:<12} {b}" for a, b in rows),
-            ]
-        )
+# what carries the pressure; while JAX traces the body itself, whose retardation times
+# are then derived in the same program
+Carriers = tuple[Cover, ...] | Body
 
 
 class _Contacts(NamedTuple):
     """Friction, load, depth and edges at each point."""
 
-    mu: Any
-    load: Any  # [N/m]
-    leading: Any
-    trailing: Any
-    depth: Any  # NaN on a half-space
-    error: Any
-    good: Any
+    mu: Array
+    load: Array  # [N/m]
+    leading: Array
+    trailing: Array
+    depth: Array  # NaN on a half-space
+    error: Array
+    good: Array
 
 
-def cylinder_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
+class _Scene(NamedTuple):
+    """A call, checked and planned."""
+
+    points: SteadyScene
+    body: Body
+    shape: Cylinder
+    carriers: Carriers
+    misfit: float  # of a table of moduli to the series that stands for it, relatively
+    plan: LayerPlan
+
+    @property
+    def reduced(self) -> Array:
+        """Velocities times a_T, flat [m/s]."""
+        return xp.asarray(self.points.reduced).reshape(-1)
+
+
+def cylinder_plan(call: SmoothCall) -> LayerPlan:
+    """What is computed. Raises `InputError` for what has no meaning."""
+    return _set_up(call).plan
+
+
+def cylinder_on_layer(call: SmoothCall) -> OnLayer:
     """Checks, solves and packs. Raises `InputError` for what has no meaning."""
-    shape, rtol = _cylinder(call), call.rtol
-    body = _checked_body(call)
-    check_rtol(rtol)
-    layers = isinstance(body, Layer)
-    points = steady_scene(body, shape, call.asked)
-    control = points.name
-    if layers:
-        _not_too_deep(body, control, points)
-    name = describe(shape).replace(" on a layer", "")
-    words = f"{name} on {body.name or ('a layer' if layers else 'a half-space')}"
-    reduced = xp.asarray(points.reduced).reshape(-1)
-    carriers: Any = body
-    misfit = 0.0
-    if not points.traced or _has_table(body):
-        carriers, misfit = _covers(body, reduced)
-    label = ON_LAYER if layers else ON_HALF_SPACE
-    label += "" if getattr(body, "softening", None) is None else LINEAR
-    plan = CylinderPlan(
-        call.quantity,
-        words,
-        label,
-        control,
-        int(np.prod(points.shape)),
-        float(rtol),
-        covers_in_words(body),
-        _branches(carriers),
-    )
-    if not solved:
-        return OnLayer(None, points.full(points.temperature), label, plan)
-    contacts, sunk = _solved(points, body, shape, control, carriers, misfit, rtol)
+    scene = _set_up(call)
+    contacts, sunk = _solved(scene)
+    points, shape = scene.points, scene.shape
     if not points.traced:
-        _say(contacts, sunk, body, shape, rtol)
+        _say(contacts, sunk, scene.body, shape, call.rtol)
     solution = Solved(
         contacts.mu,
         contacts.error,
@@ -175,36 +135,63 @@ def cylinder_on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
         -contacts.trailing,
         contacts.good,
     )
-    steady = packed(points, solution, body, shape, name, plan.covers, rtol)
-    return OnLayer(steady, points.full(points.temperature), label, plan)
+    steady = packed(points, solution, scene.body, shape, scene.plan)
+    return OnLayer(steady, points.full(points.temperature), scene.plan)
 
 
-def _solved(
-    points: SteadyScene,
-    body: Any,
-    shape: Cylinder,
-    control: str,
-    carriers: Any,
-    misfit: float,
-    rtol: float,
-) -> tuple[_Contacts, Any]:
+def _set_up(call: SmoothCall) -> _Scene:
+    shape, body = _cylinder(call), _checked_body(call)
+    check_rtol(call.rtol)
+    layers = isinstance(body, Layer)
+    points = steady_scene(body, shape, call.asked)
+    if layers:
+        _not_too_deep(body, points)
+    name = describe(shape).replace(" on a layer", "")
+    carriers, misfit = body, 0.0
+    if not points.traced or _has_table(body):
+        carriers, misfit = _covers(body, xp.asarray(points.reduced).reshape(-1))
+    label = ON_LAYER if layers else ON_HALF_SPACE
+    label += "" if getattr(body, "softening", None) is None else LINEAR
+    terms = f"{_FIRST} and {_ORDERS[1]}, up to {_ORDERS[-1]} where they disagree"
+    times = _branches(carriers)
+    branches = f"{times} retardation times, each exact" if times else "none: elastic"
+    plan = LayerPlan(
+        call.quantity,
+        f"{name} on {body.name or ('a layer' if layers else 'a half-space')}",
+        label,
+        points.name,
+        int(np.prod(points.shape)),
+        float(call.rtol),
+        tuple(("cover", cover) for cover in covers_in_words(body)),
+        (
+            ("pressure", f"Chebyshev polynomials, {terms}; both edges follow"),
+            ("branches", branches),
+            ("directions", "one: plane strain"),
+            ("not needed", "history, since the motion is steady; elements of a line"),
+        ),
+    )
+    return _Scene(points, body, shape, carriers, misfit, plan)
+
+
+def _solved(scene: _Scene) -> tuple[_Contacts, Array]:
     """The contacts, and which would sink into the ground under the layer."""
-    layers, reduced = isinstance(body, Layer), xp.asarray(points.reduced).reshape(-1)
+    points, carriers, plan = scene.points, scene.carriers, scene.plan
+    layers, by_depth = isinstance(scene.body, Layer), plan.control == "depth"
     wanted = xp.asarray(points.at_reference())
-    wanted = wanted / shape.length if control == "load" else wanted
-    by_depth, radius = control == "depth", xp.asarray(shape.radius)
+    wanted = wanted if by_depth else wanted / scene.shape.length
+    radius = xp.asarray(scene.shape.radius)
     if points.traced:
         dashpot = _begins_with_dashpot(known(stop_gradient(carriers)))
-        solve = _with_slopes(layers, by_depth, dashpot, float(rtol), misfit)
-        contacts = solve(*as_doubles(((carriers, radius), (wanted, reduced))))
+        solve = _with_slopes(layers, by_depth, dashpot, plan.rtol, scene.misfit)
+        contacts = solve(*as_doubles(((carriers, radius), (wanted, scene.reduced))))
         contacts = contacts._replace(good=contacts.good > 0)
     else:
-        flat = Cylinders(radius, carriers, reduced)
-        contacts = _refined(flat, wanted, by_depth, rtol, misfit)
-    sunk = False
-    if layers and control == "load":
-        thin = sum(cover.thickness for cover in body.covers)
-        sunk = ~(contacts.depth < thin) & xp.isfinite(contacts.depth)
+        assert isinstance(carriers, tuple)  # a body only while JAX traces
+        flat = Cylinders(radius, carriers, scene.reduced)
+        contacts = _refined(flat, wanted, by_depth, plan.rtol, scene.misfit)
+    sunk = xp.zeros(wanted.shape, bool)
+    if isinstance(scene.body, Layer) and not by_depth:
+        sunk = ~(contacts.depth < scene.body.whole) & xp.isfinite(contacts.depth)
         contacts = contacts._replace(good=contacts.good & ~sunk)
     return contacts, sunk
 
@@ -215,7 +202,7 @@ def _cylinder(call: SmoothCall) -> Cylinder:
     return call.shape
 
 
-def _checked_body(call: SmoothCall) -> Any:
+def _checked_body(call: SmoothCall) -> Body:
     """The layer, or the half-space by its law. Raises `InputError`."""
     material, depth = call.material, call.asked.depth
     if not of_smooth(call.model, call.quantity, call.shape.label).on_line:
@@ -234,7 +221,7 @@ def _checked_body(call: SmoothCall) -> Any:
     return body
 
 
-def _covers(body: Any, reduced: Any) -> tuple[tuple[Cover, ...], float]:
+def _covers(body: Body, reduced: Array) -> tuple[tuple[Cover, ...], float]:
     """What carries the pressure, and how far a Prony series is from a table of moduli,
     relatively.
     """
@@ -254,7 +241,7 @@ def _covers(body: Any, reduced: Any) -> tuple[tuple[Cover, ...], float]:
     return (Cover(to_kelvin(law)),), 0.0
 
 
-def _cover(layer: Layer, reduced: Any) -> tuple[Cover, float]:
+def _cover(layer: Layer, reduced: Array) -> tuple[Cover, float]:
     material = layer.material
     if isinstance(material, TabulatedModulus):
         table: Any = surface_foundation(material)
@@ -269,7 +256,7 @@ def _cover(layer: Layer, reduced: Any) -> tuple[Cover, float]:
     return Cover(chain, layer.thickness, None, solid.law(), bulk, layer.bonded), 0.0
 
 
-def _solid(shear: Prony, layer: Layer, reduced: Any) -> Prony:
+def _solid(shear: Prony, layer: Layer, reduced: Array) -> Prony:
     """A liquid with so small an equilibrium modulus that it flows like one as long as
     it matters.
     """
@@ -281,16 +268,16 @@ def _solid(shear: Prony, layer: Layer, reduced: Any) -> Prony:
     return replaced(shear, equilibrium=relaxed)
 
 
-def _materials(body: Any) -> list[Any]:
+def _materials(body: Body) -> list[Any]:
     return [x.material for x in body.covers] if isinstance(body, Layer) else [body]
 
 
-def _has_table(body: Any) -> bool:
+def _has_table(body: Body) -> bool:
     tables = TabulatedModulus, TabulatedFoundation
     return any(isinstance(material, tables) for material in _materials(body))
 
 
-def _branches(carriers: Any) -> int:
+def _branches(carriers: Carriers) -> int:
     """How many retardation times there are; of a body whose values are traced, how
     many relaxation times.
     """
@@ -299,7 +286,7 @@ def _branches(carriers: Any) -> int:
     return sum(int(np.shape(x.times)[0]) for x in _materials(carriers))
 
 
-def _begins_with_dashpot(carriers: Any) -> bool:
+def _begins_with_dashpot(carriers: Carriers) -> bool:
     """Whether none of them gives way at once; False where that cannot be seen."""
     if is_traced(carriers):
         return False
@@ -309,11 +296,12 @@ def _begins_with_dashpot(carriers: Any) -> bool:
 
 
 # Under a transformation of JAX: functions of what all points share, (carriers, radius),
-# and of what each has of its own. Carriers are covers, or the body that they make up:
-# then their retardation times are derived in the same program.
+# and of what each has of its own: (load per length or depth, velocity).
+_Shared = tuple[Carriers, Array]
+_Points = tuple[Array, Array]
 
 
-def _cylinders(shared: Any, velocity: Any) -> Cylinders:
+def _cylinders(shared: tuple[Carriers, Array], velocity: Array) -> Cylinders:
     carriers, radius = shared
     if not isinstance(carriers, tuple):
         carriers, _ = _covers(carriers, velocity)
@@ -328,27 +316,27 @@ def _with_slopes(
     derivatives from the equations of `_TRACED_ORDER` terms.
     """
 
-    def numbers(shared: Any, points: Any) -> _Contacts:
+    def numbers(shared: _Shared, points: _Points) -> _Contacts:
         wanted, velocity = points
         flat = _cylinders(shared, velocity)
         return _refined(flat, wanted, by_depth, rtol, misfit)
 
-    def solution(shared: Any, points: Any) -> tuple[Cylinders, Solution]:
+    def solution(shared: _Shared, points: _Points) -> tuple[Cylinders, Solution]:
         flat = _cylinders(shared, points[1])
         half = _half(by_depth, dashpot)(shared, points)
         waves = layer_waves(flat, _TRACED_RATIO)
         return flat, solve_at(flat, half, _TRACED_ORDER, waves, dashpot)
 
-    def forces(shared: Any, points: Any) -> tuple[Any, ...]:
+    def forces(shared: _Shared, points: _Points) -> tuple[Any, ...]:
         _, contact = solution(shared, points)
         edges = contact.shift + contact.half, contact.shift - contact.half
         return contact.mu, contact.load, *edges
 
-    def sunk(shared: Any, points: Any) -> tuple[Any, ...]:
+    def sunk(shared: _Shared, points: _Points) -> tuple[Any, ...]:
         flat, contact = solution(shared, points)
         return (depth(flat, contact, _TRACED_ORDER),)
 
-    def like(shared: Any, points: Any) -> tuple[Any, ...]:
+    def like(shared: _Shared, points: _Points) -> tuple[Any, ...]:
         return (points[0],) * len(_Contacts._fields)
 
     formulas = ((forces, 4), (sunk, 1)) if layers else ((forces, 4),)
@@ -361,7 +349,7 @@ def _half(by_depth: bool, dashpot: bool) -> Callable[..., Any]:
     """Half-length of the contact from (load per length or depth, velocity)."""
 
     @one_thread()
-    def search(shared: Any, points: Any) -> tuple[Any, None]:
+    def search(shared: _Shared, points: _Points) -> tuple[Any, None]:
         wanted, velocity = points
         flat = _cylinders(shared, velocity)
         waves = layer_waves(flat, _TRACED_RATIO)
@@ -374,7 +362,7 @@ def _half(by_depth: bool, dashpot: bool) -> Callable[..., Any]:
             half = np.where(half < served, half, np.nan)
         return half, None
 
-    def equation(half: Any, _: None, shared: Any, points: Any) -> Any:
+    def equation(half: Array, _: None, shared: _Shared, points: _Points) -> Any:
         wanted, velocity = points
         flat = _cylinders(shared, velocity)
         waves = layer_waves(flat, _TRACED_RATIO)
@@ -385,7 +373,7 @@ def _half(by_depth: bool, dashpot: bool) -> Callable[..., Any]:
     return implicit(search, equation, lambda _, points: (points[0], None))
 
 
-def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
+def _guess(flat: Cylinders, wanted: Array, by_depth: bool) -> Array:
     """Half-lengths of about the right size: of an elastic half-plane as stiff as the
     passage is fast and short.
     """
@@ -407,7 +395,7 @@ def _guess(flat: Cylinders, wanted: Any, by_depth: bool) -> Any:
 class _Level(NamedTuple):
     """What one order of the pressure gives."""
 
-    half: Any  # NaN where none was found
+    half: Array  # NaN where none was found
     contact: Solution
 
 
@@ -415,14 +403,14 @@ class _Search(NamedTuple):
     """Points to be solved, and where their contacts are sought."""
 
     flat: Cylinders
-    wanted: Any
+    wanted: Array
     by_depth: bool
     dashpot: bool
     waves: LayerWaves | None
-    guess: Any  # half-length [m]
-    slope: Any = USUAL  # of the logarithms, `wanted` over the half-length
+    guess: Array  # half-length [m]
+    slope: Array | float = USUAL  # of the logarithms, `wanted` over the half-length
 
-    def at(self, points: Any) -> _Search:
+    def at(self, points: Array) -> _Search:
         """Those of the points that are listed or marked."""
         waves = self.waves
         if waves is not None:
@@ -446,7 +434,7 @@ def _level(search: _Search, order: int) -> _Level:
     return _Level(half, contact)
 
 
-def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Contacts:
+def _judged(search: _Search, order: int, level: _Level, change: Array) -> _Contacts:
     """A level as a result; `change` is how much of the change of mu from the order
     before may be left in this one.
     """
@@ -475,7 +463,7 @@ def _judged(search: _Search, order: int, level: _Level, change: Any) -> _Contact
 
 @one_thread()
 def _refined(
-    flat: Cylinders, wanted: Any, by_depth: bool, rtol: float, misfit: float
+    flat: Cylinders, wanted: Array, by_depth: bool, rtol: float, misfit: float
 ) -> _Contacts:
     """Points by more and more terms until their error is below `rtol`; numbers only.
 
@@ -493,7 +481,7 @@ def _refined(
     )
 
 
-def _block(flat: Cylinders, wanted: Any, by_depth: bool, rtol: float) -> _Contacts:
+def _block(flat: Cylinders, wanted: Array, by_depth: bool, rtol: float) -> _Contacts:
     guess = _guess(flat, wanted, by_depth)
     result = _Contacts(*(np.full(wanted.shape, np.nan) for _ in _Contacts._fields))
     left, ratio, thick = np.arange(wanted.size), 0.0, 1.0
@@ -545,7 +533,7 @@ def _by_orders(search: _Search, rtol: float) -> _Contacts:
     return result
 
 
-def _slope(search: _Search, level: _Level) -> Any:
+def _slope(search: _Search, level: _Level) -> Array:
     """How load or depth grows with the half-length, in logarithms."""
     half = np.where(np.isfinite(level.half), level.half, search.guess)
     values = []
@@ -560,7 +548,7 @@ def _slope(search: _Search, level: _Level) -> Any:
     return np.where((slope > 0.1) & (slope < 10), slope, USUAL)
 
 
-def _met(contacts: _Contacts, rtol: float, radius: Any) -> Any:
+def _met(contacts: _Contacts, rtol: float, radius: Array) -> Array:
     """Whether the error is below what was asked for, or mu is nothing but rounding, as
     of elastic bodies.
     """
@@ -576,10 +564,10 @@ def _ladder(ratio: float) -> float:
     return 1.25 ** math.ceil(math.log(max(1.1 * ratio, 0.4)) / math.log(1.25))
 
 
-def _not_too_deep(layer: Layer, control: str, points: SteadyScene) -> None:
+def _not_too_deep(layer: Layer, points: SteadyScene) -> None:
     """Refuses a dent as deep as the layer is thick. Raises `InputError`."""
-    if control == "depth" and not is_traced(layer, points.value):
-        thick = float(sum(cover.thickness for cover in layer.covers))
+    if points.name == "depth" and not is_traced(layer, points.value):
+        thick = float(layer.whole)
         require(
             "depth",
             points.value,
@@ -589,12 +577,13 @@ def _not_too_deep(layer: Layer, control: str, points: SteadyScene) -> None:
 
 
 def _say(
-    contacts: _Contacts, sunk: Any, body: Any, shape: Cylinder, rtol: float
+    contacts: _Contacts, sunk: Array, body: Body, shape: Cylinder, rtol: float
 ) -> None:
     """Warns of points that failed, and of a cylinder that is too short to be plane."""
     if not contacts.good.all():
-        thick = sum(cover.thickness for cover in body.covers) if np.any(sunk) else 0.0
-        reasons = too_deep(sunk, thick), nearly(contacts.good, contacts)
+        thick = body.whole if isinstance(body, Layer) else np.inf
+        small = nearly(contacts.good, contacts.error, contacts.mu)
+        reasons = too_deep(sunk, thick), small
         why = " ".join(filter(None, reasons))
         warn_unless(contacts.good, "points", f" to rtol={rtol:g}", why)
     half = 0.5 * (contacts.leading - contacts.trailing)
@@ -613,7 +602,7 @@ def _say(
         )
 
 
-def _separable(body: Any, given: Any) -> Any:
+def _separable(body: Body, given: tuple[Any, ...]) -> Any:
     """The law of a body whose branches can be told from each other. Raises
     `InputError`.
     """

@@ -240,7 +240,7 @@ def half_of(
     dashpot: bool,
     waves: LayerWaves | None,
     guess: Array,
-    slope: Any,
+    slope: Array | float,
     order: int,
 ) -> tuple[Array, Solution]:
     """Half-length [m] at which load per length [N/m] or depth [m] is the one `wanted`,
@@ -499,7 +499,7 @@ def losses(
     spread = np.concatenate([spread, edge[:, None] / far**3], axis=1)
     k = y / solution.half[:, None]
     each = 2 / math.pi * solution.half[:, None] * spread * weight
-    if cover.thickness is not None:
+    if cover.thickness is not None and cover.squeeze is not None:
         each = each * layer_kernel(k * cover.thickness, cover.squeeze, cover.bonded)
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     by_branch = np.empty((moduli.size, velocity.size))

@@ -125,7 +125,7 @@ def _shares(scene: SmoothScene) -> Dissipation:
     times = xp.concatenate([xp.zeros(1), times]) if with_dashpot else times
     factor = (scene.reduced / scene.velocity).reshape(scene.shape)[..., None]
 
-    def spread(field: Any) -> Any:
+    def spread(field: Array) -> Any:
         return xp.broadcast_to(field[..., None], share.shape)
 
     force = share * solved.friction_force[..., None]
@@ -167,7 +167,7 @@ def _on_layer(call: SmoothCall) -> Dissipation:
     warn_unless(good, "balances of losses", asked, known=~steady.converged)
     share = nan_unless(good[..., None], np.moveaxis(each / total, 0, -1))
 
-    def spread(field: Any) -> Any:
+    def spread(field: Array) -> Any:
         return np.broadcast_to(np.asarray(field)[..., None], share.shape)
 
     force = share * steady.friction_force[..., None]
@@ -183,7 +183,7 @@ def _on_layer(call: SmoothCall) -> Dissipation:
         model_error=share * np.nan,
         converged=spread(good),
         marks=carried(steady.marks, spread),
-        model=rolled.model,
+        model=rolled.plan.model,
         plan=rolled.plan,
         inputs=steady.inputs,
     )

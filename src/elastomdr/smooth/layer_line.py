@@ -206,7 +206,7 @@ def line_between(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
 
 
 def _memories(
-    chain: Any, velocity: Array, a: Array, b: Array, behind: Array, rule: Any
+    chain: KelvinChain, velocity: Array, a: Array, b: Array, behind: Array, rule: _Rule
 ) -> Array:
     """What branches remember of the pressure, on both panels and across the apex:
     matrices on its values at the nodes, trailing panel first.
@@ -245,7 +245,9 @@ def _memories(
     )
 
 
-def _forces(shape: Any, rule: Any, a: Array, b: Array, q: Array, depth: Array) -> _Line:
+def _forces(
+    shape: AbstractShape, rule: _Rule, a: Array, b: Array, q: Array, depth: Array
+) -> _Line:
     """Load and drag of the pressures q at the nodes of both panels."""
     n = rule.node.size - 1
     q_behind, q_ahead = q[:, : n + 1], q[:, n:]

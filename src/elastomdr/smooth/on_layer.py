@@ -5,7 +5,6 @@ to.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 
@@ -14,12 +13,12 @@ from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError, quiet
 from ..surface.shapes import AbstractShape, Cylinder
-from .problem import OnLayer, SmoothCall, Steady, no_pressure
+from .problem import LayerPlan, OnLayer, SmoothCall, Steady, no_pressure
 
 _ENOUGH = 1e-4  # relative error of the layer that springs are compared with
 
 
-def is_on_layer(material: Any, shape: Any) -> bool:
+def is_on_layer(material: object, shape: object) -> bool:
     """Whether the contact is one of a layer, or of a cylinder on a half-space, the
     limit of a thick layer.
     """
@@ -30,12 +29,33 @@ def is_on_layer(material: Any, shape: Any) -> bool:
     )
 
 
-def on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
-    """The steady scene of a smooth body on a layer, or, with `solved=False`, its plan
-    only.
-
-    Raises `InputError` for whatever has no meaning.
+def on_layer(call: SmoothCall) -> OnLayer:
+    """The steady scene of a smooth body on a layer. Raises `InputError` for whatever
+    has no meaning.
     """
+    _check(call)
+    if isinstance(call.shape, Cylinder):
+        from .cylinder import cylinder_on_layer
+
+        return cylinder_on_layer(call)
+    from .ball_on_layer import ball_on_layer
+
+    return ball_on_layer(call)
+
+
+def plan_on_layer(call: SmoothCall) -> LayerPlan:
+    """Its plan. Raises `InputError`."""
+    _check(call)
+    if isinstance(call.shape, Cylinder):
+        from .cylinder import cylinder_plan
+
+        return cylinder_plan(call)
+    from .ball_on_layer import ball_plan
+
+    return ball_plan(call)
+
+
+def _check(call: SmoothCall) -> None:
     shape, load, depth = call.shape, call.asked.load, call.asked.depth
     if not isinstance(shape, AbstractShape):
         raise InputError(
@@ -48,13 +68,6 @@ def on_layer(call: SmoothCall, solved: bool = True) -> OnLayer:
         raise InputError(
             f"load or depth must be given, and only one of them, got {given}."
         )
-    if isinstance(shape, Cylinder):
-        from .cylinder import cylinder_on_layer
-
-        return cylinder_on_layer(call, solved)
-    from .ball_on_layer import ball_on_layer
-
-    return ball_on_layer(call, solved)
 
 
 def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:
@@ -88,7 +101,7 @@ def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:
         from .cylinder import cylinder_on_layer
 
         with quiet():
-            exact, *_ = cylinder_on_layer(
+            exact = cylinder_on_layer(
                 SmoothCall(
                     "rolling",
                     Layer(slab.material, slab.thickness, bonded=slab.bonded),
@@ -96,6 +109,6 @@ def beside_layer(on_springs: Steady, call: SmoothCall) -> Steady:
                     dataclasses.replace(asked, depth=depth),
                     rtol=_ENOUGH,
                 )
-            )
+            ).steady
         apart = np.where(deep, np.nan, np.abs(on_springs.mu - exact.mu) + exact.error)
     return on_springs._replace(model_error=apart)

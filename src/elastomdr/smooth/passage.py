@@ -25,8 +25,7 @@ from ..numerics.quadrature import gauss_unit
 from ..numerics.root import search
 from ..surface.lines import AbstractLines, SingleLine
 from ..surface.sampling import Rule
-from ..surface.shapes import Cone
-from .closed_edges import NEAREST_EXIT, USUAL, under_cone, under_parabola
+from .closed_edges import NEAREST_EXIT, USUAL, under_parabola
 from .memory import Passage, first_variant, selected, tabulated
 from .passage_integrals import (
     balance,
@@ -39,7 +38,7 @@ from .passage_integrals import (
 )
 
 if TYPE_CHECKING:
-    from jaxtyping import Bool, Float
+    from jaxtyping import Bool, Float, PyTree
 
 Control = Literal["load", "depth"]
 
@@ -127,14 +126,14 @@ def solve_passages(
 def _size(rule: Rule, control: Control) -> Any:
     """Contact size from (load or depth, velocity)."""
 
-    def search(shared: Any, points: Any) -> tuple[Array, None]:
+    def search(shared: PyTree, points: PyTree) -> tuple[Array, None]:
         law, lines = shared
         value, velocity = points
         p = Passage(law, lines, rule, velocity)
         _, size, _, converged = _edges(p, control, value)
         return np.where(converged, size, np.nan), None
 
-    def equation(size: Array, _: None, shared: Any, points: Any) -> Array:
+    def equation(size: Array, _: None, shared: PyTree, points: PyTree) -> Array:
         value, velocity = points
         if control == "depth":
             return shared[1].depth(size) - value
@@ -147,7 +146,7 @@ def _size(rule: Rule, control: Control) -> Any:
 def _ratio(rule: Rule) -> Any:
     """Trailing edges over leading ones from (contact size, velocity)."""
 
-    def search(shared: Any, points: Any) -> tuple[Array, Array]:
+    def search(shared: PyTree, points: PyTree) -> tuple[Array, Array]:
         law, lines = shared
         size, velocity = points
         p = Passage(law, lines, rule, velocity)
@@ -159,13 +158,13 @@ def _ratio(rule: Rule) -> Any:
         free = (ratio > 2 * NEAREST_EXIT) & (slope < nothing)
         return np.where(converged, ratio, np.nan), free.astype(float)
 
-    def equation(ratio: Array, free: Array, shared: Any, points: Any) -> Array:
+    def equation(ratio: Array, free: Array, shared: PyTree, points: PyTree) -> Array:
         law, lines = shared
         size, velocity = points
         density = exit_density(Passage(law, lines, rule, velocity), size, ratio)
         return xp.where(free > 0, density, ratio - stop_gradient(ratio))
 
-    def like(shared: Any, points: Any) -> tuple[Array, Array]:
+    def like(shared: PyTree, points: PyTree) -> tuple[Array, Array]:
         edges = xp.zeros((shared[1].count, *points[0].shape))
         return edges, edges
 
@@ -179,7 +178,7 @@ def _normal(rule: Rule) -> Any:
     It does not change with the trailing edge: dF_N/db = q(-b), which is zero there.
     """
 
-    def force(shared: Any, points: Any, ratio: Array) -> Array:
+    def force(shared: PyTree, points: PyTree, ratio: Array) -> Array:
         law, lines = shared
         size, velocity = points
         return normal_force(Passage(law, lines, rule, velocity), size, ratio)
@@ -191,7 +190,7 @@ def _normal(rule: Rule) -> Any:
 def _drag(rule: Rule) -> Any:
     """Friction force from (contact size, velocity); dF_x/db = -g'(b) q(-b) = 0."""
 
-    def force(shared: Any, points: Any, ratio: Array) -> Array:
+    def force(shared: PyTree, points: PyTree, ratio: Array) -> Array:
         law, lines = shared
         size, velocity = points
         p = Passage(law, lines, rule, velocity, judged=False)
@@ -215,10 +214,10 @@ def estimate_sizes(
 
 @functools.cache
 def _estimated(control: Control) -> Any:
-    def sizes(shared: Any, points: Any) -> Array:
+    def sizes(shared: PyTree, points: PyTree) -> Array:
         law, lines = shared
         value, velocity = points
-        top = _largest(lines, value)
+        top = largest_size(lines, value)
         if control == "depth":
             return _size_of_depth(lines, value, top)
         return np.exp(_first_guess(Passage(law, lines, Rule(2), velocity), value, top))
@@ -226,7 +225,7 @@ def _estimated(control: Control) -> Any:
     return sizes
 
 
-def _largest(lines: AbstractLines, value: Array) -> Array:
+def largest_size(lines: AbstractLines, value: Array) -> Array:
     """Logarithm of the largest contact size that the shape allows."""
     largest = np.broadcast_to(
         np.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape
@@ -243,16 +242,11 @@ def _edges(
     On a single line they are sought with few samples first, and from there with all of
     them.
     """
-    top = _largest(p.lines, value)
+    top = largest_size(p.lines, value)
     by_depth = control == "depth"
     ratio = np.full((p.lines.count, *value.shape), 0.8)
     if start is not None and not start.converged.all():
         start = None
-    if not by_depth and _is_cone_on_line(p):
-        log_size, ratio, converged = under_cone(p, value, _log_edges(start))
-        if converged.all():
-            return p, np.exp(log_size), ratio, converged
-        ratio = np.full((p.lines.count, *value.shape), 0.8)
     if start is not None and isinstance(p.lines, SingleLine):
         log_size, ratio = np.log(start.leading), (start.trailing / start.leading)[None]
     else:
@@ -283,19 +277,6 @@ def _edges(
         if p.table is None or np.all(np.abs(log_size - before) < _MOVED):
             break
     return p, np.exp(log_size), ratio, converged
-
-
-def _is_cone_on_line(p: Passage) -> bool:
-    """Whether the edges are those of `under_cone`: a single line, and no dashpot."""
-    single = isinstance(p.lines, SingleLine) and isinstance(p.lines.shape, Cone)
-    return single and not np.any(p.law.viscosity)
-
-
-def _log_edges(start: Passages | None) -> Array | None:
-    """log(a + b) and log b of passages nearby, if there are any."""
-    if start is None:
-        return None
-    return np.log(np.stack([start.leading + start.trailing, start.trailing]))
 
 
 def _sought(
@@ -449,9 +430,11 @@ def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
     guess = np.minimum(USUAL, top - 0.5) + np.zeros_like(depth)
 
     def residual(log_size: Array) -> Array:
-        return np.log(lines.depth(np.exp(log_size)) / depth)
+        # at least what rounding leaves of a flat bottom
+        return np.log(np.maximum(lines.depth(np.exp(log_size)) / depth, 1e-14))
 
     slope = lines.exponent(np.exp(guess))
+    slope = np.where((slope > 0) & (slope < np.inf), slope, 2.0)
     return np.exp(search(residual, guess, _TIGHT, slope, top)[0])
 
 

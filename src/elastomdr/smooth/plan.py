@@ -17,7 +17,6 @@ from ..surface.lines import AbstractLines
 from ..surface.profile import Profile
 from ..surface.sampling import Rule, ladder
 from ..surface.shapes import AbstractShape, Cone, PowerLaw
-from .branch_reduction import Condensation, choose
 from .passage import Control, estimate_sizes
 
 TRACED = 0.03  # of rtol, aimed for while JAX traces: nothing can be refined then
@@ -25,72 +24,66 @@ _ROUND = 2  # power from which on an apex is round enough
 
 
 @dataclasses.dataclass(frozen=True)
-class Plan:
-    """What will be computed, what is skipped, and why; `print(plan)` says it in
-    words.
-    """
+class PlanAsked:
+    """What a plan is made for."""
 
     quantity: str  # "friction" or "rolling"
     scene: str  # indenter and foundation, in words
     model: str  # the model's name, as in every result
     control: Control
     points: int
+    temperatures: int  # different temperatures asked for
     rtol: float
     averaged: bool  # whether the direction average is taken
+    # whether the average is corrected for the asymmetry of the contact
+    corrected: bool
+    range: Range | None  # where the material's numbers hold; None: not known
+
+
+@dataclasses.dataclass(frozen=True)
+class Plan(PlanAsked):
+    """What will be computed, what is skipped, and why; `print(plan)` says it in
+    words.
+    """
+
+    branches: int
     marched: bool  # whether the profile has to be marched through in time steps
     rules: tuple[Rule, ...]  # sampling rules, to be tried in this order
-    condensation: Condensation
-    # relaxation times [s]; None while JAX traces
-    branch_times: tuple[float, ...] | None
     directions: int  # directions per velocity
     # velocities share line solutions, one grid per load and temperature-shifted curve
     shared: bool
     # line solutions to begin with; where the error asks for it a curve gets twice as
     # many, and so on
     solutions: int
-    temperatures: int  # different temperatures asked for
     # lowest and highest 2 v a_T/a, roughly [rad/s]; None while JAX traces
-    passing: tuple[float, float] | None = None
-    range: Range | None = None  # where the material's numbers hold; None: not known
+    passing: tuple[float, float] | None
     # under a JAX transformation: values are not known, so nothing that depends on them
     # is skipped
-    traced: bool = False
-    skip: bool = True
-    # whether the average is corrected for the asymmetry of the contact
-    corrected: bool = False
-    elastic: bool = False  # no branch and no dashpot: nothing is lost, mu is zero
+    traced: bool
+    elastic: bool  # no branch and no dashpot: nothing is lost, mu is zero
     # whether mu of the line may bend sharply at some velocity, see `_bends`
-    bends: bool = False
+    bends: bool
 
     def __str__(self) -> str:
         return "\n".join([f"Plan: {self.quantity}, {self.scene}", *_described(self)])
 
 
 def make_plan(
-    quantity: str,
-    scene: str,
-    model: str,
+    asked: PlanAsked,
     law: Relaxation,
     lines: AbstractLines,
-    control: Control,
     value: np.ndarray | None,  # load or depth of each point; None while traced
     velocity: np.ndarray | None,  # times a_T
-    points: int,
-    temperatures: int,
-    averaged: bool,
-    corrected: bool,
-    rtol: float,
-    skip: bool,
-    known: Range | None,
 ) -> Plan:
     """Plans a scene from its numbers; while JAX traces, from what is known without
     them.
     """
+    control, points, rtol = asked.control, asked.points, asked.rtol
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
     elastic = (
         not is_traced(law) and not np.any(law.moduli) and float(law.viscosity) == 0
     )
-    averaged = averaged and not elastic
+    averaged = asked.averaged and not elastic
     inner = TRACED * rtol if value is None else rtol
     bends = averaged and _bends(lines.shape)
     count = 1
@@ -100,19 +93,13 @@ def make_plan(
     # Under a depth each point has its own load, which is found first.
     solutions = points * count + (points if averaged and control == "depth" else 0)
     traced = value is None or velocity is None
-    shared, times, passing = False, None, None
-    how = Condensation(law.moduli.shape[0])
+    shared, passing = False, None
     rules = ladder(lines.shape, inner, strips=lines.count > 1)
     if value is not None and velocity is not None:
         slow, fast = float(velocity.min()), float(velocity.max())
         # Contacts are the larger, the slower the motion and the higher the load.
         ends = np.array([value.max(), value.min()]), np.array([slow, fast])
         widest, narrowest = map(float, estimate_sizes(law, lines, control, *ends))
-        slowest = slow * (float(directions(rtol).cosines[-1]) if averaged else 1.0)
-        if skip and not marched:
-            how = choose(
-                law, 0.5 * narrowest / fast, 4 * widest / slowest, rtol, rules[0].split
-            )
         rules = ladder(
             lines.shape,
             rtol,
@@ -121,31 +108,21 @@ def make_plan(
         )
         if averaged and (control == "load" or bends):
             with_grid = _on_shared_curves(control, value, velocity, points, rtol)
-            if bends or (skip and with_grid < solutions):
+            if bends or with_grid < solutions:
                 shared, solutions = True, with_grid
-        times = tuple(np.asarray(law.times).tolist())
         passing = 2 * slow / widest, 2 * fast / narrowest
+    given = {x.name: getattr(asked, x.name) for x in dataclasses.fields(PlanAsked)}
+    given["averaged"] = averaged
     return Plan(
-        quantity=quantity,
-        scene=scene,
-        model=model,
-        control=control,
-        points=points,
-        rtol=rtol,
-        averaged=averaged,
+        **given,
+        branches=law.moduli.shape[0],
         marched=marched,
         rules=rules[:1] if traced else rules,
-        condensation=how,
-        branch_times=times,
         directions=count,
         shared=shared,
         solutions=solutions,
-        temperatures=temperatures,
         passing=passing,
-        range=known,
         traced=traced,
-        skip=skip,
-        corrected=corrected,
         elastic=elastic,
         bends=bends,
     )
@@ -193,7 +170,7 @@ def _described(plan: Plan) -> list[str]:
     )
     lines.append(f"  asked        {request}")
     lines.append(f"  contact      {_contact(plan)}")
-    lines += [f"  branches     {branches}" for branches in _branches(plan)]
+    lines.append(f"  branches     {_branches(plan)}")
     if plan.temperatures > 1:
         sentence = (
             f"{plan.temperatures} temperatures enter as shifted velocities v a_T: one "
@@ -257,38 +234,10 @@ def _contact(plan: Plan) -> str:
     )
 
 
-def _branches(plan: Plan) -> list[str]:
-    how = plan.condensation
+def _branches(plan: Plan) -> str:
     if plan.elastic:
-        return ["none, and no dashpot: nothing is lost, mu is zero and is not computed"]
-    if how.branches == 0:
-        return ["none but the dashpot"]
-    if plan.traced or plan.branch_times is None:
-        return [
-            (
-                f"all {how.branches} carried: under a JAX transformation their values "
-                "are "
-                "not known"
-            )
-        ]
-    texts = [f"{len(how.kept)} of {how.branches} carried one by one"]
-    for name, chosen, reason in (
-        ("spring", how.springs, "too slow to relax much in any passage"),
-        ("dashpot", how.dashpots, "relaxed long before any passage ends"),
-    ):
-        if chosen:
-            times = [plan.branch_times[k] for k in chosen]
-            span = (
-                f"tau = {times[0]:.3g} s"
-                if len(times) == 1
-                else f"tau = {min(times):.3g} to {max(times):.3g} s"
-            )
-            texts.append(f"{len(chosen)} lumped into one {name} ({span}): {reason}")
-    if how.springs or how.dashpots:
-        texts.append(f"this costs at most {how.cost:.1e} of mu, counted in the error")
-    elif not plan.skip:
-        texts.append("skipping switched off")
-    return texts
+        return "none, and no dashpot: nothing is lost, mu is zero and is not computed"
+    return f"all {plan.branches} carried" if plan.branches else "none but the dashpot"
 
 
 def _directions(plan: Plan) -> str:

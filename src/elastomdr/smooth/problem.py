@@ -20,7 +20,7 @@ from ..call.problem import (
 )
 from ..checks import Array, is_traced, nan_unless, require, warn_unless
 from ..element.law import Foundation, as_foundation
-from ..element.layer import Layer
+from ..element.layer import Body
 from ..errors import InputError
 from ..material.relaxation import Relaxation
 from ..results.curve import Contact
@@ -31,13 +31,14 @@ from ..surface.lines import AbstractLines, SingleLine, Strips
 from ..surface.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
 from ..trees import replaced
 from .passage import Control
-from .plan import Plan, make_plan
+from .plan import Plan, PlanAsked, make_plan
 from .softening import check_softening, run_softened, softened_words
 from .solve import SolvedPoints, run
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
+    from .._types import ArrayLike
     from ..call.types import Indenter, Material, ModelLike
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
@@ -62,7 +63,6 @@ class SmoothCall:
     asked: Asked
     model: ModelLike | None = None
     rtol: float = 1e-6
-    skip: bool = True
 
 
 class SmoothScene(NamedTuple):
@@ -106,40 +106,58 @@ class Steady(NamedTuple):
     linear: Float[Array, "..."] | None = None  # mu without softening
 
 
+@dataclasses.dataclass(frozen=True)
+class LayerPlan:
+    """What is computed on a layer; `print(plan)` says it in words."""
+
+    quantity: str
+    scene: str
+    model: str
+    control: str
+    points: int
+    rtol: float
+    covers: tuple[tuple[str, str], ...]  # each as a row of words
+    work: tuple[tuple[str, str], ...]  # likewise
+
+    def __str__(self) -> str:
+        points = f"{self.points} point{'s' * (self.points != 1)}"
+        asked = f"{points} by {self.control}, relative error {self.rtol:g}"
+        rows = ("model", self.model), ("asked", asked), *self.covers, *self.work
+        lines = (f"  {title:<12} {words}" for title, words in rows)
+        return "\n".join([f"Plan: {self.quantity}, {self.scene}", *lines])
+
+
 class OnLayer(NamedTuple):
     """What a curve is made of, of a body on an `em.layer`."""
 
-    steady: Any  # `Steady`, or None where only the plan was asked for
-    temperature: Any  # broadcast to the points, or None
-    model: str
-    plan: Any
+    steady: Steady
+    temperature: Array | None  # broadcast to the points
+    plan: LayerPlan
 
 
 class Solved(NamedTuple):
     """What is found on a layer, flat, at the reference temperature."""
 
-    mu: Any
-    error: Any
-    model_error: Any
-    force: Any  # over b_T [N]
-    depth: Any  # [m]
-    leading: Any  # [m]
-    trailing: Any  # [m]
-    good: Any
+    mu: Array
+    error: Array
+    model_error: Array
+    force: Array  # over b_T [N]
+    depth: Array  # [m]
+    leading: Array  # [m]
+    trailing: Array  # [m]
+    good: Array
 
 
 def packed(
     points: SteadyScene,
     solved: Solved,
-    body: Layer,
+    body: Body,
     shape: AbstractShape,
-    name: str,
-    covers: tuple[str, ...],
-    rtol: float,
+    plan: LayerPlan,
 ) -> Steady:
     """Fields in the shape of the points, NaN where one failed; forces times b_T."""
 
-    def shaped(field: Any) -> Any:
+    def shaped(field: Array) -> Any:
         return nan_unless(solved.good, field).reshape(points.shape)
 
     force = solved.force * xp.asarray(points.vertical).reshape(-1)
@@ -147,8 +165,9 @@ def packed(
     size = 0.5 * (contact.leading + contact.trailing)
     temperature = points.full(points.temperature)
     beyond = steady_beyond(body.range, points.full(points.reduced), size, temperature)
-    inputs = points.inputs(("shape", name), *(("cover", cover) for cover in covers))
-    inputs.append(("relative tolerance", f"{rtol:g}"))
+    name = describe(shape).replace(" on a layer", "")
+    inputs = points.inputs(("shape", name), *plan.covers)
+    inputs.append(("relative tolerance", f"{plan.rtol:g}"))
     return Steady(
         velocity=points.full(points.velocity),
         mu=shaped(solved.mu),
@@ -197,23 +216,24 @@ def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     check_softening(foundation, lines)
     spread = None if points.traced else _softened_too(foundation, control, value)
     passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
-    plan = make_plan(
+    asked = PlanAsked(
         call.quantity,
         name,
         words,
-        law,
-        lines,
         control,
-        spread,
-        passing,
-        int(np.prod(points.shape)),
-        1 if temperatures is None else int(np.size(temperatures)),
-        averaged,
-        corrected,
-        float(rtol),
-        call.skip,
-        foundation.range,
+        points=int(np.prod(points.shape)),
+        temperatures=1 if temperatures is None else int(np.size(temperatures)),
+        rtol=float(rtol),
+        averaged=averaged,
+        corrected=corrected,
+        range=foundation.range,
     )
+    plan = make_plan(asked, law, lines, spread, passing)
+    if plan.marched and plan.traced:
+        raise InputError(
+            "shape must have a convex profile under jit, grad and vmap: where contact "
+            "may be renewed, sliding is known for numbers only."
+        )
     inputs = [*points.inputs(("shape", body)), ("relative tolerance", f"{rtol:g}")]
     inputs += [("softening", "left out: moduli of small strain")] if small else []
     return SmoothScene(
@@ -232,7 +252,7 @@ def set_up(call: SmoothCall, softens: bool = True) -> SmoothScene:
     )
 
 
-def _of_line(model: Any, quantity: str, shape: Any) -> Any:
+def _of_line(model: ModelLike | None, quantity: str, shape: AbstractShape) -> Any:
     """The model, which must be one of lines. Raises `InputError`."""
     chosen = of_smooth(model, quantity, shape.label)
     if not chosen.on_line:
@@ -254,7 +274,7 @@ def _softened_too(
     return np.concatenate([value, value / np.min(foundation.softening.storage)])
 
 
-def no_pressure(shape: AbstractShape, pressure: Any) -> None:
+def no_pressure(shape: AbstractShape, pressure: ArrayLike | None) -> None:
     """Refuses a pressure on a smooth body. Raises `InputError`."""
     if pressure is not None:
         raise InputError(
@@ -281,7 +301,7 @@ def solve(scene: SmoothScene) -> Steady:
     traced = is_traced(result.mu)
     good = result.line.converged
     if not traced and not good.all():
-        why = _sunk(scene) if result.sunk else nearly(good, result)
+        why = _sunk(scene) if result.sunk else nearly(good, result.error, result.mu)
         warn_unless(good, "points", f" to rtol={scene.plan.rtol:g}", why)
     # A Foundation given directly is a line by definition; a half-space under the bare
     # line is not.
@@ -318,9 +338,9 @@ def solve(scene: SmoothScene) -> Steady:
     )
 
 
-def nearly(good: Any, solved: Any) -> str:
+def nearly(good: Array, error: Array, mu: Array) -> str:
     """What a larger rtol would help, if the points that failed have small errors."""
-    missed = (solved.error / solved.mu)[~good & (solved.mu > 0)]
+    missed = (error / mu)[~good & (mu > 0)]
     if not missed.size or not missed.max() < 0.1:
         return ""
     return (
@@ -329,7 +349,7 @@ def nearly(good: Any, solved: Any) -> str:
     )
 
 
-def too_deep(sunk: Any, thick: Any) -> str:
+def too_deep(sunk: Array, thick: Array | float) -> str:
     """How many points would sink into the ground under a layer."""
     if not np.any(sunk):
         return ""
@@ -342,7 +362,7 @@ def too_deep(sunk: Any, thick: Any) -> str:
 @compiled("bare", "shape")
 def _fields(
     sweep: SolvedPoints,
-    vertical: Any,
+    vertical: Array,
     extra: tuple[Any, ...],
     *,
     bare: float,
@@ -358,7 +378,7 @@ def _fields(
     if not is_traced(sweep) and np.all(good):
         good = None
 
-    def shaped(field: Any) -> Any:
+    def shaped(field: Array) -> Any:
         return (
             None
             if field is None
@@ -395,7 +415,7 @@ def _sunk(scene: SmoothScene) -> str:
     return f"{sentence}."
 
 
-def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
+def contact(material: Material, shape: Indenter) -> tuple[AbstractLines, Foundation]:
     """The lines of a sliding contact, and what they are made of. Raises `InputError`
     for a pair that does not fit.
     """
@@ -433,7 +453,7 @@ def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
     return SingleLine(shape), foundation
 
 
-def _check_size(lines: AbstractLines, control: Control, value: Any) -> None:
+def _check_size(lines: AbstractLines, control: Control, value: Array) -> None:
     largest = float(np.asarray(lines.shape.largest_contact))
     if control == "depth" and np.isfinite(largest):
         deepest = float(lines.depth(np.array(largest * (1 - 1e-12))))

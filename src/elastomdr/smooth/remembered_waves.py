@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -97,7 +97,7 @@ def _first_product(z: Array, ratio: Array) -> Array:
     square = xp.where(small, 0.5 * z, 1.0) ** 2
     harmonic = xp.asarray(np.cumsum(1 / np.arange(1.0, _POWERS)))
 
-    def next_power(k: Any, state: tuple) -> tuple:
+    def next_power(k: Array | int, state: tuple) -> tuple:
         term, i_0, rest = state
         term = term * square / (k * k)
         return term, i_0 + term, rest + harmonic[k - 1] * term
@@ -108,7 +108,7 @@ def _first_product(z: Array, ratio: Array) -> Array:
     x = 2 * _LARGE / xp.where(small, _LARGE, z) - 1
     coefficients = xp.asarray(_ratio_of_k()[::-1])
 
-    def clenshaw(k: Any, state: tuple) -> tuple:
+    def clenshaw(k: Array | int, state: tuple) -> tuple:
         last, before = state
         return coefficients[k] + 2 * x * last - before, last
 

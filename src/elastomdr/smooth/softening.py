@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..checks import is_traced
+from ..checks import Array, is_traced
 from ..errors import InputError
 from ..numerics.implicit import as_doubles, implicit
 from ..numerics.root import search
@@ -29,6 +29,8 @@ from ..surface.shapes import Cylinder
 from .solve import SolvedPoints, run
 
 if TYPE_CHECKING:
+    from jaxtyping import PyTree
+
     from ..element.law import Foundation
     from ..material.relaxation import Relaxation
     from ..surface.lines import AbstractLines
@@ -66,8 +68,8 @@ def run_softened(
     foundation: Foundation,
     law: Relaxation,
     lines: AbstractLines,
-    value: Any,
-    velocity: Any,
+    value: Array,
+    velocity: Array,
 ) -> tuple[SolvedPoints, Softened]:
     """`run` with the moduli at the effective strain of each contact."""
     softening, traced = (
@@ -105,7 +107,7 @@ def run_softened(
     return softer, Softened(amplitude, storage, loss, linear)
 
 
-def _strain(line: Passages, lines: AbstractLines, thickness: Any) -> Any:
+def _strain(line: Passages, lines: AbstractLines, thickness: Array | None) -> Any:
     if thickness is None:
         return TABOR * lines.shape._steepness(0.5 * (line.leading + line.trailing))
     # of the profile at the edge: the indentation is d (1 - t^n), over a line or a disc
@@ -118,7 +120,7 @@ def _strain(line: Passages, lines: AbstractLines, thickness: Any) -> Any:
     return xp.sqrt(mean_square) * line.depth / thickness
 
 
-def _next_factor(alone: Plan, factor: Any, shared: Any, points: Any) -> Any:
+def _next_factor(alone: Plan, factor: Array, shared: PyTree, points: PyTree) -> Any:
     """The factor at the strain of the contact that has the moduli of `factor`."""
     softening, law, lines, thickness = shared
     value, velocity = points
@@ -127,10 +129,10 @@ def _next_factor(alone: Plan, factor: Any, shared: Any, points: Any) -> Any:
     return softening.factors(_strain(line, lines, thickness))[0]
 
 
-def _factor(alone: Plan, shared: Any, points: Any) -> np.ndarray:
+def _factor(alone: Plan, shared: PyTree, points: PyTree) -> np.ndarray:
     """The factor that its own contact has, one where there is none."""
 
-    def residual(log_factor: np.ndarray) -> np.ndarray:
+    def residual(log_factor: Array) -> Array:
         factor = np.exp(log_factor)
         return log_factor - np.log(_next_factor(alone, factor, shared, points))
 
@@ -145,10 +147,10 @@ def _factor(alone: Plan, shared: Any, points: Any) -> np.ndarray:
 def _traced_factor(alone: Plan) -> Any:
     """`_factor` of (shared, points) while JAX traces, with derivatives."""
 
-    def search(shared: Any, points: Any) -> tuple[Any, None]:
+    def search(shared: PyTree, points: PyTree) -> tuple[Any, None]:
         return _factor(alone, shared, points), None
 
-    def equation(factor: Any, _: None, shared: Any, points: Any) -> Any:
+    def equation(factor: Array, _: None, shared: PyTree, points: PyTree) -> Any:
         return _next_factor(alone, factor, shared, points) - factor
 
     return implicit(search, equation, lambda _, points: (points[0], None))

@@ -4,18 +4,17 @@ tolerance asked for.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import on_numpy, stop_gradient, xp
+from ..arrays import on_numpy, xp
 from ..checks import Array
 from ..material.relaxation import Relaxation
 from ..numerics.implicit import as_doubles, numbers_with_slopes
 from ..surface.direction import (
-    Directions,
     SharedCurve,
     asymmetry,
     at_points,
@@ -30,12 +29,11 @@ from ..surface.direction import (
 from ..surface.lines import AbstractLines
 from ..surface.profile import Profile
 from ..surface.sampling import Rule
-from .branch_reduction import condensed, filled
 from .passage import Control, Passages, solve_passages
 from .plan import TRACED, Plan, make_plan, traced_level
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    from jaxtyping import Float, PyTree
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
 # by which the correction for an asymmetric contact may enlarge the error of the average
@@ -50,6 +48,10 @@ _UNSEEN = 0.3
 _BATCH = 4096  # points solved at once, and
 # of panels times branches, some 100 MB in all: both bound the memory
 _NUMBERS = 200_000
+
+
+# loads, velocities, and the passages there
+_Solved = tuple[Array, Array, Passages]
 
 
 class SolvedPoints(NamedTuple):
@@ -77,8 +79,6 @@ def run(
     """The friction of every point of a plan; points that miss the tolerance come back
     with `line.converged` False.
     """
-    if plan.traced and plan.marched:
-        return _marched(plan, law, lines, value, velocity)
     if plan.traced and on_numpy():
         return _of_values(plan, law, lines, value, velocity)
     if plan.traced:
@@ -87,7 +87,6 @@ def run(
         mu, *line, error, model_error = fields
         passages = Passages(*line)._replace(converged=line[-1] > 0)
         return SolvedPoints(mu, error, passages, model_error)
-    whole, law = law, condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
         ahead = _solve(plan, law, lines, plan.control, value, velocity, rtol)
@@ -113,10 +112,8 @@ def run(
         )
         if deep is not None:
             ahead, good = deep, good & deep.converged
-        mu, error, model_error = _against_half_space(
-            plan, whole, mu, skew, error, ahead
-        )
-    error = error + mu * (plan.condensation.cost + _ROUNDING)
+        mu, error, model_error = _against_half_space(plan, law, mu, skew, error, ahead)
+    error = error + mu * _ROUNDING
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
     return SolvedPoints(mu, error, ahead._replace(converged=good), model_error, sunk)
 
@@ -137,8 +134,7 @@ def _over_directions(
     mu, skew, error, sampling, good, ahead, sunk = average(
         plan, law, lines, load, velocity, rtol, 0, solved
     )
-    # both are added by `run`
-    room = max(rtol - plan.condensation.cost - _ROUNDING, 0.5 * rtol)
+    room = rtol - _ROUNDING  # which `run` adds
     for level in range(1, _LEVELS + 1):
         left = good & ~(error <= room * mu) & (sampling <= rtol * mu)
         if not left.any():
@@ -179,7 +175,16 @@ def _against_half_space(
     return mu * factor, error, mu * factor * mapped * correction.corrected
 
 
-def _shared(plan, law, lines, load, velocity, rtol, level, known):
+def _shared(
+    plan: Plan,
+    law: Relaxation,
+    lines: AbstractLines,
+    load: np.ndarray,
+    velocity: np.ndarray,
+    rtol: float,
+    level: int,
+    known: list[_Solved],
+):
     """Velocities at the same load share one line curve, and where they are more than
     its nodes, its passages too.
     """
@@ -285,7 +290,16 @@ def _read_off(
     return Passages(*[*np.exp(fine).T, error, precise]), precise
 
 
-def _direct(plan, law, lines, load, velocity, rtol, level, known):
+def _direct(
+    plan: Plan,
+    law: Relaxation,
+    lines: AbstractLines,
+    load: np.ndarray,
+    velocity: np.ndarray,
+    rtol: float,
+    level: int,
+    known: list[_Solved],
+):
     """Every velocity has its own directions: for few points, or where each has its own
     load.
     """
@@ -322,7 +336,7 @@ def _solve_new(
     load: Array,
     velocity: Array,
     rtol: float,
-    known: list[tuple[Array, Array, Passages]],
+    known: list[_Solved],
 ) -> Passages:
     """Passages at given loads, but for those `known` from longer steps of the average,
     to which it adds the others.
@@ -351,7 +365,7 @@ def _solve_new(
     return Passages(*(field[rows] for field in every))
 
 
-def _place(asked: Any, numbers: Any) -> np.ndarray:
+def _place(asked: Array, numbers: Array) -> np.ndarray:
     """Where each number asked for is among others, if it is there; any index if not."""
     order = np.argsort(numbers)
     return order[
@@ -360,7 +374,7 @@ def _place(asked: Any, numbers: Any) -> np.ndarray:
 
 
 def _joined(
-    known: list[tuple[Array, Array, Passages]],
+    known: list[_Solved],
 ) -> tuple[Array, Array, Passages]:
     loads, velocities, parts = zip(*known, strict=True)
     every = Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
@@ -422,9 +436,7 @@ def _solve(
         # loads diffrax, which the other routes do without
         from .march import march_passages
 
-        return march_passages(
-            filled(law), lines, control, value, velocity, max(wanted, 1e-9)
-        )
+        return march_passages(law, lines, control, value, velocity, max(wanted, 1e-9))
     passages = _in_batches(law, lines, plan.rules[0], control, value, velocity, start)
     for finer in plan.rules[1:]:
         left = passages.converged & ~(passages.error <= wanted * passages.mu)
@@ -481,21 +493,21 @@ def _with_slopes(plan: Plan) -> Any:
     values that NumPy sees.
     """
 
-    def numbers(shared: Any, points: Any) -> Any:
+    def numbers(shared: PyTree, points: PyTree) -> Any:
         (law, lines), (value, velocity) = shared, points
         sweep = _of_values(plan, law, lines, value, velocity)
         return (sweep.mu, *sweep.line, sweep.error, sweep.model_error)
 
-    def friction(shared: Any, points: Any) -> Any:
+    def friction(shared: PyTree, points: PyTree) -> Any:
         (law, lines), (value, velocity) = shared, points
         return (_averaged_by_formula(plan, law, lines, value, velocity),)
 
-    def line(shared: Any, points: Any) -> Any:
+    def line(shared: PyTree, points: PyTree) -> Any:
         (law, lines), (value, velocity) = shared, points
         rule, control = plan.rules[0], plan.control
         return solve_passages(law, lines, rule, control, value, velocity)[:-2]
 
-    def like(shared: Any, points: Any) -> Any:
+    def like(shared: PyTree, points: PyTree) -> Any:
         return (points[0],) * (3 + len(Passages._fields))
 
     formulas = (friction, 1), (line, len(Passages._fields) - 2)
@@ -514,23 +526,8 @@ def _of_values(
     if not good.any():
         return sweep
     value, velocity = np.asarray(value[good]), np.asarray(velocity[good])
-    known_plan = make_plan(
-        plan.quantity,
-        plan.scene,
-        plan.model,
-        law,
-        lines,
-        plan.control,
-        value,
-        velocity,
-        value.size,
-        plan.temperatures,
-        plan.averaged,
-        plan.corrected,
-        plan.rtol,
-        plan.skip,
-        plan.range,
-    )
+    asked = dataclasses.replace(plan, points=value.size)
+    known_plan = make_plan(asked, law, lines, value, velocity)
     solved = run(known_plan, law, lines, value, velocity)
     sweep.mu[good] = solved.mu
     sweep.error[good] = solved.error
@@ -549,27 +546,6 @@ def _averaged_by_formula(
 
     if not plan.averaged:
         return solve(plan.control, value, velocity).mu * (0.0 if plan.elastic else 1.0)
-    around = _all_directions(plan, solve, value, velocity)
-    nothing = xp.zeros_like(around.mu)
-    return _against_half_space(
-        plan, law, around.mu, around.skew, nothing, around.ahead
-    )[0]
-
-
-class _AllDirections(NamedTuple):
-    """Passages in all directions by one rule, and their averages."""
-
-    rule: Directions
-    passages: Passages  # (points, directions)
-    ahead: Passages  # in the direction of the motion itself
-    mu: Array
-    skew: Array
-
-
-def _all_directions(
-    plan: Plan, solve: Callable[..., Passages], value: Array, velocity: Array
-) -> _AllDirections:
-    """The direction average by one rule without sharing: nothing can be refined."""
     rule = directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends))
     load = value
     if plan.control == "depth":
@@ -581,44 +557,4 @@ def _all_directions(
     ahead = Passages(*(field[:, 0] for field in passages))
     mu = passages.mu @ rule.weights
     skew = xp.stack([x @ rule.weights for x in _skew(passages)])
-    return _AllDirections(rule, passages, ahead, mu, skew)
-
-
-def _marched(
-    plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
-) -> SolvedPoints:
-    """The friction of a profile that is marched through. Its errors are looked at
-    where values are known, as under `jax.grad`; else the estimate judges convergence.
-    """
-
-    def solve(control: Control, value: Array, velocity: Array) -> Passages:
-        from .march import march_passages
-
-        rtol = max(0.1 * plan.rtol, 1e-9)
-        return march_passages(law, lines, control, value, velocity, rtol)
-
-    if not plan.averaged:
-        ahead = solve(plan.control, value, velocity)
-        lossy = 0.0 if plan.elastic else 1.0
-        mu, error, good, model_error = (
-            lossy * ahead.mu,
-            lossy * ahead.error,
-            ahead.converged,
-            0.0 * ahead.mu,
-        )
-    else:
-        around = _all_directions(plan, solve, value, velocity)
-        rule, ahead, mu = around.rule, around.ahead, around.mu
-        half, quarter = (around.passages.mu @ x for x in (rule.half, rule.quarter))
-        unseen = rule.tail + _UNSEEN * TRACED * plan.rtol
-        error = quadrature_error(mu, half, quarter, unseen)
-        error = error + around.passages.error @ rule.weights
-        good = around.passages.converged.all(axis=1)
-        mu, error, model_error = _against_half_space(
-            plan, law, mu, around.skew, error, ahead
-        )
-    error = stop_gradient(error + mu * _ROUNDING)
-    good = stop_gradient(good & (error <= plan.rtol * mu))
-    return SolvedPoints(
-        mu, error, ahead._replace(converged=good), stop_gradient(model_error)
-    )
+    return _against_half_space(plan, law, mu, skew, xp.zeros_like(mu), ahead)[0]

@@ -142,7 +142,6 @@ def friction(
     temperature: ArrayLike | None = None,
     model: ModelLike | None = None,
     rtol: float = 1e-6,
-    skip: bool = True,
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
     branch: Branch = "cold",
@@ -178,7 +177,6 @@ def friction(
             line or surface it is that of the solution on its samples;
             `curve.lines.numerical` has the error for the sampling too, and a point
             where it exceeds a tenth of mu is NaN.
-        skip: False computes also what the plan of a smooth body would leave out.
         heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its
             friction, from `temperature`, that of the body, on, until friction and
             temperature agree: `mu` is then the hot curve, `cold` the one without
@@ -243,5 +241,5 @@ def friction(
     only_rough(heat=heat, direction=direction, branch=branch)
     check_adhesion(adhesion, temperature)
     body: Any = shape  # anything else is refused there
-    smooth = SmoothCall("friction", solid, body, asked, model, rtol, skip)
+    smooth = SmoothCall("friction", solid, body, asked, model, rtol)
     return _repeatable(smooth, partial(_on_smooth, adhesion))

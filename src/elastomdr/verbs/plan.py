@@ -1,4 +1,4 @@
-"""What a scene would compute, skip and condense, without computing it."""
+"""What a scene would compute, and leave out, without computing it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..rough.adhesion import AdhesiveShear, check_adhesion
 from ..rough.heat import Heat
 from ..rough.problem import RoughCall
 from ..smooth.plan import Plan
-from ..smooth.problem import SmoothCall
+from ..smooth.problem import LayerPlan, SmoothCall
 from ..surface.shapes import AbstractShape
 from .steady import steady_plan
 
@@ -44,12 +44,11 @@ def plan(
     temperature: ArrayLike | None = None,
     model: ModelLike | None = None,
     rtol: float = 1e-6,
-    skip: bool = True,
     quantity: Motion = "friction",
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
     direction: ArrayLike | None = None,
-) -> "Plan | RoughPlan | SurfacePlan | Plans | str":
+) -> "Plan | LayerPlan | RoughPlan | SurfacePlan | Plans | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it
     says what is skipped and why.
 
@@ -78,4 +77,4 @@ def plan(
         if not chosen.on_line:
             return chosen.smooth_plan()
     body: Any = shape  # anything else is refused there
-    return steady_plan(SmoothCall(quantity, solid, body, asked, model, rtol, skip))
+    return steady_plan(SmoothCall(quantity, solid, body, asked, model, rtol))

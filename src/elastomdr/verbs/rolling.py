@@ -32,7 +32,6 @@ def rolling(
     temperature: ArrayLike | None = None,
     model: ModelLike | None = None,
     rtol: float = 1e-6,
-    skip: bool = True,
 ) -> RollingCurve:
     """Rolling resistance of a sphere, or the indentation rolling resistance of a belt
     under a cylinder.
@@ -53,9 +52,7 @@ def rolling(
         )
     solid: Any = material  # `over_materials` has taken a list apart
     asked = Asked(velocity, load, depth, pressure, temperature)
-    contact = steady_contact(
-        SmoothCall("rolling", solid, shape, asked, model, rtol, skip)
-    )
+    contact = steady_contact(SmoothCall("rolling", solid, shape, asked, model, rtol))
     solution, radius = contact.solution, shape.rolling_radius
     assert radius is not None  # refused above
     return RollingCurve(

@@ -8,9 +8,10 @@ import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from ..checks import needs_64_bit_types
-from ..smooth.on_layer import beside_layer, is_on_layer, on_layer
-from ..smooth.problem import SmoothCall, Steady, set_up, solve
+from ..checks import Array, needs_64_bit_types
+from ..smooth.on_layer import beside_layer, is_on_layer, on_layer, plan_on_layer
+from ..smooth.plan import Plan
+from ..smooth.problem import LayerPlan, SmoothCall, Steady, set_up, solve
 from ..smooth.softening import SOFTENED
 
 P = ParamSpec("P")
@@ -21,9 +22,9 @@ class SteadyContact(NamedTuple):
     """A solved contact, and how it was solved."""
 
     solution: Steady
-    temperature: Any  # broadcast to the points, or None
+    temperature: Array | None  # broadcast to the points
     model: str
-    plan: Any
+    plan: Plan | LayerPlan
     layer: bool  # whether the rubber is a layer, exact or of springs
 
     def common_fields(self) -> dict[str, Any]:
@@ -52,7 +53,9 @@ def steady_contact(call: SmoothCall) -> SteadyContact:
     `InputError`.
     """
     if is_on_layer(call.material, call.shape):
-        return SteadyContact(*on_layer(call), layer=True)
+        solved = on_layer(call)
+        plan = solved.plan
+        return SteadyContact(solved.steady, solved.temperature, plan.model, plan, True)
     scene = set_up(call)
     solution = beside_layer(solve(scene), call)
     return SteadyContact(
@@ -64,10 +67,10 @@ def steady_contact(call: SmoothCall) -> SteadyContact:
     )
 
 
-def steady_plan(call: SmoothCall) -> Any:
+def steady_plan(call: SmoothCall) -> Plan | LayerPlan:
     """The plan that `steady_contact` would follow. Raises `InputError`."""
     if is_on_layer(call.material, call.shape):
-        return on_layer(call, solved=False).plan
+        return plan_on_layer(call)
     return set_up(call).plan
 
 
