@@ -41,7 +41,8 @@ a half-space pi E*/(4L), with which the traction at small creepage is that of Ca
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
 _HALVINGS = 45
 _STEPS_AT_ONCE = 32  # of the march, which are prepared together
 _LAYER_STEPS = 1024  # of the march on a layer
-_LAYER_HALVINGS = 50
+_LAYER_ERROR = 1e-9  # relative, of the pressure there
 # of mu F_N: what sliding elements carry is the difference of two normal forces
 _ROUNDING = 4e-15
 
@@ -89,95 +90,155 @@ class Tractions(NamedTuple):
     sticks_again: Bool[Array, " points"]
 
 
+class Sheared(NamedTuple):
+    """Elements that the creepage shears, each law in force per length and
+    displacement.
+    """
+
+    equilibrium: Array  # of each point, or one for all
+    moduli: Float[Array, "branches points"]
+    times: Float[Array, " branches"]
+    viscosity: Array
+    velocity: Float[Array, " points"]  # times a_T [m/s]
+    friction: Float[Array, " points"]
+    creepage: Float[Array, " points"]  # xi, without its sign
+    length: Float[Array, " points"]  # of the contact [m]
+
+    def ramp(self, distance: Array) -> tuple[Array, Array]:
+        """tau_stick at a distance from the leading edge, and its integral up to
+        there.
+        """
+        z = distance / (self.velocity * self.times[:, None])
+        _, early, late = ramp_weights(z)
+        dashpot = self.viscosity * self.velocity
+        traction = (
+            self.equilibrium * distance
+            + xp.sum(self.moduli * (early + late), axis=0) * distance
+            + dashpot
+        )
+        summed = (
+            0.5 * self.equilibrium * distance**2
+            + xp.sum(self.moduli * late, axis=0) * distance**2
+            + dashpot * distance
+        )
+        return self.creepage * traction, self.creepage * summed
+
+
+def sheared_by(r: RollingContact) -> Sheared:
+    """The elements of rolling contacts."""
+    law = r.tangential
+    return Sheared(
+        law.equilibrium,
+        law.moduli[:, None],
+        law.times,
+        law.viscosity,
+        r.velocity,
+        r.friction,
+        r.creepage,
+        r.leading + r.trailing,
+    )
+
+
 @compiled("rule", "steps")
 def tractions(rolling: RollingContact, rule: Rule, steps: int) -> Tractions:
     """Tractive force of each point, with `steps` steps of the march; differentiable in
     both modes.
     """
     r = arrays(rolling)
-    length = r.leading + r.trailing
-    marched = _march(r, length, steps)
+    law, held, sheared = r.tangential, stop_gradient(r), sheared_by(r)
+    weight = r.lines.weight(r.leading)[0]
+
+    def limit_at(distance: Array) -> Array:
+        passage = Passage(held.normal, held.lines, rule, held.velocity)
+        pressed = part_of_contact(passage, held.leading, distance - held.leading)[0]
+        return _limit(held.friction, pressed)
+
+    def load_up_to(distance: Array) -> tuple[Array, Array]:
+        passage = Passage(r.normal, r.lines, rule, r.velocity)
+        return part_of_contact(passage, r.leading, distance - r.leading)[1:]
+
+    first = _first_limit(r)
+    pulled = _pulled(
+        sheared, weight, first, lambda n: _limits(r, n), limit_at, load_up_to, steps
+    )
+    h = sheared.length * _step_ends(steps)[2]
+    dashpot = r.creepage * law.viscosity * r.velocity
+    # what slip within the first two steps takes, at most
+    early = h * (sheared.ramp(sheared.length)[0] - dashpot + sheared.ramp(h)[0])
+    early = xp.where((dashpot > first) & (pulled.stick > 0), weight * early, 0.0)
+    return pulled._replace(error=stop_gradient(pulled.error + early))
+
+
+def _pulled(
+    sheared: Sheared,
+    weight: Array,
+    first: Array,
+    limits: Callable[[int], Array],
+    limit_at: Callable[[Array], Array],
+    load_up_to: Callable[[Array], tuple[Array, Array]],
+    steps: int,
+) -> Tractions:
+    """Traction of elements whose limits mu q are known.
+
+    Args:
+        sheared: the elements.
+        weight: of a line, by which the sheared elements are multiplied.
+        first: mu q at the leading edge.
+        limits: mu q at the ends of a number of steps, (steps, points).
+        limit_at: mu q at a distance from the leading edge, without derivatives.
+        load_up_to: int q from there to a distance, and its error.
+        steps: of the march.
+    """
+    length, friction = sheared.length, sheared.friction
+    marched = _march(sheared, first, limits(steps))
     # Only its error needs the march of half the steps.
     coarse = (
         marched
         if on_numpy() and not marched.sticks_again.any()
-        else _march(stop_gradient(r), length, steps // 2)
+        else _march(stop_gradient(sheared), first, limits(steps // 2))
     )
-    passage = Passage(r.normal, r.lines, rule, r.velocity)
-    distance = _sticking_length(r, rule, length, marched.first_slip, steps)
-    weight = r.lines.weight(r.leading)[0]
-    force, error, rounding = _sticking_then_sliding(r, passage, distance, weight)
-    error = xp.where(
-        marched.sticks_again,
-        weight * xp.abs(marched.force - coarse.force) + rounding,
-        error + rounding,
-    )
+    distance = _sticking_length(sheared, limit_at, marched.first_slip, steps)
+    slides = distance < length
+    whole, (before, missed) = load_up_to(length)[0], load_up_to(distance)
+    sliding = xp.where(slides, _limit(friction, whole - before), 0.0)
+    force = weight * sheared.ramp(distance)[1] + sliding
+    rounding = xp.where(slides, _ROUNDING * _limit(friction, whole), 0.0)
+    rounding = rounding + 1e-13 * xp.abs(force)
+    again, change = marched.sticks_again, xp.abs(marched.force - coarse.force)
+    error = xp.where(again, weight * change, _limit(friction, missed)) + rounding
     error = xp.where(xp.isfinite(error), error, rounding)
-    early = xp.where(marched.stick > 0, weight * _early_slip(r, length, steps), 0.0)
     stick = xp.where(distance > 1e-12 * length, distance / length, 0.0)
     return Tractions(
-        force=xp.where(marched.sticks_again, weight * marched.force, force),
-        stick=stop_gradient(xp.where(marched.sticks_again, marched.stick, stick)),
-        error=stop_gradient(error + early),
-        sticks_again=marched.sticks_again,
+        force=xp.where(again, weight * marched.force, force),
+        stick=stop_gradient(xp.where(again, marched.stick, stick)),
+        error=stop_gradient(error),
+        sticks_again=again,
     )
 
 
 def _sticking_length(
-    r: RollingContact, rule: Rule, length: Array, first_slip: Array, steps: int
+    sheared: Sheared, limit_at: Callable[[Array], Array], first_slip: Array, steps: int
 ) -> Array:
-    """The distance c from the leading edge at which tau_stick reaches mu q, by halving.
+    """The distance c from the leading edge at which tau_stick reaches mu q, by halving;
+    all of the contact sticks without an end of friction, or without creepage, and none
+    of it without friction.
 
     No derivative of it is needed: at its end both tractions are equal.
     """
-    held = stop_gradient(r)
-    passage = Passage(held.normal, held.lines, rule, held.velocity)
+    held, ends = stop_gradient(sheared), xp.asarray(_step_ends(steps))
 
     def sticks(distance: Array) -> Array:
-        pressed = part_of_contact(passage, held.leading, distance - held.leading)[0]
-        return _limit(held.friction, pressed) - _ramp(held, distance)[0] > 0
+        return limit_at(distance) - held.ramp(distance)[0] > 0
 
-    ends = xp.asarray(_step_ends(steps))
     low, high = stop_gradient(
-        tuple(length * ends[xp.clip(first_slip + i, 0, steps)] for i in (-2, 1))
+        tuple(held.length * ends[xp.clip(first_slip + i, 0, steps)] for i in (-2, 1))
     )
-    return _where_slip_begins(r, length, bisect(sticks, low, high, _HALVINGS))
-
-
-def _where_slip_begins(r: Any, length: Array, bracket: tuple[Array, Array]) -> Array:
-    """The middle of the bracket; all of the contact sticks without an end of friction,
-    or without creepage, and none of it without friction.
-    """
-    low, high = bracket
+    low, high = bisect(sticks, low, high, _HALVINGS)
     return xp.where(
-        xp.isinf(r.friction) | (r.creepage == 0),
-        length,
-        xp.where(r.friction == 0, 0.0, 0.5 * (low + high)),
+        xp.isinf(sheared.friction) | (sheared.creepage == 0),
+        sheared.length,
+        xp.where(sheared.friction == 0, 0.0, 0.5 * (low + high)),
     )
-
-
-def _sticking_then_sliding(
-    r: RollingContact, passage: Passage, distance: Array, weight: Array
-) -> tuple[Array, Array, Array]:
-    """F_x of elements that stick up to a distance and slide from there on, its error,
-    and its rounding.
-    """
-    slides = distance < r.leading + r.trailing
-    whole = part_of_contact(passage, r.leading, r.trailing)[1]
-    _, before, missed = part_of_contact(passage, r.leading, distance - r.leading)
-    sliding = xp.where(slides, _limit(r.friction, whole - before), 0.0)
-    force = weight * _ramp(r, distance)[1] + sliding
-    rounding = xp.where(slides, _ROUNDING * _limit(r.friction, whole), 0.0)
-    return force, _limit(r.friction, missed), rounding + 1e-13 * xp.abs(force)
-
-
-def _early_slip(r: RollingContact, length: Array, steps: int) -> Array:
-    """Bound on the traction per weight that slip within the first two steps takes."""
-    slope = r.lines.slope(r.leading[None], r.leading, xp.zeros((1, 1), int))[0]
-    dashpot = r.creepage * r.tangential.viscosity * r.velocity
-    slips = dashpot > _limit(r.friction, r.normal.viscosity * r.velocity * slope)
-    h = length * _step_ends(steps)[2]
-    return xp.where(slips, h * (_ramp(r, length)[0] - dashpot + _ramp(r, h)[0]), 0.0)
 
 
 def _limit(friction: Array, pressed: Array) -> Array:
@@ -185,31 +246,17 @@ def _limit(friction: Array, pressed: Array) -> Array:
     return xp.where(pressed > 0, friction * xp.where(pressed > 0, pressed, 1.0), 0.0)
 
 
-def _ramp(r: RollingContact, distance: Array) -> tuple[Array, Array]:
-    """tau_stick at a distance from the leading edge, and its integral up to there."""
-    law = r.tangential
-    z = distance / (r.velocity * law.times[:, None])
-    _, early, late = ramp_weights(z)
-    dashpot = law.viscosity * r.velocity
-    moduli = law.moduli[:, None]
-    traction = (
-        law.equilibrium * distance
-        + xp.sum(moduli * (early + late), axis=0) * distance
-        + dashpot
-    )
-    summed = (
-        0.5 * law.equilibrium * distance**2
-        + xp.sum(moduli * late, axis=0) * distance**2
-        + dashpot * distance
-    )
-    return r.creepage * traction, r.creepage * summed
-
-
 @functools.cache
 def _step_ends(steps: int) -> np.ndarray:
     """Ends of the steps over the length of the contact: closer at both edges."""
     s = np.arange(steps + 1) / steps
     return s**2 * (3 - 2 * s)
+
+
+def _in_blocks(steps: int) -> tuple[Array, Array]:
+    """Ends of the steps, of which some are prepared together: (blocks, steps)."""
+    ends = xp.asarray(_step_ends(steps))
+    return tuple(x.reshape(-1, _STEPS_AT_ONCE) for x in (ends[:-1], ends[1:]))
 
 
 class _Marched(NamedTuple):
@@ -224,8 +271,8 @@ class _Marched(NamedTuple):
 class _BrushState(NamedTuple):
     """Elements at the end of a step of the march."""
 
-    normal: Array  # forces of the normal branches
-    sheared: Array  # those of the tangential ones
+    number: Array  # of the step
+    branches: Array  # their forces
     shear: Array  # displacement
     traction: Array
     force: Array  # int traction dr up to here
@@ -238,36 +285,70 @@ class _BrushState(NamedTuple):
 class _Step(NamedTuple):
     """Everything of a step that no slip changes."""
 
-    number: Array
     share: Array  # of the length
     width: Array  # h
-    normal_decay: Array
-    pressing: Array  # what the normal branches gain
-    pressed: Array  # q without the branches
+    limit: Array  # mu q at its end
     decay: Array
-    gain: Array  # of the tangential branches, per displacement
+    gain: Array  # of the branches, per displacement
     stiffness: Array
 
 
-def _march(r: RollingContact, length: Array, steps: int) -> _Marched:
+def _march(sheared: Sheared, first: Array, limits: Array) -> _Marched:
     """Elements followed from the leading edge to the trailing one, in blocks of
     steps.
     """
+    steps, zero = limits.shape[0], xp.zeros_like(sheared.length)
+    false = xp.zeros(zero.shape, bool)
 
     def march_block(state: _BrushState, block: tuple) -> tuple:
-        number, begin, end = block
-        prepared = _prepare(r, length, number, begin, end)
-        return scan(advance, state, prepared)
+        begin, end, limit = block
+        share = end - begin
+        h = sheared.length * share[:, None]
+        z = h[:, None] / (sheared.velocity * sheared.times[:, None])
+        decay, early, late = ramp_weights(z)
+        gain = sheared.moduli * (early + late)
+        stiffness = sheared.equilibrium + xp.sum(gain, axis=1)
+        stiffness = stiffness + sheared.viscosity * sheared.velocity / h
+        return scan(advance, state, _Step(share, h, limit, decay, gain, stiffness))
 
     def advance(state: _BrushState, step: _Step) -> tuple[_BrushState, None]:
-        last = step.number == steps - 1
-        return _advance(r, state, step, last), None
+        """The element sticks where that asks for less than mu q."""
+        decayed, limit = step.decay * state.branches, step.limit
+        free = sheared.equilibrium * state.shear + xp.sum(decayed, axis=0)
+        displacement = sheared.creepage * step.width
+        trial = free + step.stiffness * displacement
+        slips = trial > limit
+        moved = xp.where(slips, (limit - free) / step.stiffness, displacement)
+        traction, number = xp.where(slips, limit, trial), state.number + 1
+        again = state.slipped & ~slips & (trial < limit * (1 - 1e-9))
+        after = _BrushState(
+            number,
+            decayed + step.gain * moved,
+            state.shear + moved,
+            traction,
+            state.force + 0.5 * step.width * (state.traction + traction),
+            state.stick + xp.where(slips, 0.0, step.share),
+            xp.where(slips & ~state.slipped, number, state.first_slip),
+            state.sticks_again | (again & (number < steps)),
+            state.slipped | slips,
+        )
+        return after, None
 
-    ends = xp.asarray(_step_ends(steps))
-    blocks = tuple(
-        x.reshape(-1, _STEPS_AT_ONCE) for x in (xp.arange(steps), ends[:-1], ends[1:])
+    # of the dashpots alone
+    dashpot = sheared.creepage * sheared.viscosity * sheared.velocity
+    start = _BrushState(
+        xp.zeros((), int),
+        xp.zeros((sheared.times.shape[0], *zero.shape)),
+        zero,
+        xp.minimum(dashpot, first),
+        zero,
+        zero,
+        xp.full(zero.shape, steps),
+        false,
+        false,
     )
-    state, _ = scan(march_block, _at_leading_edge(r, length, steps), blocks)
+    blocks = (*_in_blocks(steps), limits.reshape(-1, _STEPS_AT_ONCE, zero.size))
+    state, _ = scan(march_block, start, blocks)
     return _Marched(state.force, state.stick, state.first_slip, state.sticks_again)
 
 
@@ -277,92 +358,46 @@ def _slope(r: RollingContact, distance: Array) -> Array:
     return r.lines.slope(x, r.leading, xp.zeros((1, 1), int))[0]
 
 
-def _at_leading_edge(r: RollingContact, length: Array, steps: int) -> _BrushState:
-    zero, false = xp.zeros_like(length), xp.zeros(length.shape, bool)
-    # of the dashpots alone
-    traction = xp.minimum(
-        r.creepage * r.tangential.viscosity * r.velocity,
-        _limit(r.friction, r.normal.viscosity * r.velocity * _slope(r, zero)),
-    )
-    return _BrushState(
-        normal=xp.zeros((r.normal.moduli.shape[0], *length.shape)),
-        sheared=xp.zeros((r.tangential.moduli.shape[0], *length.shape)),
-        shear=zero,
-        traction=traction,
-        force=zero,
-        stick=zero,
-        first_slip=xp.full(length.shape, steps),
-        sticks_again=false,
-        slipped=false,
-    )
+def _first_limit(r: RollingContact) -> Array:
+    """mu q at the leading edge, of the normal dashpot alone."""
+    slope = _slope(r, xp.zeros_like(r.leading))
+    return _limit(r.friction, r.normal.viscosity * r.velocity * slope)
 
 
-def _prepare(
-    r: RollingContact,
-    length: Array,
-    number: Array,
-    begin_fraction: Array,
-    end_fraction: Array,
-) -> _Step:
-    """Some steps, from `begin_fraction` to `end_fraction` of the length."""
-    normal, tangential = r.normal, r.tangential
+def _limits(r: RollingContact, steps: int) -> Array:
+    """mu q at the ends of the steps, by the normal branches: (steps, points)."""
+    law, length, line = r.normal, r.leading + r.trailing, xp.zeros((1, 1), int)
 
     def height(x: Array) -> Array:
-        return r.lines.profile(x[None], r.leading, xp.zeros((1, 1), int))[0]
+        return r.lines.profile(x[None], r.leading, line)[0]
 
-    begin, end = length * begin_fraction[:, None], length * end_fraction[:, None]
-    h = end - begin
-    decay, early, late = ramp_weights(h[:, None] / (r.velocity * normal.times[:, None]))
-    slope = _slope(r, end)
-    pressing = (
-        h[:, None]
-        * normal.moduli[:, None]
-        * (early * _slope(r, begin)[:, None] + late * slope[:, None])
-    )
-    depth = height(r.leading) - height(r.leading - end)
-    pressed = normal.equilibrium * depth + normal.viscosity * r.velocity * slope
-    kept, early, late = ramp_weights(
-        h[:, None] / (r.velocity * tangential.times[:, None])
-    )
-    gain = tangential.moduli[:, None] * (early + late)
-    stiffness = (
-        tangential.equilibrium
-        + xp.sum(gain, axis=1)
-        + tangential.viscosity * r.velocity / h
-    )
-    share = end_fraction - begin_fraction
-    return _Step(number, share, h, decay, pressing, pressed, kept, gain, stiffness)
+    def press_block(branches: Array, block: tuple) -> tuple:
+        begin, end = (length * x[:, None] for x in block)
+        h = (end - begin)[:, None]
+        decay, early, late = ramp_weights(h / (r.velocity * law.times[:, None]))
+        steep = early * _slope(r, begin)[:, None] + late * _slope(r, end)[:, None]
+        gain = h * law.moduli[:, None] * steep
+        branches, forces = scan(press, branches, (decay, gain))
+        pressed = law.equilibrium * (height(r.leading) - height(r.leading - end))
+        pressed = pressed + law.viscosity * r.velocity * _slope(r, end)
+        return branches, _limit(r.friction, pressed + forces)
 
+    def press(branches: Array, step: tuple) -> tuple:
+        decay, gain = step
+        branches = decay * branches + gain
+        return branches, xp.sum(branches, axis=0)
 
-def _advance(
-    r: RollingContact, state: _BrushState, step: _Step, last: Array
-) -> _BrushState:
-    """One step: the element sticks where that asks for less than mu q."""
-    normal = step.normal_decay * state.normal + step.pressing
-    limit = _limit(r.friction, step.pressed + xp.sum(normal, axis=0))
-    decayed = step.decay * state.sheared
-    free = r.tangential.equilibrium * state.shear + xp.sum(decayed, axis=0)
-    displacement = r.creepage * step.width
-    trial = free + step.stiffness * displacement
-    slips = trial > limit
-    moved = xp.where(slips, (limit - free) / step.stiffness, displacement)
-    traction = xp.where(slips, limit, trial)
-    again = state.slipped & ~slips & (trial < limit * (1 - 1e-9)) & ~last
-    return _BrushState(
-        normal,
-        decayed + step.gain * moved,
-        state.shear + moved,
-        traction,
-        state.force + 0.5 * step.width * (state.traction + traction),
-        state.stick + xp.where(slips, 0.0, step.share),
-        xp.where(slips & ~state.slipped, step.number + 1, state.first_slip),
-        state.sticks_again | again,
-        state.slipped | slips,
-    )
+    start = xp.zeros((law.moduli.shape[0], *length.shape))
+    limits = scan(press_block, start, _in_blocks(steps))[1]
+    return limits.reshape(steps, *length.shape)
 
 
 def carter(
-    modulus: Any, radius: Any, line_load: Any, friction: Any, creepage: Any
+    modulus: Array,
+    radius: Array,
+    line_load: Array,
+    friction: Array | float,
+    creepage: Array | float,
 ) -> tuple[Array, Array, Array]:
     """Carter's cylinder on an elastic half-plane: F_x/F_N, the part of the contact that
     sticks, and its half-width.
@@ -397,36 +432,21 @@ class LayerContact(NamedTuple):
         return np.arange(1, self.terms.shape[1] + 1)
 
     def angle(self, distance: np.ndarray) -> np.ndarray:
-        """x = L cos(angle) at a distance from the leading edge, as a column."""
-        return np.arccos(np.clip(1 - distance / self.half_length, -1, 1))[:, None]
+        """x = L cos(angle) at a distance from the leading edge, as a last axis."""
+        return np.arccos(np.clip(1 - distance / self.half_length, -1, 1))[..., None]
 
-    def slip_limit(self, distance: np.ndarray) -> np.ndarray:
+    def limit_at(self, distance: np.ndarray) -> np.ndarray:
         """mu p."""
         waves = np.sin(self.angle(distance) * self.order)
-        pressure = np.maximum(np.sum(self.terms * waves, axis=1), 0.0)
-        return np.asarray(_limit(self.friction, pressure))
+        return np.asarray(_limit(self.friction, np.sum(self.terms * waves, axis=-1)))
 
-    def load_up_to(self, distance: np.ndarray) -> np.ndarray:
-        """int p from the leading edge [N/m]."""
+    def load_up_to(self, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """int p from the leading edge [N/m], and its error, which is left to the end."""
         angle, n = self.angle(distance), self.order
         lower = np.where(n == 1, angle, np.sin((n - 1) * angle) / np.maximum(n - 1, 1))
         upper = np.sin((n + 1) * angle) / (n + 1)
-        return self.half_length * np.sum(self.terms * 0.5 * (lower - upper), axis=1)
-
-    def ramp(self, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """tau_stick at a distance from the leading edge, and its integral."""
-        law, r = self.law, distance
-        _, early, late = ramp_weights(r / (self.velocity * law.times[:, None]))
-        slope = self.creepage * self.stiffness
-        traction = law.equilibrium * r + law.moduli @ (early + late) * r
-        summed = 0.5 * law.equilibrium * r**2 + law.moduli @ late * r**2
-        return slope * traction, slope * summed
-
-
-class LayerTraction(NamedTuple):
-    force: np.ndarray  # [N/m]
-    stick: np.ndarray  # part of the contact's length
-    error: np.ndarray  # [N/m]
+        load = self.half_length * np.sum(self.terms * 0.5 * (lower - upper), axis=1)
+        return load, 0.0 * load
 
 
 def typical_wave(half_length: np.ndarray) -> np.ndarray:
@@ -443,68 +463,32 @@ def shear_compliance(k: np.ndarray, thickness: float, poisson: float) -> np.ndar
     return (1 - poisson) / k * above / below
 
 
-def layer_traction(contact: LayerContact) -> LayerTraction:
-    """Traction of cylinders on a layer."""
-    length = 2 * contact.half_length
-    marched = _march_on_layer(contact, _LAYER_STEPS)
-    distance = _sticking_length_on_layer(contact, marched.first_slip)
-    sliding = np.maximum(contact.load_up_to(length) - contact.load_up_to(distance), 0.0)
-    friction = np.where(np.isinf(contact.friction), 0.0, contact.friction)
-    sliding = np.where(distance < length, friction * sliding, 0.0)
-    force = contact.ramp(distance)[1] + sliding
-    error = 1e-9 * force
-    again = marched.sticks_again
-    if again.any():
-        coarse = _march_on_layer(contact, _LAYER_STEPS // 2)
-        error = np.where(again, np.abs(marched.force - coarse.force), error)
-    return LayerTraction(
-        np.where(again, marched.force, force),
-        np.where(again, marched.stick, distance / length),
-        error,
+def layer_traction(contact: LayerContact) -> Tractions:
+    """Traction of cylinders on a layer, per length [N/m]."""
+    law, length = contact.law, 2 * contact.half_length
+    sheared = Sheared(
+        contact.stiffness * law.equilibrium,
+        contact.stiffness * law.moduli[:, None],
+        law.times,
+        np.zeros(()),
+        contact.velocity,
+        contact.friction,
+        contact.creepage,
+        length,
     )
 
+    def limits(steps: int) -> np.ndarray:
+        ends = (length * end for end in _step_ends(steps)[1:])
+        return np.stack([contact.limit_at(end) for end in ends])
 
-def _sticking_length_on_layer(contact: LayerContact, first_slip: Array) -> np.ndarray:
-    """The distance from the leading edge at which tau_stick reaches mu p, by halving."""
-    length, ends = 2 * contact.half_length, np.append(_step_ends(_LAYER_STEPS), 1.0)
-    low = ends[np.maximum(first_slip - 1, 0)] * length
-    high = ends[np.minimum(first_slip + 2, _LAYER_STEPS)] * length
-
-    def sticks(distance: np.ndarray) -> np.ndarray:
-        return contact.ramp(distance)[0] < contact.slip_limit(distance)
-
-    bracket = bisect(sticks, low, high, _LAYER_HALVINGS)
-    return np.asarray(_where_slip_begins(contact, length, bracket))
-
-
-def _march_on_layer(contact: LayerContact, steps: int) -> _Marched:
-    """Elements followed from the leading edge to the trailing one; the first step that
-    slips is counted from 0.
-    """
-    law, stiffness = contact.law, contact.stiffness
-    length, ends = 2 * contact.half_length, _step_ends(steps)
-    zero, false = np.zeros_like(length), np.zeros(length.size, bool)
-    branches, shear = np.zeros((law.moduli.size, length.size)), zero
-    traction, force, stick = zero, zero, zero
-    first_slip, slipped, again = np.full(length.size, steps), false, false
-    for i in range(steps):
-        share = ends[i + 1] - ends[i]
-        h = length * share
-        decay, early, late = ramp_weights(h / (contact.velocity * law.times[:, None]))
-        gain = law.moduli[:, None] * (early + late)
-        decayed = decay * branches
-        free = stiffness * (law.equilibrium * shear + np.sum(decayed, axis=0))
-        stiff = stiffness * (law.equilibrium + np.sum(gain, axis=0))
-        limit = contact.slip_limit(length * ends[i + 1])
-        displacement = contact.creepage * h
-        slips = free + stiff * displacement > limit
-        moved = np.where(slips, (limit - free) / stiff, displacement)
-        new = np.where(slips, limit, free + stiff * displacement)
-        if i < steps - 1:
-            again = again | slipped & ~slips & (new < limit * (1 - 1e-9))
-        first_slip = np.where(slips & ~slipped, i, first_slip)
-        stick = stick + np.where(slips, 0.0, share)
-        branches, shear = decayed + gain * moved, shear + moved
-        force = force + 0.5 * h * (traction + new)
-        traction, slipped = new, slipped | slips
-    return _Marched(force, stick, first_slip, again)
+    pulled = _pulled(
+        sheared,
+        np.ones(()),
+        np.zeros(()),
+        limits,
+        contact.limit_at,
+        contact.load_up_to,
+        _LAYER_STEPS,
+    )
+    error = pulled.error + _LAYER_ERROR * pulled.force
+    return pulled._replace(error=error)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import xp
-from ..call.problem import Asked, doubt_depth
+from ..call.problem import Asked, SteadyScene, doubt_depth
 from ..call.several_materials import over_materials
 from ..checks import (
     Array,
@@ -38,14 +38,22 @@ from ..results.doubts import Doubt, carried
 from ..results.friction_law import FrictionLaw
 from ..results.words import brief, describe
 from ..smooth.cylinder import cylinder_pressure
-from ..smooth.problem import Contact, SmoothCall, SmoothScene, Steady, set_up, solve
+from ..smooth.plan import Plan
+from ..smooth.problem import (
+    Contact,
+    LayerPlan,
+    SmoothCall,
+    SmoothScene,
+    Steady,
+    set_up,
+    solve,
+)
 from ..surface.lines import SingleLine
 from ..surface.shapes import Cylinder
 from ..transient.problem import Bound, both_laws, bound_on, check_shape, unknown
 from ..trees import replaced
 from .brush import (
     LayerContact,
-    LayerTraction,
     RollingContact,
     Tractions,
     carter,
@@ -58,7 +66,7 @@ from .traction_result import Traction
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
-    from ..call.types import Indenter, Materials, ModelLike
+    from ..call.types import Indenter, Material, Materials, ModelLike
 
 # error of the traction over (1 + mu) F_N that no computation is without
 _ROUNDING = 1e-14
@@ -110,11 +118,11 @@ class _Scene(NamedTuple):
 
     def friction_in(
         self,
-        velocity: Any,
-        temperature: Any,
-        force: Any,
+        velocity: Array,
+        temperature: Array | None,
+        force: Array,
         contact: Contact,
-        converged: Any,
+        converged: Array | bool,
     ) -> tuple[Any, tuple[Doubt, ...]]:
         """Coulomb's coefficient of each contact, from the law where there is one, and
         its doubts there; without creepage at the law's lowest velocity, which decides
@@ -144,7 +152,7 @@ class _Scene(NamedTuple):
         given["velocity"] = xp.where(sliding > 0, sliding, law.velocity[0])
         return law(**given), law.doubts_at(**given)
 
-    def words(self, friction: Any) -> list[tuple[str, str]]:
+    def words(self, friction: Array) -> list[tuple[str, str]]:
         """Creepage and friction as inputs of the result."""
         words = brief(friction, "").strip()
         if self.law is not None:
@@ -249,11 +257,12 @@ def traction(
     elif isinstance(shape, Cylinder) and foundation.per_area is False:
         curve = _carter(foundation, scene)
     else:
-        curve = _on_line(material, scene, tangential)
-    return curve if slip is None else _over_slip(curve, slip, road)
+        solid: Any = material  # `over_materials` has taken a list apart
+        curve = _on_line(solid, scene, tangential)
+    return curve if slip is None or road is None else _over_slip(curve, slip, road)
 
 
-def _checked_friction(friction: Any) -> Any:
+def _checked_friction(friction: ArrayLike | FrictionLaw) -> Any:
     """A friction law, or coefficients as an array. Raises `InputError`."""
     if isinstance(friction, FrictionLaw):
         return friction
@@ -268,18 +277,24 @@ def _checked_friction(friction: Any) -> Any:
     return friction
 
 
+class _Kinematics(NamedTuple):
+    velocity: Array  # of rolling
+    creepage: Array
+    # where it was given, and with it the velocity of the road
+    slip: Array | None = None
+    road: Array | None = None
+
+
 def _kinematics(
-    velocity: Any, creepage: Any, slip: Any
-) -> tuple[Array, Array, Array | None, Array | None]:
-    """Rolling velocity and creepage, and where a slip was given that slip and the
-    velocity of the road, else None.
-    """
+    velocity: ArrayLike, creepage: ArrayLike | None, slip: ArrayLike | None
+) -> _Kinematics:
+    """The motion, by creepage or by slip. Raises `InputError`."""
     only_one(creepage=creepage, slip=slip)
     velocity = as_float64("velocity", velocity)
     if slip is None:
         creepage = as_float64("creepage", creepage)
         finite("creepage", creepage)
-        return velocity, creepage, None, None
+        return _Kinematics(velocity, creepage)
     slip = as_float64("slip", slip)
     accepted = (
         "finite and below 1, a part of the road's velocity (a locked wheel slides: "
@@ -288,10 +303,10 @@ def _kinematics(
     require("slip", slip, accepted, lambda s: np.isfinite(s) & (s < 1))
     positive("velocity", velocity)
     broadcast_shape(velocity=velocity, slip=slip)
-    return (1 - slip) * velocity, slip / (1 - slip), slip, velocity
+    return _Kinematics((1 - slip) * velocity, slip / (1 - slip), slip, velocity)
 
 
-def _over_slip(curve: Traction, slip: Any, road: Any) -> Traction:
+def _over_slip(curve: Traction, slip: Array, road: Array) -> Traction:
     """The result with the slip that was asked for in place of the creepage."""
     rows = [pair for pair in curve.inputs if pair[0] != "creepage"]
     place = next(i for i, pair in enumerate(rows) if pair[0] == "velocity")
@@ -308,7 +323,9 @@ def _over_slip(curve: Traction, slip: Any, road: Any) -> Traction:
     return dataclasses.replace(curve, slip=slip, road=road, inputs=tuple(rows))
 
 
-def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
+def _on_line(
+    material: Material, scene: _Scene, tangential: Foundation | None
+) -> Traction:
     """A body on the MDR line, or on springs. Raises `InputError`."""
     normal, sheared = _foundations(material, scene, tangential)
     asked = Asked(
@@ -345,7 +362,7 @@ def _on_line(material: Any, scene: _Scene, tangential: Any) -> Traction:
 
 
 def _foundations(
-    material: Any, scene: _Scene, tangential: Any
+    material: Material, scene: _Scene, tangential: Foundation | None
 ) -> tuple[Foundation, Foundation]:
     """The normal and the tangential foundation. Raises `InputError`."""
     normal, sheared = both_laws(material, tangential)
@@ -364,14 +381,14 @@ def _pull(
     steady: SmoothScene,
     solution: Steady,
     sheared: Foundation,
-    friction: Any,
+    friction: Array,
     scene: _Scene,
 ) -> tuple[Tractions, Any]:
     """Tractions to the tolerance, in the shape of the result, and at which of the
     flattened points it was missed.
     """
 
-    def flat(field: Any) -> Any:
+    def flat(field: Array) -> Any:
         return xp.broadcast_to(field, steady.shape).reshape(-1)
 
     assert isinstance(steady.lines, SingleLine)
@@ -394,7 +411,7 @@ def _pull(
     def missed_in(pulled: Tractions) -> Any:
         return ~(pulled.error <= scene.rtol * pulled.force + rounding)
 
-    def finer(pulled: Tractions, again: Any, steps: int) -> Tractions:
+    def finer(pulled: Tractions, again: Array, steps: int) -> Tractions:
         """The tractions with those of some points found anew."""
         points = rolling._replace(
             **{name: getattr(rolling, name)[again] for name in _OWN}
@@ -425,7 +442,10 @@ def _pull(
 
 
 def _of_line(
-    normal: Foundation, sheared: Foundation, scene: _Scene, tangential: Any
+    normal: Foundation,
+    sheared: Foundation,
+    scene: _Scene,
+    tangential: Foundation | None,
 ) -> _BoundAt:
     """Of a row of elements: exact where it was asked for as such, under one friction
     coefficient.
@@ -472,15 +492,17 @@ def _is_elastic(law: Relaxation) -> bool:
 
 def _packed(
     scene: _Scene,
-    solution: Any,
+    solution: Steady,
     *,
-    creepage: Any,
-    friction: Any,
+    creepage: Array,
+    friction: Array,
     doubts: tuple[Doubt, ...],
-    pulled: Any,
-    converged: Any,
+    pulled: Tractions,
+    converged: Array,
     bound: _BoundAt,
-    **settings: Any,
+    temperature: Array | None,
+    model: str,
+    plan: Plan | LayerPlan,
 ) -> Traction:
     """The result of a brush: `pulled` has force, stick and error without signs,
     `doubts` are those of a friction law.
@@ -490,8 +512,8 @@ def _packed(
     place = [name for name, _ in inputs].index("relative tolerance")
     inputs[place:place] = scene.words(friction)
     coefficient = force / solution.normal_force
-    model = bound(abs(coefficient), friction)
-    doubts = (*solution.marks, *doubts, *model.marks(converged))
+    limit = bound(abs(coefficient), friction)
+    doubts = (*solution.marks, *doubts, *limit.marks(converged))
     return Traction(
         velocity=solution.velocity,
         creepage=creepage,
@@ -505,11 +527,13 @@ def _packed(
         depth=solution.depth,
         contact=solution.contact,
         error=nan_unless(converged, pulled.error / solution.normal_force),
-        model_error=model.at(converged),
+        model_error=limit.at(converged),
         converged=converged,
         marks=_at_points(doubts, force.shape),
         inputs=tuple(inputs),
-        **settings,
+        temperature=temperature,
+        model=model,
+        plan=plan,
     )
 
 
@@ -541,7 +565,7 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
     return normal
 
 
-def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
+def _on_layer(layer: Layer, scene: _Scene, tangential: Foundation | None) -> Traction:
     """A cylinder on a bonded layer. Raises `InputError`."""
     law = _checked_layer(layer, scene, tangential)
     asked = Asked(
@@ -585,12 +609,12 @@ def _on_layer(layer: Layer, scene: _Scene, tangential: Any) -> Traction:
         converged=solution.converged,
         bound=_on_strip(layer, law, scene),
         temperature=rolled.temperature,
-        model=ON_LAYER + rolled.model,
+        model=ON_LAYER + rolled.plan.model,
         plan=rolled.plan,
     )
 
 
-def _pulled(contact: LayerContact, length: float, points: Any) -> LayerTraction:
+def _pulled(contact: LayerContact, length: float, points: SteadyScene) -> Tractions:
     """The traction of a cylinder of this length, in the shape of the call."""
     pulled = layer_traction(contact)
     per_length = length * np.asarray(points.vertical).reshape(-1)
@@ -601,7 +625,9 @@ def _pulled(contact: LayerContact, length: float, points: Any) -> LayerTraction:
     )
 
 
-def _checked_layer(layer: Layer, scene: _Scene, tangential: Any) -> Relaxation:
+def _checked_layer(
+    layer: Layer, scene: _Scene, tangential: Foundation | None
+) -> Relaxation:
     """G(t) of the layer. Raises `InputError` for other bodies and what is not known of
     the shear.
     """
@@ -637,7 +663,7 @@ def _checked_layer(layer: Layer, scene: _Scene, tangential: Any) -> Relaxation:
     return sheared
 
 
-def _carter(foundation: Any, scene: _Scene) -> Traction:
+def _carter(foundation: Foundation, scene: _Scene) -> Traction:
     """A cylinder on an elastic half-space. Raises `InputError`."""
     load, modulus = _checked_half_plane(foundation, scene)
     shape: Any = scene.shape
@@ -688,7 +714,7 @@ def _carter(foundation: Any, scene: _Scene) -> Traction:
     )
 
 
-def _checked_half_plane(foundation: Any, scene: _Scene) -> tuple[Any, Any]:
+def _checked_half_plane(foundation: Foundation, scene: _Scene) -> tuple[Any, Any]:
     """Load [N] and E* [Pa] at the temperature. Raises `InputError`."""
     law = foundation.law()
     vertical = foundation.vertical

@@ -15,7 +15,7 @@ MF-Tyre 5.2, without shifts).
 """
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -48,7 +48,7 @@ class MagicFormula(NamedTuple):
     slip: float  # largest
     velocity: float  # of the road [m/s]
 
-    def force(self, slip: Any, load: Any) -> np.ndarray:
+    def force(self, slip: Array, load: Array) -> np.ndarray:
         """F_x [N] at braking slips s = (V - v)/V, a force against the motion counted
         positive, and loads [N].
         """
@@ -58,7 +58,7 @@ class MagicFormula(NamedTuple):
         )
 
 
-def _coefficient(p: Any, slip: np.ndarray, f: np.ndarray) -> np.ndarray:
+def _coefficient(p: Sequence[float], slip: np.ndarray, f: np.ndarray) -> np.ndarray:
     shape, grip, bend = p[0], p[1] + p[4] * f, p[2] + p[5] * f
     x = (p[3] + p[6] * f) / (shape * grip) * slip
     return grip * np.sin(shape * np.arctan(x - bend * (x - np.arctan(x))))
@@ -277,7 +277,12 @@ def _braking_points(
     return mu[brakes], slip[brakes], load[brakes]
 
 
-def _least_squares(deviation: Any, mu: np.ndarray, slip: np.ndarray, free: int) -> Any:
+def _least_squares(
+    deviation: Callable[[np.ndarray], np.ndarray],
+    mu: np.ndarray,
+    slip: np.ndarray,
+    free: int,
+) -> Any:
     """The fit of the first `free` coefficients, from a start that the curve gives."""
     from scipy.optimize import least_squares
 
@@ -295,7 +300,7 @@ def _least_squares(deviation: Any, mu: np.ndarray, slip: np.ndarray, free: int) 
     )
 
 
-def _is_at(temperature: float, temperatures: Any) -> np.ndarray:
+def _is_at(temperature: float, temperatures: Array | None) -> np.ndarray:
     """Which points have a temperature. Raises `InputError` where none has."""
     known = (
         np.zeros(0) if temperatures is None else np.asarray(temperatures, dtype=float)
