@@ -26,6 +26,7 @@ from .units.arguments import arguments_in_si
 
 if TYPE_CHECKING:
     import jax
+    from jaxtyping import PyTree
 
     # JAX while tracing or inside a computation, NumPy where values are handed out
     Array = jax.Array | np.ndarray
@@ -72,8 +73,10 @@ def on_numpy() -> bool:
 
 
 def namespace(*trees: Any) -> Any:
-    """`jax.numpy` where JAX traces one of the arguments, NumPy otherwise."""
-    if not is_traced(*trees):
+    """`jax.numpy` where JAX traces one of the arguments, NumPy otherwise; within a call
+    on NumPy nothing is traced.
+    """
+    if _mode.numpy or not is_traced(*trees):
         return np
     import jax.numpy as jnp
 
@@ -147,7 +150,7 @@ def reversible(*trees: Any) -> bool:
     from jax.core import Tracer
     from jax.interpreters.ad import JVPTracer
 
-    def forward(tracer: Any) -> bool:
+    def forward(tracer: object) -> bool:
         inner = getattr(tracer, "val", None)
         return isinstance(tracer, JVPTracer) or (
             isinstance(inner, Tracer) and forward(inner)
@@ -157,7 +160,9 @@ def reversible(*trees: Any) -> bool:
     return bool(traced) and not any(map(forward, traced))
 
 
-def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
+def _with_its_way_back(
+    function: Callable[..., R], args: tuple[Any, ...], kwargs: dict[str, object]
+) -> R:
     """`on_jax` with a reverse derivative that has 64-bit types too: JAX transposes
     after the call has returned, under the caller's setting, where 32-bit zeros would
     meet 64-bit numbers.
@@ -199,7 +204,7 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
         with jax.enable_x64(True):
             return jax.vjp(run, *given)
 
-    def back(pull: Any, slopes: Any) -> Any:
+    def back(pull: Callable[..., PyTree], slopes: PyTree) -> Any:
         with jax.enable_x64(True):
             return pull(slopes)
 
@@ -215,7 +220,7 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
     )
 
 
-def as_numpy(leaf: Any) -> Any:
+def as_numpy(leaf: object) -> Any:
     """A NumPy array in place of an array of JAX's that is not traced; anything else as
     it is.
     """
@@ -258,7 +263,7 @@ def is_traced(*trees: Any) -> bool:
     return False
 
 
-def _holds(tree: Any, tracer: type) -> bool:
+def _holds(tree: object, tracer: type) -> bool:
     """Whether a tree that is none of ours holds a tracer."""
     if hasattr(type(tree), "__next__"):  # JAX warns of what can be read only once
         return False
@@ -305,7 +310,7 @@ def one_thread() -> Iterator[None]:
 
 
 def while_loop(
-    condition: Callable[[Any], Any], body: Callable[[Any], Any], state: Any
+    condition: Callable[[Any], Any], body: Callable[[Any], Any], state: PyTree
 ) -> Any:
     """`jax.lax.while_loop`."""
     if not _mode.numpy:
@@ -318,7 +323,7 @@ def while_loop(
 
 
 def fori_loop(
-    start: int, stop: int, body: Callable[[Any, Any], Any], state: Any
+    start: int, stop: int, body: Callable[[Any, Any], Any], state: PyTree
 ) -> Any:
     """`jax.lax.fori_loop`."""
     if not _mode.numpy:
@@ -339,7 +344,7 @@ def stop_gradient(tree: R) -> R:
     return jax.lax.stop_gradient(tree)
 
 
-def arrays(tree: Any) -> Any:
+def arrays(tree: PyTree) -> Any:
     """Its leaves as arrays of `xp`; on NumPy they are already."""
     if _mode.numpy:
         return tree
@@ -348,7 +353,7 @@ def arrays(tree: Any) -> Any:
     return jax.tree.map(jax.numpy.asarray, tree)
 
 
-def lax_map(function: Callable[[Any], Any], over: Any) -> Any:
+def lax_map(function: Callable[[Any], Any], over: PyTree) -> Any:
     """`jax.lax.map`: the results of a function of each entry along the first axis,
     stacked; one array each.
     """
@@ -360,7 +365,7 @@ def lax_map(function: Callable[[Any], Any], over: Any) -> Any:
 
 
 def scan(
-    step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, over: Any
+    step: Callable[[Any, Any], tuple[Any, Any]], carry: PyTree, over: PyTree
 ) -> tuple[Any, Any]:
     """`jax.lax.scan` over a tuple of arrays or None, or tuples of them: the last carry,
     and what each step leaves, stacked.
@@ -377,7 +382,10 @@ def scan(
 
 
 def cond(
-    condition: Any, true: Callable[..., Any], false: Callable[..., Any], *given: Any
+    condition: Array | bool,
+    true: Callable[..., Any],
+    false: Callable[..., Any],
+    *given: Any,
 ) -> Any:
     """`jax.lax.cond`."""
     if not _mode.numpy:
@@ -387,7 +395,7 @@ def cond(
     return true(*given) if condition else false(*given)
 
 
-def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
+def tree_map(function: Callable[..., Any], tree: PyTree, *trees: Any) -> Any:
     """`jax.tree.map`; on NumPy for tuples of arrays, tuples and None."""
     if not _mode.numpy:
         import jax
@@ -401,7 +409,7 @@ def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
     return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
 
 
-def entries(tree: Any) -> Iterator[Any]:
+def entries(tree: PyTree) -> Iterator[Any]:
     """The entries of a tuple of arrays, or of tuples of them, along their first axis;
     at least one is an array.
     """

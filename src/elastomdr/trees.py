@@ -131,23 +131,23 @@ def _register_waiting() -> None:
             _make_pytree(_waiting.pop(0), tree_util)
 
 
-def _make_pytree(cls: type, tree_util: Any) -> None:
+def _make_pytree(cls: type, tree_util: ModuleType) -> None:
     fields = dataclasses.fields(cls)  # type: ignore[arg-type]
     leaves = tuple(field.name for field in fields if not field.metadata.get("static"))
     others = tuple(field.name for field in fields if field.metadata.get("static"))
     keys = tuple(tree_util.GetAttrKey(name) for name in leaves)
 
-    def parts(tree: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def parts(tree: Tree) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         values = vars(tree)
         return tuple(values[name] for name in leaves), tuple(
             values[name] for name in others
         )
 
-    def parts_with_keys(tree: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def parts_with_keys(tree: Tree) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         values, rest = parts(tree)
         return tuple(zip(keys, values, strict=True)), rest
 
-    def whole(rest: tuple[Any, ...], values: Any) -> Any:
+    def whole(rest: tuple[Any, ...], values: tuple[Any, ...]) -> Any:
         tree = object.__new__(cls)
         vars(tree).update(zip(leaves, values, strict=True))
         vars(tree).update(zip(others, rest, strict=True))

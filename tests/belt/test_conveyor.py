@@ -105,35 +105,11 @@ def test_small_damping_of_a_whole_belt():
     np.testing.assert_allclose(found.carry / spread.carry, worse, rtol=1e-3)
 
 
-def test_reference():
-    """The closed form in the package is that written out here, and the limit of
-    `em.rolling`.
-    """
+def test_one_roll():
+    """The closed form is the limit of `em.rolling` for a small loss."""
     load = np.array([100.0, 1000.0])
-    found = em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=load)
-    np.testing.assert_allclose(found, closed(load, ROLL) / load, rtol=5e-3)
-    np.testing.assert_allclose(
-        found, em.rolling(FLAT, ROLL, velocity=5.0, load=load).coefficient, rtol=5e-3
-    )
-    cover = em.springs(RUBBER, 6e-3, bonded=False)
-    shifted = em.reference.small_damping(
-        cover, ROLL, velocity=2.0, load=300.0, temperature=303.15
-    )
-    factor = float(RUBBER.shift.a(303.15))
-    same = em.reference.small_damping(
-        em.springs(RUBBER.at(293.15), 6e-3, bonded=False),
-        ROLL,
-        velocity=2.0 * factor,
-        load=300.0,
-    )
-    np.testing.assert_allclose(shifted, same, rtol=1e-12)
-    with jax.enable_x64(True):
-        slope = jax.grad(
-            lambda f: em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=f)
-        )(300.0)
-    np.testing.assert_allclose(
-        slope, float(closed(300.0, ROLL)) / 300.0 / 3 / 300.0, rtol=5e-3
-    )
+    rolled = em.rolling(FLAT, ROLL, velocity=5.0, load=load)
+    np.testing.assert_allclose(rolled.resistance, closed(load, ROLL), rtol=5e-3)
 
 
 @pytest.mark.slow
@@ -242,17 +218,3 @@ def test_bad_idlers(arguments, words):
     given = {"cover": FLAT, "roll": ROLL, "spacing": 1.2} | arguments
     with pytest.raises(em.InputError, match=words):
         em.Idlers(given.pop("cover"), given.pop("roll"), **given)
-
-
-def test_bad_reference():
-    for arguments, words in (
-        ({"cover": RUBBER}, "cover must be a layer"),
-        ({"roll": em.Sphere(0.1)}, "Cylinder"),
-        ({"load": -1.0}, "load must be positive"),
-        ({"temperature": 293.15}, "no shift law"),
-        ({"velocity": [1.0, 2.0], "load": [1.0, 2.0, 3.0]}, "must broadcast"),
-        ({"cover": em.Foundation(0.0, [1e9], [1.0])}, "equilibrium modulus"),
-    ):
-        given = {"cover": FLAT, "roll": ROLL, "velocity": 1.0, "load": 1.0} | arguments
-        with pytest.raises(em.InputError, match=words):
-            em.reference.small_damping(given.pop("cover"), given.pop("roll"), **given)

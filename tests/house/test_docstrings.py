@@ -28,7 +28,7 @@ def test_calls_are_found():
     assert {
         "elastomdr.friction",
         "elastomdr.fit.material",
-        "elastomdr.reference.persson",
+        "elastomdr.reference.half_space_sliding",
     } <= set(CALLS)
 
 

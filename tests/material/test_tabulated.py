@@ -29,7 +29,8 @@ DATA = Path(
 )
 KELVIN = 293.15
 SURFACE = em.SelfAffine(0.8, rms_height=1e-4, q_low=1e3, q_high=1e6)
-SLIDING = {"pressure": 3e5, "velocity": np.geomspace(1e-3, 1.0, 5), "stored": True}
+SLIDING = {"pressure": 3e5, "velocity": np.geomspace(1e-3, 1.0, 5)}
+FORM = em.Persson(stored=True)
 LIBRARY = ("sbr-gum-like", "tread-passenger-synthetic", "epdm-70", "psa-468mp")
 
 
@@ -352,8 +353,8 @@ def test_persson_on_a_table_is_persson_on_its_series(per_decade, within):
     """The errors of interpolation change sign from point to point, and fall with the
     order of the cubics.
     """
-    exact = em.reference.persson(RUBBER, SURFACE, **SLIDING)
-    found = em.reference.persson(sampled(RUBBER, per_decade), SURFACE, **SLIDING)
+    exact = em.friction(RUBBER, SURFACE, model=FORM, **SLIDING)
+    found = em.friction(sampled(RUBBER, per_decade), SURFACE, model=FORM, **SLIDING)
     np.testing.assert_allclose(found.mu, exact.mu, rtol=within)
     np.testing.assert_allclose(found.area_ratio, exact.area_ratio, rtol=within)
     assert (abs(found.mu - exact.mu) < found.error).all()
@@ -361,13 +362,14 @@ def test_persson_on_a_table_is_persson_on_its_series(per_decade, within):
 
 
 def test_persson_at_a_temperature(table):
-    one = em.reference.persson(
-        table, SURFACE, pressure=3e5, velocity=1e-3, temperature=303.15
+    one = em.friction(
+        table, SURFACE, pressure=3e5, velocity=1e-3, temperature=303.15, model=FORM
     )
-    other = em.reference.persson(table.at(303.15), SURFACE, pressure=3e5, velocity=1e-3)
+    other = em.friction(
+        table.at(303.15), SURFACE, pressure=3e5, velocity=1e-3, model=FORM
+    )
     # the same integrals with nodes that differ by the shift
     np.testing.assert_allclose(one.mu, other.mu, rtol=1e-8)
-    assert one.summary()
 
 
 def test_full_contact_on_a_table():
@@ -582,7 +584,7 @@ def test_a_master_curve_becomes_a_table():
     inside = np.geomspace(*found.range.omega, 200)
     assert abs(found.loss(inside) / truth.loss(inside) - 1).max() < 0.06
     on_table, on_series, exact = (
-        em.reference.persson(m, SURFACE, **SLIDING).mu
+        em.friction(m, SURFACE, model=FORM, **SLIDING).mu
         for m in (found, fit.material, truth)
     )
     np.testing.assert_allclose(on_table, exact, rtol=0.02)
@@ -637,7 +639,7 @@ def test_from_measured_data_to_friction(file, kelvin, low, high):
         fit = em.fit.material(em.read_dma(DATA / file), kelvin)
     found = fit.tabulated()
     on_table, on_series = (
-        em.reference.persson(m, SURFACE, **SLIDING) for m in (found, fit.material)
+        em.friction(m, SURFACE, model=FORM, **SLIDING) for m in (found, fit.material)
     )
     ratio = on_series.mu / on_table.mu
     assert on_table.converged.all()

@@ -166,8 +166,8 @@ VERBS = {
     "slide": lambda m, **t: em.slide(
         m, BALL, time=TIME, position=TIME * 0.1, load=2.0, rtol=1e-2, **t
     ),
-    "persson": lambda m, **t: em.reference.persson(
-        m, ROUGH, pressure=3e5, velocity=0.1, **t
+    "persson": lambda m, **t: em.friction(
+        m, ROUGH, pressure=3e5, velocity=0.1, model=em.Persson(), **t
     ),
     "half-space": lambda m, **t: em.reference.half_space_sliding(
         m, BALL, velocity=1e-4, load=0.5, points=32, **t

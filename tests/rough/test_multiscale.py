@@ -79,11 +79,6 @@ def test_persson_is_its_integrals_evaluated_independently(stored):
     # the sizes of the steps are chosen for mu; the area is of lower order in them
     np.testing.assert_allclose(curve.area_ratio, area, rtol=2e-5)
     assert (curve.error <= 1e-6 * curve.mu).all()
-    again = em.reference.persson(
-        SOLID, ROAD, velocity=velocity, pressure=pressure, gamma=0.4, stored=stored
-    )
-    np.testing.assert_allclose(again.mu, mu, rtol=5e-6)
-    np.testing.assert_allclose(erf(0.5 / np.sqrt(again.spread)), area, rtol=2e-5)
 
 
 def test_light_contact_carries_load_by_its_area():

@@ -52,7 +52,6 @@ assert_type(em.traction(rubber, ball, velocity=1.0, creepage=[0.0, 0.1], frictio
 assert_type(em.line_contact(rubber, road, velocity=1.0, pressure=3e5, model=em.Line()), em.LineContact)
 em.drive(rubber, ball, time=[0.0, 1.0], position=[0.0, 1e-2], load=1.0, tangential=em.Mount(1.0, stiffness=1e3))
 em.plan(rubber, ball, velocity=1.0, load=1.0, model="line")
-em.reference.persson(rubber, road, velocity=1.0, pressure=3e5)
 em.reference.half_space_sliding(rubber, np.zeros((8, 8)), velocity=1.0, load=1.0, cell=(1e-3, 1e-3))
 em.Line(seeds=4, samples=512)
 em.HalfSpace(seeds=[1, 2])

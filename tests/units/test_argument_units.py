@@ -157,7 +157,6 @@ CALLS = {
     "Prony": lambda **k: em.Prony(**k).storage(10.0),
     "SelfAffine": lambda **k: em.SelfAffine(hurst=0.8, rms_slope=0.3, **k).rms_height,
     "RoughLine": lambda **k: em.RoughLine(**k).height,
-    "persson": lambda **k: em.reference.persson(SOLID, ROAD, **k).mu,
 }
 GIVEN = {
     "friction": {"velocity": np.array([0.01, 0.1]), "load": 0.01},
@@ -207,7 +206,6 @@ GIVEN = {
     },
     "SelfAffine": {"q_low": 1e3, "q_high": 1e5},
     "RoughLine": {"x": np.arange(8.0), "height": np.sin(np.arange(8.0))},
-    "persson": {"velocity": 0.1, "pressure": 1e5},
 }
 
 

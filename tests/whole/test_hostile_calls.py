@@ -400,20 +400,12 @@ CALLS = {
             "points": 16,
         },
     ),
-    "reference.persson": (
-        em.reference.persson,
-        {"material": SOLID, "spectrum": ROAD, "pressure": 1e5, "velocity": 0.1},
-    ),
     "reference.rough_map": (
         em.reference.rough_map,
         {
             "spectrum": em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1e4),
             "points": 160,
         },
-    ),
-    "reference.small_damping": (
-        em.reference.small_damping,
-        {"cover": COVER, "roll": ROLLER, "velocity": 0.1, "load": 100.0},
     ),
 }
 

@@ -336,8 +336,8 @@ def test_names_that_are_not_there():
         match=r"'elastomdr\.fit' has no attribute 'materal'\. Did you mean 'material'",
     ):
         em.fit.materal  # noqa: B018
-    with pytest.raises(AttributeError, match=r"Did you mean 'persson'\?$"):
-        em.reference.person  # noqa: B018
+    with pytest.raises(AttributeError, match=r"Did you mean 'rough_map'\?$"):
+        em.reference.roughmap  # noqa: B018
 
 
 def test_shapes_that_do_not_fit_are_told_by_name():

@@ -165,7 +165,7 @@ class Conveyor(Result):
     def _point_in_words(self, i: int) -> tuple[str, str]:
         """Power and resistance at one point, and where it is."""
 
-        def at_point(values: Any) -> float:
+        def at_point(values: Array) -> float:
             return float(np.ravel(values)[i])
 
         place = f"{in_words('velocity', at_point(self.velocity))}, "
@@ -275,7 +275,11 @@ def conveyor(
 
 
 def _checked(
-    velocity: Any, belt: Any, goods: Any, temperature: Any, gravity: Any
+    velocity: ArrayLike,
+    belt: ArrayLike,
+    goods: ArrayLike,
+    temperature: ArrayLike | None,
+    gravity: ArrayLike,
 ) -> dict[str, Any]:
     """The arguments that are given, as arrays. Raises `InputError`."""
     arguments = {
@@ -296,7 +300,12 @@ def _checked(
 
 
 def _solve_side(
-    side: Idlers, weight: Any, velocity: Any, temperature: Any, model: Any, rtol: float
+    side: Idlers,
+    weight: Array,
+    velocity: Array,
+    temperature: Array | None,
+    model: ModelLike | None,
+    rtol: float,
 ) -> _Side:
     """Resistance of all rolls of a side under a weight per length of belt [N/m]; equal
     rolls are computed once.
@@ -314,7 +323,7 @@ def _solve_side(
         rtol=rtol,
     )
 
-    def summed(of_rolls: Any) -> Any:
+    def summed(of_rolls: Array) -> Any:
         return xp.sum(xp.asarray(of_rolls) * count, axis=-1)
 
     return _Side(

@@ -36,7 +36,7 @@ from ..checks import (
     positive_arrays,
     significant,
 )
-from ..element.law import as_foundation
+from ..element.law import Foundation, as_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError, quiet, warn
 from ..material.shift import thermal_factors
@@ -165,7 +165,7 @@ class _Body(NamedTuple):
     rtol: float
     count: Any  # called with the number of sets of temperatures that are computed
 
-    def roll(self, temperature: Any, ignored: type[Warning] = Warning) -> Any:
+    def roll(self, temperature: Array, ignored: type[Warning] = Warning) -> Any:
         """The rolling resistance at temperatures, without warnings of a class."""
         with quiet(ignored):
             rolled = rolling(
@@ -264,7 +264,12 @@ def heat_build_up(
 
 
 def _checked(
-    velocity: Any, load: Any, ambient: Any, conductance: Any, capacity: Any, time: Any
+    velocity: ArrayLike,
+    load: ArrayLike,
+    ambient: ArrayLike,
+    conductance: ArrayLike,
+    capacity: ArrayLike | None,
+    time: ArrayLike | None,
 ) -> dict[str, Any]:
     """The arguments that are given, as arrays. Raises `InputError`."""
     if (time is None) != (capacity is None):
@@ -280,7 +285,9 @@ def _checked(
     )
 
 
-def _highest_temperature(foundation: Any, hottest: Any, ambient: Any) -> float:
+def _highest_temperature(
+    foundation: Foundation | Layer, hottest: float | None, ambient: Array
+) -> float:
     """The highest temperature to consider [K]. Raises `InputError`."""
     if hottest is None:
         if foundation.range is None or foundation.range.temperature is None:
@@ -346,7 +353,7 @@ def _steady_state(body: _Body, highest: float, ignored: type[Warning]) -> _Stead
     )
 
 
-def _warn_of_failures(converged: Any, highest: float) -> None:
+def _warn_of_failures(converged: Array, highest: float) -> None:
     if not converged.all():
         warn(
             f"{int((~converged).sum())} of {converged.size} points have no steady "
@@ -381,7 +388,11 @@ def _without_history(
 
 
 def _with_history(
-    body: _Body, state: _SteadyState, given: dict[str, Any], heat: Any, time: Any
+    body: _Body,
+    state: _SteadyState,
+    given: dict[str, Any],
+    heat: Array,
+    time: ArrayLike | None,
 ) -> HeatBuildUp:
     """The result with an axis of time, the last one. Raises `InputError` for a time
     that is no list of instants.
@@ -395,12 +406,12 @@ def _with_history(
     not_negative("time", instants)
     temperature, power, error, way = _history(body, state.temperature, heat, instants)
 
-    def over_time(values: Any) -> Any:
+    def over_time(values: Array) -> Any:
         return xp.broadcast_to(values[..., None], temperature.shape)
 
     velocity, load = over_time(body.velocity), over_time(body.load)
 
-    def since_start(points: Any) -> Any:
+    def since_start(points: Array) -> Any:
         # what was to be doubted once has heated all that follows
         return xp.moveaxis(xp.cumsum(points, axis=0) > 0, 0, -1)
 
@@ -444,7 +455,9 @@ def _inputs_in_words(
     return tuple(inputs)
 
 
-def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any, Any]:
+def _bracket(
+    body: _Body, low: Array, high: Array | float, count: int
+) -> tuple[Any, Any, Any]:
     """The two neighbours, of `count` temperatures from low to high, between which the
     body stops warming up, as far as a coarse power tells, and whether it warms up again
     above; Newton's method may leave them.
@@ -465,7 +478,12 @@ def _bracket(body: _Body, low: Any, high: Any, count: int) -> tuple[Any, Any, An
 
 
 def _powers(
-    body: _Body, low: Any, high: Any, count: int, step: float, finer: int = 1
+    body: _Body,
+    low: Array,
+    high: Array | float,
+    count: int,
+    step: float,
+    finer: int = 1,
 ) -> tuple[Any, Any, Any]:
     """`count` temperatures from low to high along the first axis, the power at them,
     and its estimated error, relatively.
@@ -484,12 +502,14 @@ def _powers(
     return _evenly(low, high, count), power, np.max(off, axis=0)
 
 
-def _evenly(low: Any, high: Any, count: int) -> Any:
+def _evenly(low: Array, high: Array | float, count: int) -> Any:
     share = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
     return low + share * (high - low)
 
 
-def _enough(body: _Body, low: Any, high: Any, count: int, step: float) -> int:
+def _enough(
+    body: _Body, low: Array, high: Array | float, count: int, step: float
+) -> int:
     """How many temperatures, of `count`, are computed; all where JAX traces."""
     if not on_numpy() or count <= _STENCIL:
         return count
@@ -500,7 +520,7 @@ def _enough(body: _Body, low: Any, high: Any, count: int, step: float) -> int:
     return min(count, max(_STENCIL, 1 + math.ceil((count - 1) * steepest / step)))
 
 
-def _interpolated(power: Any, place: Any, stencil: int) -> Any:
+def _interpolated(power: Array, place: np.ndarray, stencil: int) -> Any:
     """Powers between those at even temperatures along the first axis; in logarithms
     where they are positive.
     """
@@ -512,7 +532,7 @@ def _interpolated(power: Any, place: Any, stencil: int) -> Any:
 
 
 def _history(
-    body: _Body, steady: Any, heat: Any, time: Any
+    body: _Body, steady: Array, heat: Array, time: Array
 ) -> tuple[Any, Any, Any, Any]:
     """Temperature and power at the instants, the error of the temperature, by every
     second node, and the rolling there.
@@ -540,7 +560,7 @@ def _history(
     return *(nan_unless(known, x) for x in (fine, power, error)), way
 
 
-def _follow(temperature: Any, net: Any, heat: Any, time: Any) -> Any:
+def _follow(temperature: Array, net: Array, heat: Array, time: Array) -> Any:
     """Temperature at the instants, from the net heat flow N = P - H (T - T_a) at nodes
     along the first axis.
 
@@ -559,7 +579,7 @@ def _follow(temperature: Any, net: Any, heat: Any, time: Any) -> Any:
     since = time - starts[..., None]  # nodes, points, instants
     index = xp.maximum(xp.sum(since >= 0, axis=0) - 1, 0)[None]
 
-    def pick(field: Any) -> Any:
+    def pick(field: Array) -> Any:
         return xp.take_along_axis(
             xp.broadcast_to(field[..., None], since.shape), index, axis=0
         )[0]

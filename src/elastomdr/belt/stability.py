@@ -284,7 +284,7 @@ def stability(
     )
 
 
-def _checked_mount(mount: Any) -> tuple[Array, Array, Array]:
+def _checked_mount(mount: object) -> tuple[Array, Array, Array]:
     """Mass, stiffness and damping. Raises `InputError`."""
     if not isinstance(mount, Mount):
         raise InputError(
@@ -300,7 +300,7 @@ def _checked_mount(mount: Any) -> tuple[Array, Array, Array]:
     return mass, stiffness, damping
 
 
-def _checked_curve(velocity: Any, force: Any) -> tuple[Array, Array]:
+def _checked_curve(velocity: ArrayLike | None, force: ArrayLike) -> tuple[Array, Array]:
     """Velocities and forces that match. Raises `InputError`."""
     v, friction = as_float64("velocity", velocity), as_float64("force", force)
     if v.ndim != 1 or v.size < 3:
@@ -323,7 +323,7 @@ def _checked_curve(velocity: Any, force: Any) -> tuple[Array, Array]:
     return v, friction
 
 
-def _slopes(x: Any, friction: Any) -> tuple[Any, Any]:
+def _slopes(x: Array, friction: Array) -> tuple[Any, Any]:
     """Slopes of the secants between neighbours, and dF/dx at the points by parabolas
     through three of them.
     """
@@ -338,7 +338,7 @@ def _slopes(x: Any, friction: Any) -> tuple[Any, Any]:
     return secants, xp.concatenate([first, inner, last], axis=-1)
 
 
-def _slope_error(x: Any, secants: Any, dF_dx: Any) -> Any:
+def _slope_error(x: Array, secants: Array, dF_dx: Array) -> Any:
     """Estimated error of dF/dx: two to four times the term that a parabola through
     three points leaves out.
 

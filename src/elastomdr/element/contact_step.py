@@ -95,7 +95,11 @@ def rest(law: AbstractRelaxation, n: int) -> Elements:
 
 
 def contact_step(
-    law: AbstractRelaxation, state: Elements, w_start: Array, w_end: Array, h: Any
+    law: AbstractRelaxation,
+    state: Elements,
+    w_start: Array,
+    w_end: Array,
+    h: Array | float,
 ) -> Elements:
     """The state after a step h [s] in which the rigid surface moves from `w_start` to
     `w_end` [m, shape (n,)].
@@ -116,26 +120,26 @@ def contact_step(
 
 
 def coefficients(
-    law: AbstractRelaxation, h: Any, *, viscous: bool = True
+    law: AbstractRelaxation, h: Array | float, *, viscous: bool = True
 ) -> Coefficients:
     """Coefficients of `contact_step`, to full relative accuracy whatever h/tau_k.
 
     `viscous=False` is for a law whose viscosity is known to be zero: equal sums over
     branches are then computed once.
     """
-    h = xp.atleast_1d(xp.asarray(h))
+    width: Array = xp.atleast_1d(xp.asarray(h))
     moduli, times = _by_element(law.moduli), _by_element(law.times)
     equilibrium = xp.atleast_1d(xp.asarray(law.equilibrium))
     viscosity = xp.atleast_1d(xp.asarray(law.viscosity))
-    y = h[None] / times
-    rate, decay, mean, half = viscosity / h, xp.exp(-y), phi1(y), phi2(y)
+    y = width[None] / times
+    rate, decay, mean, half = viscosity / width, xp.exp(-y), phi1(y), phi2(y)
     gain = moduli * mean
     static = equilibrium + xp.sum(gain, axis=0)
     seen, stiffness = (
-        _signorini(static, viscosity, y, decay, h) if viscous else (decay, static)
+        _signorini(static, viscosity, y, decay, width) if viscous else (decay, static)
     )
     return Coefficients(
-        h=h,
+        h=width,
         equilibrium=equilibrium,
         rate=rate,
         decay=decay,

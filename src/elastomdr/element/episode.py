@@ -81,7 +81,7 @@ def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> EpisodeStat
     )
 
 
-def force(law: Relaxation, state: EpisodeState, v: Any) -> Float[Array, " n"]:
+def force(law: Relaxation, state: EpisodeState, v: Array) -> Float[Array, " n"]:
     """q of each element while the surface moves at rate v."""
     q = law.equilibrium * state.u + law.viscosity * v + xp.sum(state.f, axis=0)
     return xp.where(state.contact, q, 0.0)
@@ -106,8 +106,8 @@ def follow(
     modes: Modes,
     state: EpisodeState,
     w: Float[Array, " n"],
-    v: Any,
-    h: Any,
+    v: Array,
+    h: Array,
 ) -> EpisodeState:
     """The state after a time h in which the surface moves from w to w + v h. Exact;
     differentiable in both modes.
@@ -170,7 +170,7 @@ def _decayed(modes: Modes, m: Array, t: Array) -> Array:
 
 
 def _until_met(
-    modes: Modes, state: EpisodeState, w: Array, v: Any, h: Any
+    modes: Modes, state: EpisodeState, w: Array, v: Array, h: Array
 ) -> tuple[Array, Array]:
     """The time for which an element is free, and whether it is touched then."""
 
@@ -186,7 +186,7 @@ def _until_met(
 
 
 def _until_pulled(
-    law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
+    law: Relaxation, u: Array, f: Array, v: Array, rest: Array, touched: Array
 ) -> tuple[Array, Array]:
     """The time for which an element stays in contact, and whether it is let go then."""
     lost, at_once = _is_lost(*stop_gradient((law, u, f, v, rest)), touched)
@@ -204,7 +204,7 @@ def _until_pulled(
 
 
 def _in_contact(
-    law: Relaxation, u: Array, f: Array, v: Any, stay: Array
+    law: Relaxation, u: Array, f: Array, v: Array, stay: Array
 ) -> tuple[Array, Array, Array, Array]:
     """u and f of an element that has followed the surface for a time, the work done on
     it, and what of it became heat.
@@ -241,7 +241,7 @@ def _recovery_loss(modes: Modes, m: Array, t: Array) -> Array:
     return (0.5 * modes.norm * modes.rate) @ (m**2 * -xp.expm1(-2 * rate * t))
 
 
-def _gap(modes: Modes, m: Array, w: Array, v: Any, t: Array) -> tuple[Array, Array]:
+def _gap(modes: Modes, m: Array, w: Array, v: Array, t: Array) -> tuple[Array, Array]:
     """Gap between a free element and the surface at time t, and its rate."""
     now = _decayed(modes, m, t)
     return xp.sum(now, axis=0) - (w + v * t), -xp.sum(
@@ -249,7 +249,9 @@ def _gap(modes: Modes, m: Array, w: Array, v: Any, t: Array) -> tuple[Array, Arr
     ) - v
 
 
-def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array, Array]:
+def _pull(
+    law: Relaxation, u: Array, f: Array, v: Array, t: Array
+) -> tuple[Array, Array]:
     """Force of an element that follows the surface, a time t later, and its rate."""
     y = t / law.times[:, None]
     first = phi1(y)
@@ -260,7 +262,9 @@ def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array,
     )
 
 
-def _meeting(modes: Modes, m: Array, w: Array, v: Any, h: Any) -> tuple[Array, Array]:
+def _meeting(
+    modes: Modes, m: Array, w: Array, v: Array, h: Array
+) -> tuple[Array, Array]:
     """Whether and when a free element meets the surface: Newton's method from the left
     on a convex gap, which needs no bracket and ends at the first root.
     """
@@ -283,7 +287,7 @@ def _meeting(modes: Modes, m: Array, w: Array, v: Any, h: Any) -> tuple[Array, A
 
 
 def _is_lost(
-    law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array
+    law: Relaxation, u: Array, f: Array, v: Array, rest: Array, touched: Array
 ) -> tuple[Array, Array]:
     """Whether an element in contact would be pulled, and whether at once: where a
     dashpot is, q does not pass zero, and there is no root to search for.
@@ -295,7 +299,7 @@ def _is_lost(
     return lost, lost & (begin <= 0) & ((change <= 0) | (begin < -blur))
 
 
-def _size_of_force(law: Relaxation, u: Array, f: Array, v: Any) -> Array:
+def _size_of_force(law: Relaxation, u: Array, f: Array, v: Array) -> Array:
     """The sum of what adds up to q, without signs."""
     return (
         law.equilibrium * xp.abs(u)
@@ -305,7 +309,7 @@ def _size_of_force(law: Relaxation, u: Array, f: Array, v: Any) -> Array:
 
 
 def _parting(
-    law: Relaxation, u: Array, f: Array, v: Any, rest: Array, sought: Array
+    law: Relaxation, u: Array, f: Array, v: Array, rest: Array, sought: Array
 ) -> Array:
     """When an element in contact would be pulled, zero where that is not `sought`:
     Newton's method within a bracket, from where a straight line between its ends is

@@ -286,7 +286,7 @@ def springs(
     return replaced(foundation, thickness=thickness, slab=slab)
 
 
-def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
+def surface_foundation(material: object) -> Foundation | TabulatedFoundation:
     """What steady models of surfaces compute with: a foundation as it is, or the
     half-space of a bare material.
 
@@ -302,7 +302,7 @@ def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
     )
 
 
-def as_foundation(material: Any) -> Foundation:
+def as_foundation(material: object) -> Foundation:
     """A foundation as it is, or the half-space of a bare material; raises `InputError`
     for a table of moduli.
     """
@@ -326,7 +326,11 @@ def as_foundation(material: Any) -> Foundation:
 
 
 def _foundation(
-    law: Relaxation, material: Any, per_area: bool, name: str, known: Range | None
+    law: Relaxation,
+    material: Prony | TabulatedModulus,
+    per_area: bool,
+    name: str,
+    known: Range | None,
 ) -> Foundation:
     if not is_traced(law):
         law = Relaxation(
@@ -367,7 +371,7 @@ def _half_space_of_table(
     )
 
 
-def _material(name: str, material: Any) -> Prony:
+def _material(name: str, material: object) -> Prony:
     needs_series(name, material, "a layer or two bodies in contact")
     if not isinstance(material, Prony):
         raise InputError(

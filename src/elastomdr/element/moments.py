@@ -29,7 +29,7 @@ from ..numerics.decay import phi1
 from ..numerics.implicit import on_host
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    from jaxtyping import Float, PyTree
 
 
 def panel_sums(
@@ -56,7 +56,7 @@ def moments_on_host(count: int) -> Callable[[Array], Array]:
     import jax
     import jax.numpy as jnp
 
-    def numbers(_: Any, z: Any) -> Any:
+    def numbers(_: PyTree, z: np.ndarray) -> Any:
         return moments(count, z)
 
     @jax.custom_jvp
@@ -65,7 +65,7 @@ def moments_on_host(count: int) -> Callable[[Array], Array]:
         return on_host(numbers, like, (), z)
 
     @whole.defjvp
-    def derivative(given: Any, tangents: Any) -> Any:
+    def derivative(given: PyTree, tangents: PyTree) -> Any:
         (z,), (step,) = given, tangents
         with jax.enable_x64(True):
             mu = moments_on_host(count + 1)(z)
@@ -98,9 +98,9 @@ def _dot(rows: Any, mu: Any) -> Any:
     return total
 
 
-def moments(count: int, z: Any) -> Float[np.ndarray, "count ..."]:
+def moments(count: int, z: Array) -> Float[np.ndarray, "count ..."]:
     """mu_j(z) of j < `count`, for z >= 0; on NumPy."""
-    flat = z.reshape(-1)
+    flat = np.asarray(z).reshape(-1)
     big = flat > 2 * _ranges(count)[0]
     big_count = np.count_nonzero(big)
     if big_count == 0:

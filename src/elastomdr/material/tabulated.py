@@ -196,7 +196,7 @@ class AbstractTable(Tree):
 class TabulatedModulus(AbstractTable):
     """A viscoelastic solid by measured storage and loss moduli.
 
-    Steady models of surfaces take it as it is (`em.reference.persson`, full contact);
+    Steady models of surfaces take it as it is (`em.Persson`, full contact);
     what has a history in time or a smooth body needs a Prony series (`em.fit.prony`).
     Moduli are those of `kind`, in the table and in all methods.
 

@@ -13,11 +13,14 @@ depends on another.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arrays import is_traced, numpy_unless_traced, reversible
+from ..arrays import Array, is_traced, numpy_unless_traced, reversible
+
+if TYPE_CHECKING:
+    from jaxtyping import PyTree
 
 
 def _quick(version: str) -> dict[str, int | bool]:
@@ -32,7 +35,7 @@ def _quick(version: str) -> dict[str, int | bool]:
     return plain
 
 
-def as_doubles(tree: Any) -> Any:
+def as_doubles(tree: PyTree) -> Any:
     """Its leaves as float64 arrays of JAX: a user's may have been rounded to
     float32.
     """
@@ -41,7 +44,9 @@ def as_doubles(tree: Any) -> Any:
     return jax.tree.map(lambda x: jax.numpy.asarray(x, np.float64), tree)
 
 
-def on_host(function: Callable[..., Any], like: Any, shared: Any, points: Any) -> Any:
+def on_host(
+    function: Callable[..., Any], like: PyTree, shared: PyTree, points: PyTree
+) -> Any:
     """`function(shared, points)` on NumPy: at once where values are known, else when
     they are.
 
@@ -57,13 +62,13 @@ def on_host(function: Callable[..., Any], like: Any, shared: Any, points: Any) -
         return jax.tree.map(jnp.asarray, function(*values))
     axes = np.ndim(jax.tree.leaves(points)[0])
 
-    def call(shared: Any, points: Any) -> Any:
+    def call(shared: PyTree, points: PyTree) -> Any:
         shared, points = jax.tree.map(_from_words, (shared, points))
         mapped = jax.tree.leaves(points)[0].ndim - axes
         answer = _of_batch(function, shared, points, mapped)
         return jax.tree.map(_to_words, answer)
 
-    def words(x: Any) -> Any:
+    def words(x: Array) -> Any:
         return jax.lax.bitcast_convert_type(jnp.asarray(x), np.uint32)
 
     given = jax.tree.map(words, (shared, points))
@@ -78,16 +83,16 @@ def on_host(function: Callable[..., Any], like: Any, shared: Any, points: Any) -
 # knows nothing of `jax.enable_x64`, and JAX would round them to float32 there.
 
 
-def _from_words(words: Any) -> np.ndarray:
+def _from_words(words: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(words).view(np.float64)[..., 0]
 
 
-def _to_words(array: Any) -> np.ndarray:
+def _to_words(array: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(array, np.float64)[..., None].view(np.uint32)
 
 
 def _of_batch(
-    function: Callable[..., Any], shared: Any, points: Any, mapped: int
+    function: Callable[..., Any], shared: PyTree, points: PyTree, mapped: int
 ) -> Any:
     """`function` of arrays that have `mapped` axes of `vmap` in front, of length 1
     where they are not mapped.
@@ -149,11 +154,11 @@ def implicit(
     equation = jax.jit(equation)  # its Python runs once, however often it is used
 
     @jax.custom_jvp
-    def solution(shared: Any, points: Any) -> Any:
+    def solution(shared: PyTree, points: PyTree) -> Any:
         return on_host(search, like(shared, points), shared, points)
 
     @solution.defjvp
-    def derivative(given: Any, tangents: Any) -> Any:
+    def derivative(given: PyTree, tangents: PyTree) -> Any:
         with jax.enable_x64(True):
             x, other = solution(*given)
             # by both at once: what the derivatives are taken at is traced once, and is
@@ -164,7 +169,7 @@ def implicit(
             residual = slopes(jnp.zeros_like(x), tangents)
             held = jax.tree.map(jnp.zeros_like, given)
 
-            def by_x(tangent: Any) -> Any:
+            def by_x(tangent: Array) -> Any:
                 return slopes(tangent, held)
 
             if coupled:
@@ -191,7 +196,7 @@ def stationary(
         return function(*given, last(*given))
 
     @whole.defjvp
-    def derivative(given: Any, tangents: Any) -> Any:
+    def derivative(given: PyTree, tangents: PyTree) -> Any:
         with jax.enable_x64(True):
             held = last(*given)
             return jax.jvp(lambda *given: function(*given, held), given, tangents)
@@ -219,7 +224,7 @@ def numbers_with_slopes(
 
     groups = [(_with_slopes(formula), count) for formula, count in formulas]
 
-    def whole(shared: Any, points: Any) -> Any:
+    def whole(shared: PyTree, points: PyTree) -> Any:
         with jax.enable_x64(True):
             fixed = jax.lax.stop_gradient((shared, points))
             shapes = like(*fixed)
@@ -233,14 +238,14 @@ def numbers_with_slopes(
     return whole
 
 
-def _of_sound(numbers: Callable[..., Any], like: Any) -> Callable[..., Any]:
+def _of_sound(numbers: Callable[..., Any], like: PyTree) -> Callable[..., Any]:
     """`numbers` of the points that can have some, with the shapes `like`; NaN at the
     others: those with a number that is not finite, or not positive in an array
     (points,). Under `jit` nothing has refused them.
     """
     import jax
 
-    def whole(shared: Any, points: Any) -> Any:
+    def whole(shared: PyTree, points: PyTree) -> Any:
         leaves = jax.tree.leaves(points)
         size = leaves[0].shape[-1]
         sound = np.full(size, all(map(_finite, jax.tree.leaves(shared))))
@@ -271,20 +276,20 @@ def _with_slopes(formula: Callable[..., Any]) -> Callable[..., Any]:
 
     formula = jax.jit(formula)
 
-    def forward(given: Any, tangents: Any) -> Any:
+    def forward(given: PyTree, tangents: PyTree) -> Any:
         return jax.jvp(formula, given, tangents)[1]
 
-    def backward(given: Any, cotangents: Any) -> Any:
+    def backward(given: PyTree, cotangents: PyTree) -> Any:
         return jax.vjp(formula, *given)[1](cotangents)
 
     forward, backward = _compiled(forward), _compiled(backward)
 
     @jax.custom_jvp
-    def both_ways(values: Any, given: Any) -> Any:
+    def both_ways(values: PyTree, given: PyTree) -> Any:
         return values
 
     @both_ways.defjvp
-    def derivative(primals: Any, tangents: Any) -> Any:
+    def derivative(primals: PyTree, tangents: PyTree) -> Any:
         values, given = primals
         with jax.enable_x64(True):
             return values, forward(given, tangents[1])
@@ -292,17 +297,17 @@ def _with_slopes(formula: Callable[..., Any]) -> Callable[..., Any]:
     # Under `jax.grad` of plain numbers: a program by itself, once the derivative is
     # asked for.
     @jax.custom_vjp
-    def in_reverse(values: Any, given: Any) -> Any:
+    def in_reverse(values: PyTree, given: PyTree) -> Any:
         return values
 
-    def pull(given: Any, cotangents: Any) -> Any:
+    def pull(given: PyTree, cotangents: PyTree) -> Any:
         with jax.enable_x64(True):
             nothing = jax.tree.map(jax.numpy.zeros_like, cotangents)
             return nothing, backward(given, cotangents)
 
     in_reverse.defvjp(lambda values, given: (values, given), pull)
 
-    def with_slopes(values: Any, given: Any) -> Any:
+    def with_slopes(values: PyTree, given: PyTree) -> Any:
         plain = not is_traced(jax.lax.stop_gradient(given)) and reversible(given)
         return (in_reverse if plain else both_ways)(values, given)
 

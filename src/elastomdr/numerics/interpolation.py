@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -134,7 +134,7 @@ def _barycentric(stencil: int) -> np.ndarray:
     return (-1.0) ** np.arange(stencil) / np.array(factorials)
 
 
-def halving_limit(coarse: Any, fine: Any, power: int = 2) -> Any:
+def halving_limit(coarse: Array, fine: Array, power: int = 2) -> Array:
     """Richardson's limit from a step and from half of it, without the given power of
     the step in its error; arrays or numbers.
     """
@@ -145,7 +145,7 @@ _NEAR = 9  # nodes around the largest value
 _TO_POWERS = np.linalg.inv(np.vander(np.linspace(-1.0, 1.0, _NEAR), increasing=True))
 
 
-def peak(values: Array, last: Any) -> tuple[Array, Array]:
+def peak(values: Array, last: Array | int) -> tuple[Array, Array]:
     """The largest value of a smooth function given at equal steps up to index `last`,
     and where it is (0 to 1).
 

@@ -18,7 +18,10 @@ _USUAL = 1.5  # slope to start a search with: of powers, in logarithms
 
 
 def root(
-    residual: Any, guess: Array, close: float = _CLOSE, slope: float = _USUAL
+    residual: Callable[[Array], Array],
+    guess: Array,
+    close: float = _CLOSE,
+    slope: float = _USUAL,
 ) -> tuple[Array, Array]:
     """x with residual(x) = 0, rising through it, and whether it was found.
 
@@ -38,11 +41,11 @@ def root(
 
 
 def search(
-    residual: Any,
+    residual: Callable[[Array], Array],
     guess: Array,
     close: float = _CLOSE,
-    slope: Any = _USUAL,
-    high: Any = math.inf,
+    slope: Array | float = _USUAL,
+    high: Array | float = math.inf,
     longest: float = _CLIP,
 ) -> tuple[Array, Array]:
     """The secant method inside a shrinking bracket, many roots at once, and which of
@@ -98,13 +101,13 @@ def search(
 
 
 def bisect(
-    root_above: Callable[[Any], Any], low: Any, high: Any, halvings: int
+    root_above: Callable[[Any], Any], low: Array, high: Array, halvings: int
 ) -> tuple[Any, Any]:
     """Halves brackets, all of them at once; `root_above(x)` tells where the root lies
     above x. A bracket that holds none ends at one of its ends.
     """
 
-    def halve(_: Any, bracket: tuple) -> tuple:
+    def halve(_: int, bracket: tuple) -> tuple:
         low, high = bracket
         middle = 0.5 * (low + high)
         above = root_above(middle)

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..errors import closest
 from ..surface.spectrum import rough_map
-from .closed_forms import full_contact_sliding, persson, small_damping
+from .closed_forms import full_contact_sliding
 from .half_plane import half_plane_sliding
 from .half_space import half_space_sliding, layer_sliding
 
@@ -15,9 +15,7 @@ __all__ = [
     "half_plane_sliding",
     "half_space_sliding",
     "layer_sliding",
-    "persson",
     "rough_map",
-    "small_damping",
 ]
 
 

@@ -4,6 +4,7 @@ on a line of cells.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -102,7 +103,7 @@ def half_plane_sliding(
     good = np.array([contact.settled for contact in contacts])
     warn_unless(good, "contacts")
 
-    def field(values: Any) -> Any:
+    def field(values: Iterable[Any]) -> Any:
         return scene.field(good, values)
 
     mu = field(contact.mu for contact in contacts)
@@ -131,7 +132,7 @@ def half_plane_sliding(
     )
 
 
-def _checked(material: Any, radius: Any) -> tuple[Foundation, Any]:
+def _checked(material: Material, radius: Number) -> tuple[Foundation, Any]:
     """The half-space and the radius. Raises `InputError`."""
     foundation = as_foundation(material)
     if foundation.per_area:

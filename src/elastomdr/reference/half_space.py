@@ -19,6 +19,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -196,7 +197,7 @@ def half_space_sliding(
 
 def slide(
     foundation: Foundation,
-    shape: Any,
+    shape: Indenter | ArrayLike,
     asked: Asked,
     points: int,
     cover: CoverOfCells | None,
@@ -220,7 +221,7 @@ def slide(
     good = np.array([contact.settled for contact in contacts])
     warn_unless(good, "contacts", reason=_ADVICE)
 
-    def field(values: Any) -> Any:
+    def field(values: Iterable[Any]) -> Any:
         return scene.field(good, values)
 
     force = field(contact.force for contact in contacts) * steady.vertical
@@ -253,7 +254,11 @@ def grid_words(points: int) -> str:
 
 
 def _point(
-    shape: AbstractShape, law: Relaxation, scene: ReferencePoints, cover: Any, i: int
+    shape: AbstractShape,
+    law: Relaxation,
+    scene: ReferencePoints,
+    cover: CoverOfCells | None,
+    i: int,
 ) -> tuple[_BodyContact, float]:
     """A point on the full grid, and how far mu may be off for the grid."""
     value, velocity = scene.value[i : i + 1], scene.velocity[i : i + 1]
@@ -440,7 +445,11 @@ def _edges(touching: np.ndarray, x: np.ndarray, h: float) -> Float[np.ndarray, "
 
 
 def slide_periodic(
-    foundation: Foundation, shape: Any, cell: Any, asked: Asked, points: int
+    foundation: Foundation,
+    shape: Indenter | ArrayLike,
+    cell: ArrayLike,
+    asked: Asked,
+    points: int,
 ) -> HalfSpaceCurve:
     """`half_space_sliding` of a map or an array of bodies on a periodic cell."""
     sides = _sides(cell)
@@ -461,7 +470,7 @@ def slide_periodic(
     )
     warn_unless(good, "contacts")
 
-    def field(values: Any) -> Any:
+    def field(values: Iterable[Any]) -> Any:
         return scene.field(good, values)
 
     drag = area * field(contact.stress for contact in fine)
@@ -486,7 +495,7 @@ def slide_periodic(
     )
 
 
-def _sides(cell: Any) -> np.ndarray:
+def _sides(cell: ArrayLike) -> np.ndarray:
     sides = as_float64("cell", cell)
     if sides.shape not in ((), (2,)):
         raise InputError(
@@ -497,7 +506,9 @@ def _sides(cell: Any) -> np.ndarray:
     return np.broadcast_to(sides, (2,)).copy()
 
 
-def _heights(shape: Any, sides: np.ndarray, points: int) -> tuple[np.ndarray, str]:
+def _heights(
+    shape: Indenter | ArrayLike, sides: np.ndarray, points: int
+) -> tuple[np.ndarray, str]:
     """Heights into the rubber [m] on the cell, and what they are in words."""
     if isinstance(shape, AbstractShape):
         x, y = (np.arange(points) / points - 0.5 for _ in range(2))

@@ -66,12 +66,12 @@ class Kernel(NamedTuple):
     ]  # the part of dK/dx that does work [1/Pa]
 
 
-def area_cell(x: Any, y: Any, h: float, width: float) -> np.ndarray:
+def area_cell(x: np.ndarray, y: np.ndarray, h: float, width: float) -> np.ndarray:
     """(1/pi) int dA/r over a cell of sides h and `width`: surface of a half-space of
     unit E* (Love 1929).
     """
 
-    def corner(a: Any, b: Any) -> Any:
+    def corner(a: np.ndarray, b: np.ndarray) -> Any:
         safe_a, safe_b = (np.where(x == 0, 1.0, np.abs(x)) for x in (a, b))
         return a * np.arcsinh(b / safe_a) + b * np.arcsinh(a / safe_b)
 
@@ -81,12 +81,12 @@ def area_cell(x: Any, y: Any, h: float, width: float) -> np.ndarray:
     ) / math.pi
 
 
-def strip_cell(x: Any, h: float, length: float) -> np.ndarray:
+def strip_cell(x: np.ndarray, h: float, length: float) -> np.ndarray:
     """(2/pi) int ln(length/|x|) dx over a cell of width h: surface of a half-plane of
     unit E*, to a constant.
     """
 
-    def integral(a: Any) -> Any:
+    def integral(a: np.ndarray) -> Any:
         return a * (1 - np.log(np.where(a == 0, 1.0, np.abs(a)) / length))
 
     return 2 / math.pi * (integral(x + h / 2) - integral(x - h / 2))
@@ -152,7 +152,7 @@ def _legendre(
 
 
 def _decaying(
-    coefficients: Float[np.ndarray, "degree places across"], width: Any, decay: float
+    coefficients: Float[np.ndarray, "degree places across"], width: float, decay: float
 ) -> Float[np.ndarray, "places across"]:
     """int exp(-s/l) e ds/l over intervals of `width`."""
     z = np.broadcast_to(width / decay, coefficients.shape[1:2])

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..call.problem import Asked, SteadyScene, steady_scene
-from ..checks import as_float64, broadcast_shape, in_kelvin, positive
 from ..element.law import Foundation
 from ..errors import InputError
-from ..material.shift import thermal_factors
 from ..smooth.passage import Control
 
 if TYPE_CHECKING:
@@ -39,13 +38,15 @@ class ReferencePoints(NamedTuple):
         """The rows of a result."""
         return *self.steady.inputs(*body, load=load), ("grid", f"{self.cells} points")
 
-    def field(self, good: np.ndarray, values: Any) -> Float[np.ndarray, "..."]:
+    def field(
+        self, good: np.ndarray, values: Iterable[Any]
+    ) -> Float[np.ndarray, "..."]:
         """One number per point in the shape of the call, NaN where not `good`."""
         numbers = np.array([float(value) for value in values])
         return np.where(good, numbers, np.nan).reshape(self.steady.shape)
 
 
-def points_of(foundation: Foundation, asked: Asked, points: Any) -> ReferencePoints:
+def points_of(foundation: Foundation, asked: Asked, points: int) -> ReferencePoints:
     """Checks and flattens. Raises `InputError`."""
     if (
         isinstance(points, bool)
@@ -76,23 +77,3 @@ def points_of(foundation: Foundation, asked: Asked, points: Any) -> ReferencePoi
         steady.reduced.ravel(),
         int(points),
     )
-
-
-def at_reference(
-    foundation: Any, temperature: Any, *, velocity: Any, **force: Any
-) -> tuple[Any, Any]:
-    """Velocity times a_T, and a load or pressure over b_T, checked. Raises
-    `InputError`.
-    """
-    ((name, value),) = force.items()
-    velocity, value = as_float64("velocity", velocity), as_float64(name, value)
-    positive("velocity", velocity)
-    positive(name, value)
-    factor: Any = 1.0
-    vertical: Any = 1.0
-    if temperature is not None:
-        temperature = as_float64("temperature", temperature)
-        in_kelvin("temperature", temperature)
-        factor, vertical = thermal_factors(foundation, temperature)
-    broadcast_shape(velocity=velocity, **{name: value}, temperature=temperature)
-    return velocity * factor, value / vertical

@@ -594,24 +594,6 @@ class HalfSpaceCurve(AbstractCurve):
     title: ClassVar[str] = "Friction"
 
 
-@record
-class PerssonCurve(AbstractCurve):
-    """Persson's theory at given pressures and velocities; `em.reference.persson`
-    returns it.
-
-    `error` is what half the wave numbers and angles change.
-    """
-
-    pressure: Array = quantity("nominal pressure", "Pa", shown="MPa")
-    mu: Array = quantity("friction coefficient", "-")
-    area_ratio: Array = quantity(
-        "contact area over nominal area", "-", "A/A_0 at q_high"
-    )
-    spread: Array = quantity("G", "-", "at q_high")
-
-    title: ClassVar[str] = "Friction by Persson's theory"
-
-
 class Ranked(NamedTuple):
     """A material in a ranking."""
 

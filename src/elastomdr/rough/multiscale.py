@@ -311,17 +311,6 @@ def rate_of(wave_nodes: Nodes, stiffness: Any, pressure: Any) -> Any:
     return wave_nodes.power * stiffness / (8 * pressure**2)
 
 
-def stress_variance(
-    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, per_decade: int
-) -> Any:
-    """R of all waves, at points (velocity [m/s], pressure [Pa]), flat."""
-    wave_nodes = nodes(spectrum, per_decade)
-    table = table_of(modulus, wave_nodes, velocity, per_decade, _LINEAR)
-    stiffness = averages_of(modulus, velocity, wave_nodes.q, table).stiffness
-    rate = rate_of(wave_nodes, stiffness, pressure[:, None, None])
-    return (rate * wave_nodes.weight).sum((-2, -1))
-
-
 def waves_of_persson(
     modulus: Any,
     wave_nodes: Nodes,
