@@ -431,16 +431,18 @@ class LayerContact(NamedTuple):
     def order(self) -> np.ndarray:
         return np.arange(1, self.terms.shape[1] + 1)
 
-    def angle(self, distance: np.ndarray) -> np.ndarray:
+    def angle(self, distance: Array) -> np.ndarray:
         """x = L cos(angle) at a distance from the leading edge, as a last axis."""
-        return np.arccos(np.clip(1 - distance / self.half_length, -1, 1))[..., None]
+        return np.arccos(np.clip(1 - np.asarray(distance) / self.half_length, -1, 1))[
+            ..., None
+        ]
 
-    def limit_at(self, distance: np.ndarray) -> np.ndarray:
+    def limit_at(self, distance: Array) -> np.ndarray:
         """mu p."""
         waves = np.sin(self.angle(distance) * self.order)
         return np.asarray(_limit(self.friction, np.sum(self.terms * waves, axis=-1)))
 
-    def load_up_to(self, distance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def load_up_to(self, distance: Array) -> tuple[Array, Array]:
         """int p from the leading edge [N/m], and its error, which is left to the end."""
         angle, n = self.angle(distance), self.order
         lower = np.where(n == 1, angle, np.sin((n - 1) * angle) / np.maximum(n - 1, 1))
