@@ -11,11 +11,9 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.element.contact_step import contact_step, rest
-from elastomdr.element.episode import recovery_modes
 from elastomdr.material.relaxation import to_kelvin
 from elastomdr.surface.disc import Disc
 from elastomdr.surface.shapes import Paraboloid, PowerLaw, Sphere
-from elastomdr.transient.indentation_route import _marched
 
 from ..whole.problems.indentation import BALL, PROBLEMS, PULSES, SOLID, TIMES, TWICE
 
@@ -170,16 +168,10 @@ def test_load_in_steps_converges_and_meets_the_closed_form(viscosity):
     result = em.indent(foundation, BALL, time=TIMES, load=PULSES, rtol=1e-5)
     assert result.converged.all()
     np.testing.assert_allclose(result.force, PULSES, rtol=1e-14)
+    coarse = em.indent(foundation, BALL, time=TIMES, load=PULSES, rtol=1e-3)
+    off = np.abs(coarse.depth - result.depth).max() / result.depth.max()
+    assert off <= np.max(coarse.error) <= 1e-3
     law = foundation.law()
-    rows = [a[None] for a in (TIMES, 0 * TIMES, PULSES, np.zeros(TIMES.shape, bool))]
-    marches = [
-        _marched(
-            law, recovery_modes(law), Disc(BALL, "half-space"), *rows, levels=n, kept=1
-        )[0]
-        for n in (8, 16)
-    ]
-    errors = [np.abs(m.depth[0] - result.depth).max() for m in marches]
-    assert -2.6 < np.log2(errors[1] / errors[0]) < -1.6
     # Where the contact is wider than ever before, its history is forgotten: the closed
     # form holds again (Ting 1966).
     last = float(_lee_radok_depth(law, TIMES, PULSES))

@@ -12,7 +12,7 @@ import elastomdr as em
 from elastomdr.element.episode import energies, follow, pressed, recovery_modes
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.surface.lines import SingleLine
-from elastomdr.transient import indentation_route as control
+from elastomdr.transient import load_steps
 from elastomdr.transient.body_motion import MotionScene, run
 from elastomdr.transient.body_over_line import indenter
 from elastomdr.transient.problem import Steps
@@ -300,7 +300,7 @@ def test_heat_that_is_not_resolved_is_not_told(monkeypatch):
     scene = {"time": [0.0, 1e4, 2e4, 3e4], "load": [2.0, 3.0, 0.0, 1.0], "rtol": 1e-2}
     resolved = em.indent(rubber, em.Cylinder(0.01, 0.1), **scene)
     assert np.isfinite(resolved.dissipated).all()
-    monkeypatch.setattr(control, "_MOST_STEPS", 200)
+    monkeypatch.setattr(load_steps, "_FINEST", 1)
     with pytest.warns(
         em.ConvergenceWarning, match="2 of 4 values of the heat did not converge"
     ):
@@ -312,11 +312,3 @@ def test_heat_that_is_not_resolved_is_not_told(monkeypatch):
     np.testing.assert_array_equal(
         np.isnan(found.dissipated), [False, False, True, True]
     )
-
-
-def test_halving_ends_where_nothing_will_come_of_it():
-    # seen in a stress test: an hour to the last halving
-    assert control._hopeless([375.0, 392.0, 325.0], 5)
-    assert not control._hopeless([161.0, 141.0, 16.9], 5)  # slow to begin with
-    assert not control._hopeless([5e3], 5)
-    assert control._hopeless([1.1], 0)

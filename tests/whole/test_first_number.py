@@ -185,7 +185,6 @@ def large(monkeypatch):
     """As if every problem were so large that it is compiled."""
     for limit in (
         "indentation_route._MANY",
-        "indentation_route._MUCH",
         "refinement._PATIENCE",
         "impact_motion._FEW",
     ):

@@ -43,8 +43,17 @@ from ..material.relaxation import Relaxation
 from ..smooth.passage import Control
 from ..trees import Tree, fill
 from .body_over_line import AbstractOverLine
-from .march import OF_AN_ELEMENT, edges, if_so, in_pieces, march, settle, total
-from .problem import Steps
+from .march import (
+    OF_AN_ELEMENT,
+    edges,
+    if_so,
+    in_pieces,
+    inner,
+    march,
+    settle,
+    total,
+)
+from .problem import InTurn, Steps
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -138,6 +147,8 @@ class MotionHistory(NamedTuple):
     driven: Array
     pressed: Array
     damped: Array
+    contact: Array  # its length, where it ends between two elements [m]
+    locked: Array  # of `stored`, in elements out of contact [J]
     kinetic: Array  # [J]
     spring: Array  # in the springs of the mounts [J]
 
@@ -256,17 +267,24 @@ def _put_down(
     depth = settle(
         touch_depth, stiffness, spring, begin.value, y.ahead, surface.between
     )
+    if begin.in_turn is not None:
+        depth = xp.where(begin.in_turn.by_depth, begin.value, depth)
     line, element_work = _press(c, y.line, fading, rise, depth)
     work = total(surface.weight, element_work)
+    excess = depth - touch_depth if surface.between else None
+    value = begin.value
+    if begin.in_turn is not None:
+        felt = felt_by(surface.weight, line.q, slope, excess)[0]
+        value = xp.where(begin.in_turn.by_depth, felt, value)
     motion = y._replace(
         line=line,
-        value=begin.value,
+        value=value,
         depth=depth,
         ahead=depth,
         work=work,
         pressed=work + spring * depth**2 / 2,
     )
-    return motion, (slope, depth - touch_depth if surface.between else None)
+    return motion, (slope, excess)
 
 
 def _advance(
@@ -289,6 +307,9 @@ def _advance(
     def depth_at(rise: Array, guess: Array) -> Array:
         if control == "depth":
             return end.value
+        if end.in_turn is not None:
+            touch_depth = u_free - rise
+            return _in_turn(c, y, end.value, end.in_turn, touch_depth, surface, guess)
         if scene.normal is not None:
             return mean.depth_at(rise, guess)
         stiffness = surface.weight * c.stiffness[0]
@@ -306,23 +327,58 @@ def _advance(
         moved, guess = _pulled(scene.tangential, forces, y, end)
     position = y.position + moved
     rise, slope = surface.rise_and_slope(position)
-    if balance:
+    if balance and end.in_turn is None:
         drag, depth = forces(moved, guess)
     else:
         drag, depth = xp.zeros(()), depth_at(rise, guess)
     if viscous:
         _, slope = surface.rise_and_slope(position - lag(c) * moved)
     line, element_work = _press(c, y.line, fading, rise, depth)
+    done = total(surface.weight, element_work)
+    excess = depth + rise - u_free if surface.between else None
     after = y._replace(
         line=line,
         drive=end.position,
         value=end.value,
         position=position,
         depth=depth,
-        work=y.work + total(surface.weight, element_work),
+        work=y.work + done,
     )
+    if end.in_turn is not None:
+        part, by_depth = end.in_turn
+        felt = felt_by(surface.weight, line.q, slope, excess)[0]
+        load = y.value + (end.value - y.value) * part
+        after = after._replace(value=xp.where(by_depth, felt, load))
     after = _moved(scene, y, after, end.h, drag)
-    return after, (slope, depth + rise - u_free if surface.between else None)
+    if end.in_turn is not None and viscous:
+        # a dashpot's force jumps with the rate of the depth
+        by_rate = end.in_turn.by_depth & (scene.law.viscosity > 0)
+        pressed = xp.where(by_rate, y.pressed + done, after.pressed)
+        after = after._replace(pressed=pressed)
+    return after, (slope, excess)
+
+
+def _in_turn(
+    c: Coefficients,
+    y: BodyMotion,
+    target: Array,
+    in_turn: InTurn,
+    touch_depth: Array,
+    surface: AbstractOverLine,
+    guess: Array,
+) -> Array:
+    """The depth at the end of a step in which depth or load goes on towards its end."""
+    load = y.value + (target - y.value) * in_turn.part
+    # With a dashpot q is a mean over the end of the step: so is the load.
+    load = xp.maximum(load - (load - y.value) * lag(c), 0.0)
+    lowest = xp.min(touch_depth)
+    guess = xp.where(load > 0, guess, lowest)
+    stiffness = surface.weight * c.stiffness[0]
+    carrying = settle(touch_depth, stiffness, 0.0, load, guess, surface.between)
+    # without a load it lies on the surface
+    carrying = xp.where(load > 0, carrying, lowest)
+    given = y.depth + (target - y.depth) * in_turn.part
+    return xp.where(in_turn.by_depth, given, carrying)
 
 
 class _MeanForce:
@@ -424,7 +480,15 @@ def _history(
     """What is known at an instant."""
     weight, line = scene.surface.weight, y.line
     normal, drag = felt_by(weight, line.q, slope, excess)
-    kinetic = spring = xp.zeros(())
+    kinetic = spring = contact = xp.zeros(())
+    held = 0.5 * scene.law.equilibrium * line.u**2 + line.stored
+    locked = total(weight, xp.where(line.q > 0, 0.0, held))
+    if excess is not None:
+        _, beyond = edges(excess)
+        inside = xp.sum(excess > 0) + xp.sum(beyond) - scene.surface.first
+        contact = scene.surface.spacing * inside
+        part = 0.5 * beyond * (held[:-1] + held[1:])
+        locked = locked - total(inner(weight), part)
     if scene.tangential is not None:
         kinetic = scene.tangential.mass * y.velocity**2 / 2
         spring = scene.tangential.stiffness * (y.drive - y.position) ** 2 / 2
@@ -436,12 +500,14 @@ def _history(
         normal=normal,
         drag=drag,
         work=y.work,
-        stored=total(weight, 0.5 * scene.law.equilibrium * line.u**2 + line.stored),
+        stored=total(weight, held),
         position=y.position,
         velocity=y.velocity,
         driven=y.driven,
         pressed=y.pressed,
         damped=y.damped,
+        contact=contact,
+        locked=locked,
         kinetic=kinetic,
         spring=spring,
     )
@@ -462,10 +528,9 @@ def felt_by(
     a, b = xp.abs(excess[:-1]), xp.abs(excess[1:])
     slope_at_edge = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
     top = xp.max(excess)  # q is S times what is positive of it
-    stiffness = weight * xp.max(q) / xp.where(top > 0, top, 1.0)
-    return normal + stiffness * xp.sum(edge), drag + stiffness * xp.sum(
-        edge * slope_at_edge
-    )
+    stiffness = inner(weight) * xp.max(q) / xp.where(top > 0, top, 1.0)
+    at_edge = total(stiffness, edge), total(stiffness, edge * slope_at_edge)
+    return normal + at_edge[0], drag + at_edge[1]
 
 
 def _press(

@@ -13,7 +13,7 @@ is positive where it resists a motion towards +x.
 from __future__ import annotations
 
 import abc
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..arrays import compiled, stop_gradient, xp
 from ..checks import Array
@@ -28,13 +28,16 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 # where the surface is beyond the end of a body: far above any rubber [m]
-_NOTHING = -1e3
+NOTHING = -1e3
 
 
 class AbstractOverLine(Tree):
     """A rigid surface above n elements."""
 
     weight: Array  # of an element's force in the total, scalar or (n,)
+    spacing: Array  # of elements [m]
+    # distances that there are before the first element, of a contact that begins there
+    first: ClassVar[float] = 0.0
 
     @property
     @abc.abstractmethod
@@ -44,8 +47,8 @@ class AbstractOverLine(Tree):
     @property
     @abc.abstractmethod
     def between(self) -> bool:
-        """Whether the elements are neighbours, all of one weight, and the contact is
-        taken to end between them.
+        """Whether the elements are neighbours, and the contact is taken to end between
+        them.
         """
 
     @abc.abstractmethod
@@ -75,7 +78,6 @@ class Indenter(AbstractOverLine):
     x: Float[Array, " n"]  # places of the elements [m]
     # distance of each element's strip from the middle [m]; None for a single line
     y: Float[Array, " n"] | None
-    spacing: Array  # dx [m]
     track: Array  # height of the track at the elements, scalar or (n,) [m]
 
     @property
@@ -94,7 +96,7 @@ class Indenter(AbstractOverLine):
         inside = self._distance(x) < self.shape.largest_contact
         slope = (self._height(x + half) - self._height(x - half)) / self.spacing
         # Beyond the end of the body there is nothing to touch.
-        return xp.where(inside, self.track - self._height(x), _NOTHING), xp.where(
+        return xp.where(inside, self.track - self._height(x), NOTHING), xp.where(
             inside, slope, 0.0
         )
 
@@ -117,7 +119,6 @@ class Rough(AbstractOverLine):
     """
 
     coefficients: Float[Array, " n"]  # of its spline [m]
-    spacing: Array  # of elements and points [m]
     highest: Array  # max h over the points [m]
 
     @property
@@ -142,8 +143,8 @@ def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
     """
     return Rough(
         xp.asarray(1 / height.shape[0]),
-        xp.asarray(spline_coefficients(height)),
         xp.asarray(spacing),
+        xp.asarray(spline_coefficients(height)),
         highest,
     )
 

@@ -6,7 +6,7 @@ int E(t-s) dA(d(s)) and, turned round, A(d(t)) = int J(t-s) dF(s), with A(d) the
 of an elastic contact of unit modulus. For a load that is linear between instants this
 is a sum of exponentials of the Kelvin chain. It holds until the contact shrinks for the
 first time, that is, while A has not fallen. Elements of a flat punch all share one
-history; for them it holds always.
+history, and an elastic contact has none; for them it holds always.
 
 Energies: the work is int F dd. A branch stores E_k P_k/2 with P_k = int weight
 (f_k/E_k)^2 dx, which obeys P_k' = -2 P_k/tau_k + 2 B_k d', B_k = int weight f_k/E_k dx
@@ -48,7 +48,7 @@ class Creep(NamedTuple):
     work: Float[Array, " m"]  # int F dd [J]
     stored: Float[Array, " m"]  # elastic energy of the elements [J]
     heat: Float[Array, " m"]  # of branches and dashpot [J]
-    growing: Bool[Array, " m"]  # whether the contact has not shrunk up to this instant
+    growing: Bool[Array, " m"]  # whether it holds up to this instant
 
 
 class _Inside(NamedTuple):
@@ -90,7 +90,9 @@ def creep(
     growing = xp.all(inside.rate >= -_ROUNDING * xp.abs(inside.area), axis=1) & (
         area[1:] >= area[:-1] * (1 - _ROUNDING)
     )
-    growing = xp.concatenate([xp.ones(1, bool), (xp.cumprod(growing) > 0) | disc.flat])
+    elastic = (xp.sum(law.moduli) == 0) & (law.viscosity == 0)
+    holds = (xp.cumprod(growing) > 0) | disc.flat | elastic
+    growing = xp.concatenate([xp.ones(1, bool), holds])
     work, stored, heat = _energies(law, modes, disc, h, radius, depth, inside)
     return Creep(depth, radius, work, stored, heat, growing)
 

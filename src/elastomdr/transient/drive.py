@@ -312,7 +312,7 @@ def _surface(
     x = grid.low + spacing * (xp.arange(grid.elements * room) + 0.5)
     weight = spacing * body.weight(xp.ones(1))[0, 0]
     height = xp.zeros(()) if track is None else _heights(track, x)
-    return Indenter(weight, body.shape, x, None, spacing, height)
+    return Indenter(weight, spacing, body.shape, x, None, height)
 
 
 def _heights(track: RoughLine, x: Any) -> Any:

@@ -149,7 +149,9 @@ class Indentation(AbstractHistory):
             )
         if self.surface is None:
             raise InputError(f"{field_name} is not computed with adhesion.")
-        return self.surface.field(np.asarray(self.depth), r, float(time), field_name)
+        return self.surface.field(
+            np.asarray(self.depth), np.asarray(self.force), r, float(time), field_name
+        )
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """Largest depth and force, and what is left at the end."""
@@ -201,8 +203,8 @@ def indent(
     Returns:
         An `em.Indentation`. Instants that did not converge, and loads that adhesion
         cannot carry, are NaN with `converged=False`; one `ConvergenceWarning` counts
-        them. Under `jax.jit`, `vmap` and `grad` the steps under a
-        load that falls are fixed: what they give is handed out, with its `error`, and
+        them. Under `jax.jit`, `vmap` and `grad` the elements and steps under a load
+            that falls are fixed: what they give is handed out, with its `error`, and
             `converged` says if that is met.
 
     Raises:
@@ -435,7 +437,9 @@ def _course(
             given[name] = as_float64(name, value)
             signed = pull or name == "depth"
             _check_course(name, given[name], signed, both)
-    given = broadcast(time=time, **given)
+    known_time, given = time, broadcast(time=time, **given)
+    if not is_traced(known_time):
+        given["time"] = np.broadcast_to(known_time, given["time"].shape)
     by_depth = _where_depth_rules(given["depth"], given["load"]) if both else None
     course = DepthOrLoad(given["time"], given.get("depth"), given.get("load"), by_depth)
     depth = course.depth

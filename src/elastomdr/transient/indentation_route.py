@@ -4,12 +4,11 @@ steps.
 
 from __future__ import annotations
 
-import itertools
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import arrays, on_jax, on_numpy, stop_gradient, tree_map, xp
+from ..arrays import on_jax, on_numpy, stop_gradient, tree_map, xp
 from ..checks import Array, is_traced, nan_unless
 from ..element.episode import Modes
 from ..material.relaxation import Relaxation
@@ -26,23 +25,12 @@ from .depth_history import (
     over_histories,
     padded,
 )
-from .refinement import beside, limit
-
-if TYPE_CHECKING:
-    from .load_steps import Edges, Marched
+from .load_steps import Ruled, march_load
+from .problem import places
 
 _LEVELS = (1, 3, 6, LAYERS)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
 _ROUNDING = 1e-14
-# per interval, in the first of three marches whose values cannot be looked at
-_BLIND_STEPS = 8
-_BLIND_EARLY = 4  # and within the first of them
-_MOST_STEPS = 8192  # of a history: a minute and a half
-_MARCHED_AT_ONCE = 8
-# elements and branches that take NumPy as long as what it does besides in a step
-_OF_A_STEP = 14_000
-# of them and steps that are marched on NumPy, as long as JAX takes to compile
-_MUCH = 6e7
 # instants of all histories together that NumPy follows sooner than JAX compiles, under a
 # load, as long as contact grows: 0.2 ms each when this was chosen
 _MANY = 4096
@@ -257,7 +245,7 @@ def _by_load(
     if rest.any() and not simple:
         plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
         which = np.flatnonzero(rest)
-        rows = (time[which], depth[which], load[which], by_depth[which])
+        rows = DepthOrLoad(time[which], depth[which], load[which], by_depth[which])
         stepped = _stepped(law, modes, disc, rows, rtol)
         back = np.zeros(len(time), int)
         back[which] = np.arange(len(which))
@@ -306,159 +294,21 @@ def _grown(
 
 
 def _stepped(
-    law: Relaxation,
-    modes: Modes,
-    disc: Disc,
-    histories: tuple[Array, Array, Array, Array],  # time, depth, load, by_depth
-    rtol: float,
-    kept: int = 1,
+    law: Relaxation, modes: Modes, disc: Disc, rows: DepthOrLoad, rtol: float
 ) -> tuple[Array, ...]:
-    """Depth, force, radius, work, stored, locked, heat and relative error, extrapolated
-    from marches with ever more steps.
-
-    Two limits that agree, and an energy balance that closes, end the series, which is
-    extrapolated once more; what was left of their difference in the finer one is about
-    a sixteenth, a third of it counts as the error; of limits that go on by a steady
-    ratio (`steady_ratio`) the whole difference. It may vanish by chance at an instant,
-    so it is not taken smaller than at its neighbours. The series ends also where
-    nothing will come of it, since every march takes four times as long as the one
-    before. Under jit or vmap, where nothing can be looked at, three marches are made.
-    """
-    from .load_steps import early_steps, extrapolated, unaccounted
-
-    given = (law, modes, disc, *histories)
-    # values, unless under jit or vmap
-    frozen = stop_gradient(given) if is_traced(given) else given
-    blind = is_traced(frozen)
-    levels = max(kept, _BLIND_STEPS if blind else 4)
-    early = _BLIND_EARLY if blind else early_steps(frozen[0], *frozen[3:], levels)
-    sizes: Any = {"kept": kept, "early": early, "coarsest": levels}
-    marches: list[Marched] = []
-    error: Any = None
-    ratio: Any = None
-    if blind:
-        levels *= 4
-    else:
-        marches, error, ratio, levels = _series(frozen, levels, sizes, rtol)
-    if is_traced(given):  # with derivatives
-        marches = [
-            _marched(*given, levels=n, **sizes)[0]
-            for n in (levels // 4, levels // 2, levels)
-        ]
-    if blind:
-        error = _apart(limit(marches[1:], (2,)), limit(marches[:2], (2,)))
-    last = extrapolated(marches, ratio)
-    fits = xp.where(last.fits, 1.0, xp.nan)
-    heat = nan_unless(unaccounted(last) <= rtol, last.heat)
-    parts = (
-        last.depth,
-        last.force,
-        xp.maximum(last.radius, 0.0),
-        last.work,
-        last.stored,
-        last.locked,
-        heat,
-    )
-    error = beside(error / 3, 1) + _ROUNDING
-    return tuple(
-        a if is_traced(a) else np.asarray(a)
-        for a in (*(field * fits for field in parts), error)
-    )
-
-
-def _series(
-    given: tuple, levels: int, sizes: dict[str, int], rtol: float
-) -> tuple[list[Marched], Array, Array, int]:
-    """Marches of ever more steps, from `levels` to so many as meet `rtol`, or will not;
-    the change of their limit, the ratio of its changes, and the last number of steps.
-    """
-    from .load_steps import extrapolated, steady_ratio, unaccounted
-
-    instants = given[3].shape[-1]
-    marches: list[Marched] = []
-    misses: list[float] = []
-    edges: Any = None  # of the march before
-    before: Any = None
-    ratio: Any = None
-    while True:
-        latest, edges = _marched(*given, before=edges, levels=levels, **sizes)
-        marches.append(latest)
-        if len(marches) > 2:
-            error = _apart(limit(marches[-2:], (2,)), limit(marches[-3:-1], (2,)))
-            before, ratio = ratio, steady_ratio(marches)
-            if before is not None:
-                new = extrapolated(marches, ratio)
-                change = _apart(new, extrapolated(marches[:-1], before))
-                irregular = np.isnan(ratio + before)
-                error = np.where(irregular, error, np.fmin(error, 3 * change))
-            imbalance = unaccounted(extrapolated(marches, ratio))
-            missed = np.fmax(error / 3, imbalance) / rtol
-            misses.append(float(np.fmax.reduce(missed, axis=None, initial=0.0)))
-            early = levels // sizes["coarsest"] * sizes["early"]
-            steps = levels * (instants - 1) + early
-            if misses[-1] <= 1 or _hopeless(misses, int(np.log2(_MOST_STEPS / steps))):
-                return marches, error, ratio, levels
-        levels *= 2
-
-
-def _hopeless(misses: list[float], left: int) -> bool:
-    """Whether the last miss, a multiple of what is asked, does not become 1 when the
-    steps are halved `left` times, each time with twice the gain of the best of the last
-    halvings.
-    """
-    gains = [before / after for before, after in itertools.pairwise(misses[-3:])]
-    return left < 1 or (len(gains) > 1 and misses[-1] > (2 * max(gains)) ** left)
-
-
-def _apart(new: Marched, old: Marched) -> Array:
-    """Difference of two histories in depth and force."""
-    return _change(new.depth, old.depth) + _change(new.force, old.force)
-
-
-def _change(new: Array, old: Array) -> Array:
-    """Difference of two histories, relative to the largest value of each."""
-    largest = abs(new).max(axis=-1, keepdims=True)
-    return abs(new - old) / (largest + (largest == 0))
-
-
-def _marched(
-    law: Any,
-    modes: Modes,
-    disc: Disc,
-    *histories: Array,
-    before: Edges | None = None,
-    **sizes: int,
-) -> tuple[Marched, Edges]:
-    """`march_load` for every history; a few at once, since each takes memory for all of its
-    elements.
-    """
-    from .load_steps import Edges, march_load
-
-    count, instants = histories[0].shape
-    steps = sizes["levels"] * (instants - 1)
-    parts = _OF_A_STEP + 3 * steps * (law.moduli.shape[0] + 3)
-    if on_numpy() and count * steps * parts > _MUCH:
-        return on_jax(_marched, law, modes, disc, *histories, before=before, **sizes)
-    law, modes, disc = arrays((law, modes, disc))
-    numpy = xp if is_traced(law, disc, *histories) else np
-    size = count if on_numpy() else min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
-    # Longer to run, but what takes long for a few is to compile.
-    out, room = [], count <= 2 and numpy is np and not on_numpy()
-    for i in range(0, count, size):
-        which = np.minimum(np.arange(i, i + size), count - 1)
-        rows = [numpy.asarray(a)[which] for a in histories]
-        known = (
-            None
-            if before is None or numpy is not np
-            else Edges(*(a[which] for a in before))
-        )
-        out.append(
-            march_load(law, modes, disc, *rows, room=room, before=known, **sizes)
-        )
-    return tree_map(
-        lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count],
-        *out,
-    )
+    """Depth, force, radius, work, stored, locked, heat and relative error, marched."""
+    value = rows.load
+    if rows.by_depth.any():
+        value = np.where(rows.by_depth, rows.depth, rows.load)
+    histories = [
+        march_load(law, modes, disc, Ruled(*row), rtol)
+        for row in zip(rows.time, value, rows.by_depth, strict=True)
+    ]
+    marched = tree_map(lambda *parts: xp.stack(parts), *histories)
+    largest = xp.max(abs(marched.work), axis=-1, keepdims=True)
+    unaccounted = abs(marched.work - marched.stored - marched.locked - marched.heat)
+    heat = nan_unless(unaccounted <= rtol * largest, marched.heat)
+    return tuple(marched._replace(heat=heat, error=marched.error + _ROUNDING))
 
 
 def refined(
@@ -466,46 +316,27 @@ def refined(
     modes: Modes,
     disc: Disc,
     course: DepthOrLoad,
-    depth: Array,
+    found: tuple[Array, Array],
     rtol: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Time and depth of one history, between which the depth is close to linear: as
-    given, or solved in between.
+    given, or solved in between. `found` are its depth and force.
     """
     if course.load is None:
-        return np.asarray(course.time), np.asarray(depth)
-    from .load_steps import places
-
+        return np.asarray(course.time), np.asarray(found[0])
     kept = 2 ** int(np.clip(np.log2(_KNOTS / len(course.time)), 0, 5))
-    fractions = places(kept)[1:]
-    time = np.append(
-        course.time[0],
-        course.time[:-1, None] + np.diff(course.time)[:, None] * fractions,
-    )
-    if course.by_depth is None:
-        load = np.append(
-            course.load[0],
-            course.load[:-1, None] + np.diff(course.load)[:, None] * fractions,
-        )
-        creep_history = creep(law, modes, disc, *padded(time, load), levels=3)
-        creep_history = tree_map(
-            lambda a: _unpadded(np.asarray(a), time.shape), creep_history
-        )
-        if creep_history.growing.all():
-            return time, creep_history.depth
-    by_depth = (
-        np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth
-    )
-    given = (
-        np.zeros(len(depth)) if course.depth is None else np.nan_to_num(course.depth)
-    )
-    row = (
-        course.time[None],
-        given[None],
-        np.nan_to_num(course.load)[None],
-        by_depth[None],
-    )
-    return time, np.asarray(_stepped(law, modes, disc, row, rtol, kept)[0][0])
+    shares = places(kept, 3)[1:]
+
+    def between(values: Array) -> np.ndarray:
+        steps = np.diff(values)[:, None] * shares
+        return np.append(values[0], values[:-1, None] + steps)
+
+    time, depth, load = map(between, (course.time, *map(np.asarray, found)))
+    by_depth = None
+    if course.by_depth is not None:
+        by_depth = np.append(course.by_depth[0], np.repeat(course.by_depth[1:], kept))
+    again = DepthOrLoad(time, depth, load, by_depth)
+    return time, np.asarray(_by_load(law, modes, disc, again, rtol).depth)
 
 
 def _unpadded(a: Array, shape: tuple[int, ...]) -> Array:

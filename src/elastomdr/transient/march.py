@@ -169,13 +169,11 @@ def padded(steps: Any, piece: int = 0) -> Any:
     grain = piece // _BLOCK or 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
     numpy = xp if is_traced(steps) else np
-    long = type(steps)(
-        *(
-            numpy.concatenate(
-                [numpy.asarray(x), numpy.repeat(numpy.asarray(x)[-1:], missing, axis=0)]
-            )
-            for x in steps
-        )
+    long = tree_map(
+        lambda x: numpy.concatenate(
+            [numpy.asarray(x), numpy.repeat(numpy.asarray(x)[-1:], missing, axis=0)]
+        ),
+        steps,
     )
     return long._replace(h=numpy.where(np.arange(count + missing) < count, long.h, 0.0))
 
@@ -293,7 +291,8 @@ def _corrected(
     stiffness = stop_gradient(spring + stiffness)
     empty = stiffness <= 0
     step = (force - spring * depth - now) / xp.where(empty, 1.0, stiffness)
-    return xp.where(empty, lowest + force / slope, depth + step), stiffness
+    alone = slope if slope.ndim == 0 else xp.max(slope)
+    return xp.where(empty, lowest + force / alone, depth + step), stiffness
 
 
 def _newton(
@@ -327,14 +326,20 @@ def force_on_line(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Arra
     of `excess` grows by one.
 
     It is the integral of the positive part of the line drawn through the elements,
-    which are neighbours of one slope. sum slope max(0, excess) errs by the square of
-    their distance as well, but with a factor that depends on where the contact ends, so
-    that the limit of ever more elements could not be extrapolated from a few.
+    which are neighbours at equal distances. sum slope max(0, excess) errs by the square
+    of their distance as well, but with a factor that depends on where the contact ends,
+    so that the limit of ever more elements could not be extrapolated from a few.
     """
     edge, rate = edges(excess)
     inside = excess > 0
-    force = xp.sum(xp.where(inside, excess, 0.0)) + xp.sum(edge)
-    return slope * force, slope * (xp.sum(inside) + xp.sum(rate))
+    between = inner(slope)
+    force = total(slope, xp.where(inside, excess, 0.0)) + total(between, edge)
+    return force, total(slope, xp.where(inside, 1.0, 0.0)) + total(between, rate)
+
+
+def inner(weight: Array) -> Array:
+    """The weight of what lies between two elements: of the one nearer to the axis."""
+    return weight if weight.ndim == 0 else weight[:-1]
 
 
 def edges(

@@ -45,7 +45,7 @@ from ..surface.rough_line import RoughLine
 from ..surface.shapes import AbstractShape, Cylinder
 
 if TYPE_CHECKING:
-    from jaxtyping import Float
+    from jaxtyping import Bool, Float
 
 _TRACED = 1024  # elements and steps of the coarser level under a transformation
 
@@ -389,12 +389,22 @@ def both_laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:
     return normal, tangential
 
 
+class InTurn(NamedTuple):
+    """Where depth and load may rule in turn: the value of a step is what either goes
+    towards.
+    """
+
+    part: Float[Array, " steps"]  # of what is left of the way, that a step goes
+    by_depth: Bool[Array, " steps"]  # which of them rules
+
+
 class Steps(NamedTuple):
     """Contact steps: how long each is, and where the history stands at its end."""
 
     h: Float[Array, " steps"]  # [s]
     position: Float[Array, " steps"]  # X [m]
     value: Float[Array, " steps"]  # load [N] or depth [m]
+    in_turn: InTurn | None = None
 
 
 class Timeline(NamedTuple):
@@ -410,15 +420,19 @@ class Timeline(NamedTuple):
 
 def timeline(
     time: np.ndarray,
-    position: Any,
-    value: Any,
+    position: Array,
+    value: Array,
     spacing: float | None,
     shortest: float,
     even: int,
+    grading: int = 1,
+    early: bool | None = None,
 ) -> Timeline:
     """Cuts a history. A moving body takes one step per `spacing` [m]; `even` steps per
-    interval where that is None.
+    interval where that is None. They narrow towards both ends with a `grading`; and
+    `early`, after an abrupt change, down to the shortest time.
     """
+    early = spacing is not None if early is None else early
     pieces: list[np.ndarray] = []
     before: np.ndarray | None = None
     for j, length in enumerate(np.diff(time)):
@@ -426,18 +440,22 @@ def timeline(
             pieces.append(np.ones(1))
             before = None
             continue
-        if spacing is None:
-            pieces.append(np.full(even, 1 / even))
-            continue
-        change = np.array([position[j + 1] - position[j], value[j + 1] - value[j]])
-        count = max(_FEWEST, math.ceil(abs(change[0]) / spacing))
-        parts, rate = np.full(count, 1 / count), change / length
-        if before is None or _is_abrupt(before, rate):
-            halvings = math.ceil(math.log2(length / count / shortest))
-            halves = 0.5 ** np.arange(1, min(_HALVINGS, max(0, halvings)) + 1)
-            first = parts[0] * np.append(halves, halves[-1:] if halves.size else 1.0)
-            parts = np.concatenate([first[::-1], parts[1:]])
-        before = rate
+        count = even
+        if spacing is not None:
+            way = abs(position[j + 1] - position[j])
+            count = max(_FEWEST, math.ceil(way / spacing))
+        parts = np.diff(places(count, grading))
+        if early:
+            change = np.array([position[j + 1] - position[j], value[j + 1] - value[j]])
+            rate = change / length
+            if before is None or _is_abrupt(before, rate):
+                halvings = math.ceil(math.log2(length * parts[0] / shortest))
+                halves = 0.5 ** np.arange(1, min(_HALVINGS, max(0, halvings)) + 1)
+                first = parts[0] * np.append(
+                    halves, halves[-1:] if halves.size else 1.0
+                )
+                parts = np.concatenate([first[::-1], parts[1:]])
+            before = rate
         pieces.append(parts)
     sizes = [piece.size for piece in pieces]
     return Timeline(
@@ -446,6 +464,16 @@ def timeline(
         share=np.concatenate(pieces),
         instant=np.cumsum(sizes) - 1,
     )
+
+
+def places(count: int, power: int) -> np.ndarray:
+    """Divisions of [0, 1] that narrow towards both ends, unless the power is 1; those
+    of `count` are among those of twice as many.
+    """
+    place = np.linspace(0.0, 1.0, count + 1)
+    if power == 1:
+        return place
+    return place**power / (place**power + place[::-1] ** power)
 
 
 def _is_abrupt(before: np.ndarray, rate: np.ndarray) -> bool:

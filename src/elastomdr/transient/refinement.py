@@ -32,6 +32,9 @@ _SHOWN = 0.1
 # the grid
 _SYMMETRIC = 0.03
 _ROUNDING = 1e-9  # mu of a flat body
+# part of the last change of a limit that is its error, of a body that does not slide:
+# each is three to ten times smaller than the one before
+_LEFT = 0.5
 _FINEST = 6  # levels beyond the coarsest
 # elements times steps times branches of a march that is still made, five minutes of a
 # processor of 2024; a step is worth `_STEP` elements
@@ -95,6 +98,7 @@ class Cut(NamedTuple):
     room: float = 5e6
     long: tuple[float, int] = (np.inf, 0)  # work of a long march, and its finest level
     moving: float = 0.0  # share of the elements that lie along the path
+    finest: int = _FINEST
 
     def work(self, history: GivenHistory) -> int:
         """Elements times steps times branches of the coarsest level."""
@@ -120,7 +124,7 @@ class Cut(NamedTuple):
 def solve_levels(
     history: GivenHistory,
     cut: Cut,
-    slope: Any,
+    slope: Any = None,
     *,
     missing: Callable[[Any], tuple[Array, Array]] | None = None,
     deepest: Any = np.inf,
@@ -132,9 +136,9 @@ def solve_levels(
     end of the body.
     """
     law, work = arrays(history.law), cut.work(history)
-    if not cut.traced:
+    if not cut.traced and slope is not None:
         _refuse_what_takes_too_long(history, cut)
-    most = finest(work, cut.traced)
+    most = finest(work, 1 if cut.traced else cut.finest)
     if cut.growth**most * work > cut.long[0]:
         most = min(cut.long[1], most)
     shared = shared_level(work, most, cut.room, cut.growth)
@@ -164,6 +168,11 @@ def solve_levels(
         given = scene, steps, instants, doing
         seen, line = marched(*given) if small else on_jax(marched, *given)
         seen, u = known((seen, line.u))
+        if steps.in_turn is not None:
+            # of a dashpot the elements tell a mean over the step
+            given_load = steps.value[instants]
+            normal = xp.where(steps.in_turn.by_depth[instants], seen.normal, given_load)
+            seen = seen._replace(normal=normal)
         strips = 1 if cut.strips == 1 else -(-cut.elements * finer // 2)
         size = cut.elements * finer * strips, steps.h.shape[0] - 1
         u = u.reshape(-1, cut.elements * room)
@@ -222,11 +231,11 @@ def widened(
 
 
 def refine(
-    solve: Callable[[int], tuple[Any, Array]],
+    solve: Callable[[int], tuple[MotionHistory, Array]],
     rtol: float,
     most: int,
-    slope: Any,
-    missing: Callable[[Any], tuple[Array, Array]] | None = None,
+    slope: Array | float | None,
+    missing: Callable[[MotionHistory], tuple[Array, Array]] | None = None,
 ) -> Levels:
     """Halves elements and steps, `solve(level)`, up to level `most`.
 
@@ -234,58 +243,60 @@ def refine(
     (or 0.03 `slope`, that of the body, if that is more), with depth and normal force
     known to rtol of their largest values; and with an energy balance that closes to it,
     where `missing` gives what is missing in it at each instant and what that is
-    relative to. Under `jit`, `grad` or `vmap`, where errors cannot be looked at, two
-    levels are made, and what they give is handed out with its error, unless that is a
-    large part of mu: the elements are given there, and rtol cannot be met by more of
-    them.
+    relative to. Of a body that does not slide, `slope` None, the error is that of depth
+    and force, relative to their largest values. Under `jit`, `grad` or `vmap`, where
+    errors cannot be looked at, two levels are made, and what they give is handed out
+    with its error, unless that is a large part of mu: the elements are given there, and
+    rtol cannot be met by more of them.
     """
     old, _ = solve(0)
     level, last, before = 0, 0.0, None
     while True:
         level += 1
         new, fits = solve(level)
-        numpy = xp if is_traced(new) else np
-        finest_limit = limit((old, new), (2,))
-        mu = _ratio(finest_limit, new.normal)
-        sought = (mu, finest_limit.depth, finest_limit.normal)
-        pairs = zip(_sought(old), _sought(new), strict=True)
-        if before is not None:
-            pairs = zip(before, sought, strict=True)
-        changes = [numpy.abs(fine - coarse) for coarse, fine in pairs]
-        error = beside(numpy.fmax(changes[0], last))
-        scale = numpy.maximum(
-            numpy.nanmax(numpy.where(numpy.isfinite(mu), numpy.abs(mu), 0.0)),
-            _SYMMETRIC * slope + _ROUNDING,
-        )
-        finite = [numpy.isfinite(x) for x in (new.normal, new.drag, new.depth)]
+        best = limit((old, new), (2,))
+        sought = _sought(best, new)
+        if before is None:
+            before, after = _sought(old, old), _sought(new, new)
+        else:
+            after = sought
+        pairs = zip(before, after, strict=True)
+        changes = [xp.abs(fine - coarse) for coarse, fine in pairs]
+        largest = [_largest(x) for x in sought]
+        if slope is None:
+            parts = zip(changes[1:], largest[1:], strict=True)
+            change = _LEFT * sum(part / (size + (size == 0)) for part, size in parts)
+            scale = 1.0
+        else:
+            change = changes[0]
+            scale = xp.maximum(largest[0], _SYMMETRIC * slope + _ROUNDING)
+        error = beside(xp.fmax(change, last))
+        finite = [xp.isfinite(x) for x in (new.normal, new.drag, new.depth)]
         computed = finite[0] & finite[1] & finite[2] & fits
         # without contact there is no mu, and no error of it
         good = computed & ~(error > rtol * scale)
-        good = good & _is_met(new, sought[1:], changes[1:], rtol)
+        if slope is not None:
+            # else the depth is that of the elements' grid
+            apart = largest[2] == 0
+            for change_of, size in zip(changes[1:], largest[1:], strict=True):
+                good = good & (apart | (change_of <= rtol * size))
         if missing is not None:
-            unaccounted, largest = missing(finest_limit)
-            good = good & (numpy.abs(unaccounted) <= rtol * largest)
-        hopeless = is_traced(new) or level >= most or not np.any(fits)
-        if hopeless or np.all(good):
-            shown = computed & ~(error > _SHOWN * scale) if is_traced(new) else good
-            return Levels(finest_limit, mu, error, good, level + 1, shown)
-        old, last, before = new, changes[0] / 8, sought
+            unaccounted, work = missing(best)
+            good = good & (xp.abs(unaccounted) <= rtol * work)
+        traced = is_traced(new)
+        if traced or level >= most or not np.any(fits) or np.all(good):
+            shown = computed & ~(error > _SHOWN * scale) if traced else good
+            return Levels(best, sought[0], error, good, level + 1, shown)
+        old, last, before = new, change / 8, sought
 
 
-def _sought(seen: Any) -> tuple[Array, Array, Array]:
-    return _ratio(seen), seen.depth, seen.normal
+def _sought(seen: MotionHistory, contact: MotionHistory) -> tuple[Array, Array, Array]:
+    """Friction coefficient, depth and normal force."""
+    return _ratio(seen, contact.normal), seen.depth, seen.normal
 
 
-def _is_met(new: Any, values: Any, changes: Any, rtol: float) -> Array:
-    """Where depth and normal force are known to rtol of their largest values."""
-    numpy = xp if is_traced(new) else np
-    # the depth is then that of the elements' grid
-    apart = numpy.max(numpy.abs(new.normal)) == 0
-    depth, normal = (
-        apart | (change <= rtol * numpy.max(numpy.abs(value)))
-        for change, value in zip(changes, values, strict=True)
-    )
-    return depth & normal
+def _largest(values: Array) -> Array:
+    return xp.max(xp.where(xp.isfinite(values), xp.abs(values), 0.0))
 
 
 def shared_level(work: float, most: int, room: float, factor: float = 4.0) -> int:
@@ -303,34 +314,29 @@ def shared_level(work: float, most: int, room: float, factor: float = 4.0) -> in
     )
 
 
-def finest(work: int, traced: bool) -> int:
-    """The finest level that is still marched, for elements times steps times branches
-    of the coarsest.
+def finest(work: int, most: int) -> int:
+    """The finest level up to `most` that is still marched, for elements times steps
+    times branches of the coarsest.
     """
-    most = 1 if traced else _FINEST
     while most > 1 and 4.0**most * work > _WORK:
         most -= 1
     return most
 
 
-def _ratio(seen: Any, contact: Any = None) -> Any:
+def _ratio(seen: MotionHistory, contact: Array) -> Array:
     """F_x/F_N, NaN without contact."""
-    numpy = xp if is_traced(seen) else np
-    normal = seen.normal if contact is None else contact
-    touching = normal > _EMPTY * numpy.max(normal)
-    safe = numpy.where(touching, seen.normal, 1.0)
-    return numpy.where(touching, seen.drag / safe, numpy.nan)
+    touching = contact > _EMPTY * xp.max(contact)
+    safe = xp.where(touching, seen.normal, 1.0)
+    return xp.where(touching, seen.drag / safe, xp.nan)
 
 
-def beside(error: Any, reach: int = 2) -> Any:
+def beside(error: Array, reach: int = 2) -> Array:
     """The largest of each error and those of `reach` neighbouring instants (the last
     axis) on either side.
     """
-    numpy = xp if is_traced(error) else np
     instants, largest = error.shape[-1], error
     index = np.arange(instants)
     for shift in range(-reach, reach + 1):
-        largest = numpy.fmax(
-            largest, error[..., np.clip(index + shift, 0, instants - 1)]
-        )
+        near = error[..., np.clip(index + shift, 0, instants - 1)]
+        largest = xp.fmax(largest, near)
     return largest

@@ -41,12 +41,17 @@ class IndentedElements(NamedTuple):
     course: DepthOrLoad
 
     def field(
-        self, depth: np.ndarray, r: np.ndarray, time: float, field_name: str
+        self,
+        depth: np.ndarray,
+        force: np.ndarray,
+        r: np.ndarray,
+        time: float,
+        field_name: str,
     ) -> np.ndarray:
         """The "pressure" or "displacement" at radii r [m] and one time [s], after the
         axes of the histories.
 
-        `depth` are the depths that were found, time along the last axis. Raises
+        `depth` and `force` are those that were found, time along the last axis. Raises
         `InputError`.
         """
         modes = recovery_modes(self.law)
@@ -56,7 +61,8 @@ class IndentedElements(NamedTuple):
             for quantity in self.course
         ]
         values = []
-        for i, row in enumerate(depth.reshape(-1, instants)):
+        found = (x.reshape(-1, instants) for x in (depth, force))
+        for i, (row, carried) in enumerate(zip(*found, strict=True)):
             history = DepthOrLoad(
                 *(None if quantity is None else quantity[i] for quantity in rows)
             )
@@ -69,7 +75,7 @@ class IndentedElements(NamedTuple):
             if not np.isfinite(row).all():
                 values.append(np.full(r.shape, np.nan))
                 continue
-            knots = refined(self.law, modes, self.disc, history, row, _RTOL)
+            knots = refined(self.law, modes, self.disc, history, (row, carried), _RTOL)
             surface = surface_at(self.law, modes, self.disc, *knots, time)
             values.append(getattr(surface, field_name)(r))
         return np.stack(values).reshape((*leading, *r.shape))
